@@ -1,0 +1,61 @@
+"""The array types of the columns, and the few vector formulas that everything shares."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+Floats = NDArray[np.float64]
+"""float64; the docstring of the field gives shape and unit."""
+Float32s = NDArray[np.float32]
+Ints = NDArray[np.int64]
+"""int64: times in nanoseconds, or row numbers."""
+Flags = NDArray[np.bool_]
+
+
+def norms(vectors: Floats) -> Floats:
+    """Euclidean lengths.
+
+    Squares by multiplication and sums left to right, so that the result equals
+    ``math.sqrt(x * x + y * y + z * z)`` to the bit.
+
+    Args:
+        vectors: (n, 3), any unit.
+
+    Returns:
+        (n,), the same unit. Overflow gives inf, NaN stays NaN.
+    """
+    x, y, z = vectors[:, 0], vectors[:, 1], vectors[:, 2]
+    with np.errstate(over="ignore", invalid="ignore"):
+        length: Floats = np.sqrt(x * x + y * y + z * z)
+    return length
+
+
+def sum_by_group(values: Floats, group: Ints, groups: int) -> Floats:
+    """Sum rows that share a group number, in the order in which they stand.
+
+    Args:
+        values: (m, k) or (m,).
+        group: (m,) group numbers in [0, groups).
+        groups: the number of groups.
+
+    Returns:
+        (groups, k) or (groups,); zero where a group has no rows.
+    """
+    if values.ndim == 2:
+        return np.stack([sum_by_group(column, group, groups) for column in values.T], axis=1)
+    total: Floats = np.bincount(group, weights=values, minlength=groups).astype(np.float64)
+    return total
+
+
+def header_time(stamp: Ints, log_time: Ints) -> Ints:
+    """Return the time of each message: its header stamp, or its log time where that is zero.
+
+    Old simulations record zero stamps throughout; a viewer cannot place those.
+
+    Args:
+        stamp: (n,) ns.
+        log_time: (n,) ns.
+
+    Returns:
+        (n,) ns.
+    """
+    return np.where(stamp == 0, log_time, stamp)

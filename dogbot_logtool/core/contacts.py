@@ -1,0 +1,183 @@
+"""What the feet felt: contact messages as columns, reduced to one sample a message."""
+
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from dogbot_logtool.core.arrays import Flags, Floats, Ints, header_time, norms, sum_by_group
+
+FOOT_IS_COLLISION1: Final = 1
+FOOT_IS_COLLISION2: Final = 2
+NOT_THIS_FOOT: Final = 0
+"""Values of `Contacts.foot_side`."""
+
+
+@dataclass(frozen=True, slots=True)
+class Contacts:
+    """Contact messages of all feet: n messages that hold s states with p points and q normals.
+
+    Messages stand in log order. The states of one message keep their
+    order among each other, but states of different messages may be interleaved; the same holds
+    for points, wrenches and normals of one state.
+    """
+
+    foot: Ints
+    """(n,) index of the foot among the robot's feet."""
+    log_time: Ints
+    """(n,) ns."""
+    stamp: Ints
+    """(n,) ns, header stamp as recorded."""
+    state_message: Ints
+    """(s,) the message that each state belongs to."""
+    foot_side: NDArray[np.int8]
+    """(s,) which body is the foot: `FOOT_IS_COLLISION1`, `FOOT_IS_COLLISION2`, or
+    `NOT_THIS_FOOT` when it is neither or both."""
+    newest: Flags
+    """(s,) whether the state belongs to its message's newest physics step."""
+    total_force: Floats
+    """(s, 3) N, on body 1, frame as recorded."""
+    point_state: Ints
+    """(p,) the state that each contact point belongs to."""
+    point: Floats
+    """(p, 3) m, world frame."""
+    wrench_state: Ints
+    """(w,) the state that each point wrench belongs to."""
+    wrench_force: Floats
+    """(w, 3) N, on body 1, frame as recorded."""
+    normal_state: Ints
+    """(q,) the state that each normal belongs to."""
+    normal: Floats
+    """(q, 3) contact normals, world frame, pointing into body 1."""
+
+
+@dataclass(frozen=True, slots=True)
+class Samples:
+    """One contact message reduced to what a foot felt at one time."""
+
+    foot: Ints
+    """(n,) index of the foot among the robot's feet."""
+    log_time: Ints
+    """(n,) ns."""
+    stamp: Ints
+    """(n,) ns, header stamp as recorded."""
+    in_contact: Flags
+    """(n,) whether the newest physics step has a state of this foot."""
+    force: Floats
+    """(n, 3) N, on the foot, summed over the newest step; zero without contact. In the frame of
+    the wrenches, except where `in_world` holds."""
+    in_world: Flags
+    """(n,) the force was read off the other body (the ground) and negated, so it is in the world
+    frame even when the sensor writes link-frame wrenches."""
+    points: Ints
+    """(n,) number of contact points that `position` is the mean of."""
+    position: Floats
+    """(n, 3) m, force-weighted mean contact point, world frame; NaN where there is none."""
+    normal: Floats
+    """(n, 3) unit mean contact normal, world frame, pointing into the foot; NaN without one."""
+
+    @property
+    def time(self) -> Ints:
+        """(n,) ns, header stamp, or log time where the stamp is zero."""
+        return header_time(self.stamp, self.log_time)
+
+    @property
+    def finite(self) -> Flags:
+        """(n,) whether the force is a finite number; the others are invalid samples."""
+        finite: Flags = np.isfinite(norms(self.force))
+        return finite
+
+    def pick(self, rows: Flags | Ints) -> "Samples":
+        """Return the chosen rows (a mask or row numbers)."""
+        return Samples(
+            self.foot[rows],
+            self.log_time[rows],
+            self.stamp[rows],
+            self.in_contact[rows],
+            self.force[rows],
+            self.in_world[rows],
+            self.points[rows],
+            self.position[rows],
+            self.normal[rows],
+        )
+
+
+def contact_samples(contacts: Contacts) -> Samples:
+    """Reduce every contact message to one sample of its foot.
+
+    A message may hold several physics steps of the same pair: only the newest counts, since
+    adding steps up multiplies the load. Where the foot is the second body of a pair the force
+    is turned round. States of other pairs are left out.
+    """
+    messages = len(contacts.log_time)
+    used = contacts.newest & (contacts.foot_side != NOT_THIS_FOOT)
+    state = np.flatnonzero(used)
+    message = contacts.state_message[state]
+    turned = contacts.foot_side[state] == FOOT_IS_COLLISION2
+    sign = np.where(turned, -1.0, 1.0)
+
+    states_of = np.bincount(message, minlength=messages)
+    turned_of = np.bincount(message[turned], minlength=messages)
+    in_contact = states_of > 0
+    points, position = _mean_point(contacts, used)
+    return Samples(
+        foot=contacts.foot,
+        log_time=contacts.log_time,
+        stamp=contacts.stamp,
+        in_contact=in_contact,
+        force=sum_by_group(contacts.total_force[state] * sign[:, None], message, messages),
+        in_world=in_contact & (turned_of == states_of),
+        points=points,
+        position=position,
+        normal=_mean_normal(contacts, used),
+    )
+
+
+def _mean_point(contacts: Contacts, used: Flags) -> tuple[Ints, Floats]:
+    """(n,) number of each message's contact points, (n, 3) m their force-weighted mean."""
+    messages = len(contacts.log_time)
+    kept = used[contacts.point_state]
+    message = contacts.state_message[contacts.point_state[kept]]
+    weight = _point_weights(contacts)[kept]
+    point = contacts.point[kept]
+
+    total = sum_by_group(weight, message, messages)
+    # Sensors of other physics engines may report no force at all: then every point counts alike.
+    unweighted = total == 0.0
+    if unweighted.any():
+        weight = np.where(unweighted[message], 1.0, weight)
+        total = sum_by_group(weight, message, messages)
+    with np.errstate(invalid="ignore", over="ignore", divide="ignore"):
+        weighted = sum_by_group(point * weight[:, None], message, messages)
+        return np.bincount(message, minlength=messages), weighted / total[:, None]
+
+
+def _point_weights(contacts: Contacts) -> Floats:
+    """(p,) N: the force at each point, or an equal part of its state's where lengths differ."""
+    states = len(contacts.state_message)
+    points_of = np.bincount(contacts.point_state, minlength=states)
+    wrenches_of = np.bincount(contacts.wrench_state, minlength=states)
+    paired = points_of == wrenches_of
+
+    weight = np.empty(len(contacts.point_state))
+    point_paired = paired[contacts.point_state]
+    weight[point_paired] = norms(contacts.wrench_force[paired[contacts.wrench_state]])
+    if not point_paired.all():
+        lone = contacts.point_state[~point_paired]
+        weight[~point_paired] = norms(contacts.total_force[lone]) / points_of[lone]
+    return weight
+
+
+def _mean_normal(contacts: Contacts, used: Flags) -> Floats:
+    """(n, 3): unit mean of each message's normals, turned to point into the foot."""
+    kept = used[contacts.normal_state]
+    state = contacts.normal_state[kept]
+    sign = np.where(contacts.foot_side[state] == FOOT_IS_COLLISION2, -1.0, 1.0)
+    total = sum_by_group(
+        contacts.normal[kept] * sign[:, None],
+        contacts.state_message[state],
+        len(contacts.log_time),
+    )
+    with np.errstate(invalid="ignore", divide="ignore"):
+        return total / norms(total)[:, None]

@@ -1,0 +1,23 @@
+"""The errors that reach a user: each is a sentence and knows its exit code."""
+
+from typing import ClassVar
+
+
+class LogtoolError(Exception):
+    """Something could not be done. The message says what, where, and what to do about it."""
+
+    exit_code: ClassVar[int] = 1
+
+
+class CallError(LogtoolError):
+    """The call itself was wrong: no such file, an option that does not fit, a bad robot file."""
+
+    exit_code: ClassVar[int] = 2
+
+
+class LogError(LogtoolError):
+    """The log is not one that can be read, or nothing in it can be used."""
+
+
+class DefinitionError(LogError):
+    """A message definition recorded in the log cannot be understood; its channel is unread."""

@@ -1,0 +1,156 @@
+"""What the index section at the end of a ROS 1 bag tells, if there is a sound one."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from dogbot_logtool.reader.bag_chunk import chunk_at
+from dogbot_logtool.reader.bag_records import (
+    MAGIC,
+    BagOp,
+    Fields,
+    MalformedRecord,
+    Record,
+    connection_channel,
+    record_at,
+    record_in_file,
+)
+from dogbot_logtool.reader.log import Channel, Chunk, ChunkDamage, Contents, Loss
+from dogbot_logtool.reader.source import ByteSource
+
+
+class Connections:
+    """The bag's connections as channels, numbered from 1 in the order in which they are met."""
+
+    def __init__(self) -> None:
+        self.channels: dict[int, Channel] = {}
+        self.channel_ids: dict[int, int] = {}
+        """Channel id by connection number."""
+
+    def add(self, fields: Fields, data: bytes | memoryview) -> None:
+        """Take a connection record; one that is known already changes nothing.
+
+        Raises:
+            MalformedRecord: it does not describe a connection.
+        """
+        connection = fields.u32("conn")
+        if connection not in self.channel_ids:
+            number = len(self.channels) + 1
+            self.channels[number] = connection_channel(number, fields, data)
+            self.channel_ids[connection] = number
+
+
+@dataclass(frozen=True, slots=True)
+class _ChunkInfo:
+    offset: int
+    start_time: int
+    end_time: int
+    counts: Mapping[int, int]
+    """By connection number."""
+
+
+def read_index(source: ByteSource, connections: Connections) -> tuple[Contents | None, Loss | None]:
+    """Read the index section, collecting the connections.
+
+    Returns:
+        the contents, or None where the index is absent, damaged or contradicts the chunks; and
+        what is wrong with it.
+    """
+    try:
+        header = record_in_file(source, len(MAGIC))
+        if header.fields.op() != BagOp.BAG_HEADER:
+            raise MalformedRecord("the bag's header is missing")
+        index_start = header.fields.u64("index_pos")
+        if index_start == 0:
+            what = "the bag has no index (its recording was not closed); it was read without"
+            return None, Loss(len(MAGIC), what)
+        infos = _read_section(source, index_start, connections)
+        if len(infos) != header.fields.u32("chunk_count"):
+            raise MalformedRecord("it names another number of chunks than the bag's header")
+        chunks = _chunks(source, infos, index_start, connections)
+    except (MalformedRecord, ChunkDamage) as fault:
+        return None, Loss(len(MAGIC), f"the bag's index is damaged ({fault}); it was read without")
+    return contents_of(connections, chunks), None
+
+
+def contents_of(
+    connections: Connections, chunks: Sequence[Chunk], losses: Sequence[Loss] = ()
+) -> Contents:
+    """Sum up what is known of the chunks."""
+    counts = dict.fromkeys(connections.channels, 0)
+    for chunk in chunks:
+        for channel, count in (chunk.counts or {}).items():
+            counts[channel] = counts.get(channel, 0) + count
+    filled = [chunk for chunk in chunks if chunk.messages]
+    return Contents(
+        channels=connections.channels,
+        chunks=chunks,
+        counts=counts,
+        start_time=min((c.start_time for c in filled if c.start_time is not None), default=None),
+        end_time=max((c.end_time for c in filled if c.end_time is not None), default=None),
+        profile="ros1",
+        losses=losses,
+    )
+
+
+def _read_section(source: ByteSource, start: int, connections: Connections) -> list[_ChunkInfo]:
+    if start > source.size:
+        raise MalformedRecord("it is cut off")
+    section = source.read(start, source.size - start)
+    infos: list[_ChunkInfo] = []
+    place = _skip_zeros(section)
+    while place < len(section):
+        record = record_at(section, place, len(section))
+        op = record.fields.op()
+        if op == BagOp.CONNECTION:
+            connections.add(record.fields, memoryview(section)[record.data : record.end])
+        elif op == BagOp.CHUNK_INFO:
+            infos.append(_chunk_info(record, section))
+        else:
+            raise MalformedRecord("it holds records of another kind")
+        place = record.end
+    return infos
+
+
+def _skip_zeros(section: bytes) -> int:
+    """Some recorders leave zero bytes before the index; a record's length begins after them."""
+    zeros = len(section) - len(section.lstrip(b"\0"))
+    return max(zeros, 0)
+
+
+def _chunk_info(record: Record, section: bytes) -> _ChunkInfo:
+    fields = record.fields
+    count = fields.u32("count")
+    if record.end - record.data != count * 8:
+        raise MalformedRecord("a chunk's message counts are damaged")
+    pairs = np.frombuffer(section, "<u4", count * 2, record.data).reshape(-1, 2).tolist()
+    return _ChunkInfo(
+        fields.u64("chunk_pos"),
+        fields.time_ns("start_time"),
+        fields.time_ns("end_time"),
+        dict(pairs),
+    )
+
+
+def _chunks(
+    source: ByteSource, infos: list[_ChunkInfo], index_start: int, connections: Connections
+) -> list[Chunk]:
+    infos = sorted(infos, key=lambda info: info.offset)
+    ends = [*(info.offset for info in infos[1:]), index_start]
+    chunks: list[Chunk] = []
+    for info, end in zip(infos, ends, strict=True):
+        chunk = chunk_at(source, info.offset)
+        if chunk.end > end or not info.counts.keys() <= connections.channel_ids.keys():
+            raise MalformedRecord("it contradicts the chunks")
+        counts = {connections.channel_ids[c]: n for c, n in info.counts.items()}
+        chunks.append(
+            replace(
+                chunk,
+                index_end=end,
+                start_time=info.start_time,
+                end_time=info.end_time,
+                counts=counts,
+            )
+        )
+    return chunks

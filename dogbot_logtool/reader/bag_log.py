@@ -1,0 +1,43 @@
+"""ROS 1 bags: opened through their index where there is a sound one, else by a walk."""
+
+from collections.abc import Mapping
+
+from dogbot_logtool.reader.bag_chunk import UNKNOWN_CHANNEL, check_bag_chunk, parse_bag_chunk
+from dogbot_logtool.reader.bag_index import Connections, read_index
+from dogbot_logtool.reader.bag_survey import BagSurvey
+from dogbot_logtool.reader.columns import Bytes
+from dogbot_logtool.reader.log import Chunk, ChunkContent, Contents, Log
+from dogbot_logtool.reader.source import ByteSource
+
+
+class BagLog(Log):
+    """A ROS 1 bag of format 2.0."""
+
+    container = "ROS 1 bag"
+
+    def __init__(
+        self, source: ByteSource, contents: Contents, channel_ids: Mapping[int, int]
+    ) -> None:
+        super().__init__(source, contents)
+        self._channel_ids = channel_ids
+
+    def check(self, chunk: Chunk) -> None:
+        """See `Log.check`."""
+        check_bag_chunk(chunk, self.source.size)
+
+    def parse(self, chunk: Chunk, stored: memoryview, target: Bytes) -> ChunkContent:
+        """See `Log.parse`."""
+        return parse_bag_chunk(chunk, stored, target, self._channel_of)
+
+    def _channel_of(self, connection: int) -> int:
+        return self._channel_ids.get(connection, UNKNOWN_CHANNEL)
+
+
+def open_bag(source: ByteSource) -> BagLog:
+    """Open a bag whose magic has been seen."""
+    connections = Connections()
+    contents, problem = read_index(source, connections)
+    if contents is None:
+        connections = Connections()
+        contents = BagSurvey(source, connections).contents(problem)
+    return BagLog(source, contents, connections.channel_ids)

@@ -1,0 +1,271 @@
+"""The columnar decoder: all messages of a type in a batch are decoded at once.
+
+A walk over the compiled layout moves one cursor a message through the bytes. Loops run over
+the steps of the layout and over positions in arrays, never over messages. Every length is
+checked against the bytes that are there before it is used; a message that fails is marked and
+leaves its neighbours alone.
+"""
+
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from dogbot_logtool.core.arrays import Flags, Ints
+from dogbot_logtool.reader.columns import (
+    Bytes,
+    Column,
+    Nested,
+    Table,
+    Texts,
+    concatenate,
+    gather,
+)
+from dogbot_logtool.reader.layout import ArrayStep, Layout, Leaf, Run, Step, TextStep
+
+MAX_VARIABLE_ELEMENTS: Final = 20_000
+"""A message with a longer array of elements of varying size counts as malformed: each position
+costs a round, so a hostile array could otherwise take hours."""
+_CDR_HEADER: Final = 4
+_CDR_PADDING: Final = 3
+_LEAF_GAP: Final = 64
+"""Wanted numbers closer than this many bytes are gathered together."""
+
+
+@dataclass(frozen=True, slots=True)
+class Decoded:
+    """What became of a batch's messages of one type."""
+
+    sound: Flags
+    """(n,) which messages were decoded; the others are malformed."""
+    table: Table
+    """The sound messages, in order."""
+
+
+def decode(layout: Layout, buffer: Bytes, start: Ints, end: Ints) -> Decoded:
+    """Decode messages.
+
+    Args:
+        layout: of their type.
+        buffer: (b,) uint8, contiguous.
+        start: (n,) where each message's bytes begin in the buffer.
+        end: (n,) where they end; start <= end <= b.
+    """
+    big_endian = False
+    sound = np.ones(len(start), np.bool_)
+    if layout.serialisation == "cdr":
+        sound, big_endian = _read_encapsulation(buffer, start, end)
+    table, walked = _Walk(layout, buffer, big_endian=big_endian).messages(start[sound], end[sound])
+    if not walked.all():
+        sound[sound] = walked
+        table, _ = _Walk(layout, buffer, big_endian=big_endian).messages(start[sound], end[sound])
+    return Decoded(sound, table)
+
+
+def _read_encapsulation(buffer: Bytes, start: Ints, end: Ints) -> tuple[Flags, bool]:
+    """Tell which messages have a plain CDR header, and the byte order of them all."""
+    sound = end - start >= _CDR_HEADER
+    if not sound.any():
+        return sound, False
+    head = gather(buffer, start[sound], 2).view(np.uint8).reshape(-1, 2)
+    plain = (head[:, 0] == 0) & (head[:, 1] <= 1)
+    big_endian = bool(plain.any()) and head[plain][0, 1] == 0
+    # One sender writes one byte order; a message in another one is not trusted.
+    sound[sound] = plain & (head[:, 1] == (0 if big_endian else 1))
+    return sound, big_endian
+
+
+@dataclass(slots=True)
+class _Cursors:
+    """Where the walk stands in each row: messages, or one element each of some messages."""
+
+    position: Ints
+    limit: Ints
+    """End of the row's message."""
+    origin: Ints
+    """Where alignment counts from."""
+    message: Ints
+
+    def pick(self, rows: Ints) -> "_Cursors":
+        return _Cursors(
+            self.position[rows], self.limit[rows], self.origin[rows], self.message[rows]
+        )
+
+
+class _Walk:
+    """One pass over the bytes of some messages."""
+
+    def __init__(self, layout: Layout, buffer: Bytes, *, big_endian: bool) -> None:
+        self._layout = layout
+        self._buffer = buffer
+        self._cdr = layout.serialisation == "cdr"
+        self._order = ">" if big_endian else "<"
+        self._sound: Flags = np.ones(0, np.bool_)
+        self._all_sound = True
+
+    def messages(self, start: Ints, end: Ints) -> tuple[Table, Flags]:
+        """Decode whole messages: the table has a row each, void where the flag is false."""
+        self._sound = np.ones(len(start), np.bool_)
+        origin = start + _CDR_HEADER if self._cdr else start
+        cursors = _Cursors(origin.copy(), end, origin, np.arange(len(start)))
+        table = self._rows(self._layout.steps, cursors)
+        left_over = end - cursors.position
+        self._fail(cursors, (left_over < 0) | (left_over > (_CDR_PADDING if self._cdr else 0)))
+        return table, self._sound
+
+    def _rows(self, steps: tuple[Step, ...], cursors: _Cursors) -> Table:
+        columns: dict[str, Column] = {}
+        for step in steps:
+            match step:
+                case Run():
+                    columns.update(self._run(step, cursors))
+                case TextStep():
+                    texts = self._text(step, cursors)
+                    if step.wanted:
+                        columns[step.path] = texts
+                case ArrayStep():
+                    nested = self._array(step, cursors)
+                    if step.wanted:
+                        columns[step.path] = nested
+        return Table(len(cursors.position), columns)
+
+    def _run(self, run: Run, cursors: _Cursors) -> dict[str, Column]:
+        self._align(cursors, run.alignment)
+        self._require(cursors, run.size)
+        columns = self._leaves(run.leaves, cursors.position)
+        cursors.position += run.size
+        return columns
+
+    def _leaves(self, leaves: tuple[Leaf, ...], position: Ints) -> dict[str, Column]:
+        columns: dict[str, Column] = {}
+        for group in _leaf_groups(leaves):
+            first = group[0].offset
+            dtype = np.dtype(
+                {
+                    "names": [leaf.path for leaf in group],
+                    "formats": [self._format(leaf) for leaf in group],
+                    "offsets": [leaf.offset - first for leaf in group],
+                }
+            )
+            records = self._gather(position + first, dtype.itemsize).view(dtype)
+            columns.update({leaf.path: records[leaf.path] for leaf in group})
+        return columns
+
+    def _format(self, leaf: Leaf) -> str:
+        number = self._order + leaf.dtype
+        return number if leaf.length is None else f"({leaf.length},){number}"
+
+    def _text(self, step: TextStep, cursors: _Cursors) -> Texts:
+        length = self._counts(cursors, step.alignment)
+        self._limit(cursors, length, 1)
+        start = cursors.position.copy()
+        cursors.position += length
+        if self._cdr:
+            # The recorded length includes the terminator, which must be there.
+            present = np.flatnonzero(length > 0)
+            last = self._gather(cursors.position[present] - 1, 1).view(np.uint8)
+            if last.any():
+                self._fail(cursors.pick(present), last != 0)
+            length = np.maximum(length - 1, 0)
+        return Texts(self._buffer, start, length)
+
+    def _array(self, step: ArrayStep, cursors: _Cursors) -> Nested:
+        if step.length is None:
+            count = self._counts(cursors, step.alignment)
+        else:
+            count = np.full(len(cursors.position), step.length, np.int64)
+        # Even elements of no size must not be more than the message's bytes.
+        self._limit(cursors, count, max(step.smallest_element, 1))
+        match step.element:
+            case (Run() as run,):
+                return self._even_elements(run, count, cursors)
+            case _:
+                return self._uneven_elements(step.element, count, cursors)
+
+    def _even_elements(self, run: Run, count: Ints, cursors: _Cursors) -> Nested:
+        """Elements of one size: all at once."""
+        if run.alignment > 1:
+            filled = np.flatnonzero(count)
+            aligned = cursors.pick(filled)
+            self._align(aligned, run.alignment)
+            cursors.position[filled] = aligned.position
+        stride = run.size + -run.size % run.alignment
+        self._limit(cursors, count, stride, last=run.size)
+        parent = np.repeat(np.arange(len(count)), count)
+        index = np.arange(len(parent)) - np.repeat(np.cumsum(count) - count, count)
+        columns = self._leaves(run.leaves, cursors.position[parent] + index * stride)
+        cursors.position += np.where(count > 0, (count - 1) * stride + run.size, 0)
+        return Nested(parent, Table(len(parent), columns))
+
+    def _uneven_elements(self, steps: tuple[Step, ...], count: Ints, cursors: _Cursors) -> Nested:
+        """Elements of varying size: all messages' first ones, all second ones, and so on."""
+        self._fail(cursors, count > MAX_VARIABLE_ELEMENTS)
+        self._void_failed(count, cursors)
+        parents: list[Ints] = []
+        tables: list[Table] = []
+        for index in range(int(count.max(initial=0))):
+            rows = np.flatnonzero(count > index)
+            elements = cursors.pick(rows)
+            tables.append(self._rows(steps, elements))
+            parents.append(rows)
+            cursors.position[rows] = elements.position
+        if not tables:
+            nothing = np.empty(0, np.int64)
+            return Nested(nothing, self._rows(steps, cursors.pick(nothing)))
+        return Nested(np.concatenate(parents), concatenate(tables))
+
+    def _counts(self, cursors: _Cursors, alignment: int) -> Ints:
+        """Read a 32-bit count and step over it; 0 for messages that have failed."""
+        self._align(cursors, alignment)
+        self._require(cursors, 4)
+        count = self._gather(cursors.position, 4).view(self._order + "u4").astype(np.int64)
+        cursors.position += 4
+        self._void_failed(count, cursors)
+        return count
+
+    def _align(self, cursors: _Cursors, alignment: int) -> None:
+        if alignment > 1:
+            cursors.position += (cursors.origin - cursors.position) & (alignment - 1)
+
+    def _require(self, cursors: _Cursors, size: int) -> None:
+        """Fail messages that have fewer bytes left, and send their cursors to a safe place."""
+        short = cursors.position + size > cursors.limit
+        if short.any():
+            self._fail(cursors, short)
+            cursors.position[short] = 0
+
+    def _limit(self, cursors: _Cursors, count: Ints, size: int, last: int | None = None) -> None:
+        """Fail messages that claim more elements than their bytes can hold; void the count."""
+        need = count * size if last is None else np.maximum(count - 1, 0) * size + last
+        excess = (need > cursors.limit - cursors.position) & (count > 0)
+        if excess.any():
+            self._fail(cursors, excess)
+            self._void_failed(count, cursors)
+
+    def _fail(self, cursors: _Cursors, rows: Flags) -> None:
+        if rows.any():
+            self._sound[cursors.message[rows]] = False
+            self._all_sound = False
+
+    def _void_failed(self, count: Ints, cursors: _Cursors) -> None:
+        if not self._all_sound:
+            count[~self._sound[cursors.message]] = 0
+
+    def _gather(self, start: Ints, size: int) -> NDArray[np.void]:
+        if size > len(self._buffer):
+            # Nothing is this long: every message has failed, and what it holds is void.
+            return np.zeros(len(start), f"V{size}")
+        return gather(self._buffer, start, size)
+
+
+def _leaf_groups(leaves: tuple[Leaf, ...]) -> list[list[Leaf]]:
+    """Group leaves that lie near each other."""
+    groups: list[list[Leaf]] = []
+    end = -_LEAF_GAP - 1
+    for leaf in leaves:
+        if leaf.offset - end > _LEAF_GAP:
+            groups.append([])
+        groups[-1].append(leaf)
+        end = leaf.offset + int(leaf.dtype[1:]) * (1 if leaf.length is None else leaf.length)
+    return groups

@@ -1,0 +1,237 @@
+"""Recorded message definitions as trees of fields.
+
+The texts are parsed by rosbags; here their result becomes a small closed tree that the columnar
+decoder can compile, with every hostile shape (self-reference, absurd depth or size) refused.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import TYPE_CHECKING, Final
+
+from dogbot_logtool.errors import DefinitionError
+
+if TYPE_CHECKING:
+    from rosbags.interfaces.typing import FieldDesc
+
+_MAX_TEXT: Final = 1 << 20
+_MAX_DEPTH: Final = 32
+_MAX_FIELDS: Final = 10_000
+_MAX_FIXED_SIZE: Final = 1 << 31
+_EMPTY_MESSAGE_FIELD: Final = "structure_needs_at_least_one_member"
+
+_DTYPES: Final = {
+    "bool": "u1",
+    "byte": "u1",
+    "char": "u1",
+    "octet": "u1",
+    "int8": "i1",
+    "uint8": "u1",
+    "int16": "i2",
+    "uint16": "u2",
+    "int32": "i4",
+    "uint32": "u4",
+    "int64": "i8",
+    "uint64": "u8",
+    "float32": "f4",
+    "float64": "f8",
+}
+
+
+@dataclass(frozen=True, slots=True)
+class Primitive:
+    """A number of fixed width."""
+
+    dtype: str
+    """numpy's name without byte order: ``f8``, ``u4`` ..."""
+
+    @property
+    def size(self) -> int:
+        """Width in bytes."""
+        return int(self.dtype[1:])
+
+
+@dataclass(frozen=True, slots=True)
+class Text:
+    """A string: a 32-bit length, then bytes."""
+
+
+@dataclass(frozen=True, slots=True)
+class FixedArray:
+    """As many elements as the definition says, without a count."""
+
+    element: "FieldType"
+    length: int
+
+
+@dataclass(frozen=True, slots=True)
+class VariableArray:
+    """A 32-bit count, then so many elements."""
+
+    element: "FieldType"
+
+
+@dataclass(frozen=True, slots=True)
+class Struct:
+    """A message: its fields in order."""
+
+    name: str
+    fields: tuple[tuple[str, "FieldType"], ...]
+
+
+FieldType = Primitive | Text | FixedArray | VariableArray | Struct
+
+_ROS1_CLOCKS: Final[Mapping[str, Struct]] = {
+    "builtin_interfaces/msg/Time": Struct(
+        "time", (("sec", Primitive("u4")), ("nanosec", Primitive("u4")))
+    ),
+    "builtin_interfaces/msg/Duration": Struct(
+        "duration", (("sec", Primitive("i4")), ("nanosec", Primitive("i4")))
+    ),
+}
+_ROS2_CLOCKS: Final[Mapping[str, Struct]] = {
+    name: Struct(name, (("sec", Primitive("i4")), ("nanosec", Primitive("u4"))))
+    for name in _ROS1_CLOCKS
+}
+
+
+def short_type_name(name: str) -> str:
+    """Return ``package/Name`` for either spelling of a type's name."""
+    return name.replace("/msg/", "/", 1)
+
+
+@lru_cache(maxsize=256)
+def parse_definition(type_name: str, text: str, schema_encoding: str) -> Struct:
+    """Parse a recorded definition with all that it depends on.
+
+    Args:
+        type_name: ``nav_msgs/Odometry`` or ``nav_msgs/msg/Odometry``.
+        text: the definition, dependencies appended as recorders do.
+        schema_encoding: ``ros1msg``, ``ros2msg`` or ``ros2idl``.
+
+    Raises:
+        DefinitionError: the text is no definition, a dependency is missing, or its shape is one
+            that no message can have.
+    """
+    if len(text) > _MAX_TEXT:
+        raise DefinitionError(f"the definition of {type_name} is {len(text)} characters long")
+    types = _parse_text(type_name, text, schema_encoding)
+    return _TreeBuilder(types, schema_encoding).struct(_long_type_name(type_name), ())
+
+
+def _long_type_name(name: str) -> str:
+    package, _, message = short_type_name(name).rpartition("/")
+    return f"{package}/msg/{message}"
+
+
+def _parse_text(
+    type_name: str, text: str, schema_encoding: str
+) -> Mapping[str, Sequence[tuple[str, "FieldDesc"]]]:
+    # Imported late: the parser takes longer to import than `--help` may take.
+    from rosbags.typesys import TypesysError, get_types_from_idl, get_types_from_msg  # noqa: PLC0415
+
+    try:
+        if schema_encoding == "ros2idl":
+            parsed = get_types_from_idl(text)
+        elif schema_encoding in {"ros1msg", "ros2msg"}:
+            parsed = get_types_from_msg(text.replace("\r\n", "\n"), type_name)
+        else:
+            raise DefinitionError(
+                f"{type_name} is described in {schema_encoding!r}, which is not read"
+            )
+    except (TypesysError, ValueError, KeyError, AssertionError, RecursionError) as error:
+        raise DefinitionError(f"the definition of {type_name} cannot be parsed") from error
+    return {name: fields for name, (_constants, fields) in parsed.items()}
+
+
+class _TreeBuilder:
+    """Builds the tree below one type, counting fields so that no definition can explode."""
+
+    def __init__(
+        self,
+        types: Mapping[str, Sequence[tuple[str, "FieldDesc"]]],
+        schema_encoding: str,
+    ) -> None:
+        self._types = types
+        self._clocks = _ROS1_CLOCKS if schema_encoding == "ros1msg" else _ROS2_CLOCKS
+        # An empty message takes one byte in CDR and none in ROS 1.
+        self._padding_field = _EMPTY_MESSAGE_FIELD if schema_encoding == "ros1msg" else None
+        self._fields = 0
+
+    def struct(self, name: str, parents: tuple[str, ...]) -> Struct:
+        if name in parents or len(parents) >= _MAX_DEPTH:
+            raise DefinitionError(f"the definition of {name} contains itself, or is too deep")
+        if name not in self._types:
+            if name in self._clocks:
+                return self._clocks[name]
+            raise DefinitionError(f"the definition of {name} is missing from the log")
+        fields = [field for field in self._types[name] if field[0] != self._padding_field]
+        self._fields += len(fields)
+        if self._fields > _MAX_FIELDS:
+            raise DefinitionError(f"a definition has more than {_MAX_FIELDS} fields")
+        below = (*parents, name)
+        return Struct(name, tuple((field, self._type(desc, below)) for field, desc in fields))
+
+    def _type(self, description: "FieldDesc", parents: tuple[str, ...]) -> FieldType:
+        kind, detail = description[0].name, description[1]
+        if kind == "BASE":
+            return _base_type(str(detail[0]))
+        if kind == "NAME":
+            return self.struct(str(detail), parents)
+        element = self._type(detail[0], parents)  # type: ignore[arg-type]
+        if kind == "SEQUENCE":
+            return VariableArray(element)
+        length = int(detail[1])
+        size = fixed_size(element)
+        if length * (1 if size is None else size) >= _MAX_FIXED_SIZE:
+            raise DefinitionError(f"an array of {length} elements in {parents[-1]} is absurd")
+        return FixedArray(element, length)
+
+
+def _base_type(name: str) -> Primitive | Text:
+    if name == "string":
+        return Text()
+    if name not in _DTYPES:
+        raise DefinitionError(f"fields of type {name} are not read")
+    return Primitive(_DTYPES[name])
+
+
+def fixed_size(field_type: FieldType) -> int | None:
+    """Return the bytes a field takes without any alignment, or None if that varies."""
+    match field_type:
+        case Primitive():
+            return field_type.size
+        case FixedArray(element, length):
+            size = fixed_size(element)
+            return None if size is None else size * length
+        case Struct(_, fields):
+            sizes = [fixed_size(inner) for _, inner in fields]
+            return None if None in sizes else sum(size for size in sizes if size is not None)
+        case _:
+            return None
+
+
+def smallest_size(field_type: FieldType) -> int:
+    """Return the fewest bytes that a field can take, to bound the counts that a log claims."""
+    match field_type:
+        case Primitive():
+            return field_type.size
+        case FixedArray(element, length):
+            return smallest_size(element) * length
+        case Struct(_, fields):
+            return sum(smallest_size(inner) for _, inner in fields)
+        case _:
+            return 4
+
+
+def has_field(field_type: FieldType, path: str) -> bool:
+    """Tell whether a dotted path leads to a field, through arrays as well."""
+    name, _, rest = path.partition(".")
+    match field_type:
+        case Struct(_, fields):
+            inner = dict(fields).get(name)
+            return inner is not None and (not rest or has_field(inner, rest))
+        case FixedArray(element) | VariableArray(element):
+            return has_field(element, path)
+        case _:
+            return False

@@ -1,0 +1,335 @@
+"""A log as this program sees it: channels, chunks, and batches of messages as columns."""
+
+from abc import ABC, abstractmethod
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from dogbot_logtool.core.arrays import Flags, Ints
+from dogbot_logtool.reader.columns import Bytes
+from dogbot_logtool.reader.definition import short_type_name
+from dogbot_logtool.reader.source import ByteSource
+
+BATCH_SIZE: Final = 4 << 20
+"""Bytes of decompressed chunks from which a batch is full: large enough to make the cost of a
+numpy call vanish, small enough to stay in the processor's cache."""
+
+
+class ChunkDamage(Exception):  # noqa: N818 - it never reaches a user; `Loss` does
+    """A chunk cannot be used; the text says why."""
+
+
+@dataclass(frozen=True, slots=True)
+class Schema:
+    """A recorded message definition."""
+
+    id: int
+    name: str
+    """Type name as recorded."""
+    encoding: str
+    """``ros1msg``, ``ros2msg``, ``ros2idl``, ``protobuf`` ..."""
+    data: bytes
+
+
+@dataclass(frozen=True, slots=True)
+class Channel:
+    """A topic as one sender wrote it; a topic may have several."""
+
+    id: int
+    topic: str
+    message_encoding: str
+    """``ros1``, ``cdr``, ``protobuf`` ..."""
+    schema: Schema | None
+    metadata: Mapping[str, str]
+
+    @property
+    def type_name(self) -> str:
+        """``package/Name`` whatever the spelling in the log; empty without a schema."""
+        return short_type_name(self.schema.name) if self.schema else ""
+
+
+@dataclass(frozen=True, slots=True)
+class Loss:
+    """Damage that was found: what could not be read, and where."""
+
+    offset: int
+    """Byte in the file."""
+    what: str
+    """A sentence without the file's name."""
+    bytes: int = 0
+    """Bytes of the file that gave nothing."""
+    messages: int | None = 0
+    """Messages known to be lost; None when their number is not known."""
+
+
+@dataclass(frozen=True, slots=True)
+class Chunk:
+    """Where a chunk of messages lies in the file."""
+
+    offset: int
+    """First byte of the chunk's record."""
+    data_offset: int
+    data_size: int
+    """Bytes as stored."""
+    end: int
+    """End of the chunk's record, where the records that index it begin."""
+    index_end: int
+    compression: str
+    size: int
+    """Bytes when decompressed, as claimed."""
+    crc: int = 0
+    """CRC-32 of the decompressed bytes; 0: none recorded."""
+    start_time: int | None = None
+    """ns, log time of its first message, if known; also `end_time`."""
+    end_time: int | None = None
+    counts: Mapping[int, int] | None = None
+    """Messages by channel id, if an index tells."""
+
+    @property
+    def messages(self) -> int | None:
+        """Number of messages, if an index tells."""
+        return None if self.counts is None else sum(self.counts.values())
+
+    @property
+    def is_record(self) -> bool:
+        """Whether it is a chunk record, not bare messages that only are read like one."""
+        return self.data_offset > self.offset
+
+
+@dataclass(frozen=True, slots=True)
+class Messages:
+    """Messages in the order in which they stand in the file."""
+
+    channel: NDArray[np.int64]
+    """(n,) channel ids."""
+    log_time: Ints
+    """(n,) ns."""
+    publish_time: Ints
+    """(n,) ns."""
+    sequence: Ints
+    """(n,)."""
+    start: Ints
+    """(n,) where each payload begins in the batch's buffer."""
+    end: Ints
+    """(n,) where it ends."""
+
+    def __len__(self) -> int:
+        return len(self.channel)
+
+    def pick(self, rows: Flags | Ints | slice) -> "Messages":
+        """Return the chosen rows."""
+        return Messages(
+            self.channel[rows],
+            self.log_time[rows],
+            self.publish_time[rows],
+            self.sequence[rows],
+            self.start[rows],
+            self.end[rows],
+        )
+
+    def shifted(self, offset: int) -> "Messages":
+        """Return the same messages for a buffer in which their bytes lie `offset` further on."""
+        return Messages(
+            self.channel,
+            self.log_time,
+            self.publish_time,
+            self.sequence,
+            self.start + offset,
+            self.end + offset,
+        )
+
+
+def no_messages() -> Messages:
+    """Return an empty table."""
+    nothing = np.empty(0, np.int64)
+    return Messages(nothing, nothing, nothing, nothing, nothing, nothing)
+
+
+def concatenate_messages(parts: Sequence[Messages]) -> Messages:
+    """Stack message tables."""
+    if len(parts) == 1:
+        return parts[0]
+    if not parts:
+        return no_messages()
+    return Messages(
+        np.concatenate([part.channel for part in parts]),
+        np.concatenate([part.log_time for part in parts]),
+        np.concatenate([part.publish_time for part in parts]),
+        np.concatenate([part.sequence for part in parts]),
+        np.concatenate([part.start for part in parts]),
+        np.concatenate([part.end for part in parts]),
+    )
+
+
+@dataclass(frozen=True, slots=True)
+class LoadedChunk:
+    """A chunk in a batch."""
+
+    chunk: Chunk
+    stored: memoryview
+    """Its bytes as they stand in the file."""
+    base: int
+    """Where its decompressed bytes begin in the batch's buffer."""
+    rows: slice
+    """Its rows in the batch's messages."""
+
+
+@dataclass(frozen=True, slots=True)
+class Batch:
+    """A run of decompressed messages."""
+
+    buffer: Bytes
+    """(b,) uint8."""
+    messages: Messages
+    chunks: tuple[LoadedChunk, ...]
+    losses: tuple[Loss, ...] = ()
+
+
+Span = tuple[Chunk, ...]
+"""Neighbouring chunks that make a batch."""
+
+
+@dataclass(frozen=True, slots=True)
+class ChunkContent:
+    """What a container's own code finds in a decompressed chunk."""
+
+    messages: Messages
+    """Places relative to the chunk's first byte."""
+    others: tuple[tuple[int, int, int], ...] = ()
+    """Records that are no messages, where the index did not spare looking: opcode, and first
+    and last byte of their content."""
+    losses: tuple[Loss, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class Extra:
+    """A record that is no message: an MCAP attachment or metadata record, copied as it is."""
+
+    opcode: int
+    offset: int
+    size: int
+
+
+@dataclass(frozen=True, slots=True)
+class Contents:
+    """What opening a log found out about it, without reading its messages."""
+
+    channels: Mapping[int, Channel]
+    chunks: Sequence[Chunk]
+    counts: Mapping[int, int]
+    """Messages by channel id."""
+    start_time: int | None
+    """ns, log time of the earliest message; None for an empty log; also `end_time`."""
+    end_time: int | None
+    profile: str = ""
+    extras: Sequence[Extra] = ()
+    losses: Sequence[Loss] = field(default=())
+    """Damage found so far."""
+
+
+class Log(ABC):
+    """An opened log. `read` may be called from several threads at once."""
+
+    container: str
+    """What people call the container: ``ROS 1 bag``, ``MCAP``."""
+
+    def __init__(self, source: ByteSource, contents: Contents) -> None:
+        self.source = source
+        self.channels = contents.channels
+        self.chunks = contents.chunks
+        self.counts = contents.counts
+        self.start_time = contents.start_time
+        self.end_time = contents.end_time
+        self.profile = contents.profile
+        self.extras = contents.extras
+        self.losses = contents.losses
+
+    @property
+    def compressions(self) -> tuple[str, ...]:
+        """Compressions of the chunks, sorted, ``none`` for the absence of one."""
+        return tuple(sorted({chunk.compression or "none" for chunk in self.chunks}))
+
+    def spans(self, start: int | None = None, end: int | None = None) -> Iterator[Span]:
+        """Group the chunks into batches, in file order.
+
+        Args:
+            start: ns; chunks that end before are left out.
+            end: ns; chunks that begin later are left out.
+        """
+        group: list[Chunk] = []
+        size = 0
+        for chunk in self.chunks:
+            if start is not None and chunk.end_time is not None and chunk.end_time < start:
+                continue
+            if end is not None and chunk.start_time is not None and chunk.start_time > end:
+                continue
+            group.append(chunk)
+            size += chunk.size
+            if size >= BATCH_SIZE:
+                yield tuple(group)
+                group, size = [], 0
+        if group:
+            yield tuple(group)
+
+    def read(self, span: Span) -> Batch:
+        """Read and decompress chunks and find their messages. Damage becomes losses."""
+        sound: list[tuple[Chunk, memoryview]] = []
+        losses: list[Loss] = []
+        for chunk in span:
+            try:
+                self.check(chunk)
+            except ChunkDamage as damage:
+                losses.append(self._lost(chunk, damage))
+                continue
+            stored = self.source.read(chunk.offset, chunk.index_end - chunk.offset)
+            sound.append((chunk, memoryview(stored)))
+
+        buffer = np.empty(sum(chunk.size for chunk, _ in sound), np.uint8)
+        loaded: list[LoadedChunk] = []
+        parts: list[Messages] = []
+        base = row = 0
+        for chunk, data in sound:
+            target = buffer[base : base + chunk.size]
+            try:
+                content = self.parse(chunk, data, target)
+            except ChunkDamage as damage:
+                losses.append(self._lost(chunk, damage))
+                continue
+            rows = slice(row, row + len(content.messages))
+            loaded.append(LoadedChunk(chunk, data, base, rows))
+            parts.append(content.messages.shifted(base))
+            losses.extend(content.losses)
+            base, row = base + chunk.size, rows.stop
+        return Batch(buffer, concatenate_messages(parts), tuple(loaded), tuple(losses))
+
+    @abstractmethod
+    def check(self, chunk: Chunk) -> None:
+        """Check what a chunk claims before memory is set aside for it.
+
+        Raises:
+            ChunkDamage: it cannot be honest.
+        """
+
+    @abstractmethod
+    def parse(self, chunk: Chunk, stored: memoryview, target: Bytes) -> ChunkContent:
+        """Decompress a chunk into the target and find its messages.
+
+        Args:
+            chunk: the chunk.
+            stored: the file's bytes from `chunk.offset` to `chunk.index_end`, or fewer.
+            target: (chunk.size,) uint8.
+
+        Raises:
+            ChunkDamage: nothing in the chunk can be trusted.
+        """
+
+    def _lost(self, chunk: Chunk, damage: ChunkDamage) -> Loss:
+        what = f"the chunk at byte {chunk.offset} was left out: {damage}"
+        return Loss(chunk.offset, what, chunk.data_size, chunk.messages)
+
+    def close(self) -> None:
+        """Close the file."""
+        self.source.close()

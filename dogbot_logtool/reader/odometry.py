@@ -1,0 +1,44 @@
+"""nav_msgs/Odometry to columns."""
+
+from collections.abc import Sequence
+from typing import Final
+
+from dogbot_logtool.core.odometry import Odometry
+from dogbot_logtool.reader.log import Batch, Channel
+from dogbot_logtool.reader.messages import DecodedMessages, decode_channels
+
+ODOMETRY_TYPE: Final = "nav_msgs/Odometry"
+_WANTED: Final = (
+    "header.stamp",
+    "header.frame_id",
+    "child_frame_id",
+    "pose.pose.position",
+    "pose.pose.orientation",
+    "twist.twist.linear",
+    "twist.twist.angular",
+)
+
+
+def decode_odometry(batch: Batch, channels: Sequence[Channel]) -> list[DecodedMessages]:
+    """Decode the odometry messages of a batch; see `decode_channels`."""
+    return decode_channels(batch, channels, _WANTED)
+
+
+def odometry_columns(messages: DecodedMessages) -> Odometry:
+    """Return the columns of decoded odometry messages."""
+    table = messages.table
+    return Odometry(
+        log_time=messages.log_time,
+        stamp=table.nanoseconds("header.stamp"),
+        position=table.vectors("pose.pose.position", "xyz"),
+        orientation=table.vectors("pose.pose.orientation", "xyzw"),
+        linear_velocity=table.vectors("twist.twist.linear", "xyz"),
+        angular_velocity=table.vectors("twist.twist.angular", "xyz"),
+    )
+
+
+def odometry_frames(messages: DecodedMessages) -> tuple[tuple[str, ...], tuple[str, ...]]:
+    """Return the different header frame ids and child frame ids, as recorded."""
+    _, parents = messages.table.texts("header.frame_id").encode()
+    _, children = messages.table.texts("child_frame_id").encode()
+    return parents, children

@@ -1,0 +1,63 @@
+"""The bytes of a log file, read by place: safe to share among threads, never grows with the log."""
+
+import os
+import stat
+from pathlib import Path
+from types import TracebackType
+from typing import Self
+
+from dogbot_logtool.errors import CallError
+
+
+class ByteSource:
+    """A file opened for reading at any offset."""
+
+    def __init__(self, path: Path) -> None:
+        """Open a file.
+
+        Raises:
+            CallError: it does not exist, may not be read, or is not a plain file.
+        """
+        self.path = path
+        try:
+            mode = path.stat().st_mode
+            if stat.S_ISDIR(mode):
+                raise CallError(f"{path}: is a directory, not a log file")
+            if not stat.S_ISREG(mode):
+                raise CallError(
+                    f"{path}: is not a plain file; a log is read from many places at once, "
+                    "so save the stream to a file first"
+                )
+            self._descriptor = os.open(path, os.O_RDONLY | getattr(os, "O_BINARY", 0))
+        except FileNotFoundError as error:
+            raise CallError(f"{path}: no such file") from error
+        except OSError as error:
+            raise CallError(f"{path}: cannot be opened: {error.strerror}") from error
+        self.size = os.fstat(self._descriptor).st_size
+
+    def read(self, offset: int, size: int) -> bytes:
+        """Return up to `size` bytes from `offset`; fewer at the end of the file, never more."""
+        size = min(size, self.size - offset)
+        if offset < 0 or size <= 0:
+            return b""
+        data = os.pread(self._descriptor, size, offset)
+        while len(data) < size and (
+            more := os.pread(self._descriptor, size - len(data), offset + len(data))
+        ):
+            data += more
+        return data
+
+    def close(self) -> None:
+        """Close the file."""
+        os.close(self._descriptor)
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        self.close()

@@ -1,0 +1,1 @@
+"""Columns to bytes: the only place that knows Foxglove, ROS markers and MCAP output."""
