@@ -1,8 +1,8 @@
 """One chunk of a ROS 1 bag: its header, and the messages in it.
 
-The messages are found through the index records behind the chunk, or by walking the chunk's records. The
-index is only a hint: it is believed when every record that it names is what it says and the
-records tile the chunk, so that nothing is missing.
+The messages are found through the index records behind the chunk, or by walking the chunk's
+records. The index is only a hint: it is believed when every record that it names is what it says
+and the records tile the chunk, so that nothing is missing.
 """
 
 from collections.abc import Callable

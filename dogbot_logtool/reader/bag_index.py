@@ -16,7 +16,7 @@ from dogbot_logtool.reader.bag_records import (
     record_at,
     record_in_file,
 )
-from dogbot_logtool.reader.log import Channel, Chunk, ChunkDamage, Contents, Loss
+from dogbot_logtool.reader.log import Channel, Chunk, ChunkDamage, Contents, Loss, Schema
 from dogbot_logtool.reader.source import ByteSource
 
 
@@ -27,6 +27,7 @@ class Connections:
         self.channels: dict[int, Channel] = {}
         self.channel_ids: dict[int, int] = {}
         """Channel id by connection number."""
+        self._schemas: dict[tuple[str, str], Schema] = {}
 
     def add(self, fields: Fields, data: bytes | memoryview) -> None:
         """Take a connection record; one that is known already changes nothing.
@@ -37,7 +38,7 @@ class Connections:
         connection = fields.u32("conn")
         if connection not in self.channel_ids:
             number = len(self.channels) + 1
-            self.channels[number] = connection_channel(number, fields, data)
+            self.channels[number] = connection_channel(number, fields, data, self._schemas)
             self.channel_ids[connection] = number
 
 

@@ -161,13 +161,16 @@ def record_in_file(source: ByteSource, place: int) -> Record:
     return Record(Fields(memoryview(head)[4 : 4 + header_size]), data, data + data_size)
 
 
-def connection_channel(number: int, fields: Fields, data: bytes | memoryview) -> Channel:
+def connection_channel(
+    number: int, fields: Fields, data: bytes | memoryview, schemas: dict[tuple[str, str], Schema]
+) -> Channel:
     """Build a channel from a connection record.
 
     Args:
         number: the channel's id.
         fields: the record's header.
         data: the record's data: the header that the publisher sent when it connected.
+        schemas: those met so far, by type and definition; a new one is added.
 
     Raises:
         MalformedRecord: type or definition are missing.
@@ -179,5 +182,6 @@ def connection_channel(number: int, fields: Fields, data: bytes | memoryview) ->
         raise MalformedRecord("a connection has no type")
     texts.pop("topic", None)
     # The topic of the record is the one under which it was recorded, after any remapping.
-    schema = Schema(number, name, "ros1msg", definition.encode())
+    new = Schema(len(schemas) + 1, name, "ros1msg", definition.encode())
+    schema = schemas.setdefault((name, definition), new)
     return Channel(number, fields.text("topic"), "ros1", schema, texts)

@@ -17,7 +17,7 @@ from dogbot_logtool.core.contacts import (
 )
 from dogbot_logtool.reader.columns import Nested, Texts, gather_bytes
 from dogbot_logtool.reader.log import Batch, Channel
-from dogbot_logtool.reader.messages import DecodedMessages, decode_channels
+from dogbot_logtool.reader.messages import DecodedMessages, decode_channels, layout_of
 from dogbot_logtool.robot import Foot
 
 CONTACTS_TYPE: Final = "gazebo_msgs/ContactsState"
@@ -46,6 +46,15 @@ class ContactsRead:
     """Messages of several states whose `info` tells no time: read as one physics step."""
     foreign_states: int
     """States of pairs in which not exactly one body is the foot."""
+
+
+def check_contacts(channel: Channel) -> None:
+    """Check that a channel's messages can be decoded.
+
+    Raises:
+        DefinitionError: its definition is damaged, or lacks a field that is needed.
+    """
+    layout_of(channel, _WANTED)
 
 
 def decode_contacts(batch: Batch, channels: Sequence[Channel]) -> list[DecodedMessages]:

@@ -175,6 +175,8 @@ class LoadedChunk:
     """Where its decompressed bytes begin in the batch's buffer."""
     rows: slice
     """Its rows in the batch's messages."""
+    whole: bool
+    """Nothing in it was damaged, so that its bytes may be copied as they stand."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -298,10 +300,12 @@ class Log(ABC):
             except ChunkDamage as damage:
                 losses.append(self._lost(chunk, damage))
                 continue
-            rows = slice(row, row + len(content.messages))
-            loaded.append(LoadedChunk(chunk, data, base, rows))
-            parts.append(content.messages.shifted(base))
-            losses.extend(content.losses)
+            messages, found = self._described(chunk, content)
+            rows = slice(row, row + len(messages))
+            whole = chunk.is_record and not any(loss.bytes for loss in found)
+            loaded.append(LoadedChunk(chunk, data, base, rows, whole))
+            parts.append(messages.shifted(base))
+            losses.extend(found)
             base, row = base + chunk.size, rows.stop
         return Batch(buffer, concatenate_messages(parts), tuple(loaded), tuple(losses))
 
@@ -325,6 +329,21 @@ class Log(ABC):
         Raises:
             ChunkDamage: nothing in the chunk can be trusted.
         """
+
+    def _described(self, chunk: Chunk, content: ChunkContent) -> tuple[Messages, list[Loss]]:
+        """Leave out messages of channels that are nowhere described."""
+        messages, losses = content.messages, list(content.losses)
+        known = np.isin(messages.channel, list(self.channels))
+        if not known.all():
+            strange = messages.pick(~known)
+            size = int((strange.end - strange.start).sum())
+            what = (
+                f"the chunk at byte {chunk.offset} holds {len(strange)} messages of channels "
+                "that are nowhere described"
+            )
+            losses.append(Loss(chunk.offset, what, size, len(strange)))
+            messages = messages.pick(known)
+        return messages, losses
 
     def _lost(self, chunk: Chunk, damage: ChunkDamage) -> Loss:
         what = f"the chunk at byte {chunk.offset} was left out: {damage}"

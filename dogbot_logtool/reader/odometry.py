@@ -5,7 +5,7 @@ from typing import Final
 
 from dogbot_logtool.core.odometry import Odometry
 from dogbot_logtool.reader.log import Batch, Channel
-from dogbot_logtool.reader.messages import DecodedMessages, decode_channels
+from dogbot_logtool.reader.messages import DecodedMessages, decode_channels, layout_of
 
 ODOMETRY_TYPE: Final = "nav_msgs/Odometry"
 _WANTED: Final = (
@@ -17,6 +17,15 @@ _WANTED: Final = (
     "twist.twist.linear",
     "twist.twist.angular",
 )
+
+
+def check_odometry(channel: Channel) -> None:
+    """Check that a channel's messages can be decoded.
+
+    Raises:
+        DefinitionError: its definition is damaged, or lacks a field that is needed.
+    """
+    layout_of(channel, _WANTED)
 
 
 def decode_odometry(batch: Batch, channels: Sequence[Channel]) -> list[DecodedMessages]:

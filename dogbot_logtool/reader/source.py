@@ -6,7 +6,7 @@ from pathlib import Path
 from types import TracebackType
 from typing import Self
 
-from dogbot_logtool.errors import CallError
+from dogbot_logtool.errors import CallError, LogError
 
 
 class ByteSource:
@@ -36,15 +36,24 @@ class ByteSource:
         self.size = os.fstat(self._descriptor).st_size
 
     def read(self, offset: int, size: int) -> bytes:
-        """Return up to `size` bytes from `offset`; fewer at the end of the file, never more."""
+        """Return up to `size` bytes from `offset`; fewer at the end of the file, never more.
+
+        Raises:
+            LogError: the disk fails.
+        """
         size = min(size, self.size - offset)
         if offset < 0 or size <= 0:
             return b""
-        data = os.pread(self._descriptor, size, offset)
-        while len(data) < size and (
-            more := os.pread(self._descriptor, size - len(data), offset + len(data))
-        ):
-            data += more
+        try:
+            data = os.pread(self._descriptor, size, offset)
+            while len(data) < size and (
+                more := os.pread(self._descriptor, size - len(data), offset + len(data))
+            ):
+                data += more
+        except OSError as error:
+            raise LogError(
+                f"{self.path}: byte {offset} cannot be read: {error.strerror}"
+            ) from error
         return data
 
     def close(self) -> None:

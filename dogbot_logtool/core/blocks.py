@@ -1,0 +1,87 @@
+"""Streams of columns, cut anew into blocks of a fixed size, and columns that grow.
+
+The reader's batches end where the log's chunks end. Whatever is summed over a batch would
+depend on that in its last digits. So each stream is cut into blocks of a fixed number of rows,
+counted from its own start: the figures are the same to the bit however the log is packed.
+"""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import fields
+from typing import Any, Final, Generic, TypeVar
+
+import numpy as np
+
+from dogbot_logtool.core.arrays import Floats
+from dogbot_logtool.core.contacts import Samples
+from dogbot_logtool.core.odometry import Odometry
+
+BLOCK_ROWS: Final = 16384
+"""Large enough to make the cost of a numpy call vanish; 2 MB of contact samples."""
+
+Columns = TypeVar("Columns", Samples, Odometry)
+
+
+def concatenated(parts: Sequence[Columns]) -> Columns:
+    """Stack column tables of one type."""
+    if len(parts) == 1:
+        return parts[0]
+    names = [field.name for field in fields(parts[0])]
+    stacked: list[Any] = [np.concatenate([getattr(part, name) for part in parts]) for name in names]
+    return type(parts[0])(*stacked)
+
+
+class Blocks(Generic[Columns]):
+    """Cuts a stream of column tables into blocks of a fixed number of rows."""
+
+    def __init__(self, rows: int = BLOCK_ROWS) -> None:
+        self._size = rows
+        self._parts: list[Columns] = []
+        self._rows = 0
+
+    def add(self, columns: Columns) -> Iterator[Columns]:
+        """Take rows in; give the blocks that have become full."""
+        if len(columns.log_time) == 0:
+            return
+        self._parts.append(columns)
+        self._rows += len(columns.log_time)
+        if self._rows < self._size:
+            return
+        whole = concatenated(self._parts)
+        full = self._rows - self._rows % self._size
+        self._parts, self._rows = [], self._rows - full
+        if self._rows:
+            # A copy, so that the rest does not keep the whole batch alive.
+            self._parts = [whole.pick(np.arange(full, full + self._rows))]
+        for start in range(0, full, self._size):
+            yield _rows(whole, start, start + self._size)
+
+    def rest(self) -> Iterator[Columns]:
+        """Give the last block, at the end of the log."""
+        if self._parts:
+            yield concatenated(self._parts)
+        self._parts, self._rows = [], 0
+
+
+def _rows(columns: Columns, start: int, stop: int) -> Columns:
+    values: list[Any] = [getattr(columns, field.name)[start:stop] for field in fields(columns)]
+    return type(columns)(*values)
+
+
+class GrowingTable:
+    """Rows of float64 that are appended block by block and stacked once."""
+
+    def __init__(self, columns: int) -> None:
+        self._parts: list[Floats] = []
+        self._columns = columns
+
+    def append(self, rows: Floats) -> None:
+        """Append (n, columns) rows; they are copied."""
+        if len(rows):
+            self._parts.append(np.array(rows, np.float64))
+
+    def stacked(self) -> Floats:
+        """Return all (n, columns) rows."""
+        if not self._parts:
+            return np.empty((0, self._columns))
+        self._parts = [np.concatenate(self._parts)]
+        return self._parts[0]

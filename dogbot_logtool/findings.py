@@ -1,0 +1,38 @@
+"""What users should know about a log, one sentence each, with a code that scripts can match."""
+
+from dataclasses import dataclass
+from enum import IntEnum
+
+
+class Severity(IntEnum):
+    """How much a finding matters; the worst comes first."""
+
+    ERROR = 0
+    """Something asked for cannot be had."""
+    WARNING = 1
+    """Numbers or pictures may mislead."""
+    NOTE = 2
+    """Good to know."""
+
+
+@dataclass(frozen=True, slots=True, order=True)
+class Finding:
+    """One fact about a log."""
+
+    severity: Severity
+    code: str
+    """``W_ZERO_STAMPS`` ...: E, W or N for its severity, then what it is."""
+    text: str
+    """A sentence."""
+    where: str = ""
+    """The topic, if it is about one."""
+
+
+def warning(code: str, text: str, where: str = "") -> Finding:
+    """Return a warning; the code is given without its letter."""
+    return Finding(Severity.WARNING, f"W_{code}", text, where)
+
+
+def note(code: str, text: str, where: str = "") -> Finding:
+    """Return a note; the code is given without its letter."""
+    return Finding(Severity.NOTE, f"N_{code}", text, where)

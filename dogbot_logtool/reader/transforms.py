@@ -1,0 +1,85 @@
+"""tf2_msgs/TFMessage to columns."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+
+from dogbot_logtool.core.arrays import Floats, Ints
+from dogbot_logtool.reader.log import Batch, Channel
+from dogbot_logtool.reader.messages import DecodedMessages, decode_channels, layout_of
+
+TRANSFORM_TYPES: Final = frozenset({"tf2_msgs/TFMessage", "tf/tfMessage"})
+_WANTED: Final = (
+    "transforms.header.stamp",
+    "transforms.header.frame_id",
+    "transforms.child_frame_id",
+    "transforms.transform",
+)
+
+
+@dataclass(frozen=True, slots=True)
+class RecordedTransforms:
+    """Transforms as recorded: one row each, in log order."""
+
+    channel: Ints
+    """(n,) channel id."""
+    log_time: Ints
+    """(n,) ns."""
+    stamp: Ints
+    """(n,) ns."""
+    parent: Ints
+    """(n,) index into `parents`; also `child` into `children`."""
+    parents: tuple[str, ...]
+    """Frame ids as recorded."""
+    child: Ints
+    children: tuple[str, ...]
+    translation: Floats
+    """(n, 3) m."""
+    rotation: Floats
+    """(n, 4) quaternion x, y, z, w."""
+
+
+def check_transforms(channel: Channel) -> None:
+    """Check that a channel's messages can be decoded.
+
+    Raises:
+        DefinitionError: its definition is damaged, or lacks a field that is needed.
+    """
+    layout_of(channel, _WANTED)
+
+
+def decode_transforms(batch: Batch, channels: Sequence[Channel]) -> list[DecodedMessages]:
+    """Decode the transform messages of a batch; see `decode_channels`."""
+    return decode_channels(batch, channels, _WANTED)
+
+
+def transform_columns(messages: DecodedMessages) -> RecordedTransforms:
+    """Return the columns of decoded transform messages."""
+    nested = messages.table.nested("transforms")
+    order = np.argsort(nested.parent, kind="stable")
+    table = nested.table
+    parent, parents = table.texts("header.frame_id").encode()
+    child, children = table.texts("child_frame_id").encode()
+    message = nested.parent[order]
+    return RecordedTransforms(
+        channel=messages.channel[message],
+        log_time=messages.log_time[message],
+        stamp=table.nanoseconds("header.stamp")[order],
+        parent=parent[order],
+        parents=parents,
+        child=child[order],
+        children=children,
+        translation=table.vectors("transform.translation", "xyz")[order],
+        rotation=table.vectors("transform.rotation", "xyzw")[order],
+    )
+
+
+def frame_pairs(messages: DecodedMessages) -> set[tuple[str, str]]:
+    """Return the different (parent, child) pairs of frames, as recorded."""
+    table = messages.table.nested("transforms").table
+    parent, parents = table.texts("header.frame_id").encode()
+    child, children = table.texts("child_frame_id").encode()
+    pairs = np.unique(parent * max(len(children), 1) + child).tolist()
+    return {(parents[pair // len(children)], children[pair % len(children)]) for pair in pairs}

@@ -1,0 +1,242 @@
+"""Which topics of a log are used for what: told by the robot's file, by options, or found."""
+
+import re
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Final
+
+from dogbot_logtool.errors import CallError, DefinitionError
+from dogbot_logtool.findings import Finding, note, warning
+from dogbot_logtool.reader.contacts import CONTACTS_TYPE, check_contacts
+from dogbot_logtool.reader.log import Channel, Log
+from dogbot_logtool.reader.odometry import ODOMETRY_TYPE, check_odometry
+from dogbot_logtool.reader.transforms import TRANSFORM_TYPES, check_transforms
+from dogbot_logtool.robot import GENERIC, Foot, Robot, known_robots, load_robot
+
+_PLACE_WORDS: Final[Mapping[str, tuple[str, ...]]] = {
+    "front": ("front", "fore"),
+    "middle": ("middle", "mid"),
+    "back": ("back", "hind", "rear"),
+    "left": ("left",),
+    "right": ("right",),
+}
+_PLACE_LETTERS: Final = {
+    "lf": ("front", "left"),
+    "fl": ("front", "left"),
+    "rf": ("front", "right"),
+    "fr": ("front", "right"),
+    "lm": ("middle", "left"),
+    "ml": ("middle", "left"),
+    "rm": ("middle", "right"),
+    "mr": ("middle", "right"),
+    "lh": ("back", "left"),
+    "bl": ("back", "left"),
+    "hl": ("back", "left"),
+    "rl": ("back", "left"),
+    "rh": ("back", "right"),
+    "br": ("back", "right"),
+    "hr": ("back", "right"),
+    "rr": ("back", "right"),
+}
+_PLACE_ORDER: Final = ("front", "middle", "back", "left", "right")
+
+
+@dataclass(frozen=True, slots=True)
+class TopicOptions:
+    """What a user says about the robot and the topics."""
+
+    robot: str | None = None
+    """Name or TOML file; None: the known robot whose topics the log has, else the generic one."""
+    odometry_topic: str | None = None
+    foot_topics: Mapping[str, str] | None = None
+    """Topic by foot."""
+    mass_kg: float | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Selection:
+    """The topics of a log that are used."""
+
+    robot: Robot
+    """With the feet that the log has, and their topics."""
+    odometry: tuple[Channel, ...]
+    contacts: tuple[Channel, ...]
+    foot_of: Mapping[int, int]
+    """Index of the foot in `robot.feet` by channel id."""
+    transforms: tuple[Channel, ...]
+    """The log's own ``/tf`` and ``/tf_static``."""
+    findings: tuple[Finding, ...]
+
+
+def select_topics(log: Log, options: TopicOptions) -> Selection:
+    """Decide which topics are used for what.
+
+    Raises:
+        CallError: an option names a topic that the log does not have, or one of a wrong type.
+    """
+    findings: list[Finding] = []
+    robot = _choose_robot(log, options, findings)
+    robot = _apply_options(log, robot, options)
+    odometry = _choose_odometry(log, robot, findings)
+    robot = _find_feet(log, robot, findings)
+    contacts: list[Channel] = []
+    foot_of: dict[int, int] = {}
+    for index, foot in enumerate(robot.feet):
+        for channel in _readable(log, foot.topic, {CONTACTS_TYPE}, check_contacts, findings):
+            contacts.append(channel)
+            foot_of[channel.id] = index
+    transforms = [
+        channel
+        for topic in sorted({c.topic for c in log.channels.values()})
+        for channel in _readable(log, topic, TRANSFORM_TYPES, check_transforms, findings)
+    ]
+    return Selection(
+        robot, tuple(odometry), tuple(contacts), foot_of, tuple(transforms), tuple(findings)
+    )
+
+
+def _choose_robot(log: Log, options: TopicOptions, findings: list[Finding]) -> Robot:
+    if options.robot is not None:
+        robot = load_robot(options.robot)
+    else:
+        topics = {channel.topic for channel in log.channels.values()}
+        known = [load_robot(name) for name in known_robots()]
+        robot = max(known, key=lambda one: (len(one.topics & topics), one.name == GENERIC))
+        text = f"the robot is taken to be {robot.name!r}; --robot says otherwise"
+        findings.append(note("ROBOT_GUESSED", text))
+    return robot.with_mass(options.mass_kg)
+
+
+def _apply_options(log: Log, robot: Robot, options: TopicOptions) -> Robot:
+    if options.odometry_topic is not None:
+        _require(log, "--odom-topic", options.odometry_topic, ODOMETRY_TYPE)
+        robot = replace(robot, odometry_topic=options.odometry_topic)
+    if options.foot_topics:
+        feet = {foot.name: foot for foot in robot.feet}
+        for name, topic in options.foot_topics.items():
+            _require(log, "--foot", topic, CONTACTS_TYPE)
+            known = feet.get(name, Foot(name, topic, place=_place(name)))
+            feet[name] = replace(known, topic=topic)
+        robot = replace(robot, feet=tuple(feet.values()))
+    return robot
+
+
+def _require(log: Log, option: str, topic: str, type_name: str) -> None:
+    types = {c.type_name for c in log.channels.values() if c.topic == topic}
+    if not types:
+        have = sorted({c.topic for c in log.channels.values() if c.type_name == type_name})
+        listed = ", ".join(have) or "none"
+        raise CallError(
+            f"{log.source.path}: {option}: the log has no topic {topic}; of type {type_name} "
+            f"it has: {listed}"
+        )
+    if type_name not in types:
+        raise CallError(
+            f"{log.source.path}: {option}: {topic} is of type {', '.join(sorted(types))}, "
+            f"not {type_name}"
+        )
+
+
+def _choose_odometry(log: Log, robot: Robot, findings: list[Finding]) -> list[Channel]:
+    topic = robot.odometry_topic
+    if topic is not None:
+        channels = _readable(log, topic, {ODOMETRY_TYPE}, check_odometry, findings)
+        if channels:
+            return channels
+    topics = _topics_of_type(log, {ODOMETRY_TYPE})
+    if not topics:
+        text = "there is no odometry: no /tf and no figures of the base's motion"
+        findings.append(warning("NO_ODOMETRY", text))
+        return []
+    # The one that is heard most often is most likely the one to follow.
+    chosen = max(topics, key=lambda one: (_count(log, one), -len(one), one))
+    rest = ", ".join(one for one in topics if one != chosen)
+    text = f"odometry is taken from {chosen}, found by its type"
+    text += f"; there are also {rest} (--odom-topic chooses)" if rest else ""
+    findings.append(note("ODOMETRY_FOUND", text, chosen))
+    return _readable(log, chosen, {ODOMETRY_TYPE}, check_odometry, findings)
+
+
+def _find_feet(log: Log, robot: Robot, findings: list[Finding]) -> Robot:
+    topics = _topics_of_type(log, {CONTACTS_TYPE})
+    present = [foot for foot in robot.feet if foot.topic in topics]
+    if present:
+        for foot in robot.feet:
+            if foot.topic not in topics:
+                text = f"foot {foot.name} has no messages: there is no topic {foot.topic}"
+                findings.append(warning("FOOT_MISSING", text, foot.topic))
+        return robot
+    if not topics:
+        findings.append(warning("NO_FEET", "there are no contact topics: no arrows, no gait"))
+        return replace(robot, feet=())
+    feet = _feet_by_name(topics)
+    listed = ", ".join(f"{foot.name} = {foot.topic}" for foot in feet)
+    findings.append(note("FEET_FOUND", f"feet are found by type and name: {listed}"))
+    return replace(robot, feet=tuple(feet))
+
+
+def _feet_by_name(topics: Sequence[str]) -> list[Foot]:
+    """Name feet after the places that their topics tell, else after the topics."""
+    places = {topic: _place(topic) for topic in topics}
+    told = [place for place in places.values() if place is not None]
+    feet: list[Foot] = []
+    for topic, place in places.items():
+        if place is not None and told.count(place) == 1:
+            feet.append(Foot("_".join(place), topic, place=place))
+        else:
+            feet.append(Foot(re.sub(r"[^A-Za-z0-9]+", "_", topic).strip("_"), topic))
+    return sorted(feet, key=_foot_order)
+
+
+def _foot_order(foot: Foot) -> tuple[int, list[int], str]:
+    if foot.place is None:
+        return 1, [], foot.name
+    return 0, [_PLACE_ORDER.index(word) for word in foot.place if word in _PLACE_ORDER], foot.name
+
+
+def _place(name: str) -> tuple[str, str] | None:
+    """Return where a foot sits, from words or letters in a name."""
+    words = [word for word in re.split(r"[^a-z]+", _spaced(name)) if word]
+    for word in words:
+        if word in _PLACE_LETTERS:
+            return _PLACE_LETTERS[word]
+    joined = " ".join(words)
+    ends = [end for end in ("front", "middle", "back") if _says(joined, end)]
+    sides = [side for side in ("left", "right") if _says(joined, side)]
+    return (ends[0], sides[0]) if len(ends) == len(sides) == 1 else None
+
+
+def _spaced(name: str) -> str:
+    """Split camelCase, and lower."""
+    return re.sub(r"(?<=[a-z])(?=[A-Z])", " ", name).lower()
+
+
+def _says(words: str, place: str) -> bool:
+    return any(word in words for word in _PLACE_WORDS[place])
+
+
+def _topics_of_type(log: Log, types: set[str] | frozenset[str]) -> list[str]:
+    return sorted({c.topic for c in log.channels.values() if c.type_name in types})
+
+
+def _count(log: Log, topic: str) -> int:
+    return sum(log.counts.get(c.id, 0) for c in log.channels.values() if c.topic == topic)
+
+
+def _readable(
+    log: Log,
+    topic: str,
+    types: set[str] | frozenset[str],
+    check: Callable[[Channel], object],
+    findings: list[Finding],
+) -> list[Channel]:
+    """Return the channels of a topic whose definitions can be read."""
+    readable: list[Channel] = []
+    for channel in log.channels.values():
+        if channel.topic == topic and channel.type_name in types:
+            try:
+                check(channel)
+                readable.append(channel)
+            except DefinitionError as error:
+                findings.append(warning("UNREADABLE", f"{error}; it is not used", topic))
+    return readable

@@ -1,0 +1,149 @@
+"""Finished MCAP chunks: compressed records and the message index that belongs to them."""
+
+import zlib
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from typing import Final, Literal
+
+import lz4.frame
+import numpy as np
+import zstandard
+from mcap import records
+from mcap.data_stream import RecordBuilder
+from mcap.opcode import Opcode
+
+from dogbot_logtool.core.arrays import Ints
+from dogbot_logtool.writer.outgoing import Bytes, Outgoing, lay_out
+
+Compression = Literal["zstd", "lz4", "none"]
+COMPRESSIONS: Final[tuple[Compression, ...]] = ("zstd", "lz4", "none")
+CHUNK_SIZE: Final = 1 << 20
+"""Bytes of records in a chunk, before compression; a record is never split."""
+_ZSTD_LEVEL: Final = 1
+_INDEX_ENTRY: Final = np.dtype([("log_time", "<i8"), ("offset", "<u8")])
+
+
+@dataclass(frozen=True, slots=True)
+class FinishedChunk:
+    """A chunk record and its message index records, ready to be written."""
+
+    record: bytes | memoryview
+    """The whole chunk record."""
+    index: bytes
+    """The message index records that follow it."""
+    index_offsets: Mapping[int, int]
+    """Where each channel's message index record begins in `index`."""
+    counts: Mapping[int, int]
+    """Messages by channel id."""
+    start_time: int
+    """ns, earliest log time; also `end_time`."""
+    end_time: int
+    compression: str
+    compressed_size: int
+    size: int
+
+
+def finish_chunks(messages: Outgoing, compression: Compression) -> Iterator[FinishedChunk]:
+    """Lay out messages, cut them into chunks and compress those."""
+    if not len(messages.channel):
+        return
+    data, bounds = lay_out(messages)
+    first = 0
+    while first < len(messages.channel):
+        last = int(np.searchsorted(bounds, bounds[first] + CHUNK_SIZE, "left"))
+        last = min(max(last, first + 1), len(messages.channel))
+        begin = int(bounds[first])
+        yield finish_chunk(
+            data[begin : int(bounds[last])],
+            messages.channel[first:last],
+            messages.log_time[first:last],
+            bounds[first:last] - begin,
+            compression,
+        )
+        first = last
+
+
+def finish_chunk(
+    data: Bytes, channel: Ints, log_time: Ints, offset: Ints, compression: Compression
+) -> FinishedChunk:
+    """Compress one chunk and index it.
+
+    Args:
+        data: the records of its messages.
+        channel: (n,) channel ids.
+        log_time: (n,) ns.
+        offset: (n,) where each message's record begins in the data.
+        compression: of the chunk.
+    """
+    start, end = int(log_time.min(initial=0)), int(log_time.max(initial=0))
+    if len(log_time):
+        start, end = int(log_time.min()), int(log_time.max())
+    compressed = _compress(data, compression)
+    name = "" if compression == "none" else compression
+    builder = RecordBuilder()
+    records.Chunk(
+        compression=name,
+        data=compressed,
+        message_end_time=end,
+        message_start_time=start,
+        uncompressed_crc=zlib.crc32(data.data),
+        uncompressed_size=len(data),
+    ).write(builder)
+    return indexed_chunk(builder.end(), channel, log_time, offset, name, len(compressed), len(data))
+
+
+def indexed_chunk(
+    record: bytes | memoryview,
+    channel: Ints,
+    log_time: Ints,
+    offset: Ints,
+    compression: str,
+    compressed_size: int,
+    size: int,
+) -> FinishedChunk:
+    """Give a chunk record, new or recorded, its message index."""
+    order = np.argsort(channel, kind="stable")
+    channels, first = np.unique(channel[order], return_index=True)
+    entries = np.empty(len(channel), _INDEX_ENTRY)
+    entries["log_time"] = log_time[order]
+    entries["offset"] = offset[order]
+    pieces: list[bytes] = []
+    index_offsets: dict[int, int] = {}
+    counts: dict[int, int] = {}
+    place = 0
+    for number, group in zip(channels.tolist(), np.split(entries, first[1:]), strict=True):
+        piece = _message_index(number, group.tobytes())
+        index_offsets[number], counts[number] = place, len(group)
+        pieces.append(piece)
+        place += len(piece)
+    return FinishedChunk(
+        record=record,
+        index=b"".join(pieces),
+        index_offsets=index_offsets,
+        counts=counts,
+        start_time=int(log_time.min()) if len(log_time) else 0,
+        end_time=int(log_time.max()) if len(log_time) else 0,
+        compression=compression,
+        compressed_size=compressed_size,
+        size=size,
+    )
+
+
+def _message_index(channel: int, entries: bytes) -> bytes:
+    builder = RecordBuilder()
+    builder.start_record(Opcode.MESSAGE_INDEX)
+    builder.write2(channel)
+    builder.write4(len(entries))
+    builder.write(entries)
+    builder.finish_record()
+    return bytes(builder.end())
+
+
+def _compress(data: Bytes, compression: Compression) -> bytes:
+    match compression:
+        case "zstd":
+            return zstandard.ZstdCompressor(level=_ZSTD_LEVEL).compress(data.data)
+        case "lz4":
+            return bytes(lz4.frame.compress(data.data))
+        case "none":
+            return data.tobytes()

@@ -1,0 +1,166 @@
+"""The output file: chunks as they come, then a complete summary."""
+
+import zlib
+from collections.abc import Mapping
+from typing import Protocol
+
+from mcap import records
+from mcap.data_stream import RecordBuilder
+from mcap.opcode import Opcode
+
+from dogbot_logtool import __version__
+from dogbot_logtool.writer.chunks import FinishedChunk
+
+MAGIC = b"\x89MCAP0\r\n"
+_SUMMARY_GROUPS = (
+    Opcode.SCHEMA,
+    Opcode.CHANNEL,
+    Opcode.STATISTICS,
+    Opcode.CHUNK_INDEX,
+    Opcode.ATTACHMENT_INDEX,
+    Opcode.METADATA_INDEX,
+)
+
+
+class Sink(Protocol):
+    """Where the bytes go."""
+
+    def write(self, data: bytes | memoryview, /) -> int:
+        """Append bytes."""
+
+
+class McapWriter:
+    """Writes an MCAP file front to back. Memory grows only with the number of chunks."""
+
+    def __init__(self, sink: Sink, profile: str) -> None:
+        self._sink = sink
+        self._place = 0
+        self._crc = 0
+        self._summary = {opcode: bytearray() for opcode in _SUMMARY_GROUPS}
+        self._channel_counts: dict[int, int] = {}
+        self._numbers = dict.fromkeys(("schemas", "channels", "chunks", "extras", "metadata"), 0)
+        self._start: int | None = None
+        self._end: int | None = None
+        self._write(MAGIC)
+        self._write_record(records.Header(profile, f"dogbot-logtool {__version__}"))
+
+    def add_schema(self, schema: records.Schema) -> None:
+        """Write a schema; it must come before its channels."""
+        self._numbers["schemas"] += 1
+        self._summary[Opcode.SCHEMA] += self._write_record(schema)
+
+    def add_channel(self, channel: records.Channel) -> None:
+        """Write a channel; it must come before its messages."""
+        self._numbers["channels"] += 1
+        self._summary[Opcode.CHANNEL] += self._write_record(channel)
+
+    def add_chunk(self, chunk: FinishedChunk) -> None:
+        """Write a chunk with its message index."""
+        offset = self._place
+        self._write(chunk.record)
+        index_start = self._place
+        self._write(chunk.index)
+        index = records.ChunkIndex(
+            chunk_length=len(chunk.record),
+            chunk_start_offset=offset,
+            compression=chunk.compression,
+            compressed_size=chunk.compressed_size,
+            message_end_time=chunk.end_time,
+            message_index_length=len(chunk.index),
+            message_index_offsets={
+                channel: index_start + place for channel, place in chunk.index_offsets.items()
+            },
+            message_start_time=chunk.start_time,
+            uncompressed_size=chunk.size,
+        )
+        self._summary[Opcode.CHUNK_INDEX] += _serialise(index)
+        self._numbers["chunks"] += 1
+        for channel, count in chunk.counts.items():
+            self._channel_counts[channel] = self._channel_counts.get(channel, 0) + count
+        if chunk.counts:
+            self._start = min(
+                chunk.start_time, chunk.start_time if self._start is None else self._start
+            )
+            self._end = max(chunk.end_time, chunk.end_time if self._end is None else self._end)
+
+    def add_metadata(self, metadata: records.Metadata) -> None:
+        """Write a metadata record."""
+        record = _serialise(metadata)
+        index = records.MetadataIndex(self._place, len(record), metadata.name)
+        self._write(record)
+        self._summary[Opcode.METADATA_INDEX] += _serialise(index)
+        self._numbers["metadata"] += 1
+
+    def add_attachment(self, record: bytes, attachment: records.Attachment) -> None:
+        """Write a whole attachment record as it was recorded.
+
+        Args:
+            record: its bytes.
+            attachment: the same, decoded.
+        """
+        index = records.AttachmentIndex(
+            offset=self._place,
+            length=len(record),
+            log_time=attachment.log_time,
+            create_time=attachment.create_time,
+            data_size=len(attachment.data),
+            name=attachment.name,
+            media_type=attachment.media_type,
+        )
+        self._write(record)
+        self._summary[Opcode.ATTACHMENT_INDEX] += _serialise(index)
+        self._numbers["extras"] += 1
+
+    def finish(self) -> None:
+        """Write the end of the data and the summary."""
+        self._write_record(records.DataEnd(self._crc))
+        statistics = records.Statistics(
+            attachment_count=self._numbers["extras"],
+            channel_count=self._numbers["channels"],
+            channel_message_counts=dict(sorted(self._channel_counts.items())),
+            chunk_count=self._numbers["chunks"],
+            message_count=sum(self._channel_counts.values()),
+            message_end_time=self._end or 0,
+            message_start_time=self._start or 0,
+            metadata_count=self._numbers["metadata"],
+            schema_count=self._numbers["schemas"],
+        )
+        self._summary[Opcode.STATISTICS] += _serialise(statistics)
+        self._write_summary()
+
+    def _write_summary(self) -> None:
+        start = self._place
+        self._crc = 0
+        offsets = bytearray()
+        for opcode, group in self._summary.items():
+            if group:
+                offsets += _serialise(records.SummaryOffset(opcode, self._place, len(group)))
+                self._write(bytes(group))
+        offsets_start = self._place
+        self._write(bytes(offsets))
+        # The summary's CRC covers the footer too, up to the CRC itself.
+        footer = _serialise(records.Footer(start, offsets_start, 0))
+        self._write(footer[:-4])
+        self._write(self._crc.to_bytes(4, "little"))
+        self._write(MAGIC)
+
+    def _write_record(self, record: records.McapRecord) -> bytes:
+        data = _serialise(record)
+        self._write(data)
+        return data
+
+    def _write(self, data: bytes | memoryview) -> None:
+        self._sink.write(data)
+        self._crc = zlib.crc32(data, self._crc)
+        self._place += len(data)
+
+
+def _serialise(record: records.McapRecord) -> bytes:
+    builder = RecordBuilder()
+    record.write(builder)
+    return bytes(builder.end())
+
+
+def metadata_record(name: str, values: Mapping[str, str]) -> records.Metadata:
+    """Return a metadata record with its keys in order."""
+    return records.Metadata(name, dict(sorted(values.items())))

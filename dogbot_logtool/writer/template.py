@@ -1,0 +1,118 @@
+"""Stamping out messages: one is serialised by its official library, the rest are copies of it.
+
+Nothing here knows a wire format. To find where a number lies, a message is serialised twice with
+two values that differ in every byte, and the bytes that changed are its place. Copies are then
+made as a numpy structured array, and the numbers written into its columns.
+"""
+
+import struct
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from enum import Enum
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from dogbot_logtool.core.arrays import Ints
+
+Number = float | int | bool
+Serialise = Callable[[Mapping[str, Number]], bytes]
+"""Builds a message from named numbers and serialises it."""
+
+_VARINT_WIDTH: Final = 10
+_VARINT_SHORT: Final = 5
+"""Seven-bit groups that hold every number below 2^35."""
+
+
+class Kind(Enum):
+    """How a number is written, with two values that differ in every byte."""
+
+    FLOAT64 = ("<f8", struct.unpack("<d", b"\x11" * 8)[0], struct.unpack("<d", b"\x22" * 8)[0])
+    FLOAT32 = ("<f4", struct.unpack("<f", b"\x11" * 4)[0], struct.unpack("<f", b"\x22" * 4)[0])
+    UINT32 = ("<u4", 0x11111111, 0x22222222)
+    BOOL = ("u1", False, True)
+    # Protobuf writes small numbers in fewer bytes, but negative ones always in ten. A number that
+    # is padded to ten bytes with empty groups is as valid.
+    VARINT = (f"({_VARINT_WIDTH},)u1", -0x1111111, -0x2222222)
+
+    def __init__(self, dtype: str, first: Number, second: Number) -> None:
+        self.dtype = dtype
+        self.first = first
+        self.second = second
+
+
+@dataclass(frozen=True, slots=True)
+class Template:
+    """A serialised message and the places of the numbers that vary."""
+
+    message: bytes
+    dtype: "np.dtype[np.void]"
+    """A field for every number; its size is the message's."""
+    kinds: Mapping[str, Kind]
+
+    @property
+    def size(self) -> int:
+        """Bytes of every message."""
+        return len(self.message)
+
+    def copies(self, count: int) -> NDArray[np.void]:
+        """Return (count,) copies of the message, to be written into."""
+        records = np.empty(count, f"V{self.size}")
+        records[:] = np.void(self.message)
+        return records.view(self.dtype)
+
+    def write_time(self, records: NDArray[np.void], name: str, time: Ints) -> None:
+        """Write times, ns, into the pair of numbers ``name.sec`` and ``name.nanosec``."""
+        seconds, nanoseconds = np.divmod(time, 1_000_000_000)
+        for part, values in ((f"{name}.sec", seconds), (f"{name}.nanosec", nanoseconds)):
+            if self.kinds[part] is Kind.VARINT:
+                _write_varints(records[part], values)
+            else:
+                records[part] = values
+
+
+def learn(serialise: Serialise, fields: Mapping[str, Kind]) -> Template:
+    """Find out where the numbers of a message lie.
+
+    Args:
+        serialise: builds and serialises the message.
+        fields: the numbers that vary.
+    """
+    base = {name: kind.first for name, kind in fields.items()}
+    message = serialise(base)
+    offsets: list[int] = []
+    for name, kind in fields.items():
+        changed = serialise({**base, name: kind.second})
+        if len(changed) != len(message):
+            raise AssertionError(f"{name} is not written in a fixed width")
+        places = [at for at, (a, b) in enumerate(zip(message, changed, strict=True)) if a != b]
+        width = np.dtype(kind.dtype).itemsize
+        if not places or places[-1] - places[0] >= width:
+            raise AssertionError(f"{name} is not written in one place")
+        offsets.append(places[0])
+    dtype = np.dtype(
+        {
+            "names": list(fields),
+            "formats": [kind.dtype for kind in fields.values()],
+            "offsets": offsets,
+            "itemsize": len(message),
+        }
+    )
+    return Template(message, dtype, dict(fields))
+
+
+def _write_varints(target: NDArray[np.uint8], values: Ints) -> None:
+    """Write base-128 numbers, least significant group first, padded to ten bytes.
+
+    Args:
+        target: (n, 10).
+        values: (n,).
+    """
+    bits = values.view(np.uint64)
+    short = not len(bits) or int(bits.max()) < 1 << (7 * _VARINT_SHORT)
+    groups = _VARINT_SHORT if short else _VARINT_WIDTH - 1
+    for group in range(groups):
+        target[:, group] = (bits >> np.uint64(7 * group)) & np.uint64(0x7F) | np.uint64(0x80)
+    target[:, groups : _VARINT_WIDTH - 1] = 0x80
+    target[:, _VARINT_WIDTH - 1] = bits >> np.uint64(63)
