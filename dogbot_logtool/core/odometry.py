@@ -1,5 +1,6 @@
 """Where the base went, and the transforms that say so."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -39,6 +40,26 @@ class Odometry:
             self.linear_velocity[rows],
             self.angular_velocity[rows],
         )
+
+
+def concatenate_odometry(parts: Sequence[Odometry]) -> Odometry:
+    """Join messages of several senders, in the order of their log times."""
+    if len(parts) == 1:
+        return parts[0]
+    if not parts:
+        times: Ints = np.empty(0, np.int64)
+        vectors, quaternions = np.empty((0, 3)), np.empty((0, 4))
+        return Odometry(times, times, vectors, quaternions, vectors, vectors)
+    log_time = np.concatenate([part.log_time for part in parts])
+    joined = Odometry(
+        log_time=log_time,
+        stamp=np.concatenate([part.stamp for part in parts]),
+        position=np.concatenate([part.position for part in parts]),
+        orientation=np.concatenate([part.orientation for part in parts]),
+        linear_velocity=np.concatenate([part.linear_velocity for part in parts]),
+        angular_velocity=np.concatenate([part.angular_velocity for part in parts]),
+    )
+    return joined.pick(np.argsort(log_time, kind="stable"))
 
 
 @dataclass(frozen=True, slots=True)

@@ -237,6 +237,8 @@ class Log(ABC):
 
     container: str
     """What people call the container: ``ROS 1 bag``, ``MCAP``."""
+    copies_chunks: bool = False
+    """Whether its chunks are an MCAP's and can be copied into one as they stand."""
 
     def __init__(self, source: ByteSource, contents: Contents) -> None:
         self.source = source

@@ -19,6 +19,7 @@ class McapLog(Log):
     """An MCAP file of any profile."""
 
     container = "MCAP"
+    copies_chunks = True
 
     def check(self, chunk: Chunk) -> None:
         """See `Log.check`."""

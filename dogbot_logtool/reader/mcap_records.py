@@ -24,6 +24,8 @@ _Record = TypeVar(
     records.Footer,
     records.Statistics,
     records.ChunkIndex,
+    records.Attachment,
+    records.Metadata,
 )
 
 
@@ -62,3 +64,13 @@ def channel_of(channel: records.Channel, schemas: dict[int, Schema]) -> Channel:
         schemas.get(channel.schema_id),
         channel.metadata,
     )
+
+
+def read_attachment(record: bytes) -> records.Attachment | None:
+    """Decode a whole attachment record, None if it is malformed."""
+    return decode_record(records.Attachment, record[RECORD_HEAD.size :])
+
+
+def read_metadata(record: bytes) -> records.Metadata | None:
+    """Decode a whole metadata record, None if it is malformed."""
+    return decode_record(records.Metadata, record[RECORD_HEAD.size :])

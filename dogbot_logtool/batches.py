@@ -1,0 +1,267 @@
+"""What `convert` does with one batch: read, decode, compute, stamp out, compress.
+
+Batches are worked on in parallel and know nothing of each other, but for one thing: which
+odometry message came last, since `/tf` takes the first one at each tick of a clock. That is
+handed from batch to batch in order.
+"""
+
+from collections.abc import Iterable, Iterator, Mapping
+from concurrent.futures import Future
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from dogbot_logtool.core.arrows import (
+    ArrowCounts,
+    Arrows,
+    classic_arrows,
+    force_arrows,
+    pressure_arrows,
+)
+from dogbot_logtool.core.contacts import Contacts, contact_samples
+from dogbot_logtool.core.loads import Loads, foot_loads
+from dogbot_logtool.core.odometry import (
+    Odometry,
+    Transforms,
+    base_transforms,
+    concatenate_odometry,
+    first_at_each_tick,
+    usable_poses,
+)
+from dogbot_logtool.plan import Plan
+from dogbot_logtool.reader.contacts import contact_columns, decode_contacts
+from dogbot_logtool.reader.log import Batch, LoadedChunk, Log, Loss, Messages, Span
+from dogbot_logtool.reader.messages import DecodedMessages
+from dogbot_logtool.reader.odometry import decode_odometry, odometry_columns
+from dogbot_logtool.reader.transforms import decode_transforms, frame_pairs
+from dogbot_logtool.writer.annotations import AnnotationColumns, Annotations
+from dogbot_logtool.writer.chunks import FinishedChunk, finish_chunks, indexed_chunk
+from dogbot_logtool.writer.outgoing import MESSAGE_HEAD, recorded
+
+
+@dataclass(frozen=True, slots=True)
+class Counts:
+    """What happened to the messages of a batch, or of the whole log."""
+
+    messages: int = 0
+    """Recorded messages that were read."""
+    arrows: ArrowCounts = field(default_factory=ArrowCounts)
+    bad_poses: int = 0
+    """Odometry messages with a zero quaternion or a number that is not finite."""
+    untimed_messages: int = 0
+    """Contact messages of several states that tell no time of their physics step."""
+    foreign_states: int = 0
+    """Contact states of pairs that the foot is not one body of."""
+
+    def __add__(self, other: "Counts") -> "Counts":
+        return Counts(
+            self.messages + other.messages,
+            self.arrows + other.arrows,
+            self.bad_poses + other.bad_poses,
+            self.untimed_messages + other.untimed_messages,
+            self.foreign_states + other.foreign_states,
+        )
+
+
+@dataclass(frozen=True, slots=True)
+class ConvertedBatch:
+    """What a batch became."""
+
+    chunks: tuple[FinishedChunk, ...]
+    counts: Counts
+    malformed: Mapping[int, int]
+    """Messages that could not be decoded, by channel id."""
+    losses: tuple[Loss, ...]
+    base_parent: str | None
+    """A parent that the log's own transforms give the base, if any."""
+    stored_size: int
+    """Bytes of the file that it was read from."""
+
+
+Handover = Future[int | None]
+"""Time of the last usable odometry message of all earlier batches, ns."""
+
+
+@dataclass(frozen=True, slots=True)
+class Work:
+    """A batch to be converted."""
+
+    span: Span
+    previous: Handover
+    next: Handover
+
+
+def chained(spans: Iterable[Span]) -> Iterator[Work]:
+    """Tie every batch to the one before it."""
+    previous: Handover = Future()
+    previous.set_result(None)
+    for span in spans:
+        following: Handover = Future()
+        yield Work(span, previous, following)
+        previous = following
+
+
+class BatchConverter:
+    """Converts batches; called from several threads at once."""
+
+    def __init__(self, log: Log, plan: Plan, annotations: Annotations) -> None:
+        self._log = log
+        self._plan = plan
+        self._annotations = annotations
+
+    def __call__(self, work: Work) -> ConvertedBatch:
+        """Convert one batch."""
+        try:
+            return self._convert(work)
+        finally:
+            if not work.next.done():
+                # Whoever waits for it must not wait for ever; the error reaches the user from here.
+                work.next.cancel()
+
+    def _convert(self, work: Work) -> ConvertedBatch:
+        batch = self._crop(self._log.read(work.span))
+        transforms, bad_poses, malformed = self._transforms(batch, work)
+        counts = Counts(messages=len(batch.messages), bad_poses=bad_poses)
+        arrows: list[Arrows] = []
+        loads: list[Loads] = []
+        selection = self._plan.selection
+        for messages in decode_contacts(batch, selection.contacts):
+            read = contact_columns(messages, selection.robot.feet, selection.foot_of)
+            drawn, skipped, load = self._draw(read.contacts)
+            arrows.append(drawn)
+            loads.append(load)
+            malformed = {**malformed, **messages.malformed}
+            counts += Counts(
+                arrows=skipped,
+                untimed_messages=read.untimed_messages,
+                foreign_states=read.foreign_states,
+            )
+        outgoing = self._annotations.outgoing(AnnotationColumns(transforms, arrows, loads))
+        compression = self._plan.options.compression or "zstd"
+        return ConvertedBatch(
+            chunks=(*self._copied(batch), *finish_chunks(outgoing, compression)),
+            counts=counts,
+            malformed=malformed,
+            losses=batch.losses,
+            base_parent=self._base_parent(batch),
+            stored_size=sum(chunk.data_size for chunk in work.span),
+        )
+
+    def _crop(self, batch: Batch) -> Batch:
+        """Leave out messages before the start and after the end that the user asked for."""
+        start, end = self._plan.start_time, self._plan.end_time
+        if start is None and end is None:
+            return batch
+        time = batch.messages.log_time
+        kept = np.ones(len(time), np.bool_)
+        if start is not None:
+            kept &= time >= start
+        if end is not None:
+            kept &= time <= end
+        bounds = np.concatenate([[0], np.cumsum(kept)])
+        chunks = tuple(
+            replace(
+                loaded,
+                rows=slice(int(bounds[loaded.rows.start]), int(bounds[loaded.rows.stop])),
+                whole=loaded.whole and bool(kept[loaded.rows].all()),
+            )
+            for loaded in batch.chunks
+        )
+        return replace(batch, messages=batch.messages.pick(kept), chunks=chunks)
+
+    def _transforms(self, batch: Batch, work: Work) -> tuple[Transforms, int, dict[int, int]]:
+        """Return the base's transforms, poses that cannot be one, and malformed messages."""
+        decoded = decode_odometry(batch, self._plan.selection.odometry)
+        malformed = _malformed(decoded)
+        odometry = concatenate_odometry([odometry_columns(messages) for messages in decoded])
+        usable = usable_poses(odometry)
+        bad_poses = int((~usable).sum())
+        chosen = self._at_ticks(odometry.pick(usable), work)
+        return base_transforms(chosen), bad_poses, malformed
+
+    def _at_ticks(self, odometry: Odometry, work: Work) -> Odometry:
+        time = odometry.time
+        previous = work.previous.result()
+        work.next.set_result(int(time[-1]) if len(time) else previous)
+        return odometry.pick(first_at_each_tick(time, self._plan.options.tf_rate_hz, previous))
+
+    def _draw(self, contacts: Contacts) -> tuple[Arrows, ArrowCounts, Loads]:
+        plan = self._plan
+        samples = contact_samples(contacts)
+        loads = foot_loads(samples, plan.body_weight_n)
+        newtons_per_metre = plan.selection.robot.newtons_per_metre
+        match plan.options.style:
+            case "classic":
+                return *classic_arrows(contacts), loads
+            case "pressure":
+                return *pressure_arrows(samples, newtons_per_metre), loads
+            case "force":
+                arrows, counts = force_arrows(
+                    samples,
+                    force_in_world=plan.force_in_world,
+                    body_weight_n=plan.body_weight_n,
+                    newtons_per_metre=newtons_per_metre,
+                )
+                return arrows, counts, loads
+
+    def _base_parent(self, batch: Batch) -> str | None:
+        if not self._plan.write_tf or self._plan.options.tf == "always":
+            return None
+        for messages in decode_transforms(batch, self._plan.selection.transforms):
+            for parent, child in sorted(frame_pairs(messages)):
+                if child.lstrip("/") == self._plan.base_frame:
+                    return parent.lstrip("/")
+        return None
+
+    def _copied(self, batch: Batch) -> Iterator[FinishedChunk]:
+        """Yield the recorded messages: whole chunks as they stand, others laid out anew."""
+        if not self._plan.options.copy:
+            return
+        torn: list[slice] = []
+        for loaded in batch.chunks:
+            if self._stays(loaded):
+                yield from self._laid_out_anew(batch, torn)
+                torn = []
+                yield _verbatim(batch.messages, loaded)
+            else:
+                torn.append(loaded.rows)
+        yield from self._laid_out_anew(batch, torn)
+
+    def _stays(self, loaded: LoadedChunk) -> bool:
+        wanted = self._plan.options.compression
+        same = wanted is None or wanted == (loaded.chunk.compression or "none")
+        return self._log.copies_chunks and loaded.whole and same
+
+    def _laid_out_anew(self, batch: Batch, rows: list[slice]) -> Iterator[FinishedChunk]:
+        if not rows:
+            return
+        messages = batch.messages.pick(slice(rows[0].start, rows[-1].stop))
+        outgoing = recorded(
+            messages.channel,
+            messages.sequence,
+            messages.log_time,
+            messages.publish_time,
+            batch.buffer,
+            messages.start,
+            messages.end,
+        )
+        yield from finish_chunks(outgoing, self._plan.options.compression or "zstd")
+
+
+def _malformed(decoded: list[DecodedMessages]) -> dict[int, int]:
+    return {channel: count for one in decoded for channel, count in one.malformed.items()}
+
+
+def _verbatim(messages: Messages, loaded: LoadedChunk) -> FinishedChunk:
+    """Return a recorded chunk as it stands, with a message index of what was found in it."""
+    chunk = loaded.chunk
+    rows = messages.pick(loaded.rows)
+    return indexed_chunk(
+        loaded.stored[: chunk.end - chunk.offset],
+        rows.channel,
+        rows.log_time,
+        rows.start - MESSAGE_HEAD.itemsize - loaded.base,
+        chunk.compression,
+        chunk.data_size,
+        chunk.size,
+    )

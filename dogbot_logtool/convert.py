@@ -1,0 +1,338 @@
+"""`dogbot-logtool convert`: a recorded walk becomes an annotated MCAP."""
+
+import zlib
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import BinaryIO, Final
+
+from mcap import records
+from mcap.opcode import Opcode
+
+from dogbot_logtool import __version__
+from dogbot_logtool.batches import BatchConverter, ConvertedBatch, Counts, chained
+from dogbot_logtool.errors import LogError
+from dogbot_logtool.evidence import look_into
+from dogbot_logtool.findings import Finding, note, warning
+from dogbot_logtool.parallel import in_order
+from dogbot_logtool.plan import ConvertOptions, Plan, make_plan, without_tf
+from dogbot_logtool.reader.log import Log, Loss
+from dogbot_logtool.reader.mcap_records import read_attachment, read_metadata
+from dogbot_logtool.reader.opening import open_log
+from dogbot_logtool.selection import select_topics
+from dogbot_logtool.writer.annotations import (
+    FALLBACK_PREFIX,
+    Annotations,
+    IdSource,
+)
+from dogbot_logtool.writer.encoding import Encoding, MessageType
+from dogbot_logtool.writer.mcap_writer import McapWriter, metadata_record
+from dogbot_logtool.writer.output import refuse_bad_target, whole_file
+
+PROVENANCE: Final = "dogbot_logtool"
+"""Name of the metadata record that tells how the file was made."""
+Progress = Callable[[int, int], None]
+"""Is told bytes done and bytes in all."""
+
+
+class _BaseHasParent(Exception):  # noqa: N818 - it never leaves this module
+    """The log's own transforms place the base, which a quick look had not shown."""
+
+    def __init__(self, parent: str) -> None:
+        super().__init__(parent)
+        self.parent = parent
+
+
+@dataclass(slots=True)
+class _Tally:
+    """What has happened so far."""
+
+    counts: Counts = field(default_factory=Counts)
+    by_channel: dict[int, int] = field(default_factory=dict)
+    malformed: dict[int, int] = field(default_factory=dict)
+    losses: list[Loss] = field(default_factory=list)
+    moved_topics: dict[str, str] = field(default_factory=dict)
+
+    def add(self, batch: ConvertedBatch) -> None:
+        self.counts += batch.counts
+        self.losses.extend(batch.losses)
+        for channel, count in batch.malformed.items():
+            self.malformed[channel] = self.malformed.get(channel, 0) + count
+        for chunk in batch.chunks:
+            for channel, count in chunk.counts.items():
+                self.by_channel[channel] = self.by_channel.get(channel, 0) + count
+
+
+@dataclass(frozen=True, slots=True)
+class Conversion:
+    """What was done."""
+
+    source: Path
+    target: Path
+    container: str
+    plan: Plan
+    copied: int
+    """Recorded messages in the output."""
+    annotations: Mapping[str, int]
+    """Messages that were added, by topic."""
+    counts: Counts
+    findings: tuple[Finding, ...]
+    losses: tuple[Loss, ...]
+
+    @property
+    def exit_code(self) -> int:
+        """0: done; 3: done, but the input was damaged."""
+        return 3 if self.losses else 0
+
+
+def convert(
+    source: Path, target: Path, options: ConvertOptions, progress: Progress | None = None
+) -> Conversion:
+    """Write the annotated MCAP of a log.
+
+    Args:
+        source: a ROS 1 bag or an MCAP.
+        target: the file to write; it appears only when it is whole.
+        options: what is asked for.
+        progress: is told how far it has come.
+
+    Raises:
+        CallError: no such file, a target that may not be written, a topic that is not there.
+        LogError: the log cannot be read, has nothing to annotate, or is damaged and `strict`.
+        LogtoolError: the target cannot be written.
+    """
+    refuse_bad_target(target, source, overwrite=options.overwrite)
+    log = open_log(source)
+    try:
+        selection = select_topics(log, options.topics)
+        plan = make_plan(log, selection, look_into(log, selection), options)
+        try:
+            return _write(log, target, plan, progress)
+        except _BaseHasParent as surprise:
+            return _write(log, target, without_tf(plan, surprise.parent), progress)
+    finally:
+        log.close()
+
+
+def _write(log: Log, target: Path, plan: Plan, progress: Progress | None) -> Conversion:
+    tally = _Tally(losses=list(log.losses))
+    with whole_file(target, overwrite=plan.options.overwrite) as file:
+        annotations = _annotations(log, plan, tally)
+        writer = _start(file, log, plan, annotations)
+        for batch in _converted_batches(log, plan, annotations, progress):
+            if batch.base_parent is not None:
+                raise _BaseHasParent(batch.base_parent)
+            tally.add(batch)
+            for chunk in batch.chunks:
+                writer.add_chunk(chunk)
+        if plan.options.copy:
+            _copy_extras(log, writer, tally)
+        _account_for_damage(log, plan, tally)
+        writer.add_metadata(_provenance(log, plan, tally))
+        writer.finish()
+    return _conversion(log, target, plan, annotations, tally)
+
+
+def _annotations(log: Log, plan: Plan, tally: _Tally) -> Annotations:
+    copied = log.channels.values() if plan.options.copy else ()
+    recorded = {channel.topic: channel for channel in copied}
+
+    def resolve_topic(topic: str, kind: MessageType) -> str:
+        """One topic must never carry two types or encodings."""
+        name = topic
+        while (there := recorded.get(name)) is not None:
+            if (there.type_name, there.message_encoding) == (kind.name, kind.message_encoding):
+                break
+            name = FALLBACK_PREFIX + name
+        if name != topic:
+            tally.moved_topics[topic] = name
+        return name
+
+    return Annotations(
+        _encoding(plan),
+        [foot.name for foot in plan.selection.robot.feet],
+        plan.arrow_style,
+        world_frame=plan.world_frame,
+        base_frame=plan.base_frame,
+        with_tf=plan.write_tf,
+        schema_ids=IdSource({channel.schema.id for channel in copied if channel.schema}),
+        channel_ids=IdSource({channel.id for channel in copied}),
+        resolve_topic=resolve_topic,
+    )
+
+
+def _encoding(plan: Plan) -> Encoding:
+    # Imported late: each brings the libraries of its message format.
+    if plan.options.encoding == "ros1":
+        from dogbot_logtool.writer.ros1 import Ros1Encoding  # noqa: PLC0415
+
+        return Ros1Encoding()
+    from dogbot_logtool.writer.foxglove import FoxgloveEncoding  # noqa: PLC0415
+
+    return FoxgloveEncoding()
+
+
+def _start(file: BinaryIO, log: Log, plan: Plan, annotations: Annotations) -> McapWriter:
+    """Write the header and everything that messages refer to."""
+    ours = "ros1" if plan.options.encoding == "ros1" else ""
+    writer = McapWriter(file, log.profile if plan.options.copy else ours)
+    if plan.options.copy:
+        schemas = {c.schema.id: c.schema for c in log.channels.values() if c.schema is not None}
+        for _, schema in sorted(schemas.items()):
+            writer.add_schema(
+                records.Schema(
+                    id=schema.id, name=schema.name, encoding=schema.encoding, data=schema.data
+                )
+            )
+        for _, channel in sorted(log.channels.items()):
+            writer.add_channel(
+                records.Channel(
+                    id=channel.id,
+                    topic=channel.topic,
+                    message_encoding=channel.message_encoding,
+                    metadata=dict(channel.metadata),
+                    schema_id=channel.schema.id if channel.schema else 0,
+                )
+            )
+    for ours_schema in annotations.schemas:
+        writer.add_schema(ours_schema)
+    for ours_channel in annotations.channels:
+        writer.add_channel(ours_channel)
+    return writer
+
+
+def _converted_batches(
+    log: Log, plan: Plan, annotations: Annotations, progress: Progress | None
+) -> Iterator[ConvertedBatch]:
+    total = sum(chunk.data_size for chunk in log.chunks)
+    done = 0
+    work = chained(log.spans(plan.start_time, plan.end_time))
+    for batch in in_order(BatchConverter(log, plan, annotations), work, plan.options.jobs):
+        yield batch
+        done += batch.stored_size
+        if progress is not None:
+            progress(done, total)
+
+
+def _copy_extras(log: Log, writer: McapWriter, tally: _Tally) -> None:
+    """Copy attachments and metadata records."""
+    for extra in log.extras:
+        record = log.source.read(extra.offset, extra.size)
+        if extra.opcode == Opcode.METADATA:
+            metadata = read_metadata(record)
+            if metadata is not None:
+                writer.add_metadata(metadata)
+                continue
+        else:
+            attachment = read_attachment(record)
+            recorded_crc = int.from_bytes(record[-4:], "little")
+            sound = recorded_crc in {0, zlib.crc32(record[9:-4])}
+            if attachment is not None and sound:
+                writer.add_attachment(record, attachment)
+                continue
+        what = f"the attachment or metadata record at byte {extra.offset} is damaged; left out"
+        tally.losses.append(Loss(extra.offset, what, extra.size))
+
+
+def _account_for_damage(log: Log, plan: Plan, tally: _Tally) -> None:
+    """Turn malformed messages and a wrong index into losses.
+
+    Raises:
+        LogError: there is damage, and the user asked for it to be an error.
+    """
+    for channel, count in sorted(tally.malformed.items()):
+        topic = log.channels[channel].topic
+        what = f"{count} messages of {topic} could not be decoded: copied, but not annotated"
+        tally.losses.append(Loss(0, what, 0, count))
+    if tally.losses and plan.options.strict:
+        first = tally.losses[0]
+        raise LogError(
+            f"{log.source.path}: is damaged, and --strict refuses that: {first.what}"
+            + (f" (and {len(tally.losses) - 1} more)" if len(tally.losses) > 1 else "")
+        )
+
+
+def _provenance(log: Log, plan: Plan, tally: _Tally) -> records.Metadata:
+    """Return the record that tells how the file was made: no dates, no paths."""
+    options, robot = plan.options, plan.selection.robot
+    values: dict[str, object] = {
+        "version": __version__,
+        "input": log.source.path.name,
+        "container": log.container,
+        "style": options.style,
+        "encoding": options.encoding,
+        "copy": options.copy,
+        "wrench_frame": options.wrench_frame,
+        "force_in_world": plan.force_in_world,
+        "tf": options.tf,
+        "tf_rate_hz": options.tf_rate_hz,
+        "start_s": options.start_s,
+        "end_s": options.end_s,
+        "robot": robot.name,
+        "mass_kg": robot.mass_kg,
+        "world_frame": plan.world_frame,
+        "base_frame": plan.base_frame,
+        "lost_messages": lost_messages(tally.losses),
+        "lost_bytes": sum(loss.bytes for loss in tally.losses),
+        "damage": "; ".join(loss.what for loss in tally.losses),
+    }
+    texts = {key: "" if value is None else str(value) for key, value in values.items()}
+    return metadata_record(PROVENANCE, texts)
+
+
+def lost_messages(losses: list[Loss] | tuple[Loss, ...]) -> int | None:
+    """Return how many messages are known to be lost; None when it cannot be known."""
+    known = [loss.messages for loss in losses if loss.messages is not None]
+    return sum(known) if len(known) == len(losses) else None
+
+
+def _conversion(
+    log: Log, target: Path, plan: Plan, annotations: Annotations, tally: _Tally
+) -> Conversion:
+    topics = annotations.topics()
+    ours = {topic: tally.by_channel.get(channel, 0) for channel, topic in topics.items()}
+    copied = sum(n for channel, n in tally.by_channel.items() if channel not in topics)
+    findings = (*plan.findings, *_findings(plan, tally))
+    return Conversion(
+        source=log.source.path,
+        target=target,
+        container=log.container,
+        plan=plan,
+        copied=copied,
+        annotations=ours,
+        counts=tally.counts,
+        findings=tuple(sorted(findings)),
+        losses=tuple(tally.losses),
+    )
+
+
+def _findings(plan: Plan, tally: _Tally) -> Iterator[Finding]:
+    """Say what was counted on the way."""
+    counts, arrows = tally.counts, tally.counts.arrows
+    for topic, name in tally.moved_topics.items():
+        text = f"the log has a topic {topic} of another type, so ours is {name}"
+        yield note("TOPIC_MOVED", text, name)
+    if counts.bad_poses:
+        text = f"{counts.bad_poses} poses have a zero quaternion or are not finite: not written"
+        yield warning("BAD_POSES", text)
+    if arrows.not_finite:
+        text = f"{arrows.not_finite} contact messages hold NaN or infinity: no arrow is drawn"
+        yield warning("NOT_FINITE", text)
+    if arrows.no_position:
+        text = f"{arrows.no_position} contact messages have no contact point: no arrow is drawn"
+        yield warning("NO_POSITION", text)
+    if arrows.no_direction:
+        text = f"{arrows.no_direction} contact messages have no normal: no arrow is drawn"
+        yield warning("NO_DIRECTION", text)
+    if arrows.overflow:
+        text = f"{arrows.overflow} forces overflow when squared: skipped, as the live script did"
+        yield warning("OVERFLOW", text)
+    if counts.untimed_messages and plan.options.style != "classic":
+        text = (
+            f"{counts.untimed_messages} contact messages tell no time of their states: "
+            "all are taken for one physics step"
+        )
+        yield warning("UNTIMED_STATES", text)
+    if counts.foreign_states:
+        text = f"{counts.foreign_states} contact states are not between a foot and something else"
+        yield note("FOREIGN_STATES", text)

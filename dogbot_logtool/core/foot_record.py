@@ -1,0 +1,197 @@
+"""Everything that is measured on one foot while its samples stream past."""
+
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+
+from dogbot_logtool.core import timespans
+from dogbot_logtool.core.aggregates import IntervalHistogram
+from dogbot_logtool.core.arrays import Flags, Ints
+from dogbot_logtool.core.blocks import BLOCK_ROWS, Blocks, GrowingTable
+from dogbot_logtool.core.clock import TimeSource, advancing
+from dogbot_logtool.core.contacts import Samples
+from dogbot_logtool.core.footfall import (
+    ContactRule,
+    DecidedStance,
+    FootSignal,
+    StanceFinder,
+    foot_signal,
+)
+from dogbot_logtool.core.stances import (
+    LONGEST_STANCE_S,
+    Cut,
+    StanceRow,
+    Stances,
+    stances_from_rows,
+)
+from dogbot_logtool.core.track import SILENCE_NS, FootTrack, TrackRecorder
+
+GAP_INTERVALS: Final = 5.0
+"""A gap is longer than this many median intervals, and than `SILENCE_NS`."""
+
+
+@dataclass(frozen=True, slots=True)
+class FootRecord:
+    """All that is kept of one foot's samples."""
+
+    messages: int
+    not_finite: int
+    """Messages whose force is not finite; left out."""
+    not_advancing: int
+    """Messages that repeat a time or step back; left out."""
+    loaded: int
+    """Samples in contact."""
+    repeated: int
+    """Samples in contact whose force equals, to the bit, the one before."""
+    start: int | None
+    """ns, first usable sample; None without any. Also `end`, the last one."""
+    end: int | None
+    median_interval_s: float | None
+    gaps: Ints
+    """(g, 2) ns, silences that end what is known: last sample before, first one after."""
+    stances: Stances
+    filled_swings: int
+    dropped_stances: int
+    track: FootTrack
+
+    @property
+    def known(self) -> Ints:
+        """(k, 2) ns, the time about which this foot's sensor says something."""
+        if self.start is None or self.end is None:
+            return timespans.no_spans()
+        return timespans.subtract(np.array([[self.start, self.end]], np.int64), self.gaps)
+
+    @property
+    def in_contact(self) -> Ints:
+        """(c, 2) ns, the time that is known to be in contact."""
+        spans = np.stack([self.stances.touchdown, self.stances.liftoff], axis=1)
+        return timespans.intersect([spans, self.known])
+
+    @property
+    def contact_fraction(self) -> float | None:
+        """Time in contact over time known; None where nothing is known."""
+        known = timespans.total(self.known)
+        return timespans.total(self.in_contact) / known if known else None
+
+    @property
+    def vertical_known(self) -> Ints:
+        """(v, 2) ns, the known time in which the vertical force is known too."""
+        return timespans.subtract(self.known, self.track.vertical_unknown)
+
+
+class FootRecorder:
+    """Makes a `FootRecord` of the samples of one foot, fed batch by batch.
+
+    The record is the same to the bit however the samples are split into batches.
+    """
+
+    def __init__(
+        self,
+        rule: ContactRule,
+        clock: TimeSource,
+        *,
+        force_in_world: bool,
+        block_rows: int = BLOCK_ROWS,
+    ) -> None:
+        self._rule = rule
+        self._clock = clock
+        self._force_in_world = force_in_world
+        self._blocks: Blocks[Samples] = Blocks(block_rows)
+        self._intervals = IntervalHistogram()
+        self._finder = StanceFinder(rule)
+        self._track = TrackRecorder()
+        self._stances = GrowingTable(2 + len(StanceRow._fields))
+        self._start: int | None = None
+        self._end: int | None = None
+        self._messages = self._not_finite = self._not_advancing = 0
+        self._loaded = self._repeated = 0
+
+    def add(self, samples: Samples) -> None:
+        """Take in samples of this foot, in the order of the log."""
+        for block in self._blocks.add(samples):
+            self._add_block(block)
+
+    def finish(self) -> FootRecord:
+        """End the log."""
+        for block in self._blocks.rest():
+            self._add_block(block)
+        self._found(self._finder.finish())
+        median = self._intervals.percentile(50.0)
+        longest = max(float(SILENCE_NS), GAP_INTERVALS * (median or 0.0))
+        silences = self._track.silences()
+        gaps = silences[silences[:, 1] - silences[:, 0] > longest]
+        return FootRecord(
+            messages=self._messages,
+            not_finite=self._not_finite,
+            not_advancing=self._not_advancing,
+            loaded=self._loaded,
+            repeated=self._repeated,
+            start=self._start,
+            end=self._end,
+            median_interval_s=None if median is None else median / 1e9,
+            gaps=gaps,
+            stances=self._all_stances(gaps),
+            filled_swings=self._finder.filled_swings,
+            dropped_stances=self._finder.dropped_stances,
+            track=self._track.finish(longest),
+        )
+
+    def _add_block(self, samples: Samples) -> None:
+        time = samples.stamp if self._clock is TimeSource.HEADER else samples.log_time
+        finite = samples.finite
+        usable = self._usable(time, finite)
+        self._messages += len(time)
+        self._not_finite += int((~finite).sum())
+        self._not_advancing += int((finite & ~usable).sum())
+        samples, time = samples.pick(usable), time[usable]
+        if len(time) == 0:
+            return
+
+        previous = self._finder.last
+        signal = foot_signal(
+            samples, time, self._rule, force_in_world=self._force_in_world, previous=previous
+        )
+        if self._start is None:
+            self._start = int(time[0])
+        self._end = int(time[-1])
+        self._count_repeats(signal, previous)
+        self._intervals.add(np.diff(time, prepend=time[:1] if previous is None else previous.time))
+        self._track.add(time, signal.force, signal.vertical, signal.point)
+        self._found(self._finder.add(signal))
+
+    def _usable(self, time: Ints, finite: Flags) -> Flags:
+        """Tell which samples have a finite force and a time later than all before."""
+        if self._clock is TimeSource.HEADER:
+            finite = finite & (time != 0)
+        usable = np.zeros(len(time), np.bool_)
+        usable[finite] = advancing(time[finite], self._end)
+        return usable
+
+    def _count_repeats(self, signal: FootSignal, previous: FootSignal | None) -> None:
+        rows = signal if previous is None else previous.then(signal)
+        equal = (rows.force[1:] == rows.force[:-1]) & rows.contact[1:] & rows.contact[:-1]
+        self._loaded += int(signal.contact.sum())
+        self._repeated += int(equal.sum())
+
+    def _found(self, stances: list[DecidedStance]) -> None:
+        if stances and self._start is not None:
+            rows = [
+                (stance.touchdown - self._start, stance.liftoff - self._start, *stance.figures)
+                for stance in stances
+            ]
+            self._stances.append(np.array(rows, np.float64))
+
+    def _all_stances(self, gaps: Ints) -> Stances:
+        """Stack the stances and say of each what cuts it."""
+        rows = self._stances.stacked()
+        start = self._start or 0
+        touchdown = rows[:, 0].astype(np.int64) + start
+        liftoff = rows[:, 1].astype(np.int64) + start
+        cut = np.where(liftoff - touchdown > LONGEST_STANCE_S * 1e9, Cut.STANDING, Cut.WHOLE)
+        cut[timespans.touches(gaps, touchdown, liftoff)] = Cut.GAP
+        last = self._finder.last
+        if last is not None and last.contact[0]:
+            cut[-1:] = Cut.LOG_END
+        cut[touchdown == start] = Cut.LOG_START
+        return stances_from_rows(touchdown, liftoff, cut, rows[:, 2:])

@@ -1,0 +1,114 @@
+"""A quick look into a log: what a few of its chunks, spread over it, show.
+
+Some decisions must be made before the first message is written: in which frame the wrenches are,
+what the frames are called, whether the base has a parent already. They are made here, the same way
+for every command.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+
+from dogbot_logtool.core.arrays import Floats, Ints
+from dogbot_logtool.core.contacts import contact_samples
+from dogbot_logtool.core.wrench_frame import WrenchFrameEvidence, alignment, judge_wrench_frame
+from dogbot_logtool.reader.contacts import contact_columns, decode_contacts
+from dogbot_logtool.reader.log import Batch, Chunk, Log
+from dogbot_logtool.reader.odometry import decode_odometry, odometry_frames
+from dogbot_logtool.reader.transforms import decode_transforms, frame_pairs
+from dogbot_logtool.selection import Selection
+
+_LOOKS: Final = 8
+"""Chunks that are looked at, besides those with static transforms."""
+_STATIC_TOPIC: Final = "tf_static"
+
+
+@dataclass(frozen=True, slots=True)
+class Evidence:
+    """What was seen."""
+
+    wrench_frame: WrenchFrameEvidence
+    world_frames: tuple[str, ...]
+    """Header frame ids of the odometry, as recorded, sorted; also `base_frames`, its children."""
+    base_frames: tuple[str, ...]
+    parents: Mapping[str, frozenset[str]]
+    """Parents that the log's own transforms give each frame, without leading slashes."""
+    slashed_frames: tuple[str, ...]
+    """Frame ids that begin with a slash, which no viewer of today accepts."""
+    zero_stamps: frozenset[str]
+    """Topics whose header stamps are all zero."""
+    chunks_seen: int
+    chunks: int
+
+
+def look_into(log: Log, selection: Selection) -> Evidence:
+    """Look into chunks from the start to the end of a log."""
+    look = _Look(selection)
+    chosen = _spread(log, selection)
+    for chunk in chosen:
+        look.take(log.read((chunk,)))
+    return look.evidence(len(chosen), len(log.chunks))
+
+
+def _spread(log: Log, selection: Selection) -> list[Chunk]:
+    """Choose chunks: evenly spaced among those that hold used topics, and all static frames."""
+    used = {c.id for c in (*selection.odometry, *selection.contacts, *selection.transforms)}
+    static = {c.id for c in selection.transforms if c.topic.endswith(_STATIC_TOPIC)}
+    useful = [c for c in log.chunks if c.counts is None or not used.isdisjoint(c.counts)]
+    places = np.unique(np.linspace(0, max(len(useful) - 1, 0), _LOOKS).round().astype(int))
+    chosen = {useful[place].offset for place in places.tolist() if useful}
+    chosen |= {c.offset for c in useful if c.counts and not static.isdisjoint(c.counts)}
+    return [chunk for chunk in useful if chunk.offset in chosen]
+
+
+class _Look:
+    def __init__(self, selection: Selection) -> None:
+        self._selection = selection
+        self._alignments: list[Floats] = []
+        self._world: set[str] = set()
+        self._base: set[str] = set()
+        self._parents: dict[str, set[str]] = {}
+        self._slashed: set[str] = set()
+        self._stamped: dict[str, bool] = {}
+
+    def take(self, batch: Batch) -> None:
+        """Look at the messages of a batch."""
+        selection = self._selection
+        for messages in decode_odometry(batch, selection.odometry):
+            parents, children = odometry_frames(messages)
+            self._world.update(parents)
+            self._base.update(children)
+            self._see_stamps(messages.channel, messages.table.nanoseconds("header.stamp"))
+        for messages in decode_contacts(batch, selection.contacts):
+            read = contact_columns(messages, selection.robot.feet, selection.foot_of)
+            self._alignments.append(alignment(contact_samples(read.contacts)))
+            self._see_stamps(messages.channel, read.contacts.stamp)
+        for messages in decode_transforms(batch, selection.transforms):
+            for parent, child in frame_pairs(messages):
+                self._slashed.update(name for name in (parent, child) if name.startswith("/"))
+                self._parents.setdefault(child.lstrip("/"), set()).add(parent.lstrip("/"))
+
+    def _see_stamps(self, channel: Ints, stamp: Ints) -> None:
+        topics = {c.id: c.topic for c in (*self._selection.odometry, *self._selection.contacts)}
+        for number in np.unique(channel).tolist():
+            stamped = bool((stamp[channel == number] != 0).any())
+            topic = topics[number]
+            self._stamped[topic] = self._stamped.get(topic, False) or stamped
+
+    def evidence(self, seen: int, chunks: int) -> Evidence:
+        """Sum up."""
+        alignments = np.concatenate([np.empty(0), *self._alignments])
+        frames = self._world | self._base
+        self._slashed.update(name for name in frames if name.startswith("/"))
+        return Evidence(
+            wrench_frame=judge_wrench_frame(alignments),
+            world_frames=tuple(sorted(self._world)),
+            base_frames=tuple(sorted(self._base)),
+            parents={child: frozenset(names) for child, names in sorted(self._parents.items())},
+            slashed_frames=tuple(sorted(self._slashed)),
+            zero_stamps=frozenset(topic for topic, stamped in self._stamped.items() if not stamped),
+            chunks_seen=seen,
+            chunks=chunks,
+        )

@@ -1,0 +1,37 @@
+"""Work on several threads, with results in the order of the work."""
+
+from collections import deque
+from collections.abc import Callable, Iterable, Iterator
+from concurrent.futures import Future, ThreadPoolExecutor
+from typing import TypeVar
+
+Item = TypeVar("Item")
+Result = TypeVar("Result")
+
+
+def in_order(work: Callable[[Item], Result], items: Iterable[Item], jobs: int) -> Iterator[Result]:
+    """Yield `work(item)` for every item, in order.
+
+    The codecs and numpy let other threads run, so threads are as good as processes here. No more
+    than one result a thread waits to be taken, so memory does not grow.
+
+    Args:
+        work: called from `jobs` threads, or from this one when `jobs` is 1.
+        items: taken one by one as threads become free.
+        jobs: how many threads.
+    """
+    if jobs == 1:
+        yield from map(work, items)
+        return
+    with ThreadPoolExecutor(jobs, thread_name_prefix="batch") as pool:
+        waiting: deque[Future[Result]] = deque()
+        try:
+            for item in items:
+                waiting.append(pool.submit(work, item))
+                if len(waiting) > jobs:
+                    yield waiting.popleft().result()
+            while waiting:
+                yield waiting.popleft().result()
+        finally:
+            for future in waiting:
+                future.cancel()

@@ -1,0 +1,195 @@
+"""What `convert` will do with a log, decided before the first message is written."""
+
+from dataclasses import dataclass, field, replace
+from typing import Final, Literal
+
+from dogbot_logtool.core.arrows import CLASSIC_DIAMETER_M, LIFETIME_S
+from dogbot_logtool.core.loads import body_weight_n
+from dogbot_logtool.core.wrench_frame import WrenchFrame
+from dogbot_logtool.errors import LogError
+from dogbot_logtool.evidence import Evidence
+from dogbot_logtool.findings import Finding, note, warning
+from dogbot_logtool.reader.log import Log
+from dogbot_logtool.selection import Selection, TopicOptions
+from dogbot_logtool.writer.chunks import Compression
+from dogbot_logtool.writer.encoding import ArrowStyle
+
+Style = Literal["classic", "pressure", "force"]
+EncodingName = Literal["foxglove", "ros1"]
+WrenchFrameOption = Literal["auto", "world", "link"]
+TfOption = Literal["auto", "always", "never"]
+
+DEFAULT_WORLD: Final = "world"
+DEFAULT_BASE: Final = "base_link"
+
+
+@dataclass(frozen=True, slots=True)
+class ConvertOptions:
+    """What a user asks of `convert`."""
+
+    topics: TopicOptions = field(default_factory=TopicOptions)
+    style: Style = "pressure"
+    encoding: EncodingName = "foxglove"
+    copy: bool = True
+    """Whether the recorded messages go into the output too."""
+    wrench_frame: WrenchFrameOption = "auto"
+    tf: TfOption = "auto"
+    tf_rate_hz: float = 50.0
+    """0: every odometry message."""
+    start_s: float | None = None
+    """s since the log's start; messages recorded earlier are left out."""
+    end_s: float | None = None
+    compression: Compression | None = None
+    """None: zstd, and the chunks of an MCAP input as they are."""
+    jobs: int = 1
+    overwrite: bool = False
+    strict: bool = False
+    """Damage is an error."""
+
+
+@dataclass(frozen=True, slots=True)
+class Plan:
+    """Decisions."""
+
+    selection: Selection
+    options: ConvertOptions
+    world_frame: str
+    base_frame: str
+    write_tf: bool
+    force_in_world: bool
+    body_weight_n: float | None
+    arrow_style: ArrowStyle
+    start_time: int | None
+    """ns, log time from which on messages are taken; None: all; also `end_time`."""
+    end_time: int | None
+    findings: tuple[Finding, ...]
+
+
+def make_plan(log: Log, selection: Selection, evidence: Evidence, options: ConvertOptions) -> Plan:
+    """Decide what to do.
+
+    Raises:
+        LogError: the log has neither odometry nor contacts.
+    """
+    if not selection.odometry and not selection.contacts:
+        raise LogError(_nothing_to_do(log))
+    robot = selection.robot
+    findings = [*selection.findings, *evidence_findings(selection, evidence)]
+    base = robot.base_frame or _frame(evidence.base_frames, DEFAULT_BASE)
+    world = robot.world_frame or _frame(evidence.world_frames, DEFAULT_WORLD)
+    force_in_world = _force_in_world(evidence, options, findings)
+    weight = body_weight_n(robot.mass_kg)
+    if options.style == "force" and weight is None:
+        text = "the robot's mass is not known: arrows are coloured by newtons (--mass tells it)"
+        findings.append(note("NO_MASS", text))
+    start = log.start_time or 0
+    return Plan(
+        selection=selection,
+        options=options,
+        world_frame=world,
+        base_frame=base,
+        write_tf=_write_tf(selection, evidence, options, base, findings),
+        force_in_world=force_in_world,
+        body_weight_n=weight,
+        arrow_style=_arrow_style(options.style, robot.shaft_diameter_m),
+        start_time=None if options.start_s is None else start + round(options.start_s * 1e9),
+        end_time=None if options.end_s is None else start + round(options.end_s * 1e9),
+        findings=tuple(sorted(findings)),
+    )
+
+
+def without_tf(plan: Plan, parent: str) -> Plan:
+    """Return the plan for a log whose own transforms turn out to place the base."""
+    finding = _second_parent(plan.base_frame, [parent])
+    return replace(plan, write_tf=False, findings=tuple(sorted((*plan.findings, finding))))
+
+
+def evidence_findings(selection: Selection, evidence: Evidence) -> list[Finding]:
+    """Return what a user should know of what was seen."""
+    findings: list[Finding] = []
+    if evidence.zero_stamps:
+        topics = ", ".join(sorted(evidence.zero_stamps))
+        text = f"header stamps are zero, log time is used instead: {topics}"
+        findings.append(warning("ZERO_STAMPS", text))
+    if evidence.slashed_frames:
+        frames = ", ".join(evidence.slashed_frames)
+        text = f"frame ids begin with a slash, which viewers of today do not accept: {frames}"
+        findings.append(warning("SLASHED_FRAMES", text))
+    if selection.contacts:
+        findings.append(_wrench_frame_finding(evidence))
+    if len(evidence.world_frames) > 1 or len(evidence.base_frames) > 1:
+        frames = ", ".join((*evidence.world_frames, *evidence.base_frames))
+        findings.append(warning("FRAMES_CHANGE", f"the odometry names several frames: {frames}"))
+    return findings
+
+
+def _wrench_frame_finding(evidence: Evidence) -> Finding:
+    seen = evidence.wrench_frame
+    if seen.frame is WrenchFrame.UNKNOWN:
+        text = (
+            f"the frame of the wrenches is not known ({seen.samples} loaded samples with normals "
+            "were seen): only magnitudes are used; --wrench-frame says which"
+        )
+        return warning("WRENCH_FRAME_UNKNOWN", text)
+    told = f"(median |F.n|/|F| is {seen.median_alignment:.3f} over {seen.samples} samples)"
+    if seen.frame is WrenchFrame.WORLD:
+        return note("WRENCH_FRAME_WORLD", f"wrenches are in the world frame {told}")
+    return note(
+        "WRENCH_FRAME_LINK",
+        f"wrenches are not in the world frame but in a link's {told}: their direction is not used",
+    )
+
+
+def _force_in_world(evidence: Evidence, options: ConvertOptions, findings: list[Finding]) -> bool:
+    if options.wrench_frame == "auto":
+        in_world = evidence.wrench_frame.frame is WrenchFrame.WORLD
+    else:
+        in_world = options.wrench_frame == "world"
+    if options.style == "force" and not in_world:
+        text = "only the magnitude of forces is known: arrows stand along the contact normals"
+        findings.append(warning("MAGNITUDE_ONLY", text))
+    return in_world
+
+
+def _write_tf(
+    selection: Selection,
+    evidence: Evidence,
+    options: ConvertOptions,
+    base: str,
+    findings: list[Finding],
+) -> bool:
+    if not selection.odometry or options.tf == "never":
+        return False
+    parents = evidence.parents.get(base)
+    if parents and options.copy and options.tf == "auto":
+        findings.append(_second_parent(base, sorted(parents)))
+        return False
+    return True
+
+
+def _second_parent(base: str, parents: list[str]) -> Finding:
+    text = (
+        f"the log's own transforms place {base} in {', '.join(parents)}; a second parent would "
+        "break the tree, so none is written (--tf always does)"
+    )
+    return warning("TF_HAS_PARENT", text)
+
+
+def _arrow_style(style: Style, shaft_diameter_m: float) -> ArrowStyle:
+    if style == "classic":
+        return ArrowStyle(CLASSIC_DIAMETER_M, lifetime_s=0.0)
+    return ArrowStyle(shaft_diameter_m, LIFETIME_S)
+
+
+def _frame(recorded: tuple[str, ...], default: str) -> str:
+    names = [name.lstrip("/") for name in recorded if name.strip("/")]
+    return names[0] if names else default
+
+
+def _nothing_to_do(log: Log) -> str:
+    found = sorted({(c.topic, c.type_name) for c in log.channels.values()})
+    listed = "".join(f"\n  {topic}  {kind}" for topic, kind in found) or " nothing"
+    return (
+        f"{log.source.path}: has neither nav_msgs/Odometry nor gazebo_msgs/ContactsState that can "
+        f"be used (--odom-topic and --foot name topics). It has:{listed}"
+    )

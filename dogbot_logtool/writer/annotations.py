@@ -1,0 +1,190 @@
+"""The messages that we add: transforms, arrows and loads, stamped out of columns."""
+
+from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Set as AbstractSet
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+from mcap import records
+from numpy.typing import NDArray
+
+from dogbot_logtool.core.arrays import Flags, Floats, Ints
+from dogbot_logtool.core.arrows import Arrows
+from dogbot_logtool.core.loads import Loads
+from dogbot_logtool.core.odometry import Transforms
+from dogbot_logtool.errors import LogtoolError
+from dogbot_logtool.writer.encoding import SHAFT_SHARE, ArrowStyle, Encoding, MessageType
+from dogbot_logtool.writer.outgoing import Outgoing, in_time_order, stamped
+from dogbot_logtool.writer.template import Template
+
+TF_TOPIC: Final = "/tf"
+FALLBACK_PREFIX: Final = "/dogbot_logtool"
+_MAX_ID: Final = 0xFFFF
+
+ResolveTopic = Callable[[str, MessageType], str]
+"""Says under which topic messages of a type are written."""
+
+
+def arrow_topic(foot: str) -> str:
+    """Return the topic of a foot's arrows."""
+    return f"/marker_basic_{foot}_foot"
+
+
+def load_topic(foot: str) -> str:
+    """Return the topic of a foot's load."""
+    return f"/load/{foot}"
+
+
+@dataclass(frozen=True, slots=True)
+class AnnotationColumns:
+    """What a batch is annotated with."""
+
+    transforms: Transforms
+    arrows: Sequence[Arrows]
+    loads: Sequence[Loads]
+
+
+class IdSource:
+    """Gives out schema or channel ids that the input does not use, above its highest if it can."""
+
+    def __init__(self, used: AbstractSet[int]) -> None:
+        highest = max(used, default=0)
+        above = range(highest + 1, _MAX_ID + 1)
+        self._free = iter([*above, *(n for n in range(1, highest) if n not in used)])
+
+    def take(self) -> int:
+        """Return a free id.
+
+        Raises:
+            LogtoolError: all are in use.
+        """
+        number = next(self._free, None)
+        if number is None:
+            raise LogtoolError("the log uses all 65535 ids that an MCAP file can have")
+        return number
+
+
+class Annotations:
+    """The annotation channels of one output, and what stamps out their messages."""
+
+    def __init__(
+        self,
+        encoding: Encoding,
+        feet: Sequence[str],
+        style: ArrowStyle,
+        *,
+        world_frame: str,
+        base_frame: str,
+        with_tf: bool,
+        schema_ids: IdSource,
+        channel_ids: IdSource,
+        resolve_topic: ResolveTopic,
+    ) -> None:
+        self.schemas: list[records.Schema] = []
+        self.channels: list[records.Channel] = []
+        self._ids = channel_ids
+        self._schema_ids = schema_ids
+        self._resolve = resolve_topic
+        self._tf: tuple[int, Template] | None = None
+        if with_tf:
+            channel = self._declare(TF_TOPIC, encoding.transform_type)
+            self._tf = channel, encoding.transform(world_frame, base_frame)
+        self._arrows = [
+            (
+                self._declare(arrow_topic(foot), encoding.arrow_type),
+                encoding.arrow(foot, world_frame, style),
+                encoding.removal(foot, world_frame),
+            )
+            for foot in feet
+        ]
+        load = encoding.load()
+        self._loads = [(self._declare(load_topic(foot), encoding.load_type), load) for foot in feet]
+
+    def _declare(self, topic: str, kind: MessageType) -> int:
+        schema = next((one for one in self.schemas if one.name == kind.name), None)
+        if schema is None:
+            schema = records.Schema(
+                id=self._schema_ids.take(),
+                name=kind.name,
+                encoding=kind.schema_encoding,
+                data=kind.schema,
+            )
+            self.schemas.append(schema)
+        channel = records.Channel(
+            id=self._ids.take(),
+            topic=self._resolve(topic, kind),
+            message_encoding=kind.message_encoding,
+            metadata={},
+            schema_id=schema.id,
+        )
+        self.channels.append(channel)
+        return int(channel.id)
+
+    def topics(self) -> Mapping[int, str]:
+        """Return the topic of every annotation channel."""
+        return {channel.id: channel.topic for channel in self.channels}
+
+    def outgoing(self, columns: AnnotationColumns) -> Outgoing:
+        """Stamp out the messages of a batch, in the order of their log times."""
+        parts: list[Outgoing] = []
+        if self._tf is not None:
+            parts.append(_transforms(*self._tf, columns.transforms))
+        for foot, (channel, arrow, removal) in enumerate(self._arrows):
+            for arrows in columns.arrows:
+                of_foot = arrows.foot == foot
+                parts.append(_shown(channel, arrow, arrows, of_foot & arrows.shown))
+                parts.append(_removed(channel, removal, arrows, of_foot & ~arrows.shown))
+        for foot, (channel, template) in enumerate(self._loads):
+            parts.extend(
+                _loads(channel, template, loads, loads.foot == foot) for loads in columns.loads
+            )
+        return in_time_order(parts) if parts else stamped(0, *_nothing())
+
+
+def _nothing() -> tuple[Ints, NDArray[np.void]]:
+    return np.empty(0, np.int64), np.empty(0, "V1")
+
+
+def _transforms(channel: int, template: Template, transforms: Transforms) -> Outgoing:
+    messages = template.copies(len(transforms.log_time))
+    template.write_time(messages, "stamp", transforms.stamp)
+    _write_pose(messages, transforms.translation, transforms.rotation)
+    return stamped(channel, transforms.log_time, messages)
+
+
+def _shown(channel: int, template: Template, arrows: Arrows, rows: Flags) -> Outgoing:
+    messages = template.copies(int(rows.sum()))
+    template.write_time(messages, "stamp", arrows.stamp[rows])
+    _write_pose(messages, arrows.position[rows], arrows.orientation[rows])
+    length = arrows.length[rows]
+    if "length" in template.kinds:
+        messages["length"] = length
+    else:
+        messages["shaft"] = SHAFT_SHARE * length
+        messages["head"] = (1.0 - SHAFT_SHARE) * length
+    for part, column in zip("rgba", arrows.colour[rows].T, strict=True):
+        messages[part] = column
+    return stamped(channel, arrows.log_time[rows], messages)
+
+
+def _removed(channel: int, template: Template, arrows: Arrows, rows: Flags) -> Outgoing:
+    messages = template.copies(int(rows.sum()))
+    template.write_time(messages, "stamp", arrows.stamp[rows])
+    return stamped(channel, arrows.log_time[rows], messages)
+
+
+def _loads(channel: int, template: Template, loads: Loads, rows: Flags) -> Outgoing:
+    messages = template.copies(int(rows.sum()))
+    template.write_time(messages, "stamp", loads.stamp[rows])
+    messages["in_contact"] = loads.in_contact[rows]
+    messages["force"] = loads.force[rows]
+    messages["force_bw"] = loads.body_weights[rows]
+    return stamped(channel, loads.log_time[rows], messages)
+
+
+def _write_pose(messages: NDArray[np.void], position: Floats, orientation: Floats) -> None:
+    for axis, column in zip("xyz", position.T, strict=True):
+        messages[axis] = column
+    for axis, column in zip("xyzw", orientation.T, strict=True):
+        messages[f"q{axis}"] = column
