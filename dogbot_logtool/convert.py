@@ -1,7 +1,7 @@
 """`dogbot-logtool convert`: a recorded walk becomes an annotated MCAP."""
 
 import zlib
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import BinaryIO, Final
@@ -11,12 +11,12 @@ from mcap.opcode import Opcode
 
 from dogbot_logtool import __version__
 from dogbot_logtool.batches import BatchConverter, ConvertedBatch, Counts, chained
-from dogbot_logtool.errors import LogError
+from dogbot_logtool.errors import CallError, LogError
 from dogbot_logtool.evidence import look_into
 from dogbot_logtool.findings import Finding, note, warning
 from dogbot_logtool.parallel import in_order
 from dogbot_logtool.plan import ConvertOptions, Plan, make_plan, without_tf
-from dogbot_logtool.reader.log import Log, Loss
+from dogbot_logtool.reader.log import Log, Loss, lost_messages
 from dogbot_logtool.reader.mcap_records import read_attachment, read_metadata
 from dogbot_logtool.reader.opening import open_log
 from dogbot_logtool.selection import select_topics
@@ -83,6 +83,29 @@ class Conversion:
     def exit_code(self) -> int:
         """0: done; 3: done, but the input was damaged."""
         return 3 if self.losses else 0
+
+
+def targets(logs: Sequence[Path], output: Path | None) -> list[tuple[Path, Path]]:
+    """Return the output of every log.
+
+    Args:
+        logs: the inputs.
+        output: a file, or a directory; None: the current directory.
+
+    Raises:
+        CallError: several logs would go to one file.
+    """
+    if output is not None and not output.is_dir():
+        if len(logs) > 1:
+            raise CallError(f"{output}: is no directory, and there are {len(logs)} logs")
+        return [(logs[0], output)]
+    folder = output or Path()
+    pairs = [(log, folder / f"{log.stem}.annotated.mcap") for log in logs]
+    names = [target for _, target in pairs]
+    for log, target in pairs:
+        if names.count(target) > 1:
+            raise CallError(f"{log}: another log has the same name, so both would go to {target}")
+    return pairs
 
 
 def convert(
@@ -278,12 +301,6 @@ def _provenance(log: Log, plan: Plan, tally: _Tally) -> records.Metadata:
     }
     texts = {key: "" if value is None else str(value) for key, value in values.items()}
     return metadata_record(PROVENANCE, texts)
-
-
-def lost_messages(losses: list[Loss] | tuple[Loss, ...]) -> int | None:
-    """Return how many messages are known to be lost; None when it cannot be known."""
-    known = [loss.messages for loss in losses if loss.messages is not None]
-    return sum(known) if len(known) == len(losses) else None
 
 
 def _conversion(

@@ -65,6 +65,12 @@ class Loss:
     """Messages known to be lost; None when their number is not known."""
 
 
+def lost_messages(losses: Sequence[Loss]) -> int | None:
+    """Return how many messages are known to be lost; None when it cannot be known."""
+    known = [loss.messages for loss in losses if loss.messages is not None]
+    return sum(known) if len(known) == len(losses) else None
+
+
 @dataclass(frozen=True, slots=True)
 class Chunk:
     """Where a chunk of messages lies in the file."""

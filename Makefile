@@ -1,0 +1,70 @@
+# `make demo` and `make test` each work first thing in a fresh clone: all they need is
+# Python 3.11 or newer, and make.
+
+PYTHON ?= python3
+VENV := .venv
+BIN := $(VENV)/bin
+CONSTRAINTS := .ci/constraints.txt
+DEMO := demo_output
+SAMPLE := sample_logs/dogbot_trot.bag
+
+export PIP_DISABLE_PIP_VERSION_CHECK := 1
+export PIP_NO_PYTHON_VERSION_WARNING := 1
+
+.PHONY: help demo test lint format samples clean
+
+help:
+	@echo "make demo     convert a sample log and look at it"
+	@echo "make test     run the tests"
+	@echo "make lint     style and types"
+	@echo "make format   format the code"
+	@echo "make samples  write the sample logs anew"
+	@echo "make clean    remove what the others made"
+
+$(VENV)/python:
+	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' \
+		|| { echo "Python 3.11 or newer is needed; name one: make PYTHON=python3.12 ..."; exit 1; }
+	@$(PYTHON) -m venv $(VENV)
+	@touch $@
+
+$(VENV)/runtime: $(VENV)/python pyproject.toml $(CONSTRAINTS)
+	@echo "installing dogbot-logtool in $(VENV) ..."
+	@$(BIN)/python -m pip install --quiet --editable . --constraint $(CONSTRAINTS)
+	@touch $@
+
+$(VENV)/dev: $(VENV)/python pyproject.toml $(CONSTRAINTS)
+	@echo "installing dogbot-logtool and its tools in $(VENV) ..."
+	@$(BIN)/python -m pip install --quiet --editable '.[dev]' --constraint $(CONSTRAINTS)
+	@touch $(VENV)/runtime $@
+
+demo: $(VENV)/runtime
+	@mkdir -p $(DEMO)
+	@echo '$$ dogbot-logtool convert $(SAMPLE) -o $(DEMO) --overwrite'
+	@$(BIN)/dogbot-logtool convert $(SAMPLE) -o $(DEMO) --overwrite --verbose
+	@echo
+	@echo '$$ dogbot-logtool layout -o $(DEMO)/dogbot.layout.json --overwrite'
+	@$(BIN)/dogbot-logtool layout -o $(DEMO)/dogbot.layout.json --overwrite
+	@echo
+	@echo 'To see it: open $(DEMO)/dogbot_trot.annotated.mcap in Foxglove or Lichtblick,'
+	@echo 'then import $(DEMO)/dogbot.layout.json from its layout menu.'
+	@echo
+	@echo '$$ dogbot-logtool info $(DEMO)/dogbot_trot.annotated.mcap'
+	@$(BIN)/dogbot-logtool info $(DEMO)/dogbot_trot.annotated.mcap
+
+test: $(VENV)/dev
+	$(BIN)/python -m pytest --numprocesses=auto
+
+lint: $(VENV)/dev
+	$(BIN)/ruff check
+	$(BIN)/ruff format --check
+	$(BIN)/mypy
+
+format: $(VENV)/dev
+	$(BIN)/ruff check --fix
+	$(BIN)/ruff format
+
+samples: $(VENV)/dev
+	$(BIN)/python sample_logs/generate.py
+
+clean:
+	rm -rf $(VENV) $(DEMO) build *.egg-info .mypy_cache .ruff_cache .pytest_cache .hypothesis

@@ -1,0 +1,160 @@
+"""How far numbers may be apart, and which fields are looked at: by globs on topics and fields.
+
+A field is named by its path without positions: ``entities.arrows.pose.position.z``. A glob is one
+of ``TOPIC``, ``FIELD`` and ``TOPIC:FIELD``; ``*`` also stands for dots and slashes.
+"""
+
+import math
+import tomllib
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from fnmatch import fnmatchcase
+from pathlib import Path
+from typing import Any, Final
+
+from dogbot_logtool.errors import CallError
+
+_DEFAULT: Final = "default"
+
+
+@dataclass(frozen=True, slots=True)
+class Tolerance:
+    """Two numbers agree when ``|expected - actual| <= atol + rtol * |expected|``."""
+
+    atol: float = 0.0
+    """In the field's own unit."""
+    rtol: float = 0.0
+
+
+@dataclass(frozen=True, slots=True)
+class Quantity:
+    """Fields that share a tolerance: lengths, angles, forces ..."""
+
+    name: str
+    fields: tuple[str, ...]
+    """Globs."""
+    tolerance: Tolerance
+
+
+@dataclass(frozen=True, slots=True)
+class Rules:
+    """What a user allows to differ."""
+
+    default: Tolerance = Tolerance()
+    """For every float that no quantity claims."""
+    quantities: tuple[Quantity, ...] = ()
+    """The first whose globs fit a field counts."""
+    ignore: tuple[str, ...] = ()
+    """Globs of topics and fields."""
+    topics: tuple[str, ...] = ()
+    """Globs of the topics to compare; none: all."""
+
+    def takes(self, topic: str) -> bool:
+        """Tell whether a topic is compared at all."""
+        wanted = not self.topics or any(fnmatchcase(topic, glob) for glob in self.topics)
+        return wanted and not any(fnmatchcase(topic, glob) for glob in self.ignore)
+
+
+class FieldRules:
+    """The rules for one topic's fields; remembers what it was asked, for speed."""
+
+    def __init__(self, rules: Rules, topic: str = "") -> None:
+        self._rules = rules
+        self._topic = topic
+        self._tolerances: dict[str, Tolerance] = {}
+        self._ignored: dict[str, bool] = {}
+
+    def ignored(self, field: str) -> bool:
+        """Tell whether a field, and with it everything below, is left out."""
+        if field not in self._ignored:
+            self._ignored[field] = self._fits(field, self._rules.ignore)
+        return self._ignored[field]
+
+    def tolerance(self, field: str) -> Tolerance:
+        """Return the tolerance of a float field."""
+        if field not in self._tolerances:
+            fitting = (q.tolerance for q in self._rules.quantities if self._fits(field, q.fields))
+            self._tolerances[field] = next(fitting, self._rules.default)
+        return self._tolerances[field]
+
+    def _fits(self, field: str, globs: Sequence[str]) -> bool:
+        qualified = f"{self._topic}:{field}"
+        return any(fnmatchcase(field, glob) or fnmatchcase(qualified, glob) for glob in globs)
+
+
+def load_rules(
+    atol: float | None,
+    rtol: float | None,
+    tolerances: Path | None,
+    ignore: tuple[str, ...],
+    topics: tuple[str, ...],
+) -> Rules:
+    """Put together what the options and the tolerance file say; an option beats the file.
+
+    The file has a table a quantity, and ``[default]`` for what none of them claims::
+
+        [metres]
+        atol = 1e-6
+        fields = ["*position*", "*translation*"]
+
+    Raises:
+        CallError: a tolerance is not one, or the file is not a tolerance file.
+    """
+    default, quantities = Tolerance(), ()
+    if tolerances is not None:
+        default, quantities = _load(tolerances)
+    return Rules(
+        Tolerance(
+            default.atol if atol is None else _checked(atol, "--atol"),
+            default.rtol if rtol is None else _checked(rtol, "--rtol"),
+        ),
+        quantities,
+        ignore,
+        topics,
+    )
+
+
+def _load(path: Path) -> tuple[Tolerance, tuple[Quantity, ...]]:
+    try:
+        document = tomllib.loads(path.read_text(encoding="utf-8"))
+    except FileNotFoundError as error:
+        raise CallError(f"{path}: no such file") from error
+    except (OSError, UnicodeDecodeError) as error:
+        raise CallError(f"{path}: cannot be read as a tolerance file: {error}") from error
+    except tomllib.TOMLDecodeError as error:
+        raise CallError(f"{path}: not valid TOML: {error}") from error
+    default = Tolerance()
+    quantities: list[Quantity] = []
+    for name, table in document.items():
+        if not isinstance(table, dict):
+            raise CallError(f"{path}: {name} must be a table: [{name}]")
+        quantity = _quantity(f"{path}: {name}", name, table)
+        if name == _DEFAULT:
+            default = quantity.tolerance
+        else:
+            quantities.append(quantity)
+    return default, tuple(quantities)
+
+
+def _quantity(where: str, name: str, table: Mapping[str, Any]) -> Quantity:
+    known = {"atol", "rtol"} if name == _DEFAULT else {"atol", "rtol", "fields"}
+    if strange := sorted(set(table) - known):
+        raise CallError(f"{where}.{strange[0]}: not known; there may be {', '.join(sorted(known))}")
+    fields = table.get("fields", [])
+    if not isinstance(fields, list) or not all(isinstance(glob, str) for glob in fields):
+        raise CallError(f"{where}.fields must be a list of globs")
+    if not fields and name != _DEFAULT:
+        raise CallError(f"{where}.fields is missing: which fields is it for?")
+    tolerance = Tolerance(
+        _checked(table.get("atol", 0.0), f"{where}.atol"),
+        _checked(table.get("rtol", 0.0), f"{where}.rtol"),
+    )
+    return Quantity(name, tuple(fields), tolerance)
+
+
+def _checked(value: object, where: str) -> float:
+    if isinstance(value, bool) or not isinstance(value, int | float):
+        raise CallError(f"{where} is {value!r}; it must be a number")
+    if not (value >= 0 and math.isfinite(value)):
+        raise CallError(f"{where} is {value!r}; it must be a finite number, 0 or more")
+    return float(value)
