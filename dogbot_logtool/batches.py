@@ -72,8 +72,8 @@ class ConvertedBatch:
     malformed: Mapping[int, int]
     """Messages that could not be decoded, by channel id."""
     losses: tuple[Loss, ...]
-    base_parent: str | None
-    """A parent that the log's own transforms give the base, if any."""
+    other_parent: str | None
+    """A parent other than ours that the log's own transforms give the base, if any."""
     stored_size: int
     """Bytes of the file that it was read from."""
 
@@ -143,7 +143,7 @@ class BatchConverter:
             counts=counts,
             malformed=malformed,
             losses=batch.losses,
-            base_parent=self._base_parent(batch),
+            other_parent=self._other_parent(batch),
             stored_size=sum(chunk.data_size for chunk in work.span),
         )
 
@@ -204,13 +204,15 @@ class BatchConverter:
                 )
                 return arrows, counts, loads
 
-    def _base_parent(self, batch: Batch) -> str | None:
-        if not self._plan.write_tf or self._plan.options.tf == "always":
+    def _other_parent(self, batch: Batch) -> str | None:
+        plan = self._plan
+        if not plan.write_tf or not plan.options.copy or plan.options.tf == "always":
             return None
-        for messages in decode_transforms(batch, self._plan.selection.transforms):
+        for messages in decode_transforms(batch, plan.selection.transforms):
             for parent, child in sorted(frame_pairs(messages)):
-                if child.lstrip("/") == self._plan.base_frame:
-                    return parent.lstrip("/")
+                names = parent.lstrip("/"), child.lstrip("/")
+                if names[1] == plan.base_frame and names[0] != plan.world_frame:
+                    return names[0]
         return None
 
     def _copied(self, batch: Batch) -> Iterator[FinishedChunk]:

@@ -1,13 +1,11 @@
 """`dogbot-logtool convert`: a recorded walk becomes an annotated MCAP."""
 
-import zlib
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import BinaryIO, Final
 
 from mcap import records
-from mcap.opcode import Opcode
 
 from dogbot_logtool import __version__
 from dogbot_logtool.batches import BatchConverter, ConvertedBatch, Counts, chained
@@ -17,7 +15,7 @@ from dogbot_logtool.findings import Finding, note, warning
 from dogbot_logtool.parallel import in_order
 from dogbot_logtool.plan import ConvertOptions, Plan, make_plan, without_tf
 from dogbot_logtool.reader.log import Log, Loss, lost_messages
-from dogbot_logtool.reader.mcap_records import read_attachment, read_metadata
+from dogbot_logtool.reader.mcap_extras import read_extra
 from dogbot_logtool.reader.opening import open_log
 from dogbot_logtool.selection import select_topics
 from dogbot_logtool.writer.annotations import (
@@ -143,8 +141,8 @@ def _write(log: Log, target: Path, plan: Plan, progress: Progress | None) -> Con
         annotations = _annotations(log, plan, tally)
         writer = _start(file, log, plan, annotations)
         for batch in _converted_batches(log, plan, annotations, progress):
-            if batch.base_parent is not None:
-                raise _BaseHasParent(batch.base_parent)
+            if batch.other_parent is not None:
+                raise _BaseHasParent(batch.other_parent)
             tally.add(batch)
             for chunk in batch.chunks:
                 writer.add_chunk(chunk)
@@ -240,17 +238,11 @@ def _converted_batches(
 def _copy_extras(log: Log, writer: McapWriter, tally: _Tally) -> None:
     """Copy attachments and metadata records."""
     for extra in log.extras:
-        record = log.source.read(extra.offset, extra.size)
-        if extra.opcode == Opcode.METADATA:
-            metadata = read_metadata(record)
-            if metadata is not None:
+        match read_extra(log.source, extra):
+            case (_, records.Metadata() as metadata):
                 writer.add_metadata(metadata)
                 continue
-        else:
-            attachment = read_attachment(record)
-            recorded_crc = int.from_bytes(record[-4:], "little")
-            sound = recorded_crc in {0, zlib.crc32(record[9:-4])}
-            if attachment is not None and sound:
+            case (record, records.Attachment() as attachment):
                 writer.add_attachment(record, attachment)
                 continue
         what = f"the attachment or metadata record at byte {extra.offset} is damaged; left out"
@@ -325,31 +317,19 @@ def _conversion(
 
 def _findings(plan: Plan, tally: _Tally) -> Iterator[Finding]:
     """Say what was counted on the way."""
-    counts, arrows = tally.counts, tally.counts.arrows
     for topic, name in tally.moved_topics.items():
         text = f"the log has a topic {topic} of another type, so ours is {name}"
         yield note("TOPIC_MOVED", text, name)
-    if counts.bad_poses:
-        text = f"{counts.bad_poses} poses have a zero quaternion or are not finite: not written"
-        yield warning("BAD_POSES", text)
-    if arrows.not_finite:
-        text = f"{arrows.not_finite} contact messages hold NaN or infinity: no arrow is drawn"
-        yield warning("NOT_FINITE", text)
-    if arrows.no_position:
-        text = f"{arrows.no_position} contact messages have no contact point: no arrow is drawn"
-        yield warning("NO_POSITION", text)
-    if arrows.no_direction:
-        text = f"{arrows.no_direction} contact messages have no normal: no arrow is drawn"
-        yield warning("NO_DIRECTION", text)
-    if arrows.overflow:
-        text = f"{arrows.overflow} forces overflow when squared: skipped, as the live script did"
-        yield warning("OVERFLOW", text)
-    if counts.untimed_messages and plan.options.style != "classic":
-        text = (
-            f"{counts.untimed_messages} contact messages tell no time of their states: "
-            "all are taken for one physics step"
-        )
-        yield warning("UNTIMED_STATES", text)
-    if counts.foreign_states:
-        text = f"{counts.foreign_states} contact states are not between a foot and something else"
-        yield note("FOREIGN_STATES", text)
+    counts, arrows = tally.counts, tally.counts.arrows
+    untimed = 0 if plan.options.style == "classic" else counts.untimed_messages
+    for count, say, code, text in (
+        (counts.bad_poses, warning, "BAD_POSES", "poses not written for NaN or a zero quaternion"),
+        (arrows.not_finite, warning, "NOT_FINITE", "contacts not drawn for NaN or infinity"),
+        (arrows.no_position, warning, "NO_POSITION", "contacts not drawn for want of a point"),
+        (arrows.no_direction, warning, "NO_DIRECTION", "contacts not drawn for want of a normal"),
+        (arrows.overflow, warning, "OVERFLOW", "forces skipped, as live, for overflow of a square"),
+        (untimed, warning, "UNTIMED_STATES", "contacts that tell no physics step, taken for one"),
+        (counts.foreign_states, note, "FOREIGN_STATES", "contact states of other pairs, left out"),
+    ):
+        if count:
+            yield say(code, f"{text}: {count:,}")

@@ -88,7 +88,7 @@ def make_plan(log: Log, selection: Selection, evidence: Evidence, options: Conve
         options=options,
         world_frame=world,
         base_frame=base,
-        write_tf=_write_tf(selection, evidence, options, base, findings),
+        write_tf=_write_tf(selection, evidence, options, (world, base), findings),
         force_in_world=force_in_world,
         body_weight_n=weight,
         arrow_style=_arrow_style(options.style, robot.shaft_diameter_m),
@@ -108,8 +108,10 @@ def evidence_findings(selection: Selection, evidence: Evidence) -> list[Finding]
     """Return what a user should know of what was seen."""
     findings: list[Finding] = []
     if evidence.zero_stamps:
-        topics = ", ".join(sorted(evidence.zero_stamps))
-        text = f"header stamps are zero, log time is used instead: {topics}"
+        used = {c.topic for c in (*selection.odometry, *selection.contacts)}
+        everywhere = evidence.zero_stamps >= used
+        topics = "everywhere" if everywhere else "on " + ", ".join(sorted(evidence.zero_stamps))
+        text = f"header stamps are zero {topics}: log time is used instead"
         findings.append(warning("ZERO_STAMPS", text))
     if evidence.slashed_frames:
         frames = ", ".join(evidence.slashed_frames)
@@ -155,14 +157,16 @@ def _write_tf(
     selection: Selection,
     evidence: Evidence,
     options: ConvertOptions,
-    base: str,
+    frames: tuple[str, str],
     findings: list[Finding],
 ) -> bool:
     if not selection.odometry or options.tf == "never":
         return False
-    parents = evidence.parents.get(base)
-    if parents and options.copy and options.tf == "auto":
-        findings.append(_second_parent(base, sorted(parents)))
+    world, base = frames
+    # The same transform once more does no harm; only another parent breaks the tree.
+    others = evidence.parents.get(base, frozenset()) - {world}
+    if others and options.copy and options.tf == "auto":
+        findings.append(_second_parent(base, sorted(others)))
         return False
     return True
 
