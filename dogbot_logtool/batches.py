@@ -7,9 +7,7 @@ handed from batch to batch in order.
 
 from collections.abc import Iterable, Iterator, Mapping
 from concurrent.futures import Future
-from dataclasses import dataclass, field, replace
-
-import numpy as np
+from dataclasses import dataclass, field
 
 from dogbot_logtool.core.arrows import (
     ArrowCounts,
@@ -119,7 +117,7 @@ class BatchConverter:
                 work.next.cancel()
 
     def _convert(self, work: Work) -> ConvertedBatch:
-        batch = self._crop(self._log.read(work.span))
+        batch = self._log.read(work.span).cropped(self._plan.start_time, self._plan.end_time)
         transforms, bad_poses, malformed = self._transforms(batch, work)
         counts = Counts(messages=len(batch.messages), bad_poses=bad_poses)
         arrows: list[Arrows] = []
@@ -146,28 +144,6 @@ class BatchConverter:
             other_parent=self._other_parent(batch),
             stored_size=sum(chunk.data_size for chunk in work.span),
         )
-
-    def _crop(self, batch: Batch) -> Batch:
-        """Leave out messages before the start and after the end that the user asked for."""
-        start, end = self._plan.start_time, self._plan.end_time
-        if start is None and end is None:
-            return batch
-        time = batch.messages.log_time
-        kept = np.ones(len(time), np.bool_)
-        if start is not None:
-            kept &= time >= start
-        if end is not None:
-            kept &= time <= end
-        bounds = np.concatenate([[0], np.cumsum(kept)])
-        chunks = tuple(
-            replace(
-                loaded,
-                rows=slice(int(bounds[loaded.rows.start]), int(bounds[loaded.rows.stop])),
-                whole=loaded.whole and bool(kept[loaded.rows].all()),
-            )
-            for loaded in batch.chunks
-        )
-        return replace(batch, messages=batch.messages.pick(kept), chunks=chunks)
 
     def _transforms(self, batch: Batch, work: Work) -> tuple[Transforms, int, dict[int, int]]:
         """Return the base's transforms, poses that cannot be one, and malformed messages."""

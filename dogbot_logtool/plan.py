@@ -72,7 +72,7 @@ def make_plan(log: Log, selection: Selection, evidence: Evidence, options: Conve
         LogError: the log has neither odometry nor contacts.
     """
     if not selection.odometry and not selection.contacts:
-        raise LogError(_nothing_to_do(log))
+        raise LogError(nothing_to_do(log))
     robot = selection.robot
     findings = [*selection.findings, *evidence_findings(selection, evidence)]
     base = robot.base_frame or _frame(evidence.base_frames, DEFAULT_BASE)
@@ -82,7 +82,7 @@ def make_plan(log: Log, selection: Selection, evidence: Evidence, options: Conve
     if options.style == "force" and weight is None:
         text = "the robot's mass is not known: arrows are coloured by newtons (--mass tells it)"
         findings.append(note("NO_MASS", text))
-    start = log.start_time or 0
+    start_time, end_time = time_limits(log, options.start_s, options.end_s)
     return Plan(
         selection=selection,
         options=options,
@@ -92,9 +92,20 @@ def make_plan(log: Log, selection: Selection, evidence: Evidence, options: Conve
         force_in_world=force_in_world,
         body_weight_n=weight,
         arrow_style=_arrow_style(options.style, robot.shaft_diameter_m),
-        start_time=None if options.start_s is None else start + round(options.start_s * 1e9),
-        end_time=None if options.end_s is None else start + round(options.end_s * 1e9),
+        start_time=start_time,
+        end_time=end_time,
         findings=tuple(sorted(findings)),
+    )
+
+
+def time_limits(
+    log: Log, start_s: float | None, end_s: float | None
+) -> tuple[int | None, int | None]:
+    """Return log times, ns, for seconds since the log's start."""
+    start = log.start_time or 0
+    return (
+        None if start_s is None else start + round(start_s * 1e9),
+        None if end_s is None else start + round(end_s * 1e9),
     )
 
 
@@ -190,7 +201,8 @@ def _frame(recorded: tuple[str, ...], default: str) -> str:
     return names[0] if names else default
 
 
-def _nothing_to_do(log: Log) -> str:
+def nothing_to_do(log: Log) -> str:
+    """Return a sentence for a log that has nothing of use, with what it does have."""
     found = sorted({(c.topic, c.type_name) for c in log.channels.values()})
     listed = "".join(f"\n  {topic}  {kind}" for topic, kind in found) or " nothing"
     return (

@@ -1,21 +1,21 @@
 """Comparing two decoded messages, or two JSON documents, field by field.
 
-Decoded means: structs as mappings, arrays as lists or one-dimensional numpy arrays, and as leaves
+Decoded means: structs as dicts, arrays as lists or one-dimensional numpy arrays, and as leaves
 numbers, truth values, texts, bytes and None. JSON's rules on types hold for all: 1 and 1.0 are both
 numbers, true is none.
 """
 
 import json
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
-from dogbot_logtool.core.arrays import Flags
 from dogbot_logtool.comparison.tolerances import FieldRules, Tolerance
+from dogbot_logtool.core.arrays import Flags
 
 Tree = Any
 """A decoded value; see above."""
@@ -43,6 +43,8 @@ class Findings:
     limit: int
     """Differences to keep."""
     differences: list[FieldDifference] = field(default_factory=list)
+    count: int = 0
+    """All differences; whatever is missing or extra at the end of an array is one."""
     compared: int = 0
     """Leaves that both have."""
     loose: int = 0
@@ -56,13 +58,9 @@ class Findings:
     """The largest between two finite numbers, within tolerance or not."""
     deviation_path: str = ""
 
-    @property
-    def differing(self) -> int:
-        """Number of differences, kept or not."""
-        return self.different + self.missing + self.extra
-
     def add(self, difference: FieldDifference) -> None:
-        """Keep a difference, if there is room."""
+        """Count a difference, and keep it if there is room."""
+        self.count += 1
         if len(self.differences) < self.limit:
             self.differences.append(difference)
 
@@ -78,29 +76,18 @@ class Findings:
 
 
 def compare_fields(
-    expected: Tree,
-    actual: Tree,
-    rules: FieldRules,
-    *,
-    limit: int,
-    path: str = "",
-    field_path: str | None = None,
-) -> Findings:
+    expected: Tree, actual: Tree, rules: FieldRules, findings: Findings, path: str = ""
+) -> None:
     """Compare two decoded values.
 
     Args:
         expected: the one.
         actual: the other.
         rules: tolerances and ignored fields.
-        limit: the number of differences to keep; all are counted.
-        path: what leads to the values.
-        field_path: the same without positions, if it differs.
+        findings: where to note what is found.
+        path: what leads to the values; without positions.
     """
-    findings = Findings(limit)
-    _Comparer(rules, findings).compare(
-        expected, actual, path, path if field_path is None else field_path
-    )
-    return findings
+    _Comparer(rules, findings).compare(expected, actual, path, path)
 
 
 class _Comparer:
@@ -113,7 +100,7 @@ class _Comparer:
     def compare(self, expected: Tree, actual: Tree, path: str, name: str) -> None:
         if self._rules.ignored(name):
             return
-        if isinstance(expected, Mapping) and isinstance(actual, Mapping):
+        if isinstance(expected, dict) and isinstance(actual, dict):
             self._structs(expected, actual, path, name)
         elif isinstance(expected, np.ndarray) and isinstance(actual, np.ndarray):
             self._arrays(expected, actual, path, name)
@@ -128,36 +115,35 @@ class _Comparer:
         if _is_quaternion(expected) and _is_quaternion(actual):
             self._quaternions(expected, actual, path, name)
             return
-        # Joined only where there is something above: this is the innermost loop.
-        path_to, name_to = (f"{path}." if path else ""), (f"{name}." if name else "")
         for key, value in expected.items():
+            below = join(name, key)
             if key in actual:
-                self.compare(value, actual[key], path_to + key, name_to + key)
-            elif not self._rules.ignored(name_to + key):
+                self.compare(value, actual[key], join(path, key), below)
+            elif not self._rules.ignored(below):
                 self._findings.missing += count_leaves(value)
-                self._findings.add(FieldDifference(path_to + key, text_of(value), _NOTHING))
+                self._findings.add(FieldDifference(join(path, key), text_of(value), _NOTHING))
         for key, value in actual.items():
-            if key not in expected and not self._rules.ignored(name_to + key):
+            if key not in expected and not self._rules.ignored(join(name, key)):
                 self._findings.extra += count_leaves(value)
-                self._findings.add(FieldDifference(path_to + key, _NOTHING, text_of(value)))
+                self._findings.add(FieldDifference(join(path, key), _NOTHING, text_of(value)))
 
     def _quaternions(
         self, expected: Mapping[str, float], actual: Mapping[str, float], path: str, name: str
     ) -> None:
-        """q and -q are the same rotation: the sign that fits better is taken."""
+        """Q and -q are the same rotation: the sign that fits better is taken."""
         turned = {key: -value for key, value in actual.items()}
         nearer = min((actual, turned), key=lambda one: _distance(expected, one))
         if nearer is actual:
             for key, value in expected.items():
-                self._leaves(value, actual[key], f"{path}.{key}", f"{name}.{key}")
+                self.compare(value, actual[key], join(path, key), join(name, key))
             return
         self._findings.compared += 4
         agree = True
         worst = 0.0
         for key, value in expected.items():
-            tolerance = self._rules.tolerance(f"{name}.{key}")
+            tolerance = self._rules.tolerance(join(name, key))
             deviation = abs(value - nearer[key])
-            self._findings.deviate(f"{path}.{key}", deviation)
+            self._findings.deviate(join(path, key), deviation)
             agree &= value == nearer[key] or _within(deviation, value, tolerance)
             worst = max(worst, deviation)
         if agree:
@@ -171,20 +157,22 @@ class _Comparer:
             self.compare(one, other, f"{path}[{index}]", name)
         self._lengths(expected, actual, path)
 
-    def _lengths(self, expected: Sequence[Tree], actual: Sequence[Tree], path: str) -> None:
+    def _lengths(
+        self, expected: list[Tree] | NDArray[Any], actual: list[Tree] | NDArray[Any], path: str
+    ) -> None:
         size, other = len(expected), len(actual)
         if size != other:
             self._findings.missing += sum(count_leaves(value) for value in expected[other:])
             self._findings.extra += sum(count_leaves(value) for value in actual[size:])
             self._findings.add(FieldDifference(path, f"{size} elements", f"{other} elements"))
 
-    def _arrays(
-        self, expected: NDArray[Any], actual: NDArray[Any], path: str, name: str
-    ) -> None:
+    def _arrays(self, expected: NDArray[Any], actual: NDArray[Any], path: str, name: str) -> None:
         self._lengths(expected, actual, path)
         size = min(len(expected), len(actual))
         one, other = expected[:size], actual[:size]
         self._findings.compared += size
+        if one.dtype == other.dtype and one.tobytes() == other.tobytes():
+            return
         if "f" in one.dtype.kind + other.dtype.kind:
             equal, agree, deviation = _compare_floats(one, other, self._rules.tolerance(name))
             if size and np.isfinite(deviation).any():
@@ -201,18 +189,30 @@ class _Comparer:
                 FieldDifference(f"{path}[{index}]", str(one[index]), str(other[index]), apart)
             )
         self._findings.different += len(differing)
+        self._findings.count += max(len(differing) - self._findings.limit, 0)
 
     def _leaves(self, expected: Tree, actual: Tree, path: str, name: str) -> None:
         self._findings.compared += 1
+        if type(expected) is type(actual) and expected == actual:
+            return
         if _is_number(expected) and _is_number(actual):
             if expected == actual or (expected != expected and actual != actual):  # noqa: PLR0124
                 return
             if isinstance(expected, float) or isinstance(actual, float):
-                self._floats(float(expected), float(actual), path, name)
+                self._floats(_as_float(expected), _as_float(actual), path, name)
                 return
-        elif type(expected) is type(actual) and _same(expected, actual):
+        elif isinstance(expected, bytes) and isinstance(actual, bytes):
+            self._bytes(expected, actual, path)
             return
         self._findings.differ(path, text_of(expected), text_of(actual))
+
+    def _bytes(self, expected: bytes, actual: bytes, path: str) -> None:
+        if len(expected) != len(actual):
+            self._findings.differ(path, f"{len(expected)} bytes", f"{len(actual)} bytes")
+            return
+        pairs = enumerate(zip(expected, actual, strict=True))
+        place, (one, other) = next(pair for pair in pairs if pair[1][0] != pair[1][1])
+        self._findings.differ(f"{path}[{place}]", f"0x{one:02x}", f"0x{other:02x}")
 
     def _floats(self, expected: float, actual: float, path: str, name: str) -> None:
         deviation = abs(expected - actual)
@@ -224,13 +224,27 @@ class _Comparer:
         self._findings.differ(path, text_of(expected), text_of(actual), apart)
 
 
+def join(path: str, key: str) -> str:
+    """Return the path of a struct's field."""
+    return f"{path}.{key}" if path else key
+
+
+def _as_float(value: float) -> float:
+    try:
+        return float(value)
+    except OverflowError:
+        return math.inf
+
+
 def _is_number(value: Tree) -> bool:
     return isinstance(value, int | float) and not isinstance(value, bool)
 
 
 def _is_quaternion(value: Mapping[str, Tree]) -> bool:
-    return value.keys() == _QUATERNION and all(
-        isinstance(component, float) for component in value.values()
+    return (
+        len(value) == 4
+        and value.keys() == _QUATERNION
+        and all(isinstance(component, float) for component in value.values())
     )
 
 
@@ -257,11 +271,6 @@ def _compare_floats(
     return equal, equal | (near & np.isfinite(deviation)), deviation
 
 
-def _same(expected: Tree, actual: Tree) -> bool:
-    """Compare leaves of one type that are no numbers."""
-    return bool(expected == actual)
-
-
 def count_leaves(value: Tree) -> int:
     """Return the number of leaves; an empty struct or array counts as one."""
     if isinstance(value, Mapping):
@@ -278,9 +287,9 @@ def text_of(value: Tree) -> str:
     if isinstance(value, float):
         return repr(value)
     if isinstance(value, bytes):
-        text = f"{len(value)} bytes {value[: _TEXT_LIMIT // 2].hex()}"
+        text = f"{len(value)} bytes {value[:_TEXT_LIMIT].hex()}"
     elif isinstance(value, np.ndarray):
         text = f"[{', '.join(str(one) for one in value[:_TEXT_LIMIT])}]"
     else:
-        text = json.dumps(value, default=text_of)
-    return text if len(text) <= _TEXT_LIMIT else f"{text[: _TEXT_LIMIT - 1]}…"
+        text = json.dumps(value[:_TEXT_LIMIT] if isinstance(value, str) else value, default=text_of)
+    return text if len(text) <= _TEXT_LIMIT else f"{text[: _TEXT_LIMIT - 3]}..."

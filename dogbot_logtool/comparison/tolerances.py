@@ -7,7 +7,7 @@ of ``TOPIC``, ``FIELD`` and ``TOPIC:FIELD``; ``*`` also stands for dots and slas
 import math
 import tomllib
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fnmatch import fnmatchcase
 from pathlib import Path
 from typing import Any, Final
@@ -53,6 +53,10 @@ class Rules:
         """Tell whether a topic is compared at all."""
         wanted = not self.topics or any(fnmatchcase(topic, glob) for glob in self.topics)
         return wanted and not any(fnmatchcase(topic, glob) for glob in self.ignore)
+
+    def ignoring(self, *globs: str) -> "Rules":
+        """Return rules that ignore more."""
+        return replace(self, ignore=(*self.ignore, *globs))
 
 
 class FieldRules:
@@ -100,7 +104,8 @@ def load_rules(
     Raises:
         CallError: a tolerance is not one, or the file is not a tolerance file.
     """
-    default, quantities = Tolerance(), ()
+    default = Tolerance()
+    quantities: tuple[Quantity, ...] = ()
     if tolerances is not None:
         default, quantities = _load(tolerances)
     return Rules(

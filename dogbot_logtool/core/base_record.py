@@ -99,7 +99,9 @@ class BaseRecord:
         before_it = np.abs(time - self.time[after - 1])
         after_it = np.abs(self.time[np.minimum(after, last)] - time)
         outside = (time <= self.time[0]) | (time >= self.time[-1])
-        return np.where(outside, np.minimum(before_it, after_it), np.maximum(before_it, after_it))
+        end = np.minimum(before_it, after_it)
+        distance: Ints = np.where(outside, end, np.maximum(before_it, after_it))
+        return distance
 
     def unplaced(self, spans: Ints) -> int:
         """Return the time in spans, ns, that lies further than 0.1 s from every pose."""

@@ -1,6 +1,9 @@
 """When is a foot on the ground? Contact detection and debouncing on a stream of samples.
 
-Contact is a Schmitt trigger on |F|: on from one threshold, off below a lower one. Then swings
+Contact is a Schmitt trigger on |F|: on from one threshold, off below a lower one, or as soon as
+the sensor itself says that nothing touches (a message without states). Unless a lower threshold
+is set, only the sensor's word ends a contact: a walking foot may carry next to nothing for a
+tenth of a second and yet stay where it is, and bumpers are silent in swing. Then swings
 shorter than the debounce time are filled (a foot that bounces at touchdown), and after that
 stances shorter than it are dropped (a foot that brushes the ground). Two thresholds and minimum
 durations are practice in biomechanics (Kinetics Toolkit, `detect_cycles`) and in state estimation
@@ -35,7 +38,7 @@ class ContactRule:
     on_n: float
     """N: |F| from which a foot is in contact."""
     off_n: float
-    """N: |F| below which contact ends."""
+    """N: |F| below which contact ends; it always ends at 0. 0: only there."""
     debounce_s: float
     """s: shorter swings are filled, then shorter stances dropped."""
 
@@ -43,10 +46,10 @@ class ContactRule:
 def contact_rule(
     on_n: float | None, off_n: float | None, debounce_s: float, body_weight_n: float | None
 ) -> ContactRule:
-    """Complete the thresholds: on at max(10 N, 5 % of body weight), off at half of that."""
+    """Complete the thresholds: on at max(10 N, 5 % of body weight), off without any force."""
     if on_n is None:
         on_n = max(10.0, 0.05 * (body_weight_n or 0.0))
-    return ContactRule(on_n, on_n / 2.0 if off_n is None else min(off_n, on_n), debounce_s)
+    return ContactRule(on_n, min(off_n or 0.0, on_n), debounce_s)
 
 
 @dataclass(frozen=True, slots=True)
@@ -134,9 +137,10 @@ def schmitt(force: Floats, rule: ContactRule, *, on: bool) -> Flags:
     Returns:
         (n,) bool.
     """
-    says = (force >= rule.on_n) | (force < rule.off_n)
+    loaded = force >= rule.on_n
+    says = loaded | (force < rule.off_n) | (force == 0.0)
     last = np.maximum.accumulate(np.where(says, np.arange(len(force)), -1))
-    state: Flags = np.where(last >= 0, (force >= rule.on_n)[last], on)
+    state: Flags = np.where(last >= 0, loaded[last], on)
     return state
 
 

@@ -30,7 +30,8 @@ def multiply(first: Floats, second: Floats) -> Floats:
 
 def conjugate(quaternion: Floats) -> Floats:
     """Return the inverse rotations of unit quaternions; (n, 4)."""
-    return quaternion * np.array([-1.0, -1.0, -1.0, 1.0])
+    inverse: Floats = quaternion * np.array([-1.0, -1.0, -1.0, 1.0])
+    return inverse
 
 
 def rotate(quaternion: Floats, vector: Floats) -> Floats:

@@ -10,7 +10,6 @@ from dogbot_logtool.core import timespans
 from dogbot_logtool.core.aggregates import CircularMean, circular_mean
 from dogbot_logtool.core.arrays import Floats, Ints
 from dogbot_logtool.core.gait import (
-    IRREGULAR,
     STAND,
     TOLERANCE,
     UNKNOWN_GAIT,
@@ -145,8 +144,11 @@ def _runs(distances: Floats, walked: Strides, standing: Ints) -> list[tuple[int,
         stays = _keeps(label, nearest[stride], known[stride], period[stride], typical)
         odd = 0 if stays else odd + 1
         if odd >= LASTING and _agree(stride, nearest, period):
-            runs.append((first, stride - odd + 1))
-            first, label, odd = stride - odd + 1, nearest[stride], 0
+            change = stride - odd + 1
+            if change - first >= LASTING:
+                runs.append((first, change))
+                first = change
+            label, odd = nearest[stride], 0
     if count:
         runs.append((first, count))
     return runs
@@ -213,13 +215,3 @@ def _stand(start: int, end: int, feet: int) -> Segment:
 def main_segment(segments: Sequence[Segment]) -> Segment | None:
     """Return the longest segment; its class is the log's. None without segments."""
     return max(segments, key=lambda segment: segment.end - segment.start, default=None)
-
-
-__all__ = [
-    "IRREGULAR",
-    "FootEvents",
-    "Segment",
-    "find_segments",
-    "main_segment",
-    "stands",
-]

@@ -2,10 +2,12 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from typing import Final
 
 import numpy as np
 
 from dogbot_logtool.reader.bag_chunk import chunk_at
+from dogbot_logtool.reader.bag_format import INDEX_ENTRY_SIZE
 from dogbot_logtool.reader.bag_records import (
     MAGIC,
     BagOp,
@@ -18,6 +20,15 @@ from dogbot_logtool.reader.bag_records import (
 )
 from dogbot_logtool.reader.log import Channel, Chunk, ChunkDamage, Contents, Loss, Schema
 from dogbot_logtool.reader.source import ByteSource
+
+_MOST_CONNECTIONS: Final = 1 << 16
+_UNSUSPICIOUS_SIZE: Final = 64 << 20
+_LARGEST_SHARE: Final = 4
+"""A larger index than `_UNSUSPICIOUS_SIZE` must not be more than this part of the bag."""
+_LARGEST_PADDING: Final = 4096
+"""Some recorders leave zero bytes before the index."""
+_INDEX_RECORD_SIZE: Final = 55
+"""Bytes of an index record besides its entries, as every recorder writes it."""
 
 
 class Connections:
@@ -37,18 +48,23 @@ class Connections:
         """
         connection = fields.u32("conn")
         if connection not in self.channel_ids:
+            if len(self.channels) >= _MOST_CONNECTIONS:
+                raise MalformedRecord("it describes too many connections")
             number = len(self.channels) + 1
             self.channels[number] = connection_channel(number, fields, data, self._schemas)
             self.channel_ids[connection] = number
 
 
 @dataclass(frozen=True, slots=True)
-class _ChunkInfo:
+class ChunkInfo:
+    """What the index says of a chunk."""
+
     offset: int
     start_time: int
+    """ns; also `end_time`."""
     end_time: int
     counts: Mapping[int, int]
-    """By connection number."""
+    """Messages by connection number."""
 
 
 def read_index(source: ByteSource, connections: Connections) -> tuple[Contents | None, Loss | None]:
@@ -70,19 +86,19 @@ def read_index(source: ByteSource, connections: Connections) -> tuple[Contents |
         if len(infos) != header.fields.u32("chunk_count"):
             raise MalformedRecord("it names another number of chunks than the bag's header")
         chunks = _chunks(source, infos, index_start, connections)
+        if not _only_small_records(source, header.end, chunks[0].offset if chunks else index_start):
+            raise MalformedRecord("it contradicts the chunks")
     except (MalformedRecord, ChunkDamage) as fault:
-        return None, Loss(len(MAGIC), f"the bag's index is damaged ({fault}); it was read without")
-    return contents_of(connections, chunks), None
+        what = f"the bag's index is damaged ({fault}); the bag was read without"
+        return None, Loss(len(MAGIC), what)
+    return _contents(connections, chunks), None
 
 
-def contents_of(
-    connections: Connections, chunks: Sequence[Chunk], losses: Sequence[Loss] = ()
-) -> Contents:
-    """Sum up what is known of the chunks."""
+def _contents(connections: Connections, chunks: Sequence[Chunk]) -> Contents:
     counts = dict.fromkeys(connections.channels, 0)
     for chunk in chunks:
         for channel, count in (chunk.counts or {}).items():
-            counts[channel] = counts.get(channel, 0) + count
+            counts[channel] += count
     filled = [chunk for chunk in chunks if chunk.messages]
     return Contents(
         channels=connections.channels,
@@ -91,15 +107,16 @@ def contents_of(
         start_time=min((c.start_time for c in filled if c.start_time is not None), default=None),
         end_time=max((c.end_time for c in filled if c.end_time is not None), default=None),
         profile="ros1",
-        losses=losses,
     )
 
 
-def _read_section(source: ByteSource, start: int, connections: Connections) -> list[_ChunkInfo]:
+def _read_section(source: ByteSource, start: int, connections: Connections) -> list[ChunkInfo]:
     if start > source.size:
         raise MalformedRecord("it is cut off")
+    if source.size - start > max(_UNSUSPICIOUS_SIZE, source.size // _LARGEST_SHARE):
+        raise MalformedRecord("it is absurdly long")
     section = source.read(start, source.size - start)
-    infos: list[_ChunkInfo] = []
+    infos: list[ChunkInfo] = []
     place = _skip_zeros(section)
     while place < len(section):
         record = record_at(section, place, len(section))
@@ -107,7 +124,7 @@ def _read_section(source: ByteSource, start: int, connections: Connections) -> l
         if op == BagOp.CONNECTION:
             connections.add(record.fields, memoryview(section)[record.data : record.end])
         elif op == BagOp.CHUNK_INFO:
-            infos.append(_chunk_info(record, section))
+            infos.append(chunk_info(record, section))
         else:
             raise MalformedRecord("it holds records of another kind")
         place = record.end
@@ -116,17 +133,25 @@ def _read_section(source: ByteSource, start: int, connections: Connections) -> l
 
 def _skip_zeros(section: bytes) -> int:
     """Some recorders leave zero bytes before the index; a record's length begins after them."""
-    zeros = len(section) - len(section.lstrip(b"\0"))
-    return max(zeros, 0)
+    return len(section) - len(section.lstrip(b"\0"))
 
 
-def _chunk_info(record: Record, section: bytes) -> _ChunkInfo:
+def chunk_info(record: Record, data: bytes) -> ChunkInfo:
+    """Decode what an index record says of a chunk.
+
+    Args:
+        record: the record.
+        data: the bytes in which it lies.
+
+    Raises:
+        MalformedRecord: it is damaged.
+    """
     fields = record.fields
     count = fields.u32("count")
     if record.end - record.data != count * 8:
         raise MalformedRecord("a chunk's message counts are damaged")
-    pairs = np.frombuffer(section, "<u4", count * 2, record.data).reshape(-1, 2).tolist()
-    return _ChunkInfo(
+    pairs = np.frombuffer(data, "<u4", count * 2, record.data).reshape(-1, 2).tolist()
+    return ChunkInfo(
         fields.u64("chunk_pos"),
         fields.time_ns("start_time"),
         fields.time_ns("end_time"),
@@ -135,14 +160,17 @@ def _chunk_info(record: Record, section: bytes) -> _ChunkInfo:
 
 
 def _chunks(
-    source: ByteSource, infos: list[_ChunkInfo], index_start: int, connections: Connections
+    source: ByteSource, infos: list[ChunkInfo], index_start: int, connections: Connections
 ) -> list[Chunk]:
     infos = sorted(infos, key=lambda info: info.offset)
-    ends = [*(info.offset for info in infos[1:]), index_start]
+    ends = [*(info.offset for info in infos[1:]), index_start][: len(infos)]
     chunks: list[Chunk] = []
     for info, end in zip(infos, ends, strict=True):
         chunk = chunk_at(source, info.offset)
-        if chunk.end > end or not info.counts.keys() <= connections.channel_ids.keys():
+        if (
+            not _only_index_records(source, chunk.end, end, info.counts)
+            or not info.counts.keys() <= connections.channel_ids.keys()
+        ):
             raise MalformedRecord("it contradicts the chunks")
         counts = {connections.channel_ids[c]: n for c, n in info.counts.items()}
         chunks.append(
@@ -155,3 +183,23 @@ def _chunks(
             )
         )
     return chunks
+
+
+def _only_index_records(
+    source: ByteSource, place: int, end: int, counts: Mapping[int, int]
+) -> bool:
+    """Tell whether a chunk's index records lead from its end to the next chunk."""
+    expected = _INDEX_RECORD_SIZE * len(counts) + INDEX_ENTRY_SIZE * sum(counts.values())
+    return end - place == expected or _only_small_records(source, place, end)
+
+
+def _only_small_records(source: ByteSource, place: int, end: int) -> bool:
+    """Tell whether records that are neither chunks nor messages lead from one place to another."""
+    while place < end:
+        if end - place <= _LARGEST_PADDING and not any(source.read(place, end - place)):
+            return True
+        record = record_in_file(source, place)
+        if record.fields.op() not in {BagOp.INDEX, BagOp.CONNECTION}:
+            return False
+        place = record.end
+    return place == end

@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 
-from dogbot_logtool.reader.bag_chunk import UNKNOWN_CHANNEL, check_bag_chunk, parse_bag_chunk
+from dogbot_logtool.reader.bag_chunk import check_bag_chunk, parse_bag_chunk, with_channels
 from dogbot_logtool.reader.bag_index import Connections, read_index
 from dogbot_logtool.reader.bag_survey import BagSurvey
 from dogbot_logtool.reader.columns import Bytes
@@ -27,10 +27,7 @@ class BagLog(Log):
 
     def parse(self, chunk: Chunk, stored: memoryview, target: Bytes) -> ChunkContent:
         """See `Log.parse`."""
-        return parse_bag_chunk(chunk, stored, target, self._channel_of)
-
-    def _channel_of(self, connection: int) -> int:
-        return self._channel_ids.get(connection, UNKNOWN_CHANNEL)
+        return with_channels(parse_bag_chunk(chunk, stored, target), self._channel_ids)
 
 
 def open_bag(source: ByteSource) -> BagLog:

@@ -11,7 +11,7 @@ from enum import IntEnum
 from typing import Final
 
 from dogbot_logtool.reader.log import Channel, Schema
-from dogbot_logtool.reader.source import ByteSource
+from dogbot_logtool.reader.records import Readable
 
 MAGIC: Final = b"#ROSBAG V2.0\n"
 U32: Final = struct.Struct("<I")
@@ -140,7 +140,7 @@ def record_at(data: bytes | memoryview, place: int, end: int) -> Record:
     return Record(Fields(data[place + 4 : header_end]), header_end + 4, record_end)
 
 
-def record_in_file(source: ByteSource, place: int) -> Record:
+def record_in_file(source: Readable, place: int) -> Record:
     """Read the header of a record in the file; its data may reach beyond the file's end.
 
     Raises:

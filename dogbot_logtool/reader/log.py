@@ -2,7 +2,7 @@
 
 from abc import ABC, abstractmethod
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Final
 
 import numpy as np
@@ -20,6 +20,16 @@ numpy call vanish, small enough to stay in the processor's cache."""
 
 class ChunkDamage(Exception):  # noqa: N818 - it never reaches a user; `Loss` does
     """A chunk cannot be used; the text says why."""
+
+    def __init__(self, what: str, messages: int | None = None) -> None:
+        """Say why.
+
+        Args:
+            what: the rest of the sentence "it was left out: ...".
+            messages: how many were in it, if an index behind it tells.
+        """
+        super().__init__(what)
+        self.messages = messages
 
 
 @dataclass(frozen=True, slots=True)
@@ -92,12 +102,19 @@ class Chunk:
     """ns, log time of its first message, if known; also `end_time`."""
     end_time: int | None = None
     counts: Mapping[int, int] | None = None
-    """Messages by channel id, if an index tells."""
+    """Messages by channel id, if an index tells or opening the log counted them."""
+    surveyed: bool = False
+    """Opening the log looked into it, so that its damage is among the log's losses already."""
 
     @property
     def messages(self) -> int | None:
         """Number of messages, if an index tells."""
         return None if self.counts is None else sum(self.counts.values())
+
+    @property
+    def is_compressed(self) -> bool:
+        """Whether its bytes are stored in another form."""
+        return self.compression not in {"", "none"}
 
     @property
     def is_record(self) -> bool:
@@ -182,7 +199,10 @@ class LoadedChunk:
     rows: slice
     """Its rows in the batch's messages."""
     whole: bool
-    """Nothing in it was damaged, so that its bytes may be copied as they stand."""
+    """Nothing in it was damaged, so that its bytes may be copied as they stand, and those of its
+    index if it is `indexed`."""
+    indexed: bool = False
+    """An index that truthfully names all its messages follows it in `stored`, from `chunk.end`."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -195,6 +215,27 @@ class Batch:
     chunks: tuple[LoadedChunk, ...]
     losses: tuple[Loss, ...] = ()
 
+    def cropped(self, start: int | None, end: int | None) -> "Batch":
+        """Leave out messages recorded before the start or after the end, ns; None: no limit."""
+        if start is None and end is None:
+            return self
+        time = self.messages.log_time
+        kept = np.ones(len(time), np.bool_)
+        if start is not None:
+            kept &= time >= start
+        if end is not None:
+            kept &= time <= end
+        bounds = np.concatenate([[0], np.cumsum(kept)])
+        chunks = tuple(
+            replace(
+                loaded,
+                rows=slice(int(bounds[loaded.rows.start]), int(bounds[loaded.rows.stop])),
+                whole=loaded.whole and bool(kept[loaded.rows].all()),
+            )
+            for loaded in self.chunks
+        )
+        return replace(self, messages=self.messages.pick(kept), chunks=chunks)
+
 
 Span = tuple[Chunk, ...]
 """Neighbouring chunks that make a batch."""
@@ -206,10 +247,11 @@ class ChunkContent:
 
     messages: Messages
     """Places relative to the chunk's first byte."""
-    others: tuple[tuple[int, int, int], ...] = ()
-    """Records that are no messages, where the index did not spare looking: opcode, and first
-    and last byte of their content."""
+    others: Ints
+    """(k, 3) records that are no messages: kind, first byte, and end."""
     losses: tuple[Loss, ...] = ()
+    indexed: bool = False
+    """The index behind the chunk names all messages truthfully."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -236,6 +278,28 @@ class Contents:
     extras: Sequence[Extra] = ()
     losses: Sequence[Loss] = field(default=())
     """Damage found so far."""
+
+
+def left_out(chunk: Chunk, damage: ChunkDamage) -> Loss:
+    """Say that nothing in a chunk can be used."""
+    what = f"the chunk at byte {chunk.offset} was left out: {damage}"
+    messages = chunk.messages if damage.messages is None else damage.messages
+    return Loss(chunk.offset, what, chunk.data_size, messages)
+
+
+def undescribed(chunk: Chunk, messages: int, size: int) -> Loss:
+    """Say that nothing tells what some messages of a chunk are.
+
+    Args:
+        chunk: the chunk.
+        messages: their number.
+        size: bytes of their payloads.
+    """
+    what = (
+        f"the chunk at byte {chunk.offset} holds {messages} messages of channels that are "
+        "nowhere described"
+    )
+    return Loss(chunk.offset, what, size, messages)
 
 
 class Log(ABC):
@@ -292,7 +356,7 @@ class Log(ABC):
             try:
                 self.check(chunk)
             except ChunkDamage as damage:
-                losses.append(self._lost(chunk, damage))
+                losses.append(left_out(chunk, damage))
                 continue
             stored = self.source.read(chunk.offset, chunk.index_end - chunk.offset)
             sound.append((chunk, memoryview(stored)))
@@ -306,14 +370,16 @@ class Log(ABC):
             try:
                 content = self.parse(chunk, data, target)
             except ChunkDamage as damage:
-                losses.append(self._lost(chunk, damage))
+                losses.append(left_out(chunk, damage))
                 continue
             messages, found = self._described(chunk, content)
             rows = slice(row, row + len(messages))
-            whole = chunk.is_record and not any(loss.bytes for loss in found)
-            loaded.append(LoadedChunk(chunk, data, base, rows, whole))
+            has_index = len(data) > chunk.end - chunk.offset
+            whole = chunk.is_record and not found and content.indexed == has_index
+            loaded.append(LoadedChunk(chunk, data, base, rows, whole, content.indexed))
             parts.append(messages.shifted(base))
-            losses.extend(found)
+            if not chunk.surveyed:
+                losses.extend(found)
             base, row = base + chunk.size, rows.stop
         return Batch(buffer, concatenate_messages(parts), tuple(loaded), tuple(losses))
 
@@ -345,17 +411,9 @@ class Log(ABC):
         if not known.all():
             strange = messages.pick(~known)
             size = int((strange.end - strange.start).sum())
-            what = (
-                f"the chunk at byte {chunk.offset} holds {len(strange)} messages of channels "
-                "that are nowhere described"
-            )
-            losses.append(Loss(chunk.offset, what, size, len(strange)))
+            losses.append(undescribed(chunk, len(strange), size))
             messages = messages.pick(known)
         return messages, losses
-
-    def _lost(self, chunk: Chunk, damage: ChunkDamage) -> Loss:
-        what = f"the chunk at byte {chunk.offset} was left out: {damage}"
-        return Loss(chunk.offset, what, chunk.data_size, chunk.messages)
 
     def close(self) -> None:
         """Close the file."""

@@ -1,14 +1,8 @@
-"""One MCAP chunk: its header, its checksum, and the messages in it.
-
-The messages are found through the chunk's message index or by walking its records.
-
-The index is only a hint: it is believed when every record that it names is what it says and the
-records tile the chunk, so that nothing is missing. Otherwise the records are walked one by one.
-"""
+"""One MCAP chunk: its header, its checksum, and the messages in it."""
 
 import struct
 import zlib
-from dataclasses import dataclass, field
+from dataclasses import replace
 from typing import Final
 
 import numpy as np
@@ -16,53 +10,67 @@ from mcap.opcode import Opcode
 from numpy.typing import NDArray
 
 from dogbot_logtool.core.arrays import Ints
-from dogbot_logtool.reader.columns import Bytes, gather
+from dogbot_logtool.reader.chunk_content import read_content
+from dogbot_logtool.reader.columns import Bytes
 from dogbot_logtool.reader.compression import check_claimed_size, decompress_into
-from dogbot_logtool.reader.log import (
-    Chunk,
-    ChunkContent,
-    ChunkDamage,
-    Loss,
-    Messages,
-    no_messages,
-)
-from dogbot_logtool.reader.mcap_records import RECORD_HEAD
+from dogbot_logtool.reader.log import Chunk, ChunkContent, ChunkDamage, Loss
+from dogbot_logtool.reader.mcap_format import McapFormat
+from dogbot_logtool.reader.mcap_records import CHUNK_HEAD, RECORD_HEAD
+from dogbot_logtool.reader.records import Index
 from dogbot_logtool.reader.source import ByteSource
 
-CHUNK_HEAD_SIZE: Final = 8 + 8 + 8 + 4
-"""Bytes of a chunk record before the name of its compression."""
-MESSAGE_HEAD: Final = np.dtype(
-    [
-        ("opcode", "u1"),
-        ("length", "<u8"),
-        ("channel", "<u2"),
-        ("sequence", "<u4"),
-        ("log_time", "<i8"),
-        ("publish_time", "<i8"),
-    ]
-)
-"""A message record up to its payload."""
 INDEX_ENTRY: Final = np.dtype([("log_time", "<i8"), ("offset", "<u8")])
 _INDEX_HEAD: Final = struct.Struct("<HI")
+_LONGEST_NAME: Final = 64
+_KNOWN_NAMES: Final = (b"", b"lz4", b"zstd")
 
 
-def chunk_at(source: ByteSource, place: int, content: int, length: int) -> Chunk:
-    """Read a chunk record's own header."""
-    head = source.read(content, min(length, CHUNK_HEAD_SIZE + 4 + 64 + 8))
-    try:
-        start, end, size, crc, name_size = struct.unpack_from("<QQQII", head)
-        name_start = CHUNK_HEAD_SIZE + 4
-        (data_size,) = struct.unpack_from("<Q", head, name_start + name_size)
-        compression = str(head[name_start : name_start + name_size], "utf-8")
-    except (struct.error, UnicodeDecodeError) as error:
-        raise ChunkDamage("its header is damaged") from error
-    data_offset = content + name_start + name_size + 8
-    record_end = content + length
-    if data_size > record_end - data_offset:
-        raise ChunkDamage("it claims more data than its record holds")
+def chunk_at(source: ByteSource, place: int) -> Chunk:
+    """Read a chunk record's own header.
+
+    The record may reach beyond the end of the file, and its two lengths may disagree.
+
+    Raises:
+        ChunkDamage: it makes no sense.
+    """
+    head = source.read(place, RECORD_HEAD.size + CHUNK_HEAD.size + _LONGEST_NAME + 8)
+    if len(head) < RECORD_HEAD.size + CHUNK_HEAD.size + 8:
+        raise ChunkDamage("its header is cut off")
+    _, length = RECORD_HEAD.unpack_from(head)
+    start, end, size, crc, name_size = CHUNK_HEAD.unpack_from(head, RECORD_HEAD.size)
+    name_start = RECORD_HEAD.size + CHUNK_HEAD.size
+    name = head[name_start : name_start + name_size]
+    if name not in _KNOWN_NAMES:
+        name = _likely_name(head[name_start:], length) or name
+    data_start = name_start + len(name) + 8
+    if len(name) > _LONGEST_NAME or len(head) < data_start:
+        raise ChunkDamage("its header is damaged")
+    (data_size,) = struct.unpack_from("<Q", head, data_start - 8)
+    record_end = place + RECORD_HEAD.size + length
+    if data_start > RECORD_HEAD.size + length:
+        raise ChunkDamage("its header is damaged")
     return Chunk(
-        place, data_offset, data_size, record_end, record_end, compression, size, crc, start, end
+        offset=place,
+        data_offset=place + data_start,
+        data_size=data_size,
+        end=record_end,
+        index_end=record_end,
+        compression=str(name, "utf-8", "replace"),
+        size=size,
+        crc=crc,
+        start_time=start,
+        end_time=end,
     )
+
+
+def _likely_name(after: bytes, length: int) -> bytes | None:
+    """Return the compression whose name makes the chunk's lengths agree."""
+    for name in _KNOWN_NAMES:
+        data_start = len(name) + 8
+        (data_size,) = struct.unpack_from("<Q", after, len(name))
+        if CHUNK_HEAD.size + data_start + data_size == length:
+            return name
+    return None
 
 
 def check_chunk(chunk: Chunk, file_size: int) -> None:
@@ -72,166 +80,85 @@ def check_chunk(chunk: Chunk, file_size: int) -> None:
         ChunkDamage: it cannot be honest.
     """
     check_claimed_size(chunk.size, chunk.data_size)
-    if chunk.end > file_size:
-        raise ChunkDamage("it reaches beyond the end of the file")
+    if chunk.data_offset + chunk.data_size > file_size:
+        raise ChunkDamage("it is cut off by the end of the file", chunk.messages)
 
 
-def parse_chunk(chunk: Chunk, stored: memoryview, target: Bytes) -> ChunkContent:
-    """Decompress a chunk, verify its CRC and find its messages."""
-    crc = _confirm_header(chunk, stored) if chunk.is_record else 0
-    data = stored[chunk.data_offset - chunk.offset :][: chunk.data_size]
-    decompress_into(target, data, chunk.compression)
-    if crc and zlib.crc32(target.data) != crc:
-        raise ChunkDamage("its checksum does not hold")
-    return _content(target, stored[chunk.end - chunk.offset :], chunk.offset)
+def parse_chunk(chunk: Chunk, stored: memoryview, target: Bytes, fmt: McapFormat) -> ChunkContent:
+    """Decompress a chunk, verify its CRC and find its messages.
 
-
-def _confirm_header(chunk: Chunk, stored: memoryview) -> int:
-    """Compare the chunk's own header with what the index said of it; return its CRC."""
-    opcode, length = RECORD_HEAD.unpack_from(stored) if len(stored) >= 9 else (0, 0)
-    if opcode != Opcode.CHUNK or chunk.offset + RECORD_HEAD.size + length != chunk.end:
-        raise ChunkDamage("the index says that it begins there, but it does not")
-    size, crc, name_size = struct.unpack_from("<QII", stored, RECORD_HEAD.size + 16)
-    name = stored[RECORD_HEAD.size + CHUNK_HEAD_SIZE + 4 :][:name_size]
-    if size != chunk.size or bytes(name) != chunk.compression.encode():
-        raise ChunkDamage("its header contradicts the index")
-    return int(crc)
-
-
-@dataclass(slots=True)
-class _Walked:
-    offsets: list[int] = field(default_factory=list)
-    others: list[tuple[int, int, int]] = field(default_factory=list)
-    stopped_at: int | None = None
-
-
-def _content(records: Bytes, index: memoryview, offset: int) -> ChunkContent:
-    """Find the messages of a chunk.
-
-    Args:
-        records: (n,) uint8, the decompressed chunk.
-        index: the file's bytes behind the chunk, which hold its message index if there is one.
-        offset: of the chunk in the file, for saying where damage is.
+    Raises:
+        ChunkDamage: nothing in it can be trusted.
     """
-    hint = _indexed_offsets(index)
-    if hint is not None:
-        content = _content_by_index(records, *hint)
-        if content is not None:
-            return content
-    walked = _walk(records, 0, len(records))
-    losses: list[Loss] = []
-    if hint is not None and walked.stopped_at is None and len(hint[0]):
-        what = f"the message index of the chunk at byte {offset} is wrong; it was read without"
-        losses.append(Loss(offset, what))
-    if walked.stopped_at is not None:
-        lost = len(records) - walked.stopped_at
-        what = f"the chunk at byte {offset} holds {lost} bytes that are no record"
-        losses.append(Loss(offset, what, lost, None))
-    messages = _messages_at(records, np.array(walked.offsets, np.int64))
-    return ChunkContent(messages, tuple(walked.others), tuple(losses))
+    crc, contradictions = _header_of(chunk, stored) if chunk.is_record else (0, ())
+    index = _index(stored[chunk.end - chunk.offset :])
+    try:
+        data = stored[chunk.data_offset - chunk.offset :][: chunk.data_size]
+        size = decompress_into(target, data, chunk.compression)
+        if size < len(target):
+            raise ChunkDamage("it is cut off")
+        if crc and zlib.crc32(target.data) != crc:
+            raise ChunkDamage("its checksum does not hold")
+        if contradictions and not crc:
+            raise ChunkDamage("its header is damaged, and it has no checksum")
+    except ChunkDamage as damage:
+        raise ChunkDamage(str(damage), len(index.offset) if index else None) from damage
+    content = read_content(fmt, target, index, chunk, verified=bool(crc))
+    return replace(content, losses=(*contradictions, *content.losses))
 
 
-def _indexed_offsets(index: memoryview) -> tuple[Ints, Ints, Ints] | None:
-    """Return offset, channel and log time of the messages that an index names, by offset."""
+def _header_of(chunk: Chunk, stored: memoryview) -> tuple[int, tuple[Loss, ...]]:
+    """Return the CRC of the chunk's own header, and whether it contradicts what is known of it."""
+    head_size = RECORD_HEAD.size + CHUNK_HEAD.size
+    if len(stored) < head_size:
+        raise ChunkDamage("it is cut off")
+    opcode, length = RECORD_HEAD.unpack_from(stored)
+    start, end, size, crc, name_size = CHUNK_HEAD.unpack_from(stored, RECORD_HEAD.size)
+    name = bytes(stored[head_size:][:name_size])
+    data_size = bytes(stored[head_size + name_size :][:8])
+    if (
+        opcode == Opcode.CHUNK
+        and chunk.offset + RECORD_HEAD.size + length == chunk.end
+        and size == chunk.size
+        and name == chunk.compression.encode()
+        and data_size == struct.pack("<Q", chunk.data_size)
+        and (chunk.surveyed or (start, end) == (chunk.start_time, chunk.end_time))
+    ):
+        return crc, ()
+    what = f"the header of the chunk at byte {chunk.offset} is damaged; it was read nevertheless"
+    return crc, (Loss(chunk.offset, what),)
+
+
+def _index(behind: memoryview) -> Index | None:
+    """Return what the message index behind a chunk names, None if there is none to be read."""
     parts: list[NDArray[np.void]] = []
     channels: list[Ints] = []
-    place = 0
-    while place + RECORD_HEAD.size <= len(index):
-        opcode, length = RECORD_HEAD.unpack_from(index, place)
+    groups: list[Ints] = []
+    place = whole = 0
+    while place + RECORD_HEAD.size <= len(behind):
+        opcode, length = RECORD_HEAD.unpack_from(behind, place)
         place += RECORD_HEAD.size
-        if opcode != Opcode.MESSAGE_INDEX or not 6 <= length <= len(index) - place:
+        if opcode != Opcode.MESSAGE_INDEX or not _INDEX_HEAD.size <= length <= len(behind) - place:
             break
-        channel, size = _INDEX_HEAD.unpack_from(index, place)
-        if size > length - 6 or size % INDEX_ENTRY.itemsize:
-            return None
-        entries = np.frombuffer(index[place + 6 : place + 6 + size], INDEX_ENTRY)
+        channel, size = _INDEX_HEAD.unpack_from(behind, place)
+        if size > length - _INDEX_HEAD.size or size % INDEX_ENTRY.itemsize:
+            break
+        start = place + _INDEX_HEAD.size
+        entries = np.frombuffer(behind[start : start + size], INDEX_ENTRY)
+        groups.append(np.full(len(entries), len(parts), np.int64))
         parts.append(entries)
         channels.append(np.full(len(entries), channel, np.int64))
-        place += length
+        whole = place = place + length
     if not parts:
         return None
     entries = np.concatenate(parts)
-    order = np.argsort(entries["offset"], kind="stable")
-    offset = entries["offset"][order].astype(np.int64)
-    return offset, np.concatenate(channels)[order], entries["log_time"][order]
-
-
-def _content_by_index(
-    records: Bytes, offset: Ints, channel: Ints, log_time: Ints
-) -> ChunkContent | None:
-    """Return what the index names, or None if it does not describe the chunk truthfully."""
-    if len(offset) and (
-        offset[0] < 0
-        or offset[-1] + MESSAGE_HEAD.itemsize > len(records)
-        or (offset[1:] == offset[:-1]).any()
-    ):
-        return None
-    head = (
-        gather(records, offset, MESSAGE_HEAD.itemsize).view(MESSAGE_HEAD)
-        if len(offset)
-        else (np.empty(0, MESSAGE_HEAD))
-    )
-    if not (
-        (head["opcode"] == Opcode.MESSAGE).all()
-        and (head["channel"] == channel).all()
-        and (head["log_time"] == log_time).all()
-        and (head["length"] <= len(records)).all()
-    ):
-        return None
-    end = offset + RECORD_HEAD.size + head["length"].astype(np.int64)
-    others = _between(records, offset, end)
-    return None if others is None else ChunkContent(_messages(head, offset, end), others)
-
-
-def _between(records: Bytes, start: Ints, end: Ints) -> tuple[tuple[int, int, int], ...] | None:
-    """Return the records between the messages, or None if messages or rubbish are among them."""
-    gap_start = np.concatenate([[0], end])
-    gap_end = np.concatenate([start, [len(records)]])
-    others: list[tuple[int, int, int]] = []
-    for gap in np.flatnonzero(gap_start != gap_end):
-        walked = _walk(records, int(gap_start[gap]), int(gap_end[gap]))
-        if walked.stopped_at is not None or walked.offsets:
-            return None
-        others.extend(walked.others)
-    return tuple(others)
-
-
-def _walk(records: Bytes, start: int, end: int) -> _Walked:
-    """Follow the records one by one; stop at the first that does not fit."""
-    walked = _Walked()
-    data = records.data
-    place = start
-    while place < end:
-        if place + RECORD_HEAD.size > end:
-            walked.stopped_at = place
-            break
-        opcode, length = RECORD_HEAD.unpack_from(data, place)
-        content = place + RECORD_HEAD.size
-        is_message = opcode == Opcode.MESSAGE
-        if not opcode or length > end - content or (is_message and length < 22):
-            walked.stopped_at = place
-            break
-        if is_message:
-            walked.offsets.append(place)
-        else:
-            walked.others.append((opcode, content, content + length))
-        place = content + length
-    return walked
-
-
-def _messages_at(records: Bytes, offset: Ints) -> Messages:
-    if not len(offset):
-        return no_messages()
-    head = gather(records, offset, MESSAGE_HEAD.itemsize).view(MESSAGE_HEAD)
-    return _messages(head, offset, offset + RECORD_HEAD.size + head["length"].astype(np.int64))
-
-
-def _messages(head: NDArray[np.void], offset: Ints, end: Ints) -> Messages:
-    return Messages(
-        channel=head["channel"].astype(np.int64),
-        log_time=head["log_time"].astype(np.int64),
-        publish_time=head["publish_time"].astype(np.int64),
-        sequence=head["sequence"].astype(np.int64),
-        start=offset + MESSAGE_HEAD.itemsize,
-        end=end,
+    # Offsets beyond 2^63 become negative, and are no place of a message either.
+    offset = entries["offset"].astype(np.int64)
+    order = np.argsort(offset, kind="stable")
+    return Index(
+        offset[order],
+        np.concatenate(channels)[order],
+        entries["log_time"][order],
+        np.concatenate(groups)[order],
+        complete=whole == len(behind),
     )

@@ -1,20 +1,23 @@
 """MCAP's small records, decoded by the mcap library."""
 
 import struct
-from collections.abc import Iterator
 from io import BytesIO
 from typing import Final, TypeVar
 
 from mcap import records
 from mcap.data_stream import ReadDataStream
-from mcap.exceptions import McapError
+from mcap.exceptions import EndOfFile, McapError
 
 from dogbot_logtool.reader.log import Channel, Schema
 
 MAGIC: Final = b"\x89MCAP0\r\n"
 RECORD_HEAD: Final = struct.Struct("<BQ")
 """Opcode and length of the content, before every record."""
-_MALFORMED: Final = (McapError, struct.error, UnicodeDecodeError, ValueError, OverflowError)
+CHUNK_HEAD: Final = struct.Struct("<QQQII")
+"""Start time, end time, decompressed size, CRC, and length of the compression's name."""
+WHOLE_SMALL_RECORD: Final = 16 << 20
+"""Larger records that describe something are not believed to be sound."""
+_MALFORMED: Final = (McapError, struct.error, ValueError, OverflowError)
 
 _Record = TypeVar(
     "_Record",
@@ -24,30 +27,33 @@ _Record = TypeVar(
     records.Footer,
     records.Statistics,
     records.ChunkIndex,
-    records.Attachment,
     records.Metadata,
+    records.AttachmentIndex,
+    records.MetadataIndex,
+    records.SummaryOffset,
 )
 
 
+class _Stream(ReadDataStream):
+    """The library's stream, but one that does not return less than asked or fail on names."""
+
+    def read(self, length: int) -> bytes:
+        data = super().read(length)
+        if len(data) < length:
+            raise EndOfFile
+        return data
+
+    def read_prefixed_string(self) -> str:
+        return str(self.read(self.read4()), "utf-8", "replace")
+
+
 def decode_record(kind: type[_Record], body: bytes | memoryview) -> _Record | None:
-    """Decode a record's content, None if it is malformed."""
+    """Decode a record's content, None if it is malformed. Names that are no UTF-8 are mended."""
     try:
-        record: _Record = kind.read(ReadDataStream(BytesIO(body)))
+        record: _Record = kind.read(_Stream(BytesIO(body)))
     except _MALFORMED:
         return None
     return record
-
-
-def records_in(section: bytes) -> Iterator[tuple[int, int, int]]:
-    """Yield opcode, and first and last byte of the content, of whole records in a row."""
-    place = 0
-    while place + RECORD_HEAD.size <= len(section):
-        opcode, length = RECORD_HEAD.unpack_from(section, place)
-        place += RECORD_HEAD.size
-        if length > len(section) - place:
-            return
-        yield opcode, place, place + length
-        place += length
 
 
 def schema_of(schema: records.Schema) -> Schema:
@@ -64,13 +70,3 @@ def channel_of(channel: records.Channel, schemas: dict[int, Schema]) -> Channel:
         schemas.get(channel.schema_id),
         channel.metadata,
     )
-
-
-def read_attachment(record: bytes) -> records.Attachment | None:
-    """Decode a whole attachment record, None if it is malformed."""
-    return decode_record(records.Attachment, record[RECORD_HEAD.size :])
-
-
-def read_metadata(record: bytes) -> records.Metadata | None:
-    """Decode a whole metadata record, None if it is malformed."""
-    return decode_record(records.Metadata, record[RECORD_HEAD.size :])

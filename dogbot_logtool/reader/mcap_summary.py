@@ -2,6 +2,7 @@
 
 import struct
 import zlib
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Final
 
@@ -9,18 +10,33 @@ from mcap import records
 from mcap.opcode import Opcode
 
 from dogbot_logtool.reader.log import Chunk, Contents, Extra, Loss, Schema
-from dogbot_logtool.reader.mcap_chunk import CHUNK_HEAD_SIZE
+from dogbot_logtool.reader.mcap_data_crc import DATA_END_SIZE, check_data
 from dogbot_logtool.reader.mcap_records import (
+    CHUNK_HEAD,
     MAGIC,
     RECORD_HEAD,
     channel_of,
     decode_record,
-    records_in,
     schema_of,
 )
 from dogbot_logtool.reader.source import ByteSource
 
 _FOOTER_SIZE: Final = RECORD_HEAD.size + 20
+_LARGEST_TIME: Final = 2**63 - 1
+_UNSUSPICIOUS_SIZE: Final = 64 << 20
+_LARGEST_SHARE: Final = 4
+"""A larger summary than `_UNSUSPICIOUS_SIZE` must not be more than this part of the file."""
+_MOST_RECORDS_BETWEEN: Final = 100_000
+_BETWEEN: Final = (
+    Opcode.HEADER,
+    Opcode.SCHEMA,
+    Opcode.CHANNEL,
+    Opcode.MESSAGE_INDEX,
+    Opcode.ATTACHMENT,
+    Opcode.METADATA,
+    Opcode.DATA_END,
+)
+"""What may stand between the chunks without the summary's naming it."""
 
 
 def read_summary(source: ByteSource) -> tuple[Contents | None, Loss | None]:
@@ -31,15 +47,25 @@ def read_summary(source: ByteSource) -> tuple[Contents | None, Loss | None]:
         damage, if any.
     """
     summary, problem = _read_section(source)
-    return (None if summary is None else _contents(source, summary)), problem
+    if summary is None:
+        return None, problem
+    contents = _contents(source, summary)
+    if contents is None:
+        return None, None
+    if not _chunks_are_there(source, contents.chunks, summary):
+        what = "the summary contradicts the chunks; the log was read without"
+        return None, Loss(summary.offset, what)
+    return contents, None
 
 
 @dataclass(slots=True)
 class _Summary:
-    data_end: int
+    offset: int
+    verified: bool
+    """Its checksum holds."""
     statistics: records.Statistics | None = None
     schemas: dict[int, Schema] = field(default_factory=dict)
-    channels: list[records.Channel] = field(default_factory=list)
+    channels: dict[int, records.Channel] = field(default_factory=dict)
     chunks: list[records.ChunkIndex] = field(default_factory=list)
     extras: list[Extra] = field(default_factory=list)
 
@@ -49,49 +75,64 @@ def _read_section(source: ByteSource) -> tuple[_Summary | None, Loss | None]:
     footer_offset = source.size - len(MAGIC) - _FOOTER_SIZE
     tail = source.read(footer_offset, _FOOTER_SIZE + len(MAGIC))
     if len(tail) < _FOOTER_SIZE + len(MAGIC) or not tail.endswith(MAGIC):
-        return None, Loss(source.size, "the file has no end: its recording was cut off")
+        return None, Loss(source.size, "the file has no end mark: its recording was cut off")
     opcode, length = RECORD_HEAD.unpack_from(tail)
     footer = decode_record(records.Footer, tail[RECORD_HEAD.size : _FOOTER_SIZE])
-    if opcode != Opcode.FOOTER or length != 20 or footer is None:
+    if opcode != Opcode.FOOTER or length != _FOOTER_SIZE - RECORD_HEAD.size or footer is None:
         return None, Loss(footer_offset, "the footer is damaged")
-    if footer.summary_start == 0:
+    damaged = Loss(footer.summary_start, "the summary is damaged; the log was read without")
+    size = footer_offset - footer.summary_start if footer.summary_start else 0
+    if size < 0 or size > max(_UNSUSPICIOUS_SIZE, source.size // _LARGEST_SHARE):
+        return None, damaged
+    section = source.read(footer.summary_start, size)
+    crc = zlib.crc32(section + tail[: _FOOTER_SIZE - 4])
+    if footer.summary_crc and crc != footer.summary_crc:
+        return None, damaged
+    if not footer.summary_start:
         return None, None
-    section = source.read(footer.summary_start, footer_offset - footer.summary_start)
-    if not section or (
-        footer.summary_crc and zlib.crc32(section + tail[: _FOOTER_SIZE - 4]) != footer.summary_crc
-    ):
-        return None, Loss(footer.summary_start, "the summary is damaged; it was read without")
-    return _parse_summary(section, footer.summary_start)
+    summary = _Summary(footer.summary_start, verified=bool(footer.summary_crc))
+    return (summary, None) if _parse_summary(section, summary) else (None, damaged)
 
 
-def _parse_summary(section: bytes, offset: int) -> tuple[_Summary | None, Loss | None]:
-    summary = _Summary(data_end=offset)
-    damaged = Loss(offset, "the summary is damaged; it was read without")
-    for opcode, start, end in records_in(section):
-        body = section[start:end]
-        match opcode:
-            case Opcode.SCHEMA:
-                schema = decode_record(records.Schema, body)
-                if schema is None:
-                    return None, damaged
-                summary.schemas[schema.id] = schema_of(schema)
-            case Opcode.CHANNEL:
-                channel = decode_record(records.Channel, body)
-                if channel is None:
-                    return None, damaged
-                summary.channels.append(channel)
-            case Opcode.STATISTICS:
-                summary.statistics = decode_record(records.Statistics, body)
-            case Opcode.CHUNK_INDEX:
-                index = decode_record(records.ChunkIndex, body)
-                if index is None:
-                    return None, damaged
-                summary.chunks.append(index)
-            case Opcode.ATTACHMENT_INDEX | Opcode.METADATA_INDEX:
-                place, size = struct.unpack_from("<QQ", body)
-                kind = Opcode.ATTACHMENT if opcode == Opcode.ATTACHMENT_INDEX else Opcode.METADATA
-                summary.extras.append(Extra(kind, place, size))
-    return summary, None
+def _parse_summary(section: bytes, summary: _Summary) -> bool:
+    """Decode the section's records; false if one is malformed."""
+    place = 0
+    while place + RECORD_HEAD.size <= len(section):
+        opcode, length = RECORD_HEAD.unpack_from(section, place)
+        place += RECORD_HEAD.size
+        if length > len(section) - place:
+            return False
+        body = section[place : place + length]
+        place += length
+        if not _take(opcode, body, summary):
+            return False
+    return place == len(section)
+
+
+def _take(opcode: int, body: bytes, summary: _Summary) -> bool:
+    match opcode:
+        case Opcode.SCHEMA:
+            if (schema := decode_record(records.Schema, body)) is None:
+                return False
+            summary.schemas.setdefault(schema.id, schema_of(schema))
+        case Opcode.CHANNEL:
+            if (channel := decode_record(records.Channel, body)) is None:
+                return False
+            summary.channels.setdefault(channel.id, channel)
+        case Opcode.STATISTICS:
+            summary.statistics = decode_record(records.Statistics, body)
+            return summary.statistics is not None
+        case Opcode.CHUNK_INDEX:
+            if (index := decode_record(records.ChunkIndex, body)) is None:
+                return False
+            summary.chunks.append(index)
+        case Opcode.ATTACHMENT_INDEX | Opcode.METADATA_INDEX:
+            if len(body) < 16:
+                return False
+            offset, size = struct.unpack_from("<QQ", body)
+            kind = Opcode.ATTACHMENT if opcode == Opcode.ATTACHMENT_INDEX else Opcode.METADATA
+            summary.extras.append(Extra(kind, offset, size))
+    return True
 
 
 def _contents(source: ByteSource, summary: _Summary) -> Contents | None:
@@ -99,34 +140,78 @@ def _contents(source: ByteSource, summary: _Summary) -> Contents | None:
     statistics = summary.statistics
     if statistics is None or statistics.chunk_count != len(summary.chunks):
         return None
-    chunks = [_indexed_chunk(index) for index in summary.chunks]
+    chunks = [indexed_chunk(index) for index in summary.chunks]
     chunks.sort(key=lambda chunk: chunk.offset)
     counted = [chunk.messages for chunk in chunks if chunk.messages is not None]
-    channels = {channel.id: channel_of(channel, summary.schemas) for channel in summary.channels}
+    channels = {c.id: channel_of(c, summary.schemas) for c in summary.channels.values()}
+    extras = sorted(summary.extras, key=lambda extra: extra.offset)
     complete = (
         (len(counted) < len(chunks) or sum(counted) == statistics.message_count)
         and (chunks or not statistics.message_count)
         and set(statistics.channel_message_counts) <= set(channels)
-        and all(c.offset > 0 and c.index_end <= summary.data_end for c in chunks)
-        and all(c.schema_id == 0 or c.schema_id in summary.schemas for c in summary.channels)
+        and all(
+            c.schema_id == 0 or c.schema_id in summary.schemas for c in summary.channels.values()
+        )
         and sum(statistics.channel_message_counts.values()) == statistics.message_count
-        and len(summary.extras) == statistics.attachment_count + statistics.metadata_count
-        and all(e.offset > 0 and e.offset + e.size <= source.size for e in summary.extras)
+        and len(extras) == statistics.attachment_count + statistics.metadata_count
+        and all(e.offset > 0 and e.offset + e.size <= summary.offset for e in extras)
+        and max(statistics.message_start_time, statistics.message_end_time) <= _LARGEST_TIME
     )
     if not complete:
         return None
     empty = statistics.message_count == 0
+    loss = check_data(source, summary.offset - DATA_END_SIZE, thorough=False)
     return Contents(
         channels=channels,
         chunks=chunks,
         counts={**dict.fromkeys(channels, 0), **statistics.channel_message_counts},
         start_time=None if empty else statistics.message_start_time,
         end_time=None if empty else statistics.message_end_time,
-        extras=sorted(summary.extras, key=lambda extra: extra.offset),
+        extras=extras,
+        losses=() if loss is None else (loss,),
     )
 
 
-def _indexed_chunk(index: records.ChunkIndex) -> Chunk:
+def _chunks_are_there(source: ByteSource, chunks: Sequence[Chunk], summary: _Summary) -> bool:
+    """Tell whether chunks and known other records tile the data section.
+
+    A chunk whose own header is damaged is there nevertheless if a checksum vouches for the
+    summary.
+    """
+    place = len(MAGIC)
+    for chunk in chunks:
+        if not _only_small_records(source, place, chunk.offset):
+            return False
+        head = source.read(chunk.offset, RECORD_HEAD.size)
+        if len(head) < RECORD_HEAD.size or chunk.index_end < chunk.end:
+            return False
+        opcode, length = RECORD_HEAD.unpack(head)
+        fits = opcode == Opcode.CHUNK and chunk.offset + RECORD_HEAD.size + length == chunk.end
+        if not fits and not summary.verified:
+            return False
+        if chunk.data_offset + chunk.data_size > chunk.end:
+            return False
+        place = chunk.index_end
+    return _only_small_records(source, place, summary.offset)
+
+
+def _only_small_records(source: ByteSource, place: int, end: int) -> bool:
+    """Tell whether records that are neither chunks nor messages lead from one place to another."""
+    for _ in range(_MOST_RECORDS_BETWEEN):
+        if place >= end:
+            break
+        head = source.read(place, RECORD_HEAD.size)
+        if len(head) < RECORD_HEAD.size:
+            return False
+        opcode, length = RECORD_HEAD.unpack(head)
+        if opcode not in _BETWEEN and opcode <= max(Opcode):
+            return False
+        place += RECORD_HEAD.size + length
+    return place == end
+
+
+def indexed_chunk(index: records.ChunkIndex) -> Chunk:
+    """Return the chunk that an index describes."""
     end = index.chunk_start_offset + index.chunk_length
     index_end = end + index.message_index_length
     counts = None
@@ -138,7 +223,7 @@ def _indexed_chunk(index: records.ChunkIndex) -> Chunk:
             channel: max(end - place - 15, 0) // 16
             for (place, channel), end in zip(places, ends, strict=True)
         }
-    head = RECORD_HEAD.size + CHUNK_HEAD_SIZE + 4 + len(index.compression.encode()) + 8
+    head = RECORD_HEAD.size + CHUNK_HEAD.size + len(index.compression.encode()) + 8
     return Chunk(
         offset=index.chunk_start_offset,
         data_offset=index.chunk_start_offset + head,

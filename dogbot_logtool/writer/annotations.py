@@ -1,6 +1,6 @@
 """The messages that we add: transforms, arrows and loads, stamped out of columns."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from collections.abc import Set as AbstractSet
 from dataclasses import dataclass
 from typing import Final
@@ -51,7 +51,7 @@ class IdSource:
     def __init__(self, used: AbstractSet[int]) -> None:
         highest = max(used, default=0)
         above = range(highest + 1, _MAX_ID + 1)
-        self._free = iter([*above, *(n for n in range(1, highest) if n not in used)])
+        self._free: Iterator[int] = iter([*above, *(n for n in range(1, highest) if n not in used)])
 
     def take(self) -> int:
         """Return a free id.

@@ -1,0 +1,43 @@
+"""The words of `layout`."""
+
+import json
+from pathlib import Path
+
+import click
+
+from dogbot_logtool.cli.options import overwrite_option, parse_topics, topic_options
+
+
+@click.command()
+@click.argument("log", required=False, type=click.Path(path_type=Path))
+@click.option(
+    "-o", "--output", type=click.Path(path_type=Path), metavar="FILE", help="Default: stdout."
+)
+@overwrite_option
+@topic_options
+def layout(
+    log: Path | None,
+    output: Path | None,
+    robot: str | None,
+    odom_topic: str | None,
+    feet: tuple[str, ...],
+    mass_kg: float | None,
+    *,
+    overwrite: bool,
+) -> None:
+    """Print a Foxglove layout for annotated logs: the robot, its loads and its gait diagram.
+
+    The feet are those of the robot (default: dogbot), or those found in LOG.
+    """
+    from dogbot_logtool.layout import layout_for  # noqa: PLC0415
+    from dogbot_logtool.writer.output import refuse_bad_target, whole_file  # noqa: PLC0415
+
+    options = parse_topics(robot, odom_topic, feet, mass_kg)
+    if output is not None:
+        refuse_bad_target(output, log, overwrite=overwrite)
+    text = json.dumps(layout_for(log, options), indent=2) + "\n"
+    if output is None:
+        click.echo(text, nl=False)
+        return
+    with whole_file(output, overwrite=overwrite) as file:
+        file.write(text.encode())

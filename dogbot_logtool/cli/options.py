@@ -1,0 +1,107 @@
+"""Options that several commands share."""
+
+import os
+from collections.abc import Callable
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Final, TypeVar
+
+import click
+
+from dogbot_logtool.errors import CallError
+
+if TYPE_CHECKING:
+    from dogbot_logtool.selection import TopicOptions
+
+Command = TypeVar("Command", bound=Callable[..., Any])
+
+logs_argument: Final = click.argument(
+    "logs", nargs=-1, required=True, metavar="LOG...", type=click.Path(path_type=Path)
+)
+json_option: Final = click.option(
+    "--json", "as_json", is_flag=True, help="Print the result as JSON on stdout."
+)
+jobs_option: Final = click.option(
+    "--jobs",
+    type=click.IntRange(min=1, max=256),
+    help="Threads; default: as many as there are cores. The result is the same.",
+)
+overwrite_option: Final = click.option(
+    "--overwrite", is_flag=True, help="Replace the output if it exists."
+)
+wrench_frame_option: Final = click.option(
+    "--wrench-frame",
+    type=click.Choice(["auto", "world", "link"]),
+    default="auto",
+    show_default=True,
+    help="Frame of the recorded wrenches; auto decides by evidence.",
+)
+
+
+def quietness(command: Command) -> Command:
+    """Add --quiet and --verbose."""
+    quiet = click.option("-q", "--quiet", is_flag=True, help="Print results and errors only.")
+    verbose = click.option("-v", "--verbose", is_flag=True, help="Print more.")
+    return quiet(verbose(command))
+
+
+def time_range(command: Command) -> Command:
+    """Add --start and --end."""
+    start = click.option(
+        "--start", "start_s", type=float, metavar="S", help="From here on; s since the log's start."
+    )
+    end = click.option(
+        "--end", "end_s", type=float, metavar="S", help="Up to here; s since the log's start."
+    )
+    return start(end(command))
+
+
+def topic_options(command: Command) -> Command:
+    """Add --robot, --odom-topic, --foot and --mass."""
+    robot = click.option(
+        "--robot",
+        metavar="NAME|FILE.toml",
+        help="Known robot or a robot's file; default: told by the log's topics.",
+    )
+    odometry = click.option(
+        "--odom-topic", metavar="TOPIC", help="Odometry topic, instead of the one found."
+    )
+    feet = click.option(
+        "--foot",
+        "feet",
+        multiple=True,
+        metavar="NAME=TOPIC",
+        help="Contact topic of a foot; may be given several times.",
+    )
+    mass = click.option("--mass", "mass_kg", type=float, metavar="KG", help="Mass of the robot.")
+    return robot(odometry(feet(mass(command))))
+
+
+def parse_topics(
+    robot: str | None, odom_topic: str | None, feet: tuple[str, ...], mass_kg: float | None
+) -> "TopicOptions":
+    """Check the words of `topic_options`.
+
+    Raises:
+        CallError: naming the option and what it must be.
+    """
+    from dogbot_logtool.selection import TopicOptions  # noqa: PLC0415
+
+    foot_topics: dict[str, str] = {}
+    for foot in feet:
+        name, equals, topic = foot.partition("=")
+        if not (name and equals and topic):
+            raise CallError(f"--foot {foot}: must be NAME=TOPIC, such as front_left=/fl/contacts")
+        if not name.replace("_", "").isalnum():
+            raise CallError(f"--foot {foot}: a foot's name has letters, digits and _ only")
+        foot_topics[name] = topic
+    if mass_kg is not None and not 0 < mass_kg < 1e6:
+        raise CallError(f"--mass {mass_kg}: must be a number of kilograms above 0")
+    return TopicOptions(robot, odom_topic, foot_topics, mass_kg)
+
+
+def threads(jobs: int | None) -> int:
+    """Return how many threads to use: what was asked for, else the cores there are."""
+    if jobs is not None:
+        return jobs
+    affinity = getattr(os, "sched_getaffinity", None)
+    return len(affinity(0)) if affinity else os.cpu_count() or 1

@@ -1,0 +1,207 @@
+"""Messages decoded by their formats' official libraries, from the definitions in the log.
+
+Decoding is for the few messages whose bytes differ, so it is done one by one. What comes out is
+a tree as `fields` compares it.
+"""
+
+import json
+import struct
+from collections.abc import Callable, Iterator
+from functools import lru_cache
+from typing import TYPE_CHECKING, Any, Final
+
+import numpy as np
+
+from dogbot_logtool.comparison.fields import Tree
+from dogbot_logtool.reader.definition import short_type_name
+from dogbot_logtool.reader.log import Channel, Schema
+
+if TYPE_CHECKING:
+    from google.protobuf.descriptor_pb2 import FileDescriptorProto
+    from google.protobuf.message import Message
+    from rosbags.interfaces.typing import Typesdict
+
+Decoder = Callable[[bytes], Tree]
+"""Raises `Undecodable`."""
+_ROS_ENCODINGS: Final = ("ros1", "cdr")
+_ROS_DEFINITIONS: Final = ("ros1msg", "ros2msg", "ros2idl")
+_UNKNOWN_FIELDS: Final = "(unknown fields)"
+_PARSER_FAULTS: Final = (ValueError, KeyError, IndexError, AssertionError, RecursionError)
+
+
+class Undecodable(Exception):  # noqa: N818 - it never reaches a user
+    """A message or a definition that its library refuses; the text says why."""
+
+
+def decoder_of(channel: Channel) -> Decoder:
+    """Return what decodes a channel's messages.
+
+    Raises:
+        Undecodable: the encoding is not known, or the definition is missing or broken.
+    """
+    encoding, schema = channel.message_encoding, channel.schema
+    if encoding == "json":
+        return decode_json
+    if schema is None:
+        raise Undecodable("there is no message definition")
+    if encoding in _ROS_ENCODINGS and schema.encoding in _ROS_DEFINITIONS:
+        return _ros_decoder(encoding, schema)
+    if encoding == "protobuf" and schema.encoding == "protobuf":
+        return _protobuf_decoder(schema)
+    raise Undecodable(f"the encoding {encoding!r} is not known")
+
+
+def decode_json(data: bytes) -> Tree:
+    """Decode JSON text."""
+    try:
+        return json.loads(data)
+    except (ValueError, RecursionError) as error:
+        raise Undecodable(f"not JSON: {error}") from error
+
+
+def ros_types(schema: Schema) -> "Typesdict":
+    """Parse a ROS definition; the result is rosbags' own: constants and fields by type.
+
+    Raises:
+        Undecodable: it cannot be parsed.
+    """
+    # Imported late, here and below: slow to import, and rarely needed.
+    from rosbags.typesys import TypesysError, get_types_from_idl, get_types_from_msg  # noqa: PLC0415
+
+    text = schema.data.decode("utf-8", "replace").replace("\r\n", "\n")
+    try:
+        if schema.encoding == "ros2idl":
+            return get_types_from_idl(text)
+        return get_types_from_msg(text, schema.name)
+    except (TypesysError, *_PARSER_FAULTS) as error:
+        raise Undecodable(f"the definition of {schema.name} cannot be parsed") from error
+
+
+@lru_cache(maxsize=256)
+def _ros_decoder(encoding: str, schema: Schema) -> Decoder:
+    from rosbags.serde import SerdeError  # noqa: PLC0415
+    from rosbags.typesys import Stores, TypesysError, get_typestore  # noqa: PLC0415
+
+    package, _, name = short_type_name(schema.name).rpartition("/")
+    type_name = f"{package}/msg/{name}"
+    store = get_typestore(Stores.EMPTY)
+    try:
+        store.register(ros_types(schema))
+        store.get_msgdef(type_name)
+    except (TypesysError, SyntaxError, *_PARSER_FAULTS) as error:
+        raise Undecodable(f"the definition of {schema.name} cannot be used") from error
+    deserialize = store.deserialize_ros1 if encoding == "ros1" else store.deserialize_cdr
+
+    def decode(data: bytes) -> Tree:
+        try:
+            return _ros_tree(deserialize(data, type_name))
+        except (SerdeError, struct.error, MemoryError, *_PARSER_FAULTS) as error:
+            raise Undecodable(f"not a {schema.name}: {error}") from error
+
+    return decode
+
+
+def _ros_tree(value: Any) -> Tree:  # noqa: ANN401 - of any class
+    if isinstance(value, list):
+        return [_ros_tree(element) for element in value]
+    fields = getattr(value, "__dataclass_fields__", None)
+    if fields is None:
+        return value
+    return {name: _ros_tree(getattr(value, name)) for name in fields if name != "__msgtype__"}
+
+
+def descriptor_files(schema: Schema) -> "list[FileDescriptorProto]":
+    """Return the files of a protobuf schema.
+
+    Raises:
+        Undecodable: it is not a FileDescriptorSet.
+    """
+    from google.protobuf.descriptor_pb2 import FileDescriptorSet  # noqa: PLC0415
+    from google.protobuf.message import DecodeError  # noqa: PLC0415
+
+    try:
+        return list(FileDescriptorSet.FromString(schema.data).file)
+    except DecodeError as error:
+        raise Undecodable(f"the definition of {schema.name} is no FileDescriptorSet") from error
+
+
+@lru_cache(maxsize=256)
+def _protobuf_decoder(schema: Schema) -> Decoder:
+    from google.protobuf.descriptor_pool import DescriptorPool  # noqa: PLC0415
+    from google.protobuf.message import DecodeError  # noqa: PLC0415
+    from google.protobuf.message_factory import GetMessageClass  # noqa: PLC0415
+
+    pool = DescriptorPool()
+    try:
+        for file in _dependencies_first(descriptor_files(schema)):
+            pool.AddSerializedFile(file.SerializeToString())
+        kind = GetMessageClass(pool.FindMessageTypeByName(schema.name))
+    except (TypeError, *_PARSER_FAULTS) as error:
+        raise Undecodable(f"the definition of {schema.name} cannot be used") from error
+
+    def decode(data: bytes) -> Tree:
+        try:
+            return protobuf_tree(kind.FromString(data))
+        except (DecodeError, RecursionError) as error:
+            raise Undecodable(f"not a {schema.name}: {error}") from error
+
+    return decode
+
+
+def _dependencies_first(files: "list[FileDescriptorProto]") -> "Iterator[FileDescriptorProto]":
+    """Order the files as a descriptor pool wants them."""
+    waiting = {file.name: file for file in files}
+
+    def settle(name: str) -> "Iterator[FileDescriptorProto]":
+        file = waiting.pop(name, None)
+        if file is not None:
+            for dependency in file.dependency:
+                yield from settle(dependency)
+            yield file
+
+    for name in list(waiting):
+        yield from settle(name)
+
+
+def protobuf_tree(message: "Message") -> dict[str, Tree]:
+    """Turn a message into a tree; what is unset but could be told from a default is None."""
+    from google.protobuf.unknown_fields import UnknownFieldSet  # noqa: PLC0415
+
+    tree: dict[str, Tree] = {
+        field.name: None
+        if field.has_presence and not message.HasField(field.name)
+        else _protobuf_value(field, getattr(message, field.name))
+        for field in message.DESCRIPTOR.fields
+    }
+    if unknown := _unknown(UnknownFieldSet(message)):
+        tree[_UNKNOWN_FIELDS] = unknown
+    return tree
+
+
+def _protobuf_value(field: Any, value: Any) -> Tree:  # noqa: ANN401 - of any kind
+    if field.message_type is None:
+        if isinstance(value, bool | int | float | str | bytes):
+            return value
+        elements = list(value)
+        floats = elements and isinstance(elements[0], float)
+        return np.array(elements) if floats else elements
+    if field.message_type.GetOptions().map_entry:
+        is_message = field.message_type.fields_by_name["value"].message_type is not None
+        return {
+            str(key): protobuf_tree(value[key]) if is_message else value[key]
+            for key in sorted(value)
+        }
+    if hasattr(value, "DESCRIPTOR"):
+        return protobuf_tree(value)
+    return [protobuf_tree(element) for element in value]
+
+
+def _unknown(fields: Any) -> list[Tree]:  # noqa: ANN401 - iterable, which its type hides
+    return [
+        {
+            "number": field.field_number,
+            "wire_type": field.wire_type,
+            "data": field.data if isinstance(field.data, int | bytes) else _unknown(field.data),
+        }
+        for field in fields
+    ]

@@ -1,0 +1,205 @@
+"""Can a recording be trusted? What the times of each topic's messages say."""
+
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+
+from dogbot_logtool.core.aggregates import IntervalHistogram
+from dogbot_logtool.core.arrays import Floats, Ints
+from dogbot_logtool.core.blocks import GrowingTable
+from dogbot_logtool.core.clock import TimeSource
+from dogbot_logtool.core.odometry import first_at_each_tick
+
+SILENCE_NS: Final = 50_000_000
+"""ns: a shorter interval is never a gap."""
+GAP_INTERVALS: Final = 5.0
+"""A gap is longer than this many median intervals, and than `SILENCE_NS`."""
+LONGEST_SHOWN: Final = 5
+"""Gaps that are reported with their place."""
+OFFSET_RATE_HZ: Final = 1.0
+"""Rate at which the offset of the two clocks is looked at."""
+SHORTEST_DRIFT_S: Final = 5.0
+"""A drift is not measured over less."""
+
+
+@dataclass(frozen=True, slots=True)
+class Gap:
+    """A silence of a topic."""
+
+    start: int
+    """ns, the last message before it."""
+    length_s: float
+
+
+@dataclass(frozen=True, slots=True)
+class TopicQuality:
+    """The timing of one topic."""
+
+    topic: str
+    messages: int
+    clock: TimeSource
+    """The clock of all that follows, but for what names its clock."""
+    first: int
+    """ns, the earliest time. Also `last`, the latest."""
+    last: int
+    rate_hz: float | None
+    """1/s, (messages - 1) / (last - first)."""
+    median_rate_hz: float | None
+    """1/s, 1 / median interval."""
+    interval_s: dict[str, float] | None
+    """s, the 50th, 95th and 99th percentile and the longest interval."""
+    gaps: int
+    """Silences longer than max(5 x median interval, 50 ms)."""
+    gaps_total_s: float
+    longest_gaps: tuple[Gap, ...]
+    duplicate_stamps: int | None
+    """Messages whose header stamp equals the one before; None where messages have none."""
+    backward_stamps: int | None
+    zero_stamps: int | None
+    duplicate_log_times: int
+    backward_log_times: int
+    offset_median_s: float | None
+    """s, log time minus header stamp."""
+    offset_drift_ppm: float | None
+    """Millionths by which log time runs faster than the header stamps."""
+    frame_ids: tuple[str, ...]
+
+
+class _Clock:
+    """One clock's times of a topic, as they stream past."""
+
+    def __init__(self) -> None:
+        self.histogram = IntervalHistogram()
+        self.duplicates = self.backwards = self.zeros = 0
+        self.longest = 0
+        self.gaps: list[Gap] = []
+        self.first = self.last = 0
+        self._previous: int | None = None
+
+    def add(self, time: Ints) -> None:
+        step = np.diff(time, prepend=time[0] if self._previous is None else self._previous)
+        fresh = 1 if self._previous is None else 0
+        self.duplicates += int((step[fresh:] == 0).sum())
+        self.backwards += int((step < 0).sum())
+        self.zeros += int((time == 0).sum())
+        self.histogram.add(step)
+        self.longest = max(self.longest, int(step.max()))
+        self._note_gaps(time, step)
+        low, high = int(time.min()), int(time.max())
+        self.first = low if self._previous is None else min(self.first, low)
+        self.last = high if self._previous is None else max(self.last, high)
+        self._previous = int(time[-1])
+
+    def _note_gaps(self, time: Ints, step: Ints) -> None:
+        silent = np.flatnonzero(step > SILENCE_NS)
+        longest = silent[np.argsort(-step[silent], kind="stable")[:LONGEST_SHOWN]]
+        for row in longest.tolist():
+            self.gaps.append(Gap(int(time[row] - step[row]), step[row] / 1e9))
+        self.gaps.sort(key=lambda gap: (-gap.length_s, gap.start))
+        del self.gaps[LONGEST_SHOWN:]
+
+
+class TopicWatch:
+    """Measures the timing of one topic, fed batch by batch."""
+
+    def __init__(self, topic: str) -> None:
+        self._topic = topic
+        self._messages = 0
+        self._log, self._header = _Clock(), _Clock()
+        self._stamped = True
+        self._frame_ids: set[str] = set()
+        self._offsets = GrowingTable(2)
+        self._origins: tuple[int, int] | None = None
+        self._last_log: int | None = None
+
+    def add(self, log_time: Ints, stamp: Ints | None, frame_ids: tuple[str, ...] = ()) -> None:
+        """Take in messages, in the order of the log.
+
+        Args:
+            log_time: (n,) ns.
+            stamp: (n,) ns, header stamps; None for messages without a header.
+            frame_ids: header frame ids seen among them.
+        """
+        if len(log_time) == 0:
+            return
+        self._messages += len(log_time)
+        self._frame_ids.update(frame_ids)
+        self._log.add(log_time)
+        if stamp is None:
+            self._stamped = False
+            return
+        self._header.add(stamp)
+        self._note_offsets(log_time, stamp)
+
+    def _note_offsets(self, log_time: Ints, stamp: Ints) -> None:
+        chosen = first_at_each_tick(log_time, OFFSET_RATE_HZ, self._last_log)
+        self._last_log = int(log_time[-1])
+        if self._origins is None:
+            self._origins = int(log_time[0]), int(log_time[0] - stamp[0])
+        since = (log_time - self._origins[0])[chosen]
+        offset = (log_time - stamp - self._origins[1])[chosen]
+        self._offsets.append(np.stack([since, offset], axis=1).astype(np.float64))
+
+    def finish(self, clock: TimeSource) -> TopicQuality:
+        """End the log.
+
+        Args:
+            clock: the clock that the log is measured on; a topic whose messages have no usable
+                header stamps is measured on log time all the same.
+        """
+        usable = self._stamped and self._header.zeros == 0
+        used = clock if usable else TimeSource.LOG
+        times = self._header if used is TimeSource.HEADER else self._log
+        median = times.histogram.percentile(50.0)
+        threshold = max(float(SILENCE_NS), GAP_INTERVALS * (median or 0.0))
+        number, gaps_total = times.histogram.longer_than(threshold)
+        span = times.last - times.first
+        offset, drift = self._offset() if usable else (None, None)
+        return TopicQuality(
+            topic=self._topic,
+            messages=self._messages,
+            clock=used,
+            first=times.first,
+            last=times.last,
+            rate_hz=(self._messages - 1) * 1e9 / span if span > 0 else None,
+            median_rate_hz=1e9 / median if median else None,
+            interval_s=_percentiles(times),
+            gaps=number,
+            gaps_total_s=gaps_total / 1e9,
+            longest_gaps=tuple(gap for gap in times.gaps if gap.length_s * 1e9 > threshold),
+            duplicate_stamps=self._header.duplicates if self._stamped else None,
+            backward_stamps=self._header.backwards if self._stamped else None,
+            zero_stamps=self._header.zeros if self._stamped else None,
+            duplicate_log_times=self._log.duplicates,
+            backward_log_times=self._log.backwards,
+            offset_median_s=offset,
+            offset_drift_ppm=drift,
+            frame_ids=tuple(sorted(self._frame_ids)),
+        )
+
+    def _offset(self) -> tuple[float | None, float | None]:
+        """Median of log time minus stamp, s, and its slope over the stamps' time, ppm."""
+        if self._origins is None:
+            return None, None
+        table = self._offsets.stacked()
+        offset = float(np.median(table[:, 1]) + self._origins[1]) / 1e9
+        return offset, _slope_ppm(table[:, 0] - table[:, 1], table[:, 1])
+
+
+def _percentiles(times: _Clock) -> dict[str, float] | None:
+    if times.histogram.count == 0:
+        return None
+    percentiles = {
+        name: (times.histogram.percentile(percent) or 0.0) / 1e9
+        for name, percent in (("p50", 50.0), ("p95", 95.0), ("p99", 99.0))
+    }
+    return {**percentiles, "max": times.longest / 1e9}
+
+
+def _slope_ppm(time: Floats, offset: Floats) -> float | None:
+    """Least-squares slope of an offset over time, both ns; None over too short a time."""
+    if len(time) < 3 or time.max() - time.min() < SHORTEST_DRIFT_S * 1e9:
+        return None
+    centred = time - time.mean()
+    return float((centred * (offset - offset.mean())).sum() / (centred * centred).sum() * 1e6)

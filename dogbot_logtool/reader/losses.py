@@ -1,0 +1,36 @@
+"""A list of losses that stays short, however many places are damaged."""
+
+from typing import Final
+
+from dogbot_logtool.reader.log import Loss
+
+_MOST: Final = 200
+"""Losses told one by one; more are summed up."""
+
+
+class Losses:
+    """Losses in the order in which they were found."""
+
+    def __init__(self) -> None:
+        self._told: list[Loss] = []
+        self._rest: Loss | None = None
+        self._rest_count = 0
+
+    def add(self, loss: Loss) -> None:
+        """Take one more."""
+        if len(self._told) < _MOST:
+            self._told.append(loss)
+            return
+        self._rest_count += 1
+        rest = self._rest or Loss(loss.offset, "")
+        unknown = rest.messages is None or loss.messages is None
+        self._rest = Loss(
+            rest.offset,
+            f"{self._rest_count} more places are damaged, the first at byte {rest.offset}",
+            rest.bytes + loss.bytes,
+            None if unknown else (rest.messages or 0) + (loss.messages or 0),
+        )
+
+    def told(self) -> tuple[Loss, ...]:
+        """Return them all."""
+        return (*self._told, self._rest) if self._rest else tuple(self._told)

@@ -1,0 +1,42 @@
+"""The checksum over an MCAP file's whole data section."""
+
+import struct
+import zlib
+from typing import Final
+
+from mcap.opcode import Opcode
+
+from dogbot_logtool.reader.log import Loss
+from dogbot_logtool.reader.mcap_records import RECORD_HEAD
+from dogbot_logtool.reader.source import ByteSource
+
+DATA_END_SIZE: Final = RECORD_HEAD.size + 4
+_CHEAP_SIZE: Final = 64 << 20
+"""A data section up to this size is always read for its checksum: it takes some 20 ms."""
+_PIECE: Final = 1 << 20
+
+
+def check_data(source: ByteSource, data_end: int, *, thorough: bool) -> Loss | None:
+    """Verify the data section's checksum, if there is one.
+
+    It covers what chunks' checksums do not: the header, messages outside chunks, attachments and
+    metadata.
+
+    Args:
+        source: the file.
+        data_end: where the DataEnd record begins.
+        thorough: read a large data section, too.
+    """
+    record = source.read(data_end, DATA_END_SIZE)
+    if len(record) < DATA_END_SIZE or (data_end > _CHEAP_SIZE and not thorough):
+        return None
+    opcode, length = RECORD_HEAD.unpack_from(record)
+    (expected,) = struct.unpack_from("<I", record, RECORD_HEAD.size)
+    if opcode != Opcode.DATA_END or length < 4 or not expected:
+        return None
+    crc = 0
+    for place in range(0, data_end, _PIECE):
+        crc = zlib.crc32(source.read(place, min(_PIECE, data_end - place)), crc)
+    if crc == expected:
+        return None
+    return Loss(data_end, "the checksum over all of the log's data does not hold")

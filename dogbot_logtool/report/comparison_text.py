@@ -1,0 +1,60 @@
+"""A comparison for people: verdict, a table of the topics, the first differences."""
+
+from rich.console import Console
+from rich.table import Table
+from rich.text import Text
+
+from dogbot_logtool.comparison.outcome import Comparison, Tally, printable
+
+_STYLES = {"same": "green", "different": "bold red"}
+
+
+def show_comparison(comparison: Comparison, console: Console) -> None:
+    """Print a comparison."""
+    style = _STYLES["same" if comparison.same else "different"]
+    console.print(Text(comparison.verdict, style), soft_wrap=True)
+    for found in comparison.losses:
+        line = Text(f"{found.path}: {printable(found.loss.what)}", "yellow")
+        console.print(line, soft_wrap=True)
+    if comparison.tallies:
+        console.print(_table(comparison))
+    for tally in comparison.tallies:
+        if tally.note:
+            note = f"{printable(tally.name)}: {printable(tally.note)}"
+            console.print(Text(note), soft_wrap=True)
+    for difference in comparison.differences:
+        console.print(Text(difference.line), soft_wrap=True)
+    if more := comparison.difference_count - len(comparison.differences):
+        console.print(Text(f"... and {more} more"))
+
+
+def _table(comparison: Comparison) -> Table:
+    # Plain ASCII columns: what is redirected into a file is read in a browser or mailed.
+    table = Table(box=None, pad_edge=False)
+    table.add_column("topic" if comparison.unit == "messages" else "part", overflow="fold")
+    for heading in (comparison.unit, "equal", "within tolerance", "different", "missing", "extra"):
+        table.add_column(heading, justify="right")
+    table.add_column("largest |d|", justify="right")
+    for tally in comparison.tallies:
+        table.add_row(*_cells(tally), style=None if tally.same else _STYLES["different"])
+    return table
+
+
+def _cells(tally: Tally) -> list[Text]:
+    count = f"{tally.expected}"
+    if tally.actual != tally.expected:
+        count += f" / {tally.actual}"
+    numbers = (
+        tally.equal,
+        tally.within_tolerance,
+        tally.different,
+        tally.missing,
+        tally.extra,
+    )
+    deviation = f"{tally.deviation:.3g}" if tally.deviation else "0"
+    return [
+        Text(printable(tally.name)),
+        Text(count),
+        *(Text(str(number)) for number in numbers),
+        Text(deviation),
+    ]

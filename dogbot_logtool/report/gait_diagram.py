@@ -1,0 +1,158 @@
+"""The gait diagram: a bar a foot, filled where the foot is down, over a time axis.
+
+Drawn in text, two steps of time a character, so that it can stand in a terminal, a mail or a log.
+"""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+from rich.text import Text
+
+from dogbot_logtool.core import timespans
+from dogbot_logtool.core.arrays import Ints
+from dogbot_logtool.core.walk_stats import Stats
+
+STRIDES_SHOWN: Final = 4
+"""Strides in the window that is chosen unless asked."""
+LONGEST_UNASKED_S: Final = 5.0
+"""s, window without strides."""
+COLOURS: Final = ("cyan", "green", "magenta", "yellow", "blue", "red")
+"""A colour a foot, in turn."""
+
+
+@dataclass(frozen=True, slots=True)
+class Glyphs:
+    """Characters of the bars."""
+
+    down: str
+    first_half: str
+    second_half: str
+    up: str
+    unknown: str
+    axis: str
+    tick: str
+
+
+UNICODE: Final = Glyphs("█", "▌", "▐", "·", "?", "─", "┬")
+ASCII: Final = Glyphs("#", "#", "#", ".", "?", "-", "+")
+
+
+def default_window(stats: Stats) -> tuple[float, float]:
+    """Return a window, s since the log's start, of a few strides from the main segment's middle."""
+    main = stats.main
+    if main is None:
+        length = (stats.end - stats.origin) / 1e9
+        return 0.0, min(length, LONGEST_UNASKED_S)
+    start, end = (each / 1e9 for each in (main.spans[0] - stats.origin).tolist())
+    if not main.stride_frequency_hz:
+        return start, min(end, start + LONGEST_UNASKED_S)
+    length = STRIDES_SHOWN / main.stride_frequency_hz
+    touchdowns = stats.feet[stats.reference].strides.within(main.spans).touchdown
+    earliest = [each for each in stats.seconds(touchdowns) if each + length <= end]
+    begin = earliest[len(earliest) // 2] if earliest else start
+    return begin, begin + length
+
+
+def gait_diagram(
+    stats: Stats,
+    width: int,
+    *,
+    window: tuple[float, float] | None = None,
+    glyphs: Glyphs = UNICODE,
+) -> list[Text]:
+    """Draw the diagram.
+
+    Args:
+        stats: figures of a log.
+        width: characters of a line.
+        window: s since the log's start, from and to; None chooses one.
+        glyphs: characters of the bars.
+
+    Returns:
+        a line a foot, the axis, and its labels.
+    """
+    start, end = window or default_window(stats)
+    names = [foot.name for foot in stats.feet]
+    margin = max((len(name) for name in names), default=0) + 1
+    columns = max(width - margin - 2, 10)
+    if not end > start:
+        return [Text("no time to draw")]
+    lines = []
+    edges = np.linspace(start, end, 2 * columns + 1) * 1e9 + stats.origin
+    cells = edges.astype(np.int64)
+    for row, foot in enumerate(stats.feet):
+        line = Text(f"{foot.name:<{margin}}")
+        known = timespans.no_spans() if foot.is_dead else foot.record.known
+        bar = _bar(foot.record.in_contact, known, cells, glyphs)
+        line.append(bar, style=COLOURS[row % len(COLOURS)])
+        lines.append(line)
+    return [*lines, *_axis(start, end, margin, columns, glyphs)]
+
+
+def _bar(in_contact: Ints, known: Ints, cells: Ints, glyphs: Glyphs) -> str:
+    """Two cells make a character; a cell is down where contact covers most of it."""
+    down = _mostly(in_contact, cells).reshape(-1, 2)
+    seen = _mostly(known, cells).reshape(-1, 2)
+    characters = []
+    for (first, second), here in zip(down.tolist(), seen.max(axis=1).tolist(), strict=True):
+        if not here:
+            characters.append(glyphs.unknown)
+        elif first and second:
+            characters.append(glyphs.down)
+        elif first or second:
+            characters.append(glyphs.first_half if first else glyphs.second_half)
+        else:
+            characters.append(glyphs.up)
+    return "".join(characters)
+
+
+def _mostly(spans: Ints, cells: Ints) -> Ints:
+    """(n,) 1 where spans cover at least half of the cell between an edge and the next."""
+    if len(spans) == 0:
+        return np.zeros(len(cells) - 1, np.int64)
+    knots = spans.ravel()
+    # Time covered so far, at each edge of a span and, interpolated, at each edge of a cell.
+    covered = np.zeros(len(knots), np.int64)
+    covered[1::2] = np.cumsum(spans[:, 1] - spans[:, 0])
+    covered[2::2] = covered[1:-1:2]
+    so_far = np.interp(cells - cells[0], knots - cells[0], covered.astype(np.float64))
+    half: Ints = (np.diff(so_far) * 2.0 >= np.diff(cells)).astype(np.int64)
+    return half
+
+
+def _axis(start: float, end: float, margin: int, columns: int, glyphs: Glyphs) -> list[Text]:
+    step = _nice_step((end - start) / max(columns // 10, 1))
+    decimals = max(0, -math.floor(math.log10(step) + 1e-9))
+    ruler = [glyphs.axis] * columns
+    labels = [" "] * (columns + margin)
+    for number in range(math.ceil(start / step - 1e-9), math.floor(end / step + 1e-9) + 1):
+        column = min(int((number * step - start) / (end - start) * columns), columns - 1)
+        ruler[column] = glyphs.tick
+        label = f"{number * step:.{decimals}f}"
+        place = min(max(margin + column - len(label) // 2, 0), len(labels) - len(label))
+        labels[place : place + len(label)] = label
+    return [
+        Text(" " * margin + "".join(ruler), style="dim"),
+        Text("".join(labels).rstrip() + " s", style="dim"),
+    ]
+
+
+def _nice_step(least: float) -> float:
+    """Return 1, 2 or 5 times a power of ten, at least as large."""
+    power = 10.0 ** math.floor(math.log10(least))
+    return next(factor * power for factor in (1.0, 2.0, 5.0, 10.0) if factor * power >= least)
+
+
+def support_line(stats: Stats, names: Sequence[str]) -> str:
+    """Name the most frequent support sets and their share of time."""
+    if stats.support is None:
+        return "not known"
+    sets = [
+        f"{' + '.join(names[foot] for foot in feet) or 'flight'} {share:.0%}"
+        for feet, share in stats.support.sets
+        if share >= 0.005
+    ]
+    return ", ".join(sets)

@@ -1,0 +1,91 @@
+"""One row a stride, for spreadsheets; one row a log, where there are several."""
+
+import csv
+from collections.abc import Iterator, Sequence
+from typing import Final, TextIO
+
+import numpy as np
+
+from dogbot_logtool.core.remarks import remarks
+from dogbot_logtool.core.walk_stats import Stats
+from dogbot_logtool.report.stats_json import LogFacts
+
+STRIDE_COLUMNS: Final = (
+    "log",
+    "foot",
+    "start_s",
+    "stance_s",
+    "swing_s",
+    "duty_factor",
+    "length_m",
+    "peak_force_n",
+    "vertical_impulse_ns",
+    "slip_m",
+)
+SUMMARY_COLUMNS: Final = (
+    "log",
+    "class",
+    "sequence",
+    "duty_factor",
+    "stride_frequency_hz",
+    "forward_speed_mps",
+    "vertical_impulse_over_weight",
+    "segments",
+    "warnings",
+)
+_DIGITS: Final = 9
+"""Significant digits; stamps are nanoseconds, forces are not that good."""
+
+
+def write_strides(file: TextIO, results: Sequence[tuple[Stats, LogFacts]]) -> None:
+    """Write a row for each whole stride of each foot; what is not known stays empty."""
+    writer = csv.writer(file, lineterminator="\n")
+    writer.writerow(STRIDE_COLUMNS)
+    for stats, log in results:
+        writer.writerows(_stride_rows(stats, log.path))
+
+
+def write_summary(file: TextIO, results: Sequence[tuple[Stats, LogFacts]]) -> None:
+    """Write a row for each log."""
+    writer = csv.writer(file, lineterminator="\n")
+    writer.writerow(SUMMARY_COLUMNS)
+    for stats, log in results:
+        writer.writerow(_summary_row(stats, log))
+
+
+def _stride_rows(stats: Stats, path: str) -> Iterator[list[str]]:
+    for foot in stats.feet:
+        strides, stances = foot.strides, foot.stances
+        row = strides.stance
+        columns = (
+            (strides.touchdown - stats.origin) / 1e9,
+            strides.stance_s,
+            strides.swing_s,
+            strides.duty_factor,
+            foot.length_m,
+            stances.peak_n[row],
+            stances.vertical_impulse_ns[row],
+            foot.slip_m[row],
+        )
+        for figures in np.stack(columns, axis=1).tolist():
+            yield [path, foot.name, *(_text(figure) for figure in figures)]
+
+
+def _summary_row(stats: Stats, log: LogFacts) -> list[str]:
+    main = stats.main
+    said = (*remarks(stats), *log.findings)
+    return [
+        log.path,
+        (main.gait.name or "") if main else "",
+        (main.gait.sequence or "") if main else "",
+        _text(main.duty_factor if main else None),
+        _text(main.stride_frequency_hz if main else None),
+        _text(stats.base.forward_speed_mps if stats.base else None),
+        _text(stats.loads.vertical_impulse_over_weight),
+        str(len(stats.segments)),
+        str(sum(not each.code.startswith("N_") for each in said)),
+    ]
+
+
+def _text(figure: float | None) -> str:
+    return "" if figure is None or np.isnan(figure) else f"{figure:.{_DIGITS}g}"

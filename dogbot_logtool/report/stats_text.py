@@ -1,0 +1,399 @@
+"""The figures of `stats` for people: the verdict first, then the feet, loads, and what to doubt."""
+
+import math
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Final
+
+from rich.console import Console, Group, RenderableType
+from rich.padding import Padding
+from rich.table import Table
+from rich.text import Text
+
+from dogbot_logtool.core.aggregates import Aggregate
+from dogbot_logtool.core.gait import IRREGULAR, STAND, TOLERANCE
+from dogbot_logtool.core.load_figures import grouped_shares
+from dogbot_logtool.core.remarks import remarks
+from dogbot_logtool.core.segments import Segment
+from dogbot_logtool.core.walk_stats import Stats
+from dogbot_logtool.report.gait_diagram import (
+    ASCII,
+    UNICODE,
+    default_window,
+    gait_diagram,
+    support_line,
+)
+from dogbot_logtool.report.stats_json import LogFacts, Said, symmetry
+
+NOTHING: Final = "-"
+"""Stands for a figure that is not known."""
+_SEVERITIES: Final[Mapping[str, tuple[str, str]]] = {
+    "E": ("error", "bold red"),
+    "W": ("warning", "yellow"),
+    "N": ("note", "dim"),
+}
+
+
+def print_report(
+    console: Console,
+    stats: Stats,
+    log: LogFacts,
+    *,
+    window: tuple[float, float] | None = None,
+    verbose: bool = False,
+) -> None:
+    """Print the report of one log.
+
+    Args:
+        console: where to; its width decides the layout.
+        stats: figures of the log.
+        log: what the reader knows of it.
+        window: s since the log's start, from and to, of the gait diagram; None chooses one.
+        verbose: say also what is merely good to know, foot by foot.
+    """
+    glyphs = ASCII if console.options.ascii_only else UNICODE
+    start, end = window or default_window(stats)
+    diagram = gait_diagram(stats, console.width - 2, window=(start, end), glyphs=glyphs)
+    parts: list[RenderableType] = [
+        _title(log),
+        Text(),
+        verdict(stats),
+        *_segments(stats),
+        Text(),
+        _heading("Gait diagram", f"{start:.2f} to {end:.2f} s; filled: foot down"),
+        Padding(Group(*diagram), (0, 0, 0, 2), expand=False),
+        Text(),
+        _heading("Steps", "medians over whole strides"),
+        Padding(_steps(stats, _gap(console)), (0, 0, 0, 2), expand=False),
+        _support(stats),
+        Text(),
+        _heading("Loads", _load_unit(stats)),
+        Padding(_loads(stats, _gap(console)), (0, 0, 0, 2), expand=False),
+        *_load_lines(stats),
+        Text(),
+        _heading("Base"),
+        *_base(stats),
+        Text(),
+        _heading("Findings"),
+        *_findings([*remarks(stats), *log.findings], log, verbose=verbose),
+    ]
+    console.print(Group(*parts), highlight=False)
+
+
+def _title(log: LogFacts) -> Text:
+    duration = NOTHING if log.duration_s is None else f"{log.duration_s:.2f} s"
+    return Text.assemble(
+        (log.path, "bold"), f"  {log.container}, {duration}, {log.messages} messages"
+    )
+
+
+def _heading(words: str, aside: str = "") -> Text:
+    return Text.assemble((words, "bold"), (f"  {aside}" if aside else "", "dim"))
+
+
+def verdict(stats: Stats) -> Text:
+    """Say in a line or two which gait it is, and how sure that is."""
+    main = stats.main
+    if main is None:
+        return Text("Gait not known: no foot makes a whole stride.", style="bold yellow")
+    name = main.gait.name
+    if name == STAND:
+        return Text.assemble(("Stand", "bold green"), ": all feet are down throughout.")
+    words = _name(main)
+    style = "bold green" if name and name != IRREGULAR else "bold yellow"
+    line = Text.assemble((words, style), ", ", _certainty(main))
+    if main.duty_factor is not None:
+        kind = "running" if main.duty_factor < 0.5 else "not running"
+        line.append(f"\nduty factor {main.duty_factor:.3f} ({kind})")
+    if main.stride_frequency_hz is not None:
+        line.append(f", {main.stride_frequency_hz:.3f} strides a second")
+    if stats.base is not None and stats.base.forward_speed_mps is not None:
+        line.append(f", {stats.base.forward_speed_mps:.3f} m/s forward")
+    return line
+
+
+def _name(segment: Segment) -> str:
+    gait = segment.gait
+    if gait.name is None:
+        return "Gait not known"
+    sequence = {"lateral": "lateral-sequence ", "diagonal": "diagonal-sequence "}
+    prefix = sequence.get(gait.sequence or "", f"{gait.sequence} " if gait.sequence else "")
+    return f"{prefix}{gait.name}".capitalize()
+
+
+def _certainty(segment: Segment) -> str:
+    gait = segment.gait
+    consistency = [phase.consistency for phase in segment.phases if phase is not None]
+    if gait.name is None or gait.distance is None or not consistency:
+        return "phases of all four feet are needed to name one"
+    strides = f"{segment.strides} strides"
+    if gait.name == IRREGULAR:
+        return (
+            f"nearest to {gait.nearest}: phases {gait.distance:.2f} cycles off, "
+            f"R at least {_floor(min(consistency))}, {strides}"
+        )
+    sure = gait.distance <= TOLERANCE / 2.0 and min(consistency) > 0.95
+    return (
+        f"{'clearly' if sure else 'fairly'}: phases within {gait.distance:.3f} cycles, "
+        f"R at least {_floor(min(consistency))}, {strides}"
+    )
+
+
+def _floor(share: float) -> str:
+    """Two decimals, never rounded up."""
+    return f"{math.floor(share * 100.0) / 100.0:.2f}"
+
+
+def _segments(stats: Stats) -> list[RenderableType]:
+    if len(stats.segments) < 2:
+        return []
+    parts = []
+    for segment in stats.segments:
+        start, end = (each / 1e9 for each in (segment.spans[0] - stats.origin).tolist())
+        frequency = segment.stride_frequency_hz
+        pace = "" if frequency is None else f", {frequency:.2f} strides/s"
+        parts.append(f"{start:.1f}-{end:.1f} s {_name(segment).lower()}{pace}")
+    return [Text("in turn: " + "; ".join(parts))]
+
+
+def _gap(console: Console) -> int:
+    """Spaces between the columns of a table."""
+    return 1 if console.width < 100 else 3
+
+
+def _table(gap: int, *columns: str) -> Table:
+    table = Table(box=None, padding=(0, gap, 0, 0), header_style="dim", pad_edge=False)
+    table.add_column(columns[0], overflow="fold")
+    for column in columns[1:]:
+        table.add_column(column, justify="right", no_wrap=True, min_width=len(column))
+    return table
+
+
+def _steps(stats: Stats, gap: int) -> Table:
+    table = _table(
+        gap, "foot", "contact", "strides", "stance s", "swing s", "duty", "phase", "R", "length m"
+    )
+    for row, foot in enumerate(stats.feet):
+        phase = stats.main.phases[row] if stats.main else None
+        table.add_row(
+            foot.name,
+            _percent(foot.contact_fraction),
+            str(len(foot.strides.stance)),
+            _median(foot.stance_s, 3),
+            _median(foot.swing_s, 3),
+            _median(foot.duty_factor, 3),
+            NOTHING if phase is None else f"{phase.mean:.3f}",
+            NOTHING if phase is None else f"{phase.consistency:.2f}",
+            _median(foot.stride_length_m, 3),
+        )
+    return table
+
+
+def _loads(stats: Stats, gap: int) -> Table:
+    table = _table(
+        gap,
+        "foot",
+        "share",
+        "peak |F|",
+        "mean |F|",
+        "peak Fz",
+        "impact",
+        "friction",
+        "travel",
+        "slip",
+    )
+    weight = stats.settings.body_weight_n
+    for row, foot in enumerate(stats.feet):
+        share = stats.loads.shares[row] if stats.loads.shares else None
+        table.add_row(
+            foot.name,
+            _percent(share),
+            _force(foot.peak_force_n, weight),
+            _force(foot.mean_force_n, weight),
+            _force(foot.peak_vertical_force_n, weight),
+            _median(foot.impact_ratio, 2),
+            _median(foot.friction_use, 2),
+            _millimetres(foot.contact_travel_m),
+            _millimetres(foot.slip_distance_m),
+        )
+    return table
+
+
+def _load_unit(stats: Stats) -> str:
+    unit = "newtons" if stats.settings.body_weight_n is None else "body weights"
+    return f"medians over whole stances; forces in {unit}, travel and slip in mm"
+
+
+def _support(stats: Stats) -> Text:
+    names = [_short(foot.name) for foot in stats.feet]
+    line = Text("  feet down: ", style="dim")
+    if stats.support is not None:
+        shares = [
+            f"{number}: {share:.0%}"
+            for number, share in enumerate(stats.support.feet_down)
+            if share >= 0.005
+        ]
+        line.append(", ".join(shares) + f"  ({support_line(stats, names)})", style="default")
+    else:
+        line.append("not known")
+    return line
+
+
+def _short(name: str) -> str:
+    """``FL`` for ``front_left``; a name of one word stays."""
+    words = name.split("_")
+    return "".join(word[:1].upper() for word in words) if len(words) > 1 else name
+
+
+def _load_lines(stats: Stats) -> list[RenderableType]:
+    loads = stats.loads
+    lines: list[RenderableType] = []
+    if loads.vertical_impulse_over_weight is not None:
+        ratio = loads.vertical_impulse_over_weight
+        lines.append(_line("vertical impulse over weight", f"{ratio:.4f}  (1 is right)"))
+    if loads.shares is not None:
+        grouped = grouped_shares(loads.shares, [foot.place for foot in stats.feet])
+        words = [f"{name} {share:.1%}" for name, share in grouped.items() if share is not None]
+        of = "vertical impulse" if loads.share_of == "vertical_impulse" else "impulse of |F|"
+        if words:
+            lines.append(_line(f"share of {of}", ", ".join(words)))
+    indices = symmetry(stats)
+    if indices is not None:
+        words = [
+            f"{pair} {value:+.1f} %"
+            for pair, index in indices.items()
+            if (value := index["peak_force_n"]) is not None
+        ]
+        duty = [
+            f"{pair} {value:+.1f} %"
+            for pair, index in indices.items()
+            if (value := index["duty_factor"]) is not None
+        ]
+        if words:
+            lines.append(_line("right over left, peak force", ", ".join(words)))
+        if duty:
+            lines.append(_line("right over left, duty factor", ", ".join(duty)))
+    stability = stats.stability
+    if stability is not None and stability.static_margin_m is not None:
+        margin = stability.static_margin_m
+        lines.append(
+            _line(
+                "static margin",
+                f"median {margin.median * 1e3:.0f} mm, least {margin.min * 1e3:.0f} mm, "
+                f"no polygon for {stability.undefined_fraction or 0.0:.0%} of the time",
+            )
+        )
+    return lines
+
+
+def _line(name: str, value: str) -> Text:
+    return Text.assemble(("  " + name + ": ", "dim"), value)
+
+
+def _base(stats: Stats) -> list[RenderableType]:
+    base = stats.base
+    if base is None:
+        return [_line("odometry", "none that can be used")]
+    speeds = [
+        f"{_number(value, 3)} m/s {name}"
+        for name, value in (
+            ("along the path", base.mean_speed_mps),
+            ("forward", base.forward_speed_mps),
+            ("to the left", base.lateral_speed_mps),
+        )
+        if value is not None
+    ]
+    return [
+        _line(
+            "path",
+            f"{base.path_length_m:.3f} m, net {base.net_displacement_m:.3f} m, "
+            f"turned {_number(base.yaw_change_rad, 3)} rad",
+        ),
+        _line("speed", ", ".join(speeds)),
+        _line("height", f"{_spread(base.height_m, 'm')}, Froude number {_number(base.froude, 3)}"),
+        _line(
+            "attitude",
+            f"roll {_spread(base.roll_rad, 'rad')}, pitch {_spread(base.pitch_rad, 'rad')}",
+        ),
+    ]
+
+
+def _findings(said: Sequence[Said], log: LogFacts, *, verbose: bool) -> list[RenderableType]:
+    """Sentences by severity; what holds for several feet is said once."""
+    lines: list[RenderableType] = []
+    if log.lost_messages != 0 or log.lost_bytes:
+        lost = "an unknown number of" if log.lost_messages is None else str(log.lost_messages)
+        text = f"{lost} messages and {log.lost_bytes} bytes of the log could not be read"
+        lines.append(_finding("W_LOST", text))
+    ordered = sorted(said, key=lambda one: "EWN".index(one.code[:1]))
+    alike = Counter(each.code for each in ordered)
+    for each in ordered if verbose else _first_of_each(ordered):
+        more = "" if verbose or alike[each.code] == 1 else f" (and {alike[each.code] - 1} more)"
+        lines.append(_finding(each.code, each.text + more))
+    return lines or [Text("  nothing to complain about", style="green")]
+
+
+def _first_of_each(said: Sequence[Said]) -> list[Said]:
+    """Return the first sentence of each code."""
+    return list({each.code: each for each in reversed(said)}.values())[::-1]
+
+
+def _finding(code: str, text: str) -> RenderableType:
+    word, style = _SEVERITIES.get(code[:1], _SEVERITIES["N"])
+    line = Table.grid(padding=(0, 1, 0, 0))
+    line.add_column(width=9)
+    line.add_column(ratio=1)
+    line.add_row(Text(f"  {word}", style=style), Text.assemble(text, (f"  {code}", "dim")))
+    return line
+
+
+def print_summary(console: Console, results: Sequence[tuple[Stats, LogFacts]]) -> None:
+    """Print a row a log."""
+    table = _table(
+        _gap(console), "log", "gait", "duty", "strides/s", "m/s", "impulse/weight", "warnings"
+    )
+    for stats, log in results:
+        main = stats.main
+        base = stats.base
+        warnings = sum(not one.code.startswith("N_") for one in (*remarks(stats), *log.findings))
+        table.add_row(
+            Path(log.path).name,
+            NOTHING if main is None or main.gait.name is None else _name(main).lower(),
+            _number(main.duty_factor if main else None, 3),
+            _number(main.stride_frequency_hz if main else None, 3),
+            _number(base.forward_speed_mps if base else None, 3),
+            _number(stats.loads.vertical_impulse_over_weight, 4),
+            str(warnings),
+        )
+    console.print(table, highlight=False)
+
+
+def _number(value: float | None, decimals: int) -> str:
+    # Adding zero makes a plain zero of a negative one.
+    return NOTHING if value is None else f"{round(value, decimals) + 0.0:.{decimals}f}"
+
+
+def _median(value: Aggregate | None, decimals: int) -> str:
+    return _number(value.median if value else None, decimals)
+
+
+def _percent(value: float | None) -> str:
+    return NOTHING if value is None else f"{value:.1%}"
+
+
+def _force(value: Aggregate | None, weight_n: float | None) -> str:
+    if value is None:
+        return NOTHING
+    return f"{value.median:.1f}" if weight_n is None else f"{value.median / weight_n:.2f}"
+
+
+def _millimetres(value: Aggregate | None) -> str:
+    return NOTHING if value is None else f"{value.median * 1e3:.1f}"
+
+
+def _spread(value: Aggregate | None, unit: str) -> str:
+    if value is None:
+        return NOTHING
+    std = "" if value.std is None else f" (sd {value.std:.3f})"
+    return f"{_number(value.mean, 3)} {unit}{std}"

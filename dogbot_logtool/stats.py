@@ -1,0 +1,247 @@
+"""`dogbot-logtool stats`: which gait, how loaded, and can the recording be trusted."""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Final, Literal
+
+import numpy as np
+
+from dogbot_logtool.core.arrays import Ints
+from dogbot_logtool.core.clock import TimeSource, UnusableStamps
+from dogbot_logtool.core.contacts import Samples, contact_samples
+from dogbot_logtool.core.odometry import Odometry, concatenate_odometry
+from dogbot_logtool.core.settings import FootPlace, StatsSettings
+from dogbot_logtool.core.walk_stats import Stats, StatsAccumulator
+from dogbot_logtool.core.wrench_frame import WrenchFrame
+from dogbot_logtool.errors import LogError
+from dogbot_logtool.evidence import Evidence, look_into
+from dogbot_logtool.parallel import in_order
+from dogbot_logtool.plan import (
+    WrenchFrameOption,
+    evidence_findings,
+    nothing_to_do,
+    time_limits,
+)
+from dogbot_logtool.reader.contacts import contact_columns, decode_contacts
+from dogbot_logtool.reader.log import Batch, Log, Loss, Span, lost_messages
+from dogbot_logtool.reader.messages import DecodedMessages
+from dogbot_logtool.reader.odometry import decode_odometry, odometry_columns
+from dogbot_logtool.reader.opening import open_log
+from dogbot_logtool.report.stats_json import LogFacts
+from dogbot_logtool.robot import Robot
+from dogbot_logtool.selection import Selection, TopicOptions, select_topics
+
+TimeSourceOption = Literal["header", "log"]
+_FRAMES: Final = {"world": WrenchFrame.WORLD, "link": WrenchFrame.LINK}
+Progress = Callable[[int, int], None]
+
+
+@dataclass(frozen=True, slots=True)
+class StatsOptions:
+    """What a user asks of `stats`. What is None is the robot's."""
+
+    topics: TopicOptions = field(default_factory=TopicOptions)
+    wrench_frame: WrenchFrameOption = "auto"
+    forward_axis: str | None = None
+    contact_on_n: float | None = None
+    contact_off_n: float | None = None
+    debounce_s: float | None = None
+    time_source: TimeSourceOption | None = None
+    """None: header stamps, or log time where those cannot be used."""
+    start_s: float | None = None
+    """s since the log's start; also `end_s`."""
+    end_s: float | None = None
+    jobs: int = 1
+
+
+@dataclass(frozen=True, slots=True)
+class Measurement:
+    """All figures of a log, and what is known of the log itself."""
+
+    stats: Stats
+    facts: LogFacts
+    losses: tuple[Loss, ...]
+
+    @property
+    def exit_code(self) -> int:
+        """0: done; 3: done, but the log was damaged."""
+        return 3 if self.losses else 0
+
+
+@dataclass(frozen=True, slots=True)
+class _Times:
+    """Times of a topic's messages in a batch, for its quality."""
+
+    topic: str
+    log_time: Ints
+    stamp: Ints | None
+    frame_ids: tuple[str, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class _Measured:
+    """What a batch holds of use."""
+
+    samples: Sequence[Samples]
+    odometry: Odometry
+    times: Sequence[_Times]
+    malformed: Mapping[int, int]
+    losses: Sequence[Loss]
+    messages: int
+    stored_size: int
+
+
+def measure(path: Path, options: StatsOptions, progress: Progress | None = None) -> Measurement:
+    """Work out all figures of a log.
+
+    Raises:
+        CallError: no such file, or a topic in the options that the log does not have.
+        LogError: it is no log, or has nothing to measure.
+    """
+    log = open_log(path)
+    try:
+        selection = select_topics(log, options.topics)
+        if not selection.odometry and not selection.contacts:
+            raise LogError(nothing_to_do(log))
+        evidence = look_into(log, selection)
+        try:
+            settings = _settings(selection, evidence, options)
+            return _pass(log, selection, evidence, settings, options, progress)
+        except UnusableStamps as reason:
+            settings = _settings(selection, evidence, options, log_time_because=str(reason))
+            return _pass(log, selection, evidence, settings, options, progress)
+    finally:
+        log.close()
+
+
+def _settings(
+    selection: Selection, evidence: Evidence, options: StatsOptions, log_time_because: str = ""
+) -> StatsSettings:
+    robot: Robot = selection.robot
+    chosen = TimeSource(options.time_source) if options.time_source else None
+    return StatsSettings(
+        feet=tuple(FootPlace(foot.name, foot.topic, foot.place) for foot in robot.feet),
+        mass_kg=robot.mass_kg,
+        forward_axis=options.forward_axis or robot.forward_axis,
+        foot_rolling_m=robot.foot_rolling_m,
+        contact_on_n=options.contact_on_n or robot.contact_on_n,
+        contact_off_n=options.contact_off_n or robot.contact_off_n,
+        debounce_s=robot.debounce_s if options.debounce_s is None else options.debounce_s,
+        wrench_frame=_FRAMES.get(options.wrench_frame, evidence.wrench_frame.frame),
+        time_source=TimeSource.LOG if log_time_because else chosen,
+        time_source_reason=log_time_because,
+        odometry_topic=selection.odometry[0].topic if selection.odometry else "",
+    )
+
+
+def _pass(
+    log: Log,
+    selection: Selection,
+    evidence: Evidence,
+    settings: StatsSettings,
+    options: StatsOptions,
+    progress: Progress | None,
+) -> Measurement:
+    """Read the log once, feeding all messages to the figures in order."""
+    start, end = time_limits(log, options.start_s, options.end_s)
+    accumulator = StatsAccumulator(settings)
+    losses = list(log.losses)
+    malformed: dict[int, int] = {}
+    messages = done = 0
+    total = sum(chunk.data_size for chunk in log.chunks)
+
+    def work(span: Span) -> _Measured:
+        return _measure_batch(log, selection, span, start, end)
+
+    for batch in in_order(work, log.spans(start, end), options.jobs):
+        accumulator.add_odometry(batch.odometry)
+        for samples in batch.samples:
+            accumulator.add_contacts(samples)
+        for times in batch.times:
+            accumulator.add_message_times(times.topic, times.log_time, times.stamp, times.frame_ids)
+        losses.extend(batch.losses)
+        for channel, count in batch.malformed.items():
+            malformed[channel] = malformed.get(channel, 0) + count
+        messages += batch.messages
+        done += batch.stored_size
+        if progress is not None:
+            progress(done, total)
+    losses.extend(
+        Loss(0, f"{count} messages of {log.channels[channel].topic} could not be decoded", 0, count)
+        for channel, count in sorted(malformed.items())
+    )
+    facts = _facts(log, selection, evidence, messages, losses)
+    return Measurement(accumulator.finish(), facts, tuple(losses))
+
+
+def _measure_batch(
+    log: Log, selection: Selection, span: Span, start: int | None, end: int | None
+) -> _Measured:
+    batch = log.read(span).cropped(start, end)
+    stamped: dict[str, _Times] = {}
+    odometry = decode_odometry(batch, selection.odometry)
+    contacts = decode_contacts(batch, selection.contacts)
+    for messages in (*odometry, *contacts):
+        stamped.update(_stamped_times(log, messages))
+    feet, foot_of = selection.robot.feet, selection.foot_of
+    return _Measured(
+        samples=[
+            contact_samples(contact_columns(messages, feet, foot_of).contacts)
+            for messages in contacts
+        ],
+        odometry=concatenate_odometry([odometry_columns(messages) for messages in odometry]),
+        times=[stamped.get(times.topic, times) for times in _log_times(log, batch)],
+        malformed={
+            channel: count
+            for messages in (*odometry, *contacts)
+            for channel, count in messages.malformed.items()
+        },
+        losses=batch.losses,
+        messages=len(batch.messages),
+        stored_size=sum(chunk.data_size for chunk in span),
+    )
+
+
+def _log_times(log: Log, batch: Batch) -> list[_Times]:
+    """Return the log times of every topic in a batch."""
+    times: dict[str, list[Ints]] = {}
+    channel = batch.messages.channel
+    for number in np.unique(channel).tolist():
+        topic = log.channels[number].topic
+        times.setdefault(topic, []).append(batch.messages.log_time[channel == number])
+    return [_Times(topic, np.concatenate(parts), None, ()) for topic, parts in times.items()]
+
+
+def _stamped_times(log: Log, messages: DecodedMessages) -> dict[str, _Times]:
+    """Return log times, stamps and frames of the topics of decoded messages."""
+    stamp = messages.table.nanoseconds("header.stamp")
+    code, names = messages.table.texts("header.frame_id").encode()
+    topics: dict[str, _Times] = {}
+    numbers = np.unique(messages.channel).tolist()
+    for topic in sorted({log.channels[number].topic for number in numbers}):
+        ids = [number for number in numbers if log.channels[number].topic == topic]
+        rows = np.isin(messages.channel, ids)
+        frames = tuple(names[each] for each in np.unique(code[rows]).tolist())
+        topics[topic] = _Times(topic, messages.log_time[rows], stamp[rows], frames)
+    return topics
+
+
+def _facts(
+    log: Log, selection: Selection, evidence: Evidence, messages: int, losses: Sequence[Loss]
+) -> LogFacts:
+    duration = None
+    if log.start_time is not None and log.end_time is not None:
+        duration = (log.end_time - log.start_time) / 1e9
+    return LogFacts(
+        path=str(log.source.path),
+        container=log.container,
+        profile=log.profile,
+        start_s=None if log.start_time is None else log.start_time / 1e9,
+        duration_s=duration,
+        messages=messages,
+        lost_messages=lost_messages(list(losses)),
+        lost_bytes=sum(loss.bytes for loss in losses),
+        losses=[loss.what for loss in losses],
+        findings=[*selection.findings, *evidence_findings(selection, evidence)],
+    )
