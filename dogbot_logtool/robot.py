@@ -213,6 +213,7 @@ class _Table:
         if (
             not isinstance(value, list)
             or len(value) != 2
+            or not all(isinstance(word, str) for word in value)
             or value[0] not in ends
             or value[1] not in sides
         ):

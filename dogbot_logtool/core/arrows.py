@@ -28,6 +28,8 @@ CLASSIC_TILT: Final = (0.0, math.sin(-0.785), 0.0, math.cos(-0.785))
 LIFETIME_S: Final = 0.5
 """An arrow disappears after this silence of its sensor."""
 CLASSIC_DIAMETER_M: Final = 0.1
+_NEGLIGIBLE: Final = 1e-100
+"""Part of a unit vector that cannot matter, but whose square is no longer a number."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -186,7 +188,9 @@ def turn_x_to(direction: Floats) -> Floats:
         w = np.where(x < 0.0, (y * y + z * z) / (1.0 - x), 1.0 + x)
         quaternion = np.stack([np.zeros_like(x), -z, y, w], axis=1)
         quaternion /= np.sqrt((quaternion * quaternion).sum(axis=1))[:, None]
-    quaternion[(y == 0.0) & (z == 0.0) & (x < 0.0)] = (0.0, 0.0, 1.0, 0.0)
+    # So near to -x the squares above vanish.
+    opposite = (x < 0.0) & (np.abs(y) < _NEGLIGIBLE) & (np.abs(z) < _NEGLIGIBLE)
+    quaternion[opposite] = (0.0, 0.0, 1.0, 0.0)
     return quaternion
 
 

@@ -6,12 +6,14 @@ from typing import Final
 import numpy as np
 
 from dogbot_logtool.core.aggregates import Aggregate, aggregate
-from dogbot_logtool.core.arrays import Flags, Floats, Ints
+from dogbot_logtool.core.arrays import Floats, Ints
 from dogbot_logtool.core.base_record import BaseRecord, TwistFit
 from dogbot_logtool.core.loads import GRAVITY_MPS2
 
 FORWARD_ANGLES: Final = {"+x": 0.0, "+y": np.pi / 2.0, "-x": np.pi, "-y": -np.pi / 2.0}
 """rad from the body's x axis to the axis that points forward."""
+_CHUNK: Final = 1_000_000
+"""Poses that are worked on at once, to spare memory."""
 FEWEST_TWISTS: Final = 20
 TOLD_APART_MPS: Final = 0.01
 """Root mean square difference of the readings from which the twist's frame can be told."""
@@ -56,11 +58,7 @@ def base_motion(base: BaseRecord, forward_axis: str) -> BaseMotion | None:
     """
     if len(base.time) < 2:
         return None
-    moves = steps_between_gaps(base)
-    step = np.diff(base.position[:, :2], axis=0)[moves]
-    duration = float((np.diff(base.time)[moves] / 1e9).sum())
-    path = float(np.hypot(step[:, 0], step[:, 1]).sum())
-    forward, left = along_heading(step, mid_headings(base, forward_axis)[moves])
+    duration, path, forward, left = _travel(base, forward_axis)
     height, roll, pitch = (
         aggregate(column) for column in (base.position[:, 2], base.angles[:, 0], base.angles[:, 1])
     )
@@ -71,8 +69,8 @@ def base_motion(base: BaseRecord, forward_axis: str) -> BaseMotion | None:
         path_length_m=path,
         net_displacement_m=float(np.hypot(net[0], net[1])),
         mean_speed_mps=speed,
-        forward_speed_mps=float(forward.sum()) / duration if duration > 0.0 else None,
-        lateral_speed_mps=float(left.sum()) / duration if duration > 0.0 else None,
+        forward_speed_mps=forward / duration if duration > 0.0 else None,
+        lateral_speed_mps=left / duration if duration > 0.0 else None,
         yaw_change_rad=float(base.angles[-1, 2] - base.angles[0, 2]),
         height_m=height,
         roll_rad=roll,
@@ -82,19 +80,25 @@ def base_motion(base: BaseRecord, forward_axis: str) -> BaseMotion | None:
     )
 
 
-def steps_between_gaps(base: BaseRecord) -> Flags:
-    """(n - 1,) whether the step from each pose to the next one lies outside the gaps."""
-    broken = np.searchsorted(base.time, base.gaps[:, 0])
-    moves = np.ones(len(base.time) - 1, np.bool_)
-    moves[broken] = False
-    return moves
+def _travel(base: BaseRecord, forward_axis: str) -> tuple[float, float, float, float]:
+    """Add up the steps from pose to pose, gaps left out.
 
-
-def mid_headings(base: BaseRecord, forward_axis: str) -> Floats:
-    """(n - 1,) rad: world direction of the forward axis, half-way between neighbouring poses."""
-    yaw = base.angles[:, 2]
-    headings: Floats = (yaw[1:] + yaw[:-1]) / 2.0 + FORWARD_ANGLES[forward_axis]
-    return headings
+    Returns:
+        s known; m of path, m along the forward axis, m to the left of it.
+    """
+    total = np.zeros(4)
+    for start in range(0, len(base.time) - 1, _CHUNK):
+        rows = slice(start, start + _CHUNK + 1)
+        time, yaw = base.time[rows], base.angles[rows, 2]
+        moves = ~np.isin(time[:-1], base.gaps[:, 0])
+        step = np.diff(base.position[rows, :2], axis=0)[moves]
+        heading = (yaw[1:] + yaw[:-1])[moves] / 2.0 + FORWARD_ANGLES[forward_axis]
+        forward, left = along_heading(step, heading)
+        length = np.hypot(step[:, 0], step[:, 1])
+        seconds = np.diff(time)[moves].sum() / 1e9
+        total += (seconds, length.sum(), forward.sum(), left.sum())
+    duration, path, ahead, aside = total.tolist()
+    return duration, path, ahead, aside
 
 
 def along_heading(vector: Floats, heading: Floats) -> tuple[Floats, Floats]:

@@ -82,26 +82,16 @@ class BaseRecord:
     def _interpolated(self, time: Ints, values: Floats) -> Floats:
         if len(self.time) == 0:
             return np.full((len(time), 3), np.nan)
-        origin = self.time[0]
-        known = self.time - origin
-        at = np.stack([np.interp(time - origin, known, column) for column in values.T], axis=1)
-        after = np.clip(np.searchsorted(self.time, time), 1, max(len(self.time) - 1, 1))
-        near = self._distance(time, after)
-        at[near > LOOKUP_S * 1e9] = np.nan
-        return at
-
-    def _distance(self, time: Ints, after: Ints) -> Ints:
-        """(n,) ns, from each time to the further one of the poses around it; outside, to the end.
-
-        A pose on either side within reach is what interpolation needs.
-        """
         last = len(self.time) - 1
-        before_it = np.abs(time - self.time[after - 1])
-        after_it = np.abs(self.time[np.minimum(after, last)] - time)
-        outside = (time <= self.time[0]) | (time >= self.time[-1])
-        end = np.minimum(before_it, after_it)
-        distance: Ints = np.where(outside, end, np.maximum(before_it, after_it))
-        return distance
+        after = np.minimum(np.searchsorted(self.time, time), last)
+        before = np.where(self.time[after] > time, np.maximum(after - 1, 0), after)
+        since, step = time - self.time[before], self.time[after] - self.time[before]
+        share = np.clip(since / np.maximum(step, 1), 0.0, 1.0)[:, None]
+        at: Floats = values[before] + share * (values[after] - values[before])
+        # Both poses around a time must be near; beyond the ends there is only one.
+        away = np.maximum(np.abs(since), np.abs(self.time[after] - time))
+        at[away > LOOKUP_S * 1e9] = np.nan
+        return at
 
     def unplaced(self, spans: Ints) -> int:
         """Return the time in spans, ns, that lies further than 0.1 s from every pose."""
@@ -125,6 +115,7 @@ class BaseRecorder:
         self._end: int | None = None
         self._messages = self._not_usable = self._not_advancing = 0
         self._last: Odometry | None = None
+        self._yaw = np.empty(0)
         self._twist = TwistFit()
 
     def add(self, odometry: Odometry) -> None:
@@ -141,15 +132,13 @@ class BaseRecorder:
         median = self._intervals.percentile(50.0)
         longest = max(float(SILENCE_NS), GAP_INTERVALS * (median or 0.0))
         broken = np.flatnonzero(np.diff(time) > longest)
-        angles = table[:, 4:]
-        angles[:, 2] = np.unwrap(angles[:, 2])
         return BaseRecord(
             messages=self._messages,
             not_usable=self._not_usable,
             not_advancing=self._not_advancing,
             time=time,
             position=table[:, 1:4],
-            angles=angles,
+            angles=table[:, 4:],
             gaps=np.stack([time[broken], time[broken + 1]], axis=1),
             twist=self._twist,
         )
@@ -180,6 +169,8 @@ class BaseRecorder:
             self._origin = int(time[0])
         since = (time - self._origin).astype(np.float64)
         angles = roll_pitch_yaw(normalised(odometry.orientation))
+        angles[:, 2] = np.unwrap(np.concatenate([self._yaw, angles[:, 2]]))[len(self._yaw) :]
+        self._yaw = angles[-1:, 2].copy()
         self._poses.append(np.column_stack([since, odometry.position, angles]))
         self._fit_twist(odometry)
         self._last = odometry.pick(np.array([len(time) - 1]))

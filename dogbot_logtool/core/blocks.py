@@ -19,6 +19,8 @@ BLOCK_ROWS: Final = 16384
 """Large enough to make the cost of a numpy call vanish; 2 MB of contact samples."""
 
 Columns = TypeVar("Columns", Samples, Odometry)
+_LARGE_BYTES: Final = 33 << 20
+"""glibc never keeps more than 32 MiB that was freed in one piece."""
 
 
 def concatenated(parts: Sequence[Columns]) -> Columns:
@@ -68,20 +70,48 @@ def _rows(columns: Columns, start: int, stop: int) -> Columns:
 
 
 class GrowingTable:
-    """Rows of float64 that are appended block by block and stacked once."""
+    """Rows of float64 that are appended block by block and stacked once.
+
+    Small parts are joined into parts so large that the system takes each back when it is freed,
+    one by one while the table is stacked: so a long table is never in memory twice.
+    """
 
     def __init__(self, columns: int) -> None:
-        self._parts: list[Floats] = []
         self._columns = columns
+        self._large: list[Floats] = []
+        self._small: list[Floats] = []
+        self._small_rows = 0
 
     def append(self, rows: Floats) -> None:
         """Append (n, columns) rows; they are copied."""
-        if len(rows):
-            self._parts.append(np.array(rows, np.float64))
+        if len(rows) == 0:
+            return
+        self._small.append(np.array(rows, np.float64))
+        self._small_rows += len(rows)
+        if self._small_rows * self._columns * 8 > _LARGE_BYTES:
+            self._join()
 
     def stacked(self) -> Floats:
         """Return all (n, columns) rows."""
-        if not self._parts:
-            return np.empty((0, self._columns))
-        self._parts = [np.concatenate(self._parts)]
-        return self._parts[0]
+        self._join()
+        if len(self._large) == 1:
+            return self._large[0]
+        table = np.empty((sum(len(part) for part in self._large), self._columns))
+        row = 0
+        for part in _taken(self._large):
+            table[row : row + len(part)] = part
+            row += len(part)
+        self._large = [table]
+        return table
+
+    def _join(self) -> None:
+        if self._small:
+            self._large.append(np.concatenate(self._small))
+        self._small, self._small_rows = [], 0
+
+
+def _taken(parts: list[Floats]) -> Iterator[Floats]:
+    """Take parts out of a list, first to last, so that each is freed after use."""
+    parts.reverse()
+    while parts:
+        yield parts.pop()

@@ -162,7 +162,12 @@ def _point_weights(contacts: Contacts) -> Floats:
 
     weight = np.empty(len(contacts.point_state))
     point_paired = paired[contacts.point_state]
-    weight[point_paired] = norms(contacts.wrench_force[paired[contacts.wrench_state]])
+    points = np.flatnonzero(point_paired)
+    wrenches = np.flatnonzero(paired[contacts.wrench_state])
+    if not np.array_equal(contacts.point_state[points], contacts.wrench_state[wrenches]):
+        points = points[np.argsort(contacts.point_state[points], kind="stable")]
+        wrenches = wrenches[np.argsort(contacts.wrench_state[wrenches], kind="stable")]
+    weight[points] = norms(contacts.wrench_force[wrenches])
     if not point_paired.all():
         lone = contacts.point_state[~point_paired]
         weight[~point_paired] = norms(contacts.total_force[lone]) / points_of[lone]

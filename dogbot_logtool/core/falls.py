@@ -14,6 +14,8 @@ TILT_RAD: Final = np.pi / 3.0
 """A base that leans further has fallen over."""
 COLLAPSED: Final = 0.4
 """A base below this share of its usual height over the feet has gone down."""
+_CHUNK: Final = 1_000_000
+"""Poses that are worked on at once, to spare memory."""
 LASTING_S: Final = 0.3
 """A fall lasts; a single wrong pose does not make one."""
 
@@ -29,10 +31,17 @@ def fallen_spans(base: BaseRecord, feet: Sequence[FootRecord]) -> Ints:
     """
     if len(base.time) < 2:
         return timespans.no_spans()
-    down = np.cos(base.angles[:, 0]) * np.cos(base.angles[:, 1]) < np.cos(TILT_RAD)
-    down |= _collapsed(_height_over_feet(base, feet))
-    spans = timespans.spans_where(base.time, down[:-1])
+    parts = [slice(start, start + _CHUNK) for start in range(0, len(base.time), _CHUNK)]
+    height = np.concatenate([_height_over_feet(base, feet, part) for part in parts])
+    tilted = np.concatenate([_tilted(base.angles[part]) for part in parts])
+    spans = timespans.spans_where(base.time, (tilted | _collapsed(height))[:-1])
     return spans[spans[:, 1] - spans[:, 0] >= LASTING_S * 1e9]
+
+
+def _tilted(angles: Floats) -> Flags:
+    """(n,) whether the body's z axis leans further than `TILT_RAD` from the vertical."""
+    tilted: Flags = np.cos(angles[:, 0]) * np.cos(angles[:, 1]) < np.cos(TILT_RAD)
+    return tilted
 
 
 def _collapsed(height: Floats) -> Flags:
@@ -45,19 +54,20 @@ def _collapsed(height: Floats) -> Flags:
     return collapsed
 
 
-def _height_over_feet(base: BaseRecord, feet: Sequence[FootRecord]) -> Floats:
+def _height_over_feet(base: BaseRecord, feet: Sequence[FootRecord], part: slice) -> Floats:
     """(n,) m: base above the mean of the feet's latest contact points; NaN before any."""
-    total = np.zeros(len(base.time))
-    number = np.zeros(len(base.time), np.int64)
+    at = base.time[part]
+    total = np.zeros(len(at))
+    number = np.zeros(len(at), np.int64)
     for foot in feet:
         known = np.isfinite(foot.track.point[:, 2])
         time, z = foot.track.time[known], foot.track.point[known, 2]
         if len(time) == 0:
             continue
-        row = np.searchsorted(time, base.time, side="right") - 1
+        row = np.searchsorted(time, at, side="right") - 1
         seen = row >= 0
         total += np.where(seen, z[np.maximum(row, 0)], 0.0)
         number += seen
     with np.errstate(invalid="ignore", divide="ignore"):
-        height: Floats = base.position[:, 2] - np.where(number > 0, total / number, np.nan)
+        height: Floats = base.position[part, 2] - np.where(number > 0, total / number, np.nan)
     return height

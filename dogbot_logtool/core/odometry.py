@@ -105,11 +105,12 @@ def first_at_each_tick(time: Ints, rate_hz: float, previous_time: int | None) ->
     """
     if rate_hz == 0:
         return np.ones(len(time), np.bool_)
-    tick = time // round(1e9 / rate_hz)
+    period = max(round(1e9 / rate_hz), 1)
+    tick = time // period
     chosen = np.ones(len(time), np.bool_)
     chosen[1:] = tick[1:] != tick[:-1]
     if previous_time is not None and len(time):
-        chosen[0] = tick[0] != previous_time // round(1e9 / rate_hz)
+        chosen[0] = tick[0] != previous_time // period
     return chosen
 
 

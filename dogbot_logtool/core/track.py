@@ -158,11 +158,14 @@ class TrackRecorder:
         table = self._kept.stacked()
         silences = self._silences.stacked()
         slow = silences[silences[:, 1] - silences[:, 0] <= longest_interval_ns]
-        passed = np.searchsorted(slow[:, 1], table[:, 0], side="right")
+        if len(slow):
+            passed = np.searchsorted(slow[:, 1], table[:, 0], side="right")
+            for column, part in ((1, slow[:, 2]), (2, slow[:, 3])):
+                table[:, column] += np.concatenate([[0.0], np.cumsum(part)])[passed]
         return FootTrack(
             time=self._in_ns(table[:, 0]),
-            force_impulse=table[:, 1] + np.concatenate([[0.0], np.cumsum(slow[:, 2])])[passed],
-            vertical_impulse=table[:, 2] + np.concatenate([[0.0], np.cumsum(slow[:, 3])])[passed],
+            force_impulse=table[:, 1],
+            vertical_impulse=table[:, 2],
             vertical_force=table[:, 3],
             point=table[:, 4:],
             vertical_unknown=self._in_ns(unknown),

@@ -31,19 +31,19 @@ def chunk_at(source: ByteSource, place: int) -> Chunk:
     """
     try:
         record = record_in_file(source, place)
-        if record.fields.op() != BagOp.CHUNK:
-            raise ChunkDamage("the index says that it begins there, but it does not")
-        return Chunk(
-            offset=place,
-            data_offset=record.data,
-            data_size=record.end - record.data,
-            end=record.end,
-            index_end=record.end,
-            compression=record.fields.text("compression"),
-            size=record.fields.u32("size"),
-        )
+        compression, size = record.fields.text("compression"), record.fields.u32("size")
     except MalformedRecord as fault:
         raise ChunkDamage(f"its header is damaged ({fault})") from fault
+    chunk = Chunk(
+        offset=place,
+        data_offset=record.data,
+        data_size=record.end - record.data,
+        end=record.end,
+        index_end=record.end,
+        compression=compression,
+        size=size,
+    )
+    return chunk if chunk.is_compressed else replace(chunk, size=chunk.data_size)
 
 
 def check_bag_chunk(chunk: Chunk, file_size: int) -> None:
@@ -54,8 +54,6 @@ def check_bag_chunk(chunk: Chunk, file_size: int) -> None:
     """
     if chunk.is_compressed:
         check_claimed_size(chunk.size, chunk.data_size)
-    elif chunk.size != chunk.data_size:
-        raise ChunkDamage(f"it claims to hold {chunk.size} bytes in {chunk.data_size}")
     if chunk.end > file_size:
         raise ChunkDamage("it reaches beyond the end of the file")
 

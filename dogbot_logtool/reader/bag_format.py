@@ -106,7 +106,7 @@ class BagFormat:
             op = record.fields.op()
             if record.end > end:
                 return op == BagOp.CHUNK and bool(record.fields.raw("compression"))
-            sound = _is_sound(record, op)
+            sound = is_sound(record, op)
         except MalformedRecord:
             return False
         return sound and _may_follow(source, record.end, end)
@@ -116,16 +116,11 @@ class BagFormat:
         size = 4 + int(U32.unpack_from(records.data, before)[0])
         here = records[place : min(place + size, end)]
         alike = np.count_nonzero(here == records[before : before + len(here)])
-        start = here[:8].tobytes()
-        return bool(
-            2 * alike >= len(here)
-            or _RECORD_START.match(here.tobytes())
-            or (len(here) < 12 and start[0] >= 8 and not any(start[1:4]) and not any(start[5:8]))
-        )
+        return bool(2 * alike >= len(here) >= 8 or _RECORD_START.match(here.tobytes()))
 
 
-def _is_sound(record: Record, op: int) -> bool:
-    """Check the fields that a record of its kind must have, and the size of its data.
+def is_sound(record: Record, op: int) -> bool:
+    """Tell whether a record has the fields of its kind, and its data the right size.
 
     Raises:
         MalformedRecord: a field is missing.

@@ -22,6 +22,8 @@ from dogbot_logtool.reader.log import Channel, Chunk, ChunkDamage, Contents, Los
 from dogbot_logtool.reader.source import ByteSource
 
 _MOST_CONNECTIONS: Final = 1 << 16
+_MOST_BYTES: Final = 64 << 20
+"""A bag that describes more connections, or in more words, is not honest."""
 _UNSUSPICIOUS_SIZE: Final = 64 << 20
 _LARGEST_SHARE: Final = 4
 """A larger index than `_UNSUSPICIOUS_SIZE` must not be more than this part of the bag."""
@@ -39,6 +41,7 @@ class Connections:
         self.channel_ids: dict[int, int] = {}
         """Channel id by connection number."""
         self._schemas: dict[tuple[str, str], Schema] = {}
+        self._bytes = 0
 
     def add(self, fields: Fields, data: bytes | memoryview) -> None:
         """Take a connection record; one that is known already changes nothing.
@@ -47,12 +50,39 @@ class Connections:
             MalformedRecord: it does not describe a connection.
         """
         connection = fields.u32("conn")
-        if connection not in self.channel_ids:
-            if len(self.channels) >= _MOST_CONNECTIONS:
-                raise MalformedRecord("it describes too many connections")
-            number = len(self.channels) + 1
-            self.channels[number] = connection_channel(number, fields, data, self._schemas)
-            self.channel_ids[connection] = number
+        if connection in self.channel_ids:
+            return
+        self._bytes += len(data)
+        if len(self.channels) >= _MOST_CONNECTIONS or self._bytes > _MOST_BYTES:
+            raise MalformedRecord("it describes too many connections")
+        number = len(self.channels) + 1
+        self.channels[number] = connection_channel(number, fields, data, self._schemas)
+        self.channel_ids[connection] = number
+
+    def contradiction(self, record: bytes, offset: int) -> Loss | None:
+        """Compare a connection record with what is known of the connection.
+
+        Args:
+            record: the whole record.
+            offset: of the chunk that holds it.
+
+        Returns:
+            what to say if they differ.
+        """
+        try:
+            found = record_at(record, 0, len(record))
+            number = self.channel_ids.get(found.fields.u32("conn"))
+            known = None if number is None else self.channels[number]
+            content = memoryview(record)[found.data : found.end]
+            same = known is None or known == connection_channel(
+                known.id, found.fields, content, dict(self._schemas)
+            )
+        except MalformedRecord:
+            same = False
+        if same:
+            return None
+        what = f"a connection is described in another way in the chunk at byte {offset}"
+        return Loss(offset, what)
 
 
 @dataclass(frozen=True, slots=True)

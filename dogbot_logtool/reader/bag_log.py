@@ -1,9 +1,10 @@
 """ROS 1 bags: opened through their index where there is a sound one, else by a walk."""
 
-from collections.abc import Mapping
+from dataclasses import replace
 
 from dogbot_logtool.reader.bag_chunk import check_bag_chunk, parse_bag_chunk, with_channels
 from dogbot_logtool.reader.bag_index import Connections, read_index
+from dogbot_logtool.reader.bag_records import BagOp
 from dogbot_logtool.reader.bag_survey import BagSurvey
 from dogbot_logtool.reader.columns import Bytes
 from dogbot_logtool.reader.log import Chunk, ChunkContent, Contents, Log
@@ -15,11 +16,9 @@ class BagLog(Log):
 
     container = "ROS 1 bag"
 
-    def __init__(
-        self, source: ByteSource, contents: Contents, channel_ids: Mapping[int, int]
-    ) -> None:
+    def __init__(self, source: ByteSource, contents: Contents, connections: Connections) -> None:
         super().__init__(source, contents)
-        self._channel_ids = channel_ids
+        self._connections = connections
 
     def check(self, chunk: Chunk) -> None:
         """See `Log.check`."""
@@ -27,7 +26,16 @@ class BagLog(Log):
 
     def parse(self, chunk: Chunk, stored: memoryview, target: Bytes) -> ChunkContent:
         """See `Log.parse`."""
-        return with_channels(parse_bag_chunk(chunk, stored, target), self._channel_ids)
+        content = parse_bag_chunk(chunk, stored, target)
+        losses = list(content.losses)
+        for op, place, end in content.others.tolist():
+            if op == BagOp.CONNECTION:
+                record = target[place:end].tobytes()
+                loss = self._connections.contradiction(record, chunk.offset)
+                if loss is not None:
+                    losses.append(loss)
+        content = replace(content, losses=tuple(losses))
+        return with_channels(content, self._connections.channel_ids)
 
 
 def open_bag(source: ByteSource) -> BagLog:
@@ -37,4 +45,4 @@ def open_bag(source: ByteSource) -> BagLog:
     if contents is None:
         connections = Connections()
         contents = BagSurvey(source, connections).contents(problem)
-    return BagLog(source, contents, connections.channel_ids)
+    return BagLog(source, contents, connections)

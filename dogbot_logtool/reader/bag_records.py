@@ -63,6 +63,10 @@ class Fields:
             raise MalformedRecord("a record's kind is damaged")
         return value[0]
 
+    def has(self, name: str) -> bool:
+        """Tell whether there is a field of the name."""
+        return name.encode() in self._values
+
     def raw(self, name: str) -> bytes:
         """Return a field.
 

@@ -5,7 +5,7 @@ from dataclasses import replace
 from typing import Final
 
 from dogbot_logtool.reader.bag_chunk import check_bag_chunk, chunk_at, parse_bag_chunk
-from dogbot_logtool.reader.bag_format import BagFormat
+from dogbot_logtool.reader.bag_format import BagFormat, is_sound
 from dogbot_logtool.reader.bag_index import Connections, chunk_info
 from dogbot_logtool.reader.bag_records import (
     MAGIC,
@@ -16,6 +16,7 @@ from dogbot_logtool.reader.bag_records import (
 )
 from dogbot_logtool.reader.columns import Bytes
 from dogbot_logtool.reader.log import Chunk, ChunkContent, ChunkDamage, Contents, Loss
+from dogbot_logtool.reader.losses import Losses
 from dogbot_logtool.reader.source import ByteSource
 from dogbot_logtool.reader.survey import Stated, Survey
 
@@ -26,8 +27,10 @@ class BagSurvey(Survey):
     """Finds chunks, bare messages and connections."""
 
     def __init__(self, source: ByteSource, connections: Connections) -> None:
-        super().__init__(source, BagFormat())
+        super().__init__(source, BagFormat(), Losses())
         self._connections = connections
+        self._outside: list[tuple[int, int]] = []
+        """Places of connection records outside chunks."""
 
     def contents(self, problem: Loss | None) -> Contents:
         """Walk the file."""
@@ -44,10 +47,10 @@ class BagSurvey(Survey):
     def _step(self, place: int) -> int | None:
         try:
             record = record_in_file(self._source, place)
-            op = record.fields.op()
-            if op == BagOp.CHUNK:
+            if record.fields.has("compression"):
                 return self._chunk_record(place)
-            if record.end > self._source.size:
+            op = record.fields.op()
+            if record.end > self._source.size or not is_sound(record, op):
                 return None
             if op == BagOp.MESSAGE:
                 return self._bare(place, record.end)
@@ -62,20 +65,18 @@ class BagSurvey(Survey):
                 if self._chunks and self._chunks[-1].index_end == place:
                     self._chunks[-1] = replace(self._chunks[-1], index_end=end)
             case BagOp.CONNECTION:
-                self._connect(self._source.read(place, end - place))
+                self._outside.append((place, end))
             case BagOp.CHUNK_INFO:
                 data = self._source.read(place, end - place)
                 info = chunk_info(record_at(data, 0, len(data)), data)
                 self._stated[info.offset] = Stated(info.start_time, info.end_time, info.counts)
-            case BagOp.BAG_HEADER:
-                pass
-            case _:
-                raise MalformedRecord("a record of an unknown kind")
 
     def _chunk_record(self, place: int) -> int:
         chunk = chunk_at(self._source, place)
-        derived_end = chunk.end if chunk.is_compressed else chunk.data_offset + chunk.size
-        return self._chunk(chunk, derived_end)
+        if chunk.is_compressed:
+            return self._chunk(chunk, chunk.end)
+        stated = record_in_file(self._source, place).fields.u32("size")
+        return self._chunk(replace(chunk, data_size=stated), chunk.data_offset + stated)
 
     def _passed_zeros(self, place: int) -> int | None:
         """Pass over the zero bytes that some recorders leave before the index."""
@@ -87,18 +88,27 @@ class BagSurvey(Survey):
             return following
         return None
 
-    def _connect(self, data: bytes) -> None:
+    def _connect(self, data: bytes, offset: int) -> None:
         record = record_at(data, 0, len(data))
-        content = memoryview(data)[record.data : record.end]
-        if self._may_describe(len(self._connections.channels), len(content)):
-            self._connections.add(record.fields, content)
+        self._connections.add(record.fields, memoryview(data)[record.data : record.end])
+        loss = self._connections.contradiction(data, offset)
+        if loss is not None:
+            self._losses.add(loss)
 
-    def _describe(self, op: int, record: Bytes) -> None:
+    def _describe(self, op: int, record: Bytes, chunk: Chunk) -> None:
         try:
             if op == BagOp.CONNECTION:
-                self._connect(record.tobytes())
+                self._connect(record.tobytes(), chunk.offset)
         except MalformedRecord:
             return
+
+    def _finish_describing(self) -> None:
+        for place, end in self._outside:
+            try:
+                self._connect(self._source.read(place, end - place), place)
+            except MalformedRecord as fault:
+                what = f"the connection record at byte {place} is damaged ({fault})"
+                self._losses.add(Loss(place, what))
 
     def _parse(self, chunk: Chunk, stored: memoryview, target: Bytes) -> ChunkContent:
         return parse_bag_chunk(chunk, stored, target)

@@ -110,16 +110,16 @@ class _Judge:
         if start is None or end is None or not self.keep.any():
             return
         limit = 2**63 - 1
-        times = self.messages.log_time
-        outside = (times < min(start, limit)) | (times > min(end, limit))
-        outside &= self.keep
-        if not outside.any():
-            return
-        if believed or 2 * int(outside.sum()) > int(self.keep.sum()):
+        start, end = min(start, limit), min(end, limit)
+        times = self.messages.log_time[self.keep]
+        outside = self.keep & ((self.messages.log_time < start) | (self.messages.log_time > end))
+        mostly = 2 * int(outside.sum()) > len(times)
+        if outside.any() and not believed and not mostly:
+            what = "messages were left out whose times are outside those of"
+            self._leave_out(outside, what)
+        elif (int(times.min()), int(times.max())) != (start, end) and self.keep.all():
             what = f"the range of times stated for {self._name} is wrong"
             self.losses.append(Loss(self.chunk.offset, what))
-        else:
-            self._leave_out(outside, "messages were left out whose times are outside those of")
 
     def leave_out_far_future(self) -> None:
         """Leave out messages whose unsigned log times do not fit 64 bits with a sign."""

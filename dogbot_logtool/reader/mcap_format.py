@@ -14,6 +14,7 @@ from dogbot_logtool.reader.columns import Bytes, gather
 from dogbot_logtool.reader.log import Messages
 from dogbot_logtool.reader.mcap_records import (
     CHUNK_HEAD,
+    LARGEST_PADDING,
     MAGIC,
     RECORD_HEAD,
     WHOLE_SMALL_RECORD,
@@ -34,6 +35,10 @@ MESSAGE_HEAD: Final = np.dtype(
 """A message record up to its payload."""
 MESSAGE_CONTENT_SIZE: Final = 22
 """Bytes of a message record's content before its payload."""
+FIRST_PRIVATE_OPCODE: Final = 0x80
+"""Opcodes from here on belong to applications, and are passed over."""
+LARGEST_PASSING: Final = 1 << 16
+"""Bytes up to which a message's content is compared with other kinds of records."""
 LARGEST_OPCODE: Final = int(max(Opcode))
 _HEAD: Final = np.dtype([("opcode", "u1"), ("length", "<u8")])
 _IN_CHUNK: Final = (Opcode.SCHEMA, Opcode.CHANNEL, Opcode.MESSAGE)
@@ -149,33 +154,52 @@ class McapFormat:
         if opcode == Opcode.CHUNK:
             return _is_chunk(head[RECORD_HEAD.size :], length)
         following = place + RECORD_HEAD.size + length
-        if following > end or length < _SHORTEST.get(opcode, length + 1):
+        if following > end or opcode not in _SHORTEST:
             return False
         if opcode == Opcode.FOOTER:
             return source.read(following, len(MAGIC)) == MAGIC
-        if not self._has_sound_content(source, place + RECORD_HEAD.size, opcode, length):
+        if not self.has_sound_content(source, place + RECORD_HEAD.size, opcode, length):
             return False
         return following == end or not more or self._sound(source, following, end, more - 1)
 
-    def _has_sound_content(self, source: Readable, content: int, opcode: int, length: int) -> bool:
+    def has_sound_content(self, source: Readable, content: int, opcode: int, length: int) -> bool:
+        """Tell whether a record's content is what its opcode says.
+
+        Args:
+            source: the bytes.
+            content: where the content begins.
+            opcode: of the record.
+            length: of the content, which is known to be there.
+        """
+        if opcode not in _SHORTEST or length < _SHORTEST[Opcode(opcode)]:
+            return False
         if opcode == Opcode.MESSAGE:
             channel = int.from_bytes(source.read(content, 2), "little")
             return not self._channels or channel in self._channels
-        if opcode == Opcode.MESSAGE_INDEX:
-            size = int.from_bytes(source.read(content + 2, 4), "little")
-            return size <= length - 6 and size % 16 == 0
+        size = _content_size(source, content, opcode)
+        if size is not None:
+            return 0 <= length - size <= LARGEST_PADDING
         kind = _DECODED.get(Opcode(opcode))
         return kind is None or (
             length <= WHOLE_SMALL_RECORD
             and decode_record(kind, source.read(content, length)) is not None
         )
 
+    def passes_for_another(self, source: Readable, content: int, length: int) -> bool:
+        """Tell whether a message's content is that of another kind of record, to the last byte."""
+        if length > LARGEST_PASSING:
+            return False
+        if _content_size(source, content, Opcode.MESSAGE_INDEX) == length:
+            return True
+        body = source.read(content, length)
+        return any(decode_record(kind, body, padding=0) for kind in _DECODED.values())
+
     def resembles(self, records: Bytes, before: int, place: int, end: int) -> bool:
         """See `RecordFormat.resembles`."""
         head = records[place : min(place + MESSAGE_HEAD.itemsize, end)].tobytes()
-        agree = [1 <= head[0] <= LARGEST_OPCODE]
-        if len(head) >= RECORD_HEAD.size:
-            agree.append(head[5:9] == b"\0\0\0\0")
+        if len(head) < RECORD_HEAD.size:
+            return False
+        agree = [1 <= head[0] <= LARGEST_OPCODE, head[5:9] == b"\0\0\0\0"]
         if len(head) == MESSAGE_HEAD.itemsize and head[0] == Opcode.MESSAGE:
             here, there = np.frombuffer(head, MESSAGE_HEAD)[0], records[before:]
             (channel, log_time) = int(here["channel"]), int(here["log_time"])
@@ -184,6 +208,23 @@ class McapFormat:
                 earlier = np.frombuffer(there[: MESSAGE_HEAD.itemsize], MESSAGE_HEAD)[0]
                 agree.append(abs(log_time - int(earlier["log_time"])) < _HOUR)
         return sum(agree) >= max(len(agree) - 1, 1)
+
+
+def _content_size(source: Readable, content: int, opcode: int) -> int | None:
+    """Return how long a record's content is by what it says itself, None if it says nothing."""
+    match opcode:
+        case Opcode.DATA_END | Opcode.FOOTER:
+            return _SHORTEST[Opcode(opcode)]
+        case Opcode.MESSAGE_INDEX:
+            size = int.from_bytes(source.read(content + 2, 4), "little")
+            return 6 + size if size % 16 == 0 else -1
+        case Opcode.ATTACHMENT:
+            size = 16
+            for _ in ("name", "media type"):
+                size += 4 + int.from_bytes(source.read(content + size, 4), "little")
+            return size + 8 + int.from_bytes(source.read(content + size, 8), "little") + 4
+        case _:
+            return None
 
 
 def _message_records(records: Bytes, offset: Ints) -> Records:

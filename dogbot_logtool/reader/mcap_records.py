@@ -17,6 +17,8 @@ CHUNK_HEAD: Final = struct.Struct("<QQQII")
 """Start time, end time, decompressed size, CRC, and length of the compression's name."""
 WHOLE_SMALL_RECORD: Final = 16 << 20
 """Larger records that describe something are not believed to be sound."""
+LARGEST_PADDING: Final = 64
+"""Bytes that a record may have behind the fields that are known: later versions may add some."""
 _MALFORMED: Final = (McapError, struct.error, ValueError, OverflowError)
 
 _Record = TypeVar(
@@ -47,13 +49,25 @@ class _Stream(ReadDataStream):
         return str(self.read(self.read4()), "utf-8", "replace")
 
 
-def decode_record(kind: type[_Record], body: bytes | memoryview) -> _Record | None:
-    """Decode a record's content, None if it is malformed. Names that are no UTF-8 are mended."""
+def decode_record(
+    kind: type[_Record], body: bytes | memoryview, padding: int = LARGEST_PADDING
+) -> _Record | None:
+    """Decode a record's content. Names that are no UTF-8 are mended.
+
+    Args:
+        kind: what it should be.
+        body: the content.
+        padding: bytes that may be left over.
+
+    Returns:
+        the record, None if it is malformed.
+    """
+    stream = _Stream(BytesIO(body))
     try:
-        record: _Record = kind.read(_Stream(BytesIO(body)))
+        record: _Record = kind.read(stream)
     except _MALFORMED:
         return None
-    return record
+    return record if len(body) - stream.count <= padding else None
 
 
 def schema_of(schema: records.Schema) -> Schema:

@@ -1,15 +1,18 @@
 """Opening a log: what it is, is told by its first bytes, not by its name."""
 
 from pathlib import Path
-from typing import Final
+from typing import Final, TypeVar
 
 from dogbot_logtool.errors import LogError
 from dogbot_logtool.reader import bag_records, mcap_records
 from dogbot_logtool.reader.bag_log import open_bag
-from dogbot_logtool.reader.log import Log
+from dogbot_logtool.reader.log import Log, Loss
 from dogbot_logtool.reader.mcap_log import open_mcap
 from dogbot_logtool.reader.source import ByteSource
 
+OpenedLog = TypeVar("OpenedLog", bound=Log)
+
+_MOST_DAMAGED_BYTES: Final = 2
 _KNOWN_BUT_UNREAD: Final = {
     b"SQLite format 3\0": "a ROS 2 sqlite3 bag, which is not read yet; "
     "'ros2 bag convert' makes an MCAP of it",
@@ -29,14 +32,28 @@ def open_log(path: Path) -> Log:
     source = ByteSource(path)
     try:
         magic = source.read(0, 16)
-        if magic.startswith(mcap_records.MAGIC):
-            return open_mcap(source)
-        if magic.startswith(bag_records.MAGIC):
-            return open_bag(source)
+        known = any(magic.startswith(start) for start in _KNOWN_BUT_UNREAD)
+        if not known and _resembles(magic, mcap_records.MAGIC):
+            return _noting_damage(open_mcap(source), magic, mcap_records.MAGIC)
+        if not known and _resembles(magic, bag_records.MAGIC):
+            return _noting_damage(open_bag(source), magic, bag_records.MAGIC)
         raise LogError(f"{path}: {_what_it_is(magic)}")
     except BaseException:
         source.close()
         raise
+
+
+def _resembles(magic: bytes, expected: bytes) -> bool:
+    """Tell whether a file begins as expected, or nearly so."""
+    start = magic[: len(expected)]
+    differing = sum(a != b for a, b in zip(start, expected, strict=False))
+    return len(start) == len(expected) and differing <= _MOST_DAMAGED_BYTES
+
+
+def _noting_damage(log: OpenedLog, magic: bytes, expected: bytes) -> OpenedLog:
+    if not magic.startswith(expected):
+        log.losses = (Loss(0, "the file's first bytes are damaged"), *log.losses)
+    return log
 
 
 def _what_it_is(magic: bytes) -> str:

@@ -115,6 +115,8 @@ class RecordFormat(Protocol):
     def resembles(self, records: Bytes, before: int, place: int, end: int) -> bool:
         """Tell whether this may be a damaged record's head, by its likeness to an earlier one.
 
+        A few bytes that are no whole head do not resemble one.
+
         Args:
             records: the bytes.
             before: place of the sound record that ends at `place`.
@@ -223,13 +225,13 @@ def _pass_over(
 ) -> int:
     """Return where to go on behind damage, taking back a last record whose length is doubtful."""
     start = place
-    before = parts[-1] if parts and parts[-1].messages.end[-1] == place else None
-    doubtful = before is not None and not fmt.resembles(records, int(before.place[-1]), place, end)
-    if before is not None and doubtful:
-        start = int(before.place[-1])
-        parts[-1] = before.pick(slice(len(before) - 1))
-        if not len(parts[-1]):
-            parts.pop()
+    while parts and not len(parts[-1]):
+        parts.pop()
+    if parts and parts[-1].messages.end[-1] == place:
+        before = int(parts[-1].place[-1])
+        if not fmt.resembles(records, before, place, end):
+            start = before
+            parts[-1] = parts[-1].pick(slice(len(parts[-1]) - 1))
     going_on = next_sound(fmt, Memory(records), start + 1, end)
     gaps.add(start, going_on)
     return going_on

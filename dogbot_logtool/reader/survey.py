@@ -25,10 +25,9 @@ from dogbot_logtool.reader.source import ByteSource
 _REGION_SIZE: Final = 1 << 20
 """Messages outside chunks are read in runs of about this many bytes."""
 _REGION_RECORDS: Final = 1 << 16
+_SHORTEST_HEAD: Final = 12
+"""Fewer bytes at the end of the file are taken for a record that is cut off."""
 _LARGEST_PADDING: Final = 64
-MOST_DESCRIPTIONS: Final = 1 << 16
-MOST_DESCRIBED_BYTES: Final = 64 << 20
-"""A log that describes more channels, or in more words, is not honest."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -45,10 +44,10 @@ class Stated:
 class Survey(ABC):
     """Finds chunks and bare messages by following the records, then looks into each chunk."""
 
-    def __init__(self, source: ByteSource, fmt: RecordFormat) -> None:
+    def __init__(self, source: ByteSource, fmt: RecordFormat, losses: Losses) -> None:
         self._source = source
         self._format = fmt
-        self._losses = Losses()
+        self._losses = losses
         self._chunks: list[Chunk] = []
         self._stated: dict[int, Stated] = {}
         """By offset of the chunk."""
@@ -71,8 +70,11 @@ class Survey(ABC):
         """See `Log.check`."""
 
     @abstractmethod
-    def _describe(self, op: int, record: Bytes) -> None:
+    def _describe(self, op: int, record: Bytes, chunk: Chunk) -> None:
         """Take a record from inside a chunk that may describe a channel."""
+
+    def _finish_describing(self) -> None:
+        """Take descriptions that count less than those in chunks."""
 
     @abstractmethod
     def _ids(self) -> Mapping[int, int]:
@@ -156,7 +158,8 @@ class Survey(ABC):
         stop = bounds[count]
         following: int | None = place + stop
         at_window_end = place + len(window) < self._source.size and count == len(found)
-        if not at_window_end and self._step_is_damaged(place + stop):
+        cut_off = self._source.size - place - stop < _SHORTEST_HEAD
+        if not (at_window_end or cut_off or self._follows(place + stop)):
             before = bounds[count - 1]
             if not self._format.resembles(window, before, stop, len(window)):
                 stop, following = before, None
@@ -166,9 +169,6 @@ class Survey(ABC):
             run = Chunk(place, place, stop, place + stop, place + stop, "", stop)
             self._chunks.append(run)
         return self._search(place + stop) if following is None else following
-
-    def _step_is_damaged(self, place: int) -> bool:
-        return place < self._source.size and not self._follows(place)
 
     def _look_into_chunks(self) -> tuple[list[Chunk], dict[int, int]]:
         """Read every chunk for its counts, times and descriptions.
@@ -209,6 +209,7 @@ class Survey(ABC):
                 surveyed=True,
             )
             looked.append((known, counts, sizes))
+        self._finish_describing()
         return self._count(looked)
 
     def _look_into(self, chunk: Chunk) -> tuple[ChunkContent, dict[int, int], dict[int, int]]:
@@ -217,7 +218,7 @@ class Survey(ABC):
         target = np.empty(chunk.size, np.uint8)
         content = self._parse(chunk, memoryview(stored), target)
         for op, place, end in content.others.tolist():
-            self._describe(op, target[place:end])
+            self._describe(op, target[place:end], chunk)
         messages = content.messages
         return content, *_tally(messages.channel, messages.end - messages.start)
 
@@ -239,11 +240,6 @@ class Survey(ABC):
                 totals[channel] = totals.get(channel, 0) + count
             chunks.append(replace(chunk, counts=known))
         return chunks, totals
-
-    def _may_describe(self, known: int, size: int) -> bool:
-        """Tell whether one more description of some bytes is still honest."""
-        self._described_bytes += size
-        return known < MOST_DESCRIPTIONS and self._described_bytes <= MOST_DESCRIBED_BYTES
 
     def _contents(self, place: int, problem: Loss | None) -> Contents:
         """Walk from a place to the file's end; the channels are the container's business."""

@@ -1,0 +1,262 @@
+"""The figures of a trot in closed form, as JSON, CSV and text."""
+
+import csv
+import io
+import json
+from typing import Any
+
+import numpy as np
+import pytest
+from jsonschema import Draft202012Validator
+from rich.console import Console
+
+from dogbot_logtool.core.arrays import Floats
+from dogbot_logtool.core.contacts import Samples
+from dogbot_logtool.core.odometry import Odometry
+from dogbot_logtool.core.remarks import Remark
+from dogbot_logtool.core.settings import FootPlace, StatsSettings
+from dogbot_logtool.core.walk_stats import Stats, StatsAccumulator
+from dogbot_logtool.core.wrench_frame import WrenchFrame
+from dogbot_logtool.report.gait_diagram import ASCII, default_window, gait_diagram
+from dogbot_logtool.report.stats_csv import write_strides, write_summary
+from dogbot_logtool.report.stats_json import LogFacts, several_logs, stats_json, stats_schema
+from dogbot_logtool.report.stats_text import print_report, print_summary, verdict
+
+START = 1_700_000_000_000_000_000
+PLACES = (("front", "left"), ("front", "right"), ("back", "left"), ("back", "right"))
+PHASES = (0.0, 0.5, 0.5, 0.0)
+FACTS = LogFacts("walks/trot.bag", "ROS 1 bag", "ros1", START / 1e9, 10.0, 8004)
+
+
+def trot_samples(foot: int, time: Floats) -> Samples:
+    """A stride a second from 0.1 s on, down for 0.6 of it with a third of the weight, 196.2 N."""
+    cycle = time - 0.098 - PHASES[foot]
+    down = cycle % 1.0 < 0.6
+    count = len(time)
+    up = np.tile([0.0, 0.0, 1.0], (count, 1))
+    unknown = np.where(down, 0.0, np.nan)[:, None]
+    stamp = START + np.round(time * 1e9).astype(np.int64)
+    corner = [0.3 if foot < 2 else -0.3, 0.15 if foot % 2 == 0 else -0.15, 0.0]
+    return Samples(
+        foot=np.full(count, foot, np.int64),
+        log_time=stamp,
+        stamp=stamp,
+        in_contact=down,
+        force=up * np.where(down, 196.2 / 4.0 / 0.6, 0.0)[:, None],
+        in_world=np.zeros(count, np.bool_),
+        points=down.astype(np.int64),
+        position=np.tile(corner, (count, 1)) + unknown,
+        normal=up + unknown,
+    )
+
+
+def odometry(time: Floats) -> Odometry:
+    zero = np.zeros_like(time)
+    stamp = START + np.round(time * 1e9).astype(np.int64)
+    position = np.stack([0.25 * time, zero, zero + 0.4], axis=1)
+    level = np.stack([zero, zero, zero, zero + 1.0], axis=1)
+    return Odometry(stamp, stamp, position, level, position * 0.0, position * 0.0)
+
+
+def measured(
+    *, feet: int = 4, with_base: bool = True, wrench_frame: WrenchFrame = WrenchFrame.WORLD
+) -> Stats:
+    time = np.arange(2001, dtype=np.float64) / 200.0
+    names = tuple(FootPlace("_".join(place), f"/{'_'.join(place)}", place) for place in PLACES)
+    accumulator = StatsAccumulator(StatsSettings(names, 20.0, wrench_frame=wrench_frame))
+    for foot in range(feet):
+        samples = trot_samples(foot, time)
+        accumulator.add_contacts(samples)
+        accumulator.add_message_times(names[foot].topic, samples.log_time, samples.stamp, ["w"])
+    if with_base:
+        accumulator.add_odometry(odometry(time))
+    return accumulator.finish()
+
+
+@pytest.fixture(scope="module")
+def trot() -> Stats:
+    return measured()
+
+
+def valid_json(stats: Stats, log: LogFacts = FACTS) -> dict[str, Any]:
+    """The object as scripts get it: NaN is no JSON."""
+    plain = stats_json(stats, log)
+    Draft202012Validator(stats_schema()).validate(plain)
+    loaded: dict[str, Any] = json.loads(json.dumps(plain, allow_nan=False))
+    return loaded
+
+
+def text_of(stats: Stats, width: int, *, log: LogFacts = FACTS, colour: bool = False) -> str:
+    file = io.StringIO()
+    console = Console(
+        file=file,
+        width=width,
+        force_terminal=colour,
+        color_system="standard" if colour else None,
+    )
+    print_report(console, stats, log)
+    return file.getvalue()
+
+
+def test_the_schema_is_itself_valid_and_strict() -> None:
+    Draft202012Validator.check_schema(stats_schema())
+    assert stats_schema()["additionalProperties"] is False
+
+
+def test_the_json_says_what_was_walked(trot: Stats) -> None:
+    figures = valid_json(trot)
+    assert figures["schema_version"] == 1
+    assert figures["gait"]["class"] == "trot"
+    assert figures["gait"]["running"] is False
+    assert figures["gait"]["duty_factor"] == pytest.approx(0.6)
+    assert figures["gait"]["diagonality"] == pytest.approx(0.5)
+    assert figures["gait"]["phase"]["back_left"]["mean"] == pytest.approx(0.5)
+    assert figures["gait"]["support"]["4"] == pytest.approx(0.2, abs=0.01)
+    foot = figures["feet"]["front_left"]
+    assert foot["touchdown_s"] == pytest.approx([0.1 + stride for stride in range(10)])
+    assert foot["liftoff_s"] == pytest.approx([0.7 + stride for stride in range(10)])
+    assert foot["strides"] == 9
+    assert foot["discarded_strides"] == {"log_end": 1}
+    assert foot["peak_force_bw"]["median"] == pytest.approx(0.25 / 0.6)
+    assert foot["stride_length_m"]["mean"] == pytest.approx(0.25)
+    assert figures["forces"]["vertical_impulse_over_weight"] == pytest.approx(1.0, abs=0.01)
+    assert figures["forces"]["load_share"]["fore"] == pytest.approx(0.5)
+    assert figures["forces"]["symmetry_index_percent"]["hind"]["stance_s"] == pytest.approx(0.0)
+    assert figures["base"]["forward_speed_mps"] == pytest.approx(0.25)
+    assert figures["settings"]["time_source"] == "header"
+    topic = figures["quality"]["topics"]["/front_left"]
+    assert (topic["messages"], topic["frame_ids"]) == (2001, ["w"])
+
+
+@pytest.mark.parametrize(
+    "stats",
+    [
+        measured(feet=0),
+        measured(feet=0, with_base=False),
+        measured(feet=2),
+        measured(with_base=False),
+        measured(wrench_frame=WrenchFrame.LINK),
+        StatsAccumulator(StatsSettings(())).finish(),
+    ],
+    ids=["no feet", "nothing", "two feet", "no base", "link frame", "no robot"],
+)
+def test_whatever_is_missing_the_json_is_valid_and_the_report_printed(stats: Stats) -> None:
+    assert valid_json(stats)["notes"]
+    for width in (80, 140):
+        assert "Findings" in text_of(stats, width)
+
+
+def test_every_null_of_a_foot_has_a_reason() -> None:
+    figures = valid_json(measured(with_base=False, wrench_frame=WrenchFrame.LINK))
+    for name, foot in figures["feet"].items():
+        nulls = {key for key, value in foot.items() if value is None}
+        places = {note["where"] for note in figures["notes"]}
+        assert nulls
+        assert f"feet.{name}.peak_vertical_force_n" in places
+        assert f"feet.{name}.stride_length_m" in places
+
+
+def test_what_the_reader_lost_and_found_is_in_the_quality(trot: Stats) -> None:
+    said = [Remark("N_ROBOT", "a robot", ""), Remark("E_BAD", "bad", "/x")]
+    log = LogFacts("a", "MCAP", "", None, None, 1, None, 77, ["a chunk"], said)
+    quality = valid_json(trot, log)["quality"]
+    assert (quality["lost_messages"], quality["lost_bytes"]) == (None, 77)
+    assert quality["losses"] == ["a chunk"]
+    assert quality["findings"][0] == {"code": "E_BAD", "text": "bad", "where": "/x"}
+    assert "unknown number of messages and 77 bytes" in text_of(trot, 140, log=log)
+
+
+def test_one_log_is_an_object_several_are_a_list() -> None:
+    assert several_logs([{"a": 1}]) == {"a": 1}
+    assert several_logs([{"a": 1}, {"a": 2}]) == [{"a": 1}, {"a": 2}]
+
+
+def test_a_row_a_stride(trot: Stats) -> None:
+    file = io.StringIO()
+    write_strides(file, [(trot, FACTS)])
+    rows = list(csv.DictReader(io.StringIO(file.getvalue())))
+    assert len(rows) == sum(len(foot.strides.stance) for foot in trot.feet)
+    first = rows[0]
+    assert (first["foot"], first["start_s"], first["duty_factor"]) == ("front_left", "0.1", "0.6")
+    assert float(first["peak_force_n"]) == pytest.approx(196.2 / 4.0 / 0.6)
+    assert float(first["vertical_impulse_ns"]) == pytest.approx(196.2 / 4.0)
+    assert first["slip_m"] == "0"
+
+
+def test_unknown_figures_are_empty_cells() -> None:
+    file = io.StringIO()
+    write_strides(file, [(measured(with_base=False, wrench_frame=WrenchFrame.LINK), FACTS)])
+    row = next(csv.DictReader(io.StringIO(file.getvalue())))
+    assert (row["length_m"], row["vertical_impulse_ns"]) == ("", "")
+
+
+def test_a_row_a_log(trot: Stats) -> None:
+    file = io.StringIO()
+    write_summary(file, [(trot, FACTS), (measured(feet=0), FACTS)])
+    rows = list(csv.DictReader(io.StringIO(file.getvalue())))
+    assert (rows[0]["class"], rows[0]["stride_frequency_hz"]) == ("trot", "1")
+    assert (rows[1]["class"], rows[1]["duty_factor"]) == ("", "")
+
+
+def test_the_verdict_comes_first(trot: Stats) -> None:
+    assert verdict(trot).plain.startswith("Trot, clearly: ")
+    lines = text_of(trot, 140).splitlines()
+    assert lines[0].startswith("walks/trot.bag")
+    assert lines[2].startswith("Trot, clearly: ")
+
+
+@pytest.mark.parametrize("width", [80, 140])
+def test_no_line_is_wider_than_the_terminal_and_nothing_is_cut_short(
+    trot: Stats, width: int
+) -> None:
+    text = text_of(trot, width)
+    assert max(len(line) for line in text.splitlines()) <= width
+    assert "\u2026" not in text
+
+
+def test_without_colour_there_are_no_escapes_and_with_it_the_same_words(trot: Stats) -> None:
+    plain, coloured = text_of(trot, 100), text_of(trot, 100, colour=True)
+    assert "\x1b" not in plain
+    assert "\x1b[" in coloured
+    for word in ("Trot", "front_left", "vertical impulse over weight"):
+        assert word in plain
+        assert word in coloured
+
+
+def test_the_diagram_is_filled_where_feet_are_down(trot: Stats) -> None:
+    """Two strides of a second in 60 characters: a foot is down for 18 of each 30."""
+    width = 60 + len("front_right ") + 2
+    lines = gait_diagram(trot, width, window=(1.1, 3.1), glyphs=ASCII)
+    bars = [line.plain.split() for line in lines[:4]]
+    down, up = "#" * 18, "." * 12
+    assert [name for name, _ in bars] == [foot.name for foot in trot.feet]
+    assert bars[0][1] == bars[3][1] == (down + up) * 2
+    for bar in (bars[1][1], bars[2][1]):
+        assert (bar.count("#"), bar[3:15]) == (36, up)
+
+
+def test_the_diagrams_axis_has_labels_under_its_ticks(trot: Stats) -> None:
+    width = 60 + len("front_right ") + 2
+    *_, ruler, labels = gait_diagram(trot, width, window=(1.0, 4.0), glyphs=ASCII)
+    ticks = [place for place, glyph in enumerate(ruler.plain) if glyph == "+"]
+    assert labels.plain.split() == ["1.0", "1.5", "2.0", "2.5", "3.0", "3.5", "4.0", "s"]
+    assert labels.plain[ticks[2] - 1 : ticks[2] + 2] == "2.0"
+
+
+def test_silence_is_drawn_as_unknown_not_as_swing() -> None:
+    lines = gait_diagram(measured(feet=3), 80, window=(1.0, 3.0), glyphs=ASCII)
+    assert set(lines[3].plain.split()[1]) == {"?"}
+
+
+def test_the_window_chosen_is_a_few_strides(trot: Stats) -> None:
+    start, end = default_window(trot)
+    assert end - start == pytest.approx(4.0)
+    assert 0.0 <= start < end <= 10.0
+
+
+def test_several_logs_have_a_row_each(trot: Stats) -> None:
+    file = io.StringIO()
+    print_summary(Console(file=file, width=80), [(trot, FACTS), (measured(feet=0), FACTS)])
+    lines = file.getvalue().splitlines()
+    assert len(lines) == 3
+    assert "trot" in lines[1]

@@ -1,0 +1,290 @@
+"""Robots' files: those that come along are sound, and an error names the file and the key."""
+
+import re
+import tomllib
+from pathlib import Path
+
+import pytest
+
+from dogbot_logtool.errors import CallError
+from dogbot_logtool.robot import (
+    AXES,
+    Foot,
+    Robot,
+    known_robots,
+    load_robot,
+    parse_robot,
+    robot_toml,
+)
+
+FOOT = '[feet.left]\ntopic = "/left"\n'
+
+
+def refused(text: str) -> str:
+    """The error of a robot's file called mine.toml."""
+    with pytest.raises(CallError) as caught:
+        parse_robot(text, "mine.toml")
+    return str(caught.value)
+
+
+# --- the robots that come along ---------------------------------------------------------------
+
+
+def test_known_robots_are_sorted_and_there() -> None:
+    assert known_robots() == tuple(sorted(known_robots()))
+    assert {"dogbot", "generic"} <= set(known_robots())
+
+
+@pytest.mark.parametrize("name", known_robots())
+def test_known_robots_load_under_their_own_name(name: str) -> None:
+    robot = load_robot(name)
+
+    assert robot.name == name
+    assert robot.description
+    assert robot.forward_axis in AXES
+
+
+@pytest.mark.parametrize("name", known_robots())
+def test_a_known_robots_file_can_be_copied_and_loaded(name: str, tmp_path: Path) -> None:
+    copy = tmp_path / "copy.toml"
+    copy.write_text(robot_toml(name), encoding="utf-8")
+
+    assert load_robot(str(copy)) == load_robot(name)
+
+
+def test_dogbot_is_as_it_was_measured() -> None:
+    robot = load_robot("dogbot")
+
+    assert robot.mass_kg == 21.261
+    assert robot.forward_axis == "+y"
+    assert robot.odometry_topic == "/dogbot/odom"
+    assert (robot.world_frame, robot.base_frame) == ("world", "base_link")
+    assert [foot.name for foot in robot.feet] == [
+        "front_left",
+        "front_right",
+        "back_left",
+        "back_right",
+    ]
+    assert [foot.topic for foot in robot.feet] == [
+        f"/dogbot/{foot.name}_contactsensor_state" for foot in robot.feet
+    ]
+    assert [foot.place for foot in robot.feet] == [
+        ("front", "left"),
+        ("front", "right"),
+        ("back", "left"),
+        ("back", "right"),
+    ]
+
+
+def test_the_generic_robot_assumes_nothing() -> None:
+    robot = load_robot("generic")
+
+    assert robot.feet == ()
+    assert robot.topics == frozenset()
+    assert (robot.mass_kg, robot.odometry_topic, robot.base_frame) == (None, None, None)
+
+
+def test_topics_are_those_of_the_odometry_and_of_the_feet() -> None:
+    topics = load_robot("dogbot").topics
+
+    assert "/dogbot/odom" in topics
+    assert len(topics) == 5
+
+
+# --- a robot of one's own ---------------------------------------------------------------------
+
+
+def test_every_key_is_read() -> None:
+    text = """
+        name = "spider"
+        description = "eight feet"
+        mass_kg = 3
+        forward_axis = "-x"
+        foot_rolling_m = 0.002
+        [topics]
+        odometry = "/odom"
+        [frames]
+        world = "map"
+        base = "trunk"
+        [arrows]
+        newtons_per_metre = 10
+        shaft_diameter_m = 0.01
+        [contact]
+        on_n = 5
+        off_n = 2.5
+        debounce_s = 0.01
+        [feet.one]
+        topic = "/one"
+        collision = "*one*"
+        place = ["middle", "centre"]
+        [feet.two]
+        topic = "/two"
+    """
+
+    assert parse_robot(text, "mine.toml") == Robot(
+        name="spider",
+        description="eight feet",
+        mass_kg=3.0,
+        forward_axis="-x",
+        foot_rolling_m=0.002,
+        odometry_topic="/odom",
+        world_frame="map",
+        base_frame="trunk",
+        feet=(Foot("one", "/one", "*one*", ("middle", "centre")), Foot("two", "/two")),
+        newtons_per_metre=10.0,
+        shaft_diameter_m=0.01,
+        contact_on_n=5.0,
+        contact_off_n=2.5,
+        debounce_s=0.01,
+    )
+
+
+def test_an_empty_file_is_a_robot_with_the_files_name(tmp_path: Path) -> None:
+    file = tmp_path / "mine.toml"
+    file.write_text("", encoding="utf-8")
+
+    assert load_robot(str(file)) == Robot("mine")
+
+
+def test_feet_stand_in_the_order_of_the_file() -> None:
+    text = '[feet.z]\ntopic = "/z"\n[feet.a]\ntopic = "/a"\n[feet.m]\ntopic = "/m"\n'
+
+    assert [foot.name for foot in parse_robot(text, "mine.toml").feet] == ["z", "a", "m"]
+
+
+def test_a_given_mass_replaces_the_files() -> None:
+    robot = load_robot("dogbot")
+
+    assert robot.with_mass(30.0).mass_kg == 30.0
+    assert robot.with_mass(None) is robot
+
+
+# --- errors -----------------------------------------------------------------------------------
+
+
+def test_a_call_error_is_the_callers_fault() -> None:
+    assert CallError.exit_code == 2
+
+
+@pytest.mark.parametrize("name", ["dogcat", "", "DogBot", "dogbot.tom"])
+def test_an_unknown_robot_is_named_and_the_known_ones_are_listed(name: str) -> None:
+    for ask in (load_robot, robot_toml):
+        with pytest.raises(CallError) as caught:
+            ask(name)
+        assert repr(name) in str(caught.value)
+        assert "dogbot, generic" in str(caught.value)
+
+
+def test_a_file_that_is_not_there_is_named(tmp_path: Path) -> None:
+    file = str(tmp_path / "missing.toml")
+
+    with pytest.raises(CallError) as caught:
+        load_robot(file)
+
+    assert file in str(caught.value)
+
+
+@pytest.mark.parametrize("content", [b"\xff\xfe", b"name = '\x80'"])
+def test_a_file_that_is_not_text_is_named(tmp_path: Path, content: bytes) -> None:
+    file = tmp_path / "binary.toml"
+    file.write_bytes(content)
+
+    with pytest.raises(CallError) as caught:
+        load_robot(str(file))
+
+    assert str(file) in str(caught.value)
+
+
+def test_a_directory_is_no_file(tmp_path: Path) -> None:
+    folder = tmp_path / "folder.toml"
+    folder.mkdir()
+
+    with pytest.raises(CallError) as caught:
+        load_robot(str(folder))
+
+    assert str(folder) in str(caught.value)
+
+
+def test_broken_toml_is_named_with_its_line() -> None:
+    message = refused('name = "x"\nmass_kg = = 3\n')
+
+    assert message.startswith("mine.toml: ")
+    assert "line 2" in message
+
+
+@pytest.mark.parametrize(
+    ("text", "key"),
+    [
+        # unknown keys, at every level
+        ("colour = 1", "colour"),
+        ("topics.imu = '/imu'", "topics.imu"),
+        ("frames.odom = 'odom'", "frames.odom"),
+        ("arrows.length = 3", "arrows.length"),
+        ("contact.on = 3", "contact.on"),
+        (f"{FOOT}color = 1", "feet.left.color"),
+        # wrong types
+        ("name = 3", "name"),
+        ("description = ['a']", "description"),
+        ("topics = '/odom'", "topics"),
+        ("frames = 3", "frames"),
+        ("arrows = []", "arrows"),
+        ("contact = 10", "contact"),
+        ("feet = ['left']", "feet"),
+        ("feet.left = '/left'", "feet.left"),
+        ("topics.odometry = 3", "topics.odometry"),
+        ("feet.left.topic = 3", "feet.left.topic"),
+        (f"{FOOT}collision = true", "feet.left.collision"),
+        ("frames.world = 1.5", "frames.world"),
+        ("mass_kg = '21 kg'", "mass_kg"),
+        ("mass_kg = true", "mass_kg"),
+        ("forward_axis = 1", "forward_axis"),
+        # wrong values
+        ("mass_kg = 0", "mass_kg"),
+        ("mass_kg = -3", "mass_kg"),
+        ("mass_kg = nan", "mass_kg"),
+        ("mass_kg = inf", "mass_kg"),
+        ("foot_rolling_m = -0.1", "foot_rolling_m"),
+        ("forward_axis = '+z'", "forward_axis"),
+        ("forward_axis = 'x'", "forward_axis"),
+        ("frames.world = ''", "frames.world"),
+        ("frames.base = '/base_link'", "frames.base"),
+        ("arrows.newtons_per_metre = 0", "arrows.newtons_per_metre"),
+        ("arrows.shaft_diameter_m = -1", "arrows.shaft_diameter_m"),
+        ("contact.on_n = 0", "contact.on_n"),
+        ("contact.off_n = -1", "contact.off_n"),
+        ("contact.debounce_s = nan", "contact.debounce_s"),
+        ("contact.on_n = 5\ncontact.off_n = 6", "contact.off_n"),
+        # feet
+        ("feet.left = {}", "feet.left.topic"),
+        ("feet.left.topic = ''", "feet.left.topic"),
+        (f"{FOOT}place = 'front'", "feet.left.place"),
+        (f"{FOOT}place = []", "feet.left.place"),
+        (f"{FOOT}place = ['left', 'front']", "feet.left.place"),
+        (f"{FOOT}place = ['front', 'left', 'up']", "feet.left.place"),
+        (f"{FOOT}place = ['front', 3]", "feet.left.place"),
+        (f"{FOOT}place = [['front'], 'left']", "feet.left.place"),
+        (f"{FOOT}place = ['front', {{side = 'left'}}]", "feet.left.place"),
+        (f"{FOOT}[feet.right]\ntopic = '/left'", "/left"),
+    ],
+)
+def test_an_error_names_the_file_and_the_key(text: str, key: str) -> None:
+    tomllib.loads(text)  # the fault is not one of TOML
+
+    message = refused(text)
+
+    assert message.startswith("mine.toml: ")
+    assert re.search(rf"(?<![\w.]){re.escape(key)}(?![\w.])", message)
+
+
+@pytest.mark.parametrize(
+    ("text", "value"),
+    [("mass_kg = -3", "-3"), ("forward_axis = 'up'", "'up'"), ("frames.world = '/w'", "'/w'")],
+)
+def test_an_error_shows_the_value(text: str, value: str) -> None:
+    assert value in refused(text)
+
+
+def test_a_wrong_choice_lists_the_choices() -> None:
+    message = refused("forward_axis = 'north'")
+
+    assert all(axis in message for axis in AXES)
