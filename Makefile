@@ -11,7 +11,7 @@ SAMPLE := sample_logs/dogbot_trot.bag
 export PIP_DISABLE_PIP_VERSION_CHECK := 1
 export PIP_NO_PYTHON_VERSION_WARNING := 1
 
-.PHONY: help demo test lint format samples clean
+.PHONY: help demo test lint format samples golden clean
 
 help:
 	@echo "make demo     convert a sample log and look at it"
@@ -19,6 +19,7 @@ help:
 	@echo "make lint     style and types"
 	@echo "make format   format the code"
 	@echo "make samples  write the sample logs anew"
+	@echo "make golden   agree anew on what is made of the sample logs"
 	@echo "make clean    remove what the others made"
 
 $(VENV)/python:
@@ -62,6 +63,9 @@ lint: $(VENV)/dev
 format: $(VENV)/dev
 	$(BIN)/ruff check --fix
 	$(BIN)/ruff format
+
+golden: $(VENV)/dev
+	$(BIN)/python sample_logs/golden.py
 
 samples: $(VENV)/dev
 	$(BIN)/python sample_logs/generate.py

@@ -1,0 +1,110 @@
+"""The golden files: what this program makes of the sample logs, agreed on once.
+
+`make golden` makes them anew and says what changed; `make test` makes them afresh in a temporary
+folder and compares. Only annotations are kept, and of the long logs only a few strides, so that the
+repository stays small.
+
+    python sample_logs/golden.py
+"""
+
+import json
+import sys
+import tempfile
+from collections.abc import Iterator
+from dataclasses import dataclass
+from itertools import product
+from pathlib import Path
+from typing import Final
+
+from dogbot_logtool.compare import update
+from dogbot_logtool.convert import convert
+from dogbot_logtool.plan import ConvertOptions, EncodingName, Style
+from dogbot_logtool.report.stats_json import stats_json
+from dogbot_logtool.stats import StatsOptions, measure
+
+SAMPLES: Final = Path(__file__).parent
+GOLDEN: Final = SAMPLES / "golden"
+_STYLES: Final[tuple[Style, ...]] = ("classic", "pressure", "force")
+_ENCODINGS: Final[tuple[EncodingName, ...]] = ("foxglove", "ros1")
+_SPANS_S: Final = {
+    "dogbot_trot.bag": (1.0, 4.0),
+    "dogbot_walk.mcap": (2.0, 4.5),
+    "dogbot_troubled.bag": (None, None),
+}
+
+
+@dataclass(frozen=True, slots=True)
+class GoldenLog:
+    """Annotations of a sample log."""
+
+    log: str
+    style: Style
+    encoding: EncodingName
+
+    @property
+    def name(self) -> str:
+        """File name."""
+        return f"{Path(self.log).stem}.{self.style}.{self.encoding}.mcap"
+
+    def make(self, folder: Path) -> Path:
+        """Write the file into a folder."""
+        start_s, end_s = _SPANS_S[self.log]
+        options = ConvertOptions(
+            style=self.style, encoding=self.encoding, copy=False, start_s=start_s, end_s=end_s
+        )
+        target = folder / self.name
+        convert(SAMPLES / self.log, target, options)
+        return target
+
+
+@dataclass(frozen=True, slots=True)
+class GoldenStats:
+    """Figures of a sample log."""
+
+    log: str
+
+    @property
+    def name(self) -> str:
+        """File name."""
+        return f"{Path(self.log).stem}.stats.json"
+
+    def make(self, folder: Path) -> Path:
+        """Write the file into a folder."""
+        done = measure(SAMPLES / self.log, StatsOptions())
+        figures = stats_json(done.stats, done.facts)
+        figures["log"]["path"] = self.log
+        target = folder / self.name
+        target.write_text(json.dumps(figures, indent=1) + "\n", encoding="utf-8")
+        return target
+
+
+Case = GoldenLog | GoldenStats
+
+
+def cases() -> Iterator[Case]:
+    """Yield everything that is kept."""
+    for log in _SPANS_S:
+        for style, encoding in product(_STYLES, _ENCODINGS):
+            yield GoldenLog(log, style, encoding)
+        yield GoldenStats(log)
+
+
+def main() -> int:
+    """Make all golden files anew and print what changed."""
+    GOLDEN.mkdir(exist_ok=True)
+    changed = 0
+    with tempfile.TemporaryDirectory() as folder:
+        for case in cases():
+            done = update(GOLDEN / case.name, case.make(Path(folder)))
+            changed += done.written
+            for line in done.lines:
+                print(f"{case.name}: {line}")
+    wanted = {case.name for case in cases()}
+    for stray in sorted(file for file in GOLDEN.iterdir() if file.name not in wanted):
+        print(f"{stray.name}: is no golden file any more; delete it")
+    print(f"{changed} of {len(wanted)} golden files changed")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
