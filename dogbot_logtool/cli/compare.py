@@ -5,7 +5,7 @@ from pathlib import Path
 
 import click
 
-from dogbot_logtool.cli.options import json_option, quietness
+from dogbot_logtool.cli.options import Positive, json_option, quietness
 
 
 @click.command()
@@ -13,10 +13,10 @@ from dogbot_logtool.cli.options import json_option, quietness
 @click.argument("actual", type=click.Path(path_type=Path))
 @click.option(
     "--atol",
-    type=click.FloatRange(min=0),
+    type=Positive(0.0, 1e300),
     help="Absolute tolerance of numbers, in each field's own unit; default: 0.",
 )
-@click.option("--rtol", type=click.FloatRange(min=0), help="Relative tolerance; default: 0.")
+@click.option("--rtol", type=Positive(0.0, 1.0), help="Relative tolerance; default: 0.")
 @click.option(
     "--tolerances",
     type=click.Path(path_type=Path),

@@ -6,6 +6,7 @@ from typing import Any
 import click
 
 from dogbot_logtool.cli.options import (
+    Positive,
     jobs_option,
     json_option,
     logs_argument,
@@ -58,7 +59,7 @@ from dogbot_logtool.cli.outcomes import Outcomes
 @click.option(
     "--tf-rate",
     "tf_rate_hz",
-    type=click.FloatRange(min=0, max=1e6),
+    type=Positive(1e-3, 1e6, zero=True),
     default=50.0,
     show_default=True,
     metavar="HZ",

@@ -1,5 +1,6 @@
 """Options that several commands share."""
 
+import math
 import os
 from collections.abc import Callable
 from pathlib import Path
@@ -11,6 +12,56 @@ from dogbot_logtool.errors import CallError
 
 if TYPE_CHECKING:
     from dogbot_logtool.selection import TopicOptions
+
+_LONGEST_S: Final = 1e9
+
+
+class Seconds(click.ParamType):
+    """A finite number of seconds."""
+
+    name = "seconds"
+
+    def convert(
+        self,
+        value: Any,
+        param: click.Parameter | None,
+        ctx: click.Context | None,
+    ) -> float:
+        """See `click.ParamType.convert`."""
+        try:
+            seconds = float(value)
+        except ValueError:
+            seconds = math.nan
+        if not abs(seconds) <= _LONGEST_S:
+            self.fail(f"{value!r} is not a number of seconds", param, ctx)
+        return seconds
+
+
+class Positive(click.ParamType):
+    """A number above 0 within reason, or 0 where that means something."""
+
+    name = "number"
+
+    def __init__(self, least: float, most: float, *, zero: bool = False) -> None:
+        self._least, self._most, self._zero = least, most, zero
+
+    def convert(
+        self,
+        value: Any,
+        param: click.Parameter | None,
+        ctx: click.Context | None,
+    ) -> float:
+        """See `click.ParamType.convert`."""
+        try:
+            number = float(value)
+        except ValueError:
+            number = math.nan
+        if not (self._least <= number <= self._most or (self._zero and number == 0)):
+            zero = "0, or " if self._zero else ""
+            wanted = f"{zero}a number from {self._least:g} to {self._most:g}"
+            self.fail(f"{value!r} is not {wanted}", param, ctx)
+        return number
+
 
 Command = TypeVar("Command", bound=Callable[..., Any])
 
@@ -47,10 +98,14 @@ def quietness(command: Command) -> Command:
 def time_range(command: Command) -> Command:
     """Add --start and --end."""
     start = click.option(
-        "--start", "start_s", type=float, metavar="S", help="From here on; s since the log's start."
+        "--start",
+        "start_s",
+        type=Seconds(),
+        metavar="S",
+        help="From here on; s since the log's start.",
     )
     end = click.option(
-        "--end", "end_s", type=float, metavar="S", help="Up to here; s since the log's start."
+        "--end", "end_s", type=Seconds(), metavar="S", help="Up to here; s since the log's start."
     )
     return start(end(command))
 
@@ -72,7 +127,9 @@ def topic_options(command: Command) -> Command:
         metavar="NAME=TOPIC",
         help="Contact topic of a foot; may be given several times.",
     )
-    mass = click.option("--mass", "mass_kg", type=float, metavar="KG", help="Mass of the robot.")
+    mass = click.option(
+        "--mass", "mass_kg", type=Positive(1e-3, 1e6), metavar="KG", help="Mass of the robot."
+    )
     return robot(odometry(feet(mass(command))))
 
 
@@ -94,8 +151,6 @@ def parse_topics(
         if not name.replace("_", "").isalnum():
             raise CallError(f"--foot {foot}: a foot's name has letters, digits and _ only")
         foot_topics[name] = topic
-    if mass_kg is not None and not 0 < mass_kg < 1e6:
-        raise CallError(f"--mass {mass_kg}: must be a number of kilograms above 0")
     return TopicOptions(robot, odom_topic, foot_topics, mass_kg)
 
 

@@ -7,6 +7,7 @@ from typing import Any
 import click
 
 from dogbot_logtool.cli.options import (
+    Positive,
     jobs_option,
     json_option,
     logs_argument,
@@ -33,21 +34,21 @@ from dogbot_logtool.errors import CallError
 @click.option(
     "--contact-on",
     "contact_on_n",
-    type=click.FloatRange(min=0, min_open=True),
+    type=Positive(1e-6, 1e6),
     metavar="N",
     help="Force from which a foot is in contact; default: 10 N or 5 % of the body weight.",
 )
 @click.option(
     "--contact-off",
     "contact_off_n",
-    type=click.FloatRange(min=0, min_open=True),
+    type=Positive(1e-6, 1e6),
     metavar="N",
     help="Force below which contact ends; default: half of --contact-on.",
 )
 @click.option(
     "--debounce",
     "debounce_s",
-    type=click.FloatRange(min=0),
+    type=Positive(1e-9, 10.0, zero=True),
     metavar="S",
     help="Shorter swings are filled, then shorter stances dropped; default: 0.020.",
 )

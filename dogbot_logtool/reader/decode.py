@@ -70,8 +70,8 @@ def _read_encapsulation(buffer: Bytes, start: Ints, end: Ints) -> tuple[Flags, b
         return sound, False
     head = gather(buffer, start[sound], 2).view(np.uint8).reshape(-1, 2)
     plain = (head[:, 0] == 0) & (head[:, 1] <= 1)
-    big_endian = bool(plain.any()) and head[plain][0, 1] == 0
     # One sender writes one byte order; a message in another one is not trusted.
+    big_endian = 2 * int((head[plain, 1] == 0).sum()) > int(plain.sum())
     sound[sound] = plain & (head[:, 1] == (0 if big_endian else 1))
     return sound, big_endian
 
@@ -133,12 +133,20 @@ class _Walk:
     def _run(self, run: Run, cursors: _Cursors) -> dict[str, Column]:
         self._align(cursors, run.alignment)
         self._require(cursors, run.size)
-        columns = self._leaves(run.leaves, cursors.position)
+        position = cursors.position
+        if run.size > len(self._buffer):
+            # Every row has failed, so the table will be thrown away: it need not have its rows.
+            position = position[:0]
+        columns = self._leaves(run.leaves, position)
         cursors.position += run.size
         return columns
 
     def _leaves(self, leaves: tuple[Leaf, ...], position: Ints) -> dict[str, Column]:
-        columns: dict[str, Column] = {}
+        columns: dict[str, Column] = {
+            leaf.path: np.empty((len(position), 0), self._order + leaf.dtype)
+            for leaf in leaves
+            if leaf.length == 0
+        }
         for group in _leaf_groups(leaves):
             first = group[0].offset
             dtype = np.dtype(
@@ -148,7 +156,10 @@ class _Walk:
                     "offsets": [leaf.offset - first for leaf in group],
                 }
             )
-            records = self._gather(position + first, dtype.itemsize).view(dtype)
+            if len(position):
+                records = gather(self._buffer, position + first, dtype.itemsize).view(dtype)
+            else:
+                records = np.empty(0, dtype)
             columns.update({leaf.path: records[leaf.path] for leaf in group})
         return columns
 
@@ -175,8 +186,9 @@ class _Walk:
             count = self._counts(cursors, step.alignment)
         else:
             count = np.full(len(cursors.position), step.length, np.int64)
-        # Even elements of no size must not be more than the message's bytes.
-        self._limit(cursors, count, max(step.smallest_element, 1))
+        if step.length is None or step.smallest_element:
+            # Even counted elements of no size must not be more than the message's bytes.
+            self._limit(cursors, count, max(step.smallest_element, 1))
         match step.element:
             case (Run() as run,):
                 return self._even_elements(run, count, cursors)
@@ -264,6 +276,8 @@ def _leaf_groups(leaves: tuple[Leaf, ...]) -> list[list[Leaf]]:
     groups: list[list[Leaf]] = []
     end = -_LEAF_GAP - 1
     for leaf in leaves:
+        if leaf.length == 0:
+            continue
         if leaf.offset - end > _LEAF_GAP:
             groups.append([])
         groups[-1].append(leaf)

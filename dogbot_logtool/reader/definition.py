@@ -4,6 +4,7 @@ The texts are parsed by rosbags; here their result becomes a small closed tree t
 decoder can compile, with every hostile shape (self-reference, absurd depth or size) refused.
 """
 
+import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
@@ -19,6 +20,16 @@ _MAX_DEPTH: Final = 32
 _MAX_FIELDS: Final = 10_000
 _MAX_FIXED_SIZE: Final = 1 << 31
 _EMPTY_MESSAGE_FIELD: Final = "structure_needs_at_least_one_member"
+_PARSER_FAILURES: Final = (
+    ArithmeticError,
+    AssertionError,
+    KeyError,
+    MemoryError,
+    RecursionError,
+    ValueError,
+)
+_NESTED_PARENTHESES: Final = re.compile(r"\([^()]*\(")
+"""The IDL parser's time grows fiftyfold with every level of these."""
 
 _DTYPES: Final = {
     "bool": "u1",
@@ -120,6 +131,9 @@ def parse_definition(type_name: str, text: str, schema_encoding: str) -> Struct:
 
 
 def _long_type_name(name: str) -> str:
+    """Return the name as rosbags' parser spells it."""
+    if "/action/" in name:
+        return name
     package, _, message = short_type_name(name).rpartition("/")
     return f"{package}/msg/{message}"
 
@@ -132,6 +146,8 @@ def _parse_text(
 
     try:
         if schema_encoding == "ros2idl":
+            if _NESTED_PARENTHESES.search(text):
+                raise DefinitionError(f"the definition of {type_name} has nested parentheses")
             parsed = get_types_from_idl(text)
         elif schema_encoding in {"ros1msg", "ros2msg"}:
             parsed = get_types_from_msg(text.replace("\r\n", "\n"), type_name)
@@ -139,7 +155,7 @@ def _parse_text(
             raise DefinitionError(
                 f"{type_name} is described in {schema_encoding!r}, which is not read"
             )
-    except (TypesysError, ValueError, KeyError, AssertionError, RecursionError) as error:
+    except (TypesysError, *_PARSER_FAILURES) as error:
         raise DefinitionError(f"the definition of {type_name} cannot be parsed") from error
     return {name: fields for name, (_constants, fields) in parsed.items()}
 
@@ -154,8 +170,7 @@ class _TreeBuilder:
     ) -> None:
         self._types = types
         self._clocks = _ROS1_CLOCKS if schema_encoding == "ros1msg" else _ROS2_CLOCKS
-        # An empty message takes one byte in CDR and none in ROS 1.
-        self._padding_field = _EMPTY_MESSAGE_FIELD if schema_encoding == "ros1msg" else None
+        self._is_ros1 = schema_encoding == "ros1msg"
         self._fields = 0
 
     def struct(self, name: str, parents: tuple[str, ...]) -> Struct:
@@ -165,17 +180,24 @@ class _TreeBuilder:
             if name in self._clocks:
                 return self._clocks[name]
             raise DefinitionError(f"the definition of {name} is missing from the log")
-        fields = [field for field in self._types[name] if field[0] != self._padding_field]
+        fields = [field for field in self._types[name] if field[0] != _EMPTY_MESSAGE_FIELD]
         self._fields += len(fields)
         if self._fields > _MAX_FIELDS:
             raise DefinitionError(f"a definition has more than {_MAX_FIELDS} fields")
         below = (*parents, name)
-        return Struct(name, tuple((field, self._type(desc, below)) for field, desc in fields))
+        built = tuple((field, self._type(desc, below)) for field, desc in fields)
+        if not built and not self._is_ros1:
+            # An empty message takes one byte in CDR, and none in ROS 1.
+            built = ((_EMPTY_MESSAGE_FIELD, Primitive("u1")),)
+        struct = Struct(name, built)
+        if smallest_size(struct) >= _MAX_FIXED_SIZE:
+            raise DefinitionError(f"a message of {smallest_size(struct)} bytes is absurd")
+        return struct
 
     def _type(self, description: "FieldDesc", parents: tuple[str, ...]) -> FieldType:
         kind, detail = description[0].name, description[1]
         if kind == "BASE":
-            return _base_type(str(detail[0]))
+            return self._base_type(str(detail[0]))
         if kind == "NAME":
             return self.struct(str(detail), parents)
         element = self._type(detail[0], parents)  # type: ignore[arg-type]
@@ -183,17 +205,18 @@ class _TreeBuilder:
             return VariableArray(element)
         length = int(detail[1])
         size = fixed_size(element)
-        if length * (1 if size is None else size) >= _MAX_FIXED_SIZE:
+        if length < 0 or length * (1 if size is None else size) >= _MAX_FIXED_SIZE:
             raise DefinitionError(f"an array of {length} elements in {parents[-1]} is absurd")
         return FixedArray(element, length)
 
-
-def _base_type(name: str) -> Primitive | Text:
-    if name == "string":
-        return Text()
-    if name not in _DTYPES:
-        raise DefinitionError(f"fields of type {name} are not read")
-    return Primitive(_DTYPES[name])
+    def _base_type(self, name: str) -> Primitive | Text:
+        if name == "string":
+            return Text()
+        if name == "byte" and self._is_ros1:
+            return Primitive("i1")
+        if name not in _DTYPES:
+            raise DefinitionError(f"fields of type {name} are not read")
+        return Primitive(_DTYPES[name])
 
 
 def fixed_size(field_type: FieldType) -> int | None:

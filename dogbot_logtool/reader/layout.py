@@ -138,6 +138,8 @@ class _Compiler:
     def _number(self, path: str, dtype: str, length: int | None) -> None:
         size = int(dtype[1:])
         if length == 0:
+            if self._is_wanted(path):
+                self._leaves.append(Leaf(path, self._size, dtype, 0))
             return
         if self._cdr:
             if self._modulus is None or size > self._modulus:
@@ -164,7 +166,7 @@ class _Compiler:
         )
 
     def _close_run(self) -> None:
-        if self._size:
+        if self._size or self._leaves:
             self._steps.append(Run(self._alignment, self._size, tuple(self._leaves)))
         self._leaves, self._size, self._alignment, self._modulus = [], 0, 1, None
 
