@@ -10,6 +10,7 @@ from dogbot_logtool.comparison.outcome import Comparison
 from dogbot_logtool.comparison.stats_json import compare_json, looks_like_json
 from dogbot_logtool.comparison.tolerances import Rules, load_rules
 from dogbot_logtool.errors import CallError, LogError
+from dogbot_logtool.printable import printable
 from dogbot_logtool.reader.opening import open_log
 from dogbot_logtool.writer.output import whole_file
 
@@ -92,9 +93,11 @@ def update(expected: Path, actual: Path) -> Update:
     _copy(actual, expected)
     unit = comparison.unit
     if not exists:
-        lines = [f"{tally.name}: {tally.actual} {unit}" for tally in comparison.tallies]
-        return Update(written=True, lines=(f"{expected}: is new", *lines))
-    lines = [f"{found.path}: was damaged: {found.loss.what}" for found in comparison.losses]
+        lines = [printable(f"{tally.name}: {tally.actual} {unit}") for tally in comparison.tallies]
+        return Update(written=True, lines=(printable(f"{expected}: is new"), *lines))
+    lines = [
+        printable(f"{found.path}: was damaged: {found.loss.what}") for found in comparison.losses
+    ]
     lines += [tally.summary(unit) for tally in comparison.tallies if not tally.same]
     return Update(written=True, lines=tuple(lines))
 

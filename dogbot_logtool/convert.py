@@ -14,6 +14,7 @@ from dogbot_logtool.evidence import look_into
 from dogbot_logtool.findings import Finding, note, warning
 from dogbot_logtool.parallel import in_order
 from dogbot_logtool.plan import ConvertOptions, Plan, make_plan, without_tf
+from dogbot_logtool.printable import printable
 from dogbot_logtool.reader.log import Log, Loss, lost_messages
 from dogbot_logtool.reader.mcap_extras import read_extra
 from dogbot_logtool.reader.opening import open_log
@@ -93,7 +94,7 @@ def targets(logs: Sequence[Path], output: Path | None) -> list[tuple[Path, Path]
     Raises:
         CallError: several logs would go to one file.
     """
-    if output is not None and not output.is_dir():
+    if output is not None and not _is_folder(output):
         if len(logs) > 1:
             raise CallError(f"{output}: is no directory, and there are {len(logs)} logs")
         return [(logs[0], output)]
@@ -104,6 +105,14 @@ def targets(logs: Sequence[Path], output: Path | None) -> list[tuple[Path, Path]
         if names.count(target) > 1:
             raise CallError(f"{log}: another log has the same name, so both would go to {target}")
     return pairs
+
+
+def _is_folder(path: Path) -> bool:
+    try:
+        return path.is_dir()
+    except OSError:
+        # A name that no disk takes; whoever opens it will say so.
+        return False
 
 
 def convert(
@@ -272,7 +281,7 @@ def _provenance(log: Log, plan: Plan, tally: _Tally) -> records.Metadata:
     options, robot = plan.options, plan.selection.robot
     values: dict[str, object] = {
         "version": __version__,
-        "input": log.source.path.name,
+        "input": printable(log.source.path.name),
         "container": log.container,
         "style": options.style,
         "encoding": options.encoding,

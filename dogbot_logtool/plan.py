@@ -9,6 +9,7 @@ from dogbot_logtool.core.wrench_frame import WrenchFrame
 from dogbot_logtool.errors import LogError
 from dogbot_logtool.evidence import Evidence
 from dogbot_logtool.findings import Finding, note, warning
+from dogbot_logtool.printable import printable
 from dogbot_logtool.reader.log import Log
 from dogbot_logtool.selection import Selection, TopicOptions
 from dogbot_logtool.writer.chunks import Compression
@@ -204,7 +205,9 @@ def _frame(recorded: tuple[str, ...], default: str) -> str:
 def nothing_to_do(log: Log) -> str:
     """Return a sentence for a log that has nothing of use, with what it does have."""
     found = sorted({(c.topic, c.type_name) for c in log.channels.values()})
-    listed = "".join(f"\n  {topic}  {kind}" for topic, kind in found) or " nothing"
+    listed = (
+        "".join(f"\n  {printable(topic)}  {printable(kind)}" for topic, kind in found) or " nothing"
+    )
     return (
         f"{log.source.path}: has neither nav_msgs/Odometry nor gazebo_msgs/ContactsState that can "
         f"be used (--odom-topic and --foot name topics). It has:{listed}"

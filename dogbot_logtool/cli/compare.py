@@ -5,7 +5,7 @@ from pathlib import Path
 
 import click
 
-from dogbot_logtool.cli.options import Positive, json_option, quietness
+from dogbot_logtool.cli.options import json_option, number, quietness
 
 
 @click.command()
@@ -13,10 +13,10 @@ from dogbot_logtool.cli.options import Positive, json_option, quietness
 @click.argument("actual", type=click.Path(path_type=Path))
 @click.option(
     "--atol",
-    type=Positive(0.0, 1e300),
+    type=number(0.0, 1e300),
     help="Absolute tolerance of numbers, in each field's own unit; default: 0.",
 )
-@click.option("--rtol", type=Positive(0.0, 1.0), help="Relative tolerance; default: 0.")
+@click.option("--rtol", type=number(0.0, 1.0), help="Relative tolerance; default: 0.")
 @click.option(
     "--tolerances",
     type=click.Path(path_type=Path),
@@ -66,7 +66,8 @@ def compare(
 ) -> None:
     """Say whether two MCAPs, or two `stats --json` files, mean the same, and if not, where.
 
-    Exit code 0: the same; 1: different; 2: the call or a file is wrong.
+    Exit code 0: the same; 1: different; 2: the call or a file is wrong; 3: the same as far as can
+    be read, but a file is damaged.
     """
     from dogbot_logtool.compare import CompareOptions, update  # noqa: PLC0415
     from dogbot_logtool.compare import compare as compare_files  # noqa: PLC0415
@@ -78,7 +79,8 @@ def compare(
 
     del verbose
     if write_over:
-        for line in update(expected, actual).lines:
+        done = update(expected, actual)
+        for line in done.lines or ("nothing changed",):
             click.echo(line)
         return
     options = CompareOptions(atol, rtol, tolerances, ignore, topics, max_differences)

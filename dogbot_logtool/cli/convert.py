@@ -6,10 +6,10 @@ from typing import Any
 import click
 
 from dogbot_logtool.cli.options import (
-    Positive,
     jobs_option,
     json_option,
     logs_argument,
+    number,
     overwrite_option,
     parse_topics,
     quietness,
@@ -59,8 +59,8 @@ from dogbot_logtool.cli.outcomes import Outcomes
 @click.option(
     "--tf-rate",
     "tf_rate_hz",
-    type=Positive(1e-3, 1e6, zero=True),
-    default=50.0,
+    type=number(1e-3, 1e6, or_zero=True),
+    default="50",
     show_default=True,
     metavar="HZ",
     help="Transforms a second; 0 writes every odometry message.",

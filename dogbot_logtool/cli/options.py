@@ -16,51 +16,31 @@ if TYPE_CHECKING:
 _LONGEST_S: Final = 1e9
 
 
-class Seconds(click.ParamType):
-    """A finite number of seconds."""
-
-    name = "seconds"
-
-    def convert(
-        self,
-        value: Any,
-        param: click.Parameter | None,
-        ctx: click.Context | None,
-    ) -> float:
-        """See `click.ParamType.convert`."""
-        try:
-            seconds = float(value)
-        except ValueError:
-            seconds = math.nan
-        if not abs(seconds) <= _LONGEST_S:
-            self.fail(f"{value!r} is not a number of seconds", param, ctx)
-        return seconds
+def seconds(text: str) -> float:
+    """Parse a number of seconds; NaN and what no log can last are refused."""
+    return _number(text, -_LONGEST_S, _LONGEST_S, "a number of seconds")
 
 
-class Positive(click.ParamType):
-    """A number above 0 within reason, or 0 where that means something."""
+def number(least: float, most: float, *, or_zero: bool = False) -> Callable[[str], float]:
+    """Return a parser of numbers in a range, or 0 where that means something."""
+    wanted = f"a number from {least:g} to {most:g}" + (", or 0" if or_zero else "")
 
-    name = "number"
+    def parse(text: str) -> float:
+        return (
+            0.0 if or_zero and text.strip() in {"0", "0.0"} else _number(text, least, most, wanted)
+        )
 
-    def __init__(self, least: float, most: float, *, zero: bool = False) -> None:
-        self._least, self._most, self._zero = least, most, zero
+    return parse
 
-    def convert(
-        self,
-        value: Any,
-        param: click.Parameter | None,
-        ctx: click.Context | None,
-    ) -> float:
-        """See `click.ParamType.convert`."""
-        try:
-            number = float(value)
-        except ValueError:
-            number = math.nan
-        if not (self._least <= number <= self._most or (self._zero and number == 0)):
-            zero = "0, or " if self._zero else ""
-            wanted = f"{zero}a number from {self._least:g} to {self._most:g}"
-            self.fail(f"{value!r} is not {wanted}", param, ctx)
-        return number
+
+def _number(text: str, least: float, most: float, wanted: str) -> float:
+    try:
+        value = float(text)
+    except ValueError:
+        value = math.nan
+    if not least <= value <= most:
+        raise click.BadParameter(f"{text!r} is not {wanted}.")
+    return value
 
 
 Command = TypeVar("Command", bound=Callable[..., Any])
@@ -100,12 +80,12 @@ def time_range(command: Command) -> Command:
     start = click.option(
         "--start",
         "start_s",
-        type=Seconds(),
+        type=seconds,
         metavar="S",
         help="From here on; s since the log's start.",
     )
     end = click.option(
-        "--end", "end_s", type=Seconds(), metavar="S", help="Up to here; s since the log's start."
+        "--end", "end_s", type=seconds, metavar="S", help="Up to here; s since the log's start."
     )
     return start(end(command))
 
@@ -128,7 +108,7 @@ def topic_options(command: Command) -> Command:
         help="Contact topic of a foot; may be given several times.",
     )
     mass = click.option(
-        "--mass", "mass_kg", type=Positive(1e-3, 1e6), metavar="KG", help="Mass of the robot."
+        "--mass", "mass_kg", type=number(1e-3, 1e6), metavar="KG", help="Mass of the robot."
     )
     return robot(odometry(feet(mass(command))))
 

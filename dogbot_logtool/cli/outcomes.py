@@ -10,6 +10,7 @@ from typing import Any, NoReturn
 import click
 
 from dogbot_logtool.errors import LogtoolError
+from dogbot_logtool.printable import printable
 
 
 class Outcomes:
@@ -43,7 +44,5 @@ class Outcomes:
 
 def say_error(error: LogtoolError) -> None:
     """Print an error's sentence on stderr."""
-    from dogbot_logtool.report.console import printable  # noqa: PLC0415
-
     text = "\n".join(printable(line) for line in str(error).split("\n"))
     click.echo(click.style("error: ", fg="red") + text, err=True)

@@ -7,10 +7,10 @@ from typing import Any
 import click
 
 from dogbot_logtool.cli.options import (
-    Positive,
     jobs_option,
     json_option,
     logs_argument,
+    number,
     parse_topics,
     quietness,
     threads,
@@ -34,21 +34,21 @@ from dogbot_logtool.errors import CallError
 @click.option(
     "--contact-on",
     "contact_on_n",
-    type=Positive(1e-6, 1e6),
+    type=number(1e-6, 1e6),
     metavar="N",
     help="Force from which a foot is in contact; default: 10 N or 5 % of the body weight.",
 )
 @click.option(
     "--contact-off",
     "contact_off_n",
-    type=Positive(1e-6, 1e6),
+    type=number(1e-6, 1e6),
     metavar="N",
     help="Force below which contact ends; default: half of --contact-on.",
 )
 @click.option(
     "--debounce",
     "debounce_s",
-    type=Positive(1e-9, 10.0, zero=True),
+    type=number(1e-9, 10.0, or_zero=True),
     metavar="S",
     help="Shorter swings are filled, then shorter stances dropped; default: 0.020.",
 )

@@ -176,9 +176,9 @@ class MessageSweep:
         one = self._expected.channel(expected, row)
         other = self._actual.channel(actual, actual_row)
         if kind_of(one) == kind_of(other):
-            self._compare_publish_times(expected, row, actual, actual_row, topic, findings)
             payloads = _payload(expected, row), _payload(actual, actual_row)
-            self._compare_payloads(topic, (one, other), payloads, findings)
+            findings = self._compare_payloads(topic, (one, other), payloads)
+            self._compare_publish_times(expected, row, actual, actual_row, topic, findings)
         elif not tally.faults:
             findings.differ("type", kind_of(one), kind_of(other))
         else:
@@ -209,24 +209,25 @@ class MessageSweep:
         compare_fields(one, other, topic.rules, findings, "publish_time")
 
     def _compare_payloads(
-        self,
-        topic: Topic,
-        channels: tuple[Channel, Channel],
-        payloads: tuple[bytes, bytes],
-        findings: Findings,
-    ) -> None:
+        self, topic: Topic, channels: tuple[Channel, Channel], payloads: tuple[bytes, bytes]
+    ) -> Findings:
+        findings = Findings(self._differences.room)
         if payloads[0] == payloads[1]:
-            return
+            return findings
         try:
-            trees = (
-                self._expected.decoder(channels[0])(payloads[0]),
-                self._actual.decoder(channels[1])(payloads[1]),
-            )
-        except Undecodable as reason:
-            topic.tally.note = f"compared as bytes: {reason}"
-            compare_fields(*payloads, topic.rules, findings, "payload")
+            one = self._expected.decoder(channels[0])(payloads[0])
+            other = self._actual.decoder(channels[1])(payloads[1])
+            compare_fields(one, other, topic.rules, findings)
+        except Undecodable as undecodable:
+            reason = str(undecodable)
+        except RecursionError:
+            reason = "a message is nested too deeply"
         else:
-            compare_fields(*trees, topic.rules, findings)
+            return findings
+        topic.tally.note = f"compared as bytes: {reason}"
+        findings = Findings(self._differences.room)
+        compare_fields(*payloads, topic.rules, findings, "payload")
+        return findings
 
     def _time_s(self, block: Block, row: int) -> float:
         return (int(block.messages.log_time[row]) - self._origin) / 1e9

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Final, Literal
 
 from dogbot_logtool.comparison.fields import FieldDifference, Findings
+from dogbot_logtool.printable import printable
 from dogbot_logtool.reader.log import Loss
 
 SAME: Final = 0
@@ -61,11 +62,12 @@ class Difference:
                 return f"{place}: {self.kind}"
             case Kind.TOPIC:
                 return f"{place}: {self.path}"
-        path = printable(self.path)
-        if self.index is not None or self.kind is Kind.DESCRIPTION:
-            path = f"{place} {path}"
+        if self.index is None and self.kind is Kind.FIELD:
+            place = ""
+        where = " ".join(part for part in (place, printable(self.path)) if part)
+        texts = f"expected {printable(self.expected)}, got {printable(self.actual)}"
         apart = "" if self.deviation is None else f" (|d| {self.deviation:.3g})"
-        return f"{path}: expected {self.expected}, got {self.actual}{apart}"
+        return f"{where or self.topic}: {texts}{apart}"
 
 
 @dataclass(slots=True)
@@ -213,7 +215,9 @@ class Comparison:
             told = ", ".join(f"{count} {word}" for count, word in counts if count)
             text = f"different: {told}, of {what} and {compared} {self.unit}{tail}"
         if self.losses:
-            text += "; damaged: what could not be read was not compared"
+            lossless = all(found.loss.messages == found.loss.bytes == 0 for found in self.losses)
+            what = "nothing is known to be lost" if lossless else "what is lost was not compared"
+            text += f"; damaged: {what}"
         return text
 
     @property
@@ -237,6 +241,3 @@ def field_difference(
     )
 
 
-def printable(text: str) -> str:
-    """Return a text from a log with everything escaped that could upset a terminal or a report."""
-    return "".join(c if c.isprintable() else c.encode("unicode_escape").decode() for c in text)

@@ -36,11 +36,14 @@ def compare_schemas(expected: Schema | None, actual: Schema | None) -> Sequence[
     if expected.data == actual.data:
         return ()
     try:
-        trees = schema_tree(expected), schema_tree(actual)
-    except Undecodable:
-        trees = expected.data, actual.data
+        return _compare_trees(schema_tree(expected), schema_tree(actual))
+    except (Undecodable, RecursionError):
+        return _compare_trees(expected.data, actual.data)
+
+
+def _compare_trees(expected: Tree, actual: Tree) -> Sequence[FieldDifference]:
     findings = Findings(_LIMIT)
-    compare_fields(*trees, FieldRules(Rules()), findings, "schema")
+    compare_fields(expected, actual, FieldRules(Rules()), findings, "schema")
     return findings.differences
 
 

@@ -41,11 +41,14 @@ def compare_json(expected: Path, actual: Path, rules: Rules, max_differences: in
     """
     one, other = _load(expected), _load(actual)
     differences = Differences(max_differences)
-    tallies = [
-        _compare_part(key, *parts, rules.ignoring(_OWN_VERSION), differences)
-        for key, parts in _parts(one, other)
-        if rules.takes(key)
-    ]
+    try:
+        tallies = [
+            _compare_part(key, *parts, rules.ignoring(_OWN_VERSION), differences)
+            for key, parts in _parts(one, other)
+            if rules.takes(key)
+        ]
+    except RecursionError as error:
+        raise LogError(f"{actual}: is nested too deeply") from error
     if rules.topics and not tallies:
         raise CallError(f"--topics: neither file has a key like {', '.join(rules.topics)}")
     return Comparison(expected, actual, "values", tallies, differences.kept, differences.count)

@@ -22,7 +22,6 @@ from dogbot_logtool.reader.log import (
     Log,
     Loss,
     Messages,
-    Span,
     concatenate_messages,
 )
 
@@ -64,7 +63,7 @@ class Track:
 
     log: Log
     chunks: Sequence[Chunk]
-    """Those that are read, in file order, each with its times."""
+    """Those that are read, in file order."""
     start: Ints
     """(n,) ns, log time of each chunk's first message, or earlier."""
     end: Ints
@@ -81,12 +80,19 @@ def indexed_track(log: Log, topic_of: Mapping[int, int]) -> Track:
     Raises:
         UntrueTimes: they are not all there, or impossible.
     """
-    return _track(log, log.chunks, topic_of)
+    times: list[tuple[int, int]] = []
+    for chunk in log.chunks:
+        start, end = chunk.start_time, chunk.end_time
+        if start is None or end is None or not _FIRST <= start <= end <= _LAST:
+            raise UntrueTimes
+        times.append((start, end))
+    return Track(log, log.chunks, *_columns(times), topic_of)
 
 
 def measured_track(log: Log, topic_of: Mapping[int, int]) -> Track:
     """Find the chunks' times by reading them all."""
     chunks: list[Chunk] = []
+    times: list[tuple[int, int]] = []
     losses: list[Loss] = []
     for span in log.spans():
         batch = log.read(span)
@@ -94,24 +100,14 @@ def measured_track(log: Log, topic_of: Mapping[int, int]) -> Track:
         for loaded in batch.chunks:
             time = batch.messages.log_time[loaded.rows]
             if len(time):
-                start, end = int(time.min()), int(time.max())
-                chunks.append(replace(loaded.chunk, start_time=start, end_time=end))
-    return _track(log, chunks, topic_of, losses)
+                chunks.append(loaded.chunk)
+                times.append((int(time.min()), int(time.max())))
+    return Track(log, chunks, *_columns(times), topic_of, tuple(losses))
 
 
-def _track(
-    log: Log, chunks: Sequence[Chunk], topic_of: Mapping[int, int], losses: Sequence[Loss] = ()
-) -> Track:
-    times = [_times(chunk) for chunk in chunks]
-    start, end = np.array(times, np.int64).reshape(-1, 2).T
-    return Track(log, chunks, start, end, topic_of, tuple(losses))
-
-
-def _times(chunk: Chunk) -> tuple[int, int]:
-    start, end = chunk.start_time, chunk.end_time
-    if start is None or end is None or not _FIRST <= start <= end <= _LAST:
-        raise UntrueTimes
-    return start, end
+def _columns(times: Sequence[tuple[int, int]]) -> tuple[Ints, Ints]:
+    table = np.array(times, np.int64).reshape(-1, 2)
+    return table[:, 0], table[:, 1]
 
 
 def plan_windows(tracks: Sequence[Track], window_size: int = WINDOW_SIZE) -> Iterator[Window]:
@@ -124,27 +120,29 @@ def plan_windows(tracks: Sequence[Track], window_size: int = WINDOW_SIZE) -> Ite
     end = np.concatenate([track.end for track in tracks])
     first = _FIRST
     if len(size):
-        count = int(size.sum() / max(window_size, 2 * size.max()))
-        origin = int(start.min())
-        begins, ends = (start - origin).astype(np.float64), (end - origin).astype(np.float64) + 1.0
-        for cut in _cuts(begins, ends, size, count):
-            if origin + cut > first:
-                yield Window(first, origin + cut - 1)
-                first = origin + cut
+        count = int(size.sum() / max(window_size, 2 * size.max(), 1))
+        for cut in _cuts(start.astype(np.float64), end.astype(np.float64), size, count):
+            if cut > first:
+                yield Window(first, cut - 1)
+                first = cut
     yield Window(first, _LAST)
 
 
 def _cuts(start: Floats, end: Floats, size: Floats, count: int) -> list[int]:
-    """Return the times that cut the bytes into `count` equal parts."""
+    """Return the times that cut the bytes into `count` equal parts; 256 ns do not matter here."""
+    # A chunk has some length, also where a nanosecond more is no other float.
+    end = np.maximum(end + 1.0, np.nextafter(start, np.inf))
     density = size / (end - start)
     time = np.concatenate([start, end])
     slope = np.concatenate([density, -density])
     order = np.argsort(time, kind="stable")
-    time, slope = time[order], np.cumsum(slope[order])
+    time, slope = time[order], np.maximum(np.cumsum(slope[order]), 0.0)
     bytes_before = np.concatenate([[0.0], np.cumsum(slope[:-1] * np.diff(time))])
     wanted = bytes_before[-1] * np.arange(1, count) / max(count, 1)
-    cuts: list[int] = np.interp(wanted, bytes_before, time).astype(np.int64).tolist()
-    return cuts
+    # The last time of all, as a float, is one too many for an int64.
+    cuts = np.minimum(np.interp(wanted, bytes_before, time), np.nextafter(2.0**63, 0.0))
+    times: list[int] = cuts.astype(np.int64).tolist()
+    return times
 
 
 def load(track: Track, window: Window) -> Block:
@@ -157,10 +155,10 @@ def load(track: Track, window: Window) -> Block:
     tables: list[Messages] = []
     losses: list[Loss] = []
     size = 0
-    for span in _spans(track, window):
-        batch = track.log.read(span)
+    for rows in _spans(track, window):
+        batch = track.log.read(tuple(track.chunks[row] for row in rows))
         losses.extend(batch.losses)
-        _check_times(batch)
+        _check_times(track, rows, batch)
         buffer, messages = _taken(batch, track.topic_of, window)
         parts.append(buffer)
         tables.append(messages.shifted(size))
@@ -170,26 +168,27 @@ def load(track: Track, window: Window) -> Block:
     return Block(buffer, messages, _topics(messages, track.topic_of), tuple(losses))
 
 
-def _spans(track: Track, window: Window) -> Iterator[Span]:
-    """Group the chunks that reach into a window, in file order."""
+def _spans(track: Track, window: Window) -> Iterator[list[int]]:
+    """Group the chunks that reach into a window into batches, in file order, as row numbers."""
     reach = (track.start <= window.last) & (track.end >= window.first)
-    group: list[Chunk] = []
+    group: list[int] = []
     size = 0
     for row in np.flatnonzero(reach).tolist():
-        group.append(track.chunks[row])
+        group.append(row)
         size += track.chunks[row].size
         if size >= BATCH_SIZE:
-            yield tuple(group)
+            yield group
             group, size = [], 0
     if group:
-        yield tuple(group)
+        yield group
 
 
-def _check_times(batch: Batch) -> None:
+def _check_times(track: Track, rows: Sequence[int], batch: Batch) -> None:
+    row_of = {track.chunks[row].offset: row for row in rows}
     for loaded in batch.chunks:
+        row = row_of[loaded.chunk.offset]
         time = batch.messages.log_time[loaded.rows]
-        start, end = _times(loaded.chunk)
-        if len(time) and not start <= time.min() <= time.max() <= end:
+        if len(time) and (time.min() < track.start[row] or time.max() > track.end[row]):
             raise UntrueTimes
 
 

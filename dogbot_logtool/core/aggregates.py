@@ -103,13 +103,17 @@ class IntervalHistogram:
             intervals: (n,) ns; only those above 0 are counted.
         """
         counted = intervals[intervals > 0]
+        if len(counted) == 0:
+            return
         bins = _interval_bin(counted)
-        self._counts += np.bincount(bins, minlength=_BINS)
-        # Two halves, because bincount adds up floats: each half's sum stays exact.
-        for shift in (0, 24):
-            part = (counted >> shift) & 0xFFFFFF if shift == 0 else counted >> shift
-            sums = np.bincount(bins, weights=part, minlength=_BINS)
-            self._sums += sums.astype(np.int64) << shift
+        lowest = int(bins.min())
+        bins -= lowest
+        counts = np.bincount(bins)
+        here = slice(lowest, lowest + len(counts))
+        self._counts[here] += counts
+        # In two halves, because bincount adds up floats: each half's sum stays exact.
+        for shift, part in ((0, counted & 0xFFFFFF), (24, counted >> 24)):
+            self._sums[here] += np.bincount(bins, weights=part).astype(np.int64) << shift
 
     @property
     def count(self) -> int:

@@ -55,7 +55,7 @@ class Blocks(Generic[Columns]):
             # A copy, so that the rest does not keep the whole batch alive.
             self._parts = [whole.pick(np.arange(full, full + self._rows))]
         for start in range(0, full, self._size):
-            yield _rows(whole, start, start + self._size)
+            yield run_of(whole, start, start + self._size)
 
     def rest(self) -> Iterator[Columns]:
         """Give the last block, at the end of the log."""
@@ -64,7 +64,8 @@ class Blocks(Generic[Columns]):
         self._parts, self._rows = [], 0
 
 
-def _rows(columns: Columns, start: int, stop: int) -> Columns:
+def run_of(columns: Columns, start: int, stop: int) -> Columns:
+    """Return neighbouring rows, as views."""
     values: list[Any] = [getattr(columns, field.name)[start:stop] for field in fields(columns)]
     return type(columns)(*values)
 

@@ -144,7 +144,8 @@ class FootRecorder:
         self._messages += len(time)
         self._not_finite += int((~finite).sum())
         self._not_advancing += int((finite & ~usable).sum())
-        samples, time = samples.pick(usable), time[usable]
+        if not usable.all():
+            samples, time = samples.pick(usable), time[usable]
         if len(time) == 0:
             return
 

@@ -91,6 +91,9 @@ def _foot(stats: Stats, foot: FootFigures) -> Iterator[Remark]:
         yield Remark("N_LIFTED", text, where)
         return
     yield from _sensor(foot, where)
+    if foot.stance_s is None:
+        text = f"no stance of {name} is seen from touchdown to lift-off: no stance figures"
+        yield Remark("N_NO_STANCES", text, f"{where}.stance_s")
     if not len(foot.strides.stance):
         text = f"{name} makes no whole stride, so it has no stride figures"
         yield Remark("N_NO_STRIDES", text, f"{where}.strides")
@@ -276,6 +279,9 @@ def _stability(stats: Stats) -> Iterator[Remark]:
     elif stats.stability.static_margin_m is None:
         text = "there are never three feet with a contact point down at once: no static margin"
         yield Remark("N_NO_MARGIN", text, "stability.static_margin_m")
+    if stats.stability is not None and stats.stability.pressure_forward_m is None:
+        text = "vertical forces are not known: no centre of pressure"
+        yield Remark("N_NO_CENTRE_OF_PRESSURE", text, "stability.centre_of_pressure_forward_m")
 
 
 def _topic(topic: TopicQuality) -> Iterator[Remark]:

@@ -10,7 +10,7 @@ from dogbot_logtool.core import timespans
 from dogbot_logtool.core.arrays import Ints
 from dogbot_logtool.core.foot_record import FootRecord
 
-MOST_FREQUENT: Final = 6
+MOST_FREQUENT: Final = 5
 """Support sets that are reported."""
 
 

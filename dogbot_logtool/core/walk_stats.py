@@ -21,6 +21,7 @@ from dogbot_logtool.core import timespans
 from dogbot_logtool.core.arrays import Ints
 from dogbot_logtool.core.base_motion import BaseMotion, base_motion
 from dogbot_logtool.core.base_record import BaseRecord, BaseRecorder
+from dogbot_logtool.core.blocks import run_of
 from dogbot_logtool.core.clock import StampWatch
 from dogbot_logtool.core.contacts import Samples
 from dogbot_logtool.core.falls import fallen_spans
@@ -103,7 +104,10 @@ class StatsAccumulator:
                 continue
             if self._settings.time_source is None:
                 self._stamps[foot].watch(samples.stamp[rows])
-            recorder.add(samples.pick(rows))
+            # Samples stand foot by foot: a run of rows need not be copied.
+            first, last = int(rows[0]), int(rows[-1])
+            whole = last - first + 1 == len(rows)
+            recorder.add(run_of(samples, first, last + 1) if whole else samples.pick(rows))
 
     def add_odometry(self, odometry: Odometry) -> None:
         """Take in odometry in the order of the log.

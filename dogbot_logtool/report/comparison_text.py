@@ -4,7 +4,8 @@ from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
-from dogbot_logtool.comparison.outcome import Comparison, Tally, printable
+from dogbot_logtool.comparison.outcome import Comparison, Tally
+from dogbot_logtool.printable import printable
 
 _STYLES = {"same": "green", "different": "bold red"}
 
@@ -14,7 +15,7 @@ def show_comparison(comparison: Comparison, console: Console) -> None:
     style = _STYLES["same" if comparison.same else "different"]
     console.print(Text(comparison.verdict, style), soft_wrap=True)
     for found in comparison.losses:
-        line = Text(f"{found.path}: {printable(found.loss.what)}", "yellow")
+        line = Text(printable(f"{found.path}: {found.loss.what}"), "yellow")
         console.print(line, soft_wrap=True)
     if comparison.tallies:
         console.print(_table(comparison))

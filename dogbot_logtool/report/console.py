@@ -8,6 +8,7 @@ from rich.console import Console
 from rich.text import Text
 
 from dogbot_logtool.findings import Finding, Severity
+from dogbot_logtool.printable import printable
 
 _COLOURS = {Severity.ERROR: "red", Severity.WARNING: "yellow", Severity.NOTE: "cyan"}
 _LABELS = {Severity.ERROR: "error", Severity.WARNING: "warning", Severity.NOTE: "note"}
@@ -17,20 +18,23 @@ _PIPE_WIDTH = 120
 """Columns of output that is not read on a terminal."""
 
 
+class _QuietlyClosed(Console):
+    """Whoever closes the pipe has seen enough: that is no error."""
+
+    def on_broken_pipe(self) -> None:
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        raise SystemExit(0)
+
+
 def results() -> Console:
     """Return the console for results (stdout)."""
     width = None if sys.stdout.isatty() or "COLUMNS" in os.environ else _PIPE_WIDTH
-    return Console(highlight=False, markup=False, emoji=False, width=width)
+    return _QuietlyClosed(highlight=False, markup=False, emoji=False, width=width)
 
 
 def diagnostics() -> Console:
     """Return the console for progress, warnings and summaries (stderr)."""
     return Console(file=sys.stderr, highlight=False, markup=False, emoji=False)
-
-
-def printable(text: str) -> str:
-    """Make a text from a log harmless: control characters become visible escapes."""
-    return "".join(c if c.isprintable() else c.encode("unicode_escape").decode() for c in text)
 
 
 def print_findings(console: Console, findings: Iterable[Finding]) -> None:

@@ -8,7 +8,8 @@ from rich.text import Text
 
 from dogbot_logtool import __version__
 from dogbot_logtool.convert import Conversion
-from dogbot_logtool.report.console import print_findings, printable
+from dogbot_logtool.printable import printable
+from dogbot_logtool.report.console import print_findings
 from dogbot_logtool.report.damage import damage_json, print_damage
 
 

@@ -6,8 +6,8 @@ from typing import Any, Final
 from rich.console import Console
 from rich.text import Text
 
+from dogbot_logtool.printable import printable
 from dogbot_logtool.reader.log import Loss, lost_messages
-from dogbot_logtool.report.console import printable
 
 _TOLD: Final = 10
 """Places of damage that are listed one by one."""

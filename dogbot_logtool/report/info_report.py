@@ -10,7 +10,8 @@ from rich.text import Text
 from rich.tree import Tree
 
 from dogbot_logtool.info import LogInfo
-from dogbot_logtool.report.console import human_size, print_findings, printable
+from dogbot_logtool.printable import printable
+from dogbot_logtool.report.console import human_size, print_findings
 from dogbot_logtool.report.damage import damage_json, print_damage
 
 _SIMULATED_BEFORE_S = 1_000_000_000

@@ -2,7 +2,8 @@
 
 from xml.etree import ElementTree as ET
 
-from dogbot_logtool.comparison.outcome import Comparison, Tally, printable
+from dogbot_logtool.comparison.outcome import Comparison, Tally
+from dogbot_logtool.printable import printable
 
 
 def junit_xml(comparison: Comparison) -> bytes:

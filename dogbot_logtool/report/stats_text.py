@@ -99,10 +99,11 @@ def verdict(stats: Stats) -> Text:
         return Text("Gait not known: no foot makes a whole stride.", style="bold yellow")
     name = main.gait.name
     if name == STAND:
-        return Text.assemble(("Stand", "bold green"), ": all feet are down throughout.")
+        extent = "throughout" if len(stats.segments) == 1 else "for the longest time"
+        return Text.assemble(("Stand", "bold green"), f": all feet are down {extent}.")
     words = _name(main)
     style = "bold green" if name and name != IRREGULAR else "bold yellow"
-    line = Text.assemble((words, style), ", ", _certainty(main))
+    line = Text.assemble((words, style), _certainty(main))
     if main.duty_factor is not None:
         kind = "running" if main.duty_factor < 0.5 else "not running"
         line.append(f"\nduty factor {main.duty_factor:.3f} ({kind})")
@@ -126,16 +127,16 @@ def _certainty(segment: Segment) -> str:
     gait = segment.gait
     consistency = [phase.consistency for phase in segment.phases if phase is not None]
     if gait.name is None or gait.distance is None or not consistency:
-        return "phases of all four feet are needed to name one"
+        return "\nphases of all four feet are needed to name one"
     strides = f"{segment.strides} strides"
     if gait.name == IRREGULAR:
         return (
-            f"nearest to {gait.nearest}: phases {gait.distance:.2f} cycles off, "
+            f"\nnearest to {gait.nearest}: phases {gait.distance:.2f} cycles off, "
             f"R at least {_floor(min(consistency))}, {strides}"
         )
     sure = gait.distance <= TOLERANCE / 2.0 and min(consistency) > 0.95
     return (
-        f"{'clearly' if sure else 'fairly'}: phases within {gait.distance:.3f} cycles, "
+        f", {'clearly' if sure else 'fairly'}\nphases within {gait.distance:.3f} cycles, "
         f"R at least {_floor(min(consistency))}, {strides}"
     )
 

@@ -17,6 +17,13 @@ def refuse_bad_target(target: Path, source: Path | None, *, overwrite: bool) -> 
         CallError: it is a directory, the input itself, exists and may not be overwritten, or its
             folder does not exist.
     """
+    try:
+        _refuse(target, source, overwrite=overwrite)
+    except OSError as error:
+        raise CallError(f"{target}: cannot be written: {error.strerror}") from error
+
+
+def _refuse(target: Path, source: Path | None, *, overwrite: bool) -> None:
     if target.is_dir():
         raise CallError(f"{target}: is a directory; name a file in it")
     if source is not None and target.exists() and target.samefile(source):
@@ -40,7 +47,7 @@ def whole_file(target: Path, *, overwrite: bool) -> Iterator[BinaryIO]:
     temporary: Path | None = None
     try:
         handle, name = tempfile.mkstemp(
-            prefix=f".{target.name}.", suffix=".part", dir=target.parent
+            prefix=".dogbot-logtool.", suffix=".part", dir=target.parent
         )
         temporary = Path(name)
         with os.fdopen(handle, "wb") as file:
