@@ -14,7 +14,7 @@ import numpy as np
 from dogbot_logtool.core.arrays import Floats, Ints
 from dogbot_logtool.core.contacts import contact_samples
 from dogbot_logtool.core.wrench_frame import WrenchFrameEvidence, alignment, judge_wrench_frame
-from dogbot_logtool.reader.contacts import contact_columns, decode_contacts
+from dogbot_logtool.reader.contacts import contact_columns, decode_contacts, foot_links
 from dogbot_logtool.reader.log import Batch, Chunk, Log
 from dogbot_logtool.reader.odometry import decode_odometry, odometry_frames
 from dogbot_logtool.reader.transforms import decode_transforms, frame_pairs
@@ -22,7 +22,7 @@ from dogbot_logtool.selection import Selection
 
 _LOOKS: Final = 8
 """Chunks that are looked at, besides those with static transforms."""
-_STATIC_TOPIC: Final = "tf_static"
+STATIC_TOPIC: Final = "tf_static"
 
 
 @dataclass(frozen=True, slots=True)
@@ -37,6 +37,8 @@ class Evidence:
     """Parents that the log's own transforms give each frame, without leading slashes."""
     slashed_frames: tuple[str, ...]
     """Frame ids that begin with a slash, which no viewer of today accepts."""
+    links: tuple[str | None, ...]
+    """Link that each foot's collision belongs to, in whose frame its wrenches may be."""
     zero_stamps: frozenset[str]
     """Topics whose header stamps are all zero."""
     chunks_seen: int
@@ -55,7 +57,7 @@ def look_into(log: Log, selection: Selection) -> Evidence:
 def _spread(log: Log, selection: Selection) -> list[Chunk]:
     """Choose chunks: evenly spaced among those that hold used topics, and all static frames."""
     used = {c.id for c in (*selection.odometry, *selection.contacts, *selection.transforms)}
-    static = {c.id for c in selection.transforms if c.topic.endswith(_STATIC_TOPIC)}
+    static = {c.id for c in selection.transforms if c.topic.endswith(STATIC_TOPIC)}
     useful = [c for c in log.chunks if c.counts is None or not used.isdisjoint(c.counts)]
     places = np.unique(np.linspace(0, max(len(useful) - 1, 0), _LOOKS).round().astype(int))
     chosen = {useful[place].offset for place in places.tolist() if useful}
@@ -72,6 +74,7 @@ class _Look:
         self._parents: dict[str, set[str]] = {}
         self._slashed: set[str] = set()
         self._stamped: dict[str, bool] = {}
+        self._links: dict[int, set[str]] = {}
 
     def take(self, batch: Batch) -> None:
         """Look at the messages of a batch."""
@@ -84,6 +87,9 @@ class _Look:
         for messages in decode_contacts(batch, selection.contacts):
             read = contact_columns(messages, selection.robot.feet, selection.foot_of)
             self._alignments.append(alignment(contact_samples(read.contacts)))
+            links = foot_links(messages, selection.robot.feet, selection.foot_of)
+            for foot, names in links.items():
+                self._links.setdefault(foot, set()).update(names)
             self._see_stamps(messages.channel, read.contacts.stamp)
         for messages in decode_transforms(batch, selection.transforms):
             for parent, child in frame_pairs(messages):
@@ -108,6 +114,10 @@ class _Look:
             base_frames=tuple(sorted(self._base)),
             parents={child: frozenset(names) for child, names in sorted(self._parents.items())},
             slashed_frames=tuple(sorted(self._slashed)),
+            links=tuple(
+                next(iter(names)) if len(names := self._links.get(foot, set())) == 1 else None
+                for foot in range(len(self._selection.robot.feet))
+            ),
             zero_stamps=frozenset(topic for topic, stamped in self._stamped.items() if not stamped),
             chunks_seen=seen,
             chunks=chunks,

@@ -11,6 +11,7 @@ from dogbot_logtool.evidence import Evidence
 from dogbot_logtool.findings import Finding, note, warning
 from dogbot_logtool.printable import printable
 from dogbot_logtool.reader.log import Log
+from dogbot_logtool.robot import Robot
 from dogbot_logtool.selection import Selection, TopicOptions
 from dogbot_logtool.writer.chunks import Compression
 from dogbot_logtool.writer.encoding import ArrowStyle
@@ -76,8 +77,7 @@ def make_plan(log: Log, selection: Selection, evidence: Evidence, options: Conve
         raise LogError(nothing_to_do(log))
     robot = selection.robot
     findings = [*selection.findings, *evidence_findings(selection, evidence)]
-    base = robot.base_frame or _frame(evidence.base_frames, DEFAULT_BASE)
-    world = robot.world_frame or _frame(evidence.world_frames, DEFAULT_WORLD)
+    world, base = frame_names(robot, evidence)
     force_in_world = _force_in_world(evidence, options, findings)
     weight = body_weight_n(robot.mass_kg)
     if options.style == "force" and weight is None:
@@ -96,6 +96,14 @@ def make_plan(log: Log, selection: Selection, evidence: Evidence, options: Conve
         start_time=start_time,
         end_time=end_time,
         findings=tuple(sorted(findings)),
+    )
+
+
+def frame_names(robot: Robot, evidence: Evidence) -> tuple[str, str]:
+    """Return the world's and the base's frame: the robot's, else the odometry's, else ROS'."""
+    return (
+        robot.world_frame or _frame(evidence.world_frames, DEFAULT_WORLD),
+        robot.base_frame or _frame(evidence.base_frames, DEFAULT_BASE),
     )
 
 
@@ -150,7 +158,7 @@ def _wrench_frame_finding(evidence: Evidence) -> Finding:
         return note("WRENCH_FRAME_WORLD", f"wrenches are in the world frame {told}")
     return note(
         "WRENCH_FRAME_LINK",
-        f"wrenches are not in the world frame but in a link's {told}: their direction is not used",
+        f"wrenches are not in the world frame but in a link's {told}",
     )
 
 

@@ -15,11 +15,13 @@ from dogbot_logtool.core.settings import FootPlace, StatsSettings
 from dogbot_logtool.core.walk_stats import Stats, StatsAccumulator
 from dogbot_logtool.core.wrench_frame import WrenchFrame
 from dogbot_logtool.errors import LogError
-from dogbot_logtool.evidence import Evidence, look_into
+from dogbot_logtool.evidence import STATIC_TOPIC, Evidence, look_into
+from dogbot_logtool.findings import Finding
 from dogbot_logtool.parallel import in_order
 from dogbot_logtool.plan import (
     WrenchFrameOption,
     evidence_findings,
+    frame_names,
     nothing_to_do,
     time_limits,
 )
@@ -28,9 +30,15 @@ from dogbot_logtool.reader.log import Batch, Log, Loss, Span, lost_messages
 from dogbot_logtool.reader.messages import DecodedMessages
 from dogbot_logtool.reader.odometry import decode_odometry, odometry_columns
 from dogbot_logtool.reader.opening import open_log
+from dogbot_logtool.reader.transforms import (
+    RecordedTransforms,
+    decode_transforms,
+    transform_columns,
+)
 from dogbot_logtool.report.stats_json import LogFacts
 from dogbot_logtool.robot import Robot
 from dogbot_logtool.selection import Selection, TopicOptions, select_topics
+from dogbot_logtool.world_forces import WorldForces
 
 TimeSourceOption = Literal["header", "log"]
 _FRAMES: Final = {"world": WrenchFrame.WORLD, "link": WrenchFrame.LINK}
@@ -85,6 +93,8 @@ class _Measured:
 
     samples: Sequence[Samples]
     odometry: Odometry
+    transforms: Sequence[RecordedTransforms]
+    """The log's own; only decoded where forces must be turned into the world."""
     times: Sequence[_Times]
     malformed: Mapping[int, int]
     losses: Sequence[Loss]
@@ -151,12 +161,17 @@ def _pass(
     messages = done = 0
     total = sum(chunk.data_size for chunk in log.chunks)
 
+    forces = _world_forces(selection, evidence, settings)
+
     def work(span: Span) -> _Measured:
-        return _measure_batch(log, selection, span, start, end)
+        return _measure_batch(log, selection, span, (start, end), with_transforms=bool(forces))
 
     for batch in in_order(work, log.spans(start, end), options.jobs):
         accumulator.add_odometry(batch.odometry)
-        for samples in batch.samples:
+        ready = batch.samples
+        if forces is not None:
+            ready = forces.add(batch.samples, batch.odometry, batch.transforms)
+        for samples in ready:
             accumulator.add_contacts(samples)
         for times in batch.times:
             accumulator.add_message_times(times.topic, times.log_time, times.stamp, times.frame_ids)
@@ -167,18 +182,47 @@ def _pass(
         done += batch.stored_size
         if progress is not None:
             progress(done, total)
+    for samples in forces.finish() if forces is not None else ():
+        accumulator.add_contacts(samples)
     losses.extend(
         Loss(0, f"{count} messages of {log.channels[channel].topic} could not be decoded", 0, count)
         for channel, count in sorted(malformed.items())
     )
-    facts = _facts(log, selection, evidence, messages, losses)
+    findings = [*selection.findings, *evidence_findings(selection, evidence)]
+    if forces is not None:
+        findings.append(forces.finding())
+    facts = _facts(log, findings, messages, losses)
     return Measurement(accumulator.finish(), facts, tuple(losses))
 
 
+def _world_forces(
+    selection: Selection, evidence: Evidence, settings: StatsSettings
+) -> WorldForces | None:
+    """Return what turns forces into the world, where they need it and it can be done."""
+    connected = [link if link in evidence.parents else None for link in evidence.links]
+    needed = settings.wrench_frame is WrenchFrame.LINK
+    if not (needed and selection.odometry and any(connected)):
+        return None
+    world, base = frame_names(selection.robot, evidence)
+    static = frozenset(c.id for c in selection.transforms if c.topic.endswith(STATIC_TOPIC))
+    return WorldForces(
+        connected,
+        world_frame=world,
+        base_frame=base,
+        static_channels=static,
+        clock=settings.clock,
+    )
+
+
 def _measure_batch(
-    log: Log, selection: Selection, span: Span, start: int | None, end: int | None
+    log: Log,
+    selection: Selection,
+    span: Span,
+    limits: tuple[int | None, int | None],
+    *,
+    with_transforms: bool,
 ) -> _Measured:
-    batch = log.read(span).cropped(start, end)
+    batch = log.read(span).cropped(*limits)
     stamped: dict[str, _Times] = {}
     odometry = decode_odometry(batch, selection.odometry)
     contacts = decode_contacts(batch, selection.contacts)
@@ -191,6 +235,12 @@ def _measure_batch(
             for messages in contacts
         ],
         odometry=concatenate_odometry([odometry_columns(messages) for messages in odometry]),
+        transforms=[
+            transform_columns(messages)
+            for messages in decode_transforms(batch, selection.transforms)
+        ]
+        if with_transforms
+        else [],
         times=[stamped.get(times.topic, times) for times in _log_times(log, batch)],
         malformed={
             channel: count
@@ -228,7 +278,7 @@ def _stamped_times(log: Log, messages: DecodedMessages) -> dict[str, _Times]:
 
 
 def _facts(
-    log: Log, selection: Selection, evidence: Evidence, messages: int, losses: Sequence[Loss]
+    log: Log, findings: Sequence[Finding], messages: int, losses: Sequence[Loss]
 ) -> LogFacts:
     duration = None
     if log.start_time is not None and log.end_time is not None:
@@ -243,5 +293,5 @@ def _facts(
         lost_messages=lost_messages(list(losses)),
         lost_bytes=sum(loss.bytes for loss in losses),
         losses=[loss.what for loss in losses],
-        findings=[*selection.findings, *evidence_findings(selection, evidence)],
+        findings=findings,
     )

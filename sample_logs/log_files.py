@@ -71,7 +71,7 @@ def write_mcap(path: Path, messages: Sequence[LoggedMessage], typestore: Typesto
                 data=message.data,
                 publish_time=message.publish_time_ns,
             )
-        writer.finish()  # type: ignore[no-untyped-call]
+        writer.finish()
 
 
 def _channels(messages: Sequence[LoggedMessage]) -> dict[str, str]:

@@ -270,12 +270,3 @@ class ForcesToWorld:
         earliest = min((int(time.min()) for time in waiting if len(time)), default=None)
         if earliest is not None:
             self._buffer.forget_before(earliest)
-
-
-def link_of_collision(collision: str) -> str | None:
-    """Return the link in Gazebo's name of a collision, ``model::link::collision``; None: none.
-
-    Nested models add parts in front; the link is always the last but one.
-    """
-    parts = collision.split("::")
-    return parts[-2] if len(parts) >= 3 else None

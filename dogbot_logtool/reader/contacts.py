@@ -98,6 +98,35 @@ def contact_columns(
     return ContactsRead(contacts, untimed, int((side == NOT_THIS_FOOT).sum()))
 
 
+def foot_links(
+    messages: DecodedMessages, feet: Sequence[Foot], foot_of: Mapping[int, int]
+) -> dict[int, set[str]]:
+    """Return the links that the feet's own collisions belong to, by foot.
+
+    Only pairs with the foot in first place count: their wrenches are in that link's frame.
+    """
+    states = messages.table.nested("states")
+    foot = _foot_of_messages(messages.channel, foot_of)
+    side = _foot_sides(states, foot, feet)
+    code, names = states.table.texts("collision1_name").encode()
+    pairs = foot[states.parent] * len(names) + code
+    links: dict[int, set[str]] = {}
+    for pair in np.unique(pairs[side == FOOT_IS_COLLISION1]).tolist():
+        link = link_of_collision(names[pair % len(names)])
+        if link is not None:
+            links.setdefault(pair // len(names), set()).add(link)
+    return links
+
+
+def link_of_collision(collision: str) -> str | None:
+    """Return the link in Gazebo's name of a collision, ``model::link::collision``; None: none.
+
+    Nested models add parts in front; the link is always the last but one.
+    """
+    parts = collision.split("::")
+    return parts[-2] if len(parts) >= 3 else None
+
+
 def _foot_of_messages(channel: Ints, foot_of: Mapping[int, int]) -> Ints:
     """(n,) foot index of every message."""
     ids = np.array(sorted(foot_of), np.int64)

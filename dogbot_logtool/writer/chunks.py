@@ -111,7 +111,8 @@ def indexed_chunk(
     index_offsets: dict[int, int] = {}
     counts: dict[int, int] = {}
     place = 0
-    for number, group in zip(channels.tolist(), np.split(entries, first[1:]), strict=True):
+    groups = np.split(entries, first[1:]) if len(entries) else []
+    for number, group in zip(channels.tolist(), groups, strict=True):
         piece = _message_index(number, group.tobytes())
         index_offsets[number], counts[number] = place, len(group)
         pieces.append(piece)

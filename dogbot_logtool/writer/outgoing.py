@@ -152,6 +152,8 @@ def recorded(
         end: (n,) first byte after it.
     """
     size = end - start
+    if not len(size):
+        return Outgoing(channel, sequence, log_time, publish_time, size, [])
     order = np.argsort(size, kind="stable")
     sizes, first = np.unique(size[order], return_index=True)
     payloads: list[Payloads] = []

@@ -9,7 +9,6 @@ from dogbot_logtool.core.rotations import rotate
 from dogbot_logtool.core.transform_buffer import (
     ForcesToWorld,
     TransformBuffer,
-    link_of_collision,
 )
 
 MS = 1_000_000
@@ -169,15 +168,3 @@ def test_a_foot_without_a_link_passes_as_it_is() -> None:
     np.testing.assert_array_equal(passed.force, given_samples.force)
     assert not passed.in_world.any()
     assert forces.not_turned == 2
-
-
-@pytest.mark.parametrize(
-    ("collision", "link"),
-    [
-        ("dogbot::front_left_lowerleg::lump__foot_collision_5", "front_left_lowerleg"),
-        ("world::dogbot::leg::foot", "leg"),
-        ("foot_collision", None),
-    ],
-)
-def test_the_link_stands_in_the_collisions_name(collision: str, link: str | None) -> None:
-    assert link_of_collision(collision) == link

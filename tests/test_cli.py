@@ -1,0 +1,626 @@
+"""The command line: exit codes, what goes to stdout and stderr, signals, start-up."""
+
+import json
+import os
+import resource
+import signal
+import struct
+import subprocess
+import sys
+import time
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import pytest
+from mcap.reader import make_reader
+from mcap.writer import CompressionType
+from mcap.writer import Writer as McapWriter
+
+from dogbot_logtool import __version__
+from dogbot_logtool.cli import main
+
+SAMPLE_LOGS = Path(__file__).parents[1] / "sample_logs"
+TROT, WALK, TROUBLED = (
+    SAMPLE_LOGS / f"dogbot_{name}" for name in ("trot.bag", "walk.mcap", "troubled.bag")
+)
+COMMANDS = ("compare", "convert", "info", "layout", "robots", "stats")
+MAGIC = b"\x89MCAP0\r\n"
+
+
+@dataclass(frozen=True, slots=True)
+class Outcome:
+    code: int
+    out: str
+    err: str
+
+    @property
+    def json(self) -> Any:
+        return json.loads(self.out)
+
+
+class Shell:
+    """Runs the command in a folder of its own, in this process."""
+
+    def __init__(
+        self,
+        folder: Path,
+        monkeypatch: pytest.MonkeyPatch,
+        capsys: pytest.CaptureFixture[str],
+    ) -> None:
+        self.folder = folder
+        self._monkeypatch = monkeypatch
+        self._capsys = capsys
+
+    def __call__(self, *words: object) -> Outcome:
+        self._monkeypatch.chdir(self.folder)
+        self._monkeypatch.setattr(sys, "argv", ["dogbot-logtool", *map(str, words)])
+        before = signal.getsignal(signal.SIGTERM)
+        try:
+            with pytest.raises(SystemExit) as stopped:
+                main()
+        finally:
+            signal.signal(signal.SIGTERM, before)
+        told = self._capsys.readouterr()
+        assert "Traceback" not in told.err
+        assert isinstance(stopped.value.code, int)
+        return Outcome(stopped.value.code, told.out, told.err)
+
+    def files(self) -> list[str]:
+        return sorted(file.name for file in self.folder.iterdir())
+
+
+@pytest.fixture
+def shell(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> Shell:
+    folder = tmp_path / "here"
+    folder.mkdir()
+    return Shell(folder, monkeypatch, capsys)
+
+
+def run(*words: object, folder: Path) -> Outcome:
+    """Run the command as a process of its own."""
+    done = subprocess.run(  # noqa: S603
+        [sys.executable, "-m", "dogbot_logtool", *map(str, words)],
+        cwd=folder,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    return Outcome(done.returncode, done.stdout, done.stderr)
+
+
+def string_log(path: Path, messages: Sequence[tuple[str, bytes]]) -> Path:
+    """Write an MCAP of std_msgs/String messages, one channel a topic."""
+    with path.open("wb") as stream:
+        writer = McapWriter(stream, compression=CompressionType.NONE)
+        writer.start(profile="ros1")
+        schema = writer.register_schema("std_msgs/String", "ros1msg", b"string data")
+        channels: dict[str, int] = {}
+        for number, (topic, data) in enumerate(messages):
+            if topic not in channels:
+                channels[topic] = writer.register_channel(topic, "ros1", schema)
+            payload = struct.pack("<I", len(data)) + data
+            writer.add_message(channels[topic], 10**9 + number, payload, 10**9 + number)
+        writer.finish()
+    return path
+
+
+ODOMETRY = b"""\
+std_msgs/Header header
+string child_frame_id
+geometry_msgs/PoseWithCovariance pose
+geometry_msgs/TwistWithCovariance twist
+================================================================================
+MSG: std_msgs/Header
+uint32 seq
+time stamp
+string frame_id
+================================================================================
+MSG: geometry_msgs/PoseWithCovariance
+Pose pose
+float64[36] covariance
+================================================================================
+MSG: geometry_msgs/TwistWithCovariance
+Twist twist
+float64[36] covariance
+================================================================================
+MSG: geometry_msgs/Pose
+Point position
+Quaternion orientation
+================================================================================
+MSG: geometry_msgs/Twist
+Vector3 linear
+Vector3 angular
+================================================================================
+MSG: geometry_msgs/Point
+float64 x
+float64 y
+float64 z
+================================================================================
+MSG: geometry_msgs/Vector3
+float64 x
+float64 y
+float64 z
+================================================================================
+MSG: geometry_msgs/Quaternion
+float64 x
+float64 y
+float64 z
+float64 w
+"""
+
+
+def odometry_log(path: Path, topic: str, *, filler: int = 0, cut: int = 0) -> Path:
+    """Write an MCAP of ten poses, megabytes of noise behind each, the last one cut short."""
+    noise = os.urandom(1 << 20)
+    with path.open("wb") as stream:
+        writer = McapWriter(stream, 1 << 19, CompressionType.NONE)
+        writer.start(profile="ros1")
+        schema = writer.register_schema("nav_msgs/Odometry", "ros1msg", ODOMETRY)
+        channel = writer.register_channel(topic, "ros1", schema)
+        other = writer.register_channel("/noise", "noise", 0)
+        for number in range(10):
+            seconds = 5 + number
+            payload = struct.pack("<III", number, seconds, 0)
+            for name in (b"world", b"base_link"):
+                payload += struct.pack("<I", len(name)) + name
+            payload += struct.pack("<7d", number, 0, 0, 0, 0, 0, 1) + bytes(8 * (36 + 6 + 36))
+            time_ns = seconds * 10**9
+            data = payload[: len(payload) - cut] if number == 9 else payload
+            writer.add_message(channel, time_ns, data, time_ns)
+            for _ in range(filler):
+                writer.add_message(other, time_ns, noise, time_ns)
+        writer.finish()
+    return path
+
+
+# --- Words ----------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("words", [["--help"], ["-h"], *([name, "--help"] for name in COMMANDS)])
+def test_help(shell: Shell, words: list[str]) -> None:
+    done = shell(*words)
+    assert done.code == 0
+    assert done.out.startswith("Usage: ")
+    assert done.err == ""
+
+
+def test_version(shell: Shell) -> None:
+    done = shell("--version")
+    assert (done.code, done.err) == (0, "")
+    assert __version__ in done.out
+
+
+def test_help_imports_nothing_heavy(tmp_path: Path) -> None:
+    """Neither --help nor a usage error may load numpy, rosbags, rich, mcap or protobuf."""
+    script = """\
+import contextlib, io, sys
+from dogbot_logtool.cli import main
+for words in (["--help"], ["--version"], *([c, "--help"] for c in sys.argv[1:]), ["convert"]):
+    sys.argv = ["dogbot-logtool", *words]
+    with contextlib.suppress(SystemExit), contextlib.redirect_stdout(io.StringIO()):
+        main()
+heavy = {"numpy", "rosbags", "rich", "mcap", "google.protobuf", "lz4", "zstandard"}
+print(sorted(heavy & set(sys.modules)))
+"""
+    done = subprocess.run(  # noqa: S603
+        [sys.executable, "-c", script, *COMMANDS],
+        cwd=tmp_path,
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    assert done.stdout.strip() == "[]"
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        [],
+        ["nonsense"],
+        ["convert"],
+        ["info"],
+        ["info", "--nonsense", TROUBLED],
+        ["convert", TROUBLED, "--style", "loud"],
+        ["convert", TROUBLED, "--encoding", "json"],
+        ["convert", TROUBLED, "--compression", "gzip"],
+        ["convert", TROUBLED, "--jobs", "0"],
+        ["convert", TROUBLED, "--tf-rate", "-1"],
+        ["convert", TROUBLED, "--tf-rate", "nan"],
+        ["convert", TROUBLED, "--tf-rate", "1e-300"],
+        ["convert", TROUBLED, "--tf-rate", "1e-11"],
+        ["convert", TROUBLED, "--start", "nan"],
+        ["convert", TROUBLED, "--end", "inf"],
+        ["convert", TROUBLED, "--mass", "0"],
+        ["convert", TROUBLED, "--mass", "nan"],
+        ["convert", TROUBLED, "--foot", "front_left"],
+        ["convert", TROUBLED, "--foot", "front left=/x"],
+        ["convert", TROUBLED, "--foot", "front_left=/no/such/topic"],
+        ["convert", TROUBLED, "--foot", "front_left=/dogbot/odom"],
+        ["convert", TROUBLED, "--odom-topic", "/tf"],
+        ["convert", TROUBLED, "--robot", "unicorn"],
+        ["convert", TROUBLED, "--robot", "unicorn.toml"],
+        ["convert", "no_such.bag"],
+        ["convert", "."],
+        ["info", "no_such.bag"],
+        ["layout", "no_such.bag"],
+        ["layout", "--robot", "unicorn"],
+        ["robots", "unicorn"],
+    ],
+    ids=lambda words: " ".join(str(getattr(word, "name", word)) for word in words) or "nothing",
+)
+def test_wrong_calls_exit_with_2_and_a_sentence(shell: Shell, words: list[object]) -> None:
+    done = shell(*words)
+    assert done.code == 2
+    assert done.out == ""
+    assert done.err.strip()
+    assert shell.files() == []
+
+
+def test_what_is_no_log_exits_with_1(shell: Shell) -> None:
+    (shell.folder / "walk.bag").write_text("a walk in the park")
+    (shell.folder / "empty.bag").write_bytes(b"")
+    for name in ("walk.bag", "empty.bag"):
+        for command in ("info", "convert", "layout"):
+            done = shell(command, name)
+            assert (done.code, done.out) == (1, "")
+            assert done.err.startswith(f"error: {name}: ")
+            assert done.err.count("\n") == 1
+    assert shell.files() == ["empty.bag", "walk.bag"]
+
+
+def test_nothing_to_annotate_exits_with_1_and_lists_topics(shell: Shell) -> None:
+    string_log(shell.folder / "log.mcap", [("/said", b"hello")])
+    done = shell("convert", "log.mcap")
+    assert (done.code, done.out) == (1, "")
+    assert "/said  std_msgs/String" in done.err
+    assert shell.files() == ["log.mcap"]
+
+
+# --- convert --------------------------------------------------------------------------------------
+
+
+def test_convert_says_what_it_did_on_stderr_only(shell: Shell) -> None:
+    done = shell("convert", TROUBLED)
+    assert (done.code, done.out) == (0, "")
+    assert shell.files() == ["dogbot_troubled.annotated.mcap"]
+    assert "dogbot_troubled.annotated.mcap: 3,408 recorded messages and 4,058 ann" in done.err
+    assert "warning" in done.err
+    assert "note" in done.err
+
+
+def test_verbose_lists_annotations(shell: Shell) -> None:
+    done = shell("convert", TROUBLED, "-v", "-o", "x.mcap")
+    assert "501  /load/front_left" in done.err
+    assert "/load" not in shell("convert", TROUBLED, "-o", "y.mcap").err
+
+
+def test_quiet_says_nothing(shell: Shell) -> None:
+    done = shell("convert", TROUBLED, "--quiet", "-o", "x.mcap")
+    assert done == Outcome(0, "", "")
+    assert shell.files() == ["x.mcap"]
+
+
+def test_convert_json(shell: Shell) -> None:
+    done = shell("convert", TROUBLED, "--json", "--quiet", "-o", "x.mcap", "--style", "force")
+    assert (done.code, done.err) == (0, "")
+    told = done.json
+    assert told["tool"] == {"name": "dogbot-logtool", "version": __version__}
+    assert (told["input"], told["output"]) == (str(TROUBLED), "x.mcap")
+    assert (told["style"], told["encoding"], told["robot"]) == ("force", "foxglove", "dogbot")
+    assert told["topics"]["odometry"] == ["/dogbot/odom"]
+    assert set(told["topics"]["feet"]) == {"front_left", "front_right", "back_left", "back_right"}
+    assert told["frames"] == {"world": "world", "base": "base_link"}
+    assert told["messages"] == {"read": 3408, "copied": 3408}
+    with (shell.folder / "x.mcap").open("rb") as stream:
+        summary = make_reader(stream).get_summary()
+    assert summary is not None
+    assert summary.statistics is not None
+    counts = {
+        summary.channels[number].topic: count
+        for number, count in summary.statistics.channel_message_counts.items()
+    }
+    assert told["annotations"] == {topic: counts[topic] for topic in told["annotations"]}
+    assert sum(counts.values()) == 3408 + sum(told["annotations"].values())
+    assert told["skipped"]["bad_poses"] == 1
+    assert {finding["code"] for finding in told["findings"]} >= {"W_ZERO_STAMPS"}
+    assert told["damage"] == {"messages": 0, "bytes": 0, "places": []}
+
+
+def test_several_logs_go_into_a_directory(shell: Shell) -> None:
+    (shell.folder / "out").mkdir()
+    (shell.folder / "bad.bag").write_text("no bag")
+    done = shell("convert", TROUBLED, "bad.bag", WALK, "-o", "out", "--json", "-q")
+    assert done.code == 1
+    first, bad, last = done.json
+    assert first["output"] == "out/dogbot_troubled.annotated.mcap"
+    assert bad["input"] == "bad.bag"
+    assert bad["error"].startswith("bad.bag: ")
+    assert last["messages"]["copied"] == 22059
+    names = sorted(file.name for file in (shell.folder / "out").iterdir())
+    assert names == ["dogbot_troubled.annotated.mcap", "dogbot_walk.annotated.mcap"]
+    assert shell("convert", TROUBLED, WALK, "-o", "nowhere").code == 2
+
+
+def test_damage_exits_with_3_or_with_1_when_strict(shell: Shell) -> None:
+    log = odometry_log(shell.folder / "log.mcap", "/odom", cut=1)
+    done = shell("convert", log, "-o", "x.mcap", "--json")
+    assert done.code == 3
+    assert done.json["damage"]["messages"] == 1
+    assert "damage" in done.err
+    assert "/odom" in done.err
+    done = shell("convert", log, "-o", "strict.mcap", "--strict")
+    assert (done.code, done.out) == (1, "")
+    assert "--strict" in done.err
+    assert shell.files() == ["log.mcap", "x.mcap"]
+
+
+@pytest.mark.parametrize("command", ["info", "convert"])
+def test_a_log_that_is_cut_off_exits_with_3(shell: Shell, command: str) -> None:
+    for log in (TROT, WALK):
+        cut = shell.folder / log.name
+        cut.write_bytes(log.read_bytes()[:-1000])
+        done = shell(command, cut, "--json")
+        assert done.code == 3
+        assert done.json["damage"]["places"]
+    assert not [name for name in shell.files() if name.endswith(".part")]
+
+
+def test_an_output_is_not_overwritten_unasked(shell: Shell) -> None:
+    target = shell.folder / "x.mcap"
+    target.write_text("precious")
+    done = shell("convert", TROUBLED, "-o", "x.mcap")
+    assert (done.code, done.out) == (2, "")
+    assert "--overwrite" in done.err
+    assert target.read_text() == "precious"
+    assert shell("convert", TROUBLED, "-o", "x.mcap", "--overwrite", "-q").code == 0
+    assert target.read_bytes().endswith(MAGIC)
+    assert shell.files() == ["x.mcap"]
+
+
+def test_the_input_is_never_the_output(shell: Shell) -> None:
+    log = shell.folder / "log.mcap"
+    log.write_bytes(WALK.read_bytes())
+    (shell.folder / "link.mcap").symlink_to(log)
+    for target in ("log.mcap", "link.mcap", "./log.mcap"):
+        done = shell("convert", "log.mcap", "-o", target, "--overwrite")
+        assert done.code == 2
+        assert "is the input itself" in done.err
+    assert log.read_bytes() == WALK.read_bytes()
+
+
+def test_targets_that_cannot_be_written(shell: Shell) -> None:
+    (shell.folder / "file").write_text("")
+    for target in ("no/such/x.mcap", "file/x.mcap", "x" * 300 + ".mcap"):
+        done = shell("convert", TROUBLED, "-o", target)
+        assert done.code in {1, 2}
+        assert done.err.startswith("error: ")
+        assert done.err.count("\n") == 1
+    assert shell.files() == ["file"]
+
+
+def test_a_long_name_that_the_disk_takes_is_taken(shell: Shell) -> None:
+    name = "x" * 250 + ".mcap"
+    (shell.folder / name).write_text("the disk takes it")
+    assert shell("convert", TROUBLED, "-o", name, "--overwrite", "-q").code == 0
+    assert shell.files() == [name]
+
+
+def test_options_reach_the_conversion(shell: Shell) -> None:
+    words = ["--start", "1", "--end", "2", "--tf-rate", "0", "--no-copy", "--compression", "none"]
+    words += ["--odom-topic", "/dogbot/odom", "--robot", "generic", "--mass", "10"]
+    feet = ["--foot", "paw=/dogbot/back_left_contactsensor_state"]
+    done = shell("convert", TROT, "-o", "x.mcap", "--json", *words, *feet)
+    told = done.json
+    assert told["messages"]["copied"] == 0
+    assert told["robot"] == "generic"
+    assert told["topics"]["feet"] == {"paw": "/dogbot/back_left_contactsensor_state"}
+    assert told["annotations"]["/tf"] == 250
+    assert set(told["annotations"]) == {"/tf", "/marker_basic_paw_foot", "/load/paw"}
+
+
+# --- info, layout, robots -------------------------------------------------------------------------
+
+
+def test_info_for_people(shell: Shell) -> None:
+    done = shell("info", TROT)
+    assert (done.code, done.err) == (0, "")
+    for text in ("ROS 1 bag, profile ros1", "lz4", "11,608", "foot front_left", "odometry"):
+        assert text in done.out
+    assert "base_link  <- added by convert" in done.out
+
+
+def test_info_json(shell: Shell) -> None:
+    done = shell("info", WALK, "--json")
+    assert (done.code, done.err) == (0, "")
+    told = done.json
+    assert (told["container"], told["profile"]) == ("MCAP", "ros2")
+    assert told["messages"] == 22059
+    topics = {topic["topic"]: topic for topic in told["topics"]}
+    assert topics["/dogbot/odom"]["use"] == "odometry"
+    assert topics["/dogbot/odom"]["messages"] == 2251
+    assert told["frames"]["added"] == ["world", "base_link"]
+    assert told["frames"]["parents"]["front_left_hip"] == ["base_link"]
+
+
+def test_info_of_several_logs(shell: Shell) -> None:
+    done = shell("info", TROT, "nothing.bag", TROUBLED, "--json")
+    assert done.code == 2
+    assert [bool(one.get("error")) for one in done.json] == [False, True, False]
+    assert done.err.startswith("error: nothing.bag: no such file")
+
+
+def test_layout(shell: Shell) -> None:
+    done = shell("layout")
+    assert (done.code, done.err) == (0, "")
+    assert set(done.json) >= {"configById", "layout"}
+    assert shell("layout", TROUBLED).json == done.json
+    assert shell("layout", "-o", "x.json") == Outcome(0, "", "")
+    assert json.loads((shell.folder / "x.json").read_text()) == done.json
+    assert shell("layout", "-o", "x.json").code == 2
+    assert shell("layout", "-o", "x.json", "--overwrite").code == 0
+    assert shell.files() == ["x.json"]
+
+
+def test_robots(shell: Shell) -> None:
+    done = shell("robots")
+    assert done.code == 0
+    assert [line.split()[0] for line in done.out.splitlines()] == ["dogbot", "generic"]
+    assert set(shell("robots", "--json").json) == {"dogbot", "generic"}
+    toml = shell("robots", "dogbot")
+    assert "[feet.front_left]" in toml.out
+    (shell.folder / "mine.toml").write_text(toml.out)
+    assert shell("convert", TROUBLED, "--robot", "mine.toml", "-q").code == 0
+
+
+# --- Hostile names --------------------------------------------------------------------------------
+
+EVIL_TOPICS = (
+    "/\x1b[31mred",
+    "/bell\x07",
+    "/back\x08space",
+    "/two\nlines",
+    "/\u202eleft",
+    "/\x9b1m",
+)
+
+
+@pytest.mark.parametrize("topic", EVIL_TOPICS, ids=ascii)
+def test_control_characters_in_topics_are_escaped(shell: Shell, topic: str) -> None:
+    string_log(shell.folder / "log.mcap", [(topic, b"x")])
+    told = [shell("info", "log.mcap"), shell("convert", "log.mcap")]
+    odometry_log(shell.folder / "odom.mcap", topic, cut=1)
+    told += [shell("info", "odom.mcap"), shell("convert", "odom.mcap", "-v")]
+    for done in told:
+        text = done.out + done.err
+        assert topic not in text
+        assert not [c for c in text if not c.isprintable() and c != "\n"]
+    assert [done.code for done in told] == [0, 1, 0, 3]
+    escaped = topic.encode("unicode_escape").decode()
+    for done in told:
+        assert escaped in "".join((done.out + done.err).split())
+
+
+def test_a_newline_in_a_topic_starts_no_line(shell: Shell) -> None:
+    string_log(shell.folder / "log.mcap", [("/said\nerror: send money", b"x")])
+    done = shell("convert", "log.mcap")
+    assert not [line for line in done.err.split("\n") if line.startswith("error: send money")]
+
+
+def test_names_with_markup_and_odd_bytes(shell: Shell) -> None:
+    name = os.fsdecode(b"[bold]\xff.mcap")
+    odometry_log(shell.folder / name, "/[red]odom[/red]")
+    done = run("info", name, folder=shell.folder)
+    assert (done.code, done.err) == (0, "")
+    assert "/[red]odom[/red]" in done.out
+    assert "[bold]" in done.out
+    done = run("convert", name, "--json", folder=shell.folder)
+    assert done.code == 0
+    assert done.json["annotations"] == {"/tf": 10}
+
+
+# --- Processes ------------------------------------------------------------------------------------
+
+
+@pytest.fixture(scope="module")
+def long_log(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Return a log that takes a while: 120 MB of noise."""
+    return odometry_log(tmp_path_factory.mktemp("long") / "long.mcap", "/odom", filler=12)
+
+
+def parts(folder: Path) -> list[Path]:
+    return [file for file in folder.iterdir() if file.name.endswith(".part")]
+
+
+@pytest.mark.parametrize("jobs", [1, 2])
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM], ids=lambda n: n.name)
+def test_a_signal_amid_writing_leaves_nothing(
+    tmp_path: Path, long_log: Path, number: signal.Signals, jobs: int
+) -> None:
+    words = ["convert", str(long_log), "-o", "x.mcap", "--compression", "lz4", "--jobs", str(jobs)]
+    process = subprocess.Popen(  # noqa: S603
+        [sys.executable, "-m", "dogbot_logtool", *words],
+        cwd=tmp_path,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+    )
+    with process:
+        for found in _until_written(tmp_path, process):
+            assert found.stat().st_size < long_log.stat().st_size
+        process.send_signal(number)
+        out, err = process.communicate()
+    assert process.returncode not in {0, 3}
+    assert out == ""
+    assert "Traceback" not in err
+    assert err.strip() == "interrupted: nothing was left behind"
+    assert list(tmp_path.iterdir()) == []
+
+
+def _until_written(folder: Path, process: "subprocess.Popen[str]") -> Iterator[Path]:
+    """Wait until part of the output is there; then yield it."""
+    while process.poll() is None:
+        for part in parts(folder):
+            if part.stat().st_size:
+                yield part
+                return
+        time.sleep(0.001)
+    raise AssertionError(process.communicate()[1])
+
+
+def test_a_full_disk_leaves_nothing(tmp_path: Path) -> None:
+    """A limit on file size stands for a disk that is full: the write fails midway."""
+
+    def limit() -> None:
+        signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+        resource.setrlimit(resource.RLIMIT_FSIZE, (200_000, 200_000))
+
+    done = subprocess.run(  # noqa: S603
+        [sys.executable, "-B", "-m", "dogbot_logtool", "convert", str(TROT), "-o", "x.mcap"],
+        cwd=tmp_path,
+        capture_output=True,
+        text=True,
+        check=False,
+        preexec_fn=limit,
+    )
+    assert (done.returncode, done.stdout) == (1, "")
+    assert done.stderr.startswith("error: x.mcap: cannot be written: ")
+    assert done.stderr.count("\n") == 1
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_closed_pipe_is_no_error(tmp_path: Path) -> None:
+    command = [sys.executable, "-m", "dogbot_logtool", "info", *[str(TROT)] * 6]
+    with subprocess.Popen(  # noqa: S603
+        command, cwd=tmp_path, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+    ) as process:
+        assert process.stdout is not None
+        process.stdout.close()
+        assert process.stderr is not None
+        assert process.stderr.read() == ""
+        process.wait()
+    assert process.returncode == 0
+
+
+def test_the_command_is_the_module(tmp_path: Path) -> None:
+    done = run("--version", folder=tmp_path)
+    assert (done.code, done.err) == (0, "")
+    assert __version__ in done.out
+
+
+def test_no_progress_bar_where_there_is_no_terminal(tmp_path: Path) -> None:
+    done = run("convert", TROUBLED, "-o", "x.mcap", folder=tmp_path)
+    assert done.code == 0
+    assert "\x1b" not in done.err
+    assert "\r" not in done.err
+
+
+@pytest.mark.parametrize("command", ["info", "convert", "layout"])
+def test_a_fifo_is_refused_with_a_sentence(shell: Shell, command: str) -> None:
+    os.mkfifo(shell.folder / "fifo")
+    done = shell(command, "fifo")
+    assert done.code == 2
+    assert "is not a plain file" in done.err

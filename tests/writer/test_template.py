@@ -1,0 +1,177 @@
+"""Templates: places of numbers are learnt, and copies are what the serialiser would have made."""
+
+import struct
+from collections.abc import Mapping
+
+import numpy as np
+import pytest
+from google.protobuf.timestamp_pb2 import Timestamp
+from hypothesis import example, given
+from hypothesis import strategies as st
+
+from dogbot_logtool.writer.template import Kind, Number, Template, _write_varints, learn
+
+PAIR = struct.Struct("<3sIId?fx")
+FIELDS = {
+    "t.sec": Kind.UINT32,
+    "t.nanosec": Kind.UINT32,
+    "force": Kind.FLOAT64,
+    "touches": Kind.BOOL,
+    "red": Kind.FLOAT32,
+}
+NS = 1_000_000_000
+INT64 = st.integers(-(2**63), 2**63 - 1)
+
+
+def packed(values: Mapping[str, Number]) -> bytes:
+    return PAIR.pack(
+        b"abc",
+        values["t.sec"],
+        values["t.nanosec"],
+        values["force"],
+        values["touches"],
+        values["red"],
+    )
+
+
+def timestamp(values: Mapping[str, Number]) -> bytes:
+    stamp = Timestamp(seconds=int(values["t.sec"]), nanos=int(values["t.nanosec"]))
+    return stamp.SerializeToString(deterministic=True)
+
+
+def timestamps() -> Template:
+    return learn(timestamp, {"t.sec": Kind.VARINT, "t.nanosec": Kind.VARINT})
+
+
+def test_places_are_learnt() -> None:
+    template = learn(packed, FIELDS)
+    assert template.size == PAIR.size
+    assert template.dtype.itemsize == PAIR.size
+    assert template.dtype.fields is not None
+    places = {name: field[1] for name, field in template.dtype.fields.items()}
+    assert places == {"t.sec": 3, "t.nanosec": 7, "force": 11, "touches": 19, "red": 20}
+
+
+@given(
+    st.lists(
+        st.tuples(
+            st.integers(0, 2**32 * NS - 1),
+            st.floats(),
+            st.booleans(),
+            st.floats(width=32),
+        )
+    )
+)
+def test_copies_are_what_the_serialiser_makes(
+    rows: list[tuple[int, float, bool, float]],
+) -> None:
+    template = learn(packed, FIELDS)
+    copies = template.copies(len(rows))
+    template.write_time(copies, "t", np.array([time for time, *_ in rows], np.int64))
+    copies["force"] = [force for _, force, _, _ in rows]
+    copies["touches"] = [touches for _, _, touches, _ in rows]
+    copies["red"] = np.array([red for *_, red in rows], np.float32)
+    wanted = [
+        PAIR.pack(b"abc", time // NS, time % NS, force, touches, red)
+        for time, force, touches, red in rows
+    ]
+    told = [copy.tobytes() for copy in copies]
+    # Not every NaN survives Python's conversions, so those are compared by being one.
+    for got, want in zip(told, wanted, strict=True):
+        np.testing.assert_equal(PAIR.unpack(got), PAIR.unpack(want))
+        assert got[:11] == want[:11]
+
+
+def test_copies_do_not_share_bytes() -> None:
+    copies = learn(packed, FIELDS).copies(3)
+    copies["force"][1] = 5.0
+    assert copies["force"][1] == 5.0
+    assert copies["force"][0] == copies["force"][2] != 5.0
+
+
+def test_no_copies() -> None:
+    template = timestamps()
+    copies = template.copies(0)
+    template.write_time(copies, "t", np.empty(0, np.int64))
+    assert copies.tobytes() == b""
+
+
+def test_a_number_of_varying_width_is_refused() -> None:
+    def serialise(values: Mapping[str, Number]) -> bytes:
+        return b"x" * (1 + int(values["n"]) % 2) + b"y" * 4
+
+    with pytest.raises(AssertionError, match="n is not written in a fixed width"):
+        learn(serialise, {"n": Kind.UINT32})
+
+
+def test_a_number_in_two_places_is_refused() -> None:
+    def serialise(values: Mapping[str, Number]) -> bytes:
+        return struct.pack("<I10xI", int(values["n"]), int(values["n"]))
+
+    with pytest.raises(AssertionError, match="n is not written in one place"):
+        learn(serialise, {"n": Kind.UINT32})
+
+
+def test_a_number_that_is_not_written_is_refused() -> None:
+    with pytest.raises(AssertionError, match="n is not written in one place"):
+        learn(lambda _: b"constant", {"n": Kind.UINT32})
+
+
+@pytest.mark.parametrize("kind", Kind)
+def test_sentinels_differ_in_every_byte(kind: Kind) -> None:
+    """Otherwise a number's first byte could be missed."""
+    if kind is not Kind.VARINT:
+        width = np.dtype(kind.dtype).itemsize
+        first, second = (
+            np.array([v]).astype(kind.dtype).tobytes() for v in (kind.first, kind.second)
+        )
+        assert len(first) == width
+        assert all(a != b for a, b in zip(first, second, strict=True))
+    else:
+        first, second = (
+            Timestamp(seconds=int(value)).SerializeToString() for value in (kind.first, kind.second)
+        )
+        # One byte of tag, nine groups and the sign; the first group must differ.
+        assert len(first) == len(second) == 11
+        assert first[1] != second[1]
+
+
+@given(st.lists(INT64, min_size=1, max_size=20))
+@example([0])
+@example([1, 127, 128, 2**31 - 1, 2**32])
+@example([2**35 - 1])
+@example([2**35])
+@example([2**35 - 1, 2**35, 0])
+@example([-1, 0, 2**63 - 1, -(2**63)])
+def test_padded_varints_are_read_by_protobuf(numbers: list[int]) -> None:
+    template = timestamps()
+    copies = template.copies(len(numbers))
+    template.write_time(copies, "t", np.zeros(len(numbers), np.int64))
+    _write_varints(copies["t.sec"], np.array(numbers, np.int64))
+    told = [Timestamp.FromString(copy.tobytes()) for copy in copies]
+    assert [stamp.seconds for stamp in told] == numbers
+    assert {stamp.nanos for stamp in told} == {0}
+
+
+@given(st.lists(INT64, min_size=1, max_size=20))
+@example([0])
+@example([-1])
+@example([999_999_999, NS, NS + 1])
+@example([(2**35 - 1) // 4 * NS])
+def test_times_are_split_into_seconds_and_nanoseconds(times: list[int]) -> None:
+    template = timestamps()
+    copies = template.copies(len(times))
+    template.write_time(copies, "t", np.array(times, np.int64))
+    told = [Timestamp.FromString(copy.tobytes()) for copy in copies]
+    assert [stamp.seconds * NS + stamp.nanos for stamp in told] == times
+    assert all(0 <= stamp.nanos < NS for stamp in told)
+
+
+@given(st.lists(st.integers(0, 2**32 * NS - 1), min_size=1, max_size=20))
+def test_times_of_ros_fill_unsigned_words(times: list[int]) -> None:
+    template = learn(packed, FIELDS)
+    copies = template.copies(len(times))
+    template.write_time(copies, "t", np.array(times, np.int64))
+    assert [PAIR.unpack(copy.tobytes())[1:3] for copy in copies] == [
+        divmod(time, NS) for time in times
+    ]
