@@ -188,7 +188,9 @@ def _pass(
         Loss(0, f"{count} messages of {log.channels[channel].topic} could not be decoded", 0, count)
         for channel, count in sorted(malformed.items())
     )
-    findings = [*selection.findings, *evidence_findings(selection, evidence)]
+    # The figures have a finding of their own for each topic's stamps.
+    seen = [f for f in evidence_findings(selection, evidence) if f.code != "W_ZERO_STAMPS"]
+    findings = [*selection.findings, *seen]
     if forces is not None:
         findings.append(forces.finding())
     facts = _facts(log, findings, messages, losses)
