@@ -66,15 +66,28 @@ def parse_bag_chunk(chunk: Chunk, stored: memoryview, target: Bytes) -> ChunkCon
     """
     index = _index(stored[chunk.end - chunk.offset :])
     data = stored[chunk.data_offset - chunk.offset :][: chunk.data_size]
+    promised = chunk.messages if index is None else len(index.offset)
     try:
         size = decompress_into(target, data, chunk.compression)
+        if not size and len(target):
+            raise ChunkDamage(f"its {chunk.compression} data is damaged or cut off")
     except ChunkDamage as damage:
-        raise ChunkDamage(str(damage), len(index.offset) if index else None) from damage
-    content = read_content(_FORMAT, target[:size], index, chunk, verified=False)
+        raise ChunkDamage(str(damage), promised) from damage
     if size == len(target):
-        return content
-    what = f"the last {len(target) - size} bytes of the chunk at byte {chunk.offset} are cut off"
-    return replace(content, losses=(*content.losses, Loss(chunk.offset, what, 0, None)))
+        return read_content(_FORMAT, target, index, chunk, verified=False)
+    return _cut_content(target[:size], chunk, promised)
+
+
+def _cut_content(records: Bytes, chunk: Chunk, promised: int | None) -> ChunkContent:
+    """Find the messages in the part of a chunk that could be decompressed."""
+    content = read_content(_FORMAT, records, None, replace(chunk, counts=None), verified=False)
+    # A last record that is cut off is no other damage, and has no number of messages lost.
+    losses = [loss for loss in content.losses if loss.messages is not None]
+    found = len(content.messages) + sum(loss.messages or 0 for loss in losses)
+    lost = None if promised is None else max(promised - found, 0)
+    what = f"the last {chunk.size - len(records)} bytes in the chunk at byte {chunk.offset} are "
+    losses.append(Loss(chunk.offset, what + "damaged or cut off", 0, lost))
+    return replace(content, losses=tuple(losses))
 
 
 def with_channels(content: ChunkContent, channel_ids: Mapping[int, int]) -> ChunkContent:

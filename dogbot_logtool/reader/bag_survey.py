@@ -56,6 +56,8 @@ class BagSurvey(Survey):
                 return self._bare(place, record.end)
             self._record(op, place, record.end)
         except (MalformedRecord, ChunkDamage):
+            if self._source.read(place, len(MAGIC)) == MAGIC:
+                return self._end(place)
             return self._passed_zeros(place)
         return record.end
 
@@ -102,19 +104,18 @@ class BagSurvey(Survey):
         except MalformedRecord:
             return
 
-    def _finish_describing(self) -> None:
-        for place, end in self._outside:
-            try:
-                self._connect(self._source.read(place, end - place), place)
-            except MalformedRecord as fault:
-                what = f"the connection record at byte {place} is damaged ({fault})"
-                self._losses.add(Loss(place, what))
-
     def _parse(self, chunk: Chunk, stored: memoryview, target: Bytes) -> ChunkContent:
         return parse_bag_chunk(chunk, stored, target)
 
     def _check(self, chunk: Chunk) -> None:
         check_bag_chunk(chunk, self._source.size)
 
-    def _ids(self) -> Mapping[int, int]:
+    def _settle_ids(self) -> Mapping[int, int]:
+        # Those in chunks come first: a compressed chunk's checksum vouches for them.
+        for place, end in self._outside:
+            try:
+                self._connect(self._source.read(place, end - place), place)
+            except MalformedRecord as fault:
+                what = f"the connection record at byte {place} is damaged ({fault})"
+                self._losses.add(Loss(place, what))
         return self._connections.channel_ids

@@ -21,7 +21,7 @@ from dogbot_logtool.reader.source import ByteSource
 
 INDEX_ENTRY: Final = np.dtype([("log_time", "<i8"), ("offset", "<u8")])
 _INDEX_HEAD: Final = struct.Struct("<HI")
-_LONGEST_NAME: Final = 64
+_LONGEST_NAME: Final = 16
 _KNOWN_NAMES: Final = (b"", b"lz4", b"zstd")
 
 
@@ -43,7 +43,8 @@ def chunk_at(source: ByteSource, place: int) -> Chunk:
     if name not in _KNOWN_NAMES:
         name = _likely_name(head[name_start:], length) or name
     data_start = name_start + len(name) + 8
-    if len(name) > _LONGEST_NAME or len(head) < data_start:
+    is_name = len(name) <= _LONGEST_NAME and (not name or name.isalnum())
+    if not is_name or len(head) < data_start:
         raise ChunkDamage("its header is damaged")
     (data_size,) = struct.unpack_from("<Q", head, data_start - 8)
     record_end = place + RECORD_HEAD.size + length
@@ -67,6 +68,8 @@ def _likely_name(after: bytes, length: int) -> bytes | None:
     """Return the compression whose name makes the chunk's lengths agree."""
     for name in _KNOWN_NAMES:
         data_start = len(name) + 8
+        if len(after) < data_start:
+            return None
         (data_size,) = struct.unpack_from("<Q", after, len(name))
         if CHUNK_HEAD.size + data_start + data_size == length:
             return name

@@ -37,6 +37,8 @@ MESSAGE_CONTENT_SIZE: Final = 22
 """Bytes of a message record's content before its payload."""
 FIRST_PRIVATE_OPCODE: Final = 0x80
 """Opcodes from here on belong to applications, and are passed over."""
+_MOST_FOLLOWING: Final = 2
+"""Records that are looked at to be sure of the one before them."""
 LARGEST_PASSING: Final = 1 << 16
 """Bytes up to which a message's content is compared with other kinds of records."""
 LARGEST_OPCODE: Final = int(max(Opcode))
@@ -142,7 +144,7 @@ class McapFormat:
 
     def sound(self, source: Readable, place: int, end: int) -> bool:
         """See `RecordFormat.sound`."""
-        return self._sound(source, place, end, 2)
+        return self._sound(source, place, end, _MOST_FOLLOWING)
 
     def _sound(self, source: Readable, place: int, end: int, more: int) -> bool:
         """Check a record and, as its own structure may say little, some that follow it."""
@@ -155,7 +157,8 @@ class McapFormat:
             return _is_chunk(head[RECORD_HEAD.size :], length)
         following = place + RECORD_HEAD.size + length
         if following > end or opcode not in _SHORTEST:
-            return False
+            # A following record that the end cuts off says nothing against those before it.
+            return opcode in _SHORTEST and more < _MOST_FOLLOWING
         if opcode == Opcode.FOOTER:
             return source.read(following, len(MAGIC)) == MAGIC
         if not self.has_sound_content(source, place + RECORD_HEAD.size, opcode, length):
@@ -196,18 +199,19 @@ class McapFormat:
 
     def resembles(self, records: Bytes, before: int, place: int, end: int) -> bool:
         """See `RecordFormat.resembles`."""
-        head = records[place : min(place + MESSAGE_HEAD.itemsize, end)].tobytes()
-        if len(head) < RECORD_HEAD.size:
+        data = records[place : min(place + MESSAGE_HEAD.itemsize, end)].tobytes()
+        if len(data) < RECORD_HEAD.size:
             return False
-        agree = [1 <= head[0] <= LARGEST_OPCODE, head[5:9] == b"\0\0\0\0"]
-        if len(head) == MESSAGE_HEAD.itemsize and head[0] == Opcode.MESSAGE:
-            here, there = np.frombuffer(head, MESSAGE_HEAD)[0], records[before:]
-            (channel, log_time) = int(here["channel"]), int(here["log_time"])
-            agree.append(not self._channels or channel in self._channels)
+        agree = [1 <= data[0] <= LARGEST_OPCODE, data[5:9] == b"\0\0\0\0"]
+        may_be_message = data[0] == Opcode.MESSAGE or not agree[0]
+        if len(data) == MESSAGE_HEAD.itemsize and may_be_message:
+            head = np.frombuffer(data, MESSAGE_HEAD)[0]
+            agree.append(not self._channels or int(head["channel"]) in self._channels)
             if records[before] == Opcode.MESSAGE:
-                earlier = np.frombuffer(there[: MESSAGE_HEAD.itemsize], MESSAGE_HEAD)[0]
-                agree.append(abs(log_time - int(earlier["log_time"])) < _HOUR)
-        return sum(agree) >= max(len(agree) - 1, 1)
+                earlier = records[before : before + MESSAGE_HEAD.itemsize].view(MESSAGE_HEAD)[0]
+                apart = int(head["log_time"]) - int(earlier["log_time"])
+                agree.append(abs(apart) < _HOUR)
+        return sum(agree) >= max(len(agree) - 1, 2)
 
 
 def _content_size(source: Readable, content: int, opcode: int) -> int | None:

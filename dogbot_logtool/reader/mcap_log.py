@@ -22,6 +22,7 @@ class McapLog(Log):
     """An MCAP file of any profile."""
 
     container = "MCAP"
+    copies_chunks = True
 
     def __init__(self, source: ByteSource, contents: Contents) -> None:
         super().__init__(source, contents)

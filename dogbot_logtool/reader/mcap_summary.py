@@ -49,11 +49,11 @@ def read_summary(source: ByteSource) -> tuple[Contents | None, Loss | None]:
     summary, problem = _read_section(source)
     if summary is None:
         return None, problem
+    if not _is_complete(summary):
+        return None, None
     contents = _contents(source, summary)
     if contents is None:
-        return None, None
-    if not _chunks_are_there(source, contents.chunks, summary):
-        what = "the summary contradicts the chunks; the log was read without"
+        what = "the summary contradicts itself or the chunks; the log was read without"
         return None, Loss(summary.offset, what)
     return contents, None
 
@@ -135,29 +135,37 @@ def _take(opcode: int, body: bytes, summary: _Summary) -> bool:
     return True
 
 
-def _contents(source: ByteSource, summary: _Summary) -> Contents | None:
-    """Return the contents, or None where the summary does not tell all of them."""
+def _is_complete(summary: _Summary) -> bool:
+    """Tell whether the summary has all the parts that opening a log needs."""
     statistics = summary.statistics
-    if statistics is None or statistics.chunk_count != len(summary.chunks):
-        return None
-    chunks = [indexed_chunk(index) for index in summary.chunks]
-    chunks.sort(key=lambda chunk: chunk.offset)
-    counted = [chunk.messages for chunk in chunks if chunk.messages is not None]
-    channels = {c.id: channel_of(c, summary.schemas) for c in summary.channels.values()}
-    extras = sorted(summary.extras, key=lambda extra: extra.offset)
-    complete = (
-        (len(counted) < len(chunks) or sum(counted) == statistics.message_count)
-        and (chunks or not statistics.message_count)
-        and set(statistics.channel_message_counts) <= set(channels)
-        and all(
-            c.schema_id == 0 or c.schema_id in summary.schemas for c in summary.channels.values()
-        )
-        and sum(statistics.channel_message_counts.values()) == statistics.message_count
-        and len(extras) == statistics.attachment_count + statistics.metadata_count
-        and all(e.offset > 0 and e.offset + e.size <= summary.offset for e in extras)
+    schemas = {0, *summary.schemas}
+    return (
+        statistics is not None
+        and statistics.chunk_count == len(summary.chunks)
+        and (bool(summary.chunks) or not statistics.message_count)
+        and statistics.channel_message_counts.keys() <= summary.channels.keys()
+        and all(c.schema_id in schemas for c in summary.channels.values())
+        and statistics.attachment_count + statistics.metadata_count == len(summary.extras)
+        # Times that do not fit 64 bits with a sign are left to a look at the messages.
         and max(statistics.message_start_time, statistics.message_end_time) <= _LARGEST_TIME
     )
-    if not complete:
+
+
+def _contents(source: ByteSource, summary: _Summary) -> Contents | None:
+    """Return what a complete summary tells, or None where it is not true."""
+    statistics = summary.statistics
+    assert statistics is not None  # noqa: S101 - it is complete
+    chunks = sorted(map(indexed_chunk, summary.chunks), key=lambda chunk: chunk.offset)
+    extras = sorted(summary.extras, key=lambda extra: extra.offset)
+    channels = {c.id: channel_of(c, summary.schemas) for c in summary.channels.values()}
+    counted = [chunk.messages for chunk in chunks if chunk.messages is not None]
+    true = (
+        (len(counted) < len(chunks) or sum(counted) == statistics.message_count)
+        and sum(statistics.channel_message_counts.values()) == statistics.message_count
+        and all(e.offset > 0 and e.offset + e.size <= summary.offset for e in extras)
+        and _chunks_are_there(source, chunks, summary)
+    )
+    if not true:
         return None
     empty = statistics.message_count == 0
     loss = check_data(source, summary.offset - DATA_END_SIZE, thorough=False)

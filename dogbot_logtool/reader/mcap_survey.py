@@ -86,6 +86,7 @@ class McapSurvey(Survey):
             case Opcode.MESSAGE:
                 return self._bare(place, end)
             case Opcode.FOOTER if self._source.read(end, len(MAGIC)) == MAGIC:
+                self._closed = True
                 return self._end(end + len(MAGIC))
             case Opcode.SCHEMA | Opcode.CHANNEL:
                 body = self._source.read(content, end - content)
@@ -93,13 +94,13 @@ class McapSurvey(Survey):
             case Opcode.STATISTICS | Opcode.CHUNK_INDEX:
                 self._state(opcode, self._source.read(content, end - content))
             case Opcode.MESSAGE_INDEX:
-                if self._chunks and self._chunks[-1].index_end == place:
+                last = self._chunks[-1] if self._chunks else None
+                if last and last.is_record and last.index_end == place:
                     self._chunks[-1] = replace(self._chunks[-1], index_end=end)
             case Opcode.ATTACHMENT | Opcode.METADATA:
                 self._extras.append(Extra(opcode, place, end - place))
             case Opcode.DATA_END:
                 self._data_end = place
-        self._searched = False
         return end
 
     def _state(self, opcode: int, body: bytes) -> None:
@@ -117,14 +118,6 @@ class McapSurvey(Survey):
             return None
         return self._chunk(chunk, chunk.data_offset + chunk.data_size)
 
-    def _end(self, end: int) -> int:
-        self._closed = True
-        rest = self._source.size - end
-        if rest:
-            what = f"the {rest} bytes behind the end of the recording were left out"
-            self._losses.add(Loss(end, what, rest, None))
-        return self._source.size
-
     def _parse(self, chunk: Chunk, stored: memoryview, target: Bytes) -> ChunkContent:
         return parse_chunk(chunk, stored, target, self._mcap_format)
 
@@ -136,7 +129,7 @@ class McapSurvey(Survey):
             body = record[RECORD_HEAD.size :].tobytes()
             self._descriptions.take(op, body, verified=bool(chunk.crc))
 
-    def _ids(self) -> Mapping[int, int]:
+    def _settle_ids(self) -> Mapping[int, int]:
         return {number: number for number in self._descriptions.channels}
 
     def _compare_statistics(self, counts: Mapping[int, int]) -> None:

@@ -52,7 +52,7 @@ class Survey(ABC):
         self._stated: dict[int, Stated] = {}
         """By offset of the chunk."""
         self._searched = False
-        """The walk goes on where a sound record was searched for, maybe within a chunk."""
+        """Damage was passed over; whatever bare messages follow may be within a chunk."""
         self._doubtful: set[int] = set()
         """Offsets of runs of messages that may be a damaged chunk's."""
         self._described_bytes = 0
@@ -73,12 +73,9 @@ class Survey(ABC):
     def _describe(self, op: int, record: Bytes, chunk: Chunk) -> None:
         """Take a record from inside a chunk that may describe a channel."""
 
-    def _finish_describing(self) -> None:
-        """Take descriptions that count less than those in chunks."""
-
     @abstractmethod
-    def _ids(self) -> Mapping[int, int]:
-        """Return channel ids by the numbers in the records."""
+    def _settle_ids(self) -> Mapping[int, int]:
+        """Return channel ids by the numbers in the records, once all chunks were looked into."""
 
     def _walk(self, place: int) -> None:
         size = self._source.size
@@ -97,6 +94,14 @@ class Survey(ABC):
             what = f"the {count} bytes from byte {place} on are no record"
         self._losses.add(Loss(place, what, count, None))
         return following
+
+    def _end(self, place: int) -> int:
+        """Stop where the recording ends; another one may follow, whose channels are others."""
+        rest = self._source.size - place
+        if rest:
+            what = f"the {rest} bytes behind the end of the recording were left out"
+            self._losses.add(Loss(place, what, rest, None))
+        return self._source.size
 
     def _chunk(self, chunk: Chunk, derived_end: int) -> int:
         """Take a chunk whose header has been read.
@@ -134,7 +139,6 @@ class Survey(ABC):
         size = chunk.size if chunk.is_compressed else data_size
         sized = replace(chunk, data_size=data_size, size=size, end=end, index_end=end)
         self._chunks.append(sized)
-        self._searched = False
         return end
 
     def _follows(self, place: int) -> bool:
@@ -209,7 +213,6 @@ class Survey(ABC):
                 surveyed=True,
             )
             looked.append((known, counts, sizes))
-        self._finish_describing()
         return self._count(looked)
 
     def _look_into(self, chunk: Chunk) -> tuple[ChunkContent, dict[int, int], dict[int, int]]:
@@ -226,7 +229,7 @@ class Survey(ABC):
         self, looked: list[tuple[Chunk, Mapping[int, int], Mapping[int, int]]]
     ) -> tuple[list[Chunk], dict[int, int]]:
         """Count by channel id, and say which messages no channel describes."""
-        ids = self._ids()
+        ids = self._settle_ids()
         chunks: list[Chunk] = []
         totals: dict[int, int] = {}
         for chunk, counts, sizes in looked:

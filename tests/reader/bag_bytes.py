@@ -1,0 +1,209 @@
+"""ROS 1 bags written byte by byte, so that each fault of one is exact."""
+
+import bz2
+import struct
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+
+import lz4.frame
+
+MAGIC = b"#ROSBAG V2.0\n"
+SECOND = 1_000_000_000
+U32 = struct.Struct("<I")
+TYPE = "std_msgs/String"
+DEFINITION = "string data\n"
+
+
+def header(**fields: bytes) -> bytes:
+    parts = (name.encode() + b"=" + value for name, value in fields.items())
+    return b"".join(U32.pack(len(part)) + part for part in parts)
+
+
+def record(data: bytes, **fields: bytes) -> bytes:
+    head = header(**fields)
+    return U32.pack(len(head)) + head + U32.pack(len(data)) + data
+
+
+def time(ns: int) -> bytes:
+    return struct.pack("<II", *divmod(ns, SECOND))
+
+
+@dataclass(frozen=True)
+class Message:
+    connection: int
+    log_time: int
+    payload: bytes
+
+    def record(self) -> bytes:
+        return record(
+            self.payload, op=b"\x02", conn=U32.pack(self.connection), time=time(self.log_time)
+        )
+
+
+@dataclass(frozen=True)
+class Connection:
+    number: int
+    topic: str
+    type_name: str = TYPE
+    definition: str = DEFINITION
+    extra: Mapping[str, bytes] = field(default_factory=dict)
+
+    def record(self) -> bytes:
+        sent = header(
+            topic=self.topic.encode(),
+            type=self.type_name.encode(),
+            md5sum=b"992ce8a1687cec8c8bd883ec73ca41d1",
+            message_definition=self.definition.encode(),
+            **self.extra,
+        )
+        return record(sent, op=b"\x07", conn=U32.pack(self.number), topic=self.topic.encode())
+
+
+def lz4_as_rosbag(data: bytes) -> bytes:
+    """One independent block, content checksum, no content size."""
+    return bytes(
+        lz4.frame.compress(
+            data,
+            block_size=lz4.frame.BLOCKSIZE_MAX4MB,
+            block_linked=False,
+            content_checksum=True,
+            store_size=False,
+        )
+    )
+
+
+CODECS: Mapping[str, Callable[[bytes], bytes]] = {
+    "none": bytes,
+    "bz2": bz2.compress,
+    "lz4": lz4_as_rosbag,
+}
+
+
+@dataclass
+class BagBytes:
+    """A bag, its parts by name and place, so that a test can harm exactly one of them."""
+
+    chunks: Sequence[Sequence[Message]]
+    connections: Sequence[Connection]
+    compression: str = "none"
+    compress: Callable[[bytes], bytes] | None = None
+    in_chunks: bool = True
+    """The first chunk holds the connection records."""
+    in_index: bool = True
+    """The index section holds them."""
+    zeros: int = 0
+    """Zero bytes before the index section."""
+    indexed: bool = True
+    chunk_ends: list[int] = field(default_factory=list)
+    """Where each chunk record ends in the file."""
+    chunk_starts: list[int] = field(default_factory=list)
+    chunk_data: list[bytes] = field(default_factory=list)
+    message_ends: list[int] = field(default_factory=list)
+    """Where each message ends in the file, if it is not compressed."""
+    index_place: int = 0
+
+    def build(self) -> bytes:
+        """Write the bag, and note the places."""
+        infos: list[bytes] = []
+        body = b""
+        start = len(MAGIC) + 4096
+        for messages in self.chunks:
+            place = start + len(body)
+            self.chunk_starts.append(place)
+            body += self._chunk(messages, place)
+            infos.append(chunk_info(place, messages))
+        body += b"\0" * self.zeros
+        self.index_place = start + len(body)
+        head = bag_header(
+            self.index_place if self.indexed else 0, len(self.connections), len(self.chunks)
+        )
+        index = b""
+        if self.indexed:
+            if self.in_index:
+                index += b"".join(connection.record() for connection in self.connections)
+            index += b"".join(infos)
+        return MAGIC + head + body + index
+
+    def _chunk(self, messages: Sequence[Message], place: int) -> bytes:
+        inner = b""
+        if self.in_chunks and len(self.chunk_starts) == 1:
+            inner = b"".join(connection.record() for connection in self.connections)
+        offsets: list[int] = []
+        ends: list[int] = []
+        for message in messages:
+            offsets.append(len(inner))
+            inner += message.record()
+            ends.append(len(inner))
+        stored = (self.compress or CODECS[self.compression])(inner)
+        written = record(
+            stored,
+            op=b"\x05",
+            compression=self.compression.encode(),
+            size=U32.pack(len(inner)),
+        )
+        data_place = place + len(written) - len(stored)
+        self.message_ends.extend(data_place + end for end in ends)
+        self.chunk_data.append(inner)
+        self.chunk_ends.append(place + len(written))
+        return written + index_records(messages, offsets)
+
+
+def bag_header(index_place: int, connections: int, chunks: int) -> bytes:
+    head = header(
+        op=b"\x03",
+        index_pos=struct.pack("<Q", index_place),
+        conn_count=U32.pack(connections),
+        chunk_count=U32.pack(chunks),
+    )
+    padding = 4096 - 8 - len(head)
+    return U32.pack(len(head)) + head + U32.pack(padding) + b" " * padding
+
+
+def index_records(messages: Sequence[Message], offsets: Sequence[int]) -> bytes:
+    written = b""
+    for number in sorted({message.connection for message in messages}):
+        entries = [
+            time(message.log_time) + U32.pack(offset)
+            for message, offset in zip(messages, offsets, strict=True)
+            if message.connection == number
+        ]
+        written += record(
+            b"".join(entries),
+            op=b"\x04",
+            ver=U32.pack(1),
+            conn=U32.pack(number),
+            count=U32.pack(len(entries)),
+        )
+    return written
+
+
+def chunk_info(place: int, messages: Sequence[Message]) -> bytes:
+    counts: dict[int, int] = {}
+    for message in messages:
+        counts[message.connection] = counts.get(message.connection, 0) + 1
+    times = [message.log_time for message in messages] or [0]
+    return record(
+        b"".join(U32.pack(number) + U32.pack(count) for number, count in counts.items()),
+        op=b"\x06",
+        ver=U32.pack(1),
+        chunk_pos=struct.pack("<Q", place),
+        start_time=time(min(times)),
+        end_time=time(max(times)),
+        count=U32.pack(len(counts)),
+    )
+
+
+def small_bag(compression: str = "none", chunks: int = 3, each: int = 4) -> BagBytes:
+    """Return a bag of two topics, a few messages a chunk, each payload unlike all others."""
+    messages = [
+        [
+            Message(
+                (chunk + row) % 2,
+                1_600_000_000 * SECOND + (chunk * each + row) * 10_000_000,
+                U32.pack(9) + f"payload{chunk}{row}".encode(),
+            )
+            for row in range(each)
+        ]
+        for chunk in range(chunks)
+    ]
+    return BagBytes(messages, [Connection(0, "/left"), Connection(1, "/right")], compression)

@@ -1,0 +1,187 @@
+"""Small logs, ways to harm them, and what must hold for whatever then comes out."""
+
+import random
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from enum import StrEnum
+from functools import cached_property
+from pathlib import Path
+
+from dogbot_logtool.errors import LogtoolError
+from tests.reader.bag_bytes import BagBytes, small_bag
+from tests.reader.mcap_bytes import McapBytes, small_mcap
+from tests.reader.reading import Read, Reading, read_bytes, written_bag, written_mcap
+
+
+class Kind(StrEnum):
+    FLIP = "flip"
+    SET = "set"
+    DELETE = "delete"
+    INSERT = "insert"
+    DUPLICATE = "duplicate"
+    ZERO = "zero"
+    TRUNCATE = "truncate"
+
+
+@dataclass(frozen=True)
+class Mutation:
+    """One harm; places and sizes are taken modulo what is there."""
+
+    kind: Kind
+    place: int
+    size: int = 1
+    value: int = 0
+
+    def apply(self, data: bytes) -> bytes:
+        if not data:
+            return data
+        place = self.place % len(data)
+        size = 1 + self.size % 600
+        rubbish = random.Random(self.value).randbytes(size)  # noqa: S311 - not for secrets
+        behind = data[place + size :]
+        match self.kind:
+            case Kind.FLIP:
+                middle, behind = bytes([data[place] ^ 1 << self.value % 8]), data[place + 1 :]
+            case Kind.SET:
+                middle = rubbish
+            case Kind.DELETE:
+                middle = b""
+            case Kind.ZERO:
+                middle = bytes(size)
+            case Kind.INSERT:
+                middle, behind = rubbish, data[place:]
+            case Kind.DUPLICATE:
+                other = self.value % len(data)
+                middle, behind = data[other : other + size], data[place:]
+            case Kind.TRUNCATE:
+                middle = behind = b""
+        return data[:place] + middle + behind
+
+
+@dataclass(frozen=True)
+class Case:
+    """A small sound log and what is promised of its harmed copies."""
+
+    name: str
+    build: Callable[[], BagBytes | McapBytes]
+    checksums: bool
+    """Whether checksums vouch for the payloads."""
+
+    @cached_property
+    def parts(self) -> BagBytes | McapBytes:
+        parts = self.build()
+        parts.build()
+        return parts
+
+    @cached_property
+    def data(self) -> bytes:
+        return self.build().build()
+
+    @cached_property
+    def written(self) -> list[Read]:
+        parts = self.parts
+        return written_bag(parts) if isinstance(parts, BagBytes) else written_mcap(parts)
+
+    @property
+    def is_bag(self) -> bool:
+        return isinstance(self.parts, BagBytes)
+
+
+def _bag(compression: str, *, indexed: bool) -> Callable[[], BagBytes]:
+    def build() -> BagBytes:
+        bag = small_bag(compression)
+        bag.indexed = indexed
+        return bag
+
+    return build
+
+
+def _mcap(
+    compression: str, *, summary: bool = True, chunked: bool = True
+) -> Callable[[], McapBytes]:
+    def build() -> McapBytes:
+        mcap = small_mcap(compression)
+        mcap.summary, mcap.chunked = summary, chunked
+        return mcap
+
+    return build
+
+
+CASES = [
+    Case("bag none", _bag("none", indexed=True), checksums=False),
+    Case("bag none unindexed", _bag("none", indexed=False), checksums=False),
+    Case("bag bz2", _bag("bz2", indexed=True), checksums=True),
+    Case("bag bz2 unindexed", _bag("bz2", indexed=False), checksums=True),
+    Case("bag lz4", _bag("lz4", indexed=True), checksums=True),
+    Case("bag lz4 unindexed", _bag("lz4", indexed=False), checksums=True),
+    Case("mcap none", _mcap(""), checksums=True),
+    Case("mcap none without summary", _mcap("", summary=False), checksums=True),
+    Case("mcap lz4", _mcap("lz4"), checksums=True),
+    Case("mcap zstd", _mcap("zstd"), checksums=True),
+    Case("mcap zstd without summary", _mcap("zstd", summary=False), checksums=True),
+    Case("mcap without chunks", _mcap("", chunked=False), checksums=False),
+]
+
+
+def read_harmed(folder: Path, case: Case, mutations: Sequence[Mutation]) -> Reading | None:
+    """Harm, read and check a log; None if it was refused in a sentence.
+
+    What is promised:
+
+    - nothing but a `LogtoolError` is ever raised;
+    - where checksums vouch for payloads, every message that comes out is one that went in.
+      Messages of an uncompressed chunk that the file's end cuts off cannot be verified, and come
+      out all the same; so do those of a file in which no chunk's head is left. Topics are told by
+      records outside the chunks, too, and nothing vouches for those in a bag's index section or
+      in a summary that is damaged itself;
+    - if anything is missing or different, it is said. What no checksum covers cannot be seen:
+      payloads in an uncompressed bag, and in an MCAP without chunks beyond its overall checksum.
+    """
+    data = case.data
+    for mutation in mutations:
+        data = mutation.apply(data)
+    try:
+        reading = read_bytes(folder, data)
+    except LogtoolError as error:
+        assert "\n" not in str(error)  # noqa: PT017 - an error is one of two good outcomes
+        return None
+    check(case, mutations, reading)
+    return reading
+
+
+def check(case: Case, mutations: Sequence[Mutation], reading: Reading) -> None:
+    kinds = {mutation.kind for mutation in mutations}
+    plain = case.name.startswith("mcap none")
+    cut_and_more = plain and Kind.TRUNCATE in kinds and len(mutations) > 1
+    no_head_left = plain and not any(loaded.chunk.crc for loaded in reading.chunks)
+    if case.checksums and not cut_and_more and not no_head_left:
+        written = {message[1:] for message in case.written}
+        strange = [message for message in reading.messages if message[1:] not in written]
+        assert not strange, (strange, reading.sentences)
+        if not case.is_bag and len(mutations) == 1:
+            assert set(reading.messages) <= set(case.written), reading.sentences
+    if case.checksums and set(reading.messages) != set(case.written):
+        assert reading.losses
+    assert sum(reading.counts.values()) >= 0
+    for loss in reading.losses:
+        assert loss.what
+        assert loss.bytes >= 0
+        assert loss.messages is None or loss.messages >= 0
+
+
+def floor(case: Case, size: int) -> int:
+    """Return how many messages of a log that is cut after some bytes must come out."""
+    parts = case.parts
+    if case.name.startswith(("bag none", "mcap none", "mcap without")):
+        return sum(end <= size for end in parts.message_ends)
+    whole = sum(end <= size for end in parts.chunk_ends)
+    return sum(len(chunk) for chunk in parts.chunks[:whole])
+
+
+def random_mutation(chance: random.Random) -> Mutation:
+    return Mutation(
+        chance.choice(list(Kind)),
+        chance.randrange(1 << 16),
+        chance.choice([0, 1, 2, 3, 7, 8, 30, 100, 599]),
+        chance.randrange(1 << 16),
+    )

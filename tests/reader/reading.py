@@ -1,0 +1,102 @@
+"""Reads a log to its end through the public surface of the reader, for tests."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import NamedTuple
+
+from dogbot_logtool.reader.log import Extra, LoadedChunk, Loss
+from dogbot_logtool.reader.opening import open_log
+from tests.reader import bag_bytes, mcap_bytes
+
+
+class Read(NamedTuple):
+    """One message as it came out."""
+
+    topic: str
+    log_time: int
+    payload: bytes
+
+
+@dataclass(frozen=True)
+class Reading:
+    messages: tuple[Read, ...]
+    """In the order of the file."""
+    losses: tuple[Loss, ...]
+    counts: dict[str, int]
+    """What opening the log counted, by topic."""
+    topics: tuple[tuple[str, str, bytes], ...]
+    """Topic, type and definition of each channel."""
+    chunks: tuple[LoadedChunk, ...]
+    extras: Sequence[Extra]
+    profile: str
+    times: tuple[int | None, int | None]
+
+    @property
+    def lost(self) -> int | None:
+        """Messages known to be lost; None if a number is not known."""
+        numbers = [loss.messages for loss in self.losses]
+        return None if None in numbers else sum(number or 0 for number in numbers)
+
+    @property
+    def sentences(self) -> str:
+        return "; ".join(loss.what for loss in self.losses)
+
+
+def read_file(path: Path) -> Reading:
+    log = open_log(path)
+    try:
+        messages: list[Read] = []
+        losses = list(log.losses)
+        chunks: list[LoadedChunk] = []
+        for span in log.spans():
+            batch = log.read(span)
+            losses.extend(batch.losses)
+            chunks.extend(batch.chunks)
+            rows = batch.messages
+            messages.extend(
+                Read(
+                    log.channels[int(rows.channel[row])].topic,
+                    int(rows.log_time[row]),
+                    batch.buffer[int(rows.start[row]) : int(rows.end[row])].tobytes(),
+                )
+                for row in range(len(rows))
+            )
+        counts: dict[str, int] = {}
+        for number, count in log.counts.items():
+            topic = log.channels[number].topic
+            counts[topic] = counts.get(topic, 0) + count
+        return Reading(
+            tuple(messages),
+            tuple(losses),
+            counts,
+            tuple(
+                (c.topic, c.type_name, c.schema.data if c.schema else b"")
+                for c in log.channels.values()
+            ),
+            tuple(chunks),
+            log.extras,
+            log.profile,
+            (log.start_time, log.end_time),
+        )
+    finally:
+        log.close()
+
+
+def read_bytes(folder: Path, data: bytes) -> Reading:
+    path = folder / "log"
+    path.write_bytes(data)
+    return read_file(path)
+
+
+def written_bag(bag: bag_bytes.BagBytes) -> list[Read]:
+    topics = {connection.number: connection.topic for connection in bag.connections}
+    return [
+        Read(topics[m.connection], m.log_time, m.payload) for chunk in bag.chunks for m in chunk
+    ]
+
+
+def written_mcap(mcap: mcap_bytes.McapBytes) -> list[Read]:
+    return [
+        Read(mcap.topics[m.channel], m.log_time, m.payload) for chunk in mcap.chunks for m in chunk
+    ]

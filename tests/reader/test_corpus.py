@@ -1,0 +1,162 @@
+"""Real files of other projects, if the machine has them."""
+
+import json
+import os
+import struct
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from dogbot_logtool.errors import LogtoolError
+from dogbot_logtool.reader.log import Messages
+from dogbot_logtool.reader.opening import open_log
+from tests.reader.reading import Read, read_file
+
+CORPUS = os.environ.get("LOGTOOL_CORPUS")
+pytestmark = pytest.mark.skipif(not CORPUS, reason="LOGTOOL_CORPUS names no folder of real logs")
+FOLDER = Path(CORPUS or "absent")
+FIXTURES = FOLDER / "Tiryoh+rosbag-analyzer-web" / "e2e" / "fixtures"
+
+
+def conformance_files() -> list[Path]:
+    return sorted((FOLDER / "conformance").rglob("*.mcap"))
+
+
+def other_files() -> list[Path]:
+    files = [*FOLDER.rglob("*.mcap"), *FOLDER.rglob("*.bag")]
+    return sorted(path for path in files if "conformance" not in path.parts)
+
+
+def records_of(path: Path, kind: str) -> list[dict[str, Any]]:
+    described = json.loads(path.with_suffix(".json").read_text())
+    return [dict(r["fields"]) for r in described["records"] if r["type"] == kind]
+
+
+def test_all_conformance_files_are_there() -> None:
+    assert len(conformance_files()) == 416
+
+
+@pytest.mark.parametrize("variant", sorted({path.parent.name for path in conformance_files()}))
+def test_conformance(variant: str) -> None:
+    for path in conformance_files():
+        if path.parent.name == variant:
+            assert_conforms(path)
+
+
+def assert_conforms(path: Path) -> None:
+    log = open_log(path)
+    batches = [log.read(span) for span in log.spans()]
+    assert [loss for batch in batches for loss in batch.losses] == [], path
+    assert not log.losses, path
+    found = [
+        {
+            "channel_id": str(messages.channel[row]),
+            "sequence": str(messages.sequence[row]),
+            "log_time": str(messages.log_time[row]),
+            "publish_time": str(messages.publish_time[row]),
+            "data": [str(byte) for byte in payload(batch.buffer, messages, row)],
+        }
+        for batch in batches
+        for messages in [batch.messages]
+        for row in range(len(messages))
+    ]
+    assert found == records_of(path, "Message"), path
+    channels = {int(channel["id"]): channel for channel in records_of(path, "Channel")}
+    assert log.channels.keys() == channels.keys(), path
+    for number, channel in log.channels.items():
+        assert channel.topic == channels[number]["topic"]
+        assert channel.metadata == channels[number]["metadata"]
+        assert (channel.schema.id if channel.schema else 0) == int(channels[number]["schema_id"])
+    extras = [*records_of(path, "Attachment"), *records_of(path, "Metadata")]
+    assert len(log.extras) == len(extras), path
+    log.close()
+
+
+def payload(buffer: Any, messages: Messages, row: int) -> bytes:
+    return bytes(buffer[int(messages.start[row]) : int(messages.end[row])])
+
+
+@pytest.mark.parametrize("path", other_files(), ids=lambda path: path.name)
+def test_every_other_file_opens_or_gives_a_sentence(path: Path) -> None:
+    try:
+        reading = read_file(path)
+    except LogtoolError as error:
+        assert "\n" not in str(error)  # noqa: PT017 - an error is one of two good outcomes
+        return
+    assert sum(reading.counts.values()) == len(reading.messages)
+    if "truncated" not in path.name and "unindexed" not in path.name:
+        assert not reading.losses
+
+
+def scan_bag(data: bytes) -> list[Read]:
+    """Read what is whole in a bag whose chunks are not compressed, byte after byte."""
+    topics: dict[int, str] = {}
+    found: list[Read] = []
+    stack = [(13, len(data))]
+    while stack:
+        place, end = stack.pop()
+        if place + 4 > end:
+            continue
+        (size,) = struct.unpack_from("<I", data, place)
+        fields = split_header(data[place + 4 : place + 4 + size])
+        if place + 8 + size > end:
+            continue
+        (length,) = struct.unpack_from("<I", data, place + 4 + size)
+        content = place + 8 + size
+        if fields["op"] == b"\x05":
+            stack.extend([(content + length, end), (content, min(content + length, end))])
+            continue
+        if content + length > end:
+            continue
+        if fields["op"] == b"\x07":
+            topics[int.from_bytes(fields["conn"], "little")] = fields["topic"].decode()
+        if fields["op"] == b"\x02":
+            seconds, nanoseconds = struct.unpack("<II", fields["time"])
+            topic = topics[int.from_bytes(fields["conn"], "little")]
+            time = seconds * 1_000_000_000 + nanoseconds
+            found.append(Read(topic, time, data[content : content + length]))
+        stack.append((content + length, end))
+    return found
+
+
+def split_header(header: bytes) -> dict[str, bytes]:
+    fields: dict[str, bytes] = {}
+    while header:
+        (size,) = struct.unpack_from("<I", header)
+        name, _, value = header[4 : 4 + size].partition(b"=")
+        fields[name.decode()] = value
+        header = header[4 + size :]
+    return fields
+
+
+@pytest.mark.parametrize("name", ["test_truncated.bag", "test_unindexed.bag", "test_sample.bag"])
+def test_damaged_bags_give_what_an_independent_scan_finds(name: str) -> None:
+    path = FIXTURES / name
+    reading = read_file(path)
+    expected = scan_bag(path.read_bytes())
+    assert expected
+    assert list(reading.messages) == expected
+    assert bool(reading.losses) == (name != "test_sample.bag")
+
+
+@pytest.mark.parametrize(
+    ("cut", "whole"),
+    [
+        ("test_sample_truncated.mcap", "test_sample.mcap"),
+        ("test_sample_truncated@30b73b75.mcap", "test_sample@70eef429.mcap"),
+    ],
+)
+def test_a_truncated_mcap_gives_the_messages_of_its_whole_chunks(cut: str, whole: str) -> None:
+    data = (FIXTURES / cut).read_bytes()
+    reading = read_file(FIXTURES / cut)
+    expected = read_file(FIXTURES / whole)
+    assert (FIXTURES / whole).read_bytes().startswith(data[:-100])
+    in_whole_chunks = [
+        message
+        for chunk in expected.chunks
+        if chunk.chunk.end <= len(data)
+        for message in expected.messages[chunk.rows]
+    ]
+    assert list(reading.messages) == in_whole_chunks
+    assert reading.losses

@@ -1,0 +1,92 @@
+"""Harmed logs: nothing but sentences, nothing made up, nothing missing unsaid."""
+
+import os
+from pathlib import Path
+
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+from dogbot_logtool.errors import LogtoolError
+from tests.reader.mcap_bytes import McapBytes, small_mcap
+from tests.reader.mutation import CASES, Case, Kind, Mutation, floor, read_harmed
+from tests.reader.reading import Reading, read_bytes, read_file, written_mcap
+
+ANY_CASE = pytest.mark.parametrize("case", CASES, ids=lambda case: case.name)
+NUMBERS = st.integers(0, (1 << 16) - 1)
+MUTATIONS = st.lists(
+    st.builds(Mutation, st.sampled_from(Kind), NUMBERS, NUMBERS, NUMBERS), min_size=1, max_size=4
+)
+
+
+@ANY_CASE
+def test_cut_at_every_byte(tmp_path: Path, case: Case) -> None:
+    path = tmp_path / "log"
+    path.write_bytes(case.data)
+    for size in range(len(case.data) - 1, -1, -1):
+        os.truncate(path, size)
+        if case.is_bag and 100 < size < 4000:
+            continue  # the padding of the bag's header
+        try:
+            reading = read_file(path)
+        except LogtoolError:
+            assert size < 13
+            continue
+        got = len(reading.messages)
+        assert list(reading.messages) == case.written[:got], size
+        assert got >= floor(case, size), size
+        assert reading.losses, size
+
+
+@ANY_CASE
+@settings(
+    max_examples=150, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture]
+)
+@given(mutations=MUTATIONS)
+def test_any_harm(tmp_path: Path, case: Case, mutations: list[Mutation]) -> None:
+    read_harmed(tmp_path, case, mutations)
+
+
+def outcome(reading: Reading) -> object:
+    return (
+        reading.messages,
+        reading.counts,
+        sorted(reading.topics),
+        reading.profile,
+        reading.times,
+        list(reading.extras),
+    )
+
+
+FLIPPED = {
+    "none": McapBytes(small_mcap(chunks=2, each=2).chunks, compression=""),
+    "lz4": McapBytes(small_mcap(chunks=2, each=2).chunks, compression="lz4"),
+    "zstd": McapBytes(small_mcap(chunks=2, each=2).chunks, compression="zstd"),
+    "zstd, no summary": McapBytes(small_mcap(chunks=2, each=2).chunks, summary=False),
+    "zstd, no message index": McapBytes(small_mcap(chunks=2, each=2).chunks, message_index=False),
+    "no chunks": McapBytes(small_mcap(chunks=1, each=4).chunks, chunked=False),
+}
+
+
+@pytest.mark.parametrize("name", FLIPPED)
+def test_every_flipped_bit_of_an_mcap_is_harmless_or_said(tmp_path: Path, name: str) -> None:
+    mcap = FLIPPED[name]
+    data = mcap.build()
+    written = set(written_mcap(mcap))
+    sound = read_bytes(tmp_path, data)
+    assert not sound.losses
+    assert set(sound.messages) == written
+    path = tmp_path / "log"
+    with path.open("r+b") as file:
+        for bit in range(8 * len(data)):
+            place, mask = bit // 8, 1 << bit % 8
+            file.seek(place)
+            file.write(bytes([data[place] ^ mask]))
+            file.flush()
+            reading = read_file(path)
+            if not reading.losses:
+                assert outcome(reading) == outcome(sound), bit
+            if mcap.chunked:
+                assert written.issuperset(reading.messages), bit
+            file.seek(place)
+            file.write(data[place : place + 1])

@@ -1,0 +1,207 @@
+"""Files of up to 1 MB that claim too much: memory and time stay bounded, a sentence comes out."""
+
+import bz2
+import struct
+import subprocess
+import sys
+from collections.abc import Callable
+from pathlib import Path
+
+import lz4.frame
+import pytest
+import zstandard
+
+from tests.reader import bag_bytes, mcap_bytes
+from tests.reader.bag_bytes import U32
+from tests.reader.mcap_bytes import MAGIC, channel, file_header, record, schema, text
+
+SIZE = 1 << 20
+MOST_MEMORY_MB = 500
+MOST_SECONDS = 60
+"""On a busy machine; mostly it is below ten."""
+
+READ = """
+import resource, sys
+from pathlib import Path
+from tests.reader.reading import open_log
+from dogbot_logtool.errors import LogtoolError
+try:
+    log = open_log(Path(sys.argv[1]))
+    messages = 0
+    for span in log.spans():
+        messages += len(log.read(span).messages)
+    print(messages, len(log.losses))
+except LogtoolError as error:
+    print("refused:", error)
+print(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss // 1024)
+"""
+
+
+def chunk_record(content: bytes, compression: str, claimed: int | None = None) -> bytes:
+    stored = mcap_bytes.CODECS[compression](content)
+    size = len(content) if claimed is None else claimed
+    head = struct.pack("<QQQI", 1, 1, size, 0) + text(compression)
+    return record(mcap_bytes.CHUNK, head + struct.pack("<Q", len(stored)) + stored)
+
+
+def mcap_of(*records: bytes) -> bytes:
+    return MAGIC + file_header() + schema(1) + channel(1, "/a") + b"".join(records)
+
+
+def empty_messages(size: int) -> bytes:
+    one = mcap_bytes.Message(1, 1, b"").record()
+    return one * (size // len(one))
+
+
+def bomb_of_messages(compression: str) -> bytes:
+    return mcap_of(*[chunk_record(empty_messages(31 << 20), compression)] * 7)[:SIZE]
+
+
+def bomb_beyond_the_limit() -> bytes:
+    return mcap_of(chunk_record(bytes(900 << 20), "zstd"))
+
+
+def chunk_that_claims(size: int) -> bytes:
+    return mcap_of(chunk_record(b"abc", "zstd", size) * 1000)
+
+
+def bomb_of_channels() -> bytes:
+    inside = b"".join(channel(number % 65536, f"/t{number}") for number in range(500_000))
+    return mcap_of(*[chunk_record(inside, "zstd")] * 3)[:SIZE]
+
+
+def bomb_of_definitions() -> bytes:
+    chunks = [
+        chunk_record(
+            b"".join(schema(1 + (10 * row + n) % 65535, data=bytes(3 << 20)) for n in range(10)),
+            "zstd",
+        )
+        for row in range(60)
+    ]
+    return mcap_of(*chunks)[:SIZE]
+
+
+def channels_without_end() -> bytes:
+    return mcap_of(*[channel(number % 65536, "") for number in range(40_000)])[:SIZE]
+
+
+def heads_of_messages() -> bytes:
+    return mcap_of(struct.pack("<BQ", 5, 22) * 110_000)[:SIZE]
+
+
+def nested_messages() -> bytes:
+    return mcap_of(*[struct.pack("<BQHIQQ", 5, 600_000, 1, 1, 1, 1)] * 33_000)[:SIZE]
+
+
+def summary_that_repeats_a_chunk() -> bytes:
+    mcap = mcap_bytes.McapBytes([[mcap_bytes.Message(1, 1, b"")] * 900_000])
+    data = mcap.build()
+    start = data.index(struct.pack("<Q", mcap.chunk_starts[0]), mcap.summary_start) - 25
+    length = 9 + int.from_bytes(data[start + 1 : start + 9], "little")
+    index = data[start : start + length]
+    body = data[: mcap.summary_start]
+    section = schema(1) + channel(1, "/left") + index * 5000
+    statistics = struct.pack("<QHIIIIQQ", 900_000 * 5000, 1, 1, 0, 0, 5000, 1, 1)
+    statistics += text(struct.pack("<HQ", 1, 900_000 * 5000))
+    section += record(mcap_bytes.STATISTICS, statistics)
+    footer = struct.pack("<BQQQI", mcap_bytes.FOOTER, 20, len(body), 0, 0)
+    return body + section + footer + MAGIC
+
+
+def absurd_lengths() -> bytes:
+    parts = [
+        record(opcode, struct.pack("<Q", 1 << 62) * 8 + b"\xff" * 40)
+        for opcode in range(1, 16)
+        for _ in range(400)
+    ]
+    return mcap_of(*parts)[:SIZE]
+
+
+def bag_of(*records: bytes) -> bytes:
+    return bag_bytes.MAGIC + bag_bytes.bag_header(0, 0, 0) + b"".join(records)
+
+
+def bag_chunk(content: bytes, compression: str) -> bytes:
+    stored = bag_bytes.CODECS[compression](content)
+    return bag_bytes.record(
+        stored, op=b"\x05", compression=compression.encode(), size=U32.pack(len(content))
+    )
+
+
+def bag_bomb(compression: str) -> bytes:
+    one = bag_bytes.Message(0, 1, b"").record()
+    content = bag_bytes.Connection(0, "/a").record() + one * ((31 << 20) // len(one))
+    return bag_of(*[bag_chunk(content, compression)] * 7)[:SIZE]
+
+
+def bag_bomb_of_connections() -> bytes:
+    inside = b"".join(
+        bag_bytes.Connection(number, "/a", definition=f"int8 a{number}\n").record()
+        for number in range(100_000)
+    )
+    return bag_of(*[bag_chunk(inside, "bz2")] * 3)[:SIZE]
+
+
+def bag_heads() -> bytes:
+    head = bag_bytes.Message(0, 1, b"").record()[:-4]
+    return bag_of((head + U32.pack(1 << 30)) * 20_000)[:SIZE]
+
+
+def bag_index_of_everything() -> bytes:
+    index = bag_bytes.record(
+        b"", op=b"\x04", ver=U32.pack(1), conn=U32.pack(0), count=U32.pack(0xFFFFFFFF)
+    )
+    return bag_of(bag_chunk(b"", "none"), index * 15_000)[:SIZE]
+
+
+def bag_header_of_many_fields() -> bytes:
+    fields = b"".join(U32.pack(4) + struct.pack(">I", n)[1:] + b"=" for n in range(100_000))
+    return bag_of(U32.pack(len(fields)) + fields + U32.pack(0))[:SIZE]
+
+
+FILES: dict[str, Callable[[], bytes]] = {
+    "zstd bomb": lambda: bomb_of_messages("zstd"),
+    "lz4 bomb": lambda: bomb_of_messages("lz4"),
+    "zstd bomb beyond the limit": bomb_beyond_the_limit,
+    "chunks that claim 2 GB": lambda: chunk_that_claims(2 << 30),
+    "chunks that claim 30 MB": lambda: chunk_that_claims(30 << 20),
+    "bomb of channels": bomb_of_channels,
+    "bomb of definitions": bomb_of_definitions,
+    "channels without end": channels_without_end,
+    "heads of messages": heads_of_messages,
+    "messages within messages": nested_messages,
+    "a chunk indexed 5000 times": summary_that_repeats_a_chunk,
+    "absurd lengths": absurd_lengths,
+    "bag lz4 bomb": lambda: bag_bomb("lz4"),
+    "bag bz2 bomb": lambda: bag_bomb("bz2"),
+    "bag bomb of connections": bag_bomb_of_connections,
+    "bag of heads": bag_heads,
+    "bag index of everything": bag_index_of_everything,
+    "bag header of many fields": bag_header_of_many_fields,
+    "bag of op fields": lambda: bag_of(b"\x08\0\0\0\x04\0\0\0op=\x05" * 70_000)[:SIZE],
+}
+
+
+@pytest.mark.parametrize("name", FILES)
+def test_a_hostile_file_stays_within_bounds(tmp_path: Path, name: str) -> None:
+    data = FILES[name]()
+    assert len(data) <= SIZE
+    path = tmp_path / "log"
+    path.write_bytes(data)
+    done = subprocess.run(  # noqa: S603 - our own interpreter
+        [sys.executable, "-c", READ, str(path)],
+        capture_output=True,
+        text=True,
+        timeout=MOST_SECONDS,
+        check=False,
+        cwd=Path(__file__).parents[2],
+    )
+    assert done.returncode == 0, done.stderr
+    assert int(done.stdout.splitlines()[-1]) < MOST_MEMORY_MB, done.stdout
+
+
+def test_the_codecs_are_those_that_bombs_are_made_of() -> None:
+    """The bombs above are bombs: a megabyte of them holds far more."""
+    assert len(bz2.compress(bytes(1 << 24))) < 1 << 10
+    assert len(zstandard.compress(bytes(1 << 24))) < 1 << 12
+    assert len(lz4.frame.compress(bytes(1 << 24))) < 1 << 17
