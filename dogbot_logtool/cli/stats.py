@@ -43,7 +43,7 @@ from dogbot_logtool.errors import CallError
     "contact_off_n",
     type=number(1e-6, 1e6),
     metavar="N",
-    help="Force below which contact ends; default: half of --contact-on.",
+    help="Force below which contact ends; default: when the sensor reports no contact.",
 )
 @click.option(
     "--debounce",
