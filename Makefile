@@ -6,12 +6,13 @@ VENV := .venv
 BIN := $(VENV)/bin
 CONSTRAINTS := .ci/constraints.txt
 DEMO := demo_output
+SECONDS := 600
 SAMPLE := sample_logs/dogbot_trot.bag
 
 export PIP_DISABLE_PIP_VERSION_CHECK := 1
 export PIP_NO_PYTHON_VERSION_WARNING := 1
 
-.PHONY: help demo test lint format samples golden clean
+.PHONY: help demo test lint format samples golden fuzz clean
 
 help:
 	@echo "make demo     convert a sample log and look at it"
@@ -19,6 +20,7 @@ help:
 	@echo "make lint     style and types"
 	@echo "make format   format the code"
 	@echo "make samples  write the sample logs anew"
+	@echo "make fuzz     harm logs at random for SECONDS=600"
 	@echo "make golden   agree anew on what is made of the sample logs"
 	@echo "make clean    remove what the others made"
 
@@ -63,6 +65,9 @@ lint: $(VENV)/dev
 format: $(VENV)/dev
 	$(BIN)/ruff check --fix
 	$(BIN)/ruff format
+
+fuzz: $(VENV)/dev
+	$(BIN)/python -m tests.fuzz.long_run --seconds $(SECONDS)
 
 golden: $(VENV)/dev
 	$(BIN)/python sample_logs/golden.py
