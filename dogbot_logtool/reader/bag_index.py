@@ -72,17 +72,24 @@ class Connections:
         try:
             found = record_at(record, 0, len(record))
             number = self.channel_ids.get(found.fields.u32("conn"))
-            known = None if number is None else self.channels[number]
+            if number is None:
+                return None
             content = memoryview(record)[found.data : found.end]
-            same = known is None or known == connection_channel(
-                known.id, found.fields, content, dict(self._schemas)
-            )
+            described = connection_channel(number, found.fields, content, {})
         except MalformedRecord:
-            same = False
-        if same:
+            described = None
+        if described is not None and _same(described, self.channels[described.id]):
             return None
         what = f"a connection is described in another way in the chunk at byte {offset}"
         return Loss(offset, what)
+
+
+def _same(one: Channel, other: Channel) -> bool:
+    """Tell whether channels are described alike; schemas are numbered as they are met."""
+    return (one.topic, one.metadata) == (other.topic, other.metadata) and (
+        (one.schema and (one.schema.name, one.schema.data))
+        == (other.schema and (other.schema.name, other.schema.data))
+    )
 
 
 @dataclass(frozen=True, slots=True)

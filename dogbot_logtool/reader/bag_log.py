@@ -27,14 +27,12 @@ class BagLog(Log):
     def parse(self, chunk: Chunk, stored: memoryview, target: Bytes) -> ChunkContent:
         """See `Log.parse`."""
         content = parse_bag_chunk(chunk, stored, target)
-        losses = list(content.losses)
         for op, place, end in content.others.tolist():
-            if op == BagOp.CONNECTION:
-                record = target[place:end].tobytes()
-                loss = self._connections.contradiction(record, chunk.offset)
-                if loss is not None:
-                    losses.append(loss)
-        content = replace(content, losses=tuple(losses))
+            record = target[place:end].tobytes() if op == BagOp.CONNECTION else b""
+            loss = self._connections.contradiction(record, chunk.offset) if record else None
+            if loss is not None:
+                content = replace(content, losses=(*content.losses, loss))
+                break
         return with_channels(content, self._connections.channel_ids)
 
 

@@ -66,7 +66,9 @@ class _Judge:
         if count:
             self.keep &= ~rows
             size = int((self.messages.end - self.messages.start)[rows].sum())
-            self.losses.append(Loss(self.chunk.offset, f"{count} {what} {self._name}", size, count))
+            were = "1 message was" if count == 1 else f"{count} messages were"
+            whole = f"{were} left out of {self._name}: {what}"
+            self.losses.append(Loss(self.chunk.offset, whole, size, count))
 
     def compare_index(self, place: Ints, *, verified: bool) -> None:
         """Leave out messages of which the index tells another time or channel.
@@ -97,7 +99,7 @@ class _Judge:
         distrusted = (wrong > 1) & (2 * wrong > all_entries)
         doubtful = np.zeros(len(place), np.bool_)
         doubtful[row[differs & ~distrusted[index.group]]] = True
-        what = "messages were left out of whose time or channel the index tells otherwise, in"
+        what = "the index tells another time or channel"
         self._leave_out(doubtful, what)
 
     def compare_times(self, *, believed: bool) -> None:
@@ -115,17 +117,19 @@ class _Judge:
         outside = self.keep & ((self.messages.log_time < start) | (self.messages.log_time > end))
         mostly = 2 * int(outside.sum()) > len(times)
         if outside.any() and not believed and not mostly:
-            what = "messages were left out whose times are outside those of"
+            what = "of times outside the range that is stated for it"
             self._leave_out(outside, what)
-        elif (int(times.min()), int(times.max())) != (start, end) and self.keep.all():
+        elif (
+            (int(times.min()), int(times.max())) != (start, end)
+            and self.keep.all()
+            and not self.found.gaps.count
+        ):
             what = f"the range of times stated for {self._name} is wrong"
             self.losses.append(Loss(self.chunk.offset, what))
 
     def leave_out_far_future(self) -> None:
         """Leave out messages whose unsigned log times do not fit 64 bits with a sign."""
-        self._leave_out(
-            self.messages.log_time < 0, "messages were left out with times after the year 2262, in"
-        )
+        self._leave_out(self.messages.log_time < 0, "of times after the year 2262")
 
     def count(self) -> None:
         """Account for the bytes that are no records, and for messages that an index promises."""

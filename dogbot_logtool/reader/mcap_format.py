@@ -188,6 +188,10 @@ class McapFormat:
             and decode_record(kind, source.read(content, length)) is not None
         )
 
+    def is_chunk(self, source: Readable, content: int, length: int) -> bool:
+        """Tell whether a record's content is a chunk's, whatever its opcode says."""
+        return _is_chunk(source.read(content, 64), length)
+
     def passes_for_another(self, source: Readable, content: int, length: int) -> bool:
         """Tell whether a message's content is that of another kind of record, to the last byte."""
         if length > LARGEST_PASSING:

@@ -14,6 +14,7 @@ from dogbot_logtool.reader.log import (
     Contents,
     Extra,
     Loss,
+    lost_messages,
 )
 from dogbot_logtool.reader.losses import Losses
 from dogbot_logtool.reader.mcap_chunk import check_chunk, chunk_at, parse_chunk
@@ -68,7 +69,9 @@ class McapSurvey(Survey):
         if opcode == Opcode.CHUNK:
             return self._chunk_record(place)
         if opcode >= FIRST_PRIVATE_OPCODE and end <= size:
-            return end
+            # One bit makes a private record of a chunk, but not the other way round.
+            is_chunk = self._mcap_format.is_chunk(self._source, content, length)
+            return self._chunk_record(place) if is_chunk else end
         sound = end <= size and self._mcap_format.has_sound_content(
             self._source, content, opcode, length
         )
@@ -77,9 +80,9 @@ class McapSurvey(Survey):
         return self._record(opcode, place, content, end)
 
     def _is_no_message(self, content: int, length: int) -> bool:
-        """Tell whether a record is of another kind than its opcode says, in a file of chunks."""
-        checked = any(chunk.crc for chunk in self._chunks)
-        return checked and self._mcap_format.passes_for_another(self._source, content, length)
+        """Tell whether a record is of another kind than its opcode says, where that is likely."""
+        unlikely = self._data_end is not None or any(chunk.crc for chunk in self._chunks)
+        return unlikely and self._mcap_format.passes_for_another(self._source, content, length)
 
     def _record(self, opcode: int, place: int, content: int, end: int) -> int | None:
         match opcode:
@@ -135,16 +138,21 @@ class McapSurvey(Survey):
     def _compare_statistics(self, counts: Mapping[int, int]) -> None:
         statistics = self._statistics
         found = sum(counts.values())
-        if statistics is not None and statistics.message_count != found:
-            what = f"the summary counts {statistics.message_count} messages, but {found} were found"
-            self._losses.add(Loss(0, what))
+        if statistics is None or statistics.message_count == found:
+            return
+        known_lost = lost_messages(self._losses.told())
+        explained = known_lost is None or statistics.message_count <= found + known_lost
+        what = f"the summary counts {statistics.message_count} messages, but {found} were found"
+        self._losses.add(Loss(0, what, 0, 0 if explained else None))
 
     def _check_data(self) -> None:
         if self._data_end is not None:
             bare = any(not chunk.is_record for chunk in self._chunks)
             loss = check_data(self._source, self._data_end, thorough=bare)
             if loss is not None:
-                self._losses.add(loss)
+                # Outside chunks, a message may be lost without a trace.
+                unknown = bare and self._statistics is None
+                self._losses.add(replace(loss, messages=None) if unknown else loss)
         elif self._closed:
             what = "the record that ends the log's data is missing, and maybe others before it"
             self._losses.add(Loss(self._source.size, what, 0, None))

@@ -13,7 +13,7 @@ import numpy as np
 
 from dogbot_logtool.core.arrays import Flags, Ints
 from dogbot_logtool.reader.columns import Bytes
-from dogbot_logtool.reader.log import Messages, concatenate_messages
+from dogbot_logtool.reader.message_table import Messages, concatenate_messages
 
 _FIRST_WINDOW: Final = 1 << 12
 _LARGEST_WINDOW: Final = 1 << 20

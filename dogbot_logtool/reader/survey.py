@@ -41,6 +41,17 @@ class Stated:
     """Messages by channel."""
 
 
+@dataclass(frozen=True, slots=True)
+class _Looked:
+    """What was found in a chunk."""
+
+    chunk: Chunk
+    counts: Mapping[int, int]
+    """Messages by number of the channel."""
+    sizes: Mapping[int, int]
+    """Bytes of their payloads, also by number of the channel."""
+
+
 class Survey(ABC):
     """Finds chunks and bare messages by following the records, then looks into each chunk."""
 
@@ -178,70 +189,74 @@ class Survey(ABC):
         """Read every chunk for its counts, times and descriptions.
 
         Returns:
-            the chunks that can be used, and how many messages each number has.
+            the chunks that can be used, and how many messages each channel has.
         """
         some_checked = any(chunk.crc for chunk in self._chunks)
-        looked: list[tuple[Chunk, Mapping[int, int], Mapping[int, int]]] = []
+        looked: list[_Looked] = []
+        behind_damage = False
         for chunk in self._chunks:
-            if some_checked and chunk.offset in self._doubtful:
+            # A damaged chunk may seem to end before its end, and messages to follow it.
+            doubtful = behind_damage or chunk.offset in self._doubtful
+            if some_checked and doubtful and not chunk.is_record:
                 what = (
                     f"the {chunk.size} bytes from byte {chunk.offset} on were left out: they "
                     "belong to a damaged chunk"
                 )
                 self._losses.add(Loss(chunk.offset, what, chunk.size, None))
                 continue
-            stated = self._stated.get(chunk.offset)
-            if stated is not None:
-                chunk = replace(  # noqa: PLW2901 - the same chunk, better known
-                    chunk,
-                    start_time=stated.start_time,
-                    end_time=stated.end_time,
-                    counts=stated.counts,
-                )
             try:
-                content, counts, sizes = self._look_into(chunk)
+                looked.append(self._look_into(self._with_stated(chunk)))
+                behind_damage = False
             except ChunkDamage as damage:
                 self._losses.add(left_out(chunk, damage))
-                continue
-            for loss in content.losses:
-                self._losses.add(loss)
-            times = content.messages.log_time
-            known = replace(
-                chunk,
-                start_time=int(times.min()) if len(times) else None,
-                end_time=int(times.max()) if len(times) else None,
-                surveyed=True,
-            )
-            looked.append((known, counts, sizes))
+                behind_damage = True
         return self._count(looked)
 
-    def _look_into(self, chunk: Chunk) -> tuple[ChunkContent, dict[int, int], dict[int, int]]:
+    def _with_stated(self, chunk: Chunk) -> Chunk:
+        stated = self._stated.get(chunk.offset)
+        if stated is None:
+            return chunk
+        return replace(
+            chunk,
+            start_time=stated.start_time,
+            end_time=stated.end_time,
+            counts=stated.counts,
+        )
+
+    def _look_into(self, chunk: Chunk) -> _Looked:
         self._check(chunk)
         stored = self._source.read(chunk.offset, chunk.index_end - chunk.offset)
         target = np.empty(chunk.size, np.uint8)
         content = self._parse(chunk, memoryview(stored), target)
         for op, place, end in content.others.tolist():
             self._describe(op, target[place:end], chunk)
+        for loss in content.losses:
+            self._losses.add(loss)
         messages = content.messages
-        return content, *_tally(messages.channel, messages.end - messages.start)
+        times = messages.log_time
+        known = replace(
+            chunk,
+            start_time=int(times.min()) if len(times) else None,
+            end_time=int(times.max()) if len(times) else None,
+            surveyed=True,
+        )
+        return _Looked(known, *_tally(messages.channel, messages.end - messages.start))
 
-    def _count(
-        self, looked: list[tuple[Chunk, Mapping[int, int], Mapping[int, int]]]
-    ) -> tuple[list[Chunk], dict[int, int]]:
+    def _count(self, looked: list[_Looked]) -> tuple[list[Chunk], dict[int, int]]:
         """Count by channel id, and say which messages no channel describes."""
         ids = self._settle_ids()
         chunks: list[Chunk] = []
         totals: dict[int, int] = {}
-        for chunk, counts, sizes in looked:
-            strange = [number for number in counts if number not in ids]
+        for found in looked:
+            strange = [number for number in found.counts if number not in ids]
             if strange:
-                messages = sum(counts[number] for number in strange)
-                size = sum(sizes[number] for number in strange)
-                self._losses.add(undescribed(chunk, messages, size))
-            known = {ids[number]: count for number, count in counts.items() if number in ids}
+                messages = sum(found.counts[number] for number in strange)
+                size = sum(found.sizes[number] for number in strange)
+                self._losses.add(undescribed(found.chunk, messages, size))
+            known = {ids[number]: n for number, n in found.counts.items() if number in ids}
             for channel, count in known.items():
                 totals[channel] = totals.get(channel, 0) + count
-            chunks.append(replace(chunk, counts=known))
+            chunks.append(replace(found.chunk, counts=known))
         return chunks, totals
 
     def _contents(self, place: int, problem: Loss | None) -> Contents:

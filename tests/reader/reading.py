@@ -28,6 +28,8 @@ class Reading:
     topics: tuple[tuple[str, str, bytes], ...]
     """Topic, type and definition of each channel."""
     chunks: tuple[LoadedChunk, ...]
+    rows: tuple[slice, ...]
+    """The messages of each chunk."""
     extras: Sequence[Extra]
     profile: str
     times: tuple[int | None, int | None]
@@ -49,10 +51,15 @@ def read_file(path: Path) -> Reading:
         messages: list[Read] = []
         losses = list(log.losses)
         chunks: list[LoadedChunk] = []
+        chunk_rows: list[slice] = []
         for span in log.spans():
             batch = log.read(span)
             losses.extend(batch.losses)
             chunks.extend(batch.chunks)
+            chunk_rows.extend(
+                slice(len(messages) + chunk.rows.start, len(messages) + chunk.rows.stop)
+                for chunk in batch.chunks
+            )
             rows = batch.messages
             messages.extend(
                 Read(
@@ -75,6 +82,7 @@ def read_file(path: Path) -> Reading:
                 for c in log.channels.values()
             ),
             tuple(chunks),
+            tuple(chunk_rows),
             log.extras,
             log.profile,
             (log.start_time, log.end_time),

@@ -234,7 +234,7 @@ def test_a_time_that_the_index_tells_otherwise_costs_the_message(tmp_path: Path)
     written = written_bag(bag)
     del written[5]
     assert list(reading.messages) == written
-    assert "index tells otherwise" in reading.sentences
+    assert "the index tells another time or channel" in reading.sentences
     assert reading.lost == 1
 
 

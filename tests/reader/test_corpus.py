@@ -154,9 +154,9 @@ def test_a_truncated_mcap_gives_the_messages_of_its_whole_chunks(cut: str, whole
     assert (FIXTURES / whole).read_bytes().startswith(data[:-100])
     in_whole_chunks = [
         message
-        for chunk in expected.chunks
+        for chunk, rows in zip(expected.chunks, expected.rows, strict=True)
         if chunk.chunk.end <= len(data)
-        for message in expected.messages[chunk.rows]
+        for message in expected.messages[rows]
     ]
     assert list(reading.messages) == in_whole_chunks
     assert reading.losses
