@@ -11,7 +11,7 @@ SAMPLE := sample_logs/dogbot_trot.bag
 export PIP_DISABLE_PIP_VERSION_CHECK := 1
 export PIP_NO_PYTHON_VERSION_WARNING := 1
 
-.PHONY: help demo test lint format samples golden clean
+.PHONY: help demo test lint format samples golden bench clean
 
 help:
 	@echo "make demo     convert a sample log and look at it"
@@ -20,6 +20,7 @@ help:
 	@echo "make format   format the code"
 	@echo "make samples  write the sample logs anew"
 	@echo "make golden   agree anew on what is made of the sample logs"
+	@echo "make bench    measure against what one would use instead; some ten minutes"
 	@echo "make clean    remove what the others made"
 
 $(VENV)/python:
@@ -66,6 +67,10 @@ format: $(VENV)/dev
 
 golden: $(VENV)/dev
 	$(BIN)/python sample_logs/golden.py
+
+bench: $(VENV)/dev
+	@$(BIN)/python -m pip install --quiet --editable '.[dev,bench]' --constraint $(CONSTRAINTS)
+	$(BIN)/python benchmarks/run.py
 
 samples: $(VENV)/dev
 	$(BIN)/python sample_logs/generate.py

@@ -1,4 +1,4 @@
-"""The same work as `dogbot-logtool convert`, written plainly with the libraries, message by message.
+"""The work of `dogbot-logtool convert`, written plainly with the libraries, message by message.
 
 Every recorded message is copied, every odometry message at a tick becomes a FrameTransforms, every
 contact message a SceneUpdate and a load. This is what one would write without this project.
@@ -26,6 +26,7 @@ Recorded = tuple[str, str, str, str, int, bytes]
 
 
 def bag_messages(path: Path) -> Iterator[Recorded]:
+    """Yield a bag's messages."""
     with Reader(path) as reader:
         for connection, time, payload in reader.messages():
             kind, text = connection.msgtype, connection.msgdef.data
@@ -33,6 +34,7 @@ def bag_messages(path: Path) -> Iterator[Recorded]:
 
 
 def mcap_messages(path: Path) -> Iterator[Recorded]:
+    """Yield an MCAP's messages."""
     with path.open("rb") as file:
         for schema, channel, message in make_reader(file).iter_messages(log_time_order=False):
             assert schema is not None  # noqa: S101
@@ -42,6 +44,7 @@ def mcap_messages(path: Path) -> Iterator[Recorded]:
 
 
 def descriptors(kind: Any) -> bytes:  # noqa: ANN401
+    """Return a message type's schema."""
     files = FileDescriptorSet()
     seen: set[str] = set()
 
@@ -57,6 +60,7 @@ def descriptors(kind: Any) -> bytes:  # noqa: ANN401
 
 
 def wavelength_colour(load: float) -> tuple[float, float, float]:
+    """Return the colour of a load, N."""
     w = min(max(380.0 + load / 200.0 * 370.0, 380.0), 750.0)
     if w <= 440:
         a = 0.3 + 0.7 * (w - 380) / 60
@@ -73,6 +77,7 @@ def wavelength_colour(load: float) -> tuple[float, float, float]:
 
 
 def arrow(message: Any, foot: str) -> tuple[bytes, float]:  # noqa: ANN401
+    """Return the arrow of a contact message, and its load, N."""
     update = SceneUpdate()
     stamp = message.header.stamp
     states = message.states
@@ -107,7 +112,8 @@ def arrow(message: Any, foot: str) -> tuple[bytes, float]:  # noqa: ANN401
     return update.SerializeToString(), load
 
 
-def main(source: Path, target: Path) -> None:  # noqa: C901, PLR0915
+def main(source: Path, target: Path) -> None:
+    """Convert a log."""
     store = get_typestore(Stores.EMPTY)
     recorded = mcap_messages(source) if source.suffix == ".mcap" else bag_messages(source)
     channels: dict[str, int] = {}

@@ -59,9 +59,7 @@ _STORE: Final = get_typestore(Stores.ROS1_NOETIC)
 _ROS2_STORE: Final = get_typestore(Stores.ROS2_HUMBLE)
 for _store, _header_type in ((_STORE, "Header"), (_ROS2_STORE, "std_msgs/Header")):
     _store.register(get_types_from_msg(_CONTACT_STATE, "gazebo_msgs/msg/ContactState"))
-    _store.register(
-        get_types_from_msg(f"{_header_type} header\nContactState[] states\n", CONTACTS)
-    )
+    _store.register(get_types_from_msg(f"{_header_type} header\nContactState[] states\n", CONTACTS))
 
 Message = tuple[int, str, bytes]
 """Time in the second, ns; topic; payload, with its stamp at bytes 4 to 12."""
@@ -86,9 +84,11 @@ def _header(seq: int, frame: str) -> Any:  # noqa: ANN401
 
 
 def _state(foot: str, points: int, load: float, noise: np.random.Generator) -> Any:  # noqa: ANN401
-    collision = f"dogbot::{foot}_lowerleg::{foot}_lowerleg_fixed_joint_lump__{foot}_foot_collision_5"
+    collision = (
+        f"dogbot::{foot}_lowerleg::{foot}_lowerleg_fixed_joint_lump__{foot}_foot_collision_5"
+    )
     ground = "ground_plane::link::collision"
-    forces = noise.normal(0.0, 0.05 * load, (points, 3)) + [0.0, 0.0, load / points]
+    forces = noise.normal((0.0, 0.0, load / points), 0.05 * load, (points, 3))
     return _make(
         "gazebo_msgs/msg/ContactState",
         info=f"Debug:  i:(0/1)     my geom:{collision}   other geom:{ground}"
@@ -118,13 +118,15 @@ def _one_second() -> list[Message]:
             message = _make(CONTACTS, header=_header(sample, foot), states=states)
             topic = f"/dogbot/{foot}_contactsensor_state"
             second.append((time, topic, bytes(_STORE.serialize_ros1(message, CONTACTS))))
-    for sample in range(100):
-        second.append((sample * 10_000_000 + 50_000, "/dogbot/odom", _odometry(sample, noise)))
+    second.extend(
+        (sample * 10_000_000 + 50_000, "/dogbot/odom", _odometry(sample, noise))
+        for sample in range(100)
+    )
     return sorted(second)
 
 
 def _odometry(sample: int, noise: np.random.Generator) -> bytes:
-    turn = noise.normal(0.0, 0.01, 4) + [0.0, 0.0, 0.0, 1.0]
+    turn = noise.normal((0.0, 0.0, 0.0, 1.0), 0.01)
     x, y, z, w = (float(part) for part in turn)
     point = _make("geometry_msgs/msg/Point", x=0.25 * sample / 100, y=0.0, z=0.46)
     turned = _make("geometry_msgs/msg/Quaternion", x=x, y=y, z=z, w=w)
