@@ -12,7 +12,7 @@ SAMPLE := sample_logs/dogbot_trot.bag
 export PIP_DISABLE_PIP_VERSION_CHECK := 1
 export PIP_NO_PYTHON_VERSION_WARNING := 1
 
-.PHONY: help demo test lint format samples golden fuzz clean
+.PHONY: help demo test lint format samples golden fuzz bench clean
 
 help:
 	@echo "make demo     convert a sample log and look at it"
@@ -22,6 +22,7 @@ help:
 	@echo "make samples  write the sample logs anew"
 	@echo "make fuzz     harm logs at random for SECONDS=600"
 	@echo "make golden   agree anew on what is made of the sample logs"
+	@echo "make bench    measure against what one would use instead; some ten minutes"
 	@echo "make clean    remove what the others made"
 
 $(VENV)/python:
@@ -71,6 +72,10 @@ fuzz: $(VENV)/dev
 
 golden: $(VENV)/dev
 	$(BIN)/python sample_logs/golden.py
+
+bench: $(VENV)/dev
+	@$(BIN)/python -m pip install --quiet --editable '.[dev,bench]' --constraint $(CONSTRAINTS)
+	$(BIN)/python benchmarks/run.py
 
 samples: $(VENV)/dev
 	$(BIN)/python sample_logs/generate.py

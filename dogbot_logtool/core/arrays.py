@@ -59,3 +59,26 @@ def header_time(stamp: Ints, log_time: Ints) -> Ints:
         (n,) ns.
     """
     return np.where(stamp == 0, log_time, stamp)
+
+
+def stable_order(values: Ints) -> Ints:
+    """Return the rows in the order of some small numbers, equal ones as they stand.
+
+    numpy sorts 16-bit numbers by their digits, several times faster than longer ones.
+
+    Args:
+        values: (n,), not negative.
+    """
+    short = not len(values) or int(values.max()) < 1 << 16
+    return np.argsort(values.astype(np.uint16) if short else values, kind="stable")
+
+
+def all_finite(vectors: Floats) -> Flags:
+    """(n,) whether all numbers of each row are finite.
+
+    Column by column: numpy reduces short rows ten times slower.
+    """
+    finite = np.ones(len(vectors), np.bool_)
+    for column in vectors.T:
+        finite &= np.isfinite(column)
+    return finite

@@ -11,7 +11,15 @@ from typing import Final
 
 import numpy as np
 
-from dogbot_logtool.core.arrays import Flags, Float32s, Floats, Ints, header_time, norms
+from dogbot_logtool.core.arrays import (
+    Flags,
+    Float32s,
+    Floats,
+    Ints,
+    all_finite,
+    header_time,
+    norms,
+)
 from dogbot_logtool.core.colour import LONGEST_NM, SHORTEST_NM, wavelength_to_rgba
 from dogbot_logtool.core.contacts import Contacts, Samples
 
@@ -158,7 +166,7 @@ def force_arrows(
         along_force = samples.force / magnitude[:, None]
     direction = np.where(known[:, None], along_force, samples.normal)
     loaded = magnitude > 0.0
-    has_direction = np.isfinite(direction).all(axis=1) | ~loaded | ~np.isfinite(magnitude)
+    has_direction = all_finite(direction) | ~loaded | ~np.isfinite(magnitude)
     full_scale = 100.0 * CLASSIC_FULL_SCALE
     if body_weight_n is not None:
         full_scale = FORCE_FULL_SCALE_BW * body_weight_n
@@ -207,7 +215,7 @@ def _arrows(
     """Decide what is shown; every sample that shows nothing removes its foot's arrow."""
     touching = samples.in_contact
     has_position = samples.points > 0
-    finite = np.isfinite(length) & (np.isfinite(samples.position).all(axis=1) | ~has_position)
+    finite = np.isfinite(length) & (all_finite(samples.position) | ~has_position)
     shown = touching & finite & has_position & has_direction & (length > 0.0)
     counts = ArrowCounts(
         not_finite=int((touching & ~finite).sum()),

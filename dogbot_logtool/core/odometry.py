@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from dogbot_logtool.core.arrays import Flags, Floats, Ints, header_time
+from dogbot_logtool.core.arrays import Flags, Floats, Ints, all_finite, header_time
 
 
 @dataclass(frozen=True, slots=True)
@@ -82,8 +82,8 @@ def usable_poses(odometry: Odometry) -> Flags:
     Returns:
         (n,) bool.
     """
-    finite = np.isfinite(odometry.position).all(axis=1)
-    finite &= np.isfinite(odometry.orientation).all(axis=1)
+    finite = all_finite(odometry.position)
+    finite &= all_finite(odometry.orientation)
     turned: Flags = (odometry.orientation != 0.0).any(axis=1)
     return finite & turned
 

@@ -7,7 +7,6 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from dogbot_logtool.core.arrays import Ints
 from dogbot_logtool.reader.bag_format import BagFormat, nanoseconds
 from dogbot_logtool.reader.bag_records import BagOp, MalformedRecord, record_at, record_in_file
 from dogbot_logtool.reader.chunk_content import read_content
@@ -101,8 +100,7 @@ def with_channels(content: ChunkContent, channel_ids: Mapping[int, int]) -> Chun
 def _index(behind: memoryview) -> Index | None:
     """Return what the index records behind a chunk name, None if there are none to be read."""
     parts: list[NDArray[np.void]] = []
-    connections: list[Ints] = []
-    groups: list[Ints] = []
+    connections: list[int] = []
     place = 0
     while place < len(behind):
         try:
@@ -112,22 +110,22 @@ def _index(behind: memoryview) -> Index | None:
             connection = record.fields.u32("conn")
         except MalformedRecord:
             break
-        count, rest = divmod(record.end - record.data, INDEX_ENTRY.itemsize)
-        if rest:
+        if (record.end - record.data) % INDEX_ENTRY.itemsize:
             break
-        groups.append(np.full(count, len(parts), np.int64))
         parts.append(np.frombuffer(behind[record.data : record.end], INDEX_ENTRY))
-        connections.append(np.full(count, connection, np.int64))
+        connections.append(connection)
         place = record.end
     if not parts:
         return None
-    entries = np.concatenate(parts)
-    order = np.argsort(entries["offset"], kind="stable")
-    entries = entries[order]
+    offset = np.concatenate([part["offset"] for part in parts]).astype(np.int64)
+    time = np.concatenate([nanoseconds(part) for part in parts])
+    group = np.repeat(np.arange(len(parts)), [len(part) for part in parts])
+    order = np.argsort(offset, kind="stable")
+    group = group[order]
     return Index(
-        entries["offset"].astype(np.int64),
-        np.concatenate(connections)[order],
-        nanoseconds(entries),
-        np.concatenate(groups)[order],
+        offset[order],
+        np.array(connections, np.int64)[group],
+        time[order],
+        group,
         complete=place == len(behind),
     )

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from dogbot_logtool.core.arrays import Floats, Ints
+from dogbot_logtool.core.arrays import Flags, Floats, Ints
 
 Bytes = NDArray[np.uint8]
 
@@ -64,8 +64,9 @@ class Texts:
             first = left[0]
             alike = left[self.length[left] == self.length[first]]
             if size := int(self.length[first]):
-                rows = gather_bytes(self.buffer, self.start[alike], size)
-                alike = alike[(rows == rows[0]).all(axis=1)]
+                texts = gather(self.buffer, self.start[alike], size)
+                same: Flags = texts == texts[0]
+                alike = alike if same.all() else alike[same]
             code[alike] = len(names)
             names.append(self.text(int(first)))
             left = left[code[left] < 0] if len(alike) < len(left) else left[:0]

@@ -186,16 +186,19 @@ class _Walk:
             count = self._counts(cursors, step.alignment)
         else:
             count = np.full(len(cursors.position), step.length, np.int64)
+        match step.element:
+            case (Run(size=size) as run,) if size:
+                return self._even_elements(run, count, cursors, wanted=step.wanted)
         if step.length is None or step.smallest_element:
             # Even counted elements of no size must not be more than the message's bytes.
             self._limit(cursors, count, max(step.smallest_element, 1))
         match step.element:
             case (Run() as run,):
-                return self._even_elements(run, count, cursors)
+                return self._even_elements(run, count, cursors, wanted=step.wanted)
             case _:
                 return self._uneven_elements(step.element, count, cursors)
 
-    def _even_elements(self, run: Run, count: Ints, cursors: _Cursors) -> Nested:
+    def _even_elements(self, run: Run, count: Ints, cursors: _Cursors, *, wanted: bool) -> Nested:
         """Elements of one size: all at once."""
         if run.alignment > 1:
             filled = np.flatnonzero(count)
@@ -204,10 +207,14 @@ class _Walk:
             cursors.position[filled] = aligned.position
         stride = run.size + -run.size % run.alignment
         self._limit(cursors, count, stride, last=run.size)
-        parent = np.repeat(np.arange(len(count)), count)
-        index = np.arange(len(parent)) - np.repeat(np.cumsum(count) - count, count)
-        columns = self._leaves(run.leaves, cursors.position[parent] + index * stride)
-        cursors.position += np.where(count > 0, (count - 1) * stride + run.size, 0)
+        taken = count if wanted else np.zeros_like(count)
+        parent = np.repeat(np.arange(len(count)), taken)
+        # Elements are numbered through all rows; a row's first stands at the row's position.
+        origin = cursors.position - (np.cumsum(taken) - taken) * stride
+        columns = self._leaves(
+            run.leaves, np.repeat(origin, taken) + np.arange(len(parent)) * stride
+        )
+        cursors.position += count * stride - (count > 0) * (stride - run.size)
         return Nested(parent, Table(len(parent), columns))
 
     def _uneven_elements(self, steps: tuple[Step, ...], count: Ints, cursors: _Cursors) -> Nested:
@@ -249,8 +256,10 @@ class _Walk:
 
     def _limit(self, cursors: _Cursors, count: Ints, size: int, last: int | None = None) -> None:
         """Fail messages that claim more elements than their bytes can hold; void the count."""
-        need = count * size if last is None else np.maximum(count - 1, 0) * size + last
-        excess = (need > cursors.limit - cursors.position) & (count > 0)
+        left = cursors.limit - cursors.position
+        if last is not None:
+            left += size - last
+        excess = (count * size > left) & (count > 0)
         if excess.any():
             self._fail(cursors, excess)
             self._void_failed(count, cursors)

@@ -1,5 +1,7 @@
 """Finished MCAP chunks: compressed records and the message index that belongs to them."""
 
+import struct
+import threading
 import zlib
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
@@ -12,7 +14,7 @@ from mcap import records
 from mcap.data_stream import RecordBuilder
 from mcap.opcode import Opcode
 
-from dogbot_logtool.core.arrays import Ints
+from dogbot_logtool.core.arrays import Ints, stable_order
 from dogbot_logtool.writer.outgoing import Bytes, Outgoing, lay_out
 
 Compression = Literal["zstd", "lz4", "none"]
@@ -20,7 +22,19 @@ COMPRESSIONS: Final[tuple[Compression, ...]] = ("zstd", "lz4", "none")
 CHUNK_SIZE: Final = 1 << 20
 """Bytes of records in a chunk, before compression; a record is never split."""
 _ZSTD_LEVEL: Final = 1
+_INDEX_HEAD: Final = struct.Struct("<BQHI")
+"""A message index record up to its entries: opcode, length, channel, bytes of the entries."""
 _INDEX_ENTRY: Final = np.dtype([("log_time", "<i8"), ("offset", "<u8")])
+
+
+class _Codecs(threading.local):
+    """A compressor for each thread: its tables cost more to set aside than to use again."""
+
+    def __init__(self) -> None:
+        self.zstd = zstandard.ZstdCompressor(level=_ZSTD_LEVEL)
+
+
+_CODECS: Final = _Codecs()
 
 
 @dataclass(frozen=True, slots=True)
@@ -75,9 +89,7 @@ def finish_chunk(
         offset: (n,) where each message's record begins in the data.
         compression: of the chunk.
     """
-    start, end = int(log_time.min(initial=0)), int(log_time.max(initial=0))
-    if len(log_time):
-        start, end = int(log_time.min()), int(log_time.max())
+    start, end = _range(log_time)
     compressed = _compress(data, compression)
     name = "" if compression == "none" else compression
     builder = RecordBuilder()
@@ -102,48 +114,46 @@ def indexed_chunk(
     size: int,
 ) -> FinishedChunk:
     """Give a chunk record, new or recorded, its message index."""
-    order = np.argsort(channel, kind="stable")
-    channels, first = np.unique(channel[order], return_index=True)
+    order = stable_order(channel)
     entries = np.empty(len(channel), _INDEX_ENTRY)
     entries["log_time"] = log_time[order]
     entries["offset"] = offset[order]
+    data = entries.tobytes()
+    count_of = np.bincount(channel)
     pieces: list[bytes] = []
     index_offsets: dict[int, int] = {}
     counts: dict[int, int] = {}
-    place = 0
-    groups = np.split(entries, first[1:]) if len(entries) else []
-    for number, group in zip(channels.tolist(), groups, strict=True):
-        piece = _message_index(number, group.tobytes())
-        index_offsets[number], counts[number] = place, len(group)
-        pieces.append(piece)
-        place += len(piece)
+    place = first = 0
+    for number in np.flatnonzero(count_of).tolist():
+        counts[number] = int(count_of[number])
+        index_offsets[number] = place
+        length = counts[number] * _INDEX_ENTRY.itemsize
+        pieces.append(_INDEX_HEAD.pack(Opcode.MESSAGE_INDEX, length + 6, number, length))
+        pieces.append(data[first : first + length])
+        place, first = place + _INDEX_HEAD.size + length, first + length
+    start, end = _range(log_time)
     return FinishedChunk(
         record=record,
         index=b"".join(pieces),
         index_offsets=index_offsets,
         counts=counts,
-        start_time=int(log_time.min()) if len(log_time) else 0,
-        end_time=int(log_time.max()) if len(log_time) else 0,
+        start_time=start,
+        end_time=end,
         compression=compression,
         compressed_size=compressed_size,
         size=size,
     )
 
 
-def _message_index(channel: int, entries: bytes) -> bytes:
-    builder = RecordBuilder()
-    builder.start_record(Opcode.MESSAGE_INDEX)
-    builder.write2(channel)
-    builder.write4(len(entries))
-    builder.write(entries)
-    builder.finish_record()
-    return bytes(builder.end())
+def _range(log_time: Ints) -> tuple[int, int]:
+    """Return the earliest and the latest time, 0 for none."""
+    return (int(log_time.min()), int(log_time.max())) if len(log_time) else (0, 0)
 
 
 def _compress(data: Bytes, compression: Compression) -> bytes:
     match compression:
         case "zstd":
-            return zstandard.ZstdCompressor(level=_ZSTD_LEVEL).compress(data.data)
+            return _CODECS.zstd.compress(data.data)
         case "lz4":
             return bytes(lz4.frame.compress(data.data))
         case "none":

@@ -1,13 +1,13 @@
 """Messages on their way out: heads as columns, payloads in groups of equal size."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
-from dogbot_logtool.core.arrays import Ints
+from dogbot_logtool.core.arrays import Ints, stable_order
 
 Bytes = NDArray[np.uint8]
 MESSAGE_OPCODE: Final = 0x05
@@ -34,7 +34,9 @@ class Payloads:
     rows: Ints
     """(k,) the messages they belong to."""
     data: NDArray[np.void]
-    """(k,) of dtype ``V<size>``."""
+    """(m,) of dtype ``V<size>``: the payloads, or windows that begin at each byte of a buffer."""
+    at: Ints | None = None
+    """(k,) which of the data they are; None: all, in order."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -82,7 +84,7 @@ def in_time_order(parts: Sequence[Outgoing]) -> Outgoing:
     first = 0
     for part in parts:
         places = place[first : first + len(part.log_time)]
-        payloads.extend(Payloads(places[group.rows], group.data) for group in part.payloads)
+        payloads.extend(replace(group, rows=places[group.rows]) for group in part.payloads)
         first += len(part.log_time)
     return Outgoing(
         channel=np.concatenate([part.channel for part in parts])[order],
@@ -112,7 +114,9 @@ def lay_out(messages: Outgoing) -> tuple[Bytes, Ints]:
     head["publish_time"] = messages.publish_time
     _scatter(records, bounds[:-1], head.view(f"V{MESSAGE_HEAD.itemsize}"))
     for group in messages.payloads:
-        _scatter(records, bounds[group.rows] + MESSAGE_HEAD.itemsize, group.data)
+        # Recorded payloads are fetched only here, a size at a time, while they are in the cache.
+        data = group.data if group.at is None else group.data[group.at]
+        _scatter(records, bounds[group.rows] + MESSAGE_HEAD.itemsize, data)
     return records, bounds
 
 
@@ -154,13 +158,13 @@ def recorded(
     size = end - start
     if not len(size):
         return Outgoing(channel, sequence, log_time, publish_time, size, [])
-    order = np.argsort(size, kind="stable")
-    sizes, first = np.unique(size[order], return_index=True)
+    order = stable_order(size)
+    in_order = size[order]
     payloads: list[Payloads] = []
-    for length, rows in zip(sizes.tolist(), np.split(order, first[1:]), strict=True):
-        if length:
+    for rows in np.split(order, np.flatnonzero(in_order[1:] != in_order[:-1]) + 1):
+        if length := int(size[rows[0]]):
             windows: NDArray[np.void] = np.ndarray(
                 (len(buffer) - length + 1,), f"V{length}", buffer.data, 0, (1,)
             )
-            payloads.append(Payloads(rows, windows[start[rows]]))
+            payloads.append(Payloads(rows, windows, start[rows]))
     return Outgoing(channel, sequence, log_time, publish_time, size, payloads)

@@ -112,7 +112,7 @@ def _write_varints(target: NDArray[np.uint8], values: Ints) -> None:
     bits = values.view(np.uint64)
     short = not len(bits) or int(bits.max()) < 1 << (7 * _VARINT_SHORT)
     groups = _VARINT_SHORT if short else _VARINT_WIDTH - 1
-    for group in range(groups):
-        target[:, group] = (bits >> np.uint64(7 * group)) & np.uint64(0x7F) | np.uint64(0x80)
+    shifts = np.arange(0, 7 * groups, 7, dtype=np.uint64)
+    target[:, :groups] = bits[:, None] >> shifts & np.uint64(0x7F) | np.uint64(0x80)
     target[:, groups : _VARINT_WIDTH - 1] = 0x80
     target[:, _VARINT_WIDTH - 1] = bits >> np.uint64(63)

@@ -1,0 +1,32 @@
+"""Counts a log's messages by topic from its index, with rosbags or the mcap library.
+
+python benchmarks/library_info.py IN.bag|IN.mcap
+"""
+
+import sys
+from pathlib import Path
+
+
+def main(source: Path) -> None:
+    """Print topic, type and count."""
+    if source.suffix == ".mcap":
+        from mcap.reader import make_reader  # noqa: PLC0415
+
+        with source.open("rb") as file:
+            summary = make_reader(file).get_summary()
+        if summary is None or summary.statistics is None:
+            raise SystemExit("no summary")
+        counts = summary.statistics.channel_message_counts
+        for channel in summary.channels.values():
+            kind = summary.schemas[channel.schema_id].name
+            print(channel.topic, kind, counts.get(channel.id, 0))
+        return
+    from rosbags.rosbag1 import Reader  # noqa: PLC0415
+
+    with Reader(source) as reader:
+        for topic, info in sorted(reader.topics.items()):
+            print(topic, info.msgtype, info.msgcount)
+
+
+if __name__ == "__main__":
+    main(Path(sys.argv[1]))
