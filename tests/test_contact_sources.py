@@ -49,17 +49,27 @@ def steps(leg: str) -> tuple[list[float], list[float]]:
 
 
 @pytest.mark.parametrize("kind", walks.KINDS)
-def test_contact_times_are_those_of_the_walk(tmp_path: Path, kind: str) -> None:
+def test_the_gait_is_that_of_the_walk(tmp_path: Path, kind: str) -> None:
     got = figures(tmp_path, kind)
     for leg in walks.LEGS:
-        touchdowns, liftoffs = steps(leg)
-        assert got["feet"][leg]["touchdown_s"] == pytest.approx(touchdowns, abs=1e-6)
-        assert got["feet"][leg]["liftoff_s"] == pytest.approx(liftoffs, abs=1e-6)
         assert got["feet"][leg]["contact_fraction"] == pytest.approx(
             walks.TOUCHES[leg].mean(), abs=0.01
         )
     assert got["gait"]["class"] == "trot"
     assert got["gait"]["duty_factor"] == pytest.approx(walks.STANCE / walks.PERIOD, abs=0.01)
+
+
+@pytest.mark.parametrize("container", walks.CONTAINERS)
+@pytest.mark.parametrize("kind", walks.KINDS)
+def test_every_container_gives_the_same(tmp_path: Path, kind: str, container: str) -> None:
+    got = figures(tmp_path, kind, container)
+    for leg in walks.LEGS:
+        touchdowns, liftoffs = steps(leg)
+        assert got["feet"][leg]["touchdown_s"] == pytest.approx(touchdowns, abs=1e-6)
+        assert got["feet"][leg]["liftoff_s"] == pytest.approx(liftoffs, abs=1e-6)
+        if kind in WITH_FORCE:
+            newtons = walks.FORCES[leg][:, 2].max()
+            assert got["feet"][leg]["peak_force_n"]["mean"] == pytest.approx(newtons)
 
 
 @pytest.mark.parametrize("kind", WITH_FORCE)
