@@ -33,6 +33,11 @@ class Foot:
     newtons_per_count: float = 1.0
     """Of a raw sensor."""
 
+    @property
+    def is_uncalibrated(self) -> bool:
+        """Whether nobody has said what a raw sensor's counts mean."""
+        return self.offset == 0.0 and self.newtons_per_count == 1.0
+
 
 @dataclass(frozen=True, slots=True)
 class Robot:

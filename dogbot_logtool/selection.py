@@ -114,7 +114,7 @@ def select_topics(log: Log, options: TopicOptions) -> Selection:
         for channel in _readable(log, topic, SOURCES.keys(), check_contacts, findings):
             contacts.append(channel)
             feet_of[channel.id] = feet
-    findings.extend(_source_findings(contacts))
+    findings.extend(_source_findings(contacts, robot))
     transforms = [
         channel
         for topic in sorted({c.topic for c in log.channels.values()})
@@ -241,7 +241,7 @@ def _with_element(log: Log, foot: Foot, findings: list[Finding]) -> Foot:
     return foot
 
 
-def _source_findings(contacts: Sequence[Channel]) -> list[Finding]:
+def _source_findings(contacts: Sequence[Channel], robot: Robot) -> list[Finding]:
     """Say what contact messages do not tell."""
     findings: list[Finding] = []
     for name in sorted({channel.type_name for channel in contacts}):
@@ -252,6 +252,9 @@ def _source_findings(contacts: Sequence[Channel]) -> list[Finding]:
         elif not source.has_points:
             text = f"{name} tells no contact point: loads are written, but no arrows are drawn"
             findings.append(note("NO_POINTS", text))
+        if source.is_raw and all(foot.is_uncalibrated for foot in robot.feet):
+            text = f"{name} tells raw counts, and no foot has a scale: newtons here are counts"
+            findings.append(warning("NOT_CALIBRATED", text))
         if not source.has_header:
             findings.append(note("NO_HEADER", f"{name} has no header: log time is its only time"))
         if source.silent_in_swing:

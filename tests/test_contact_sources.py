@@ -154,6 +154,7 @@ def test_every_source_converts(tmp_path: Path, kind: str, style: Style) -> None:
     if kind in IN_WORLD:
         assert drawn >= touching
     codes = {finding.code for finding in done.findings}
+    assert "W_NOT_CALIBRATED" not in codes
     assert ("N_NO_FORCE" in codes) == (kind in FLAGS_ONLY)
     assert ("N_NO_POINTS" in codes) == (kind not in (*FLAGS_ONLY, *IN_WORLD))
 
@@ -175,3 +176,26 @@ def test_the_interval_of_a_silent_sensor_is_seen(tmp_path: Path) -> None:
     log.close()
     assert evidence.intervals == dict.fromkeys(range(4), walks.STEP)
     assert evidence.wrench_frame.frame == "world"
+
+
+@pytest.mark.parametrize("name", ["unitree_go2", "generic"])
+def test_raw_counts_are_not_passed_off_as_newtons(tmp_path: Path, name: str) -> None:
+    path = walks.write_walk(tmp_path, "unitree_go/msg/LowState", "mcap")
+    feet = dict.fromkeys(walks.LEGS, "/feet") if name == "unitree_go2" else None
+    told = describe(path, TopicOptions(robot=name, foot_topics=feet))
+    assert "W_NOT_CALIBRATED" in {finding.code for finding in told.findings}
+
+
+def test_robots_with_other_numbers_of_feet(tmp_path: Path) -> None:
+    path = walks.write_walk(tmp_path, "geometry_msgs/msg/WrenchStamped", "mcap")
+    feet = {"left": "/front_left/contact", "right": "/front_right/contact"}
+    options = TopicOptions(robot="generic", foot_topics=feet)
+    done = measure(path, StatsOptions(options))
+    got = stats_json(done.stats, done.facts)
+    assert got["gait"]["class"] in {None, "irregular"}
+    for name, leg in (("left", "front_left"), ("right", "front_right")):
+        assert got["feet"][name]["touchdown_s"] == pytest.approx(steps(leg)[0], abs=1e-6)
+    six = feet | {f"foot_{n}": f"/{leg}/contact" for n, leg in enumerate(walks.LEGS[2:])}
+    six |= {"front_mid": "/front_left/contact", "back_mid": "/back_left/contact"}
+    told = describe(path, TopicOptions(robot="generic", foot_topics=six))
+    assert told.exit_code == 0

@@ -79,6 +79,8 @@ class ContactSource:
     """Without, it only tells whether a foot touches."""
     has_points: bool = True
     """Whether it tells where the foot touches."""
+    is_raw: bool = False
+    """Its forces are counts that only the robot's file can turn into newtons."""
     anything: bool = False
     """Such messages can be about anything: only topics that name a foot are taken for one's."""
     silent_in_swing: bool = False

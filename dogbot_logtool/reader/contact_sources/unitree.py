@@ -43,6 +43,7 @@ def _source(type_name: str, field: str) -> ContactSource:
         frame=WrenchFrame.UNKNOWN,
         has_header=False,
         has_points=False,
+        is_raw=True,
     )
 
 
