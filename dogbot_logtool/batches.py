@@ -14,9 +14,9 @@ from dogbot_logtool.core.arrows import (
     Arrows,
     classic_arrows,
     force_arrows,
+    no_arrows,
     pressure_arrows,
 )
-from dogbot_logtool.core.contacts import Contacts, contact_samples
 from dogbot_logtool.core.loads import Loads, foot_loads
 from dogbot_logtool.core.odometry import (
     Odometry,
@@ -26,8 +26,9 @@ from dogbot_logtool.core.odometry import (
     first_at_each_tick,
     usable_poses,
 )
+from dogbot_logtool.core.silent_swing import LastHeard, last_heard, with_swings
 from dogbot_logtool.plan import Plan
-from dogbot_logtool.reader.contacts import contact_columns, decode_contacts
+from dogbot_logtool.reader.contact_sources.registry import ContactsRead, read_contacts
 from dogbot_logtool.reader.log import Batch, LoadedChunk, Log, Loss, Messages, Span
 from dogbot_logtool.reader.messages import DecodedMessages
 from dogbot_logtool.reader.odometry import decode_odometry, odometry_columns
@@ -76,8 +77,17 @@ class ConvertedBatch:
     """Bytes of the file that it was read from."""
 
 
-Handover = Future[int | None]
-"""Time of the last usable odometry message of all earlier batches, ns."""
+@dataclass(frozen=True, slots=True)
+class Carried:
+    """What a batch must know of all earlier ones."""
+
+    odometry: int | None = None
+    """ns, time of the last usable odometry message."""
+    contacts: LastHeard = field(default_factory=dict)
+    """When the feet that are silent in swing were last heard."""
+
+
+Handover = Future[Carried]
 
 
 @dataclass(frozen=True, slots=True)
@@ -92,7 +102,7 @@ class Work:
 def chained(spans: Iterable[Span]) -> Iterator[Work]:
     """Tie every batch to the one before it."""
     previous: Handover = Future()
-    previous.set_result(None)
+    previous.set_result(Carried())
     for span in spans:
         following: Handover = Future()
         yield Work(span, previous, following)
@@ -118,21 +128,27 @@ class BatchConverter:
 
     def _convert(self, work: Work) -> ConvertedBatch:
         batch = self._log.read(work.span).cropped(self._plan.start_time, self._plan.end_time)
-        transforms, bad_poses, malformed = self._transforms(batch, work)
-        counts = Counts(messages=len(batch.messages), bad_poses=bad_poses)
+        selection = self._plan.selection
+        decoded = decode_odometry(batch, selection.odometry)
+        odometry = concatenate_odometry([odometry_columns(messages) for messages in decoded])
+        usable = usable_poses(odometry)
+        contacts = read_contacts(batch, selection.contacts, selection.foot_channels())
+        previous = self._hand_over(work, odometry.pick(usable), contacts)
+        transforms = self._transforms(odometry.pick(usable), previous)
+
+        counts = Counts(messages=len(batch.messages), bad_poses=int((~usable).sum()))
         arrows: list[Arrows] = []
         loads: list[Loads] = []
-        selection = self._plan.selection
-        for messages in decode_contacts(batch, selection.contacts):
-            read = contact_columns(messages, selection.robot.feet, selection.foot_of)
-            drawn, skipped, load = self._draw(read.contacts)
+        malformed = _malformed(decoded)
+        for read in contacts:
+            drawn, skipped, load = self._draw(read, previous.contacts)
             arrows.append(drawn)
             loads.append(load)
-            malformed = {**malformed, **messages.malformed}
+            malformed = {**malformed, **read.messages.malformed}
             counts += Counts(
                 arrows=skipped,
-                untimed_messages=read.untimed_messages,
-                foreign_states=read.foreign_states,
+                untimed_messages=read.felt.untimed_messages,
+                foreign_states=read.felt.foreign_states,
             )
         outgoing = self._annotations.outgoing(AnnotationColumns(transforms, arrows, loads))
         compression = self._plan.options.compression or "zstd"
@@ -145,30 +161,42 @@ class BatchConverter:
             stored_size=sum(chunk.data_size for chunk in work.span),
         )
 
-    def _transforms(self, batch: Batch, work: Work) -> tuple[Transforms, int, dict[int, int]]:
-        """Return the base's transforms, poses that cannot be one, and malformed messages."""
-        decoded = decode_odometry(batch, self._plan.selection.odometry)
-        malformed = _malformed(decoded)
-        odometry = concatenate_odometry([odometry_columns(messages) for messages in decoded])
-        usable = usable_poses(odometry)
-        bad_poses = int((~usable).sum())
-        chosen = self._at_ticks(odometry.pick(usable), work)
-        return base_transforms(chosen), bad_poses, malformed
-
-    def _at_ticks(self, odometry: Odometry, work: Work) -> Odometry:
-        time = odometry.time
+    def _hand_over(self, work: Work, poses: Odometry, contacts: list[ContactsRead]) -> Carried:
+        """Tell the next batch what it must know; return what the one before told."""
         previous = work.previous.result()
-        work.next.set_result(int(time[-1]) if len(time) else previous)
-        return odometry.pick(first_at_each_tick(time, self._plan.options.tf_rate_hz, previous))
+        time = poses.time
+        heard = previous.contacts
+        for read in contacts:
+            if read.source.silent_in_swing:
+                heard = last_heard(read.felt.samples, heard)
+        odometry = int(time[-1]) if len(time) else previous.odometry
+        work.next.set_result(Carried(odometry, heard))
+        return previous
 
-    def _draw(self, contacts: Contacts) -> tuple[Arrows, ArrowCounts, Loads]:
+    def _transforms(self, poses: Odometry, previous: Carried) -> Transforms:
+        """Return the base's transforms at the ticks of the clock."""
+        rate_hz = self._plan.options.tf_rate_hz
+        return base_transforms(
+            poses.pick(first_at_each_tick(poses.time, rate_hz, previous.odometry))
+        )
+
+    def _draw(self, read: ContactsRead, heard: LastHeard) -> tuple[Arrows, ArrowCounts, Loads]:
         plan = self._plan
-        samples = contact_samples(contacts)
+        samples = read.felt.samples
+        if read.source.silent_in_swing:
+            start = None if plan.start_time is not None else self._log.start_time
+            samples = with_swings(samples, plan.swing_intervals, heard, start)
         loads = foot_loads(samples, plan.body_weight_n)
         newtons_per_metre = plan.selection.robot.newtons_per_metre
+        if not read.source.has_force:
+            return no_arrows(), ArrowCounts(), loads
         match plan.options.style:
             case "classic":
-                return *classic_arrows(contacts), loads
+                contacts = read.felt.contacts
+                drawn = (
+                    (no_arrows(), ArrowCounts()) if contacts is None else classic_arrows(contacts)
+                )
+                return *drawn, loads
             case "pressure":
                 return *pressure_arrows(samples, newtons_per_metre), loads
             case "force":

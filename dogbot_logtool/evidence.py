@@ -12,9 +12,12 @@ from typing import Final
 import numpy as np
 
 from dogbot_logtool.core.arrays import Floats, Ints
-from dogbot_logtool.core.contacts import contact_samples
-from dogbot_logtool.core.wrench_frame import WrenchFrameEvidence, alignment, judge_wrench_frame
-from dogbot_logtool.reader.contacts import contact_columns, decode_contacts, foot_links
+from dogbot_logtool.core.wrench_frame import (
+    WrenchFrameEvidence,
+    alignment,
+    judge_wrench_frame,
+)
+from dogbot_logtool.reader.contact_sources.registry import read_contacts
 from dogbot_logtool.reader.log import Batch, Chunk, Log
 from dogbot_logtool.reader.odometry import decode_odometry, odometry_frames
 from dogbot_logtool.reader.transforms import decode_transforms, frame_pairs
@@ -22,6 +25,8 @@ from dogbot_logtool.selection import Selection
 
 _LOOKS: Final = 8
 """Chunks that are looked at, besides those with static transforms."""
+_USUAL_INTERVAL_NS: Final = 10_000_000
+"""Of a sensor that was hardly heard."""
 STATIC_TOPIC: Final = "tf_static"
 
 
@@ -39,6 +44,8 @@ class Evidence:
     """Frame ids that begin with a slash, which no viewer of today accepts."""
     links: tuple[str | None, ...]
     """Link that each foot's collision belongs to, in whose frame its wrenches may be."""
+    intervals: Mapping[int, int]
+    """ns between messages in contact, by foot, of the feet that are silent in swing."""
     zero_stamps: frozenset[str]
     """Topics whose header stamps are all zero."""
     chunks_seen: int
@@ -75,6 +82,7 @@ class _Look:
         self._slashed: set[str] = set()
         self._stamped: dict[str, bool] = {}
         self._links: dict[int, set[str]] = {}
+        self._steps: dict[int, list[Ints]] = {}
 
     def take(self, batch: Batch) -> None:
         """Look at the messages of a batch."""
@@ -84,13 +92,18 @@ class _Look:
             self._world.update(parents)
             self._base.update(children)
             self._see_stamps(messages.channel, messages.table.nanoseconds("header.stamp"))
-        for messages in decode_contacts(batch, selection.contacts):
-            read = contact_columns(messages, selection.robot.feet, selection.foot_of)
-            self._alignments.append(alignment(contact_samples(read.contacts)))
-            links = foot_links(messages, selection.robot.feet, selection.foot_of)
-            for foot, names in links.items():
+        for read in read_contacts(batch, selection.contacts, selection.foot_channels()):
+            samples = read.felt.samples
+            self._alignments.append(alignment(samples))
+            for foot, names in read.links.items():
                 self._links.setdefault(foot, set()).update(names)
-            self._see_stamps(messages.channel, read.contacts.stamp)
+            if read.source.has_header:
+                stamps = read.messages.table.nanoseconds("header.stamp")
+                self._see_stamps(read.messages.channel, stamps)
+            if read.source.silent_in_swing:
+                for foot in np.unique(samples.foot).tolist():
+                    steps = np.diff(samples.log_time[samples.foot == foot])
+                    self._steps.setdefault(foot, []).append(steps[steps > 0])
         for messages in decode_transforms(batch, selection.transforms):
             for parent, child in frame_pairs(messages):
                 self._slashed.update(name for name in (parent, child) if name.startswith("/"))
@@ -109,7 +122,7 @@ class _Look:
         frames = self._world | self._base
         self._slashed.update(name for name in frames if name.startswith("/"))
         return Evidence(
-            wrench_frame=judge_wrench_frame(alignments),
+            wrench_frame=self._wrench_frame(alignments),
             world_frames=tuple(sorted(self._world)),
             base_frames=tuple(sorted(self._base)),
             parents={child: frozenset(names) for child, names in sorted(self._parents.items())},
@@ -118,7 +131,20 @@ class _Look:
                 next(iter(names)) if len(names := self._links.get(foot, set())) == 1 else None
                 for foot in range(len(self._selection.robot.feet))
             ),
+            intervals={foot: _interval(steps) for foot, steps in sorted(self._steps.items())},
             zero_stamps=frozenset(topic for topic, stamped in self._stamped.items() if not stamped),
             chunks_seen=seen,
             chunks=chunks,
         )
+
+    def _wrench_frame(self, alignments: Floats) -> WrenchFrameEvidence:
+        """Decide by what the types of messages promise, else by evidence."""
+        promised = {source.frame for source in self._selection.sources}
+        (frame,) = promised if len(promised) == 1 else (None,)
+        return judge_wrench_frame(alignments) if frame is None else WrenchFrameEvidence(frame)
+
+
+def _interval(steps: list[Ints]) -> int:
+    """Return the median interval, ns."""
+    known = np.concatenate(steps)
+    return int(np.median(known)) if len(known) else _USUAL_INTERVAL_NS

@@ -110,8 +110,9 @@ def _outlook(
 def _topics(log: Log, selection: Selection, duration_s: float | None) -> tuple[TopicInfo, ...]:
     uses = {channel.id: "odometry" for channel in selection.odometry}
     uses |= {channel.id: "frames" for channel in selection.transforms}
-    for number, foot in selection.foot_of.items():
-        uses[number] = f"foot {selection.robot.feet[foot].name}"
+    for number, feet in selection.feet_of.items():
+        names = ", ".join(selection.robot.feet[foot].name for foot in feet)
+        uses[number] = f"{'foot' if len(feet) == 1 else 'feet'} {names}"
     groups: dict[tuple[str, str, str], list[int]] = {}
     for channel in log.channels.values():
         key = (channel.topic, channel.type_name, channel.message_encoding)

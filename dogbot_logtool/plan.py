@@ -1,5 +1,6 @@
 """What `convert` will do with a log, decided before the first message is written."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from typing import Final, Literal
 
@@ -61,6 +62,8 @@ class Plan:
     force_in_world: bool
     body_weight_n: float | None
     arrow_style: ArrowStyle
+    swing_intervals: Mapping[int, int]
+    """ns between messages in contact, by foot, of the feet that are silent in swing."""
     start_time: int | None
     """ns, log time from which on messages are taken; None: all; also `end_time`."""
     end_time: int | None
@@ -83,6 +86,8 @@ def make_plan(log: Log, selection: Selection, evidence: Evidence, options: Conve
     if options.style == "force" and weight is None:
         text = "the robot's mass is not known: arrows are coloured by newtons (--mass tells it)"
         findings.append(note("NO_MASS", text))
+    if options.style == "classic":
+        findings.extend(_without_classic(selection))
     start_time, end_time = time_limits(log, options.start_s, options.end_s)
     return Plan(
         selection=selection,
@@ -93,6 +98,7 @@ def make_plan(log: Log, selection: Selection, evidence: Evidence, options: Conve
         force_in_world=force_in_world,
         body_weight_n=weight,
         arrow_style=_arrow_style(options.style, robot.shaft_diameter_m),
+        swing_intervals=evidence.intervals,
         start_time=start_time,
         end_time=end_time,
         findings=tuple(sorted(findings)),
@@ -137,7 +143,7 @@ def evidence_findings(selection: Selection, evidence: Evidence) -> list[Finding]
         frames = ", ".join(evidence.slashed_frames)
         text = f"frame ids begin with a slash, which viewers of today do not accept: {frames}"
         findings.append(warning("SLASHED_FRAMES", text))
-    if selection.contacts:
+    if any(source.has_force for source in selection.sources):
         findings.append(_wrench_frame_finding(evidence))
     if len(evidence.world_frames) > 1 or len(evidence.base_frames) > 1:
         frames = ", ".join((*evidence.world_frames, *evidence.base_frames))
@@ -153,7 +159,9 @@ def _wrench_frame_finding(evidence: Evidence) -> Finding:
             "were seen): only magnitudes are used; --wrench-frame says which"
         )
         return warning("WRENCH_FRAME_UNKNOWN", text)
-    told = f"(median |F.n|/|F| is {seen.median_alignment:.3f} over {seen.samples} samples)"
+    told = "(as their type promises)"
+    if seen.median_alignment is not None:
+        told = f"(median |F.n|/|F| is {seen.median_alignment:.3f} over {seen.samples} samples)"
     if seen.frame is WrenchFrame.WORLD:
         return note("WRENCH_FRAME_WORLD", f"wrenches are in the world frame {told}")
     return note(
@@ -171,6 +179,14 @@ def _force_in_world(evidence: Evidence, options: ConvertOptions, findings: list[
         text = "only the magnitude of forces is known: arrows stand along the contact normals"
         findings.append(warning("MAGNITUDE_ONLY", text))
     return in_world
+
+
+def _without_classic(selection: Selection) -> list[Finding]:
+    return [
+        warning("NO_CLASSIC", f"{source.type_name} has no contact states: nothing classic to draw")
+        for source in selection.sources
+        if source.has_force and not source.has_points
+    ]
 
 
 def _write_tf(
@@ -217,6 +233,7 @@ def nothing_to_do(log: Log) -> str:
         "".join(f"\n  {printable(topic)}  {printable(kind)}" for topic, kind in found) or " nothing"
     )
     return (
-        f"{log.source.path}: has neither nav_msgs/Odometry nor gazebo_msgs/ContactsState that can "
-        f"be used (--odom-topic and --foot name topics). It has:{listed}"
+        f"{log.source.path}: has neither nav_msgs/Odometry nor contact messages such as "
+        "gazebo_msgs/ContactsState that can be used (--odom-topic and --foot name topics). "
+        f"It has:{listed}"
     )

@@ -26,6 +26,17 @@ class Foot:
     """Glob for the name of the foot's collision; empty: recognised by the names in the log."""
     place: tuple[str, str] | None = None
     """("front" | "middle" | "back", "left" | "right" | "centre"); None when not known."""
+    element: int | None = None
+    """Place in the arrays of a message that tells of all feet; None: told by the message type."""
+    offset: float = 0.0
+    """Counts of a raw sensor that is not loaded."""
+    newtons_per_count: float = 1.0
+    """Of a raw sensor."""
+
+    @property
+    def is_uncalibrated(self) -> bool:
+        """Whether nobody has said what a raw sensor's counts mean."""
+        return self.offset == 0.0 and self.newtons_per_count == 1.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -147,16 +158,27 @@ def _foot(table: "_Table", name: str) -> Foot:
     topic = table.text("topic")
     if not topic:
         raise CallError(f"{table.source}: {table.path}topic is missing")
-    foot = Foot(name, topic, table.text("collision") or "", table.place("place"))
+    foot = Foot(
+        name,
+        topic,
+        table.text("collision") or "",
+        table.place("place"),
+        table.element("element"),
+        table.number("offset") or 0.0,
+        table.positive("newtons_per_count") or 1.0,
+    )
     table.refuse_leftovers()
     return foot
 
 
 def _check_feet(robot: Robot, source: str) -> None:
-    topics = [foot.topic for foot in robot.feet]
-    for foot in robot.feet:
-        if topics.count(foot.topic) > 1:
-            raise CallError(f"{source}: two feet have the topic {foot.topic}")
+    for topic in dict.fromkeys(foot.topic for foot in robot.feet):
+        elements = [foot.element for foot in robot.feet if foot.topic == topic]
+        if len(elements) > 1 and (None in elements or len(set(elements)) < len(elements)):
+            raise CallError(
+                f"{source}: two feet have the topic {topic}; where its messages tell of several "
+                "feet, each needs an element of its own"
+            )
     on, off = robot.contact_on_n, robot.contact_off_n
     if on is not None and off is not None and off > on:
         raise CallError(f"{source}: contact.off_n is above contact.on_n; it must not be")
@@ -204,6 +226,22 @@ class _Table:
         if isinstance(value, bool) or not isinstance(value, int | float) or not 0 < value < 1e9:
             raise self._fault(key, value, "a number above 0")
         return float(value)
+
+    def number(self, key: str) -> float | None:
+        value = self.values.pop(key, None)
+        if value is None:
+            return None
+        if isinstance(value, bool) or not isinstance(value, int | float) or not abs(value) < 1e9:
+            raise self._fault(key, value, "a number")
+        return float(value)
+
+    def element(self, key: str) -> int | None:
+        value = self.values.pop(key, None)
+        if value is None:
+            return None
+        if isinstance(value, bool) or not isinstance(value, int) or not 0 <= value < 100:
+            raise self._fault(key, value, "a place in an array, counted from 0")
+        return value
 
     def place(self, key: str) -> tuple[str, str] | None:
         value = self.values.pop(key, None)

@@ -2,12 +2,16 @@
 
 import re
 from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Set as AbstractSet
 from dataclasses import dataclass, replace
 from typing import Final
 
+from dogbot_logtool.core.footfall import contact_rule
+from dogbot_logtool.core.loads import body_weight_n
 from dogbot_logtool.errors import CallError, DefinitionError
 from dogbot_logtool.findings import Finding, note, warning
-from dogbot_logtool.reader.contacts import CONTACTS_TYPE, check_contacts
+from dogbot_logtool.reader.contact_sources.registry import SOURCES, check_contacts
+from dogbot_logtool.reader.contact_sources.source import ContactSource, FootChannels
 from dogbot_logtool.reader.log import Channel, Log
 from dogbot_logtool.reader.odometry import ODOMETRY_TYPE, check_odometry
 from dogbot_logtool.reader.transforms import TRANSFORM_TYPES, check_transforms
@@ -61,11 +65,35 @@ class Selection:
     """With the feet that the log has, and their topics."""
     odometry: tuple[Channel, ...]
     contacts: tuple[Channel, ...]
-    foot_of: Mapping[int, int]
-    """Index of the foot in `robot.feet` by channel id."""
+    feet_of: Mapping[int, tuple[int, ...]]
+    """Indices of the feet in `robot.feet` by channel id."""
     transforms: tuple[Channel, ...]
     """The log's own ``/tf`` and ``/tf_static``."""
     findings: tuple[Finding, ...]
+
+    @property
+    def sources(self) -> tuple[ContactSource, ...]:
+        """The types of contact messages that are used."""
+        types = sorted({channel.type_name for channel in self.contacts})
+        return tuple(SOURCES[name] for name in types)
+
+    def sources_of(self, foot: int) -> tuple[ContactSource, ...]:
+        """Return the types of contact messages that tell of a foot."""
+        types = {c.type_name for c in self.contacts if foot in self.feet_of[c.id]}
+        return tuple(SOURCES[name] for name in sorted(types))
+
+    def foot_channels(
+        self, contact_on_n: float | None = None, contact_off_n: float | None = None
+    ) -> FootChannels:
+        """Return what reading contacts needs; thresholds, N, are the robot's unless given."""
+        robot = self.robot
+        rule = contact_rule(
+            contact_on_n or robot.contact_on_n,
+            contact_off_n or robot.contact_off_n,
+            robot.debounce_s,
+            body_weight_n(robot.mass_kg),
+        )
+        return FootChannels(robot.feet, self.feet_of, rule.off_n or rule.on_n / 2.0)
 
 
 def select_topics(log: Log, options: TopicOptions) -> Selection:
@@ -80,18 +108,20 @@ def select_topics(log: Log, options: TopicOptions) -> Selection:
     odometry = _choose_odometry(log, robot, findings)
     robot = _find_feet(log, robot, findings)
     contacts: list[Channel] = []
-    foot_of: dict[int, int] = {}
-    for index, foot in enumerate(robot.feet):
-        for channel in _readable(log, foot.topic, {CONTACTS_TYPE}, check_contacts, findings):
+    feet_of: dict[int, tuple[int, ...]] = {}
+    for topic in dict.fromkeys(foot.topic for foot in robot.feet):
+        feet = tuple(index for index, foot in enumerate(robot.feet) if foot.topic == topic)
+        for channel in _readable(log, topic, SOURCES.keys(), check_contacts, findings):
             contacts.append(channel)
-            foot_of[channel.id] = index
+            feet_of[channel.id] = feet
+    findings.extend(_source_findings(contacts, robot))
     transforms = [
         channel
         for topic in sorted({c.topic for c in log.channels.values()})
         for channel in _readable(log, topic, TRANSFORM_TYPES, check_transforms, findings)
     ]
     return Selection(
-        robot, tuple(odometry), tuple(contacts), foot_of, tuple(transforms), tuple(findings)
+        robot, tuple(odometry), tuple(contacts), feet_of, tuple(transforms), tuple(findings)
     )
 
 
@@ -109,31 +139,31 @@ def _choose_robot(log: Log, options: TopicOptions, findings: list[Finding]) -> R
 
 def _apply_options(log: Log, robot: Robot, options: TopicOptions) -> Robot:
     if options.odometry_topic is not None:
-        _require(log, "--odom-topic", options.odometry_topic, ODOMETRY_TYPE)
+        _require(log, "--odom-topic", options.odometry_topic, {ODOMETRY_TYPE})
         robot = replace(robot, odometry_topic=options.odometry_topic)
     if options.foot_topics:
         feet = {foot.name: foot for foot in robot.feet}
         for name, topic in options.foot_topics.items():
-            _require(log, "--foot", topic, CONTACTS_TYPE)
+            _require(log, "--foot", topic, SOURCES.keys())
             known = feet.get(name, Foot(name, topic, place=_place(name)))
             feet[name] = replace(known, topic=topic)
         robot = replace(robot, feet=tuple(feet.values()))
     return robot
 
 
-def _require(log: Log, option: str, topic: str, type_name: str) -> None:
+def _require(log: Log, option: str, topic: str, wanted: AbstractSet[str]) -> None:
     types = {c.type_name for c in log.channels.values() if c.topic == topic}
+    names = " or ".join(wanted)
     if not types:
-        have = sorted({c.topic for c in log.channels.values() if c.type_name == type_name})
-        listed = ", ".join(have) or "none"
+        listed = ", ".join(_topics_of_type(log, wanted)) or "none"
         raise CallError(
-            f"{log.source.path}: {option}: the log has no topic {topic}; of type {type_name} "
+            f"{log.source.path}: {option}: the log has no topic {topic}; of type {names} "
             f"it has: {listed}"
         )
-    if type_name not in types:
+    if not types & wanted:
         raise CallError(
             f"{log.source.path}: {option}: {topic} is of type {', '.join(sorted(types))}, "
-            f"not {type_name}"
+            f"not {names}"
         )
 
 
@@ -158,21 +188,79 @@ def _choose_odometry(log: Log, robot: Robot, findings: list[Finding]) -> list[Ch
 
 
 def _find_feet(log: Log, robot: Robot, findings: list[Finding]) -> Robot:
-    topics = _topics_of_type(log, {CONTACTS_TYPE})
+    topics = _topics_of_type(log, SOURCES.keys())
     present = [foot for foot in robot.feet if foot.topic in topics]
     if present:
+        robot = replace(
+            robot, feet=tuple(_with_element(log, foot, findings) for foot in robot.feet)
+        )
         for foot in robot.feet:
             if foot.topic not in topics:
                 text = f"foot {foot.name} has no messages: there is no topic {foot.topic}"
                 findings.append(warning("FOOT_MISSING", text, foot.topic))
         return robot
-    if not topics:
+    feet = _feet_by_type(log)
+    if not feet:
         findings.append(warning("NO_FEET", "there are no contact topics: no arrows, no gait"))
         return replace(robot, feet=())
-    feet = _feet_by_name(topics)
     listed = ", ".join(f"{foot.name} = {foot.topic}" for foot in feet)
     findings.append(note("FEET_FOUND", f"feet are found by type and name: {listed}"))
     return replace(robot, feet=tuple(feet))
+
+
+def _feet_by_type(log: Log) -> list[Foot]:
+    """Return the feet of the first type of contact messages that the log has."""
+    for name, source in SOURCES.items():
+        topics = _topics_of_type(log, {name})
+        if source.elements and topics:
+            # A robot often publishes its state twice, once at a lower rate.
+            topic = max(topics, key=lambda one: (_count(log, one), -len(one), one))
+            return [
+                Foot(leg, topic, place=_place(leg), element=element)
+                for element, leg in enumerate(source.elements)
+            ]
+        if source.anything:
+            topics = [topic for topic in topics if _place(topic) is not None]
+        if topics:
+            return _feet_by_name(topics)
+    return []
+
+
+def _with_element(log: Log, foot: Foot, findings: list[Finding]) -> Foot:
+    """Say which element is a foot's, where its messages tell of all feet and nobody said it."""
+    types = {c.type_name for c in log.channels.values() if c.topic == foot.topic}
+    elements = [SOURCES[name].elements for name in sorted(types & SOURCES.keys())]
+    if foot.element is not None or not elements or not elements[0]:
+        return foot
+    names = [foot.name, "_".join(foot.place or ()), "_".join(_place(foot.name) or ())]
+    for name in names:
+        if name in elements[0]:
+            return replace(foot, element=elements[0].index(name))
+    text = f"which element of {foot.topic} is {foot.name} is not known; the robot's file can tell"
+    findings.append(warning("ELEMENT_UNKNOWN", text, foot.topic))
+    return foot
+
+
+def _source_findings(contacts: Sequence[Channel], robot: Robot) -> list[Finding]:
+    """Say what contact messages do not tell."""
+    findings: list[Finding] = []
+    for name in sorted({channel.type_name for channel in contacts}):
+        source = SOURCES[name]
+        if not source.has_force:
+            text = f"{name} tells contact, not force: gait figures only, no arrows, no loads"
+            findings.append(note("NO_FORCE", text))
+        elif not source.has_points:
+            text = f"{name} tells no contact point: loads are written, but no arrows are drawn"
+            findings.append(note("NO_POINTS", text))
+        if source.is_raw and all(foot.is_uncalibrated for foot in robot.feet):
+            text = f"{name} tells raw counts, and no foot has a scale: newtons here are counts"
+            findings.append(warning("NOT_CALIBRATED", text))
+        if not source.has_header:
+            findings.append(note("NO_HEADER", f"{name} has no header: log time is its only time"))
+        if source.silent_in_swing:
+            text = f"{name} is published only in contact: silence is taken for swing"
+            findings.append(note("SILENT_SWING", text))
+    return findings
 
 
 def _feet_by_name(topics: Sequence[str]) -> list[Foot]:
@@ -215,7 +303,7 @@ def _says(words: str, place: str) -> bool:
     return any(word in words for word in _PLACE_WORDS[place])
 
 
-def _topics_of_type(log: Log, types: set[str] | frozenset[str]) -> list[str]:
+def _topics_of_type(log: Log, types: AbstractSet[str]) -> list[str]:
     return sorted({c.topic for c in log.channels.values() if c.type_name in types})
 
 
@@ -226,7 +314,7 @@ def _count(log: Log, topic: str) -> int:
 def _readable(
     log: Log,
     topic: str,
-    types: set[str] | frozenset[str],
+    types: AbstractSet[str],
     check: Callable[[Channel], object],
     findings: list[Finding],
 ) -> list[Channel]:

@@ -9,9 +9,10 @@ import numpy as np
 
 from dogbot_logtool.core.arrays import Ints
 from dogbot_logtool.core.clock import TimeSource, UnusableStamps
-from dogbot_logtool.core.contacts import Samples, contact_samples
+from dogbot_logtool.core.contacts import Samples
 from dogbot_logtool.core.odometry import Odometry, concatenate_odometry
 from dogbot_logtool.core.settings import FootPlace, StatsSettings
+from dogbot_logtool.core.silent_swing import SwingTeller
 from dogbot_logtool.core.walk_stats import Stats, StatsAccumulator
 from dogbot_logtool.core.wrench_frame import WrenchFrame
 from dogbot_logtool.errors import LogError
@@ -25,7 +26,8 @@ from dogbot_logtool.plan import (
     nothing_to_do,
     time_limits,
 )
-from dogbot_logtool.reader.contacts import contact_columns, decode_contacts
+from dogbot_logtool.reader.contact_sources.registry import read_contacts
+from dogbot_logtool.reader.contact_sources.source import FootChannels
 from dogbot_logtool.reader.log import Batch, Log, Loss, Span, lost_messages
 from dogbot_logtool.reader.messages import DecodedMessages
 from dogbot_logtool.reader.odometry import decode_odometry, odometry_columns
@@ -129,9 +131,20 @@ def _settings(
     selection: Selection, evidence: Evidence, options: StatsOptions, log_time_because: str = ""
 ) -> StatsSettings:
     robot: Robot = selection.robot
+    headless = [source.type_name for source in selection.sources if not source.has_header]
+    if headless and not options.time_source and not log_time_because:
+        log_time_because = f"messages of {headless[0]} have no header"
     chosen = TimeSource(options.time_source) if options.time_source else None
     return StatsSettings(
-        feet=tuple(FootPlace(foot.name, foot.topic, foot.place) for foot in robot.feet),
+        feet=tuple(
+            FootPlace(
+                foot.name,
+                foot.topic,
+                foot.place,
+                has_force=all(source.has_force for source in selection.sources_of(index)),
+            )
+            for index, foot in enumerate(robot.feet)
+        ),
         mass_kg=robot.mass_kg,
         forward_axis=options.forward_axis or robot.forward_axis,
         foot_rolling_m=robot.foot_rolling_m,
@@ -162,15 +175,23 @@ def _pass(
     total = sum(chunk.data_size for chunk in log.chunks)
 
     forces = _world_forces(selection, evidence, settings)
+    swings = SwingTeller(
+        evidence.intervals,
+        log.start_time if start is None else None,
+        log.end_time if end is None else None,
+    )
+    feet = selection.foot_channels(settings.contact_on_n, settings.contact_off_n)
 
     def work(span: Span) -> _Measured:
-        return _measure_batch(log, selection, span, (start, end), with_transforms=bool(forces))
+        return _measure_batch(
+            log, selection, feet, span, (start, end), with_transforms=bool(forces)
+        )
 
     for batch in in_order(work, log.spans(start, end), options.jobs):
         accumulator.add_odometry(batch.odometry)
-        ready = batch.samples
+        ready = swings.add(batch.samples)
         if forces is not None:
-            ready = forces.add(batch.samples, batch.odometry, batch.transforms)
+            ready = forces.add(ready, batch.odometry, batch.transforms)
         for samples in ready:
             accumulator.add_contacts(samples)
         for times in batch.times:
@@ -182,7 +203,8 @@ def _pass(
         done += batch.stored_size
         if progress is not None:
             progress(done, total)
-    for samples in forces.finish() if forces is not None else ():
+    ready = forces.finish() if forces is not None else []
+    for samples in (*ready, *swings.finish()):
         accumulator.add_contacts(samples)
     losses.extend(
         Loss(0, f"{count} messages of {log.channels[channel].topic} could not be decoded", 0, count)
@@ -219,6 +241,7 @@ def _world_forces(
 def _measure_batch(
     log: Log,
     selection: Selection,
+    feet: FootChannels,
     span: Span,
     limits: tuple[int | None, int | None],
     *,
@@ -227,15 +250,12 @@ def _measure_batch(
     batch = log.read(span).cropped(*limits)
     stamped: dict[str, _Times] = {}
     odometry = decode_odometry(batch, selection.odometry)
-    contacts = decode_contacts(batch, selection.contacts)
-    for messages in (*odometry, *contacts):
+    contacts = read_contacts(batch, selection.contacts, feet)
+    with_header = [read.messages for read in contacts if read.source.has_header]
+    for messages in (*odometry, *with_header):
         stamped.update(_stamped_times(log, messages))
-    feet, foot_of = selection.robot.feet, selection.foot_of
     return _Measured(
-        samples=[
-            contact_samples(contact_columns(messages, feet, foot_of).contacts)
-            for messages in contacts
-        ],
+        samples=[read.felt.samples for read in contacts],
         odometry=concatenate_odometry([odometry_columns(messages) for messages in odometry]),
         transforms=[
             transform_columns(messages)
@@ -246,7 +266,7 @@ def _measure_batch(
         times=[stamped.get(times.topic, times) for times in _log_times(log, batch)],
         malformed={
             channel: count
-            for messages in (*odometry, *contacts)
+            for messages in (*odometry, *(read.messages for read in contacts))
             for channel, count in messages.malformed.items()
         },
         losses=batch.losses,

@@ -20,6 +20,7 @@ from mcap.writer import Writer as McapWriter
 
 from dogbot_logtool import __version__
 from dogbot_logtool.cli import main
+from dogbot_logtool.robot import known_robots
 
 SAMPLE_LOGS = Path(__file__).parents[1] / "sample_logs"
 TROT, WALK, TROUBLED = (
@@ -468,8 +469,8 @@ def test_layout(shell: Shell) -> None:
 def test_robots(shell: Shell) -> None:
     done = shell("robots")
     assert done.code == 0
-    assert [line.split()[0] for line in done.out.splitlines()] == ["dogbot", "generic"]
-    assert set(shell("robots", "--json").json) == {"dogbot", "generic"}
+    assert tuple(line.split()[0] for line in done.out.splitlines()) == known_robots()
+    assert set(shell("robots", "--json").json) == set(known_robots())
     toml = shell("robots", "dogbot")
     assert "[feet.front_left]" in toml.out
     (shell.folder / "mine.toml").write_text(toml.out)

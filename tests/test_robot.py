@@ -288,3 +288,46 @@ def test_a_wrong_choice_lists_the_choices() -> None:
     message = refused("forward_axis = 'north'")
 
     assert all(axis in message for axis in AXES)
+
+
+# --- messages that tell of several feet -------------------------------------------------------
+
+
+ELEMENTS = '[feet.a]\ntopic = "/all"\nelement = 0\n[feet.b]\ntopic = "/all"\n'
+
+
+def test_feet_may_share_a_topic_by_elements() -> None:
+    robot = parse_robot(ELEMENTS + "element = 1\noffset = -3\nnewtons_per_count = 0.5", "mine.toml")
+    assert [foot.element for foot in robot.feet] == [0, 1]
+    assert (robot.feet[1].offset, robot.feet[1].newtons_per_count) == (-3.0, 0.5)
+
+
+@pytest.mark.parametrize("rest", ["", "element = 0"])
+def test_feet_that_share_a_topic_need_elements_of_their_own(rest: str) -> None:
+    assert "/all" in refused(ELEMENTS + rest)
+
+
+@pytest.mark.parametrize(
+    ("key", "value"),
+    [
+        ("element", "-1"),
+        ("element", "1.5"),
+        ("element", "true"),
+        ("offset", "nan"),
+        ("offset", '"3"'),
+        ("newtons_per_count", "0"),
+    ],
+)
+def test_bad_numbers_of_a_raw_sensor_are_told(key: str, value: str) -> None:
+    assert f"feet.left.{key}" in refused(f"{FOOT}{key} = {value}")
+
+
+@pytest.mark.parametrize("name", ["unitree_a1", "unitree_go1", "unitree_go2"])
+def test_unitree_s_order_is_right_before_left(name: str) -> None:
+    robot = load_robot(name)
+    assert {foot.name: foot.element for foot in robot.feet} == {
+        "front_right": 0,
+        "front_left": 1,
+        "back_right": 2,
+        "back_left": 3,
+    }

@@ -103,8 +103,9 @@ def test_the_known_robot_with_most_topics_is_guessed(opened: Opener) -> None:
     assert [channel.topic for channel in selection.odometry] == ["/dogbot/odom"]
     assert tuple(feet(selection)) == DOGBOT_FEET
     assert [channel.topic for channel in selection.transforms] == ["/tf"]
-    by_topic = {c.topic: selection.foot_of[c.id] for c in selection.contacts}
-    assert [by_topic[f"/dogbot/{foot}_contactsensor_state"] for foot in DOGBOT_FEET] == [0, 1, 2, 3]
+    by_topic = {c.topic: selection.feet_of[c.id] for c in selection.contacts}
+    told = [by_topic[f"/dogbot/{foot}_contactsensor_state"] for foot in DOGBOT_FEET]
+    assert told == [(0,), (1,), (2,), (3,)]
     assert codes(selection) == ["N_ROBOT_GUESSED"]
 
 
@@ -179,7 +180,7 @@ def test_missing_feet_are_told_and_kept(opened: Opener) -> None:
     assert len(selection.robot.feet) == 4
     missing = [f.where for f in selection.findings if f.code == "W_FOOT_MISSING"]
     assert len(missing) == 3
-    assert set(selection.foot_of.values()) == {2}
+    assert set(selection.feet_of.values()) == {(2,)}
 
 
 def test_options_choose(opened: Opener) -> None:
@@ -243,7 +244,7 @@ def test_several_senders_of_a_topic_are_all_used(opened: Opener) -> None:
     ]
     selection = select_topics(opened(found), TopicOptions())
     assert len(selection.contacts) == 2
-    assert set(selection.foot_of.values()) == {0}
+    assert set(selection.feet_of.values()) == {(0,)}
 
 
 def test_nothing(opened: Opener) -> None:

@@ -84,6 +84,21 @@ class ArrowCounts:
         )
 
 
+def no_arrows() -> Arrows:
+    """Return none, for sources that do not tell what an arrow needs."""
+    none = np.empty(0, np.int64)
+    return Arrows(
+        foot=none,
+        log_time=none,
+        stamp=none,
+        shown=np.empty(0, np.bool_),
+        position=np.empty((0, 3)),
+        orientation=np.empty((0, 4)),
+        length=np.empty(0),
+        colour=np.empty((0, 4), np.float32),
+    )
+
+
 def classic_arrows(contacts: Contacts) -> tuple[Arrows, ArrowCounts]:
     """Compute the markers of `arrows_rviz.py`.
 

@@ -1,6 +1,6 @@
 """Everything that is measured on one foot while its samples stream past."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
@@ -29,6 +29,8 @@ from dogbot_logtool.core.track import SILENCE_NS, FootTrack, TrackRecorder
 
 GAP_INTERVALS: Final = 5.0
 """A gap is longer than this many median intervals, and than `SILENCE_NS`."""
+_TOUCH_N: Final = 1.0
+"""Stands for the force of a contact whose force is not known; no figure shows it."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -54,6 +56,8 @@ class FootRecord:
     filled_swings: int
     dropped_stances: int
     track: FootTrack
+    has_force: bool = True
+    """Whether forces are known at all, not only contact."""
 
     @property
     def known(self) -> Ints:
@@ -92,8 +96,11 @@ class FootRecorder:
         clock: TimeSource,
         *,
         force_in_world: bool,
+        has_force: bool = True,
         block_rows: int = BLOCK_ROWS,
     ) -> None:
+        self._has_force = has_force
+        rule = rule if has_force else replace(rule, on_n=_TOUCH_N, off_n=0.0)
         self._rule = rule
         self._clock = clock
         self._force_in_world = force_in_world
@@ -126,7 +133,7 @@ class FootRecorder:
             not_finite=self._not_finite,
             not_advancing=self._not_advancing,
             loaded=self._loaded,
-            repeated=self._repeated,
+            repeated=self._repeated if self._has_force else 0,
             start=self._start,
             end=self._end,
             median_interval_s=None if median is None else median / 1e9,
@@ -135,9 +142,13 @@ class FootRecorder:
             filled_swings=self._finder.filled_swings,
             dropped_stances=self._finder.dropped_stances,
             track=self._track.finish(longest),
+            has_force=self._has_force,
         )
 
     def _add_block(self, samples: Samples) -> None:
+        if not self._has_force:
+            touch = np.where(samples.in_contact, _TOUCH_N, 0.0)
+            samples = replace(samples, force=touch[:, None] * np.array([0.0, 0.0, 1.0]))
         time = samples.stamp if self._clock is TimeSource.HEADER else samples.log_time
         finite = samples.finite
         usable = self._usable(time, finite)
@@ -195,4 +206,5 @@ class FootRecorder:
         if last is not None and last.contact[0]:
             cut[-1:] = Cut.LOG_END
         cut[touchdown == start] = Cut.LOG_START
-        return stances_from_rows(touchdown, liftoff, cut, rows[:, 2:])
+        figures = rows[:, 2:] if self._has_force else np.full_like(rows[:, 2:], np.nan)
+        return stances_from_rows(touchdown, liftoff, cut, figures)

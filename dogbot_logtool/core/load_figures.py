@@ -41,6 +41,8 @@ class LoadFigures:
 
 def vertical_is_known(foot: FootRecord) -> bool:
     """Tell whether the vertical force is known for as good as all of the time under load."""
+    if not foot.has_force:
+        return False
     loaded = timespans.total(foot.in_contact)
     unknown = timespans.intersect([foot.in_contact, foot.track.vertical_unknown])
     return loaded > 0 and timespans.total(unknown) <= (1.0 - ENOUGH) * loaded
@@ -52,7 +54,7 @@ def vertical_impulse_ns(foot: FootRecord) -> float | None:
     Trapezoid over real sample times, gaps left out. None where the direction of the force is not
     known, or nothing is known at all.
     """
-    if timespans.total(foot.known) == 0:
+    if timespans.total(foot.known) == 0 or not foot.has_force:
         return None
     if timespans.total(foot.in_contact) and not vertical_is_known(foot):
         return None
@@ -73,6 +75,8 @@ def load_figures(feet: Sequence[FootRecord], body_weight_n: float | None) -> Loa
     vertical &= any(len(foot.in_contact) for foot in feet)
     known = timespans.intersect([foot.vertical_known if vertical else foot.known for foot in feet])
     known_s = timespans.total(known) / 1e9
+    if not all(foot.has_force for foot in feet):
+        return LoadFigures(known_s, None, None, None)
     impulses = [
         foot.track.vertical_within(known) if vertical else foot.track.force_within(known)
         for foot in feet

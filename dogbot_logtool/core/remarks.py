@@ -97,12 +97,7 @@ def _foot(stats: Stats, foot: FootFigures) -> Iterator[Remark]:
     if not len(foot.strides.stance):
         text = f"{name} makes no whole stride, so it has no stride figures"
         yield Remark("N_NO_STRIDES", text, f"{where}.strides")
-    if not vertical_is_known(record):
-        text = (
-            f"wrenches of {name} are not in the world frame ({stats.settings.wrench_frame}): only "
-            "the magnitude of its force is known, vertical and tangential parts are not"
-        )
-        yield Remark("N_VERTICAL_UNKNOWN", text, f"{where}.peak_vertical_force_n")
+    yield from _force_reasons(stats, foot, where)
     if foot.stance_s is not None:
         yield from _stance_reasons(foot, where)
     without_pose = stats.contact_without_pose_s[stats.feet.index(foot)]
@@ -136,9 +131,21 @@ def _sensor(foot: FootFigures, where: str) -> Iterator[Remark]:
         yield Remark("W_CHATTER", text, f"{where}.chatter")
 
 
+def _force_reasons(stats: Stats, foot: FootFigures, where: str) -> Iterator[Remark]:
+    if not foot.record.has_force:
+        text = f"the sensor of {foot.name} tells contact, not force: it has no force figures"
+        yield Remark("N_NO_FORCE", text, f"{where}.peak_force_n")
+    elif not vertical_is_known(foot.record):
+        text = (
+            f"wrenches of {foot.name} are not in the world frame ({stats.settings.wrench_frame}): "
+            "only the magnitude of its force is known, vertical and tangential parts are not"
+        )
+        yield Remark("N_VERTICAL_UNKNOWN", text, f"{where}.peak_vertical_force_n")
+
+
 def _stance_reasons(foot: FootFigures, where: str) -> Iterator[Remark]:
     name = foot.name
-    if foot.loading_rate_nps is None:
+    if foot.loading_rate_nps is None and foot.record.has_force:
         text = f"{name} is loaded within one sampling interval: its loading rate is not resolved"
         yield Remark("N_LOADING_RATE_UNRESOLVED", text, f"{where}.loading_rate_nps")
     if foot.contact_travel_m is None:

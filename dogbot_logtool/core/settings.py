@@ -16,6 +16,8 @@ class FootPlace:
     name: str
     topic: str
     place: Place | None = None
+    has_force: bool = True
+    """Whether its sensor tells a force, not only whether the foot touches."""
 
 
 @dataclass(frozen=True, slots=True)

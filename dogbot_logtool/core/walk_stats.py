@@ -84,8 +84,13 @@ class StatsAccumulator:
     def __init__(self, settings: StatsSettings) -> None:
         self._settings = settings
         self._feet = [
-            FootRecorder(settings.rule, settings.clock, force_in_world=settings.force_in_world)
-            for _ in settings.feet
+            FootRecorder(
+                settings.rule,
+                settings.clock,
+                force_in_world=settings.force_in_world,
+                has_force=foot.has_force,
+            )
+            for foot in settings.feet
         ]
         self._base = BaseRecorder(settings.clock)
         self._stamps = [StampWatch(foot.topic) for foot in settings.feet]

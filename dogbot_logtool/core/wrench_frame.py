@@ -34,10 +34,10 @@ class WrenchFrameEvidence:
     """How well recorded forces point along the contact normals."""
 
     frame: WrenchFrame
-    median_alignment: float | None
+    median_alignment: float | None = None
     """Median of |F.n| / |F|; None without loaded samples that have normals."""
-    samples: int
-    """Loaded samples that were looked at."""
+    samples: int = 0
+    """Loaded samples that were looked at; 0 too where the type of the messages decides."""
 
 
 def alignment(samples: Samples) -> Floats:

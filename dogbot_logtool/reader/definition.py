@@ -126,6 +126,8 @@ def parse_definition(type_name: str, text: str, schema_encoding: str) -> Struct:
     """
     if len(text) > _MAX_TEXT:
         raise DefinitionError(f"the definition of {type_name} is {len(text)} characters long")
+    if not schema_encoding and not text:
+        raise DefinitionError(f"neither the log nor this program has a definition of {type_name}")
     types = _parse_text(type_name, text, schema_encoding)
     return _TreeBuilder(types, schema_encoding).struct(_long_type_name(type_name), ())
 

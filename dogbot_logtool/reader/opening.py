@@ -4,34 +4,45 @@ from pathlib import Path
 from typing import Final, TypeVar
 
 from dogbot_logtool.errors import LogError
-from dogbot_logtool.reader import bag_records, mcap_records
+from dogbot_logtool.reader import bag_records, mcap_records, sqlite_log
 from dogbot_logtool.reader.bag_log import open_bag
 from dogbot_logtool.reader.log import Log, Loss
 from dogbot_logtool.reader.mcap_log import open_mcap
+from dogbot_logtool.reader.packed_messages import ZSTD_MAGIC
+from dogbot_logtool.reader.rosbag2 import open_rosbag2
 from dogbot_logtool.reader.source import ByteSource
+from dogbot_logtool.reader.zstd_file import open_zstd
 
 OpenedLog = TypeVar("OpenedLog", bound=Log)
 
 _MOST_DAMAGED_BYTES: Final = 2
 _KNOWN_BUT_UNREAD: Final = {
-    b"SQLite format 3\0": "a ROS 2 sqlite3 bag, which is not read yet; "
-    "'ros2 bag convert' makes an MCAP of it",
     b"#ROSBAG V1": "a bag of an older format than 2.0; 'rosbag fix' or 'rosbag migrate' updates it",
-    b"\x28\xb5\x2f\xfd": "a zstd-compressed file; decompress it first ('zstd -d')",
     b"\x1f\x8b": "a gzip-compressed file; decompress it first ('gunzip')",
 }
 
 
 def open_log(path: Path) -> Log:
-    """Open a ROS 1 bag or an MCAP.
+    """Open a ROS 1 bag, an MCAP, or a ROS 2 bag: its directory or one of its files.
 
     Raises:
         CallError: there is no such file.
-        LogError: it is neither.
+        LogError: it is none of them.
     """
+    return open_rosbag2(path, _open_file) if path.is_dir() else _open_file(path)
+
+
+def _open_file(path: Path, distribution: str = "", *, packed: bool = True) -> Log:
     source = ByteSource(path)
     try:
         magic = source.read(0, 16)
+        if magic == sqlite_log.MAGIC:
+            return sqlite_log.open_sqlite(source, distribution)
+        if magic.startswith(ZSTD_MAGIC) and packed:
+            # Only once: a file within a file within a file is nobody's log.
+            log = open_zstd(source, lambda inner: _open_file(inner, distribution, packed=False))
+            source.close()
+            return log
         known = any(magic.startswith(start) for start in _KNOWN_BUT_UNREAD)
         if not known and _resembles(magic, mcap_records.MAGIC):
             return _noting_damage(open_mcap(source), magic, mcap_records.MAGIC)
@@ -62,4 +73,7 @@ def _what_it_is(magic: bytes) -> str:
     for start, what in _KNOWN_BUT_UNREAD.items():
         if magic.startswith(start):
             return f"is {what}"
-    return "is neither a ROS 1 bag (#ROSBAG V2.0) nor an MCAP file: its first bytes are neither's"
+    return (
+        "is neither a ROS 1 bag (#ROSBAG V2.0) nor an MCAP file nor a file of a ROS 2 bag: "
+        "its first bytes are none of theirs"
+    )

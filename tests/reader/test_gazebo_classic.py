@@ -8,7 +8,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from dogbot_logtool.reader.columns import Texts
-from dogbot_logtool.reader.contacts import link_of_collision, newest_step
+from dogbot_logtool.reader.contact_sources.collisions import link_of_collision
+from dogbot_logtool.reader.contact_sources.gazebo_classic import newest_step
 
 
 def texts(strings: list[str]) -> Texts:

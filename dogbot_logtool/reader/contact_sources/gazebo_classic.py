@@ -1,8 +1,5 @@
-"""gazebo_msgs/ContactsState to columns."""
+"""gazebo_msgs/ContactsState: the bumpers of Gazebo classic."""
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
-from fnmatch import fnmatchcase
 from typing import Final
 
 import numpy as np
@@ -11,16 +8,20 @@ from numpy.typing import NDArray
 from dogbot_logtool.core.arrays import Flags, Ints
 from dogbot_logtool.core.contacts import (
     FOOT_IS_COLLISION1,
-    FOOT_IS_COLLISION2,
     NOT_THIS_FOOT,
     Contacts,
+    contact_samples,
 )
-from dogbot_logtool.reader.columns import Nested, Texts, gather_bytes
-from dogbot_logtool.reader.log import Batch, Channel
-from dogbot_logtool.reader.messages import DecodedMessages, decode_channels, layout_of
-from dogbot_logtool.robot import Foot
+from dogbot_logtool.reader.columns import Texts, gather_bytes
+from dogbot_logtool.reader.contact_sources.collisions import foot_sides, link_of_collision
+from dogbot_logtool.reader.contact_sources.source import (
+    ContactSource,
+    Felt,
+    FootChannels,
+    FootLinks,
+)
+from dogbot_logtool.reader.messages import DecodedMessages
 
-CONTACTS_TYPE: Final = "gazebo_msgs/ContactsState"
 _WANTED: Final = (
     "header.stamp",
     "header.frame_id",
@@ -35,52 +36,18 @@ _WANTED: Final = (
 _INFO_TAIL: Final = 48
 """Bytes at the end of `info` that hold the time of the physics step, and more."""
 _TIME: Final = np.frombuffer(b"time:", np.uint8)
-_GROUND_WORDS: Final = ("ground", "plane", "terrain", "heightmap", "floor", "world")
 
 
-@dataclass(frozen=True, slots=True)
-class ContactsRead:
-    """Contact columns, and what was noticed on the way."""
-
-    contacts: Contacts
-    untimed_messages: int
-    """Messages of several states whose `info` tells no time: read as one physics step."""
-    foreign_states: int
-    """States of pairs in which not exactly one body is the foot."""
-
-
-def check_contacts(channel: Channel) -> None:
-    """Check that a channel's messages can be decoded.
-
-    Raises:
-        DefinitionError: its definition is damaged, or lacks a field that is needed.
-    """
-    layout_of(channel, _WANTED)
-
-
-def decode_contacts(batch: Batch, channels: Sequence[Channel]) -> list[DecodedMessages]:
-    """Decode the contact messages of a batch; see `decode_channels`."""
-    return decode_channels(batch, channels, _WANTED)
-
-
-def contact_columns(
-    messages: DecodedMessages, feet: Sequence[Foot], foot_of: Mapping[int, int]
-) -> ContactsRead:
-    """Return the columns of decoded contact messages.
-
-    Args:
-        messages: the decoded messages.
-        feet: the robot's feet.
-        foot_of: index of the foot in `feet` by channel id.
-    """
+def contacts_felt(messages: DecodedMessages, feet: FootChannels) -> Felt:
+    """Reduce messages to samples; see `ContactSource.read`."""
     table = messages.table
     states = table.nested("states")
     points = states.table.nested("contact_positions")
     wrenches = states.table.nested("wrenches")
     normals = states.table.nested("contact_normals")
-    foot = _foot_of_messages(messages.channel, foot_of)
+    foot = feet.single(messages.channel)
     newest, untimed = newest_step(states.table.texts("info"), states.parent, table.rows)
-    side = _foot_sides(states, foot, feet)
+    side = _sides(messages, feet, foot)
     contacts = Contacts(
         foot=foot,
         log_time=messages.log_time,
@@ -96,19 +63,18 @@ def contact_columns(
         normal_state=normals.parent,
         normal=normals.table.vectors("", "xyz"),
     )
-    return ContactsRead(contacts, untimed, int((side == NOT_THIS_FOOT).sum()))
+    foreign = int((side == NOT_THIS_FOOT).sum())
+    return Felt(contact_samples(contacts), contacts, untimed, foreign)
 
 
-def foot_links(
-    messages: DecodedMessages, feet: Sequence[Foot], foot_of: Mapping[int, int]
-) -> dict[int, set[str]]:
+def foot_links(messages: DecodedMessages, feet: FootChannels) -> FootLinks:
     """Return the links that the feet's own collisions belong to, by foot.
 
     Only pairs with the foot in first place count: their wrenches are in that link's frame.
     """
     states = messages.table.nested("states")
-    foot = _foot_of_messages(messages.channel, foot_of)
-    side = _foot_sides(states, foot, feet)
+    foot = feet.single(messages.channel)
+    side = _sides(messages, feet, foot)
     code, names = states.table.texts("collision1_name").encode()
     pairs = foot[states.parent] * len(names) + code
     links: dict[int, set[str]] = {}
@@ -119,20 +85,11 @@ def foot_links(
     return links
 
 
-def link_of_collision(collision: str) -> str | None:
-    """Return the link in Gazebo's name of a collision, ``model::link::collision``; None: none.
-
-    Nested models add parts in front; the link is always the last but one.
-    """
-    parts = collision.split("::")
-    return parts[-2] if len(parts) >= 3 else None
-
-
-def _foot_of_messages(channel: Ints, foot_of: Mapping[int, int]) -> Ints:
-    """(n,) foot index of every message."""
-    ids = np.array(sorted(foot_of), np.int64)
-    feet = np.array([foot_of[number] for number in ids.tolist()], np.int64)
-    return feet[np.searchsorted(ids, channel)]
+def _sides(messages: DecodedMessages, feet: FootChannels, foot: Ints) -> NDArray[np.int8]:
+    """(s,) which body of each state's pair is the foot."""
+    states = messages.table.nested("states")
+    names = states.table.texts("collision1_name"), states.table.texts("collision2_name")
+    return foot_sides(*names, foot[states.parent], feet.feet)
 
 
 def newest_step(info: Texts, message: Ints, messages: int) -> tuple[Flags, int]:
@@ -202,37 +159,9 @@ def _times_at_same_place(info: Texts, end: Ints) -> NDArray[np.void] | None:
     return tail.view(f"V{size}")[:, 0]
 
 
-def _foot_sides(states: Nested, foot: Ints, feet: Sequence[Foot]) -> NDArray[np.int8]:
-    """(s,) which body of each state's pair is the foot."""
-    code1, names1 = states.table.texts("collision1_name").encode()
-    code2, names2 = states.table.texts("collision2_name").encode()
-    foot_of_state = foot[states.parent]
-    first = _matches(feet, names1)[foot_of_state, code1]
-    second = _matches(feet, names2)[foot_of_state, code2]
-    side = np.select(
-        [first & ~second, second & ~first], [FOOT_IS_COLLISION1, FOOT_IS_COLLISION2], NOT_THIS_FOOT
-    )
-    # Without a pattern, and with names that do not tell, the ground's name may; else the sensor's
-    # own body stands first.
-    guess = np.array([not one.collision for one in feet], np.bool_)[foot_of_state]
-    guess &= ~(first | second)
-    ground1 = np.array([_is_ground(name) for name in names1], np.bool_)[code1]
-    ground2 = np.array([_is_ground(name) for name in names2], np.bool_)[code2]
-    guessed = np.where(ground1 & ~ground2, FOOT_IS_COLLISION2, FOOT_IS_COLLISION1)
-    return np.where(guess, guessed, side).astype(np.int8)
-
-
-def _matches(feet: Sequence[Foot], names: Sequence[str]) -> Flags:
-    """(feet, names) whether a name is the foot's."""
-    table = [[_is_foot(foot, name) for name in names] for foot in feet]
-    return np.array(table, np.bool_).reshape(len(feet), len(names))
-
-
-def _is_foot(foot: Foot, name: str) -> bool:
-    if foot.collision:
-        return fnmatchcase(name, foot.collision)
-    return foot.name.lower() in name.lower()
-
-
-def _is_ground(name: str) -> bool:
-    return any(word in name.lower() for word in _GROUND_WORDS)
+SOURCE: Final = ContactSource(
+    type_name="gazebo_msgs/ContactsState",
+    wanted=_WANTED,
+    read=contacts_felt,
+    links=foot_links,
+)

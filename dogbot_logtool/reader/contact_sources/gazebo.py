@@ -1,0 +1,66 @@
+"""ros_gz_interfaces/Contacts: the contact sensors of the new Gazebo (gz sim).
+
+Published only while something touches. Each message is one physics step, one `Contact` a pair.
+Positions, normals and wrenches are in the world frame; `body_1_wrench` acts on body 1.
+"""
+
+from dataclasses import replace
+from typing import Final
+
+import numpy as np
+
+from dogbot_logtool.core.arrays import sum_by_group
+from dogbot_logtool.core.contacts import NOT_THIS_FOOT, Contacts, contact_samples
+from dogbot_logtool.core.wrench_frame import WrenchFrame
+from dogbot_logtool.reader.contact_sources.collisions import foot_sides
+from dogbot_logtool.reader.contact_sources.source import ContactSource, Felt, FootChannels
+from dogbot_logtool.reader.messages import DecodedMessages
+
+_WANTED: Final = (
+    "header.stamp",
+    "header.frame_id",
+    "contacts.collision1.name",
+    "contacts.collision2.name",
+    "contacts.positions",
+    "contacts.normals",
+    "contacts.wrenches.body_1_wrench.force",
+)
+
+
+def contacts_felt(messages: DecodedMessages, feet: FootChannels) -> Felt:
+    """Reduce messages to samples; see `ContactSource.read`."""
+    pairs = messages.table.nested("contacts")
+    points = pairs.table.nested("positions")
+    wrenches = pairs.table.nested("wrenches")
+    normals = pairs.table.nested("normals")
+    foot = feet.single(messages.channel)
+    names = pairs.table.texts("collision1.name"), pairs.table.texts("collision2.name")
+    side = foot_sides(*names, foot[pairs.parent], feet.feet)
+    force = wrenches.table.vectors("body_1_wrench.force", "xyz")
+    contacts = Contacts(
+        foot=foot,
+        log_time=messages.log_time,
+        stamp=messages.table.nanoseconds("header.stamp"),
+        state_message=pairs.parent,
+        foot_side=side,
+        newest=np.ones(len(pairs.parent), np.bool_),
+        total_force=sum_by_group(force, wrenches.parent, len(pairs.parent)),
+        point_state=points.parent,
+        point=points.table.vectors("", "xyz"),
+        wrench_state=wrenches.parent,
+        wrench_force=force,
+        normal_state=normals.parent,
+        normal=normals.table.vectors("", "xyz"),
+    )
+    samples = contact_samples(contacts)
+    samples = replace(samples, in_world=samples.in_contact)
+    return Felt(samples, contacts, foreign_states=int((side == NOT_THIS_FOOT).sum()))
+
+
+SOURCE: Final = ContactSource(
+    type_name="ros_gz_interfaces/Contacts",
+    wanted=_WANTED,
+    read=contacts_felt,
+    frame=WrenchFrame.WORLD,
+    silent_in_swing=True,
+)

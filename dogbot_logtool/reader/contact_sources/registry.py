@@ -1,0 +1,72 @@
+"""All contact sources, and the seam through which every command reads them."""
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Final
+
+from dogbot_logtool.reader.contact_sources import (
+    champ,
+    gazebo,
+    gazebo_classic,
+    spot,
+    unitree,
+    wrench,
+)
+from dogbot_logtool.reader.contact_sources.source import (
+    ContactSource,
+    Felt,
+    FootChannels,
+    FootLinks,
+)
+from dogbot_logtool.reader.log import Batch, Channel
+from dogbot_logtool.reader.messages import DecodedMessages, decode_channels, layout_of
+
+_SOURCES: Final = (
+    gazebo_classic.SOURCE,
+    gazebo.SOURCE,
+    unitree.LEGGED_SOURCE,
+    unitree.GO_SOURCE,
+    wrench.SOURCE,
+    spot.SOURCE,
+    champ.SOURCE,
+)
+SOURCES: Final[Mapping[str, ContactSource]] = {one.type_name: one for one in _SOURCES}
+"""By type name. Where feet are found by type, the first one that a log has is taken."""
+
+
+@dataclass(frozen=True, slots=True)
+class ContactsRead:
+    """Contact messages of one definition, and what they tell."""
+
+    source: ContactSource
+    messages: DecodedMessages
+    felt: Felt
+    feet: FootChannels
+
+    @property
+    def links(self) -> FootLinks:
+        """Frames that the forces may be in, by foot."""
+        return self.source.links(self.messages, self.feet)
+
+
+def check_contacts(channel: Channel) -> None:
+    """Check that a channel's messages can be decoded.
+
+    Raises:
+        DefinitionError: its definition is damaged, or lacks a field that is needed.
+    """
+    layout_of(channel, SOURCES[channel.type_name].wanted)
+
+
+def read_contacts(
+    batch: Batch, channels: Sequence[Channel], feet: FootChannels
+) -> list[ContactsRead]:
+    """Read the contact messages of a batch; one entry a definition, nearly always one."""
+    return list(_read(batch, channels, feet))
+
+
+def _read(batch: Batch, channels: Sequence[Channel], feet: FootChannels) -> Iterator[ContactsRead]:
+    for type_name, source in SOURCES.items():
+        of_type = [channel for channel in channels if channel.type_name == type_name]
+        for messages in decode_channels(batch, of_type, source.wanted) if of_type else ():
+            yield ContactsRead(source, messages, source.read(messages, feet), feet)

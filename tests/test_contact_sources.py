@@ -1,0 +1,201 @@
+"""One walk in every type of contact message: the same contact times, and the same forces."""
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from dogbot_logtool.convert import convert
+from dogbot_logtool.evidence import look_into
+from dogbot_logtool.info import describe
+from dogbot_logtool.plan import ConvertOptions, Style
+from dogbot_logtool.reader.contact_sources.registry import read_contacts
+from dogbot_logtool.reader.opening import open_log
+from dogbot_logtool.report.stats_json import stats_json
+from dogbot_logtool.selection import TopicOptions, select_topics
+from dogbot_logtool.stats import StatsOptions, measure
+from tests import walks
+
+FLAGS_ONLY = ("spot_msgs/msg/FootStateArray", "champ_msgs/msg/ContactsStamped")
+IN_WORLD = ("gazebo_msgs/msg/ContactsState", "ros_gz_interfaces/msg/Contacts")
+WITH_FORCE = tuple(kind for kind in walks.KINDS if kind not in FLAGS_ONLY)
+FORCE_FIGURES = (
+    "peak_force_n",
+    "peak_force_bw",
+    "mean_force_n",
+    "peak_vertical_force_n",
+    "mean_vertical_force_n",
+    "vertical_impulse_ns",
+    "loading_rate_nps",
+)
+
+
+def options_for(folder: Path, kind: str) -> TopicOptions:
+    return TopicOptions(robot=str(walks.robot_file(folder, kind)))
+
+
+def figures(folder: Path, kind: str, container: str = "mcap") -> dict[str, Any]:
+    path = walks.write_walk(folder, kind, container)
+    done = measure(path, StatsOptions(options_for(folder, kind)))
+    return stats_json(done.stats, done.facts)
+
+
+def steps(leg: str) -> tuple[list[float], list[float]]:
+    """Touchdowns and lift-offs, s: the first sample in contact, and the first one not."""
+    down = np.flatnonzero(np.diff(walks.TOUCHES[leg].astype(int), prepend=0))
+    times = [round(float(sample) * walks.STEP / 1e9, 9) for sample in down]
+    return times[0::2], times[1::2]
+
+
+@pytest.mark.parametrize("kind", walks.KINDS)
+def test_the_gait_is_that_of_the_walk(tmp_path: Path, kind: str) -> None:
+    got = figures(tmp_path, kind)
+    for leg in walks.LEGS:
+        assert got["feet"][leg]["contact_fraction"] == pytest.approx(
+            walks.TOUCHES[leg].mean(), abs=0.01
+        )
+    assert got["gait"]["class"] == "trot"
+    assert got["gait"]["duty_factor"] == pytest.approx(walks.STANCE / walks.PERIOD, abs=0.01)
+
+
+@pytest.mark.parametrize("container", walks.CONTAINERS)
+@pytest.mark.parametrize("kind", walks.KINDS)
+def test_every_container_gives_the_same(tmp_path: Path, kind: str, container: str) -> None:
+    got = figures(tmp_path, kind, container)
+    for leg in walks.LEGS:
+        touchdowns, liftoffs = steps(leg)
+        assert got["feet"][leg]["touchdown_s"] == pytest.approx(touchdowns, abs=1e-6)
+        assert got["feet"][leg]["liftoff_s"] == pytest.approx(liftoffs, abs=1e-6)
+        if kind in WITH_FORCE:
+            newtons = walks.FORCES[leg][:, 2].max()
+            assert got["feet"][leg]["peak_force_n"]["mean"] == pytest.approx(newtons)
+
+
+@pytest.mark.parametrize("kind", WITH_FORCE)
+def test_forces_are_those_of_the_walk(tmp_path: Path, kind: str) -> None:
+    got = figures(tmp_path, kind)
+    for leg in walks.LEGS:
+        newtons = np.linalg.norm(walks.FORCES[leg], axis=1)
+        assert got["feet"][leg]["peak_force_n"]["max"] == pytest.approx(newtons.max())
+        assert got["feet"][leg]["peak_force_n"]["min"] == pytest.approx(newtons.max())
+        impulse = got["feet"][leg]["vertical_impulse_ns"]
+        if kind in IN_WORLD:
+            times = np.arange(walks.SAMPLES) * walks.STEP / 1e9
+            assert impulse == pytest.approx(np.trapezoid(newtons, times), rel=1e-9)
+        else:
+            assert impulse is None
+
+
+@pytest.mark.parametrize("kind", FLAGS_ONLY)
+def test_flags_give_no_force_figures_and_say_so(tmp_path: Path, kind: str) -> None:
+    got = figures(tmp_path, kind)
+    codes = {note["code"] for note in got["notes"]}
+    assert "N_NO_FORCE" in codes
+    assert "W_STUCK" not in codes
+    for leg in walks.LEGS:
+        assert [got["feet"][leg][name] for name in FORCE_FIGURES] == [None] * len(FORCE_FIGURES)
+        assert got["feet"][leg]["stance_s"]["n"] > 0
+    assert got["forces"]["load_share"] is None or not any(got["forces"]["load_share"].values())
+    assert got["forces"]["vertical_impulse_over_weight"] is None
+
+
+@pytest.mark.parametrize("kind", [k for k in walks.KINDS if "LowState" in k or "spot" in k])
+def test_without_a_header_log_time_is_used_and_said(tmp_path: Path, kind: str) -> None:
+    got = figures(tmp_path, kind)
+    assert got["settings"]["time_source"] == "log"
+    assert any("no header" in note["text"] for note in got["notes"])
+
+
+@pytest.mark.parametrize("kind", walks.KINDS)
+def test_feet_are_found_by_type(tmp_path: Path, kind: str) -> None:
+    told = describe(walks.write_walk(tmp_path, kind, "mcap"), TopicOptions(robot="generic"))
+    used = {topic.topic: topic.use for topic in told.topics}
+    assert set(used) == {"/odom"} | {walks.foot_topic(kind, leg) for leg in walks.LEGS}
+    named = ", ".join(use for topic, use in used.items() if topic != "/odom")
+    assert all(leg in named for leg in walks.LEGS)
+
+
+@pytest.mark.parametrize("kind", walks.KINDS)
+def test_order_of_feet_is_the_message_s(tmp_path: Path, kind: str) -> None:
+    """Without a robot's file: each leg of its own force must be where its name says."""
+    log = open_log(walks.write_walk(tmp_path, kind, "mcap"))
+    selection = select_topics(log, TopicOptions(robot="generic"))
+    read = [
+        one.felt.samples
+        for span in log.spans()
+        for one in read_contacts(
+            log.read(span), selection.contacts, selection.foot_channels(contact_on_n=50.0)
+        )
+    ]
+    log.close()
+    (samples,) = read
+    for foot, leg in enumerate(selection.robot.feet):
+        mine = samples.pick(samples.foot == foot)
+        times = (mine.log_time[mine.in_contact] - walks.START) // walks.STEP
+        if "LowState" in kind:
+            # Counts have an offset, and a threshold far above it.
+            assert set(times.tolist()) <= set(np.flatnonzero(walks.TOUCHES[leg.name]).tolist())
+        else:
+            assert times.tolist() == np.flatnonzero(walks.TOUCHES[leg.name]).tolist()
+
+
+@pytest.mark.parametrize("style", ["classic", "pressure", "force"])
+@pytest.mark.parametrize("kind", walks.KINDS)
+def test_every_source_converts(tmp_path: Path, kind: str, style: Style) -> None:
+    path = walks.write_walk(tmp_path, kind, "mcap")
+    options = ConvertOptions(options_for(tmp_path, kind), style=style)
+    done = convert(path, tmp_path / "out.mcap", options)
+    assert done.losses == ()
+    touching = sum(int(touch.sum()) for touch in walks.TOUCHES.values())
+    loads = {leg: done.annotations[f"/load/{leg}"] for leg in walks.LEGS}
+    assert all(count >= 0.5 * walks.SAMPLES for count in loads.values())
+    drawn = sum(done.annotations[f"/marker_basic_{leg}_foot"] for leg in walks.LEGS)
+    if kind in IN_WORLD:
+        assert drawn >= touching
+    codes = {finding.code for finding in done.findings}
+    assert "W_NOT_CALIBRATED" not in codes
+    assert ("N_NO_FORCE" in codes) == (kind in FLAGS_ONLY)
+    assert ("N_NO_POINTS" in codes) == (kind not in (*FLAGS_ONLY, *IN_WORLD))
+
+
+def test_the_result_of_silent_swings_does_not_depend_on_jobs(tmp_path: Path) -> None:
+    kind = "ros_gz_interfaces/msg/Contacts"
+    path = walks.write_walk(tmp_path, kind, "mcap")
+    outputs = []
+    for jobs in (1, 4):
+        target = tmp_path / f"out{jobs}.mcap"
+        convert(path, target, ConvertOptions(options_for(tmp_path, kind), jobs=jobs))
+        outputs.append(target.read_bytes())
+    assert outputs[0] == outputs[1]
+
+
+def test_the_interval_of_a_silent_sensor_is_seen(tmp_path: Path) -> None:
+    log = open_log(walks.write_walk(tmp_path, "ros_gz_interfaces/msg/Contacts", "mcap"))
+    evidence = look_into(log, select_topics(log, TopicOptions(robot="generic")))
+    log.close()
+    assert evidence.intervals == dict.fromkeys(range(4), walks.STEP)
+    assert evidence.wrench_frame.frame == "world"
+
+
+@pytest.mark.parametrize("name", ["unitree_go2", "generic"])
+def test_raw_counts_are_not_passed_off_as_newtons(tmp_path: Path, name: str) -> None:
+    path = walks.write_walk(tmp_path, "unitree_go/msg/LowState", "mcap")
+    feet = dict.fromkeys(walks.LEGS, "/feet") if name == "unitree_go2" else None
+    told = describe(path, TopicOptions(robot=name, foot_topics=feet))
+    assert "W_NOT_CALIBRATED" in {finding.code for finding in told.findings}
+
+
+def test_robots_with_other_numbers_of_feet(tmp_path: Path) -> None:
+    path = walks.write_walk(tmp_path, "geometry_msgs/msg/WrenchStamped", "mcap")
+    feet = {"left": "/front_left/contact", "right": "/front_right/contact"}
+    options = TopicOptions(robot="generic", foot_topics=feet)
+    done = measure(path, StatsOptions(options))
+    got = stats_json(done.stats, done.facts)
+    assert got["gait"]["class"] in {None, "irregular"}
+    for name, leg in (("left", "front_left"), ("right", "front_right")):
+        assert got["feet"][name]["touchdown_s"] == pytest.approx(steps(leg)[0], abs=1e-6)
+    six = feet | {f"foot_{n}": f"/{leg}/contact" for n, leg in enumerate(walks.LEGS[2:])}
+    six |= {"front_mid": "/front_left/contact", "back_mid": "/back_left/contact"}
+    told = describe(path, TopicOptions(robot="generic", foot_topics=six))
+    assert told.exit_code == 0
