@@ -15,6 +15,7 @@ from dogbot_logtool.findings import Finding, note, warning
 from dogbot_logtool.parallel import in_order
 from dogbot_logtool.plan import ConvertOptions, Plan, make_plan, without_tf
 from dogbot_logtool.printable import printable
+from dogbot_logtool.reader.definition import short_type_name
 from dogbot_logtool.reader.log import Log, Loss, lost_messages
 from dogbot_logtool.reader.mcap_extras import read_extra
 from dogbot_logtool.reader.opening import open_log
@@ -171,7 +172,8 @@ def _annotations(log: Log, plan: Plan, tally: _Tally) -> Annotations:
         """One topic must never carry two types or encodings."""
         name = topic
         while (there := recorded.get(name)) is not None:
-            if (there.type_name, there.message_encoding) == (kind.name, kind.message_encoding):
+            ours = short_type_name(kind.name), kind.message_encoding
+            if (there.type_name, there.message_encoding) == ours:
                 break
             name = FALLBACK_PREFIX + name
         if name != topic:
@@ -193,18 +195,24 @@ def _annotations(log: Log, plan: Plan, tally: _Tally) -> Annotations:
 
 def _encoding(plan: Plan) -> Encoding:
     # Imported late: each brings the libraries of its message format.
-    if plan.options.encoding == "ros1":
-        from dogbot_logtool.writer.ros1 import Ros1Encoding  # noqa: PLC0415
+    match plan.options.encoding:
+        case "ros1":
+            from dogbot_logtool.writer.ros1 import Ros1Encoding  # noqa: PLC0415
 
-        return Ros1Encoding()
-    from dogbot_logtool.writer.foxglove import FoxgloveEncoding  # noqa: PLC0415
+            return Ros1Encoding()
+        case "ros2":
+            from dogbot_logtool.writer.ros2 import Ros2Encoding  # noqa: PLC0415
 
-    return FoxgloveEncoding()
+            return Ros2Encoding()
+        case "foxglove":
+            from dogbot_logtool.writer.foxglove import FoxgloveEncoding  # noqa: PLC0415
+
+            return FoxgloveEncoding()
 
 
 def _start(file: BinaryIO, log: Log, plan: Plan, annotations: Annotations) -> McapWriter:
     """Write the header and everything that messages refer to."""
-    ours = "ros1" if plan.options.encoding == "ros1" else ""
+    ours = "" if plan.options.encoding == "foxglove" else plan.options.encoding
     writer = McapWriter(file, log.profile if plan.options.copy else ours)
     if plan.options.copy:
         schemas = {c.schema.id: c.schema for c in log.channels.values() if c.schema is not None}

@@ -18,7 +18,7 @@ from dogbot_logtool.writer.chunks import Compression
 from dogbot_logtool.writer.encoding import ArrowStyle
 
 Style = Literal["classic", "pressure", "force"]
-EncodingName = Literal["foxglove", "ros1"]
+EncodingName = Literal["foxglove", "ros1", "ros2"]
 WrenchFrameOption = Literal["auto", "world", "link"]
 TfOption = Literal["auto", "always", "never"]
 

@@ -199,3 +199,42 @@ def test_robots_with_other_numbers_of_feet(tmp_path: Path) -> None:
     six |= {"front_mid": "/front_left/contact", "back_mid": "/back_left/contact"}
     told = describe(path, TopicOptions(robot="generic", foot_topics=six))
     assert told.exit_code == 0
+
+
+class TurnedSensors(walks.Walk):
+    """Sensors that hang upside down: what is up in the world is down in their frames."""
+
+    def wrench(self, values: Any) -> Any:
+        return super().wrench(np.array(values) * (1.0, -1.0, -1.0))
+
+    def frames(self) -> walks.Entry:
+        turned = self.make("geometry_msgs/Quaternion", x=1.0, y=0.0, z=0.0, w=0.0)
+        transforms = [
+            self.make(
+                "geometry_msgs/TransformStamped",
+                header=self.header(0, "base"),
+                child_frame_id=f"{leg}_sensor",
+                transform=self.make(
+                    "geometry_msgs/Transform", translation=self.vector((0, 0, 0)), rotation=turned
+                ),
+            )
+            for leg in walks.LEGS
+        ]
+        kind = "tf2_msgs/msg/TFMessage"
+        data = self.bytes_of(kind, self.make(kind, transforms=transforms))
+        return walks.Entry("/tf_static", kind, walks.START, data)
+
+
+def test_a_force_sensor_s_frame_is_turned_into_the_world(tmp_path: Path) -> None:
+    kind = "geometry_msgs/msg/WrenchStamped"
+    walk = TurnedSensors(2)
+    path = tmp_path / "walk.mcap"
+    walks.write_mcap(path, walk, [walk.frames(), *walk.messages(kind)])
+    done = measure(path, StatsOptions(options_for(tmp_path, kind)))
+    got = stats_json(done.stats, done.facts)
+    times = np.arange(walks.SAMPLES) * walks.STEP / 1e9
+    for leg in walks.LEGS:
+        vertical = walks.FORCES[leg][:, 2]
+        assert got["feet"][leg]["peak_vertical_force_n"]["mean"] == pytest.approx(vertical.max())
+        impulse = got["feet"][leg]["vertical_impulse_ns"]
+        assert impulse == pytest.approx(np.trapezoid(vertical, times), rel=1e-9)

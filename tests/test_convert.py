@@ -29,6 +29,7 @@ from mcap.writer import CompressionType
 from mcap.writer import Writer as McapWriter
 from mcap_protobuf.decoder import DecoderFactory as ProtobufDecoders
 from mcap_ros1.decoder import DecoderFactory as Ros1Decoders
+from mcap_ros2.decoder import DecoderFactory as Ros2Decoders
 from pymcap_cli.cli import app as pymcap_cli
 from rosbags.rosbag1 import Reader as BagReader
 from rosbags.rosbag1 import Writer as BagWriter
@@ -399,7 +400,11 @@ class Written:
     statistics: records.Statistics | None = None
     chunk_compressions: list[str] = field(default_factory=list)
     decoders: Mapping[str, Any] = field(
-        default_factory=lambda: {"protobuf": ProtobufDecoders(), "ros1": Ros1Decoders()}
+        default_factory=lambda: {
+            "protobuf": ProtobufDecoders(),
+            "ros1": Ros1Decoders(),
+            "cdr": Ros2Decoders(),
+        }
     )
     """The libraries' decoders; they remember schemas by id, so every file needs its own."""
 
@@ -454,7 +459,7 @@ def read_written(path: Path) -> Written:
 
 
 def of_encoding(encoding: EncodingName) -> str:
-    return "protobuf" if encoding == "foxglove" else "ros1"
+    return {"foxglove": "protobuf", "ros1": "ros1", "ros2": "cdr"}[encoding]
 
 
 def annotations(
@@ -462,7 +467,8 @@ def annotations(
 ) -> Iterator[tuple[records.Message, Any]]:
     """Decode the annotations of a topic."""
     for schema, message in written.of(topic, of_encoding(encoding)):
-        assert schema.name == type_name
+        assert schema.name.replace("/msg/", "/") == type_name
+        assert ("/msg/" in schema.name) == (encoding == "ros2")
         assert message.publish_time == message.log_time
         yield message, written.decode(schema, message, of_encoding(encoding))
 
@@ -472,6 +478,8 @@ def protobuf_time(stamp: Any) -> int:
 
 
 def ros_time(stamp: Any) -> int:
+    if hasattr(stamp, "nanosec"):
+        return int(stamp.sec) * S + int(stamp.nanosec)
     return int(stamp.secs) * S + int(stamp.nsecs)
 
 
@@ -503,7 +511,7 @@ def written_arrows(
 ) -> list[Arrow]:
     if encoding == "foxglove":
         return foxglove_arrows(written, foot, style)
-    return marker_arrows(written, foot, style)
+    return marker_arrows(written, foot, encoding, style)
 
 
 def foxglove_arrows(written: Written, foot: str, style: Style) -> list[Arrow]:
@@ -536,11 +544,11 @@ def foxglove_arrows(written: Written, foot: str, style: Style) -> list[Arrow]:
     return arrows
 
 
-def marker_arrows(written: Written, foot: str, style: Style) -> list[Arrow]:
+def marker_arrows(written: Written, foot: str, encoding: EncodingName, style: Style) -> list[Arrow]:
     diameter = 0.1 if style == "classic" else 0.04
     arrows: list[Arrow] = []
     topic = arrow_topic(foot)
-    for message, one in annotations(written, topic, "ros1", "visualization_msgs/Marker"):
+    for message, one in annotations(written, topic, encoding, "visualization_msgs/Marker"):
         assert (one.ns, one.id, one.header.frame_id) == ("dogbot", 0, "world")
         stamp = ros_time(one.header.stamp)
         if one.action == 2:
@@ -548,8 +556,7 @@ def marker_arrows(written: Written, foot: str, style: Style) -> list[Arrow]:
             continue
         assert (one.type, one.action, one.frame_locked) == (0, 0, False)
         assert (one.scale.y, one.scale.z) == (diameter, diameter)
-        lifetime = one.lifetime
-        assert (lifetime.secs, lifetime.nsecs) == (0, 0 if style == "classic" else S // 2)
+        assert ros_time(one.lifetime) == (0 if style == "classic" else S // 2)
         arrows.append(
             Arrow(
                 message.log_time,
@@ -663,8 +670,8 @@ def test_annotations_are_what_message_by_message_conversion_gives(
         )
         assert_same_loads(written_loads(done.written, foot, encoding), expected_loads(log, foot))
         assert done.conversion.annotations[arrow_topic(foot)] == len(arrows)
-    # The logs have a /tf of their own; only ROS 1 transforms fit on a ROS 1 topic.
-    joined = encoding == "ros1" and log != WALK
+    # The logs have a /tf of their own; only transforms of its own ROS fit on it.
+    joined = encoding == ("ros2" if log == WALK else "ros1")
     topic = "/tf" if joined else "/dogbot_logtool/tf"
     assert written_poses(done.written, topic, encoding) == expected_poses(log, at_ticks=True)
     assert ("N_TOPIC_MOVED" in codes(done.conversion)) != joined
@@ -775,7 +782,7 @@ def test_without_copy_there_are_annotations_only(
     assert {channel.topic for channel in done.written.channels.values()} == topics
     encodings = {channel.message_encoding for channel in done.written.channels.values()}
     assert encodings == {of_encoding(encoding)}
-    assert done.written.profile == ("ros1" if encoding == "ros1" else "")
+    assert done.written.profile == ("" if encoding == "foxglove" else encoding)
     assert done.conversion.copied == 0
     with_copy = converted(folder, TROUBLED, compression=compression, encoding=encoding)
     for topic in topics - {"/tf"}:

@@ -284,7 +284,7 @@ def write_walk(folder: Path, kind: str, container: str) -> Path:
         case "bag":
             _write_bag(path, walk, entries)
         case "mcap":
-            _write_mcap(path, walk, entries)
+            write_mcap(path, walk, entries)
         case _:
             plugin = StoragePlugin.MCAP if container.endswith("mcap") else StoragePlugin.SQLITE3
             _write_rosbag2(path, walk, entries, plugin)
@@ -301,7 +301,8 @@ def _write_bag(path: Path, walk: Walk, entries: list[Entry]) -> None:
             writer.write(topics[entry.topic], entry.log_time, entry.data)
 
 
-def _write_mcap(path: Path, walk: Walk, entries: list[Entry]) -> None:
+def write_mcap(path: Path, walk: Walk, entries: list[Entry]) -> None:
+    """Write messages into an MCAP file."""
     with path.open("wb") as stream:
         writer = McapWriter(stream)
         writer.start(profile="ros2")

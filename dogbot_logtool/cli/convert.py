@@ -39,10 +39,10 @@ from dogbot_logtool.cli.outcomes import Outcomes
 )
 @click.option(
     "--encoding",
-    type=click.Choice(["foxglove", "ros1"]),
+    type=click.Choice(["foxglove", "ros1", "ros2"]),
     default="foxglove",
     show_default=True,
-    help="Messages that are added: Foxglove's, or ROS 1 markers and transforms.",
+    help="Messages that are added: Foxglove's, or ROS markers and transforms.",
 )
 @click.option(
     "--copy/--no-copy", default=True, show_default=True, help="Copy the recorded messages too."

@@ -29,9 +29,10 @@ from dogbot_logtool.writer.foxglove import FoxgloveEncoding
 from dogbot_logtool.writer.mcap_writer import McapWriter
 from dogbot_logtool.writer.outgoing import lay_out
 from dogbot_logtool.writer.ros1 import Ros1Encoding
+from dogbot_logtool.writer.ros2 import Ros2Encoding
 
 FEET = ("left", "right")
-ENCODINGS = (FoxgloveEncoding(), Ros1Encoding())
+ENCODINGS = (FoxgloveEncoding(), Ros1Encoding(), Ros2Encoding())
 
 
 def declared(
