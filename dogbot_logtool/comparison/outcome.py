@@ -239,5 +239,3 @@ def field_difference(
     return Difference(
         kind, topic, found.path, found.expected, found.actual, found.deviation, index, time_s
     )
-
-
