@@ -536,6 +536,15 @@ def parts(folder: Path) -> list[Path]:
     return [file for file in folder.iterdir() if file.name.endswith(".part")]
 
 
+# A shell that runs the tests in the background has them, and their children, ignore Ctrl-C.
+INTERRUPTIBLE = """
+import signal
+signal.signal(signal.SIGINT, signal.default_int_handler)
+from dogbot_logtool.cli import main
+main()
+"""
+
+
 @pytest.mark.parametrize("jobs", [1, 2])
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM], ids=lambda n: n.name)
 def test_a_signal_amid_writing_leaves_nothing(
@@ -543,7 +552,7 @@ def test_a_signal_amid_writing_leaves_nothing(
 ) -> None:
     words = ["convert", str(long_log), "-o", "x.mcap", "--compression", "lz4", "--jobs", str(jobs)]
     process = subprocess.Popen(  # noqa: S603
-        [sys.executable, "-m", "dogbot_logtool", *words],
+        [sys.executable, "-c", INTERRUPTIBLE, *words],
         cwd=tmp_path,
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
