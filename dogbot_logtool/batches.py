@@ -131,12 +131,13 @@ class BatchConverter:
         selection = self._plan.selection
         decoded = decode_odometry(batch, selection.odometry)
         odometry = concatenate_odometry([odometry_columns(messages) for messages in decoded])
-        usable = usable_poses(odometry)
+        poses = odometry.pick(usable_poses(odometry))
         contacts = read_contacts(batch, selection.contacts, selection.foot_channels())
-        previous = self._hand_over(work, odometry.pick(usable), contacts)
-        transforms = self._transforms(odometry.pick(usable), previous)
+        previous = self._hand_over(work, poses, contacts)
+        transforms = self._transforms(poses, previous)
 
-        counts = Counts(messages=len(batch.messages), bad_poses=int((~usable).sum()))
+        bad_poses = len(odometry.log_time) - len(poses.log_time)
+        counts = Counts(messages=len(batch.messages), bad_poses=bad_poses)
         arrows: list[Arrows] = []
         loads: list[Loads] = []
         malformed = _malformed(decoded)

@@ -27,7 +27,6 @@ _LOOKS: Final = 8
 """Chunks that are looked at, besides those with static transforms."""
 _USUAL_INTERVAL_NS: Final = 10_000_000
 """Of a sensor that was hardly heard."""
-STATIC_TOPIC: Final = "tf_static"
 
 
 @dataclass(frozen=True, slots=True)
@@ -64,7 +63,7 @@ def look_into(log: Log, selection: Selection) -> Evidence:
 def _spread(log: Log, selection: Selection) -> list[Chunk]:
     """Choose chunks: evenly spaced among those that hold used topics, and all static frames."""
     used = {c.id for c in (*selection.odometry, *selection.contacts, *selection.transforms)}
-    static = {c.id for c in selection.transforms if c.topic.endswith(STATIC_TOPIC)}
+    static = selection.static_transforms
     useful = [c for c in log.chunks if c.counts is None or not used.isdisjoint(c.counts)]
     places = np.unique(np.linspace(0, max(len(useful) - 1, 0), _LOOKS).round().astype(int))
     chosen = {useful[place].offset for place in places.tolist() if useful}

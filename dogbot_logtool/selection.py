@@ -72,6 +72,11 @@ class Selection:
     findings: tuple[Finding, ...]
 
     @property
+    def static_transforms(self) -> frozenset[int]:
+        """Ids of the channels whose transforms hold for ever."""
+        return frozenset(c.id for c in self.transforms if c.topic.endswith("tf_static"))
+
+    @property
     def sources(self) -> tuple[ContactSource, ...]:
         """The types of contact messages that are used."""
         types = sorted({channel.type_name for channel in self.contacts})

@@ -16,7 +16,7 @@ from dogbot_logtool.core.silent_swing import SwingTeller
 from dogbot_logtool.core.walk_stats import Stats, StatsAccumulator
 from dogbot_logtool.core.wrench_frame import WrenchFrame
 from dogbot_logtool.errors import LogError
-from dogbot_logtool.evidence import STATIC_TOPIC, Evidence, look_into
+from dogbot_logtool.evidence import Evidence, look_into
 from dogbot_logtool.findings import Finding
 from dogbot_logtool.parallel import in_order
 from dogbot_logtool.plan import (
@@ -228,12 +228,11 @@ def _world_forces(
     if not (needed and selection.odometry and any(connected)):
         return None
     world, base = frame_names(selection.robot, evidence)
-    static = frozenset(c.id for c in selection.transforms if c.topic.endswith(STATIC_TOPIC))
     return WorldForces(
         connected,
         world_frame=world,
         base_frame=base,
-        static_channels=static,
+        static_channels=selection.static_transforms,
         clock=settings.clock,
     )
 
