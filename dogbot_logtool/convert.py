@@ -8,7 +8,8 @@ from typing import BinaryIO, Final
 from mcap import records
 
 from dogbot_logtool import __version__
-from dogbot_logtool.batches import BatchConverter, ConvertedBatch, Counts, chained
+from dogbot_logtool.batches import BatchConverter, ConvertedBatch, Counts
+from dogbot_logtool.conversion.carried import chained
 from dogbot_logtool.errors import CallError, LogError
 from dogbot_logtool.evidence import look_into
 from dogbot_logtool.findings import Finding, note, warning

@@ -1,0 +1,62 @@
+"""Recorded messages on their way into the output, byte for byte."""
+
+from collections.abc import Iterator
+
+from dogbot_logtool.reader.log import Batch, LoadedChunk, Messages
+from dogbot_logtool.writer.chunks import Compression, FinishedChunk, finish_chunks, indexed_chunk
+from dogbot_logtool.writer.outgoing import MESSAGE_HEAD, recorded
+
+
+def copied_chunks(
+    batch: Batch, compression: Compression | None, *, as_they_stand: bool
+) -> Iterator[FinishedChunk]:
+    """Yield the messages of a batch: whole chunks as they stand, others laid out anew.
+
+    Args:
+        batch: what was read.
+        compression: of the output; None: zstd, and that of chunks which stay as they stand.
+        as_they_stand: whether the log's chunks are of the output's kind.
+    """
+    torn: list[slice] = []
+    for loaded in batch.chunks:
+        stored = loaded.chunk.compression or "none"
+        if as_they_stand and loaded.whole and compression in {None, stored}:
+            yield from _laid_out_anew(batch, torn, compression)
+            torn = []
+            yield _verbatim(batch.messages, loaded)
+        else:
+            torn.append(loaded.rows)
+    yield from _laid_out_anew(batch, torn, compression)
+
+
+def _laid_out_anew(
+    batch: Batch, rows: list[slice], compression: Compression | None
+) -> Iterator[FinishedChunk]:
+    if not rows:
+        return
+    messages = batch.messages.pick(slice(rows[0].start, rows[-1].stop))
+    outgoing = recorded(
+        messages.channel,
+        messages.sequence,
+        messages.log_time,
+        messages.publish_time,
+        batch.buffer,
+        messages.start,
+        messages.end,
+    )
+    yield from finish_chunks(outgoing, compression or "zstd")
+
+
+def _verbatim(messages: Messages, loaded: LoadedChunk) -> FinishedChunk:
+    """Return a recorded chunk as it stands, with a message index of what was found in it."""
+    chunk = loaded.chunk
+    rows = messages.pick(loaded.rows)
+    return indexed_chunk(
+        loaded.stored[: chunk.end - chunk.offset],
+        rows.channel,
+        rows.log_time,
+        rows.start - MESSAGE_HEAD.itemsize - loaded.base,
+        chunk.compression,
+        chunk.data_size,
+        chunk.size,
+    )

@@ -1,0 +1,48 @@
+"""What `convert` reads of a batch: columns of what the robot did and felt."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from dogbot_logtool.core.odometry import Odometry, concatenate_odometry, usable_poses
+from dogbot_logtool.plan import Plan
+from dogbot_logtool.reader.contact_sources.registry import ContactsRead, read_contacts
+from dogbot_logtool.reader.log import Batch, Log, Span
+from dogbot_logtool.reader.odometry import decode_odometry, odometry_columns
+
+
+@dataclass(frozen=True, slots=True)
+class ReadBatch:
+    """A batch and its columns. It knows nothing of other batches."""
+
+    batch: Batch
+    poses: Odometry
+    """The usable ones, in the order of the log."""
+    bad_poses: int
+    """Odometry messages with a zero quaternion or a number that is not finite."""
+    contacts: tuple[ContactsRead, ...]
+    malformed: Mapping[int, int]
+    """Messages that could not be decoded, by channel id."""
+    stored_size: int
+    """Bytes of the file that it was read from."""
+
+
+def read_batch(log: Log, plan: Plan, span: Span) -> ReadBatch:
+    """Read and decode one batch."""
+    batch = log.read(span).cropped(plan.start_time, plan.end_time)
+    selection = plan.selection
+    decoded = decode_odometry(batch, selection.odometry)
+    odometry = concatenate_odometry([odometry_columns(messages) for messages in decoded])
+    poses = odometry.pick(usable_poses(odometry))
+    contacts = read_contacts(batch, selection.contacts, selection.foot_channels())
+    return ReadBatch(
+        batch=batch,
+        poses=poses,
+        bad_poses=len(odometry.log_time) - len(poses.log_time),
+        contacts=tuple(contacts),
+        malformed={
+            channel: count
+            for messages in (*decoded, *(read.messages for read in contacts))
+            for channel, count in messages.malformed.items()
+        },
+        stored_size=sum(chunk.data_size for chunk in span),
+    )
