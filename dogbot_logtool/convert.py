@@ -257,11 +257,11 @@ def _copy_extras(log: Log, writer: McapWriter, tally: _Tally) -> None:
     """Copy attachments and metadata records."""
     for extra in log.extras:
         match read_extra(log.source, extra):
-            case (_, records.Metadata() as metadata):
-                writer.add_metadata(metadata)
+            case (record, records.Metadata() as metadata):
+                writer.copy_metadata(record, metadata)
                 continue
             case (record, records.Attachment() as attachment):
-                writer.add_attachment(record, attachment)
+                writer.copy_attachment(record, attachment)
                 continue
         what = f"the attachment or metadata record at byte {extra.offset} is damaged; left out"
         tally.losses.append(Loss(extra.offset, what, extra.size))

@@ -1143,6 +1143,16 @@ def test_extras_are_not_copied_without_copy(tmp_path: Path) -> None:
     assert [metadata.name for metadata in written.metadata] == ["dogbot_logtool"]
 
 
+def test_metadata_that_is_no_text_is_copied_byte_for_byte(tmp_path: Path) -> None:
+    log = write_ros1_mcap(tmp_path / "log.mcap", small_walk(0.1), extras=True)
+    data = log.read_bytes()
+    assert b"weather" in data
+    log.write_bytes(data.replace(b"weather", b"w\xffather"))
+    conversion = convert(log, tmp_path / "out.mcap", ConvertOptions())
+    assert not [loss for loss in conversion.losses if "metadata" in loss.what]
+    assert b"w\xffather" in (tmp_path / "out.mcap").read_bytes()
+
+
 def test_a_damaged_attachment_is_left_out_and_told(tmp_path: Path) -> None:
     log = write_ros1_mcap(tmp_path / "log.mcap", small_walk(0.1), extras=True)
     data = log.read_bytes()

@@ -30,6 +30,7 @@ _Record = TypeVar(
     records.Statistics,
     records.ChunkIndex,
     records.Metadata,
+    records.Attachment,
     records.AttachmentIndex,
     records.MetadataIndex,
     records.SummaryOffset,

@@ -85,13 +85,21 @@ class McapWriter:
 
     def add_metadata(self, metadata: records.Metadata) -> None:
         """Write a metadata record."""
-        record = _serialise(metadata)
+        self.copy_metadata(_serialise(metadata), metadata)
+
+    def copy_metadata(self, record: bytes, metadata: records.Metadata) -> None:
+        """Write a whole metadata record as it was recorded.
+
+        Args:
+            record: its bytes.
+            metadata: the same, decoded.
+        """
         index = records.MetadataIndex(self._place, len(record), metadata.name)
         self._write(record)
         self._summary[Opcode.METADATA_INDEX] += _serialise(index)
         self._numbers["metadata"] += 1
 
-    def add_attachment(self, record: bytes, attachment: records.Attachment) -> None:
+    def copy_attachment(self, record: bytes, attachment: records.Attachment) -> None:
         """Write a whole attachment record as it was recorded.
 
         Args:

@@ -57,9 +57,9 @@ def write(compression: Compression, batches: int = 3) -> tuple[bytes, list[tuple
             messages.extend((channel_id, time, row.tobytes()) for time, row in rows)
         for chunk in finish_chunks(in_time_order(parts), compression):
             writer.add_chunk(chunk)
-    writer.add_attachment(*attachment("notes", b"dear diary"))
+    writer.copy_attachment(*attachment("notes", b"dear diary"))
     writer.add_metadata(metadata_record("made", {"z": "last", "a": "first"}))
-    writer.add_attachment(*attachment("empty", b""))
+    writer.copy_attachment(*attachment("empty", b""))
     writer.finish()
     return sink.getvalue(), messages
 
