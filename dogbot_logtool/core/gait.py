@@ -6,7 +6,7 @@ are down for more than half of the stride is a trot all the same).
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from itertools import permutations
+from itertools import combinations, permutations
 from typing import Final
 
 import numpy as np
@@ -103,7 +103,8 @@ def class_distances(phases: Floats) -> dict[str, Floats]:
     - trot: diagonal pairs together, half a cycle between them;
     - pace: pairs of a side together, half a cycle between them;
     - bound: fore pair together, hind pair together, a lag of more than the tolerance between;
-    - walk: four separate touchdowns, a quarter of a cycle apart, in any order;
+    - walk: touchdowns a quarter of a cycle apart, in any order, and separate: more than the
+      tolerance between any two;
     - gallop: fore pair and hind pair each split by more than the tolerance and less than a
       quarter of a cycle.
 
@@ -124,7 +125,7 @@ def class_distances(phases: Floats) -> dict[str, Floats]:
         "trot": _two_pairs(front_left, back_right, front_right, back_left),
         "pace": _two_pairs(front_left, back_left, front_right, back_right),
         "bound": np.max([fore, hind, np.clip(2.0 * TOLERANCE - lag, 0.0, None)], axis=0),
-        "walk": np.min([_from_pattern(phases, order) for order in _QUARTERS], axis=0),
+        "walk": _walk(phases),
         "gallop": gallop,
     }
 
@@ -153,6 +154,14 @@ def _two_pairs(one: Floats, its_mate: Floats, other: Floats, its_other: Floats) 
     between = apart(_between(one, its_mate), _between(other, its_other))
     deviations = [apart(one, its_mate), apart(other, its_other), 0.5 - between]
     distance: Floats = np.max(deviations, axis=0)
+    return distance
+
+
+def _walk(phases: Floats) -> Floats:
+    pattern = np.min([_from_pattern(phases, order) for order in _QUARTERS], axis=0)
+    pairs = combinations(phases.T, 2)
+    closest = np.min([apart(first, second) for first, second in pairs], axis=0)
+    distance: Floats = np.maximum(pattern, 2.0 * TOLERANCE - closest)
     return distance
 
 
