@@ -1,18 +1,21 @@
 """What is known of a robot before its log is opened: feet, topics, frames, mass, thresholds."""
 
-import tomllib
-from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from importlib import resources
 from pathlib import Path
-from typing import Any, Final
+from typing import Final
 
 from dogbot_logtool.errors import CallError
+from dogbot_logtool.toml_table import TomlFile, TomlTable
 
 AXES: Final = ("+x", "-x", "+y", "-y")
 """Body axes that can point forward."""
 GENERIC: Final = "generic"
-_PLACES: Final = ({"front", "middle", "back"}, {"left", "right", "centre"})
+_PLACES: Final = (
+    frozenset({"front", "middle", "back"}),
+    frozenset({"left", "right", "centre"}),
+)
+_ALL_KEYS: Final = "'dogbot-logtool robots dogbot' shows all that are."
 
 
 @dataclass(frozen=True, slots=True)
@@ -26,17 +29,16 @@ class Foot:
     """Glob for the name of the foot's collision; empty: recognised by the names in the log."""
     place: tuple[str, str] | None = None
     """("front" | "middle" | "back", "left" | "right" | "centre"); None when not known."""
+    frame: str | None = None
+    """Frame that places the foot where its sensor tells no contact point; None: the sensor's."""
+    contact_point_m: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    """m, where the foot touches, in that frame."""
     element: int | None = None
     """Place in the arrays of a message that tells of all feet; None: told by the message type."""
     offset: float = 0.0
     """Counts of a raw sensor that is not loaded."""
-    newtons_per_count: float = 1.0
-    """Of a raw sensor."""
-
-    @property
-    def is_uncalibrated(self) -> bool:
-        """Whether nobody has said what a raw sensor's counts mean."""
-        return self.offset == 0.0 and self.newtons_per_count == 1.0
+    newtons_per_count: float | None = None
+    """Of a raw sensor; None: nobody has measured what its counts mean."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -60,6 +62,8 @@ class Robot:
     """N: |F| from which a foot is in contact; None: max(10 N, 5 % of body weight)."""
     contact_off_n: float | None = None
     """N: |F| below which contact ends; None: half of `contact_on_n`."""
+    contact_on_counts: float | None = None
+    """Counts above a foot's `offset` from which a raw sensor without a scale is in contact."""
     debounce_s: float = 0.020
     """s: shorter swings are filled, then shorter stances dropped."""
 
@@ -120,13 +124,10 @@ def parse_robot(text: str, source: str) -> Robot:
         source: what to call it in errors.
 
     Raises:
-        CallError: naming the key, and for broken TOML the line.
+        CallError: naming the key and the line.
     """
-    try:
-        document = tomllib.loads(text)
-    except tomllib.TOMLDecodeError as error:
-        raise CallError(f"{source}: not valid TOML: {error}") from error
-    table = _Table(source, "", document)
+    file = TomlFile(text, source)
+    table = TomlTable(file)
     topics = table.section("topics")
     frames = table.section("frames")
     arrows = table.section("arrows")
@@ -141,126 +142,52 @@ def parse_robot(text: str, source: str) -> Robot:
         odometry_topic=topics.text("odometry"),
         world_frame=frames.frame("world"),
         base_frame=frames.frame("base"),
-        feet=tuple(_foot(feet.section(name), name) for name in list(feet.values)),
+        feet=tuple(_foot(feet.section(name), name) for name in feet.names),
         newtons_per_metre=arrows.positive("newtons_per_metre") or 100.0,
         shaft_diameter_m=arrows.positive("shaft_diameter_m") or 0.04,
         contact_on_n=contact.positive("on_n"),
         contact_off_n=contact.positive("off_n"),
+        contact_on_counts=contact.positive("on_counts"),
         debounce_s=contact.positive("debounce_s") or 0.020,
     )
     for section in (topics, frames, arrows, contact, feet, table):
-        section.refuse_leftovers()
-    _check_feet(robot, source)
+        section.refuse_leftovers(_ALL_KEYS)
+    _check_elements(robot, file)
+    on, off = robot.contact_on_n, robot.contact_off_n
+    if on is not None and off is not None and off > on:
+        raise contact.fault("off_n", "contact.off_n is above contact.on_n; it must not be")
     return robot
 
 
-def _foot(table: "_Table", name: str) -> Foot:
+def _foot(table: TomlTable, name: str) -> Foot:
     topic = table.text("topic")
     if not topic:
-        raise CallError(f"{table.source}: {table.path}topic is missing")
+        raise table.fault("topic" if topic is not None else "", f"{table.path('topic')} is missing")
     foot = Foot(
         name,
         topic,
-        table.text("collision") or "",
-        table.place("place"),
-        table.element("element"),
-        table.number("offset") or 0.0,
-        table.positive("newtons_per_count") or 1.0,
+        collision=table.text("collision") or "",
+        place=table.words("place", _PLACES, '["front", "left"]'),
+        frame=table.frame("frame"),
+        contact_point_m=table.vector("contact_point_m") or (0.0, 0.0, 0.0),
+        element=table.count("element"),
+        offset=table.number("offset") or 0.0,
+        newtons_per_count=table.positive("newtons_per_count"),
     )
-    table.refuse_leftovers()
+    table.refuse_leftovers(_ALL_KEYS)
     return foot
 
 
-def _check_feet(robot: Robot, source: str) -> None:
-    for topic in dict.fromkeys(foot.topic for foot in robot.feet):
-        elements = [foot.element for foot in robot.feet if foot.topic == topic]
-        if len(elements) > 1 and (None in elements or len(set(elements)) < len(elements)):
-            raise CallError(
-                f"{source}: two feet have the topic {topic}; where its messages tell of several "
+def _check_elements(robot: Robot, file: TomlFile) -> None:
+    """Refuse two feet that one element of a message would tell of."""
+    seen: dict[str, list[int | None]] = {}
+    for foot in robot.feet:
+        others = seen.setdefault(foot.topic, [])
+        if others and (foot.element is None or None in others or foot.element in others):
+            key = "topic" if foot.element is None or None in others else "element"
+            text = (
+                f"two feet have the topic {foot.topic}; where its messages tell of several "
                 "feet, each needs an element of its own"
             )
-    on, off = robot.contact_on_n, robot.contact_off_n
-    if on is not None and off is not None and off > on:
-        raise CallError(f"{source}: contact.off_n is above contact.on_n; it must not be")
-
-
-class _Table:
-    """A TOML table whose keys are taken out one by one, so that unknown keys remain and show."""
-
-    def __init__(self, source: str, path: str, values: Mapping[str, Any]) -> None:
-        self.source = source
-        self.path = path
-        self.values = dict(values)
-
-    def _fault(self, key: str, value: object, wanted: str) -> CallError:
-        return CallError(f"{self.source}: {self.path}{key} is {value!r}; it must be {wanted}")
-
-    def section(self, key: str) -> "_Table":
-        value = self.values.pop(key, {})
-        if not isinstance(value, dict):
-            raise self._fault(key, value, "a table")
-        return _Table(self.source, f"{self.path}{key}.", value)
-
-    def text(self, key: str) -> str | None:
-        value = self.values.pop(key, None)
-        if value is not None and not isinstance(value, str):
-            raise self._fault(key, value, "a text")
-        return value
-
-    def frame(self, key: str) -> str | None:
-        value = self.text(key)
-        if value is not None and (not value or value.startswith("/")):
-            raise self._fault(key, value, "a frame name without a leading slash")
-        return value
-
-    def choice(self, key: str, choices: tuple[str, ...]) -> str | None:
-        value = self.text(key)
-        if value is not None and value not in choices:
-            raise self._fault(key, value, f"one of {', '.join(choices)}")
-        return value
-
-    def positive(self, key: str) -> float | None:
-        value = self.values.pop(key, None)
-        if value is None:
-            return None
-        if isinstance(value, bool) or not isinstance(value, int | float) or not 0 < value < 1e9:
-            raise self._fault(key, value, "a number above 0")
-        return float(value)
-
-    def number(self, key: str) -> float | None:
-        value = self.values.pop(key, None)
-        if value is None:
-            return None
-        if isinstance(value, bool) or not isinstance(value, int | float) or not abs(value) < 1e9:
-            raise self._fault(key, value, "a number")
-        return float(value)
-
-    def element(self, key: str) -> int | None:
-        value = self.values.pop(key, None)
-        if value is None:
-            return None
-        if isinstance(value, bool) or not isinstance(value, int) or not 0 <= value < 100:
-            raise self._fault(key, value, "a place in an array, counted from 0")
-        return value
-
-    def place(self, key: str) -> tuple[str, str] | None:
-        value = self.values.pop(key, None)
-        if value is None:
-            return None
-        ends, sides = _PLACES
-        if (
-            not isinstance(value, list)
-            or len(value) != 2
-            or not all(isinstance(word, str) for word in value)
-            or value[0] not in ends
-            or value[1] not in sides
-        ):
-            raise self._fault(key, value, 'a pair such as ["front", "left"]')
-        return value[0], value[1]
-
-    def refuse_leftovers(self) -> None:
-        for key in self.values:
-            raise CallError(
-                f"{self.source}: the key {self.path}{key} is not known. "
-                "'dogbot-logtool robots dogbot' shows all that are."
-            )
+            raise file.fault(("feet", foot.name, key), text)
+        others.append(foot.element)

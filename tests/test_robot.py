@@ -111,6 +111,7 @@ def test_every_key_is_read() -> None:
         shaft_diameter_m = 0.01
         [contact]
         on_n = 5
+        on_counts = 30
         off_n = 2.5
         debounce_s = 0.01
         [feet.one]
@@ -119,6 +120,8 @@ def test_every_key_is_read() -> None:
         place = ["middle", "centre"]
         [feet.two]
         topic = "/two"
+        frame = "two_foot"
+        contact_point_m = [0, 0.5, -0.25]
     """
 
     assert parse_robot(text, "mine.toml") == Robot(
@@ -130,10 +133,14 @@ def test_every_key_is_read() -> None:
         odometry_topic="/odom",
         world_frame="map",
         base_frame="trunk",
-        feet=(Foot("one", "/one", "*one*", ("middle", "centre")), Foot("two", "/two")),
+        feet=(
+            Foot("one", "/one", "*one*", ("middle", "centre")),
+            Foot("two", "/two", frame="two_foot", contact_point_m=(0.0, 0.5, -0.25)),
+        ),
         newtons_per_metre=10.0,
         shaft_diameter_m=0.01,
         contact_on_n=5.0,
+        contact_on_counts=30.0,
         contact_off_n=2.5,
         debounce_s=0.01,
     )
@@ -272,7 +279,7 @@ def test_an_error_names_the_file_and_the_key(text: str, key: str) -> None:
 
     message = refused(text)
 
-    assert message.startswith("mine.toml: ")
+    assert message.startswith("mine.toml, line ")
     assert re.search(rf"(?<![\w.]){re.escape(key)}(?![\w.])", message)
 
 
@@ -282,6 +289,73 @@ def test_an_error_names_the_file_and_the_key(text: str, key: str) -> None:
 )
 def test_an_error_shows_the_value(text: str, value: str) -> None:
     assert value in refused(text)
+
+
+PROFILE = """\
+# A robot of our own.
+name = "walker"
+description = '''
+mass_kg = "this is no key"
+'''
+mass_kg = 12.0
+
+[frames]
+base = "trunk"
+
+[contact]
+on_n = 20.0
+off_n = 10.0
+
+[feet.left]
+topic = "/left"
+place = [
+    "front",
+    "left",
+]
+
+[feet."right"]
+topic = "/both"
+element = 0
+
+# The last one.
+[feet.third]
+topic = "/both"
+element = 1
+"""
+
+
+def test_the_profile_that_the_next_test_spoils_is_sound() -> None:
+    assert [foot.name for foot in parse_robot(PROFILE, "mine.toml").feet] == [
+        "left",
+        "right",
+        "third",
+    ]
+
+
+@pytest.mark.parametrize(
+    ("spoilt", "by", "key", "line"),
+    [
+        ("mass_kg = 12.0", "mass_kg = -12.0", "mass_kg", 6),
+        ('base = "trunk"', 'base = "/trunk"', "frames.base", 9),
+        ("[frames]", "[frame]", "frame", 8),
+        ("off_n = 10.0", "off_n = 30.0", "contact.off_n", 13),
+        ('    "front",', '    "up",', "feet.left.place", 17),
+        ('topic = "/left"', "topics = 1", "feet.left.topic", 15),
+        ('topic = "/left"', "topic = 1", "feet.left.topic", 16),
+        ("element = 1", "element = 0", "/both", 29),
+        ("element = 1", "", "/both", 28),
+        ("element = 1", "elements = 1\nelement = 1", "feet.third.elements", 29),
+        ("element = 1", 'element = 1\nframe = ""', "feet.third.frame", 30),
+        ("element = 1", "element = 1\ncontact_point_m = [0, 0]", "feet.third.contact_point_m", 30),
+        ("[frames]", "[[frames]]", "frames", 8),
+        ("mass_kg = 12.0", "frames.world = 3\nmass_kg = 12.0", "frames", 9),
+    ],
+)
+def test_a_fault_is_told_by_key_and_line(spoilt: str, by: str, key: str, line: int) -> None:
+    message = refused(PROFILE.replace(spoilt, by, 1))
+
+    assert key in message
+    assert f"line {line}" in message.split(": ", 1)[1 if "TOML" in message else 0]
 
 
 def test_a_wrong_choice_lists_the_choices() -> None:
@@ -300,6 +374,7 @@ def test_feet_may_share_a_topic_by_elements() -> None:
     robot = parse_robot(ELEMENTS + "element = 1\noffset = -3\nnewtons_per_count = 0.5", "mine.toml")
     assert [foot.element for foot in robot.feet] == [0, 1]
     assert (robot.feet[1].offset, robot.feet[1].newtons_per_count) == (-3.0, 0.5)
+    assert robot.feet[0].newtons_per_count is None
 
 
 @pytest.mark.parametrize("rest", ["", "element = 0"])
