@@ -6,8 +6,10 @@ from dataclasses import dataclass, field
 from dogbot_logtool.conversion.carried import Carried, Work
 from dogbot_logtool.conversion.copying import copied_chunks
 from dogbot_logtool.conversion.drawing import draw
+from dogbot_logtool.conversion.placing import placed
 from dogbot_logtool.conversion.reading import ReadBatch, read_batch
 from dogbot_logtool.core.arrows import ArrowCounts
+from dogbot_logtool.core.link_frames import FrameCounts
 from dogbot_logtool.plan import Plan
 from dogbot_logtool.reader.log import Batch, Log, Loss
 from dogbot_logtool.reader.transforms import decode_transforms, frame_pairs
@@ -28,6 +30,7 @@ class Counts:
     """Contact messages of several states that tell no time of their physics step."""
     foreign_states: int = 0
     """Contact states of pairs that the foot is not one body of."""
+    frames: FrameCounts = field(default_factory=FrameCounts)
 
     def __add__(self, other: "Counts") -> "Counts":
         return Counts(
@@ -36,6 +39,7 @@ class Counts:
             self.bad_poses + other.bad_poses,
             self.untimed_messages + other.untimed_messages,
             self.foreign_states + other.foreign_states,
+            self.frames + other.frames,
         )
 
 
@@ -74,6 +78,7 @@ class BatchConverter:
         return self._converted(read, carried)
 
     def _converted(self, read: ReadBatch, carried: Carried) -> ConvertedBatch:
+        read, frame_counts = placed(read, carried, self._plan)
         drawn = draw(read, carried, self._plan, self._log.start_time)
         return ConvertedBatch(
             chunks=(
@@ -89,6 +94,7 @@ class BatchConverter:
                 bad_poses=read.bad_poses,
                 untimed_messages=sum(each.felt.untimed_messages for each in read.contacts),
                 foreign_states=sum(each.felt.foreign_states for each in read.contacts),
+                frames=frame_counts,
             ),
             malformed=read.malformed,
             losses=read.batch.losses,

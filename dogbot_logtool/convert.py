@@ -21,6 +21,7 @@ from dogbot_logtool.reader.log import Log, Loss, lost_messages
 from dogbot_logtool.reader.mcap_extras import read_extra
 from dogbot_logtool.reader.opening import open_log
 from dogbot_logtool.selection import select_topics
+from dogbot_logtool.world_frames import frame_findings
 from dogbot_logtool.writer.annotations import (
     FALLBACK_PREFIX,
     Annotations,
@@ -335,6 +336,8 @@ def _conversion(
 
 def _findings(plan: Plan, tally: _Tally) -> Iterator[Finding]:
     """Say what was counted on the way."""
+    if plan.frames is not None:
+        yield from frame_findings(plan.frames, tally.counts.frames)
     for topic, name in tally.moved_topics.items():
         text = f"the log has a topic {topic} of another type, so ours is {name}"
         yield note("TOPIC_MOVED", text, name)

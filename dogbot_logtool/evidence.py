@@ -12,15 +12,17 @@ from typing import Final
 import numpy as np
 
 from dogbot_logtool.core.arrays import Floats, Ints
+from dogbot_logtool.core.transform_buffer import TransformBuffer
 from dogbot_logtool.core.wrench_frame import (
     WrenchFrameEvidence,
     alignment,
     judge_wrench_frame,
 )
 from dogbot_logtool.reader.contact_sources.registry import read_contacts
+from dogbot_logtool.reader.frame_tracks import static_tracks
 from dogbot_logtool.reader.log import Batch, Chunk, Log
 from dogbot_logtool.reader.odometry import decode_odometry, odometry_frames
-from dogbot_logtool.reader.transforms import decode_transforms, frame_pairs
+from dogbot_logtool.reader.transforms import decode_transforms, frame_pairs, transform_columns
 from dogbot_logtool.selection import Selection
 
 _LOOKS: Final = 8
@@ -39,6 +41,8 @@ class Evidence:
     base_frames: tuple[str, ...]
     parents: Mapping[str, frozenset[str]]
     """Parents that the log's own transforms give each frame, without leading slashes."""
+    statics: TransformBuffer
+    """The log's transforms that hold for ever; of each frame the last one does."""
     slashed_frames: tuple[str, ...]
     """Frame ids that begin with a slash, which no viewer of today accepts."""
     links: tuple[str | None, ...]
@@ -78,6 +82,7 @@ class _Look:
         self._world: set[str] = set()
         self._base: set[str] = set()
         self._parents: dict[str, set[str]] = {}
+        self._statics = TransformBuffer()
         self._slashed: set[str] = set()
         self._stamped: dict[str, bool] = {}
         self._links: dict[int, set[str]] = {}
@@ -107,6 +112,8 @@ class _Look:
             for parent, child in frame_pairs(messages):
                 self._slashed.update(name for name in (parent, child) if name.startswith("/"))
                 self._parents.setdefault(child.lstrip("/"), set()).add(parent.lstrip("/"))
+            tracks = static_tracks(transform_columns(messages), selection.static_transforms)
+            self._statics = self._statics.then(tracks)
 
     def _see_stamps(self, channel: Ints, stamp: Ints) -> None:
         topics = {c.id: c.topic for c in (*self._selection.odometry, *self._selection.contacts)}
@@ -125,6 +132,7 @@ class _Look:
             world_frames=tuple(sorted(self._world)),
             base_frames=tuple(sorted(self._base)),
             parents={child: frozenset(names) for child, names in sorted(self._parents.items())},
+            statics=self._statics,
             slashed_frames=tuple(sorted(self._slashed)),
             links=tuple(
                 next(iter(names)) if len(names := self._links.get(foot, set())) == 1 else None

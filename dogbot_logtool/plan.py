@@ -1,10 +1,11 @@
 """What `convert` will do with a log, decided before the first message is written."""
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from typing import Final, Literal
 
 from dogbot_logtool.core.arrows import CLASSIC_DIAMETER_M, LIFETIME_S
+from dogbot_logtool.core.clock import TimeSource
 from dogbot_logtool.core.loads import body_weight_n
 from dogbot_logtool.core.wrench_frame import WrenchFrame
 from dogbot_logtool.errors import LogError
@@ -14,6 +15,7 @@ from dogbot_logtool.printable import printable
 from dogbot_logtool.reader.log import Log
 from dogbot_logtool.robot import Robot
 from dogbot_logtool.selection import Selection, TopicOptions
+from dogbot_logtool.world_frames import WorldFrames, follow_frames
 from dogbot_logtool.writer.chunks import Compression
 from dogbot_logtool.writer.encoding import ArrowStyle
 
@@ -60,6 +62,9 @@ class Plan:
     base_frame: str
     write_tf: bool
     force_in_world: bool
+    """Whether wrenches are recorded in the world frame."""
+    frames: WorldFrames | None
+    """How links' frames hang in the world; None: not needed, or not connected."""
     body_weight_n: float | None
     arrow_style: ArrowStyle
     swing_intervals: Mapping[int, int]
@@ -68,6 +73,11 @@ class Plan:
     """ns, log time from which on messages are taken; None: all; also `end_time`."""
     end_time: int | None
     findings: tuple[Finding, ...]
+
+    @property
+    def limits(self) -> tuple[int | None, int | None]:
+        """ns, log times from which and up to which messages are taken; None: no limit."""
+        return self.start_time, self.end_time
 
 
 def make_plan(log: Log, selection: Selection, evidence: Evidence, options: ConvertOptions) -> Plan:
@@ -81,7 +91,19 @@ def make_plan(log: Log, selection: Selection, evidence: Evidence, options: Conve
     robot = selection.robot
     findings = [*selection.findings, *evidence_findings(selection, evidence)]
     world, base = frame_names(robot, evidence)
-    force_in_world = _force_in_world(evidence, options, findings)
+    wrench_frame = _wrench_frame(evidence, options)
+    frames = follow_frames(
+        selection,
+        evidence,
+        world,
+        base,
+        _clock(selection, evidence),
+        turn_forces=options.style == "force" and wrench_frame is WrenchFrame.LINK,
+        place_sensors=options.style != "classic",
+    )
+    findings.extend(_without_points(selection, frames))
+    if options.style == "force" and wrench_frame is not WrenchFrame.WORLD:
+        findings.extend(_magnitude_only(selection, frames))
     weight = body_weight_n(robot.mass_kg)
     if options.style == "force" and weight is None:
         text = "the robot's mass is not known: arrows are coloured by newtons (--mass tells it)"
@@ -95,7 +117,8 @@ def make_plan(log: Log, selection: Selection, evidence: Evidence, options: Conve
         world_frame=world,
         base_frame=base,
         write_tf=_write_tf(selection, evidence, options, (world, base), findings),
-        force_in_world=force_in_world,
+        force_in_world=wrench_frame is WrenchFrame.WORLD,
+        frames=frames,
         body_weight_n=weight,
         arrow_style=_arrow_style(options.style, robot.shaft_diameter_m),
         swing_intervals=evidence.intervals,
@@ -170,15 +193,52 @@ def _wrench_frame_finding(evidence: Evidence) -> Finding:
     )
 
 
-def _force_in_world(evidence: Evidence, options: ConvertOptions, findings: list[Finding]) -> bool:
+def _wrench_frame(evidence: Evidence, options: ConvertOptions) -> WrenchFrame:
+    """Return the frame of the recorded wrenches: what the user says, else what was seen."""
     if options.wrench_frame == "auto":
-        in_world = evidence.wrench_frame.frame is WrenchFrame.WORLD
-    else:
-        in_world = options.wrench_frame == "world"
-    if options.style == "force" and not in_world:
-        text = "only the magnitude of forces is known: arrows stand along the contact normals"
-        findings.append(warning("MAGNITUDE_ONLY", text))
-    return in_world
+        return evidence.wrench_frame.frame
+    return WrenchFrame(options.wrench_frame)
+
+
+def _clock(selection: Selection, evidence: Evidence) -> TimeSource:
+    """Return the clock of samples and transforms: header stamps, where all have them."""
+    all_stamped = all(source.has_header for source in selection.sources)
+    return TimeSource.HEADER if all_stamped and not evidence.zero_stamps else TimeSource.LOG
+
+
+def _without_points(selection: Selection, frames: WorldFrames | None) -> Iterator[Finding]:
+    """Say where the arrows of sensors stand that tell a force but no contact point."""
+    places = frames.points if frames else (None,) * len(selection.robot.feet)
+    at_frames: list[str] = []
+    nowhere: list[str] = []
+    for number, (foot, place) in enumerate(zip(selection.robot.feet, places, strict=True)):
+        sources = selection.sources_of(number)
+        if place is not None:
+            at_frames.append(f"{foot.name} at {place.frame}")
+        elif selection.knows_force(number) and any(not source.has_points for source in sources):
+            nowhere.append(foot.name)
+    if at_frames:
+        text = f"sensors tell no contact points: arrows stand at frames, {', '.join(at_frames)}"
+        yield note("FEET_AT_FRAMES", text)
+    if nowhere:
+        text = (
+            f"neither a contact point nor a frame of {', '.join(nowhere)} is known: loads are "
+            "written, but no arrows are drawn (`frame` in the robot's file names one)"
+        )
+        yield note("NO_POINTS", text)
+
+
+def _magnitude_only(selection: Selection, frames: WorldFrames | None) -> Iterator[Finding]:
+    """Say of which feet only the magnitude of the force is known, so far as that is sure."""
+    feet = selection.robot.feet
+    links = frames.links if frames else (None,) * len(feet)
+    lacking = [foot.name for foot, link in zip(feet, links, strict=True) if link is None]
+    if lacking:
+        whose = "" if len(lacking) == len(feet) else f" of {', '.join(lacking)}"
+        text = (
+            f"only the magnitude of forces{whose} is known: arrows stand along the contact normals"
+        )
+        yield warning("MAGNITUDE_ONLY", text)
 
 
 def _without_classic(selection: Selection) -> list[Finding]:

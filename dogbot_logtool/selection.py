@@ -1,7 +1,7 @@
 """Which topics of a log are used for what: told by the robot's file, by options, or found."""
 
 import re
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from collections.abc import Set as AbstractSet
 from dataclasses import dataclass, replace
 from typing import Final
@@ -87,6 +87,13 @@ class Selection:
         types = {c.type_name for c in self.contacts if foot in self.feet_of[c.id]}
         return tuple(SOURCES[name] for name in sorted(types))
 
+    def knows_force(self, foot: int) -> bool:
+        """Tell whether a foot's messages give its force in newtons, not only whether it touches."""
+        scaled = self.robot.feet[foot].newtons_per_count is not None
+        return all(
+            source.has_force and (scaled or not source.is_raw) for source in self.sources_of(foot)
+        )
+
     def foot_channels(
         self, contact_on_n: float | None = None, contact_off_n: float | None = None
     ) -> FootChannels:
@@ -98,7 +105,8 @@ class Selection:
             robot.debounce_s,
             body_weight_n(robot.mass_kg),
         )
-        return FootChannels(robot.feet, self.feet_of, rule.off_n or rule.on_n / 2.0)
+        release_n = rule.off_n or rule.on_n / 2.0
+        return FootChannels(robot.feet, self.feet_of, release_n, robot.contact_on_counts)
 
 
 def select_topics(log: Log, options: TopicOptions) -> Selection:
@@ -254,18 +262,28 @@ def _source_findings(contacts: Sequence[Channel], robot: Robot) -> list[Finding]
         if not source.has_force:
             text = f"{name} tells contact, not force: gait figures only, no arrows, no loads"
             findings.append(note("NO_FORCE", text))
-        elif not source.has_points:
-            text = f"{name} tells no contact point: loads are written, but no arrows are drawn"
-            findings.append(note("NO_POINTS", text))
-        if source.is_raw and all(foot.is_uncalibrated for foot in robot.feet):
-            text = f"{name} tells raw counts, and no foot has a scale: newtons here are counts"
-            findings.append(warning("NOT_CALIBRATED", text))
+        if source.is_raw:
+            findings.extend(_not_calibrated(name, robot))
         if not source.has_header:
-            findings.append(note("NO_HEADER", f"{name} has no header: log time is its only time"))
+            findings.append(note("NO_HEADER", f"{name} has no header: log time is used for it"))
         if source.silent_in_swing:
             text = f"{name} is published only in contact: silence is taken for swing"
             findings.append(note("SILENT_SWING", text))
     return findings
+
+
+def _not_calibrated(name: str, robot: Robot) -> Iterator[Finding]:
+    """Say what the counts of raw sensors do not tell as long as nobody has said what they mean."""
+    unscaled = [foot.name for foot in robot.feet if foot.newtons_per_count is None]
+    if not unscaled:
+        return
+    text = f"{name} tells raw counts, and the robot's file has no newtons_per_count for "
+    text += f"{', '.join(unscaled)}: no forces"
+    if robot.contact_on_counts is None:
+        text += ", and without contact.on_counts no contact either"
+    else:
+        text += f"; contact from {robot.contact_on_counts:g} counts above a foot's offset on"
+    yield warning("NOT_CALIBRATED", text)
 
 
 def _feet_by_name(topics: Sequence[str]) -> list[Foot]:

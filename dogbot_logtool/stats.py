@@ -32,15 +32,16 @@ from dogbot_logtool.reader.log import Batch, Log, Loss, Span, lost_messages
 from dogbot_logtool.reader.messages import DecodedMessages
 from dogbot_logtool.reader.odometry import decode_odometry, odometry_columns
 from dogbot_logtool.reader.opening import open_log
-from dogbot_logtool.reader.transforms import (
-    RecordedTransforms,
-    decode_transforms,
-    transform_columns,
-)
 from dogbot_logtool.report.stats_json import LogFacts
 from dogbot_logtool.robot import Robot
 from dogbot_logtool.selection import Selection, TopicOptions, select_topics
-from dogbot_logtool.world_forces import WorldForces
+from dogbot_logtool.world_frames import (
+    BatchFrames,
+    StreamedFrames,
+    WorldFrames,
+    follow_frames,
+    read_frames,
+)
 
 TimeSourceOption = Literal["header", "log"]
 _FRAMES: Final = {"world": WrenchFrame.WORLD, "link": WrenchFrame.LINK}
@@ -95,8 +96,8 @@ class _Measured:
 
     samples: Sequence[Samples]
     odometry: Odometry
-    transforms: Sequence[RecordedTransforms]
-    """The log's own; only decoded where forces must be turned into the world."""
+    frames: BatchFrames | None
+    """What it tells of the links; None where no force must be turned into the world."""
     times: Sequence[_Times]
     malformed: Mapping[int, int]
     losses: Sequence[Loss]
@@ -141,7 +142,7 @@ def _settings(
                 foot.name,
                 foot.topic,
                 foot.place,
-                has_force=all(source.has_force for source in selection.sources_of(index)),
+                has_force=selection.knows_force(index),
             )
             for index, foot in enumerate(robot.feet)
         ),
@@ -150,6 +151,7 @@ def _settings(
         foot_rolling_m=robot.foot_rolling_m,
         contact_on_n=options.contact_on_n or robot.contact_on_n,
         contact_off_n=options.contact_off_n or robot.contact_off_n,
+        contact_on_counts=robot.contact_on_counts,
         debounce_s=robot.debounce_s if options.debounce_s is None else options.debounce_s,
         wrench_frame=_FRAMES.get(options.wrench_frame, evidence.wrench_frame.frame),
         time_source=TimeSource.LOG if log_time_because else chosen,
@@ -174,7 +176,8 @@ def _pass(
     messages = done = 0
     total = sum(chunk.data_size for chunk in log.chunks)
 
-    forces = _world_forces(selection, evidence, settings)
+    frames = _frames(selection, evidence, settings)
+    forces = StreamedFrames(frames) if frames else None
     swings = SwingTeller(
         evidence.intervals,
         log.start_time if start is None else None,
@@ -183,15 +186,13 @@ def _pass(
     feet = selection.foot_channels(settings.contact_on_n, settings.contact_off_n)
 
     def work(span: Span) -> _Measured:
-        return _measure_batch(
-            log, selection, feet, span, (start, end), with_transforms=bool(forces)
-        )
+        return _measure_batch(log, selection, feet, span, (start, end), frames)
 
     for batch in in_order(work, log.spans(start, end), options.jobs):
         accumulator.add_odometry(batch.odometry)
         ready = swings.add(batch.samples)
-        if forces is not None:
-            ready = forces.add(ready, batch.odometry, batch.transforms)
+        if forces is not None and batch.frames is not None:
+            ready = forces.add(ready, batch.frames)
         for samples in ready:
             accumulator.add_contacts(samples)
         for times in batch.times:
@@ -203,8 +204,7 @@ def _pass(
         done += batch.stored_size
         if progress is not None:
             progress(done, total)
-    ready = forces.finish() if forces is not None else []
-    for samples in (*ready, *swings.finish()):
+    for samples in swings.finish():
         accumulator.add_contacts(samples)
     losses.extend(
         Loss(0, f"{count} messages of {log.channels[channel].topic} could not be decoded", 0, count)
@@ -214,26 +214,28 @@ def _pass(
     seen = [f for f in evidence_findings(selection, evidence) if f.code != "W_ZERO_STAMPS"]
     findings = [*selection.findings, *seen]
     if forces is not None:
-        findings.append(forces.finding())
+        findings.extend(forces.findings())
     facts = _facts(log, findings, messages, losses)
     return Measurement(accumulator.finish(), facts, tuple(losses))
 
 
-def _world_forces(
+def _frames(
     selection: Selection, evidence: Evidence, settings: StatsSettings
-) -> WorldForces | None:
-    """Return what turns forces into the world, where they need it and it can be done."""
-    connected = [link if link in evidence.parents else None for link in evidence.links]
-    needed = settings.wrench_frame is WrenchFrame.LINK
-    if not (needed and selection.odometry and any(connected)):
-        return None
+) -> WorldFrames | None:
+    """Return the frames that turn forces into the world, where they need it.
+
+    Places of sensors are left out: the origin of a foot's frame is no contact point, so neither
+    slip nor the support polygon may be measured with it.
+    """
     world, base = frame_names(selection.robot, evidence)
-    return WorldForces(
-        connected,
-        world_frame=world,
-        base_frame=base,
-        static_channels=selection.static_transforms,
-        clock=settings.clock,
+    return follow_frames(
+        selection,
+        evidence,
+        world,
+        base,
+        settings.clock,
+        turn_forces=settings.wrench_frame is WrenchFrame.LINK,
+        place_sensors=False,
     )
 
 
@@ -243,29 +245,29 @@ def _measure_batch(
     feet: FootChannels,
     span: Span,
     limits: tuple[int | None, int | None],
-    *,
-    with_transforms: bool,
+    frames: WorldFrames | None,
 ) -> _Measured:
     batch = log.read(span).cropped(*limits)
     stamped: dict[str, _Times] = {}
-    odometry = decode_odometry(batch, selection.odometry)
+    decoded = decode_odometry(batch, selection.odometry)
+    odometry = concatenate_odometry([odometry_columns(messages) for messages in decoded])
     contacts = read_contacts(batch, selection.contacts, feet)
+    samples = [read.felt.samples for read in contacts]
     with_header = [read.messages for read in contacts if read.source.has_header]
-    for messages in (*odometry, *with_header):
+    for messages in (*decoded, *with_header):
         stamped.update(_stamped_times(log, messages))
     return _Measured(
-        samples=[read.felt.samples for read in contacts],
-        odometry=concatenate_odometry([odometry_columns(messages) for messages in odometry]),
-        transforms=[
-            transform_columns(messages)
-            for messages in decode_transforms(batch, selection.transforms)
-        ]
-        if with_transforms
-        else [],
+        samples=samples,
+        odometry=odometry,
+        frames=(
+            read_frames(log, selection, frames, span, batch, odometry, samples, limits)
+            if frames is not None
+            else None
+        ),
         times=[stamped.get(times.topic, times) for times in _log_times(log, batch)],
         malformed={
             channel: count
-            for messages in (*odometry, *(read.messages for read in contacts))
+            for messages in (*decoded, *(read.messages for read in contacts))
             for channel, count in messages.malformed.items()
         },
         losses=batch.losses,

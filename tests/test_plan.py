@@ -115,7 +115,9 @@ def test_the_wrench_frame(trot: Case, option: str, seen: WrenchFrame, *, in_worl
     trot.see(wrench_frame=WrenchFrameEvidence(seen, 0.5, 100))
     plan = trot.plan(wrench_frame=option, style="force")
     assert plan.force_in_world is in_world
-    assert ("W_MAGNITUDE_ONLY" in codes(plan)) == (not in_world)
+    turns = plan.frames is not None and any(plan.frames.links)
+    assert turns == (WrenchFrame.LINK in {option, seen} and not in_world)
+    assert ("W_MAGNITUDE_ONLY" in codes(plan)) == (not in_world and not turns)
     assert f"WRENCH_FRAME_{seen.name}" in {code[2:] for code in codes(plan)}
     assert "W_MAGNITUDE_ONLY" not in codes(trot.plan(wrench_frame=option, style="pressure"))
 

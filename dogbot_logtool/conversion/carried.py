@@ -10,6 +10,7 @@ from dataclasses import dataclass, field
 
 from dogbot_logtool.conversion.reading import ReadBatch
 from dogbot_logtool.core.silent_swing import LastHeard, last_heard
+from dogbot_logtool.core.transform_buffer import TransformBuffer
 from dogbot_logtool.reader.log import Span
 
 
@@ -21,6 +22,8 @@ class Carried:
     """ns, time of the last usable odometry message."""
     contacts: LastHeard = field(default_factory=dict)
     """When the feet that are silent in swing were last heard."""
+    transforms: TransformBuffer = field(default_factory=TransformBuffer)
+    """What was last recorded of the frames that are needed."""
 
     def past(self, read: ReadBatch) -> "Carried":
         """Return what the batch after this one must know."""
@@ -29,7 +32,8 @@ class Carried:
         for contacts in read.contacts:
             if contacts.source.silent_in_swing:
                 heard = last_heard(contacts.felt.samples, heard)
-        return Carried(int(time[-1]) if len(time) else self.odometry, heard)
+        transforms = read.frames.handed_on(self.transforms) if read.frames else self.transforms
+        return Carried(int(time[-1]) if len(time) else self.odometry, heard, transforms)
 
 
 @dataclass(frozen=True, slots=True)

@@ -2,6 +2,8 @@
 
 from dataclasses import dataclass
 
+import numpy as np
+
 from dogbot_logtool.conversion.carried import Carried
 from dogbot_logtool.conversion.reading import ReadBatch
 from dogbot_logtool.core.arrows import (
@@ -65,8 +67,12 @@ def _transforms(poses: Odometry, previous_time: int | None, rate_hz: float) -> T
 
 
 def _arrows(read: ContactsRead, samples: Samples, plan: Plan) -> tuple[Arrows, ArrowCounts]:
-    if not read.source.has_force:
+    feet = range(len(plan.selection.robot.feet))
+    known = [foot for foot in feet if plan.selection.knows_force(foot)]
+    if not np.isin(known, np.unique(samples.foot)).any():
         return no_arrows(), ArrowCounts()
+    if len(known) < len(feet):
+        samples = samples.pick(np.isin(samples.foot, known))
     newtons_per_metre = plan.selection.robot.newtons_per_metre
     match plan.options.style:
         case "classic":

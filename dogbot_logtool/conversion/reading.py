@@ -8,6 +8,7 @@ from dogbot_logtool.plan import Plan
 from dogbot_logtool.reader.contact_sources.registry import ContactsRead, read_contacts
 from dogbot_logtool.reader.log import Batch, Log, Span
 from dogbot_logtool.reader.odometry import decode_odometry, odometry_columns
+from dogbot_logtool.world_frames import BatchFrames, read_frames
 
 
 @dataclass(frozen=True, slots=True)
@@ -20,6 +21,8 @@ class ReadBatch:
     bad_poses: int
     """Odometry messages with a zero quaternion or a number that is not finite."""
     contacts: tuple[ContactsRead, ...]
+    frames: BatchFrames | None
+    """What places feet in the world; None where that is not needed."""
     malformed: Mapping[int, int]
     """Messages that could not be decoded, by channel id."""
     stored_size: int
@@ -34,11 +37,17 @@ def read_batch(log: Log, plan: Plan, span: Span) -> ReadBatch:
     odometry = concatenate_odometry([odometry_columns(messages) for messages in decoded])
     poses = odometry.pick(usable_poses(odometry))
     contacts = read_contacts(batch, selection.contacts, selection.foot_channels())
+    samples = [read.felt.samples for read in contacts]
     return ReadBatch(
         batch=batch,
         poses=poses,
         bad_poses=len(odometry.log_time) - len(poses.log_time),
         contacts=tuple(contacts),
+        frames=(
+            read_frames(log, selection, plan.frames, span, batch, poses, samples, plan.limits)
+            if plan.frames is not None
+            else None
+        ),
         malformed={
             channel: count
             for messages in (*decoded, *(read.messages for read in contacts))

@@ -144,7 +144,7 @@ class BaseRecorder:
         )
 
     def _add_block(self, odometry: Odometry) -> None:
-        time = odometry.stamp if self._clock is TimeSource.HEADER else odometry.log_time
+        time = self._clock.of(odometry)
         usable = usable_poses(odometry)
         self._messages += len(time)
         self._not_usable += int((~usable).sum())
@@ -201,7 +201,7 @@ def twist_fit(odometry: Odometry, clock: TimeSource) -> TwistFit:
         odometry: usable poses at strictly increasing times.
         clock: which time counts.
     """
-    time = odometry.stamp if clock is TimeSource.HEADER else odometry.log_time
+    time = clock.of(odometry)
     step = np.diff(time) / 1e9
     world = odometry.linear_velocity
     body = rotate(normalised(odometry.orientation), world)

@@ -8,10 +8,23 @@ show in the first batch: the second pass then costs nothing.
 """
 
 from enum import StrEnum
+from typing import Protocol
 
 import numpy as np
 
 from dogbot_logtool.core.arrays import Flags, Ints
+
+
+class Stamped(Protocol):
+    """Columns that are placed in time."""
+
+    @property
+    def stamp(self) -> Ints:
+        """(n,) ns, header stamp as recorded."""
+
+    @property
+    def log_time(self) -> Ints:
+        """(n,) ns."""
 
 
 class TimeSource(StrEnum):
@@ -19,6 +32,10 @@ class TimeSource(StrEnum):
 
     HEADER = "header"
     LOG = "log"
+
+    def of(self, columns: Stamped) -> Ints:
+        """Return the times on this clock; (n,) ns."""
+        return columns.stamp if self is TimeSource.HEADER else columns.log_time
 
 
 class UnusableStamps(Exception):  # noqa: N818 - a reason to read again, it never reaches a user

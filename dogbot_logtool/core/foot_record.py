@@ -149,7 +149,7 @@ class FootRecorder:
         if not self._has_force:
             touch = np.where(samples.in_contact, _TOUCH_N, 0.0)
             samples = replace(samples, force=touch[:, None] * np.array([0.0, 0.0, 1.0]))
-        time = samples.stamp if self._clock is TimeSource.HEADER else samples.log_time
+        time = self._clock.of(samples)
         finite = samples.finite
         usable = self._usable(time, finite)
         self._messages += len(time)

@@ -31,6 +31,8 @@ class StatsSettings:
     foot_rolling_m: float = 0.0
     contact_on_n: float | None = None
     contact_off_n: float | None = None
+    contact_on_counts: float | None = None
+    """Of raw sensors without a scale; the reader has applied it."""
     debounce_s: float = 0.020
     wrench_frame: WrenchFrame = WrenchFrame.UNKNOWN
     """Frame of the forces in `Samples`; samples that are `in_world` are in the world anyway."""

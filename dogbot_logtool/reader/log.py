@@ -1,8 +1,10 @@
 """A log as this program sees it: channels, chunks, and batches of messages as columns."""
 
 from abc import ABC, abstractmethod
+from bisect import bisect_right
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from itertools import islice
 from typing import Final
 
 import numpy as np
@@ -303,6 +305,11 @@ class Log(ABC):
                 group, size = [], 0
         if group:
             yield tuple(group)
+
+    def after(self, span: Span) -> Iterator[Chunk]:
+        """Yield the chunks that follow a batch, in file order."""
+        following = bisect_right(self.chunks, span[-1].offset, key=lambda chunk: chunk.offset)
+        yield from islice(self.chunks, following, None)
 
     def read(self, span: Span) -> Batch:
         """Read and decompress chunks and find their messages. Damage becomes losses."""

@@ -128,6 +128,7 @@ def _settings(stats: Stats) -> Json:
         "wrench_frame": str(settings.wrench_frame),
         "contact_on_n": rule.on_n,
         "contact_off_n": rule.off_n,
+        "contact_on_counts": settings.contact_on_counts,
         "debounce_s": rule.debounce_s,
         "foot_rolling_m": settings.foot_rolling_m,
         "reference_foot": stats.feet[stats.reference].name if stats.feet else None,

@@ -24,8 +24,7 @@ from dogbot_logtool.reader.messages import DecodedMessages, decode_channels, lay
 _SOURCES: Final = (
     gazebo_classic.SOURCE,
     gazebo.SOURCE,
-    unitree.LEGGED_SOURCE,
-    unitree.GO_SOURCE,
+    *unitree.SOURCES,
     wrench.SOURCE,
     spot.SOURCE,
     champ.SOURCE,

@@ -25,6 +25,8 @@ class FootChannels:
     """Indices in `feet` by channel id; several where one message tells of several feet."""
     release_n: float
     """N: a sensor that is never quite silent touches nothing below this force."""
+    contact_on_counts: float | None = None
+    """Counts from which a raw sensor without a scale touches; None: it cannot be told."""
 
     def single(self, channel: Ints) -> Ints:
         """(n,) foot index of messages that tell of one foot each."""
