@@ -110,10 +110,9 @@ def test_the_latest_static_transform_holds() -> None:
 
 
 def test_huge_numbers_are_no_error() -> None:
+    still = about_z(np.zeros(2))
     shift = np.full((2, 3), 1e308) * np.array([[1.0], [-1.0]])
-    buffer = TransformBuffer().add(
-        "world", "leg", at(0, 20), at(0, 20), shift, about_z(np.zeros(2))
-    )
+    buffer = TransformBuffer().add("world", "leg", at(0, 20), at(0, 20), shift, still)
     assert look(buffer, at(10)).known.all()
 
 
