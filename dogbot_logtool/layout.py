@@ -2,17 +2,15 @@
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any, Final
+from typing import Any
 
 from dogbot_logtool.evidence import look_into
 from dogbot_logtool.plan import DEFAULT_BASE, ConvertOptions, make_plan
 from dogbot_logtool.reader.opening import open_log
+from dogbot_logtool.report.foot_pens import foot_colour
 from dogbot_logtool.robot import load_robot
 from dogbot_logtool.selection import TopicOptions, select_topics
 from dogbot_logtool.writer.annotations import arrow_topic, load_topic
-
-FOOT_COLOURS: Final = ("#0072b2", "#e69f00", "#009e73", "#d55e00", "#cc79a7", "#56b4e9")
-"""Colours that colour-blind readers tell apart (Okabe and Ito)."""
 
 
 def foxglove_layout(feet: Sequence[str], base_frame: str) -> dict[str, Any]:
@@ -94,7 +92,7 @@ def _loads(feet: Sequence[str]) -> dict[str, Any]:
                 "enabled": True,
                 "timestampMethod": "receiveTime",
                 "label": foot,
-                "color": FOOT_COLOURS[index % len(FOOT_COLOURS)],
+                "color": foot_colour(index),
                 "showLine": True,
             }
             for index, foot in enumerate(feet)

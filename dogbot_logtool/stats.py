@@ -10,6 +10,7 @@ import numpy as np
 from dogbot_logtool.core.arrays import Ints
 from dogbot_logtool.core.clock import TimeSource, UnusableStamps
 from dogbot_logtool.core.contacts import Samples
+from dogbot_logtool.core.curves import CurveDetail
 from dogbot_logtool.core.odometry import Odometry, concatenate_odometry
 from dogbot_logtool.core.settings import FootPlace, StatsSettings
 from dogbot_logtool.core.silent_swing import SwingTeller
@@ -64,6 +65,8 @@ class StatsOptions:
     """s since the log's start; also `end_s`."""
     end_s: float | None = None
     jobs: int = 1
+    curves: CurveDetail | None = None
+    """Keep load curves for drawing; None: none."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -170,7 +173,7 @@ def _pass(
 ) -> Measurement:
     """Read the log once, feeding all messages to the figures in order."""
     start, end = time_limits(log, options.start_s, options.end_s)
-    accumulator = StatsAccumulator(settings)
+    accumulator = StatsAccumulator(settings, options.curves)
     losses = list(log.losses)
     malformed: dict[int, int] = {}
     messages = done = 0

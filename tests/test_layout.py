@@ -11,8 +11,9 @@ from mcap_protobuf.decoder import DecoderFactory
 
 from dogbot_logtool.convert import convert
 from dogbot_logtool.errors import CallError
-from dogbot_logtool.layout import FOOT_COLOURS, foxglove_layout, layout_for
+from dogbot_logtool.layout import foxglove_layout, layout_for
 from dogbot_logtool.plan import ConvertOptions
+from dogbot_logtool.report.foot_pens import FOOT_COLOURS
 from dogbot_logtool.selection import TopicOptions
 
 SAMPLE_LOGS = Path(__file__).parents[1] / "sample_logs"

@@ -11,6 +11,7 @@ from dogbot_logtool.core.arrays import Flags, Ints
 from dogbot_logtool.core.blocks import BLOCK_ROWS, Blocks, GrowingTable
 from dogbot_logtool.core.clock import TimeSource, advancing
 from dogbot_logtool.core.contacts import Samples
+from dogbot_logtool.core.curves import CurveDetail, LoadCurveRecorder, LoadCurves
 from dogbot_logtool.core.footfall import (
     ContactRule,
     DecidedStance,
@@ -58,6 +59,8 @@ class FootRecord:
     track: FootTrack
     has_force: bool = True
     """Whether forces are known at all, not only contact."""
+    curves: LoadCurves | None = None
+    """Load over time; None unless asked for, and where forces are not known."""
 
     @property
     def known(self) -> Ints:
@@ -97,9 +100,11 @@ class FootRecorder:
         *,
         force_in_world: bool,
         has_force: bool = True,
+        curves: CurveDetail | None = None,
         block_rows: int = BLOCK_ROWS,
     ) -> None:
         self._has_force = has_force
+        self._curves = LoadCurveRecorder(curves) if curves and has_force else None
         rule = rule if has_force else replace(rule, on_n=_TOUCH_N, off_n=0.0)
         self._rule = rule
         self._clock = clock
@@ -143,6 +148,7 @@ class FootRecorder:
             dropped_stances=self._finder.dropped_stances,
             track=self._track.finish(longest),
             has_force=self._has_force,
+            curves=self._curves.finish() if self._curves else None,
         )
 
     def _add_block(self, samples: Samples) -> None:
@@ -170,6 +176,8 @@ class FootRecorder:
         self._count_repeats(signal, previous)
         self._intervals.add(np.diff(time, prepend=time[:1] if previous is None else previous.time))
         self._track.add(time, signal.force, signal.vertical, signal.point)
+        if self._curves is not None:
+            self._curves.add(time, signal.force, signal.vertical)
         self._found(self._finder.add(signal))
 
     def _usable(self, time: Ints, finite: Flags) -> Flags:

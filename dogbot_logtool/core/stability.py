@@ -82,6 +82,26 @@ def _at(
     """(n,) margin, whether there is a polygon, centre of pressure ahead and to the left."""
     body = base.position_at(instants)[:, :2]
     heading = base.angles_at(instants)[:, 2] + FORWARD_ANGLES[forward_axis]
+    points, load = feet_down(instants, feet)
+    polygon = (np.isfinite(points[:, :, 0]).sum(axis=1) >= FEWEST_FEET) & np.isfinite(body[:, 0])
+    margin = np.full(len(instants), np.nan)
+    margin[polygon] = margin_in_hull(points[polygon], body[polygon])
+    pressure = centre_of_pressure(points, load)
+    ahead, left = along_heading(pressure - body, heading)
+    return margin, polygon, ahead, left
+
+
+def feet_down(instants: Ints, feet: Sequence[FootRecord]) -> tuple[Floats, Floats]:
+    """Tell where each foot stands at some instants, and what it carries there.
+
+    Args:
+        instants: (n,) ns.
+        feet: records of all feet.
+
+    Returns:
+        (n, feet, 2) m, contact points seen from above, NaN where a foot is not down; and
+        (n, feet) N, vertical force, 0 where a foot is not down or it is not known.
+    """
     points = np.full((len(instants), len(feet), 2), np.nan)
     load = np.zeros((len(instants), len(feet)))
     for column, foot in enumerate(feet):
@@ -91,12 +111,7 @@ def _at(
         usable = down & np.isfinite(point).all(axis=1)
         points[usable, column] = point[usable]
         load[usable, column] = np.maximum(np.nan_to_num(foot.track.vertical_force[row[usable]]), 0)
-    polygon = (np.isfinite(points[:, :, 0]).sum(axis=1) >= FEWEST_FEET) & np.isfinite(body[:, 0])
-    margin = np.full(len(instants), np.nan)
-    margin[polygon] = margin_in_hull(points[polygon], body[polygon])
-    pressure = centre_of_pressure(points, load)
-    ahead, left = along_heading(pressure - body, heading)
-    return margin, polygon, ahead, left
+    return points, load
 
 
 def _nearest(time: Ints, instants: Ints) -> tuple[Ints, Flags]:

@@ -24,6 +24,7 @@ from dogbot_logtool.core.base_record import BaseRecord, BaseRecorder
 from dogbot_logtool.core.blocks import run_of
 from dogbot_logtool.core.clock import StampWatch
 from dogbot_logtool.core.contacts import Samples
+from dogbot_logtool.core.curves import CurveDetail
 from dogbot_logtool.core.falls import fallen_spans
 from dogbot_logtool.core.foot_figures import (
     FootFigures,
@@ -79,9 +80,14 @@ class Stats:
 
 
 class StatsAccumulator:
-    """Measures a walk while its log streams past."""
+    """Measures a walk while its log streams past.
 
-    def __init__(self, settings: StatsSettings) -> None:
+    Args:
+        settings: what decides the figures.
+        curves: keep load curves for drawing, in this detail; None keeps none, and costs nothing.
+    """
+
+    def __init__(self, settings: StatsSettings, curves: CurveDetail | None = None) -> None:
         self._settings = settings
         self._feet = [
             FootRecorder(
@@ -89,6 +95,7 @@ class StatsAccumulator:
                 settings.clock,
                 force_in_world=settings.force_in_world,
                 has_force=foot.has_force,
+                curves=curves,
             )
             for foot in settings.feet
         ]

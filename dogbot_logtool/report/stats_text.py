@@ -1,6 +1,5 @@
 """The figures of `stats` for people: the verdict first, then the feet, loads, and what to doubt."""
 
-import math
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -12,11 +11,11 @@ from rich.table import Table
 from rich.text import Text
 
 from dogbot_logtool.core.aggregates import Aggregate
-from dogbot_logtool.core.gait import IRREGULAR, STAND, TOLERANCE
+from dogbot_logtool.core.gait import STAND
 from dogbot_logtool.core.load_figures import grouped_shares
 from dogbot_logtool.core.remarks import remarks
-from dogbot_logtool.core.segments import Segment
 from dogbot_logtool.core.walk_stats import Stats
+from dogbot_logtool.report.foot_pens import short_names
 from dogbot_logtool.report.gait_diagram import (
     ASCII,
     UNICODE,
@@ -25,6 +24,7 @@ from dogbot_logtool.report.gait_diagram import (
     support_line,
 )
 from dogbot_logtool.report.stats_json import LogFacts, Said, symmetry
+from dogbot_logtool.report.verdict import evidence, gait_name, how_sure, is_known
 
 NOTHING: Final = "-"
 """Stands for a figure that is not known."""
@@ -97,13 +97,13 @@ def verdict(stats: Stats) -> Text:
     main = stats.main
     if main is None:
         return Text("Gait not known: no foot makes a whole stride.", style="bold yellow")
-    name = main.gait.name
-    if name == STAND:
+    if main.gait.name == STAND:
         extent = "throughout" if len(stats.segments) == 1 else "for the longest time"
         return Text.assemble(("Stand", "bold green"), f": all feet are down {extent}.")
-    words = _name(main)
-    style = "bold green" if name and name != IRREGULAR else "bold yellow"
-    line = Text.assemble((words, style), _certainty(main))
+    style = "bold green" if is_known(stats) else "bold yellow"
+    sure = how_sure(main)
+    line = Text.assemble((gait_name(main), style), f", {sure}" if sure else "")
+    line.append(f"\n{evidence(main)}")
     if main.duty_factor is not None:
         kind = "running" if main.duty_factor < 0.5 else "not running"
         line.append(f"\nduty factor {main.duty_factor:.3f} ({kind})")
@@ -114,38 +114,6 @@ def verdict(stats: Stats) -> Text:
     return line
 
 
-def _name(segment: Segment) -> str:
-    gait = segment.gait
-    if gait.name is None:
-        return "Gait not known"
-    sequence = {"lateral": "lateral-sequence ", "diagonal": "diagonal-sequence "}
-    prefix = sequence.get(gait.sequence or "", f"{gait.sequence} " if gait.sequence else "")
-    return f"{prefix}{gait.name}".capitalize()
-
-
-def _certainty(segment: Segment) -> str:
-    gait = segment.gait
-    consistency = [phase.consistency for phase in segment.phases if phase is not None]
-    if gait.name is None or gait.distance is None or not consistency:
-        return "\nphases of all four feet are needed to name one"
-    strides = f"{segment.strides} strides"
-    if gait.name == IRREGULAR:
-        return (
-            f"\nnearest to {gait.nearest}: phases {gait.distance:.2f} cycles off, "
-            f"R at least {_floor(min(consistency))}, {strides}"
-        )
-    sure = gait.distance <= TOLERANCE / 2.0 and min(consistency) > 0.95
-    return (
-        f", {'clearly' if sure else 'fairly'}\nphases within {gait.distance:.3f} cycles, "
-        f"R at least {_floor(min(consistency))}, {strides}"
-    )
-
-
-def _floor(share: float) -> str:
-    """Two decimals, never rounded up."""
-    return f"{math.floor(share * 100.0) / 100.0:.2f}"
-
-
 def _segments(stats: Stats) -> list[RenderableType]:
     if len(stats.segments) < 2:
         return []
@@ -154,7 +122,7 @@ def _segments(stats: Stats) -> list[RenderableType]:
         start, end = (each / 1e9 for each in (segment.spans[0] - stats.origin).tolist())
         frequency = segment.stride_frequency_hz
         pace = "" if frequency is None else f", {frequency:.2f} strides/s"
-        parts.append(f"{start:.1f}-{end:.1f} s {_name(segment).lower()}{pace}")
+        parts.append(f"{start:.1f}-{end:.1f} s {gait_name(segment).lower()}{pace}")
     return [Text("in turn: " + "; ".join(parts))]
 
 
@@ -227,7 +195,7 @@ def _load_unit(stats: Stats) -> str:
 
 
 def _support(stats: Stats) -> Text:
-    names = [_short(foot.name) for foot in stats.feet]
+    names = short_names([foot.name for foot in stats.feet])
     line = Text("  feet down: ", style="dim")
     if stats.support is not None:
         shares = [
@@ -239,12 +207,6 @@ def _support(stats: Stats) -> Text:
     else:
         line.append("not known")
     return line
-
-
-def _short(name: str) -> str:
-    """``FL`` for ``front_left``; a name of one word stays."""
-    words = name.split("_")
-    return "".join(word[:1].upper() for word in words) if len(words) > 1 else name
 
 
 def _load_lines(stats: Stats) -> list[RenderableType]:
@@ -360,7 +322,7 @@ def print_summary(console: Console, results: Sequence[tuple[Stats, LogFacts]]) -
         warnings = sum(not one.code.startswith("N_") for one in (*remarks(stats), *log.findings))
         table.add_row(
             Path(log.path).name,
-            NOTHING if main is None or main.gait.name is None else _name(main).lower(),
+            NOTHING if main is None or main.gait.name is None else gait_name(main).lower(),
             _number(main.duty_factor if main else None, 3),
             _number(main.stride_frequency_hz if main else None, 3),
             _number(base.forward_speed_mps if base else None, 3),

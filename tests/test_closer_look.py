@@ -1,0 +1,49 @@
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from dogbot_logtool.closer_look import load_curves_within
+from dogbot_logtool.core.curves import CurveDetail
+from dogbot_logtool.stats import StatsOptions, measure
+
+TROT = Path(__file__).parents[1] / "sample_logs" / "dogbot_trot.bag"
+
+
+def test_curves_cost_and_change_nothing_unless_asked_for() -> None:
+    plain, drawn = measure(TROT, StatsOptions()), measure(TROT, StatsOptions(curves=CurveDetail()))
+    assert all(foot.record.curves is None for foot in plain.stats.feet)
+    for one, other in zip(plain.stats.feet, drawn.stats.feet, strict=True):
+        assert replace(one.record, curves=None).median_interval_s == other.record.median_interval_s
+        assert one.peak_force_n == other.peak_force_n
+
+
+def test_the_highest_point_of_a_curve_is_the_highest_peak() -> None:
+    coarse = StatsOptions(curves=CurveDetail(most_bins=16))
+    for foot in measure(TROT, coarse).stats.feet:
+        curves = foot.record.curves
+        assert curves is not None
+        assert curves.force is not None
+        assert foot.peak_force_n is not None
+        assert len(curves.force.high) <= 16
+        assert curves.force.high.max() == foot.record.stances.peak_n.max()
+
+
+@pytest.mark.parametrize("bins", [16, 100_000])
+def test_a_short_window_is_seen_sample_by_sample(bins: int) -> None:
+    options = StatsOptions(curves=CurveDetail(most_bins=bins))
+    measured = measure(TROT, options)
+    whole = measure(TROT, StatsOptions(curves=CurveDetail(most_bins=100_000)))
+    start, end = (measured.stats.origin + each * 1_000_000_000 for each in (2, 3))
+    closer = load_curves_within(TROT, options, measured, (2.0, 3.0))
+    for seen, foot in zip(closer, whole.stats.feet, strict=True):
+        every = foot.record.curves
+        assert seen is not None
+        assert every is not None
+        assert seen.force is not None
+        assert every.force is not None
+        inside = (every.force.low_time >= start) & (every.force.low_time <= end)
+        rows = np.isin(seen.force.low_time, every.force.low_time[inside])
+        assert rows.sum() == inside.sum() > 200
+        assert (seen.force.low[rows] == every.force.low[inside]).all()
