@@ -81,6 +81,9 @@ def update(expected: Path, actual: Path) -> Update:
         CallError: a file is missing, unreadable or damaged, or both are the same.
         LogtoolError: EXPECTED cannot be written.
     """
+    for path in (expected, actual):
+        if path.is_dir():
+            raise CallError(f"{path}: is a directory; --update writes files only")
     exists = expected.exists()
     if exists and actual.exists() and expected.samefile(actual):
         raise CallError(f"{expected}: both files are the same one; there is nothing to update")

@@ -257,7 +257,7 @@ def _converted_batches(
 def _copy_extras(log: Log, writer: McapWriter, tally: _Tally) -> None:
     """Copy attachments and metadata records."""
     for extra in log.extras:
-        match read_extra(log.source, extra):
+        match read_extra(log.source_of(extra), extra):
             case (record, records.Metadata() as metadata):
                 writer.copy_metadata(record, metadata)
                 continue

@@ -166,7 +166,8 @@ def evidence_findings(selection: Selection, evidence: Evidence) -> list[Finding]
         frames = ", ".join(evidence.slashed_frames)
         text = f"frame ids begin with a slash, which viewers of today do not accept: {frames}"
         findings.append(warning("SLASHED_FRAMES", text))
-    if any(source.has_force for source in selection.sources):
+    feet = range(len(selection.robot.feet))
+    if any(selection.sources_of(foot) and selection.knows_force(foot) for foot in feet):
         findings.append(_wrench_frame_finding(evidence))
     if len(evidence.world_frames) > 1 or len(evidence.base_frames) > 1:
         frames = ", ".join((*evidence.world_frames, *evidence.base_frames))

@@ -185,7 +185,9 @@ def test_what_cannot_be_compared_is_a_wrong_call(expected: Path, actual: Path) -
     assert "is empty" in refused()
     actual.unlink()
     actual.mkdir()
-    assert refused() == f"{actual}: is a directory, not a file"
+    assert refused() == f"{actual}: is a directory, not a log file, and holds no ROS 2 bag"
+    with pytest.raises(CallError, match="--update writes files only"):
+        update(expected, actual)
     with pytest.raises(CallError, match="--max-differences"):
         compare(expected, expected, CompareOptions(max_differences=-1))
     with pytest.raises(CallError, match="--atol"):

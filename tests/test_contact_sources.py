@@ -5,6 +5,8 @@ from typing import Any
 
 import numpy as np
 import pytest
+from mcap.reader import make_reader
+from mcap_ros2.decoder import DecoderFactory
 
 from dogbot_logtool.convert import convert
 from dogbot_logtool.evidence import look_into
@@ -18,6 +20,7 @@ from dogbot_logtool.stats import StatsOptions, measure
 from tests import walks
 
 FLAGS_ONLY = ("spot_msgs/msg/FootStateArray", "champ_msgs/msg/ContactsStamped")
+RAW = tuple(kind for kind in walks.KINDS if kind.startswith("unitree"))
 IN_WORLD = ("gazebo_msgs/msg/ContactsState", "ros_gz_interfaces/msg/Contacts")
 WITH_FORCE = tuple(kind for kind in walks.KINDS if kind not in FLAGS_ONLY)
 FORCE_FIGURES = (
@@ -100,7 +103,7 @@ def test_flags_give_no_force_figures_and_say_so(tmp_path: Path, kind: str) -> No
     assert got["forces"]["vertical_impulse_over_weight"] is None
 
 
-@pytest.mark.parametrize("kind", [k for k in walks.KINDS if "LowState" in k or "spot" in k])
+@pytest.mark.parametrize("kind", [k for k in walks.KINDS if k in RAW or "spot" in k])
 def test_without_a_header_log_time_is_used_and_said(tmp_path: Path, kind: str) -> None:
     got = figures(tmp_path, kind)
     assert got["settings"]["time_source"] == "log"
@@ -133,9 +136,9 @@ def test_order_of_feet_is_the_message_s(tmp_path: Path, kind: str) -> None:
     for foot, leg in enumerate(selection.robot.feet):
         mine = samples.pick(samples.foot == foot)
         times = (mine.log_time[mine.in_contact] - walks.START) // walks.STEP
-        if "LowState" in kind:
-            # Counts have an offset, and a threshold far above it.
-            assert set(times.tolist()) <= set(np.flatnonzero(walks.TOUCHES[leg.name]).tolist())
+        if kind in RAW:
+            # Nobody has said what the counts mean.
+            assert not len(mine.foot)
         else:
             assert times.tolist() == np.flatnonzero(walks.TOUCHES[leg.name]).tolist()
 
@@ -182,8 +185,53 @@ def test_the_interval_of_a_silent_sensor_is_seen(tmp_path: Path) -> None:
 def test_raw_counts_are_not_passed_off_as_newtons(tmp_path: Path, name: str) -> None:
     path = walks.write_walk(tmp_path, "unitree_go/msg/LowState", "mcap")
     feet = dict.fromkeys(walks.LEGS, "/feet") if name == "unitree_go2" else None
-    told = describe(path, TopicOptions(robot=name, foot_topics=feet))
-    assert "W_NOT_CALIBRATED" in {finding.code for finding in told.findings}
+    options = TopicOptions(robot=name, foot_topics=feet)
+    told = describe(path, options)
+    (finding,) = [f for f in told.findings if f.code == "W_NOT_CALIBRATED"]
+    assert "no forces, and without contact.on_counts no contact either" in finding.text
+    done = measure(path, StatsOptions(options))
+    got = stats_json(done.stats, done.facts)
+    for foot in got["feet"].values():
+        assert [foot[figure] for figure in FORCE_FIGURES] == [None] * len(FORCE_FIGURES)
+        assert (foot["contact_fraction"], foot["touchdown_s"]) == (None, [])
+
+
+@pytest.mark.parametrize("kind", RAW)
+def test_counts_without_a_scale_give_a_gait_and_no_forces(tmp_path: Path, kind: str) -> None:
+    path = walks.write_walk(tmp_path, kind, "mcap")
+    robot = walks.robot_file(tmp_path, kind)
+    lines = robot.read_text(encoding="utf-8").splitlines()
+    kept = [line for line in lines if not line.startswith("newtons_per_count")]
+    robot.write_text("\n".join(["contact.on_counts = 30", *kept]), encoding="utf-8")
+    options = TopicOptions(robot=str(robot))
+
+    done = measure(path, StatsOptions(options))
+    got = stats_json(done.stats, done.facts)
+    assert got["settings"]["contact_on_counts"] == 30.0
+    assert got["gait"]["class"] == "trot"
+    assert got["forces"]["vertical_impulse_over_weight"] is None
+    for leg in walks.LEGS:
+        assert got["feet"][leg]["touchdown_s"] == pytest.approx(steps(leg)[0], abs=1e-6)
+        assert [got["feet"][leg][name] for name in FORCE_FIGURES] == [None] * len(FORCE_FIGURES)
+    told = {finding["code"]: finding["text"] for finding in got["quality"]["findings"]}
+    assert "contact from 30 counts above a foot's offset on" in told["W_NOT_CALIBRATED"]
+    assert "W_WRENCH_FRAME_UNKNOWN" not in told
+
+    target = tmp_path / "out.mcap"
+    converted = convert(path, target, ConvertOptions(options, encoding="ros2", copy=False))
+    assert "W_NOT_FINITE" not in {finding.code for finding in converted.findings}
+    assert not any(n for topic, n in converted.annotations.items() if "marker" in topic)
+    loads = 0
+    with target.open("rb") as stream:
+        reader = make_reader(stream, decoder_factories=[DecoderFactory()])
+        for _, channel, message, load in reader.iter_decoded_messages():
+            leg = channel.topic.removeprefix("/load/")
+            if leg in walks.LEGS:
+                sample = (message.log_time - walks.START) // walks.STEP
+                assert load.in_contact == walks.TOUCHES[leg][sample]
+                assert np.isnan(load.force) == load.in_contact
+                loads += 1
+    assert loads == 4 * walks.SAMPLES
 
 
 def test_robots_with_other_numbers_of_feet(tmp_path: Path) -> None:

@@ -44,6 +44,11 @@ DEFINITIONS: Final = {
     "int16[4] footForce\nint16[4] footForceEst\nuint32 tick\nuint8[40] wirelessRemote\nuint32 crc",
     "unitree_go/msg/LowState": "uint8[2] head\nuint8 level_flag\nuint16 bandwidth\n"
     "int16[4] foot_force\nint16[4] foot_force_est\nuint32 tick\nuint8[40] wireless_remote",
+    "unitree_legged_msgs/msg/HighState": "uint8[2] head\nuint8 mode\nint16[4] footForce\n"
+    "int16[4] footForceEst\nfloat32[3] position",
+    "unitree_go/msg/TimeSpec": "int32 sec\nuint32 nanosec",
+    "unitree_go/msg/SportModeState": "unitree_go/TimeSpec stamp\nuint32 error_code\n"
+    "int16[4] foot_force\nfloat32[12] foot_position_body",
     "spot_msgs/msg/FootState": "geometry_msgs/Point foot_position_rt_body\nuint8 contact",
     "spot_msgs/msg/FootStateArray": "spot_msgs/FootState[] states",
     "champ_msgs/msg/ContactsStamped": "std_msgs/Header header\nbool[] contacts",
@@ -54,6 +59,8 @@ KINDS: Final = (
     "geometry_msgs/msg/WrenchStamped",
     "unitree_legged_msgs/msg/LowState",
     "unitree_go/msg/LowState",
+    "unitree_legged_msgs/msg/HighState",
+    "unitree_go/msg/SportModeState",
     "spot_msgs/msg/FootStateArray",
     "champ_msgs/msg/ContactsStamped",
 )
@@ -172,9 +179,11 @@ class Walk:
                     message = self.make(kind, header=header, wrench=self.wrench(noise))
                     yield foot_topic(kind, leg), message
             case "unitree_legged_msgs":
-                yield "/feet", self.legged(sample, forces)
+                high = kind.endswith("HighState")
+                yield "/feet", (self.high if high else self.legged)(sample, forces)
             case "unitree_go":
-                yield "/feet", self.go(sample, forces)
+                sport = kind.endswith("SportModeState")
+                yield "/feet", (self.sport if sport else self.go)(sample, forces)
             case "spot_msgs":
                 zero = self.vector((0, 0, 0), "geometry_msgs/Point")
                 states = [
@@ -264,6 +273,26 @@ class Walk:
             foot_force_est=np.zeros(4, np.int16),
             tick=sample,
             wireless_remote=np.zeros(40, np.uint8),
+        )
+
+    def high(self, sample: int, forces: Mapping[str, Any]) -> Any:
+        return self.make(
+            "unitree_legged_msgs/HighState",
+            head=np.zeros(2, np.uint8),
+            mode=sample % 7,
+            footForce=self.counts(forces),
+            footForceEst=np.zeros(4, np.int16),
+            position=np.zeros(3, np.float32),
+        )
+
+    def sport(self, sample: int, forces: Mapping[str, Any]) -> Any:
+        # A clock of its own, that is none of the log's.
+        return self.make(
+            "unitree_go/SportModeState",
+            stamp=self.make("unitree_go/TimeSpec", sec=sample, nanosec=5),
+            error_code=100,
+            foot_force=self.counts(forces),
+            foot_position_body=np.zeros(12, np.float32),
         )
 
     def definition(self, kind: str) -> str:

@@ -64,7 +64,7 @@ def compare(
     quiet: bool,
     verbose: bool,
 ) -> None:
-    """Say whether two MCAPs, or two `stats --json` files, mean the same, and if not, where.
+    """Say whether two logs, or two `stats --json` files, mean the same, and if not, where.
 
     Exit code 0: the same; 1: different; 2: the call or a file is wrong; 3: the same as far as can
     be read, but a file is damaged.

@@ -49,7 +49,7 @@ def _add(named: dict[str, Tree], name: str, value: Tree) -> None:
 
 def _metadata(log: Log, extra: Extra) -> tuple[str, Tree]:
     size = min(extra.size - _HEAD_SIZE, _LARGEST_METADATA)
-    body = log.source.read(extra.offset + _HEAD_SIZE, size)
+    body = log.source_of(extra).read(extra.offset + _HEAD_SIZE, size)
     try:
         record = records.Metadata.read(ReadDataStream(BytesIO(body)))
     except (McapError, struct.error, ValueError, OverflowError):
@@ -61,7 +61,7 @@ def _attachment(log: Log, extra: Extra) -> tuple[str, Tree]:
     """Describe an attachment: log and create time, name, media type, then size and content."""
     offset = extra.offset + _HEAD_SIZE
     end = extra.offset + extra.size
-    head = log.source.read(offset, min(_PIECE, end - offset))
+    head = log.source_of(extra).read(offset, min(_PIECE, end - offset))
     try:
         place, texts = 16, []
         for _ in range(2):
@@ -74,5 +74,5 @@ def _attachment(log: Log, extra: Extra) -> tuple[str, Tree]:
     start = offset + place + 8
     content = hashlib.sha256()
     for piece in range(start, min(start + size, end), _PIECE):
-        content.update(log.source.read(piece, min(_PIECE, start + size - piece)))
+        content.update(log.source_of(extra).read(piece, min(_PIECE, start + size - piece)))
     return texts[0], {"media_type": texts[1], "size": size, "sha256": content.hexdigest()}

@@ -16,7 +16,7 @@ _LARGEST: Final = 256 << 20
 
 
 def looks_like_json(path: Path) -> bool:
-    """Tell by its first character whether a file is JSON text.
+    """Tell by its first character whether a file is JSON text; a directory is not.
 
     Raises:
         CallError: there is no such file, or it cannot be opened.
@@ -26,8 +26,8 @@ def looks_like_json(path: Path) -> bool:
             return file.read(64).removeprefix(b"\xef\xbb\xbf").lstrip()[:1] in {b"{", b"["}
     except FileNotFoundError as error:
         raise CallError(f"{path}: no such file") from error
-    except IsADirectoryError as error:
-        raise CallError(f"{path}: is a directory, not a file") from error
+    except IsADirectoryError:
+        return False
     except OSError as error:
         raise CallError(f"{path}: cannot be opened: {error.strerror}") from error
 

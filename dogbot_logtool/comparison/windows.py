@@ -16,7 +16,6 @@ import numpy as np
 from dogbot_logtool.core.arrays import Floats, Ints
 from dogbot_logtool.reader.columns import Bytes
 from dogbot_logtool.reader.log import (
-    BATCH_SIZE,
     Batch,
     Chunk,
     Log,
@@ -171,16 +170,10 @@ def load(track: Track, window: Window) -> Block:
 def _spans(track: Track, window: Window) -> Iterator[list[int]]:
     """Group the chunks that reach into a window into batches, in file order, as row numbers."""
     reach = (track.start <= window.last) & (track.end >= window.first)
-    group: list[int] = []
-    size = 0
-    for row in np.flatnonzero(reach).tolist():
-        group.append(row)
-        size += track.chunks[row].size
-        if size >= BATCH_SIZE:
-            yield group
-            group, size = [], 0
-    if group:
-        yield group
+    rows = np.flatnonzero(reach).tolist()
+    for span in track.log.grouped([track.chunks[row] for row in rows]):
+        yield rows[: len(span)]
+        rows = rows[len(span) :]
 
 
 def _check_times(track: Track, rows: Sequence[int], batch: Batch) -> None:

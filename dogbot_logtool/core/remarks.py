@@ -77,7 +77,7 @@ def _falls(stats: Stats) -> Iterator[Remark]:
 def _foot(stats: Stats, foot: FootFigures) -> Iterator[Remark]:
     record, name, where = foot.record, foot.name, f"feet.{foot.name}"
     if record.messages == 0:
-        yield Remark("W_NO_MESSAGES", f"{name} has no messages on {foot.topic}", where)
+        yield Remark("W_NO_MESSAGES", f"no message on {foot.topic} tells of {name}", where)
         return
     if record.start is None:
         yield Remark("W_NOTHING_USABLE", f"no message of {name} can be used", where)

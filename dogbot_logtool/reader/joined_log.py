@@ -1,6 +1,6 @@
 """Several files that are one log: the files of a ROS 2 bag that a recorder split."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -15,6 +15,7 @@ from dogbot_logtool.reader.log import (
     ChunkContent,
     ChunkDamage,
     Contents,
+    Extra,
     Log,
     Loss,
     Schema,
@@ -84,15 +85,24 @@ class JoinedLog(Log):
             start_time=min(starts, default=None),
             end_time=max(ends, default=None),
             profile=logs[0].profile,
+            extras=[
+                replace(extra, file=number)
+                for number, log in enumerate(logs)
+                for extra in log.extras
+            ],
             losses=(*losses, *(_placed(loss, log) for log in logs for loss in log.losses)),
         )
         super().__init__(_Folder(path, sum(log.source.size for log in logs)), contents)
         storage = logs[0].container
         self.container = storage if "ROS 2 bag" in storage else f"ROS 2 bag ({storage})"
 
-    def spans(self, start: int | None = None, end: int | None = None) -> Iterator[Span]:
-        """See `Log.spans`; a batch never reaches over two files."""
-        for span in super().spans(start, end):
+    def source_of(self, extra: Extra) -> ByteSource:
+        """See `Log.source_of`."""
+        return self._parts[extra.file].log.source
+
+    def grouped(self, chunks: Iterable[Chunk]) -> Iterator[Span]:
+        """See `Log.grouped`; a batch never reaches over two files."""
+        for span in super().grouped(chunks):
             group: list[Chunk] = []
             for chunk in span:
                 if group and self._part(group[0]) is not self._part(chunk):

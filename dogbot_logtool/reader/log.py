@@ -2,7 +2,7 @@
 
 from abc import ABC, abstractmethod
 from bisect import bisect_right
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import islice
 from typing import Final
@@ -219,6 +219,8 @@ class Extra:
     opcode: int
     offset: int
     size: int
+    file: int = 0
+    """Number of the file that it stands in, where a log has several."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -291,13 +293,18 @@ class Log(ABC):
             start: ns; chunks that end before are left out.
             end: ns; chunks that begin later are left out.
         """
+        yield from self.grouped(
+            chunk
+            for chunk in self.chunks
+            if not (start is not None and chunk.end_time is not None and chunk.end_time < start)
+            and not (end is not None and chunk.start_time is not None and chunk.start_time > end)
+        )
+
+    def grouped(self, chunks: Iterable[Chunk]) -> Iterator[Span]:
+        """Group chunks, in file order, into what can be read at once."""
         group: list[Chunk] = []
         size = 0
-        for chunk in self.chunks:
-            if start is not None and chunk.end_time is not None and chunk.end_time < start:
-                continue
-            if end is not None and chunk.start_time is not None and chunk.start_time > end:
-                continue
+        for chunk in chunks:
             group.append(chunk)
             size += chunk.size
             if size >= BATCH_SIZE:
@@ -305,6 +312,11 @@ class Log(ABC):
                 group, size = [], 0
         if group:
             yield tuple(group)
+
+    def source_of(self, extra: Extra) -> ByteSource:
+        """Return the file that an attachment or metadata record stands in."""
+        del extra
+        return self.source
 
     def after(self, span: Span) -> Iterator[Chunk]:
         """Yield the chunks that follow a batch, in file order."""

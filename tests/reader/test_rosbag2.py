@@ -11,11 +11,16 @@ from rosbags.rosbag2 import Reader as Rosbag2Reader
 from rosbags.rosbag2 import Writer as Rosbag2Writer
 from rosbags.rosbag2.enums import CompressionFormat, CompressionMode, StoragePlugin
 
+from dogbot_logtool.compare import CompareOptions, compare
 from dogbot_logtool.errors import CallError, LogError, LogtoolError
+from dogbot_logtool.reader.contact_sources.registry import read_contacts
+from dogbot_logtool.reader.contact_sources.source import FootChannels
+from dogbot_logtool.reader.mcap_extras import read_extra
 from dogbot_logtool.reader.opening import open_log
-from tests.reader.mcap_bytes import small_mcap
+from dogbot_logtool.robot import Foot
+from tests.reader.mcap_bytes import attachment, metadata, small_mcap
 from tests.reader.reading import Read, Reading, read_file
-from tests.walks import Entry, Walk
+from tests.walks import LEGS, Entry, Walk, foot_topic, write_mcap
 
 PLUGINS = tuple(StoragePlugin)
 MODES = (CompressionMode.NONE, CompressionMode.FILE, CompressionMode.MESSAGE)
@@ -139,6 +144,90 @@ def test_definitions_are_known_where_the_log_has_none(tmp_path: Path, column: st
     log.close()
     assert set(kinds) == {"nav_msgs/Odometry", "gazebo_msgs/ContactsState"}
     assert all(schema and b"Header header" in schema.data for schema in kinds.values())
+
+
+@pytest.mark.parametrize(
+    ("kind", "fields"),
+    [
+        ("ros_gz_interfaces/msg/Contacts", b"ros_gz_interfaces/JointWrench[] wrenches"),
+        ("champ_msgs/msg/ContactsStamped", b"bool[] contacts"),
+        ("unitree_go/msg/LowState", b"int16[4] foot_force"),
+        ("unitree_go/msg/SportModeState", b"int16[4] foot_force"),
+    ],
+)
+def test_contact_messages_are_known_where_the_log_has_no_definitions(
+    tmp_path: Path, kind: str, fields: bytes
+) -> None:
+    bag = write(tmp_path / "bag")
+    renamed = "UPDATE topics SET type = 'KIND' WHERE name != '/odom'"
+    change(database(bag), "DELETE FROM message_definitions", renamed.replace("KIND", kind))
+    log = open_log(bag)
+    texts = {c.schema.data for c in log.channels.values() if c.schema and c.topic != "/odom"}
+    log.close()
+    (text,) = texts
+    assert fields in text
+
+
+@pytest.mark.parametrize(
+    "kind", ["ros_gz_interfaces/msg/Contacts", "champ_msgs/msg/ContactsStamped"]
+)
+def test_shipped_definitions_say_what_the_recorded_ones_do(tmp_path: Path, kind: str) -> None:
+    """Their recorded definitions are the tests' own."""
+    entries = list(WALK.messages(kind))[:300]
+    bag = write(tmp_path / "bag", entries=entries)
+    told = []
+    for _ in range(2):
+        log = open_log(bag)
+        channels = [c for c in log.channels.values() if c.topic != "/odom"]
+        feet = FootChannels(
+            tuple(Foot(leg, foot_topic(kind, leg), element=n) for n, leg in enumerate(LEGS)),
+            {
+                c.id: tuple(n for n, leg in enumerate(LEGS) if foot_topic(kind, leg) == c.topic)
+                for c in channels
+            },
+            1.0,
+        )
+        (read,) = [
+            one for span in log.spans() for one in read_contacts(log.read(span), channels, feet)
+        ]
+        log.close()
+        told.append(read.felt.samples)
+        assert not read.messages.malformed
+        change(database(bag), "DELETE FROM message_definitions")
+    for field in ("foot", "log_time", "stamp", "in_contact", "force"):
+        np.testing.assert_array_equal(getattr(told[0], field), getattr(told[1], field))
+    assert told[0].in_contact.any()
+
+
+@pytest.mark.parametrize("mode", MODES)
+def test_the_same_in_every_container_compares_the_same(
+    tmp_path: Path, mode: CompressionMode
+) -> None:
+    write_mcap(tmp_path / "walk.mcap", WALK, ENTRIES)
+    logs = [tmp_path / "walk.mcap"]
+    logs += [write(tmp_path / f"{plugin.name}", plugin, mode) for plugin in PLUGINS]
+    logs += [split(tmp_path, StoragePlugin.MCAP)]
+    for log in logs[1:]:
+        for one, other in ((logs[0], log), (log, logs[0]), (log, log)):
+            done = compare(one, other, CompareOptions())
+            assert done.differences == []
+            assert sum(t.expected for t in done.tallies if t.name.startswith("/")) == len(ENTRIES)
+
+
+def test_metadata_and_attachments_of_all_files_are_read(tmp_path: Path) -> None:
+    bag = tmp_path / "bag"
+    bag.mkdir()
+    for number in range(2):
+        mcap = small_mcap()
+        mcap.extras = [metadata("notes", {"file": str(number)}), attachment(f"{number}.txt", b"x")]
+        (bag / f"walk_{number}.mcap").write_bytes(mcap.build())
+    log = open_log(bag)
+    read = [read_extra(log.source_of(extra), extra) for extra in log.extras]
+    log.close()
+    values = [one and getattr(one[1], "metadata", None) for one in read]
+    names = [one and getattr(one[1], "name", None) for one in read]
+    assert values == [{"file": "0"}, None, {"file": "1"}, None]
+    assert names == ["notes", "0.txt", "notes", "1.txt"]
 
 
 def test_a_type_that_nobody_knows_is_still_a_topic(tmp_path: Path) -> None:
