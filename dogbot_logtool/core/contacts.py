@@ -137,7 +137,8 @@ def _of_states(contacts: Contacts, used: Flags) -> Contacts:
     """Keep the chosen states, and what belongs to them."""
     number = np.cumsum(used) - 1
     point, wrench, normal = (
-        used[state] for state in (contacts.point_state, contacts.wrench_state, contacts.normal_state)
+        used[state]
+        for state in (contacts.point_state, contacts.wrench_state, contacts.normal_state)
     )
     return replace(
         contacts,
