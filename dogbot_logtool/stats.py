@@ -1,13 +1,13 @@
 """`dogbot-logtool stats`: which gait, how loaded, and can the recording be trusted."""
 
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Final, Literal
 
 import numpy as np
 
-from dogbot_logtool.core.arrays import Ints
+from dogbot_logtool.core.arrays import Ints, rows_by_group
 from dogbot_logtool.core.clock import TimeSource, UnusableStamps
 from dogbot_logtool.core.contacts import Samples
 from dogbot_logtool.core.curves import CurveDetail
@@ -27,6 +27,7 @@ from dogbot_logtool.plan import (
     nothing_to_do,
     time_limits,
 )
+from dogbot_logtool.reader.columns import Texts
 from dogbot_logtool.reader.contact_sources.registry import read_contacts
 from dogbot_logtool.reader.contact_sources.source import FootChannels
 from dogbot_logtool.reader.log import Batch, Log, Loss, Span, lost_messages
@@ -186,7 +187,10 @@ def _pass(
         log.start_time if start is None else None,
         log.end_time if end is None else None,
     )
-    feet = selection.foot_channels(settings.contact_on_n, settings.contact_off_n)
+    feet = replace(
+        selection.foot_channels(settings.contact_on_n, settings.contact_off_n),
+        left_after_ns=evidence.left_after_ns,
+    )
 
     def work(span: Span) -> _Measured:
         return _measure_batch(log, selection, feet, span, (start, end), frames)
@@ -251,12 +255,12 @@ def _measure_batch(
     frames: WorldFrames | None,
 ) -> _Measured:
     batch = log.read(span).cropped(*limits)
-    stamped: dict[str, _Times] = {}
     decoded = decode_odometry(batch, selection.odometry)
     odometry = concatenate_odometry([odometry_columns(messages) for messages in decoded])
     contacts = read_contacts(batch, selection.contacts, feet)
     samples = [read.felt.samples for read in contacts]
     with_header = [read.messages for read in contacts if read.source.has_header]
+    stamped: dict[str, _Times] = {}
     for messages in (*decoded, *with_header):
         stamped.update(_stamped_times(log, messages))
     return _Measured(
@@ -267,7 +271,7 @@ def _measure_batch(
             if frames is not None
             else None
         ),
-        times=[stamped.get(times.topic, times) for times in _log_times(log, batch)],
+        times=list((_log_times(log, batch) | stamped).values()),
         malformed={
             channel: count
             for messages in (*decoded, *(read.messages for read in contacts))
@@ -279,28 +283,34 @@ def _measure_batch(
     )
 
 
-def _log_times(log: Log, batch: Batch) -> list[_Times]:
+def _log_times(log: Log, batch: Batch) -> dict[str, _Times]:
     """Return the log times of every topic in a batch."""
-    times: dict[str, list[Ints]] = {}
-    channel = batch.messages.channel
-    for number in np.unique(channel).tolist():
-        topic = log.channels[number].topic
-        times.setdefault(topic, []).append(batch.messages.log_time[channel == number])
-    return [_Times(topic, np.concatenate(parts), None, ()) for topic, parts in times.items()]
+    log_time = batch.messages.log_time
+    return {
+        topic: _Times(topic, log_time[rows], None, ())
+        for topic, rows in _by_topic(log, batch.messages.channel)
+    }
 
 
 def _stamped_times(log: Log, messages: DecodedMessages) -> dict[str, _Times]:
     """Return log times, stamps and frames of the topics of decoded messages."""
     stamp = messages.table.nanoseconds("header.stamp")
-    code, names = messages.table.texts("header.frame_id").encode()
-    topics: dict[str, _Times] = {}
-    numbers = np.unique(messages.channel).tolist()
-    for topic in sorted({log.channels[number].topic for number in numbers}):
-        ids = [number for number in numbers if log.channels[number].topic == topic]
-        rows = np.isin(messages.channel, ids)
-        frames = tuple(names[each] for each in np.unique(code[rows]).tolist())
+    frame = messages.table.texts("header.frame_id")
+    topics = {}
+    for topic, rows in _by_topic(log, messages.channel):
+        _, frames = Texts(frame.buffer, frame.start[rows], frame.length[rows]).encode()
         topics[topic] = _Times(topic, messages.log_time[rows], stamp[rows], frames)
     return topics
+
+
+def _by_topic(log: Log, channel: Ints) -> Iterator[tuple[str, Ints]]:
+    """Yield each topic, whoever sends on it, with the rows of its messages in their order."""
+    topics = sorted({each.topic for each in log.channels.values()})
+    number = {topic: row for row, topic in enumerate(topics)}
+    ids = sorted(log.channels)
+    numbers = np.array([number[log.channels[each].topic] for each in ids], np.int64)
+    for row, rows in rows_by_group(numbers[np.searchsorted(ids, channel)]):
+        yield topics[row], rows
 
 
 def _facts(

@@ -1,5 +1,8 @@
 """The array types of the columns, and the few vector formulas that everything shares."""
 
+from collections.abc import Iterator
+from itertools import pairwise
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -42,8 +45,8 @@ def sum_by_group(values: Floats, group: Ints, groups: int) -> Floats:
     """
     if values.ndim == 2:
         return np.stack([sum_by_group(column, group, groups) for column in values.T], axis=1)
-    total: Floats = np.bincount(group, weights=values, minlength=groups).astype(np.float64)
-    return total
+    total = np.bincount(group, weights=values, minlength=groups)
+    return total.astype(np.float64, copy=False)
 
 
 def header_time(stamp: Ints, log_time: Ints) -> Ints:
@@ -71,6 +74,20 @@ def stable_order(values: Ints) -> Ints:
     """
     short = not len(values) or int(values.max()) < 1 << 16
     return np.argsort(values.astype(np.uint16) if short else values, kind="stable")
+
+
+def rows_by_group(group: Ints) -> Iterator[tuple[int, Ints]]:
+    """Yield each group number, ascending, with its rows as they stand.
+
+    Args:
+        group: (n,) small numbers, not negative.
+    """
+    order = stable_order(group)
+    ordered = group[order]
+    bounds = [0, *(np.flatnonzero(ordered[1:] != ordered[:-1]) + 1).tolist(), len(order)]
+    for first, last in pairwise(bounds):
+        if first < last:
+            yield int(ordered[first]), order[first:last]
 
 
 def all_finite(vectors: Floats) -> Flags:

@@ -7,7 +7,7 @@ import numpy as np
 
 from dogbot_logtool.core.aggregates import IntervalHistogram
 from dogbot_logtool.core.arrays import Floats, Ints
-from dogbot_logtool.core.blocks import GrowingTable
+from dogbot_logtool.core.blocks import BLOCK_ROWS, GrowingTable
 from dogbot_logtool.core.clock import TimeSource
 from dogbot_logtool.core.odometry import first_at_each_tick
 
@@ -106,6 +106,8 @@ class TopicWatch:
     def __init__(self, topic: str) -> None:
         self._topic = topic
         self._messages = 0
+        self._waiting: list[tuple[Ints, Ints | None]] = []
+        self._waiting_rows = 0
         self._log, self._header = _Clock(), _Clock()
         self._stamped = True
         self._frame_ids: set[str] = set()
@@ -125,12 +127,24 @@ class TopicWatch:
             return
         self._messages += len(log_time)
         self._frame_ids.update(frame_ids)
-        self._log.add(log_time)
-        if stamp is None:
-            self._stamped = False
+        self._stamped &= stamp is not None
+        self._waiting.append((log_time, stamp))
+        self._waiting_rows += len(log_time)
+        if self._waiting_rows >= BLOCK_ROWS:
+            self._look()
+
+    def _look(self) -> None:
+        """Look at the times that wait: many at once, since each look costs the same."""
+        if not self._waiting:
             return
-        self._header.add(stamp)
-        self._note_offsets(log_time, stamp)
+        log_time = np.concatenate([times for times, _ in self._waiting])
+        stamps = [stamp for _, stamp in self._waiting if stamp is not None]
+        self._waiting, self._waiting_rows = [], 0
+        self._log.add(log_time)
+        if self._stamped:
+            stamp = np.concatenate(stamps)
+            self._header.add(stamp)
+            self._note_offsets(log_time, stamp)
 
     def _note_offsets(self, log_time: Ints, stamp: Ints) -> None:
         chosen = first_at_each_tick(log_time, OFFSET_RATE_HZ, self._last_log)
@@ -148,6 +162,7 @@ class TopicWatch:
             clock: the clock that the log is measured on; a topic whose messages have no usable
                 header stamps is measured on log time all the same.
         """
+        self._look()
         usable = self._stamped and self._header.zeros == 0
         used = clock if usable else TimeSource.LOG
         times = self._header if used is TimeSource.HEADER else self._log

@@ -15,13 +15,10 @@ time.
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
-import numpy as np
-
 from dogbot_logtool.core import timespans
-from dogbot_logtool.core.arrays import Ints
+from dogbot_logtool.core.arrays import Ints, rows_by_group
 from dogbot_logtool.core.base_motion import BaseMotion, base_motion
 from dogbot_logtool.core.base_record import BaseRecord, BaseRecorder
-from dogbot_logtool.core.blocks import run_of
 from dogbot_logtool.core.clock import StampWatch
 from dogbot_logtool.core.contacts import Samples
 from dogbot_logtool.core.curves import CurveDetail
@@ -110,16 +107,11 @@ class StatsAccumulator:
         Raises:
             UnusableStamps: a header stamp is zero or goes backwards, and nobody chose a clock.
         """
-        for foot, recorder in enumerate(self._feet):
-            rows = np.flatnonzero(samples.foot == foot)
-            if len(rows) == 0:
-                continue
+        for foot, rows in rows_by_group(samples.foot):
+            of_foot = samples.pick(rows)
             if self._settings.time_source is None:
-                self._stamps[foot].watch(samples.stamp[rows])
-            # Samples stand foot by foot: a run of rows need not be copied.
-            first, last = int(rows[0]), int(rows[-1])
-            whole = last - first + 1 == len(rows)
-            recorder.add(run_of(samples, first, last + 1) if whole else samples.pick(rows))
+                self._stamps[foot].watch(of_foot.stamp)
+            self._feet[foot].add(of_foot)
 
     def add_odometry(self, odometry: Odometry) -> None:
         """Take in odometry in the order of the log.
