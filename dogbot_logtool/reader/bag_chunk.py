@@ -121,9 +121,7 @@ def _index(behind: memoryview) -> Index | None:
     if not parts:
         return None
     entries = np.frombuffer(b"".join(parts), INDEX_ENTRY)
-    group = np.repeat(
-        np.arange(len(parts)), [len(part) // INDEX_ENTRY.itemsize for part in parts]
-    )
+    group = np.repeat(np.arange(len(parts)), [len(part) // INDEX_ENTRY.itemsize for part in parts])
     order = np.argsort(entries["offset"], kind="stable")
     entries, group = entries[order], group[order]
     return Index(
