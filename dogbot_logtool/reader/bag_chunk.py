@@ -5,7 +5,6 @@ from dataclasses import replace
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from dogbot_logtool.reader.bag_format import BagFormat, nanoseconds
 from dogbot_logtool.reader.bag_records import BagOp, MalformedRecord, record_at, record_in_file
@@ -91,15 +90,19 @@ def _cut_content(records: Bytes, chunk: Chunk, promised: int | None) -> ChunkCon
 
 def with_channels(content: ChunkContent, channel_ids: Mapping[int, int]) -> ChunkContent:
     """Replace the numbers of the connections by channel ids."""
-    numbers, code = np.unique(content.messages.channel, return_inverse=True)
-    ids = [channel_ids.get(number, UNKNOWN_CHANNEL) for number in numbers.tolist()]
-    channel = np.array(ids, np.int64)[code]
+    connection = content.messages.channel
+    channel = np.full(len(connection), UNKNOWN_CHANNEL, np.int64)
+    if channel_ids:
+        numbers = np.array(sorted(channel_ids), np.int64)
+        ids = np.array([channel_ids[number] for number in numbers.tolist()], np.int64)
+        place = np.minimum(np.searchsorted(numbers, connection), len(numbers) - 1)
+        channel = np.where(numbers[place] == connection, ids[place], UNKNOWN_CHANNEL)
     return replace(content, messages=replace(content.messages, channel=channel))
 
 
 def _index(behind: memoryview) -> Index | None:
     """Return what the index records behind a chunk name, None if there are none to be read."""
-    parts: list[NDArray[np.void]] = []
+    parts: list[memoryview] = []
     connections: list[int] = []
     place = 0
     while place < len(behind):
@@ -112,20 +115,19 @@ def _index(behind: memoryview) -> Index | None:
             break
         if (record.end - record.data) % INDEX_ENTRY.itemsize:
             break
-        parts.append(np.frombuffer(behind[record.data : record.end], INDEX_ENTRY))
+        parts.append(behind[record.data : record.end])
         connections.append(connection)
         place = record.end
     if not parts:
         return None
-    offset = np.concatenate([part["offset"] for part in parts]).astype(np.int64)
-    time = np.concatenate([nanoseconds(part) for part in parts])
-    group = np.repeat(np.arange(len(parts)), [len(part) for part in parts])
-    order = np.argsort(offset, kind="stable")
-    group = group[order]
+    entries = np.frombuffer(b"".join(parts), INDEX_ENTRY)
+    group = np.repeat(np.arange(len(parts)), [len(part) // INDEX_ENTRY.itemsize for part in parts])
+    order = np.argsort(entries["offset"], kind="stable")
+    entries, group = entries[order], group[order]
     return Index(
-        offset[order],
+        entries["offset"].astype(np.int64),
         np.array(connections, np.int64)[group],
-        time[order],
+        nanoseconds(entries),
         group,
         complete=place == len(behind),
     )

@@ -18,6 +18,7 @@ from dogbot_logtool.reader.bag_records import (
     record_in_file,
 )
 from dogbot_logtool.reader.columns import Bytes, gather, gather_bytes
+from dogbot_logtool.reader.message_table import Messages
 from dogbot_logtool.reader.records import Readable, Records, blank_messages
 
 INDEX_ENTRY_SIZE: Final = 12
@@ -70,10 +71,8 @@ class BagFormat:
             if template is None or not len(left) or templates == _MOST_TEMPLATES:
                 continue
             templates += 1
-            rows = left[header_size[left] == template.size]
-            rows = rows[_match(records, place[rows], template)]
-            _fill(found, rows, records, template)
-            left = left[found.op[left] == 0] if len(rows) else left
+            _fill(found, left[header_size[left] == template.size], records, template)
+            left = left[found.op[left] == 0]
         return found
 
     def heads(self, records: Bytes, offset: Ints) -> Records | None:
@@ -83,17 +82,16 @@ class BagFormat:
         template = _template(records, int(offset[0]))
         if template is None or offset[-1] + 8 + template.size > len(records):
             return None
-        if not _match(records, offset, template).all():
+        heads = gather_bytes(records, offset, 8 + template.size)
+        values = heads.view(template.values)[:, 0]
+        start = offset + heads.shape[1]
+        end = start + values["data_size"]
+        if not template.matches(heads).all() or (end > len(records)).any():
             return None
-        start = offset + 8 + template.size
-        length = gather(records, start - 4, 4).view("<u4").astype(np.int64)
-        found = Records(
-            np.zeros(len(offset), np.int64),
-            offset,
-            blank_messages(start, start + length),
-        )
-        _fill(found, np.arange(len(offset)), records, template)
-        return found if (found.messages.end <= len(records)).all() else None
+        time = nanoseconds(values)
+        channel = values["connection"].astype(np.int64)
+        messages = Messages(channel, time, time, np.zeros_like(time), start, end)
+        return Records(np.full(len(offset), self.message, np.int64), offset, messages)
 
     def candidates(self, window: bytes) -> Iterator[int]:
         """See `RecordFormat.candidates`."""
@@ -167,10 +165,18 @@ class _Template:
     """A message header, of which one recorder writes all with the same fields in one order."""
 
     size: int
-    header: Bytes
+    """Bytes of the header."""
+    head: Bytes
+    """(8 + size,) the header between the lengths of header and data."""
     constant: Flags
-    """Which of its bytes do not differ from message to message."""
+    """(8 + size,) which of those bytes do not differ from message to message."""
     values: np.dtype[np.void]
+    """Those that do."""
+
+    def matches(self, heads: Bytes) -> Flags:
+        """Tell which rows, (n, 8 + size), are such a head."""
+        alike: NDArray[np.bool_] = heads[:, self.constant] == self.head[self.constant]
+        return alike.all(axis=1)
 
 
 def _template(records: Bytes, place: int) -> _Template | None:
@@ -184,33 +190,33 @@ def _template(records: Bytes, place: int) -> _Template | None:
 
 def _template_of(records: Bytes, place: int, record: Record) -> _Template | None:
     size = record.data - place - 8
-    header = records[place + 4 : place + 4 + size]
+    head = records[place : place + 8 + size]
     try:
         if record.fields.op() != BagOp.MESSAGE or size > _LONGEST_HEADER:
             return None
         record.fields.u32("conn")
         record.fields.time_ns("time")
-        connection, time = _value_places(header.tobytes())
+        connection, time = _value_places(head[:-4].tobytes())
     except (MalformedRecord, KeyError):
         return None
-    constant = np.ones(size, np.bool_)
-    constant[connection : connection + 4] = False
-    constant[time : time + 8] = False
     values = np.dtype(
         {
-            "names": ["connection", "seconds", "nanoseconds"],
-            "formats": ["<u4", "<u4", "<u4"],
-            "offsets": [connection, time, time + 4],
-            "itemsize": size,
+            "names": ["connection", "seconds", "nanoseconds", "data_size"],
+            "formats": ["<u4"] * 4,
+            "offsets": [connection, time, time + 4, 4 + size],
+            "itemsize": 8 + size,
         }
     )
-    return _Template(size, header, constant, values)
+    constant = np.ones(8 + size, np.bool_)
+    for first in (connection, time, time + 4, 4 + size):
+        constant[first : first + 4] = False
+    return _Template(size, head, constant, values)
 
 
 def _value_places(header: bytes) -> tuple[int, int]:
-    """Return where the values of connection and time stand in a sound header."""
+    """Return where connection and time stand in a sound header, which its length leads."""
     places: dict[bytes, int] = {}
-    place = 0
+    place = 4
     while place < len(header):
         (size,) = U32.unpack_from(header, place)
         name = header[place + 4 : place + 4 + size].partition(b"=")[0]
@@ -219,30 +225,18 @@ def _value_places(header: bytes) -> tuple[int, int]:
     return places[b"conn"], places[b"time"]
 
 
-def _match(records: Bytes, place: Ints, template: _Template) -> Flags:
-    """Tell which records begin with a header like the template."""
-    if not len(place):
-        return np.zeros(0, np.bool_)
-    length = gather(records, place, 4).view("<u4")
-    header = gather_bytes(records, place + 4, template.size)
-    alike: NDArray[np.bool_] = (
-        header[:, template.constant] == template.header[template.constant]
-    ).all(axis=1)
-    alike &= length == template.size
-    return alike
-
-
 def _fill(found: Records, rows: Ints, records: Bytes, template: _Template) -> None:
-    """Decode the messages in some rows, whose headers match the template."""
+    """Decode the messages among some rows, whose headers have the template's length."""
     if not len(rows):
         return
-    place = found.place[rows]
-    values = gather(records, place + 4, template.size).view(template.values)
+    heads = gather_bytes(records, found.place[rows], 8 + template.size)
+    alike = template.matches(heads)
+    rows, values = rows[alike], heads.view(template.values)[alike, 0]
     found.op[rows] = BagOp.MESSAGE
     found.messages.channel[rows] = values["connection"]
     found.messages.log_time[rows] = nanoseconds(values)
     found.messages.publish_time[rows] = found.messages.log_time[rows]
-    found.messages.start[rows] = place + 8 + template.size
+    found.messages.start[rows] = found.place[rows] + 8 + template.size
 
 
 def nanoseconds(times: NDArray[np.void]) -> Ints:

@@ -44,12 +44,13 @@ class Fields:
             MalformedRecord: it is no list of fields.
         """
         self._values: dict[bytes, bytes] = {}
+        data = bytes(data)
         place = 0
         while place < len(data):
             if place + 4 > len(data):
                 raise MalformedRecord("a header field is cut off")
             (size,) = U32.unpack_from(data, place)
-            field = bytes(data[place + 4 : place + 4 + size])
+            field = data[place + 4 : place + 4 + size]
             name, equals, value = field.partition(b"=")
             if len(field) != size or not equals:
                 raise MalformedRecord("a header field is damaged")

@@ -26,14 +26,13 @@ def read_content(
     indexed = found is not None
     if found is None:
         found = find_all(fmt, records, 0, len(records))
-    is_message = found.records.op == fmt.message
-    judge = _Judge(chunk, index, found, found.records.pick(is_message).messages)
+    judge = _Judge(chunk, index, found, found.messages.messages)
     if index is not None and not indexed:
-        judge.compare_index(found.records.place[is_message], verified=verified)
+        judge.compare_index(found.messages.place, verified=verified)
     judge.compare_times(believed=verified or indexed)
     judge.leave_out_far_future()
     judge.count()
-    others = found.records.pick(~is_message)
+    others = found.others
     return ChunkContent(
         messages=judge.messages.pick(judge.keep) if not judge.keep.all() else judge.messages,
         others=np.stack([others.op, others.place, others.messages.end], axis=1),

@@ -64,13 +64,20 @@ class Texts:
             first = left[0]
             alike = left[self.length[left] == self.length[first]]
             if size := int(self.length[first]):
-                texts = gather(self.buffer, self.start[alike], size)
-                same: Flags = texts == texts[0]
-                alike = alike if same.all() else alike[same]
+                texts = gather_bytes(self.buffer, self.start[alike], size)
+                alike = alike[_like_first(texts)]
             code[alike] = len(names)
             names.append(self.text(int(first)))
             left = left[code[left] < 0] if len(alike) < len(left) else left[:0]
         return code, tuple(names)
+
+
+def _like_first(rows: Bytes) -> Flags:
+    """(n,) which rows of a matrix equal its first one."""
+    if rows.tobytes() == rows[0].tobytes() * len(rows):
+        # Much the fastest comparison there is, and mostly the answer.
+        return np.ones(len(rows), np.bool_)
+    return (rows == rows[0]).all(axis=1)
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,20 +1,20 @@
-"""Opening a log: what it is, is told by its first bytes, not by its name."""
+"""Opening a log: what it is, is told by its first bytes, not by its name.
+
+The code of a container is imported when such a log is opened.
+"""
 
 from pathlib import Path
 from typing import Final, TypeVar
 
 from dogbot_logtool.errors import LogError
-from dogbot_logtool.reader import bag_records, mcap_records, sqlite_log
-from dogbot_logtool.reader.bag_log import open_bag
+from dogbot_logtool.reader import bag_records, mcap_records
 from dogbot_logtool.reader.log import Log, Loss
-from dogbot_logtool.reader.mcap_log import open_mcap
 from dogbot_logtool.reader.packed_messages import ZSTD_MAGIC
-from dogbot_logtool.reader.rosbag2 import open_rosbag2
 from dogbot_logtool.reader.source import ByteSource
-from dogbot_logtool.reader.zstd_file import open_zstd
 
 OpenedLog = TypeVar("OpenedLog", bound=Log)
 
+_SQLITE_MAGIC: Final = b"SQLite format 3\0"
 _MOST_DAMAGED_BYTES: Final = 2
 _KNOWN_BUT_UNREAD: Final = {
     b"#ROSBAG V1": "a bag of an older format than 2.0; 'rosbag fix' or 'rosbag migrate' updates it",
@@ -29,29 +29,45 @@ def open_log(path: Path) -> Log:
         CallError: there is no such file.
         LogError: it is none of them.
     """
-    return open_rosbag2(path, _open_file) if path.is_dir() else _open_file(path)
+    if not path.is_dir():
+        return _open_file(path)
+    from dogbot_logtool.reader.rosbag2 import open_rosbag2  # noqa: PLC0415
+
+    return open_rosbag2(path, _open_file)
 
 
 def _open_file(path: Path, distribution: str = "", *, packed: bool = True) -> Log:
     source = ByteSource(path)
     try:
-        magic = source.read(0, 16)
-        if magic == sqlite_log.MAGIC:
-            return sqlite_log.open_sqlite(source, distribution)
-        if magic.startswith(ZSTD_MAGIC) and packed:
-            # Only once: a file within a file within a file is nobody's log.
-            log = open_zstd(source, lambda inner: _open_file(inner, distribution, packed=False))
-            source.close()
-            return log
-        known = any(magic.startswith(start) for start in _KNOWN_BUT_UNREAD)
-        if not known and _resembles(magic, mcap_records.MAGIC):
-            return _noting_damage(open_mcap(source), magic, mcap_records.MAGIC)
-        if not known and _resembles(magic, bag_records.MAGIC):
-            return _noting_damage(open_bag(source), magic, bag_records.MAGIC)
-        raise LogError(f"{path}: {_what_it_is(magic)}")
+        return _open_source(source, distribution, packed=packed)
     except BaseException:
         source.close()
         raise
+
+
+def _open_source(source: ByteSource, distribution: str, *, packed: bool) -> Log:
+    magic = source.read(0, 16)
+    if magic == _SQLITE_MAGIC:
+        from dogbot_logtool.reader.sqlite_log import open_sqlite  # noqa: PLC0415
+
+        return open_sqlite(source, distribution)
+    if magic.startswith(ZSTD_MAGIC) and packed:
+        from dogbot_logtool.reader.zstd_file import open_zstd  # noqa: PLC0415
+
+        # Only once: a file within a file within a file is nobody's log.
+        log = open_zstd(source, lambda inner: _open_file(inner, distribution, packed=False))
+        source.close()
+        return log
+    known = any(magic.startswith(start) for start in _KNOWN_BUT_UNREAD)
+    if not known and _resembles(magic, mcap_records.MAGIC):
+        from dogbot_logtool.reader.mcap_log import open_mcap  # noqa: PLC0415
+
+        return _noting_damage(open_mcap(source), magic, mcap_records.MAGIC)
+    if not known and _resembles(magic, bag_records.MAGIC):
+        from dogbot_logtool.reader.bag_log import open_bag  # noqa: PLC0415
+
+        return _noting_damage(open_bag(source), magic, bag_records.MAGIC)
+    raise LogError(f"{source.path}: {_what_it_is(magic)}")
 
 
 def _resembles(magic: bytes, expected: bytes) -> bool:

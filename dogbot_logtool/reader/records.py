@@ -143,9 +143,10 @@ class Gaps:
 
 @dataclass(frozen=True, slots=True)
 class Found:
-    """The records in a run of bytes, in their order."""
+    """The records in a run of bytes, each kind in its order."""
 
-    records: Records
+    messages: Records
+    others: Records
     gaps: Gaps
 
 
@@ -175,7 +176,7 @@ def find_indexed(fmt: RecordFormat, records: Bytes, index: Index) -> Found | Non
     if (messages.channel != index.channel).any() or (messages.log_time != index.log_time).any():
         return None
     others = _between(fmt, records, heads)
-    return None if others is None else Found(concatenate_records([heads, *others]), Gaps())
+    return None if others is None else Found(heads, concatenate_records(others), Gaps())
 
 
 def _between(fmt: RecordFormat, records: Bytes, heads: Records) -> list[Records] | None:
@@ -187,9 +188,9 @@ def _between(fmt: RecordFormat, records: Bytes, heads: Records) -> list[Records]
     others: list[Records] = []
     for gap in np.flatnonzero(gap_start != gap_end):
         found = find_all(fmt, records, int(gap_start[gap]), int(gap_end[gap]))
-        if found.gaps.count or (found.records.op == fmt.message).any():
+        if found.gaps.count or len(found.messages):
             return None
-        others.append(found.records)
+        others.append(found.others)
     return others
 
 
@@ -217,7 +218,9 @@ def find_all(fmt: RecordFormat, records: Bytes, start: int, end: int) -> Found:
         if place < end:
             place = _pass_over(fmt, records, place, end, parts, gaps)
             block = _FIRST_BLOCK
-    return Found(concatenate_records(parts), gaps)
+    found = concatenate_records(parts)
+    is_message = found.op == fmt.message
+    return Found(found.pick(is_message), found.pick(~is_message), gaps)
 
 
 def _pass_over(

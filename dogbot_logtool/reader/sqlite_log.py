@@ -29,7 +29,6 @@ from dogbot_logtool.reader.packed_messages import unpacked
 from dogbot_logtool.reader.source import ByteSource
 from dogbot_logtool.reader.sqlite_topics import Topics, check_tables, read_topics
 
-MAGIC: Final = b"SQLite format 3\0"
 _CHUNK_SIZE: Final = 1 << 20
 """Bytes of messages from which a chunk is full."""
 _ROWS_AT_ONCE: Final = 50_000

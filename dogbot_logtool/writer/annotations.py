@@ -9,14 +9,14 @@ import numpy as np
 from mcap import records
 from numpy.typing import NDArray
 
-from dogbot_logtool.core.arrays import Flags, Floats, Ints
+from dogbot_logtool.core.arrays import Floats, Ints, stable_order
 from dogbot_logtool.core.arrows import Arrows
 from dogbot_logtool.core.loads import Loads
 from dogbot_logtool.core.odometry import Transforms
 from dogbot_logtool.errors import LogtoolError
 from dogbot_logtool.writer.encoding import SHAFT_SHARE, ArrowStyle, Encoding, MessageType
 from dogbot_logtool.writer.outgoing import Outgoing, in_time_order, stamped
-from dogbot_logtool.writer.template import Template
+from dogbot_logtool.writer.template import Stamps, Template
 
 TF_TOPIC: Final = "/tf"
 FALLBACK_PREFIX: Final = "/dogbot_logtool"
@@ -98,8 +98,9 @@ class Annotations:
             )
             for foot in feet
         ]
-        load = encoding.load()
-        self._loads = [(self._declare(load_topic(foot), encoding.load_type), load) for foot in feet]
+        self._load = encoding.load()
+        load_channels = [self._declare(load_topic(foot), encoding.load_type) for foot in feet]
+        self._load_channels = np.array(load_channels, np.int64)
 
     def _declare(self, topic: str, kind: MessageType) -> int:
         schema = next((one for one in self.schemas if one.name == kind.name), None)
@@ -130,15 +131,15 @@ class Annotations:
         parts: list[Outgoing] = []
         if self._tf is not None:
             parts.append(_transforms(*self._tf, columns.transforms))
-        for foot, (channel, arrow, removal) in enumerate(self._arrows):
-            for arrows in columns.arrows:
-                of_foot = arrows.foot == foot
-                parts.append(_shown(channel, arrow, arrows, of_foot & arrows.shown))
-                parts.append(_removed(channel, removal, arrows, of_foot & ~arrows.shown))
-        for foot, (channel, template) in enumerate(self._loads):
-            parts.extend(
-                _loads(channel, template, loads, loads.foot == foot) for loads in columns.loads
-            )
+        for arrows in columns.arrows:
+            # All messages of an encoding write times alike, so they are put in form only once.
+            stamps = self._load.stamps("stamp", arrows.stamp)
+            for foot, (channel, arrow, removal) in enumerate(self._arrows):
+                of_foot = np.flatnonzero(arrows.foot == foot)
+                shown = arrows.shown[of_foot]
+                parts.append(_shown(channel, arrow, arrows, stamps, of_foot[shown]))
+                parts.append(_removed(channel, removal, arrows, stamps, of_foot[~shown]))
+        parts.extend(_loads(self._load_channels, self._load, loads) for loads in columns.loads)
         return in_time_order(parts) if parts else stamped(0, *_nothing())
 
 
@@ -153,9 +154,11 @@ def _transforms(channel: int, template: Template, transforms: Transforms) -> Out
     return stamped(channel, transforms.log_time, messages)
 
 
-def _shown(channel: int, template: Template, arrows: Arrows, rows: Flags) -> Outgoing:
-    messages = template.copies(int(rows.sum()))
-    template.write_time(messages, "stamp", arrows.stamp[rows])
+def _shown(
+    channel: int, template: Template, arrows: Arrows, stamps: Stamps, rows: Ints
+) -> Outgoing:
+    messages = template.copies(len(rows))
+    template.write_stamps(messages, "stamp", stamps.pick(rows))
     _write_pose(messages, arrows.position[rows], arrows.orientation[rows])
     length = arrows.length[rows]
     if "length" in template.kinds:
@@ -168,19 +171,23 @@ def _shown(channel: int, template: Template, arrows: Arrows, rows: Flags) -> Out
     return stamped(channel, arrows.log_time[rows], messages)
 
 
-def _removed(channel: int, template: Template, arrows: Arrows, rows: Flags) -> Outgoing:
-    messages = template.copies(int(rows.sum()))
-    template.write_time(messages, "stamp", arrows.stamp[rows])
+def _removed(
+    channel: int, template: Template, arrows: Arrows, stamps: Stamps, rows: Ints
+) -> Outgoing:
+    messages = template.copies(len(rows))
+    template.write_stamps(messages, "stamp", stamps.pick(rows))
     return stamped(channel, arrows.log_time[rows], messages)
 
 
-def _loads(channel: int, template: Template, loads: Loads, rows: Flags) -> Outgoing:
-    messages = template.copies(int(rows.sum()))
+def _loads(channels: Ints, template: Template, loads: Loads) -> Outgoing:
+    """Return the loads of all feet, which have their channels, foot by foot."""
+    rows = stable_order(loads.foot)
+    messages = template.copies(len(rows))
     template.write_time(messages, "stamp", loads.stamp[rows])
     messages["in_contact"] = loads.in_contact[rows]
     messages["force"] = loads.force[rows]
     messages["force_bw"] = loads.body_weights[rows]
-    return stamped(channel, loads.log_time[rows], messages)
+    return stamped(channels[loads.foot[rows]], loads.log_time[rows], messages)
 
 
 def _write_pose(messages: NDArray[np.void], position: Floats, orientation: Floats) -> None:

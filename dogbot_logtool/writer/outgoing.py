@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from itertools import pairwise
 from typing import Final
 
 import numpy as np
@@ -55,11 +56,11 @@ class Outgoing:
     payloads: Sequence[Payloads]
 
 
-def stamped(channel: int, log_time: Ints, records: NDArray[np.void]) -> Outgoing:
-    """Return stamped-out messages of one channel.
+def stamped(channel: int | Ints, log_time: Ints, records: NDArray[np.void]) -> Outgoing:
+    """Return stamped-out messages of one size.
 
     Args:
-        channel: its id.
+        channel: id of their channel, or (n,) of the channel of each.
         log_time: (n,) ns; the publish time is the same.
         records: (n,) messages.
     """
@@ -113,10 +114,11 @@ def lay_out(messages: Outgoing) -> tuple[Bytes, Ints]:
     head["log_time"] = messages.log_time
     head["publish_time"] = messages.publish_time
     _scatter(records, bounds[:-1], head.view(f"V{MESSAGE_HEAD.itemsize}"))
+    payload_place = bounds[:-1] + MESSAGE_HEAD.itemsize
     for group in messages.payloads:
         # Recorded payloads are fetched only here, a size at a time, while they are in the cache.
         data = group.data if group.at is None else group.data[group.at]
-        _scatter(records, bounds[group.rows] + MESSAGE_HEAD.itemsize, data)
+        _scatter(records, payload_place[group.rows], data)
     return records, bounds
 
 
@@ -159,12 +161,13 @@ def recorded(
     if not len(size):
         return Outgoing(channel, sequence, log_time, publish_time, size, [])
     order = stable_order(size)
-    in_order = size[order]
+    in_order, begin = size[order], start[order]
+    changes = np.flatnonzero(in_order[1:] != in_order[:-1]) + 1
     payloads: list[Payloads] = []
-    for rows in np.split(order, np.flatnonzero(in_order[1:] != in_order[:-1]) + 1):
-        if length := int(size[rows[0]]):
+    for first, last in pairwise([0, *changes.tolist(), len(order)]):
+        if length := int(in_order[first]):
             windows: NDArray[np.void] = np.ndarray(
                 (len(buffer) - length + 1,), f"V{length}", buffer.data, 0, (1,)
             )
-            payloads.append(Payloads(rows, windows, start[rows]))
+            payloads.append(Payloads(order[first:last], windows, begin[first:last]))
     return Outgoing(channel, sequence, log_time, publish_time, size, payloads)

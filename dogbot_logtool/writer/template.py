@@ -34,12 +34,25 @@ class Kind(Enum):
     BOOL = ("u1", False, True)
     # Protobuf writes small numbers in fewer bytes, but negative ones always in ten. A number that
     # is padded to ten bytes with empty groups is as valid.
-    VARINT = (f"({_VARINT_WIDTH},)u1", -0x1111111, -0x2222222)
+    VARINT = (f"V{_VARINT_WIDTH}", -0x1111111, -0x2222222)
 
     def __init__(self, dtype: str, first: Number, second: Number) -> None:
         self.dtype = dtype
         self.first = first
         self.second = second
+
+
+@dataclass(frozen=True, slots=True)
+class Stamps:
+    """Times as messages write them."""
+
+    seconds: NDArray[np.generic]
+    """(n,) in the form of the field."""
+    nanoseconds: NDArray[np.generic]
+
+    def pick(self, rows: Ints) -> "Stamps":
+        """Return the chosen rows."""
+        return Stamps(self.seconds[rows], self.nanoseconds[rows])
 
 
 @dataclass(frozen=True, slots=True)
@@ -62,14 +75,21 @@ class Template:
         records[:] = np.void(self.message)
         return records.view(self.dtype)
 
-    def write_time(self, records: NDArray[np.void], name: str, time: Ints) -> None:
-        """Write times, ns, into the pair of numbers ``name.sec`` and ``name.nanosec``."""
+    def stamps(self, name: str, time: Ints) -> Stamps:
+        """Return times, ns, as the numbers ``name.sec`` and ``name.nanosec`` write them."""
         seconds, nanoseconds = np.divmod(time, 1_000_000_000)
-        for part, values in ((f"{name}.sec", seconds), (f"{name}.nanosec", nanoseconds)):
-            if self.kinds[part] is Kind.VARINT:
-                _write_varints(records[part], values)
-            else:
-                records[part] = values
+        if self.kinds[f"{name}.sec"] is Kind.VARINT:
+            return Stamps(varints(seconds), varints(nanoseconds))
+        return Stamps(seconds, nanoseconds)
+
+    def write_stamps(self, records: NDArray[np.void], name: str, stamps: Stamps) -> None:
+        """Write times into the pair of numbers ``name.sec`` and ``name.nanosec``."""
+        records[f"{name}.sec"] = stamps.seconds
+        records[f"{name}.nanosec"] = stamps.nanoseconds
+
+    def write_time(self, records: NDArray[np.void], name: str, time: Ints) -> None:
+        """Write times, ns; see `write_stamps`."""
+        self.write_stamps(records, name, self.stamps(name, time))
 
 
 def learn(serialise: Serialise, fields: Mapping[str, Kind]) -> Template:
@@ -102,17 +122,19 @@ def learn(serialise: Serialise, fields: Mapping[str, Kind]) -> Template:
     return Template(message, dtype, dict(fields))
 
 
-def _write_varints(target: NDArray[np.uint8], values: Ints) -> None:
-    """Write base-128 numbers, least significant group first, padded to ten bytes.
+def varints(values: Ints) -> NDArray[np.void]:
+    """Return base-128 numbers, least significant group first, padded to ten bytes.
 
     Args:
-        target: (n, 10).
         values: (n,).
+
+    Returns:
+        (n,) of dtype ``V10``.
     """
     bits = values.view(np.uint64)
     short = not len(bits) or int(bits.max()) < 1 << (7 * _VARINT_SHORT)
-    groups = _VARINT_SHORT if short else _VARINT_WIDTH - 1
-    shifts = np.arange(0, 7 * groups, 7, dtype=np.uint64)
-    target[:, :groups] = bits[:, None] >> shifts & np.uint64(0x7F) | np.uint64(0x80)
-    target[:, groups : _VARINT_WIDTH - 1] = 0x80
-    target[:, _VARINT_WIDTH - 1] = bits >> np.uint64(63)
+    written = np.full((len(bits), _VARINT_WIDTH), 0x80, np.uint8)
+    for group in range(_VARINT_SHORT if short else _VARINT_WIDTH - 1):
+        written[:, group] |= (bits >> np.uint64(7 * group) & np.uint64(0x7F)).astype(np.uint8)
+    written[:, -1] = bits >> np.uint64(63)
+    return written.view(f"V{_VARINT_WIDTH}")[:, 0]

@@ -9,7 +9,7 @@ from google.protobuf.timestamp_pb2 import Timestamp
 from hypothesis import example, given
 from hypothesis import strategies as st
 
-from dogbot_logtool.writer.template import Kind, Number, Template, _write_varints, learn
+from dogbot_logtool.writer.template import Kind, Number, Template, learn, varints
 
 PAIR = struct.Struct("<3sIId?fx")
 FIELDS = {
@@ -147,7 +147,7 @@ def test_padded_varints_are_read_by_protobuf(numbers: list[int]) -> None:
     template = timestamps()
     copies = template.copies(len(numbers))
     template.write_time(copies, "t", np.zeros(len(numbers), np.int64))
-    _write_varints(copies["t.sec"], np.array(numbers, np.int64))
+    copies["t.sec"] = varints(np.array(numbers, np.int64))
     told = [Timestamp.FromString(copy.tobytes()) for copy in copies]
     assert [stamp.seconds for stamp in told] == numbers
     assert {stamp.nanos for stamp in told} == {0}
