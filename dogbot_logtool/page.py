@@ -11,8 +11,8 @@ from dogbot_logtool.report.page.render import IndexRow, Place, index, index_row,
 from dogbot_logtool.stats import Measurement, Progress, StatsOptions, measure
 from dogbot_logtool.writer.output import refuse_bad_target, targets, whole_file
 
-DETAIL: Final = CurveDetail(most_bins=4096)
-"""Twice as many points as a wide screen has pixels; four feet make a page of some 6 MB."""
+DETAIL: Final = CurveDetail()
+"""Half a minute at 250 Hz sample by sample; four feet make a page of up to 8 MB."""
 
 
 @dataclass(frozen=True, slots=True)

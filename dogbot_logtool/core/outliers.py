@@ -31,7 +31,9 @@ class Outliers:
 def outliers(values: Floats) -> Outliers:
     """Mark values far from the median.
 
-    The modified z-score is 0.6745 (x - median) / MAD, with MAD the median of |x - median|.
+    The modified z-score is 0.6745 (x - median) / MAD, with MAD the median of |x - median|; where
+    that is 0, because more than half of the values are equal, it is (x - median) / 1.2533 MeanAD,
+    with MeanAD the mean of |x - median|.
     Source: Iglewicz and Hoaglin, How to Detect and Handle Outliers, 1993.
 
     Args:
@@ -42,9 +44,10 @@ def outliers(values: Floats) -> Outliers:
     if len(known) < FEWEST:
         return Outliers(none, none, float("nan"))
     median = float(np.median(known))
-    deviation = float(np.median(np.abs(known - median)))
+    deviations = np.abs(known - median)
+    usual = float(np.median(deviations)) / 0.6745 or float(np.mean(deviations)) * 1.253314
     away = values - median
     with np.errstate(invalid="ignore"):
-        far = 0.6745 * np.abs(away) > MOST_DEVIATIONS * deviation
+        far = np.abs(away) > MOST_DEVIATIONS * usual
         far &= np.abs(away) > LEAST_SHARE * abs(median)
         return Outliers(far & (away > 0.0), far & (away < 0.0), median)

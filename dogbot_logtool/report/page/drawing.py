@@ -68,7 +68,9 @@ def time_axis(stats: Stats) -> dict[str, Any]:
     end = (stats.end - stats.origin) / 1e9
     pad = 0.005 * end
     return {
-        "title": {"text": "time since the log's start (s)", "standoff": 6},
+        "title": {"text": "time since the log's start", "standoff": 6},
+        "ticksuffix": " s",
+        "hoverformat": ".3f",
         "range": [-pad, end + pad],
         "showgrid": True,
         "zeroline": False,

@@ -18,12 +18,15 @@ from dogbot_logtool.report.page.drawing import (
     label,
     seconds,
     thinned,
+    translucent,
 )
 
 MOST_POINTS: Final = 4000
 """Points of a path."""
 MOST_FOOTPRINTS: Final = 500
 """Footfalls of a foot."""
+PRESSURE: Final = "#8e6bbf"
+"""The centre of pressure: no foot's colour."""
 HEADINGS: Final = 12
 """Arrows along the path."""
 _AT: Final = "x %{x:.3f} m, y %{y:.3f} m<br>at %{customdata:.3f} s"
@@ -54,12 +57,17 @@ def walk_from_above(stats: Stats) -> Drawing | None:
         hovermode="closest",
         legend={"orientation": "h", "y": 1.0, "yanchor": "bottom", "x": 0},
         dragmode="pan",
-        xaxis={"title": {"text": "x (m)", "standoff": 6}, "zeroline": False},
+        xaxis={
+            "title": {"text": "x (m)", "standoff": 6},
+            "zeroline": False,
+            "showspikes": False,
+        },
         yaxis={
             "title": {"text": "y (m)", "standoff": 2},
             "scaleanchor": "x",
             "scaleratio": 1,
             "zeroline": False,
+            "showspikes": False,
         },
     )
     return Drawing("ground", "From above", _words(stats), _caption(prints), figure)
@@ -80,7 +88,7 @@ def _path(stats: Stats, rows: Ints) -> go.Scatter:
         y=np.insert(place[:, 1], at, np.nan),
         customdata=np.insert(seconds(stats, time), at, np.nan),
         mode="lines",
-        line={"color": NEUTRAL, "width": 2},
+        line={"color": translucent(NEUTRAL, 0.6), "width": 4},
         name="base",
         hovertemplate=_AT,
     )
@@ -96,7 +104,7 @@ def _centre_of_pressure(stats: Stats) -> go.Scatter | None:
         y=centre.point[rows, 1],
         customdata=seconds(stats, centre.time[rows]),
         mode="lines",
-        line={"color": NEUTRAL, "width": 1, "dash": "dot"},
+        line={"color": PRESSURE, "width": 1.2},
         name="centre of pressure",
         hovertemplate=_AT,
     )
@@ -116,7 +124,7 @@ def _footprints(stats: Stats, name: str, places: Places, row: int) -> go.Scatter
             "line": {"width": 0},
         },
         name=name,
-        hovertemplate="put down " + _AT,
+        hovertemplate="footfall at " + _AT,
     )
 
 

@@ -129,15 +129,17 @@ def _bars(stats: Stats, spans: Ints, row: int, colour: str, what: str, width: fl
     longest = np.argsort(spans[:, 0] - spans[:, 1], kind="stable")[:MOST_GAPS]
     spans = spans[np.sort(longest)]
     start = seconds(stats, spans[:, 0])
+    length = seconds(stats, spans[:, 1]) - start
     return go.Bar(
         orientation="h",
         base=start,
-        x=seconds(stats, spans[:, 1]) - start,
+        x=length,
+        customdata=length,
         y=np.full(len(spans), row, np.int16),
         width=width,
         # An outline, so that a gap shorter than a pixel is seen.
         marker={"color": colour, "line": {"width": 1.5 if colour == BAD else 0, "color": colour}},
-        hovertemplate=f"{what} for %{{x:.3f}} s<br>from %{{base:.3f}} s<extra></extra>",
+        hovertemplate=f"{what} for %{{customdata:.3f}} s<br>from %{{base:.3f}} s<extra></extra>",
     )
 
 

@@ -44,6 +44,8 @@ from dogbot_logtool.report.verdict import headline
 
 GLYPHS: Final = "▲▼■◆●✚"
 """The figures' markers of the feet, in text."""
+FIGURES: Final = ("gait", "loads", "ground", "clock", "recording")
+"""Names of all figures; a log may lack some."""
 INDEX_COLUMNS: Final = (
     "log",
     "gait",
@@ -112,7 +114,7 @@ def page(stats: Stats, log: LogFacts, damage: Sequence[Place], file_size: int) -
             plotly_js=Markup(scripts[0]),  # noqa: S704 - Plotly's
             page_js=Markup(scripts[1]),  # noqa: S704 - our own file
             script_hashes=Markup(" ".join(map(_hash, scripts))),  # noqa: S704 - hashes
-            drawings={name: drawings.get(name) for name in (*drawings, "ground", "clock")},
+            drawings={name: drawings.get(name) for name in FIGURES},
             drawings_json=_json([_drawing(each) for each in drawings.values()]),
             times_json=_json(
                 {"typical": default_window(stats), "end": (stats.end - stats.origin) / 1e9}

@@ -68,6 +68,8 @@ def stride_table(stats: Stats) -> Table:
 
 
 def _stride_caption(every: int, marked: int, shown: int) -> str:
+    if not every:
+        return "No foot makes a whole stride."
     words = f"{every} whole strides, {marked} with an outlier"
     if shown < every:
         of = "these" if shown == marked else f"the first {shown} of these"

@@ -31,8 +31,10 @@ _BAR: Final = 0.7
 """Height of a bar, of the distance between two feet."""
 
 
-def gait_diagram(stats: Stats) -> Drawing:
-    """Draw a bar a foot, filled where the foot is down (Hildebrand's gait diagram)."""
+def gait_diagram(stats: Stats) -> Drawing | None:
+    """Draw a bar a foot, filled where the foot is down (Hildebrand's); None without feet."""
+    if not stats.feet:
+        return None
     short = short_names([foot.name for foot in stats.feet])
     figure = go.Figure()
     parts = [_stances_drawn(stats, foot) for foot in stats.feet]
@@ -103,8 +105,9 @@ def _bars(stats: Stats, foot: FootFigures, spans: Ints, row: int) -> go.Bar:
         width=_BAR,
         marker={"color": foot_colour(row), "line": {"width": 0}},
         name=label(foot.name),
-        customdata=end,
-        hovertemplate="down for %{x:.3f} s<br>from %{base:.3f} to %{customdata:.3f} s",
+        customdata=np.stack([end - start, end], axis=1),
+        hovertemplate="down for %{customdata[0]:.3f} s<br>"
+        "from %{base:.3f} to %{customdata[1]:.3f} s",
     )
 
 
@@ -126,7 +129,9 @@ def _unknown_bars(stats: Stats, foot: FootFigures, row: int) -> go.Bar:
             "line": {"width": 0},
         },
         name=label(foot.name),
-        hovertemplate="not known for %{x:.3f} s<br>from %{base:.3f} s",
+        # Plotly's own x is where a bar ends, not how long it is.
+        customdata=length,
+        hovertemplate="not known for %{customdata:.3f} s<br>from %{base:.3f} s",
     )
 
 
@@ -152,8 +157,10 @@ def _contact_share(stats: Stats, foot: FootFigures, drawn: Ints, row: int) -> go
     )
 
 
-def load_curves(stats: Stats) -> Drawing:
-    """Draw the load of each foot over time, one above the other on one scale."""
+def load_curves(stats: Stats) -> Drawing | None:
+    """Draw the load of each foot, one above the other on one scale; None without feet."""
+    if not stats.feet:
+        return None
     short = short_names([foot.name for foot in stats.feet])
     low, high = _extent(stats)
     figure = go.Figure()
@@ -207,13 +214,13 @@ def _load_traces(
     if curves is None or curves.force is None:
         return traces
     gaps = foot.record.gaps
+    line: dict[str, Any] = {"color": colour, "width": 1.5}
+    traces.append(_line(stats, curves.force, gaps, f"{label(foot.name)} |F|", line))
     if curves.vertical is not None:
         unknown = timespans.merge(np.concatenate([gaps, foot.record.track.vertical_unknown]))
         line = {"color": NEUTRAL, "width": 1, "dash": "dot"}
         name = f"{label(foot.name)} vertical"
         traces.append(_line(stats, curves.vertical, unknown, name, line))
-    line = {"color": colour, "width": 1.5}
-    traces.append(_line(stats, curves.force, gaps, f"{label(foot.name)} |F|", line))
     return traces
 
 
