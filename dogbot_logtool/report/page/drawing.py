@@ -16,7 +16,7 @@ BAD: Final = "#c8382e"
 """Gaps and damage."""
 SYMBOLS: Final = ("triangle-up", "triangle-down", "square", "diamond", "circle", "cross")
 """A marker a foot, in turn, for those who cannot tell the colours."""
-MARGIN: Final = {"l": 48, "r": 10, "t": 6, "b": 36}
+MARGIN: Final = {"l": 48, "r": 10, "t": 6, "b": 44}
 """Pixels; the same on the left for all figures over time, so that they stand in line."""
 
 
@@ -68,7 +68,7 @@ def time_axis(stats: Stats) -> dict[str, Any]:
     end = (stats.end - stats.origin) / 1e9
     pad = 0.005 * end
     return {
-        "title": {"text": "time since the log's start", "standoff": 6},
+        "title": {"text": "time since the log's start", "standoff": 10},
         "ticksuffix": " s",
         "hoverformat": ".3f",
         "range": [-pad, end + pad],

@@ -14,6 +14,8 @@ from dogbot_logtool.report.page.drawing import SYMBOLS, Drawing, label, thinned
 
 MOST_DOTS: Final = 200
 """Touchdowns of a foot that are drawn."""
+_LABEL: Final = 90.0
+"""Degrees times radius by which a foot's name stands before its touchdown."""
 _INNER: Final = 2.0
 """Radius of the innermost ring, in distances between rings."""
 
@@ -110,7 +112,7 @@ def _ring(
     )
     traces.append(
         go.Scatterpolar(
-            theta=[round(360.0 * phase.mean - 14.0, 3)],
+            theta=[round(360.0 * phase.mean - _LABEL / radius, 3)],
             r=[radius],
             mode="text",
             text=[f"<b>{short}</b>"],

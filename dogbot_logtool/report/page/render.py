@@ -30,7 +30,7 @@ from dogbot_logtool.report.page.drawing import Drawing
 from dogbot_logtool.report.page.ground_figure import walk_from_above
 from dogbot_logtool.report.page.phase_clock import phase_clock
 from dogbot_logtool.report.page.quality_figure import recording
-from dogbot_logtool.report.page.summary import Trust, findings, summary, trust
+from dogbot_logtool.report.page.summary import Trust, findings, grouped, summary, trust
 from dogbot_logtool.report.page.tables import (
     load_table,
     step_table,
@@ -129,7 +129,7 @@ def page(stats: Stats, log: LogFacts, damage: Sequence[Place], file_size: int) -
                 for row, (name, short) in enumerate(zip(names, short_names(names), strict=True))
             ],
             summary=summary(stats, log),
-            findings=findings(stats, log),
+            findings=grouped(findings(stats, log)),
             losses=log.losses,
             file_marks=_file_marks(damage, file_size),
             tables={

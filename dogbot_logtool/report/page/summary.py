@@ -1,7 +1,7 @@
 """What happened, to be read in ten seconds: the gait, a few numbers, and whether to trust them."""
 
-from collections.abc import Iterator
-from dataclasses import dataclass
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
 from typing import Final
 
 from dogbot_logtool.core.gait import STAND
@@ -36,6 +36,8 @@ class Sentence:
     """``error``, ``warning`` or ``note``."""
     text: str
     code: str
+    alike: tuple[str, ...] = ()
+    """What else is said under the same code, of other feet and topics."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -94,6 +96,15 @@ def findings(stats: Stats, log: LogFacts) -> list[Sentence]:
     return [Sentence(_SEVERITIES.get(each.code[:1], "note"), each.text, each.code) for each in said]
 
 
+def grouped(sentences: Sequence[Sentence]) -> list[Sentence]:
+    """Join the findings of each code; the first speaks for them."""
+    texts: dict[str, list[str]] = {}
+    for each in sentences:
+        texts.setdefault(each.code, []).append(each.text)
+    first = {each.code: each for each in reversed(sentences)}
+    return [replace(first[code], alike=tuple(others)) for code, (_, *others) in texts.items()]
+
+
 def trust(stats: Stats, log: LogFacts) -> Trust:
     """Say whether the numbers can be relied on."""
     said = findings(stats, log)
@@ -137,7 +148,9 @@ def _tiles(stats: Stats) -> Iterator[Tile]:
             )
     if main is not None and main.stride_frequency_hz is not None:
         yield Tile(
-            "strides", f"{decimal(main.stride_frequency_hz, 2)} a second", f"{main.strides} whole"
+            "stride frequency",
+            f"{decimal(main.stride_frequency_hz, 2)} Hz",
+            f"{main.strides} strides",
         )
     if main is not None and main.duty_factor is not None:
         kind = "running" if main.duty_factor < 0.5 else "not running"

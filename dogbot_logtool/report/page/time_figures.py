@@ -172,7 +172,7 @@ def load_curves(stats: Stats) -> Drawing | None:
     height = 1.0 / rows
     axes: dict[str, Any] = {
         f"yaxis{row + 1 if row else ''}": {
-            "domain": [1.0 - (row + 0.94) * height, 1.0 - row * height],
+            "domain": [1.0 - (row + 0.88) * height, 1.0 - row * height],
             "range": [low, high],
             "fixedrange": True,
             "nticks": 4,
