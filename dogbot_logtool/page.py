@@ -5,8 +5,10 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Final
 
+from dogbot_logtool.closer_look import with_detail
 from dogbot_logtool.core.curves import CurveDetail
 from dogbot_logtool.errors import LogtoolError
+from dogbot_logtool.report.gait_diagram import default_window
 from dogbot_logtool.report.page.render import IndexRow, Place, index, index_row, page
 from dogbot_logtool.stats import Measurement, Progress, StatsOptions, measure
 from dogbot_logtool.writer.output import refuse_bad_target, targets, whole_file
@@ -66,6 +68,8 @@ class Reports:
         try:
             refuse_bad_target(target, source, overwrite=self._overwrite)
             measured = measure(source, self._options, progress)
+            typical = default_window(measured.stats)
+            measured = with_detail(source, self._options, measured, typical, progress)
             html = _page_of(source, measured)
             with whole_file(target, overwrite=self._overwrite) as file:
                 file.write(html)

@@ -233,6 +233,8 @@ def _line(stats: Stats, curve: Curve, breaks: Ints, name: str, line: dict[str, A
         y=force.astype(np.float32),
         mode="lines",
         line=line,
+        # The whole force is drawn over its vertical part, but told before it.
+        zorder=0 if line.get("dash") else 1,
         name=name,
         customdata=in_weights,
         hovertemplate="%{y:.1f} N" + ("" if weight is None else " (%{customdata:.2f} BW)"),
@@ -271,6 +273,7 @@ def _what_is_drawn(stats: Stats) -> str:
     if max(bins) > 1:
         words += (
             f" Of every {max(bins) / 1e6:.3g} ms the lowest and the highest sample are drawn, so "
-            "every peak is there; --start and --end show a part in full."
+            "every peak is there; the typical strides are drawn in full, and so is a short part "
+            "that --start and --end choose."
         )
     return words
