@@ -7,6 +7,7 @@ from typing import Final
 
 import numpy as np
 
+from dogbot_logtool.core.arrays import Ints
 from dogbot_logtool.core.curves import Curve, CurveDetail, LoadCurves
 from dogbot_logtool.errors import LogError
 from dogbot_logtool.stats import Measurement, Progress, StatsOptions, TimeSourceOption, measure
@@ -121,11 +122,15 @@ def _each(curves: FeetCurves) -> Sequence[Curve | None]:
 
 
 def _holds(found: Curve | None, known: Curve | None, window: tuple[int, int]) -> bool:
-    if found is None or known is None:
-        return found is known
-    times = np.concatenate([known.low_time, known.high_time])
+    times = _times(known)
     times = times[(times >= window[0]) & (times <= window[1])]
-    return bool(np.isin(times, np.concatenate([found.low_time, found.high_time])).all())
+    return bool(np.isin(times, _times(found)).all())
+
+
+def _times(curve: Curve | None) -> Ints:
+    if curve is None:
+        return np.empty(0, np.int64)
+    return np.concatenate([curve.low_time, curve.high_time])
 
 
 def _merged(
