@@ -49,13 +49,13 @@ FIGURES: Final = ("gait", "loads", "ground", "clock", "recording")
 INDEX_COLUMNS: Final = (
     "log",
     "gait",
+    "can it be trusted",
     "duration s",
     "duty",
     "strides/s",
     "distance m",
     "m/s forward",
     "impulse/weight",
-    "can it be trusted",
 )
 
 
@@ -76,7 +76,9 @@ class IndexRow:
     name: str
     page: str = ""
     """File name of its page; empty: there is none, and `error` says why."""
+    verdict: str = ""
     cells: tuple[str, ...] = ()
+    """The numbers of `INDEX_COLUMNS`."""
     trust: Trust | None = None
     error: str = ""
 
@@ -149,7 +151,6 @@ def index_row(stats: Stats, log: LogFacts, page_name: str) -> IndexRow:
     """Return a log's row in the index."""
     main, base = stats.main, stats.base
     cells = (
-        headline(stats),
         decimal(log.duration_s, 2),
         decimal(main.duty_factor if main else None, 3),
         decimal(main.stride_frequency_hz if main else None, 3),
@@ -157,7 +158,8 @@ def index_row(stats: Stats, log: LogFacts, page_name: str) -> IndexRow:
         decimal(base.forward_speed_mps if base else None, 3),
         decimal(stats.loads.vertical_impulse_over_weight, 3),
     )
-    return IndexRow(Path(log.path).name, page_name, cells, trust(stats, log))
+    name = Path(log.path).name
+    return IndexRow(name, page_name, headline(stats), cells, trust(stats, log))
 
 
 def index(rows: Sequence[IndexRow]) -> bytes:
