@@ -1,6 +1,6 @@
 """`dogbot-logtool convert`: a recorded walk becomes an annotated MCAP."""
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import BinaryIO, Final
@@ -10,7 +10,7 @@ from mcap import records
 from dogbot_logtool import __version__
 from dogbot_logtool.batches import BatchConverter, ConvertedBatch, Counts
 from dogbot_logtool.conversion.carried import chained
-from dogbot_logtool.errors import CallError, LogError
+from dogbot_logtool.errors import LogError
 from dogbot_logtool.evidence import look_into
 from dogbot_logtool.findings import Finding, note, warning
 from dogbot_logtool.parallel import in_order
@@ -85,37 +85,6 @@ class Conversion:
     def exit_code(self) -> int:
         """0: done; 3: done, but the input was damaged."""
         return 3 if self.losses else 0
-
-
-def targets(logs: Sequence[Path], output: Path | None) -> list[tuple[Path, Path]]:
-    """Return the output of every log.
-
-    Args:
-        logs: the inputs.
-        output: a file, or a directory; None: the current directory.
-
-    Raises:
-        CallError: several logs would go to one file.
-    """
-    if output is not None and not _is_folder(output):
-        if len(logs) > 1:
-            raise CallError(f"{output}: is no directory, and there are {len(logs)} logs")
-        return [(logs[0], output)]
-    folder = output or Path()
-    pairs = [(log, folder / f"{log.stem}.annotated.mcap") for log in logs]
-    names = [target for _, target in pairs]
-    for log, target in pairs:
-        if names.count(target) > 1:
-            raise CallError(f"{log}: another log has the same name, so both would go to {target}")
-    return pairs
-
-
-def _is_folder(path: Path) -> bool:
-    try:
-        return path.is_dir()
-    except OSError:
-        # A name that no disk takes; whoever opens it will say so.
-        return False
 
 
 def convert(

@@ -26,7 +26,7 @@ SAMPLE_LOGS = Path(__file__).parents[1] / "sample_logs"
 TROT, WALK, TROUBLED = (
     SAMPLE_LOGS / f"dogbot_{name}" for name in ("trot.bag", "walk.mcap", "troubled.bag")
 )
-COMMANDS = ("compare", "convert", "info", "layout", "robots", "stats")
+COMMANDS = ("compare", "convert", "info", "layout", "report", "robots", "stats")
 MAGIC = b"\x89MCAP0\r\n"
 
 

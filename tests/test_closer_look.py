@@ -4,7 +4,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from dogbot_logtool.closer_look import load_curves_within
+from dogbot_logtool.closer_look import load_curves_within, with_detail
 from dogbot_logtool.core.curves import CurveDetail
 from dogbot_logtool.stats import StatsOptions, measure
 
@@ -47,3 +47,32 @@ def test_a_short_window_is_seen_sample_by_sample(bins: int) -> None:
         rows = np.isin(seen.force.low_time, every.force.low_time[inside])
         assert rows.sum() == inside.sum() > 200
         assert (seen.force.low[rows] == every.force.low[inside]).all()
+
+
+@pytest.mark.parametrize("log", ["dogbot_trot.bag", "dogbot_walk.mcap", "dogbot_troubled.bag"])
+def test_a_curve_with_detail_has_every_sample_there_and_every_peak_elsewhere(log: str) -> None:
+    path = TROT.with_name(log)
+    options = StatsOptions(curves=CurveDetail(most_bins=40))
+    coarse = measure(path, options)
+    fine = with_detail(path, options, coarse, (2.0, 2.6))
+    whole = measure(path, StatsOptions(curves=CurveDetail(most_bins=100_000)))
+    start, end = (coarse.stats.origin + each for each in (2_000_000_000, 2_600_000_000))
+    for one, seen, every in zip(coarse.stats.feet, fine.stats.feet, whole.stats.feet, strict=True):
+        curves = [foot.record.curves for foot in (one, seen, every)]
+        before, after, full = (each.force if each else None for each in curves)
+        assert before
+        assert after
+        assert full
+        inside = (full.low_time >= start) & (full.low_time <= end)
+        assert set(full.low_time[inside].tolist()) <= set(after.low_time.tolist())
+        assert set(before.high_time.tolist()) <= set(after.high_time.tolist())
+        time, _ = after.line(np.empty((0, 2), np.int64))
+        assert (np.diff(time) > 0).all()
+        assert len(time) < len(full.low)
+
+
+def test_a_log_seen_whole_is_not_read_again() -> None:
+    options = StatsOptions(curves=CurveDetail(most_bins=100_000))
+    measured = measure(TROT, options)
+    gone = TROT.with_name("no_such_log.bag")
+    assert with_detail(gone, options, measured, (2.0, 2.6)) is measured

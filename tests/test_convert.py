@@ -36,8 +36,8 @@ from rosbags.rosbag1 import Writer as BagWriter
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 from rosbags.typesys.store import Typestore
 
-from dogbot_logtool.convert import Conversion, convert, targets
-from dogbot_logtool.errors import CallError, LogError
+from dogbot_logtool.convert import Conversion, convert
+from dogbot_logtool.errors import LogError
 from dogbot_logtool.plan import ConvertOptions, EncodingName, Style
 from dogbot_logtool.selection import TopicOptions
 from dogbot_logtool.writer.chunks import Compression
@@ -1511,22 +1511,6 @@ def test_the_same_walk_of_ros1_and_ros2_has_the_same_annotations(
 
 
 # --- Targets --------------------------------------------------------------------------------------
-
-
-def test_targets() -> None:
-    here = Path("walk.bag")
-    assert targets([here], None) == [(here, Path("walk.annotated.mcap"))]
-    assert targets([here], Path("x.mcap")) == [(here, Path("x.mcap"))]
-
-
-def test_targets_in_a_directory(tmp_path: Path) -> None:
-    logs = [Path("a/walk.bag"), Path("b/run.mcap")]
-    names = [target.name for _, target in targets(logs, tmp_path)]
-    assert names == ["walk.annotated.mcap", "run.annotated.mcap"]
-    with pytest.raises(CallError, match="is no directory"):
-        targets(logs, tmp_path / "none.mcap")
-    with pytest.raises(CallError, match="same name"):
-        targets([Path("a/walk.bag"), Path("b/walk.bag")], tmp_path)
 
 
 def test_progress_ends_at_the_whole(tmp_path: Path) -> None:

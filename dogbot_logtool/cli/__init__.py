@@ -17,6 +17,7 @@ from dogbot_logtool.cli.convert import convert
 from dogbot_logtool.cli.info import info
 from dogbot_logtool.cli.layout import layout
 from dogbot_logtool.cli.outcomes import say_error
+from dogbot_logtool.cli.report import report
 from dogbot_logtool.cli.robots import robots
 from dogbot_logtool.cli.stats import stats
 from dogbot_logtool.errors import LogtoolError
@@ -34,7 +35,7 @@ def cli() -> None:
     """
 
 
-for _command in (info, convert, stats, compare, layout, robots):
+for _command in (info, convert, stats, report, compare, layout, robots):
     cli.add_command(_command)
 
 

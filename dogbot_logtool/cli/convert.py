@@ -92,7 +92,6 @@ def convert(
 ) -> None:
     """Write an annotated MCAP: /tf, an arrow and a load at each foot, and the log itself."""
     from dogbot_logtool.convert import convert as convert_log  # noqa: PLC0415
-    from dogbot_logtool.convert import targets  # noqa: PLC0415
     from dogbot_logtool.plan import ConvertOptions  # noqa: PLC0415
     from dogbot_logtool.report.console import diagnostics  # noqa: PLC0415
     from dogbot_logtool.report.convert_report import (  # noqa: PLC0415
@@ -100,12 +99,13 @@ def convert(
         print_conversion,
     )
     from dogbot_logtool.report.progress import progress_bar  # noqa: PLC0415
+    from dogbot_logtool.writer.output import targets  # noqa: PLC0415
 
     topics = parse_topics(robot, odom_topic, feet, mass_kg)
     chosen = ConvertOptions(topics=topics, jobs=threads(jobs), **options)
     console = diagnostics()
     outcomes = Outcomes()
-    for source, target in targets(logs, output):
+    for source, target in targets(logs, output, ".annotated.mcap"):
         with outcomes.of(source):
             with progress_bar(source.name, shown=not quiet) as progress:
                 done = convert_log(source, target, chosen, progress)

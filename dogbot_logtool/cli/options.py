@@ -90,6 +90,42 @@ def time_range(command: Command) -> Command:
     return start(end(command))
 
 
+def measuring_options(command: Command) -> Command:
+    """Add what decides the figures: --forward-axis, --contact-on and so on."""
+    axis = click.option(
+        "--forward-axis",
+        type=click.Choice(["+x", "-x", "+y", "-y"]),
+        help="Body axis that points forward; default: the robot's.",
+    )
+    contact_on = click.option(
+        "--contact-on",
+        "contact_on_n",
+        type=number(1e-6, 1e6),
+        metavar="N",
+        help="Force from which a foot is in contact; default: 10 N or 5 % of the body weight.",
+    )
+    contact_off = click.option(
+        "--contact-off",
+        "contact_off_n",
+        type=number(1e-6, 1e6),
+        metavar="N",
+        help="Force below which contact ends; default: when the sensor reports no contact.",
+    )
+    debounce = click.option(
+        "--debounce",
+        "debounce_s",
+        type=number(1e-9, 10.0, or_zero=True),
+        metavar="S",
+        help="Shorter swings are filled, then shorter stances dropped; default: 0.020.",
+    )
+    clock = click.option(
+        "--time-source",
+        type=click.Choice(["header", "log"]),
+        help="Clock to measure on; default: header stamps, log time where those cannot be used.",
+    )
+    return axis(contact_on(contact_off(debounce(clock(command)))))
+
+
 def topic_options(command: Command) -> Command:
     """Add --robot, --odom-topic, --foot and --mass."""
     robot = click.option(

@@ -10,7 +10,7 @@ from dogbot_logtool.cli.options import (
     jobs_option,
     json_option,
     logs_argument,
-    number,
+    measuring_options,
     parse_topics,
     quietness,
     threads,
@@ -30,37 +30,7 @@ if TYPE_CHECKING:
 @logs_argument
 @topic_options
 @wrench_frame_option
-@click.option(
-    "--forward-axis",
-    type=click.Choice(["+x", "-x", "+y", "-y"]),
-    help="Body axis that points forward; default: the robot's.",
-)
-@click.option(
-    "--contact-on",
-    "contact_on_n",
-    type=number(1e-6, 1e6),
-    metavar="N",
-    help="Force from which a foot is in contact; default: 10 N or 5 % of the body weight.",
-)
-@click.option(
-    "--contact-off",
-    "contact_off_n",
-    type=number(1e-6, 1e6),
-    metavar="N",
-    help="Force below which contact ends; default: when the sensor reports no contact.",
-)
-@click.option(
-    "--debounce",
-    "debounce_s",
-    type=number(1e-9, 10.0, or_zero=True),
-    metavar="S",
-    help="Shorter swings are filled, then shorter stances dropped; default: 0.020.",
-)
-@click.option(
-    "--time-source",
-    type=click.Choice(["header", "log"]),
-    help="Clock to measure on; default: header stamps, log time where those cannot be used.",
-)
+@measuring_options
 @time_range
 @click.option(
     "--window",

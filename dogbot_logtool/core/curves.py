@@ -40,6 +40,21 @@ class Curve:
     """ns, the first time at which the bin's highest value occurs."""
     high: Floats
 
+    def refined(self, closer: "Curve", window: tuple[int, int]) -> "Curve":
+        """Return the curve with a closer look at some time in its place.
+
+        Args:
+            closer: the same quantity in more detail.
+            window: ns, first and last time of whole bins; `closer` has nothing outside.
+        """
+        kept = (self.high_time < window[0]) | (self.high_time > window[1])
+        rows = [
+            np.concatenate([getattr(self, name)[kept], getattr(closer, name)])
+            for name in ("low_time", "low", "high_time", "high")
+        ]
+        order = np.argsort(rows[0], kind="stable")
+        return Curve(self.bin_ns, *(column[order] for column in rows))
+
     def line(self, breaks: Ints) -> tuple[Ints, Floats]:
         """Return the points to draw.
 

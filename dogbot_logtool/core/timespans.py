@@ -7,7 +7,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from dogbot_logtool.core.arrays import Flags, Ints
+from dogbot_logtool.core.arrays import Flags, Floats, Ints
 
 
 def no_spans() -> Ints:
@@ -23,6 +23,28 @@ def total(spans: Ints) -> int:
 def covers(spans: Ints, time: Ints) -> Flags:
     """Tell which times lie in a span; a start belongs to its span, an end does not."""
     inside: Flags = (np.searchsorted(spans.ravel(), time, side="right") & 1).astype(np.bool_)
+    return inside
+
+
+def covered(spans: Ints, edges: Ints) -> Floats:
+    """Return how much of each cell between an edge and the next lies in spans.
+
+    Args:
+        spans: (n, 2) ns.
+        edges: (m + 1,) ns, sorted.
+
+    Returns:
+        (m,) ns.
+    """
+    if len(spans) == 0:
+        return np.zeros(len(edges) - 1)
+    knots = spans.ravel()
+    # Time covered so far, at each edge of a span and, interpolated, at each edge of a cell.
+    so_far = np.zeros(len(knots), np.int64)
+    so_far[1::2] = np.cumsum(spans[:, 1] - spans[:, 0])
+    so_far[2::2] = so_far[1:-1:2]
+    at = np.interp(edges - edges[0], knots - edges[0], so_far.astype(np.float64))
+    inside: Floats = np.diff(at)
     return inside
 
 

@@ -111,15 +111,7 @@ def _bar(in_contact: Ints, known: Ints, cells: Ints, glyphs: Glyphs) -> str:
 
 def _mostly(spans: Ints, cells: Ints) -> Ints:
     """(n,) 1 where spans cover at least half of the cell between an edge and the next."""
-    if len(spans) == 0:
-        return np.zeros(len(cells) - 1, np.int64)
-    knots = spans.ravel()
-    # Time covered so far, at each edge of a span and, interpolated, at each edge of a cell.
-    covered = np.zeros(len(knots), np.int64)
-    covered[1::2] = np.cumsum(spans[:, 1] - spans[:, 0])
-    covered[2::2] = covered[1:-1:2]
-    so_far = np.interp(cells - cells[0], knots - cells[0], covered.astype(np.float64))
-    half: Ints = (np.diff(so_far) * 2.0 >= np.diff(cells)).astype(np.int64)
+    half: Ints = (timespans.covered(spans, cells) * 2.0 >= np.diff(cells)).astype(np.int64)
     return half
 
 

@@ -23,11 +23,10 @@ from dogbot_logtool.report.gait_diagram import (
     gait_diagram,
     support_line,
 )
+from dogbot_logtool.report.numbers import NOTHING, decimal, percent
 from dogbot_logtool.report.stats_json import LogFacts, Said, symmetry
 from dogbot_logtool.report.verdict import evidence, gait_name, how_sure, is_known
 
-NOTHING: Final = "-"
-"""Stands for a figure that is not known."""
 _SEVERITIES: Final[Mapping[str, tuple[str, str]]] = {
     "E": ("error", "bold red"),
     "W": ("warning", "yellow"),
@@ -147,7 +146,7 @@ def _steps(stats: Stats, gap: int) -> Table:
         phase = stats.main.phases[row] if stats.main else None
         table.add_row(
             foot.name,
-            _percent(foot.contact_fraction),
+            percent(foot.contact_fraction),
             str(len(foot.strides.stance)),
             _median(foot.stance_s, 3),
             _median(foot.swing_s, 3),
@@ -177,7 +176,7 @@ def _loads(stats: Stats, gap: int) -> Table:
         share = stats.loads.shares[row] if stats.loads.shares else None
         table.add_row(
             foot.name,
-            _percent(share),
+            percent(share),
             _force(foot.peak_force_n, weight),
             _force(foot.mean_force_n, weight),
             _force(foot.peak_vertical_force_n, weight),
@@ -259,7 +258,7 @@ def _base(stats: Stats) -> list[RenderableType]:
     if base is None:
         return [_line("odometry", "none that can be used")]
     speeds = [
-        f"{_number(value, 3)} m/s {name}"
+        f"{decimal(value, 3)} m/s {name}"
         for name, value in (
             ("along the path", base.mean_speed_mps),
             ("forward", base.forward_speed_mps),
@@ -271,10 +270,10 @@ def _base(stats: Stats) -> list[RenderableType]:
         _line(
             "path",
             f"{base.path_length_m:.3f} m, net {base.net_displacement_m:.3f} m, "
-            f"turned {_number(base.yaw_change_rad, 3)} rad",
+            f"turned {decimal(base.yaw_change_rad, 3)} rad",
         ),
         _line("speed", ", ".join(speeds)),
-        _line("height", f"{_spread(base.height_m, 'm')}, Froude number {_number(base.froude, 3)}"),
+        _line("height", f"{_spread(base.height_m, 'm')}, Froude number {decimal(base.froude, 3)}"),
         _line(
             "attitude",
             f"roll {_spread(base.roll_rad, 'rad')}, pitch {_spread(base.pitch_rad, 'rad')}",
@@ -323,26 +322,17 @@ def print_summary(console: Console, results: Sequence[tuple[Stats, LogFacts]]) -
         table.add_row(
             Path(log.path).name,
             NOTHING if main is None or main.gait.name is None else gait_name(main).lower(),
-            _number(main.duty_factor if main else None, 3),
-            _number(main.stride_frequency_hz if main else None, 3),
-            _number(base.forward_speed_mps if base else None, 3),
-            _number(stats.loads.vertical_impulse_over_weight, 4),
+            decimal(main.duty_factor if main else None, 3),
+            decimal(main.stride_frequency_hz if main else None, 3),
+            decimal(base.forward_speed_mps if base else None, 3),
+            decimal(stats.loads.vertical_impulse_over_weight, 4),
             str(warnings),
         )
     console.print(table, highlight=False)
 
 
-def _number(value: float | None, decimals: int) -> str:
-    # Adding zero makes a plain zero of a negative one.
-    return NOTHING if value is None else f"{round(value, decimals) + 0.0:.{decimals}f}"
-
-
 def _median(value: Aggregate | None, decimals: int) -> str:
-    return _number(value.median if value else None, decimals)
-
-
-def _percent(value: float | None) -> str:
-    return NOTHING if value is None else f"{value:.1%}"
+    return decimal(value.median if value else None, decimals)
 
 
 def _force(value: Aggregate | None, weight_n: float | None) -> str:
@@ -359,4 +349,4 @@ def _spread(value: Aggregate | None, unit: str) -> str:
     if value is None:
         return NOTHING
     std = "" if value.std is None else f" (sd {value.std:.3f})"
-    return f"{_number(value.mean, 3)} {unit}{std}"
+    return f"{decimal(value.mean, 3)} {unit}{std}"

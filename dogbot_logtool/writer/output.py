@@ -3,11 +3,43 @@
 import contextlib
 import os
 import tempfile
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import BinaryIO
 
 from dogbot_logtool.errors import CallError, LogtoolError
+
+
+def targets(logs: Sequence[Path], output: Path | None, ending: str) -> list[tuple[Path, Path]]:
+    """Return the output of every log.
+
+    Args:
+        logs: the inputs.
+        output: a file, or a directory; None: the current directory.
+        ending: of the name in a directory, after that of the log.
+
+    Raises:
+        CallError: several logs would go to one file.
+    """
+    if output is not None and not _is_folder(output):
+        if len(logs) > 1:
+            raise CallError(f"{output}: is no directory, and there are {len(logs)} logs")
+        return [(logs[0], output)]
+    folder = output or Path()
+    pairs = [(log, folder / f"{log.stem}{ending}") for log in logs]
+    names = [target for _, target in pairs]
+    for log, target in pairs:
+        if names.count(target) > 1:
+            raise CallError(f"{log}: another log has the same name, so both would go to {target}")
+    return pairs
+
+
+def _is_folder(path: Path) -> bool:
+    try:
+        return path.is_dir()
+    except OSError:
+        # A name that no disk takes; whoever opens it will say so.
+        return False
 
 
 def refuse_bad_target(target: Path, source: Path | None, *, overwrite: bool) -> None:

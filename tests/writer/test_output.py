@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from dogbot_logtool.errors import CallError, LogtoolError
-from dogbot_logtool.writer.output import refuse_bad_target, whole_file
+from dogbot_logtool.writer.output import refuse_bad_target, targets, whole_file
 
 
 def files(folder: Path) -> list[str]:
@@ -204,3 +204,19 @@ def test_bad_targets(tmp_path: Path) -> None:
     refuse_bad_target(other, log, overwrite=True)
     refuse_bad_target(tmp_path / "new", log, overwrite=False)
     assert log.read_bytes() == b"log"
+
+
+def test_targets() -> None:
+    here = Path("walk.bag")
+    assert targets([here], None, ".annotated.mcap") == [(here, Path("walk.annotated.mcap"))]
+    assert targets([here], Path("x.mcap"), ".annotated.mcap") == [(here, Path("x.mcap"))]
+
+
+def test_targets_in_a_directory(tmp_path: Path) -> None:
+    logs = [Path("a/walk.bag"), Path("b/run.mcap")]
+    names = [target.name for _, target in targets(logs, tmp_path, ".report.html")]
+    assert names == ["walk.report.html", "run.report.html"]
+    with pytest.raises(CallError, match="is no directory"):
+        targets(logs, tmp_path / "none.mcap", ".report.html")
+    with pytest.raises(CallError, match="same name"):
+        targets([Path("a/walk.bag"), Path("b/walk.bag")], tmp_path, ".mcap")

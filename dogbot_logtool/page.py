@@ -1,0 +1,92 @@
+"""`dogbot-logtool report`: one self-contained HTML page a log, and an index of several."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Final
+
+from dogbot_logtool.closer_look import with_detail
+from dogbot_logtool.core.curves import CurveDetail
+from dogbot_logtool.errors import LogtoolError
+from dogbot_logtool.report.gait_diagram import default_window
+from dogbot_logtool.report.page.render import IndexRow, Place, index, index_row, page
+from dogbot_logtool.stats import Measurement, Progress, StatsOptions, measure
+from dogbot_logtool.writer.output import refuse_bad_target, targets, whole_file
+
+DETAIL: Final = CurveDetail()
+"""Half a minute at 250 Hz sample by sample; four feet make a page of up to 8 MB."""
+
+
+@dataclass(frozen=True, slots=True)
+class Page:
+    """A page that was written."""
+
+    source: Path
+    target: Path
+    size: int
+    """bytes."""
+    measured: Measurement
+
+    @property
+    def exit_code(self) -> int:
+        """0: done; 3: done, but the log was damaged."""
+        return self.measured.exit_code
+
+
+class Reports:
+    """The pages of one call, and the index that leads to them where there are several."""
+
+    def __init__(
+        self, logs: Sequence[Path], output: Path | None, options: StatsOptions, *, overwrite: bool
+    ) -> None:
+        """Choose the outputs.
+
+        Raises:
+            CallError: several logs would go to one file, or the index may not be written.
+        """
+        self._targets = dict(targets(logs, output, ".report.html"))
+        self._options = replace(options, curves=DETAIL)
+        self._overwrite = overwrite
+        self._rows: list[IndexRow] = []
+        self._index: Path | None = None
+        if len(logs) > 1:
+            self._index = (output or Path()) / "index.html"
+            refuse_bad_target(self._index, None, overwrite=overwrite)
+
+    def write(self, source: Path, progress: Progress | None = None) -> Page:
+        """Measure a log and write its page.
+
+        Args:
+            source: one of the logs.
+            progress: is told bytes done and in all.
+
+        Raises:
+            CallError: no such file, or the target may not be written.
+            LogtoolError: the log cannot be used, or the page not be written.
+        """
+        target = self._targets[source]
+        try:
+            refuse_bad_target(target, source, overwrite=self._overwrite)
+            measured = measure(source, self._options, progress)
+            typical = default_window(measured.stats)
+            measured = with_detail(source, self._options, measured, typical, progress)
+            html = _page_of(source, measured)
+            with whole_file(target, overwrite=self._overwrite) as file:
+                file.write(html)
+        except LogtoolError as error:
+            self._rows.append(IndexRow(source.name, error=str(error)))
+            raise
+        self._rows.append(index_row(measured.stats, measured.facts, target.name))
+        return Page(source, target, len(html), measured)
+
+    def finish(self) -> None:
+        """Write the index of several logs; one that has no page is in it with the reason."""
+        if self._index is not None:
+            with whole_file(self._index, overwrite=self._overwrite) as file:
+                file.write(index(self._rows))
+
+
+def _page_of(source: Path, measured: Measurement) -> bytes:
+    damage = [Place(loss.offset, loss.bytes, loss.what) for loss in measured.losses]
+    size = source.stat().st_size if source.is_file() else 0
+    return page(measured.stats, measured.facts, damage, size)

@@ -1,0 +1,186 @@
+"""The walk from above: path and heading of the base, footfalls, centre of pressure."""
+
+from typing import Any, Final
+
+import numpy as np
+import plotly.graph_objects as go
+
+from dogbot_logtool.core.arrays import Floats, Ints
+from dogbot_logtool.core.base_motion import FORWARD_ANGLES
+from dogbot_logtool.core.seen_from_above import Places, footprints, pressure_path
+from dogbot_logtool.core.walk_stats import Stats
+from dogbot_logtool.report.foot_pens import foot_colour
+from dogbot_logtool.report.page.drawing import (
+    MARGIN,
+    NEUTRAL,
+    SYMBOLS,
+    Drawing,
+    label,
+    seconds,
+    thinned,
+    translucent,
+)
+
+MOST_POINTS: Final = 4000
+"""Points of a path."""
+MOST_FOOTPRINTS: Final = 500
+"""Footfalls of a foot."""
+PRESSURE: Final = "#8e6bbf"
+"""The centre of pressure: no foot's colour."""
+HEADINGS: Final = 12
+"""Arrows along the path."""
+_AT: Final = "x %{x:.3f} m, y %{y:.3f} m<br>at %{customdata:.3f} s"
+
+
+def walk_from_above(stats: Stats) -> Drawing | None:
+    """Draw the ground; None where nothing tells a place on it."""
+    prints = [footprints(foot.record) for foot in stats.feet]
+    base = stats.base_record
+    if len(base.time) == 0 and not any(len(each.time) for each in prints):
+        return None
+    figure = go.Figure()
+    rows = thinned(len(base.time), MOST_POINTS)
+    if len(rows):
+        figure.add_trace(_path(stats, rows))
+    centre = _centre_of_pressure(stats)
+    if centre is not None:
+        figure.add_trace(centre)
+    for row, (foot, places) in enumerate(zip(stats.feet, prints, strict=True)):
+        if len(places.time):
+            figure.add_trace(_footprints(stats, label(foot.name), places, row))
+    if len(rows):
+        figure.add_trace(_headings(stats))
+        figure.add_trace(_ends(stats))
+    figure.update_layout(
+        height=480,
+        margin=MARGIN,
+        hovermode="closest",
+        legend={"orientation": "h", "y": 1.0, "yanchor": "bottom", "x": 0},
+        dragmode="pan",
+        xaxis={
+            "title": {"text": "x (m)", "standoff": 6},
+            "zeroline": False,
+            "showspikes": False,
+        },
+        yaxis={
+            "title": {"text": "y (m)", "standoff": 2},
+            "scaleanchor": "x",
+            "scaleratio": 1,
+            "zeroline": False,
+            "showspikes": False,
+        },
+    )
+    return Drawing("ground", "From above", _words(stats), _caption(prints), figure)
+
+
+def _broken(time: Ints, gaps: Ints) -> Ints:
+    """Return the rows before which a line is to be broken."""
+    return np.unique(np.searchsorted(time, gaps[:, 1]))
+
+
+def _path(stats: Stats, rows: Ints) -> go.Scatter:
+    base = stats.base_record
+    time, place = base.time[rows], base.position[rows, :2]
+    at = _broken(time, base.gaps)
+    at = at[(at > 0) & (at < len(time))]
+    return go.Scatter(
+        x=np.insert(place[:, 0], at, np.nan),
+        y=np.insert(place[:, 1], at, np.nan),
+        customdata=np.insert(seconds(stats, time), at, np.nan),
+        mode="lines",
+        line={"color": translucent(NEUTRAL, 0.6), "width": 4},
+        name="base",
+        hovertemplate=_AT,
+    )
+
+
+def _centre_of_pressure(stats: Stats) -> go.Scatter | None:
+    if stats.stability is None or stats.stability.pressure_forward_m is None:
+        return None
+    centre = pressure_path([foot.record for foot in stats.feet])
+    rows = thinned(len(centre.time), MOST_POINTS)
+    return go.Scatter(
+        x=centre.point[rows, 0],
+        y=centre.point[rows, 1],
+        customdata=seconds(stats, centre.time[rows]),
+        mode="lines",
+        line={"color": PRESSURE, "width": 1.2},
+        name="centre of pressure",
+        hovertemplate=_AT,
+    )
+
+
+def _footprints(stats: Stats, name: str, places: Places, row: int) -> go.Scatter:
+    rows = thinned(len(places.time), MOST_FOOTPRINTS)
+    return go.Scatter(
+        x=places.point[rows, 0],
+        y=places.point[rows, 1],
+        customdata=seconds(stats, places.time[rows]),
+        mode="markers",
+        marker={
+            "color": foot_colour(row),
+            "symbol": SYMBOLS[row % len(SYMBOLS)],
+            "size": 9,
+            "line": {"width": 0},
+        },
+        name=name,
+        hovertemplate="footfall at " + _AT,
+    )
+
+
+def _headings(stats: Stats) -> go.Scatter:
+    base = stats.base_record
+    rows = thinned(len(base.time), HEADINGS)
+    heading: Floats = base.angles[rows, 2] + FORWARD_ANGLES[stats.settings.forward_axis]
+    marker: dict[str, Any] = {
+        "symbol": "arrow-wide",
+        "angleref": "up",
+        "angle": np.round(90.0 - np.degrees(heading), 3),
+        "size": 13,
+        "color": NEUTRAL,
+    }
+    return go.Scatter(
+        x=base.position[rows, 0],
+        y=base.position[rows, 1],
+        customdata=np.stack([seconds(stats, base.time[rows]), np.degrees(heading)], axis=1),
+        mode="markers",
+        marker=marker,
+        name="heading",
+        hovertemplate="heading %{customdata[1]:.1f} deg from +x<br>at %{customdata[0]:.3f} s",
+    )
+
+
+def _ends(stats: Stats) -> go.Scatter:
+    base = stats.base_record
+    return go.Scatter(
+        x=base.position[[0, -1], 0],
+        y=base.position[[0, -1], 1],
+        customdata=seconds(stats, base.time[[0, -1]]),
+        mode="text",
+        text=["<b>start</b>", "<b>end</b>"],
+        textposition=["bottom right", "top left"],
+        showlegend=False,
+        hovertemplate=_AT,
+    )
+
+
+def _words(stats: Stats) -> str:
+    base = stats.base
+    if base is None:
+        return "The footfalls seen from above; the base's path is not known."
+    return (
+        f"The walk seen from above: a path of {base.path_length_m:.2f} m that ends "
+        f"{base.net_displacement_m:.2f} m from where it began, turning "
+        f"{base.yaw_change_rad:.2f} rad."
+    )
+
+
+def _caption(prints: list[Places]) -> str:
+    words = (
+        "Arrows: where the robot heads. Markers: footfalls, each in its foot's colour and shape."
+    )
+    count = sum(len(each.time) for each in prints)
+    shown = sum(len(thinned(len(each.time), MOST_FOOTPRINTS)) for each in prints)
+    if shown < count:
+        words += f" {shown} of {count} footfalls are drawn, evenly spaced."
+    return words

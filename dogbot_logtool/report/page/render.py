@@ -1,0 +1,245 @@
+"""The page itself: figures and tables set in a template, all that it needs inside it.
+
+Texts of a log are escaped by the template, and by the figures' labels; data travel as JSON in
+which no ``<`` is left. A content security policy names the two scripts by their hashes and forbids
+everything else, the network included.
+"""
+
+import base64
+import hashlib
+import json
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cache
+from importlib import resources
+from pathlib import Path
+from typing import Any, Final
+
+import plotly.io
+from jinja2 import Environment, StrictUndefined
+from markupsafe import Markup
+from plotly.offline import get_plotlyjs
+
+from dogbot_logtool import __version__
+from dogbot_logtool.core.walk_stats import Stats
+from dogbot_logtool.printable import printable
+from dogbot_logtool.report.foot_pens import foot_colour, short_names
+from dogbot_logtool.report.gait_diagram import default_window
+from dogbot_logtool.report.numbers import NOTHING, decimal
+from dogbot_logtool.report.page.drawing import Drawing
+from dogbot_logtool.report.page.ground_figure import walk_from_above
+from dogbot_logtool.report.page.phase_clock import phase_clock
+from dogbot_logtool.report.page.quality_figure import recording
+from dogbot_logtool.report.page.summary import Trust, findings, grouped, summary, trust
+from dogbot_logtool.report.page.tables import (
+    load_table,
+    step_table,
+    stride_table,
+    symmetry_table,
+    topic_table,
+)
+from dogbot_logtool.report.page.time_figures import gait_diagram, load_curves
+from dogbot_logtool.report.stats_json import LogFacts
+from dogbot_logtool.report.verdict import headline
+
+GLYPHS: Final = "▲▼■◆●✚"
+"""The figures' markers of the feet, in text."""
+FIGURES: Final = ("gait", "loads", "ground", "clock", "recording")
+"""Names of all figures; a log may lack some."""
+INDEX_COLUMNS: Final = (
+    "log",
+    "gait",
+    "can it be trusted",
+    "duration s",
+    "duty",
+    "strides/s",
+    "distance m",
+    "m/s forward",
+    "impulse/weight",
+)
+
+
+@dataclass(frozen=True, slots=True)
+class Place:
+    """Damage somewhere in the file."""
+
+    offset: int
+    """Byte. Also `size`, the bytes that gave nothing."""
+    size: int
+    what: str
+
+
+@dataclass(frozen=True, slots=True)
+class IndexRow:
+    """A log in the index of several."""
+
+    name: str
+    page: str = ""
+    """File name of its page; empty: there is none, and `error` says why."""
+    verdict: str = ""
+    cells: tuple[str, ...] = ()
+    """The numbers of `INDEX_COLUMNS`."""
+    trust: Trust | None = None
+    error: str = ""
+
+
+def page(stats: Stats, log: LogFacts, damage: Sequence[Place], file_size: int) -> bytes:
+    """Return the HTML page of one log.
+
+    Args:
+        stats: figures, with load curves.
+        log: what the reader knows of it.
+        damage: where the file is damaged.
+        file_size: bytes; 0 where it is not one file.
+    """
+    drawings = {
+        each.name: each
+        for each in (
+            gait_diagram(stats),
+            load_curves(stats),
+            walk_from_above(stats),
+            phase_clock(stats),
+            recording(stats),
+        )
+        if each is not None
+    }
+    scripts = (_plotly_js(), _own("page.js"))
+    names = [foot.name for foot in stats.feet]
+    text = (
+        _environment()
+        .from_string(_own("page.html.j2"))
+        .render(
+            version=__version__,
+            name=Path(log.path).name,
+            about=_about(log),
+            css=Markup(_own("page.css")),  # noqa: S704 - our own file
+            plotly_js=Markup(scripts[0]),  # noqa: S704 - Plotly's
+            page_js=Markup(scripts[1]),  # noqa: S704 - our own file
+            script_hashes=Markup(" ".join(map(_hash, scripts))),  # noqa: S704 - hashes
+            drawings={name: drawings.get(name) for name in FIGURES},
+            drawings_json=_json([_drawing(each) for each in drawings.values()]),
+            times_json=_json(
+                {"typical": default_window(stats), "end": (stats.end - stats.origin) / 1e9}
+            ),
+            feet=[
+                {
+                    "name": name,
+                    "short": short,
+                    "colour": foot_colour(row),
+                    "symbol": GLYPHS[row % len(GLYPHS)],
+                }
+                for row, (name, short) in enumerate(zip(names, short_names(names), strict=True))
+            ],
+            summary=summary(stats, log),
+            findings=grouped(findings(stats, log)),
+            losses=log.losses,
+            file_marks=_file_marks(damage, file_size),
+            tables={
+                "steps": step_table(stats),
+                "loads": load_table(stats),
+                "symmetry": symmetry_table(stats),
+                "strides": stride_table(stats),
+                "topics": topic_table(stats, log),
+            },
+            settings=_settings(stats),
+        )
+    )
+    return text.encode()
+
+
+def index_row(stats: Stats, log: LogFacts, page_name: str) -> IndexRow:
+    """Return a log's row in the index."""
+    main, base = stats.main, stats.base
+    cells = (
+        decimal(log.duration_s, 2),
+        decimal(main.duty_factor if main else None, 3),
+        decimal(main.stride_frequency_hz if main else None, 3),
+        decimal(base.path_length_m if base else None, 2),
+        decimal(base.forward_speed_mps if base else None, 3),
+        decimal(stats.loads.vertical_impulse_over_weight, 3),
+    )
+    name = Path(log.path).name
+    return IndexRow(name, page_name, headline(stats), cells, trust(stats, log))
+
+
+def index(rows: Sequence[IndexRow]) -> bytes:
+    """Return the HTML page that leads to the pages of several logs."""
+    template = _environment().from_string(_own("index.html.j2"))
+    css = Markup(_own("page.css"))  # noqa: S704 - our own file
+    text = template.render(version=__version__, rows=rows, columns=INDEX_COLUMNS, css=css)
+    return text.encode()
+
+
+@cache
+def _environment() -> Environment:
+    return Environment(
+        autoescape=True,
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        keep_trailing_newline=True,
+        finalize=_made_printable,
+    )
+
+
+def _made_printable(value: object) -> object:
+    return printable(value) if isinstance(value, str) and not isinstance(value, Markup) else value
+
+
+def _own(name: str) -> str:
+    return (resources.files(__package__) / name).read_text(encoding="utf-8")
+
+
+@cache
+def _plotly_js() -> str:
+    # A script ends at the first closing tag, wherever that stands.
+    return str(get_plotlyjs()).replace("</script", "<\\/script")
+
+
+def _hash(script: str) -> str:
+    digest = base64.b64encode(hashlib.sha256(script.encode()).digest()).decode()
+    return f"'sha256-{digest}'"
+
+
+def _drawing(drawing: Drawing) -> dict[str, Any]:
+    figure = json.loads(plotly.io.to_json(drawing.figure, validate=False, engine="json"))
+    return {
+        "name": drawing.name,
+        "over_time": drawing.over_time,
+        "data": figure["data"],
+        "layout": {key: each for key, each in figure["layout"].items() if key != "template"},
+    }
+
+
+def _json(value: object) -> Markup:
+    """Return JSON that no HTML parser takes for markup."""
+    text = json.dumps(value, separators=(",", ":"), allow_nan=False)
+    for character in "<>&\u2028\u2029":
+        text = text.replace(character, f"\\u{ord(character):04x}")
+    return Markup(text)  # noqa: S704 - nothing of markup is left in it
+
+
+def _about(log: LogFacts) -> str:
+    duration = NOTHING if log.duration_s is None else f"{log.duration_s:.2f} s"
+    return f"{log.container}, {duration}, {log.messages:,} messages"
+
+
+def _file_marks(damage: Sequence[Place], file_size: int) -> list[dict[str, Any]]:
+    """Places of damage in percent of the file."""
+    if not file_size:
+        return []
+    marks = []
+    for place in damage:
+        left = min(place.offset / file_size, 1.0) * 100.0
+        width = min(place.size / file_size * 100.0, 100.0 - left)
+        marks.append({"left": f"{left:.3f}", "width": f"{width:.3f}", "what": place.what})
+    return marks
+
+
+def _settings(stats: Stats) -> str:
+    settings, rule = stats.settings, stats.settings.rule
+    mass = "not known" if settings.mass_kg is None else f"{settings.mass_kg:g} kg"
+    return (
+        f"Measured on {settings.clock} time; mass {mass}; contact from {rule.on_n:.1f} N, "
+        f"debounced over {rule.debounce_s * 1e3:g} ms; wrenches in the frame: "
+        f"{settings.wrench_frame}; forward axis {settings.forward_axis}."
+    )

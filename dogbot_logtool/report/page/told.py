@@ -1,0 +1,41 @@
+"""What was written, for people and for scripts."""
+
+from typing import Any
+
+from rich.console import Console
+from rich.text import Text
+
+from dogbot_logtool import __version__
+from dogbot_logtool.page import Page
+from dogbot_logtool.printable import printable
+from dogbot_logtool.report.console import human_size
+from dogbot_logtool.report.damage import damage_json, print_damage
+from dogbot_logtool.report.page.summary import findings, trust
+from dogbot_logtool.report.verdict import headline
+
+
+def page_json(done: Page) -> dict[str, Any]:
+    """Return what was written as plain values."""
+    measured = done.measured
+    trusted = trust(measured.stats, measured.facts)
+    return {
+        "tool": {"name": "dogbot-logtool", "version": __version__},
+        "input": str(done.source),
+        "output": str(done.target),
+        "bytes": done.size,
+        "verdict": headline(measured.stats),
+        "trust": trusted.level,
+        "damage": damage_json(measured.losses),
+    }
+
+
+def print_page(console: Console, done: Page, *, verbose: bool) -> None:
+    """Print what was written."""
+    stats, facts = done.measured.stats, done.measured.facts
+    name = Text(printable(str(done.target)), style="bold")
+    words = f": {headline(stats)}. {trust(stats, facts).text} ({human_size(done.size)})"
+    console.print(Text.assemble(name, words), soft_wrap=True)
+    if verbose:
+        for each in findings(stats, facts):
+            console.print(Text(f"{each.severity:>7}  {printable(each.text)}"), soft_wrap=True)
+    print_damage(console, done.measured.losses)

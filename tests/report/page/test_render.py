@@ -1,0 +1,205 @@
+"""The page as bytes: what it holds, and that nothing of a log gets out of its place."""
+
+import re
+from dataclasses import replace
+from html.parser import HTMLParser
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from dogbot_logtool.core.arrays import Floats
+from dogbot_logtool.core.contacts import Samples
+from dogbot_logtool.core.curves import CurveDetail
+from dogbot_logtool.core.odometry import Odometry
+from dogbot_logtool.core.settings import FootPlace, StatsSettings
+from dogbot_logtool.core.walk_stats import Stats, StatsAccumulator
+from dogbot_logtool.core.wrench_frame import WrenchFrame
+from dogbot_logtool.findings import warning
+from dogbot_logtool.report.page.render import IndexRow, Place, index, index_row, page
+from dogbot_logtool.report.stats_json import LogFacts
+from dogbot_logtool.stats import StatsOptions, measure
+from tests.report.page.page_data import drawings, numbers, trace
+
+SAMPLE_LOGS = Path(__file__).parents[3] / "sample_logs"
+TROT = SAMPLE_LOGS / "dogbot_trot.bag"
+MB = 1_000_000
+HOSTILE = "</script><img src=x onerror=alert(1)>%{x}<b>{{7*7}}\u2028\u202e\x1b[31m"
+PHASES = (0.0, 0.5, 0.5, 0.0)
+PLACES = (("front", "left"), ("front", "right"), ("back", "left"), ("back", "right"))
+
+
+def trot() -> tuple[Stats, LogFacts]:
+    measured = measure(TROT, StatsOptions(curves=CurveDetail()))
+    return measured.stats, measured.facts
+
+
+class Tags(HTMLParser):
+    """Counts the elements of a page, and what they would load."""
+
+    def __init__(self, html: bytes) -> None:
+        super().__init__()
+        self.seen: list[str] = []
+        self.loads: list[str] = []
+        self.ids: list[str] = []
+        self.feed(html.decode())
+
+    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        self.seen.append(tag)
+        for name, value in attrs:
+            if name in {"src", "href", "srcset", "data"} or name.startswith("on"):
+                self.loads.append(f"{name}={value}")
+            if name == "id":
+                self.ids.append(value or "")
+
+
+def test_the_page_loads_nothing_and_has_each_id_once() -> None:
+    tags = Tags(page(*trot(), [], 0))
+    assert set(tags.loads) == {"href=#findings"}
+    assert len(tags.ids) == len(set(tags.ids))
+    assert tags.seen.count("script") == 4
+    assert tags.seen.count("figure") == 5
+    assert tags.seen.count("h1") == 1
+
+
+def test_the_same_log_gives_the_same_bytes() -> None:
+    assert page(*trot(), [], 0) == page(*trot(), [], 0)
+
+
+def test_texts_of_a_log_stay_texts() -> None:
+    stats, facts = trot()
+    feet = tuple(replace(foot, name=f"{HOSTILE}{row}") for row, foot in enumerate(stats.feet))
+    feet = tuple(replace(foot, topic=HOSTILE) for foot in feet)
+    topics = tuple(replace(topic, topic=HOSTILE) for topic in stats.topics)
+    facts = replace(
+        facts,
+        path=f"a/{HOSTILE.replace('/', '')}",
+        losses=[HOSTILE],
+        findings=[warning(HOSTILE, HOSTILE)],
+    )
+    html = page(replace(stats, feet=feet, topics=topics), facts, [Place(1, 2, HOSTILE)], 100)
+    plain = Tags(page(*trot(), [], 0))
+    tags = Tags(html)
+    assert "img" not in tags.seen
+    assert tags.seen.count("script") == plain.seen.count("script")
+    assert b"<img" not in html.replace(b'"<img', b"")  # Plotly's script names the tag
+    assert b"\x1b" not in html
+    assert "\u202e" not in html.decode()
+    assert b"{{7*7}}" in html
+    labels = drawings(html)["recording"]["layout"]["annotations"][0]["text"]
+    assert "<" not in labels
+    assert "%{" not in labels
+
+
+def test_the_policy_names_the_scripts_that_run() -> None:
+    html = page(*trot(), [], 0).decode()
+    (policy,) = re.findall(r'Content-Security-Policy" content="([^"]*)"', html)
+    assert policy.startswith("default-src 'none'; script-src 'sha256-")
+    assert "unsafe-inline'; img-src" in policy
+    assert "unsafe-inline" not in policy.split(";")[1]
+
+
+def test_figures_agree_with_the_stats() -> None:
+    stats, facts = trot()
+    shown = drawings(page(stats, facts, [], 0))
+    for foot in stats.feet:
+        force = numbers(trace(shown["loads"], f"{foot.name} |F|")["y"])
+        assert np.nanmax(force) == np.float32(foot.record.stances.peak_n.max())
+        footfalls = numbers(trace(shown["ground"], foot.name)["x"])
+        assert len(footfalls) == len(foot.record.stances.touchdown)
+        bars = [each for each in shown["gait"]["data"] if each["name"] == foot.name]
+        known = numbers(bars[1]["base"])
+        assert known == pytest.approx(
+            np.array(stats.seconds(foot.record.stances.touchdown)), abs=1e-9
+        )
+
+
+def test_damage_is_marked_where_it_is_in_the_file() -> None:
+    html = page(*trot(), [Place(250, 100, "gone")], 1000).decode()
+    assert "left:25.000%;width:10.000%" not in html  # told only beside losses
+    stats, facts = trot()
+    html = page(stats, replace(facts, losses=["gone"]), [Place(250, 100, "gone")], 1000).decode()
+    assert "left:25.000%;width:10.000%" in html
+    assert "The log is damaged" in html
+
+
+def samples(foot: int, time: Floats, spikes: Floats) -> Samples:
+    """A stride a second, down for 0.6 of it, with peaks of their own at some times."""
+    down = (time - PHASES[foot] + 0.003) % 1.0 < 0.6
+    force = np.where(down, 196.2 / 4.0 / 0.6, 0.0)
+    force[np.searchsorted(time, spikes)] = 500.0 + np.arange(len(spikes))
+    down = force > 0.0
+    count = len(time)
+    up = np.tile([0.0, 0.0, 1.0], (count, 1))
+    unknown = np.where(down, 0.0, np.nan)[:, None]
+    stamp = np.round(time * 1e9).astype(np.int64) + 10**18
+    return Samples(
+        foot=np.full(count, foot, np.int64),
+        log_time=stamp,
+        stamp=stamp,
+        in_contact=down,
+        force=up * force[:, None],
+        in_world=np.zeros(count, np.bool_),
+        points=down.astype(np.int64),
+        position=np.stack([0.25 * time, time * 0.0 + foot, time * 0.0], axis=1) + unknown,
+        normal=up + unknown,
+    )
+
+
+def test_a_page_of_a_long_log_is_small_and_has_every_peak() -> None:
+    feet = tuple(FootPlace("_".join(place), f"/{foot}", place) for foot, place in enumerate(PLACES))
+    settings = StatsSettings(feet, mass_kg=20.0, wrench_frame=WrenchFrame.WORLD)
+    accumulator = StatsAccumulator(settings, CurveDetail())
+    time = np.arange(0.0, 3600.0, 0.02)
+    spikes = np.arange(30.0, 3600.0, 61.7)
+    for foot in range(4):
+        accumulator.add_contacts(samples(foot, time, spikes))
+    zero = np.zeros_like(time)
+    stamp = np.round(time * 1e9).astype(np.int64) + 10**18
+    level = np.stack([zero, zero, zero, zero + 1.0], axis=1)
+    place = np.stack([0.25 * time, zero, zero + 0.4], axis=1)
+    accumulator.add_odometry(Odometry(stamp, stamp, place, level, place * 0.0, place * 0.0))
+    html = page(accumulator.finish(), LogFacts("day.bag", "ROS 1 bag", "ros1", 0.0, 1.0, 1), [], 0)
+    assert len(html) < 10 * MB
+    shown = drawings(html)
+    for name in (place.name for place in feet):
+        force = numbers(trace(shown["loads"], f"{name} |F|")["y"])
+        assert set(500.0 + np.arange(len(spikes))) <= set(force.tolist())
+        assert len(force) <= 2 * 8192
+    assert b"stats --csv has them all" in html
+
+
+def test_a_log_of_contacts_only_has_a_page_that_says_what_is_missing() -> None:
+    feet = (FootPlace("left", "/l", has_force=False), FootPlace("right", "/r", has_force=False))
+    accumulator = StatsAccumulator(StatsSettings(feet), CurveDetail())
+    time = np.arange(0.0, 10.0, 0.02)
+    for foot in range(2):
+        without = samples(foot, time, np.empty(0))
+        nowhere = np.full_like(without.position, np.nan)
+        accumulator.add_contacts(replace(without, position=nowhere))
+    stats = accumulator.finish()
+    html = page(stats, LogFacts("x.mcap", "MCAP", "ros2", None, None, 0), [], 0).decode()
+    assert "tell contact, not force" in html
+    assert "places are not known" in html
+    assert "Gait not known" in html
+
+
+def test_a_log_without_any_contact_has_a_page() -> None:
+    stats = StatsAccumulator(StatsSettings(()), CurveDetail()).finish()
+    html = page(stats, LogFacts("x.mcap", "MCAP", "ros2", None, None, 0), [], 0)
+    assert set(drawings(html)) == {"recording"}
+    assert b"no contacts that could be used" in html
+
+
+def test_the_index_has_a_row_a_log_and_says_why_one_is_missing() -> None:
+    stats, facts = trot()
+    rows = [
+        index_row(stats, facts, "a b#?.report.html"),
+        IndexRow(HOSTILE, error=f"{HOSTILE} is no log"),
+    ]
+    html = index(rows)
+    tags = Tags(html)
+    assert tags.loads == ["href=a%20b%23%3F.report.html"]
+    assert "img" not in tags.seen
+    assert b"Trot, clearly" in html
+    assert b"is no log" in html

@@ -1,0 +1,96 @@
+"""`report`: pages on disk, the index, and what is refused."""
+
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from dogbot_logtool.errors import CallError, LogError
+from dogbot_logtool.page import Reports
+from dogbot_logtool.stats import StatsOptions
+
+SAMPLE_LOGS = Path(__file__).parents[1] / "sample_logs"
+TROT, TROUBLED = SAMPLE_LOGS / "dogbot_trot.bag", SAMPLE_LOGS / "dogbot_troubled.bag"
+
+
+def names(folder: Path) -> list[str]:
+    return sorted(file.name for file in folder.iterdir())
+
+
+def test_a_page_is_the_same_whatever_the_jobs(tmp_path: Path) -> None:
+    pages = []
+    for jobs in (1, 3):
+        target = tmp_path / f"{jobs}.html"
+        done = Reports([TROT], target, StatsOptions(jobs=jobs), overwrite=False).write(TROT)
+        assert (done.target, done.size, done.exit_code) == (target, target.stat().st_size, 0)
+        pages.append(target.read_bytes())
+    assert pages[0] == pages[1]
+
+
+def test_several_logs_have_an_index_even_if_one_fails(tmp_path: Path) -> None:
+    bad = tmp_path / "bad.bag"
+    bad.write_bytes(b"#ROSBAG V2.0\n")
+    out = tmp_path / "out"
+    out.mkdir()
+    reports = Reports([TROT, bad], out, StatsOptions(), overwrite=False)
+    reports.write(TROT)
+    with pytest.raises(LogError):
+        reports.write(bad)
+    reports.finish()
+    assert names(out) == ["dogbot_trot.report.html", "index.html"]
+    index = (out / "index.html").read_text()
+    assert 'href="dogbot_trot.report.html"' in index
+    assert "bad.bag" in index
+
+
+def test_a_damaged_log_has_a_page_and_another_exit_code(tmp_path: Path) -> None:
+    cut = tmp_path / "cut.bag"
+    cut.write_bytes(TROT.read_bytes()[:900_000])
+    done = Reports([cut], tmp_path, StatsOptions(), overwrite=False).write(cut)
+    assert done.exit_code == 3
+    html = done.target.read_text()
+    assert "The log is damaged" in html
+    assert 'class="file"' in html
+
+
+def test_nothing_is_overwritten_unasked(tmp_path: Path) -> None:
+    target = tmp_path / "x.html"
+    target.write_text("mine")
+    with pytest.raises(CallError, match="exists already"):
+        Reports([TROUBLED], target, StatsOptions(), overwrite=False).write(TROUBLED)
+    assert target.read_text() == "mine"
+    (tmp_path / "index.html").write_text("mine")
+    with pytest.raises(CallError, match="exists already"):
+        Reports([TROT, TROUBLED], tmp_path, StatsOptions(), overwrite=False)
+
+
+def test_without_the_extra_a_sentence_says_what_to_install(tmp_path: Path) -> None:
+    blocked = (
+        "import sys; sys.modules['plotly'] = None; from dogbot_logtool.cli import main; main()"
+    )
+    done = subprocess.run(  # noqa: S603
+        [sys.executable, "-c", blocked, "report", str(TROT)],
+        cwd=tmp_path,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert done.returncode == 1
+    assert "pip install 'dogbot-logtool[report]'" in done.stderr
+    assert "Traceback" not in done.stderr
+    assert names(tmp_path) == []
+
+
+def test_the_other_commands_do_without_the_extra(tmp_path: Path) -> None:
+    blocked = (
+        "import sys; sys.modules.update(plotly=None, jinja2=None); "
+        "from dogbot_logtool.cli import main; main()"
+    )
+    done = subprocess.run(  # noqa: S603
+        [sys.executable, "-c", blocked, "stats", str(TROUBLED), "--json"],
+        cwd=tmp_path,
+        capture_output=True,
+        check=False,
+    )
+    assert done.returncode == 0
