@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import Any
 
 from dogbot_logtool.evidence import look_into
-from dogbot_logtool.plan import DEFAULT_BASE, ConvertOptions, make_plan
+from dogbot_logtool.plan import DEFAULT_BASE, DEFAULT_WORLD, ConvertOptions, make_plan
 from dogbot_logtool.reader.opening import open_log
 from dogbot_logtool.report.foot_pens import foot_colour
 from dogbot_logtool.robot import load_robot
@@ -13,16 +13,17 @@ from dogbot_logtool.selection import TopicOptions, select_topics
 from dogbot_logtool.writer.annotations import arrow_topic, load_topic
 
 
-def foxglove_layout(feet: Sequence[str], base_frame: str) -> dict[str, Any]:
-    """Return a layout: the robot followed in 3D above load curves and a gait diagram.
+def foxglove_layout(feet: Sequence[str], world_frame: str, base_frame: str) -> dict[str, Any]:
+    """Return a layout: the robot followed in 3D beside load curves and a gait diagram.
 
     Args:
         feet: names of the feet.
+        world_frame: the frame in which the ground is.
         base_frame: the frame to follow.
     """
     return {
         "configById": {
-            "3D!robot": _scene(feet, base_frame),
+            "3D!robot": _scene(feet, world_frame, base_frame),
             "Plot!load": _loads(feet),
             "StateTransitions!gait": _gait(feet),
         },
@@ -30,24 +31,25 @@ def foxglove_layout(feet: Sequence[str], base_frame: str) -> dict[str, Any]:
         "userNodes": {},
         "playbackConfig": {"speed": 0.5},
         "layout": {
-            "direction": "column",
+            "direction": "row",
             "first": "3D!robot",
             "second": {
                 "direction": "column",
                 "first": "Plot!load",
                 "second": "StateTransitions!gait",
-                "splitPercentage": 60,
+                "splitPercentage": 55,
             },
-            "splitPercentage": 60,
+            "splitPercentage": 45,
         },
     }
 
 
-def _scene(feet: Sequence[str], base_frame: str) -> dict[str, Any]:
+def _scene(feet: Sequence[str], world_frame: str, base_frame: str) -> dict[str, Any]:
     return {
+        "foxglovePanelTitle": "Robot",
         "cameraState": {
             "perspective": True,
-            "distance": 2.5,
+            "distance": 2.4,
             "phi": 65,
             "thetaOffset": 45,
             "targetOffset": [0, 0, 0],
@@ -57,9 +59,13 @@ def _scene(feet: Sequence[str], base_frame: str) -> dict[str, Any]:
             "near": 0.01,
             "far": 5000,
         },
-        "followMode": "follow-pose",
+        # The camera goes along but does not turn, so that the body's pitch and roll are seen.
+        "followMode": "follow-position",
         "followTf": base_frame,
-        "scene": {"transforms": {"enablePreloading": True}},
+        # A frame's name is drawn 0.2 m high by default: those of a robot's legs hide the robot.
+        "scene": {
+            "transforms": {"enablePreloading": True, "showLabel": False, "axisScale": 0.4},
+        },
         "transforms": {},
         "topics": {arrow_topic(foot): {"visible": True} for foot in feet},
         "layers": {
@@ -69,8 +75,10 @@ def _scene(feet: Sequence[str], base_frame: str) -> dict[str, Any]:
                 "label": "Ground",
                 "visible": True,
                 "frameLocked": True,
-                "size": 20,
-                "divisions": 20,
+                # Without a frame the grid goes along with the robot.
+                "frameId": world_frame,
+                "size": 40,
+                "divisions": 80,
                 "lineWidth": 1,
                 "color": "#888888ff",
                 "position": [0, 0, 0],
@@ -84,8 +92,9 @@ def _scene(feet: Sequence[str], base_frame: str) -> dict[str, Any]:
 
 
 def _loads(feet: Sequence[str]) -> dict[str, Any]:
+    # The whole log, as in the gait diagram: a view that follows the time is empty at the start.
     return {
-        "title": "Load",
+        "foxglovePanelTitle": "Load [N]",
         "paths": [
             {
                 "value": f"{load_topic(foot)}.force",
@@ -99,19 +108,17 @@ def _loads(feet: Sequence[str]) -> dict[str, Any]:
         ],
         "showXAxisLabels": True,
         "showYAxisLabels": True,
-        "yAxisLabel": "force [N]",
         "showLegend": True,
-        "legendDisplay": "floating",
+        "legendDisplay": "left",
         "isSynced": True,
         "xAxisVal": "timestamp",
-        "followingViewWidth": 5,
-        "sidebarDimension": 240,
+        "sidebarDimension": 130,
     }
 
 
 def _gait(feet: Sequence[str]) -> dict[str, Any]:
     return {
-        "title": "Gait diagram",
+        "foxglovePanelTitle": "Gait diagram",
         "paths": [
             {
                 "value": f"{load_topic(foot)}.in_contact",
@@ -136,11 +143,13 @@ def layout_for(log: Path | None, options: TopicOptions) -> dict[str, Any]:
         robot = load_robot(options.robot or "dogbot")
         feet = [foot.name for foot in robot.feet]
         feet += [name for name in options.foot_topics or {} if name not in feet]
-        return foxglove_layout(feet, robot.base_frame or DEFAULT_BASE)
+        world, base = robot.world_frame or DEFAULT_WORLD, robot.base_frame or DEFAULT_BASE
+        return foxglove_layout(feet, world, base)
     opened = open_log(log)
     try:
         selection = select_topics(opened, options)
         plan = make_plan(opened, selection, look_into(opened, selection), ConvertOptions())
-        return foxglove_layout([foot.name for foot in selection.robot.feet], plan.base_frame)
+        feet = [foot.name for foot in selection.robot.feet]
+        return foxglove_layout(feet, plan.world_frame, plan.base_frame)
     finally:
         opened.close()

@@ -30,17 +30,19 @@ def panel(layout: dict[str, Any], kind: str) -> dict[str, Any]:
 def test_every_topic_and_field_is_in_a_converted_log(tmp_path: Path) -> None:
     convert(TROUBLED, tmp_path / "out.mcap", ConvertOptions(copy=False))
     fields: dict[str, set[str]] = {}
-    frames: set[str] = set()
+    frames: set[tuple[str, str]] = set()
     with (tmp_path / "out.mcap").open("rb") as stream:
         reader = make_reader(stream, decoder_factories=[DecoderFactory()])
         for _, channel, _, message in reader.iter_decoded_messages():
             if channel.topic not in fields:
                 fields[channel.topic] = {field.name for field in message.DESCRIPTOR.fields}
             if channel.topic == "/tf":
-                frames.add(message.transforms[0].child_frame_id)
+                (transform,) = message.transforms
+                frames.add((transform.parent_frame_id, transform.child_frame_id))
     layout = layout_for(TROUBLED, TopicOptions())
     assert set(panel(layout, "3D")["topics"]) == {t for t in fields if "marker" in t}
-    assert panel(layout, "3D")["followTf"] in frames
+    scene = panel(layout, "3D")
+    assert frames == {(scene["layers"]["grid"]["frameId"], scene["followTf"])}
     for kind in ("Plot", "StateTransitions"):
         paths = [path["value"] for path in panel(layout, kind)["paths"]]
         assert len(paths) == len(FEET)
@@ -50,15 +52,21 @@ def test_every_topic_and_field_is_in_a_converted_log(tmp_path: Path) -> None:
 
 
 def test_the_robot_is_followed_and_its_arrows_are_visible() -> None:
-    scene = panel(foxglove_layout(FEET, "trunk"), "3D")
-    assert (scene["followTf"], scene["followMode"]) == ("trunk", "follow-pose")
+    scene = panel(foxglove_layout(FEET, "map", "trunk"), "3D")
+    assert (scene["followTf"], scene["followMode"]) == ("trunk", "follow-position")
     assert scene["topics"] == {f"/marker_basic_{foot}_foot": {"visible": True} for foot in FEET}
     assert scene["scene"]["transforms"]["enablePreloading"] is True
-    assert any(layer["layerId"] == "foxglove.Grid" for layer in scene["layers"].values())
+    assert scene["scene"]["transforms"]["showLabel"] is False
+
+
+def test_the_ground_stays_in_the_world() -> None:
+    scene = panel(foxglove_layout(FEET, "map", "trunk"), "3D")
+    (grid,) = scene["layers"].values()
+    assert (grid["layerId"], grid["frameId"]) == ("foxglove.Grid", "map")
 
 
 def test_loads_and_gait() -> None:
-    layout = foxglove_layout(FEET, "base_link")
+    layout = foxglove_layout(FEET, "world", "base_link")
     plot, gait = panel(layout, "Plot"), panel(layout, "StateTransitions")
     assert [path["value"] for path in plot["paths"]] == [f"/load/{foot}.force" for foot in FEET]
     assert [path["value"] for path in gait["paths"]] == [f"/load/{f}.in_contact" for f in FEET]
@@ -69,8 +77,22 @@ def test_loads_and_gait() -> None:
     assert len({path["color"] for path in plot["paths"]}) == len(FEET)
 
 
+def test_loads_and_gait_share_one_time_axis() -> None:
+    layout = foxglove_layout(FEET, "world", "base_link")
+    plot, gait = panel(layout, "Plot"), panel(layout, "StateTransitions")
+    assert plot["isSynced"] is gait["isSynced"] is True
+    own_axes = {"minXValue", "maxXValue", "followingViewWidth", "xAxisRange"}
+    assert not own_axes & (plot.keys() | gait.keys())
+
+
+def test_every_panel_has_a_title_where_viewers_look_for_it() -> None:
+    layout = foxglove_layout(FEET, "world", "base_link")
+    titles = {config["foxglovePanelTitle"] for config in layout["configById"].values()}
+    assert titles == {"Robot", "Load [N]", "Gait diagram"}
+
+
 def test_the_shape_is_what_viewers_import() -> None:
-    layout = foxglove_layout(FEET, "base_link")
+    layout = foxglove_layout(FEET, "world", "base_link")
     assert set(layout) == {"configById", "globalVariables", "userNodes", "playbackConfig", "layout"}
 
     def leaves(node: Any) -> list[str]:
@@ -87,20 +109,22 @@ def test_the_shape_is_what_viewers_import() -> None:
 
 def test_more_feet_than_colours() -> None:
     feet = [f"foot_{number}" for number in range(len(FOOT_COLOURS) + 2)]
-    paths = panel(foxglove_layout(feet, "base"), "Plot")["paths"]
+    paths = panel(foxglove_layout(feet, "world", "base"), "Plot")["paths"]
     assert len(paths) == len(feet)
     assert paths[0]["color"] == paths[len(FOOT_COLOURS)]["color"]
 
 
 def test_without_a_log_the_feet_are_the_robot_s() -> None:
-    assert layout_for(None, TopicOptions()) == foxglove_layout(FEET, "base_link")
-    assert layout_for(None, TopicOptions(robot="dogbot")) == foxglove_layout(FEET, "base_link")
+    dogbot = foxglove_layout(FEET, "world", "base_link")
+    assert layout_for(None, TopicOptions()) == dogbot
+    assert layout_for(None, TopicOptions(robot="dogbot")) == dogbot
     named = layout_for(None, TopicOptions(robot="generic", foot_topics={"paw": "/x"}))
-    assert named == foxglove_layout(["paw"], "base_link")
+    assert named == foxglove_layout(["paw"], "world", "base_link")
     with pytest.raises(CallError):
         layout_for(None, TopicOptions(robot="unicorn"))
 
 
 @pytest.mark.parametrize("log", ["dogbot_trot.bag", "dogbot_walk.mcap", "dogbot_troubled.bag"])
 def test_the_sample_logs_have_the_dogbot_s_layout(log: str) -> None:
-    assert layout_for(SAMPLE_LOGS / log, TopicOptions()) == foxglove_layout(FEET, "base_link")
+    found = layout_for(SAMPLE_LOGS / log, TopicOptions())
+    assert found == foxglove_layout(FEET, "world", "base_link")
