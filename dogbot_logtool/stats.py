@@ -12,6 +12,7 @@ from dogbot_logtool.core.clock import TimeSource, UnusableStamps
 from dogbot_logtool.core.contacts import Samples
 from dogbot_logtool.core.curves import CurveDetail
 from dogbot_logtool.core.odometry import Odometry, concatenate_odometry
+from dogbot_logtool.core.recorded_transforms import RecordedTransforms
 from dogbot_logtool.core.settings import FootPlace, StatsSettings
 from dogbot_logtool.core.silent_swing import SwingTeller
 from dogbot_logtool.core.walk_stats import Stats, StatsAccumulator
@@ -33,11 +34,7 @@ from dogbot_logtool.reader.log import Batch, Log, Loss, Span, lost_messages
 from dogbot_logtool.reader.messages import DecodedMessages
 from dogbot_logtool.reader.odometry import decode_odometry, odometry_columns
 from dogbot_logtool.reader.opening import open_log
-from dogbot_logtool.reader.transforms import (
-    RecordedTransforms,
-    decode_transforms,
-    transform_columns,
-)
+from dogbot_logtool.reader.transforms import decode_transforms, transform_columns
 from dogbot_logtool.report.stats_json import LogFacts
 from dogbot_logtool.robot import Robot
 from dogbot_logtool.selection import Selection, TopicOptions, select_topics

@@ -7,9 +7,9 @@ import numpy as np
 from dogbot_logtool.core.clock import TimeSource
 from dogbot_logtool.core.contacts import Samples
 from dogbot_logtool.core.odometry import Odometry, usable_poses
+from dogbot_logtool.core.recorded_transforms import RecordedTransforms
 from dogbot_logtool.core.transform_buffer import ForcesToWorld, TransformBuffer
 from dogbot_logtool.findings import Finding, note, warning
-from dogbot_logtool.reader.transforms import RecordedTransforms
 
 
 class WorldForces:

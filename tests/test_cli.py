@@ -447,6 +447,30 @@ def test_info_json(shell: Shell) -> None:
     assert told["frames"]["parents"]["front_left_hip"] == ["base_link"]
 
 
+def test_info_with_all_frames(shell: Shell) -> None:
+    told = shell("info", "--frames", "--json", WALK).json["frames"]
+    assert {edge["child"] for edge in told["edges"]} == set(told["parents"])
+    text = shell("info", "--frames", WALK).out
+    assert "static" in text
+    assert "added by convert" in text
+
+
+def test_info_writes_graphs(shell: Shell) -> None:
+    printed = shell("info", "--dot", WALK, TROT)
+    assert printed.code == 0
+    assert printed.out.count("digraph ") == 2
+    assert shell("info", "--dot", WALK, TROT, "-o", "frames.gv").out == ""
+    assert (shell.folder / "frames.gv").read_text(encoding="utf-8") == printed.out
+    refused = shell("info", "--dot", TROT, "-o", "frames.gv")
+    assert refused.code == 2
+    assert "--overwrite" in refused.err
+    assert shell("info", "--dot", TROT, "-o", "frames.gv", "--overwrite").code == 0
+    assert shell("info", "--dot", "--json", TROT).code == 2
+    assert shell("info", TROT, "-o", "other.gv").code == 2
+    assert shell("info", "--dot", "none.bag", "-o", "other.gv").code == 2
+    assert shell.files() == ["frames.gv"]
+
+
 def test_info_of_several_logs(shell: Shell) -> None:
     done = shell("info", TROT, "nothing.bag", TROUBLED, "--json")
     assert done.code == 2
