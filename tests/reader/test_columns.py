@@ -1,7 +1,7 @@
 """Columns of texts, against a plain list of strings."""
 
 import numpy as np
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from dogbot_logtool.reader.columns import Texts
@@ -20,11 +20,13 @@ def assert_encodes(values: list[str]) -> None:
     assert len(set(names)) == len(names) == len(set(values))
 
 
+@settings(deadline=None)
 @given(st.lists(st.text("ab/", max_size=3), max_size=40))
 def test_few_different_texts(values: list[str]) -> None:
     assert_encodes(values)
 
 
+@settings(deadline=None)
 @given(st.lists(st.integers(0, 400), min_size=300, max_size=600))
 def test_more_different_texts_than_are_taken_out_one_by_one(numbers: list[int]) -> None:
     assert_encodes(["" if number == 7 else f"frame_{number}" for number in numbers])
