@@ -1,11 +1,13 @@
 """`dogbot-logtool info`: what is in a log, what will be used, and what is wrong with it."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from dogbot_logtool.evidence import Evidence, look_into
 from dogbot_logtool.findings import Finding
+from dogbot_logtool.frame_findings import frame_findings
+from dogbot_logtool.frames import Frames, Progress, read_frames
 from dogbot_logtool.plan import ConvertOptions, evidence_findings, make_plan
 from dogbot_logtool.reader.log import Log, Loss
 from dogbot_logtool.reader.opening import open_log
@@ -45,11 +47,14 @@ class LogInfo:
     topics: tuple[TopicInfo, ...]
     robot: str
     parents: Mapping[str, frozenset[str]]
-    """Parents of each frame, by the log's own transforms in the chunks that were looked at."""
+    """Parents of each frame, by the log's own transforms, in the chunks that were looked at unless
+    all `frames` were asked for."""
     added_transform: tuple[str, str] | None
     """Parent and child of the transform that `convert` adds."""
     chunks_seen: int
     """Chunks that were looked at for frames and stamps; the rest was not read."""
+    frames: Frames | None
+    """All transforms of the log, if they were asked for."""
     findings: tuple[Finding, ...]
     losses: tuple[Loss, ...]
 
@@ -59,8 +64,22 @@ class LogInfo:
         return 3 if self.losses else 0
 
 
-def describe(path: Path, options: TopicOptions) -> LogInfo:
+def describe(
+    path: Path,
+    options: TopicOptions,
+    *,
+    all_frames: bool = False,
+    jobs: int = 1,
+    progress: Progress | None = None,
+) -> LogInfo:
     """Look at a log: its index, and a few chunks for what an index does not tell.
+
+    Args:
+        path: the log.
+        options: which topics to use.
+        all_frames: read every transform, not only those in a few chunks.
+        jobs: threads that read them.
+        progress: is told bytes done and bytes in all.
 
     Raises:
         CallError: no such file, or a topic in the options that the log does not have.
@@ -70,7 +89,13 @@ def describe(path: Path, options: TopicOptions) -> LogInfo:
     try:
         selection = select_topics(log, options)
         evidence = look_into(log, selection)
+        frames = None
+        if all_frames:
+            frames = read_frames(log, selection.transforms, jobs, progress)
+            evidence = _with_all_frames(evidence, frames)
         findings, added = _outlook(log, selection, evidence)
+        if frames is not None:
+            findings += frame_findings(frames, added)
         duration = None
         if log.start_time is not None and log.end_time is not None:
             duration = (log.end_time - log.start_time) / 1e9
@@ -84,16 +109,25 @@ def describe(path: Path, options: TopicOptions) -> LogInfo:
             duration_s=duration,
             messages=sum(log.counts.values()),
             chunks=len(log.chunks),
-            topics=_topics(log, selection, duration),
+            topics=_topics(log, selection, duration, frames),
             robot=selection.robot.name,
-            parents=evidence.parents,
+            parents=evidence.parents if frames is None else frames.parents(),
             added_transform=added,
             chunks_seen=evidence.chunks_seen,
+            frames=frames,
             findings=tuple(sorted(findings)),
-            losses=tuple(log.losses),
+            losses=(*log.losses, *(frames.losses if frames else ())),
         )
     finally:
         log.close()
+
+
+def _with_all_frames(evidence: Evidence, frames: Frames) -> Evidence:
+    """Return the evidence, with every transform instead of those in a few chunks."""
+    slashed = {*evidence.slashed_frames, *frames.recorded.slashed}
+    return replace(
+        evidence, parents=frames.parents(ros_only=True), slashed_frames=tuple(sorted(slashed))
+    )
 
 
 def _outlook(
@@ -107,9 +141,12 @@ def _outlook(
     return list(plan.findings), added
 
 
-def _topics(log: Log, selection: Selection, duration_s: float | None) -> tuple[TopicInfo, ...]:
+def _topics(
+    log: Log, selection: Selection, duration_s: float | None, frames: Frames | None
+) -> tuple[TopicInfo, ...]:
     uses = {channel.id: "odometry" for channel in selection.odometry}
     uses |= {channel.id: "frames" for channel in selection.transforms}
+    uses |= dict.fromkeys(frames.channels if frames else (), "frames")
     for number, feet in selection.feet_of.items():
         names = ", ".join(selection.robot.feet[foot].name for foot in feet)
         uses[number] = f"{'foot' if len(feet) == 1 else 'feet'} {names}"

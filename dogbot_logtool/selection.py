@@ -14,7 +14,7 @@ from dogbot_logtool.reader.contact_sources.registry import SOURCES, check_contac
 from dogbot_logtool.reader.contact_sources.source import ContactSource, FootChannels
 from dogbot_logtool.reader.log import Channel, Log
 from dogbot_logtool.reader.odometry import ODOMETRY_TYPE, check_odometry
-from dogbot_logtool.reader.transforms import TRANSFORM_TYPES, check_transforms
+from dogbot_logtool.reader.transforms import TRANSFORM_TYPES, check_transforms, is_static
 from dogbot_logtool.robot import GENERIC, Foot, Robot, known_robots, load_robot
 
 _PLACE_WORDS: Final[Mapping[str, tuple[str, ...]]] = {
@@ -74,7 +74,7 @@ class Selection:
     @property
     def static_transforms(self) -> frozenset[int]:
         """Ids of the channels whose transforms hold for ever."""
-        return frozenset(c.id for c in self.transforms if c.topic.endswith("tf_static"))
+        return frozenset(channel.id for channel in self.transforms if is_static(channel))
 
     @property
     def sources(self) -> tuple[ContactSource, ...]:

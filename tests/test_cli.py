@@ -447,6 +447,81 @@ def test_info_json(shell: Shell) -> None:
     assert told["frames"]["parents"]["front_left_hip"] == ["base_link"]
 
 
+def test_info_with_all_frames(shell: Shell) -> None:
+    told = shell("info", "--frames", "--json", WALK).json["frames"]
+    assert {edge["child"] for edge in told["edges"]} == set(told["parents"])
+    text = shell("info", "--frames", WALK).out
+    assert "static" in text
+    assert "added by convert" in text
+
+
+def test_info_writes_graphs(shell: Shell) -> None:
+    printed = shell("info", "--dot", WALK, TROT)
+    assert printed.code == 0
+    assert printed.out.count("digraph ") == 2
+    assert shell("info", "--dot", WALK, TROT, "-o", "frames.gv").out == ""
+    assert (shell.folder / "frames.gv").read_text(encoding="utf-8") == printed.out
+    refused = shell("info", "--dot", TROT, "-o", "frames.gv")
+    assert refused.code == 2
+    assert "--overwrite" in refused.err
+    assert shell("info", "--dot", TROT, "-o", "frames.gv", "--overwrite").code == 0
+    assert shell("info", "--dot", "--json", TROT).code == 2
+    assert shell("info", TROT, "-o", "other.gv").code == 2
+    assert shell("info", "--dot", "none.bag", "-o", "other.gv").code == 2
+    assert shell.files() == ["frames.gv"]
+
+
+def test_stats_draws_a_figure(shell: Shell) -> None:
+    done = shell("stats", WALK, "--plot", "walk.svg", "--window", "2:4", "--json")
+    assert done.code == 0
+    assert done.json["gait"]["class"] == "walk"
+    assert "walk.svg: 2.00 to 4.00 s" in done.err
+    first = (shell.folder / "walk.svg").read_bytes()
+    refused = shell("stats", WALK, "--plot", "walk.svg")
+    assert refused.code == 2
+    assert "--overwrite" in refused.err
+    again = shell(
+        "stats", WALK, "--plot", "walk.svg", "--window", "2:4", "--overwrite", "--jobs", 3, "-q"
+    )
+    assert (again.code, again.err) == (0, "")
+    assert (shell.folder / "walk.svg").read_bytes() == first
+
+
+@pytest.mark.parametrize(
+    ("words", "told"),
+    [
+        ([TROT, WALK, "--plot", "both.pdf"], "call it for each"),
+        ([WALK, "--plot", "walk.eps"], "must end in one of .pdf, .png, .svg"),
+        ([WALK, "--plot", "none/walk.pdf"], "no such folder"),
+        ([WALK, "--plot", "walk.pdf", "--plot-size", "85x"], "must be WIDTH or WIDTHxHEIGHT"),
+        ([WALK, "--plot", "walk.pdf", "--plot-size", "nan"], "must be WIDTH or WIDTHxHEIGHT"),
+        ([WALK, "--plot", "walk.pdf", "--plot-size", "85x20"], "at least"),
+        ([WALK, "--plot", "walk.pdf", "--window", "100:200"], "has no time there"),
+        ([WALK, "--plot", "walk.pdf", "--window", "0:inf"], "must be FROM:TO"),
+        ([WALK, "--plot-size", "85"], "go with --plot"),
+    ],
+)
+def test_figures_that_cannot_be_drawn(shell: Shell, words: list[object], told: str) -> None:
+    refused = shell("stats", *words)
+    assert refused.code == 2
+    assert told in refused.err
+    assert shell.files() == []
+
+
+def test_without_matplotlib_it_is_said_how_to_install_it(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    absent = tmp_path / "absent"
+    absent.mkdir()
+    (absent / "matplotlib.py").write_text("raise ImportError")
+    root = str(Path(__file__).parents[1])
+    monkeypatch.setenv("PYTHONPATH", os.pathsep.join([str(absent), root]))
+    refused = run("stats", WALK, "--plot", "walk.pdf", folder=tmp_path)
+    assert refused.code == 1
+    assert "pip install 'dogbot-logtool[plot]'" in refused.err
+    assert run("stats", WALK, "-q", folder=tmp_path).code == 0
+
+
 def test_info_of_several_logs(shell: Shell) -> None:
     done = shell("info", TROT, "nothing.bag", TROUBLED, "--json")
     assert done.code == 2

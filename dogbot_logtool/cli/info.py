@@ -4,13 +4,38 @@ from pathlib import Path
 
 import click
 
-from dogbot_logtool.cli.options import json_option, logs_argument, parse_topics, topic_options
+from dogbot_logtool.cli.options import (
+    jobs_option,
+    json_option,
+    logs_argument,
+    overwrite_option,
+    parse_topics,
+    threads,
+    topic_options,
+)
 from dogbot_logtool.cli.outcomes import Outcomes
+from dogbot_logtool.errors import CallError
 
 
 @click.command()
 @logs_argument
 @topic_options
+@click.option(
+    "--frames",
+    "all_frames",
+    is_flag=True,
+    help="Read every transform: rate, gaps and senders of each frame, and what breaks the tree.",
+)
+@click.option("--dot", is_flag=True, help="Print the frame tree for Graphviz instead of the rest.")
+@click.option(
+    "-o",
+    "--output",
+    type=click.Path(path_type=Path),
+    metavar="FILE",
+    help="Where --dot writes; default: stdout.",
+)
+@overwrite_option
+@jobs_option
 @json_option
 def info(
     logs: tuple[Path, ...],
@@ -18,20 +43,50 @@ def info(
     odom_topic: str | None,
     feet: tuple[str, ...],
     mass_kg: float | None,
+    output: Path | None,
+    jobs: int | None,
     *,
+    all_frames: bool,
+    dot: bool,
+    overwrite: bool,
     as_json: bool,
 ) -> None:
     """Show what is in a log, what will be used for what, and what is wrong with it."""
     from dogbot_logtool.info import describe  # noqa: PLC0415
     from dogbot_logtool.report.console import results  # noqa: PLC0415
+    from dogbot_logtool.report.frames_dot import frames_dot  # noqa: PLC0415
     from dogbot_logtool.report.info_report import info_json, print_info  # noqa: PLC0415
+    from dogbot_logtool.report.progress import progress_bar  # noqa: PLC0415
+    from dogbot_logtool.writer.output import refuse_bad_target, whole_file  # noqa: PLC0415
 
+    if dot and as_json:
+        raise CallError("--dot and --json: choose one")
+    if output is not None:
+        if not dot:
+            raise CallError("-o says where --dot writes; without --dot results go to stdout")
+        for source in logs:
+            refuse_bad_target(output, source, overwrite=overwrite)
     options = parse_topics(robot, odom_topic, feet, mass_kg)
     outcomes = Outcomes()
+    graphs: list[str] = []
     for source in logs:
         with outcomes.of(source):
-            found = describe(source, options)
+            with progress_bar(source.name, shown=all_frames or dot) as progress:
+                found = describe(
+                    source,
+                    options,
+                    all_frames=all_frames or dot,
+                    jobs=threads(jobs),
+                    progress=progress,
+                )
             outcomes.add(info_json(found), found.exit_code)
-            if not as_json:
+            if found.frames is not None and dot:
+                graphs.append(frames_dot(found, found.frames))
+            elif not as_json:
                 print_info(results(), found)
+    if output is not None and graphs:
+        with whole_file(output, overwrite=overwrite) as file:
+            file.write("".join(graphs).encode())
+    else:
+        click.echo("".join(graphs), nl=False)
     outcomes.finish(as_json=as_json)

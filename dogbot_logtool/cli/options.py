@@ -13,12 +13,13 @@ from dogbot_logtool.errors import CallError
 if TYPE_CHECKING:
     from dogbot_logtool.selection import TopicOptions
 
-_LONGEST_S: Final = 1e9
+LONGEST_S: Final = 1e9
+"""No log lasts longer."""
 
 
 def seconds(text: str) -> float:
     """Parse a number of seconds; NaN and what no log can last are refused."""
-    return _number(text, -_LONGEST_S, _LONGEST_S, "a number of seconds")
+    return _number(text, -LONGEST_S, LONGEST_S, "a number of seconds")
 
 
 def number(least: float, most: float, *, or_zero: bool = False) -> Callable[[str], float]:

@@ -74,7 +74,7 @@ def report(
     reports = Reports(logs, output, chosen, overwrite=overwrite)
     for source in logs:
         with outcomes.of(source):
-            with progress_bar(console, source.name, shown=not quiet) as progress:
+            with progress_bar(source.name, shown=not quiet) as progress:
                 done = reports.write(source, progress)
             outcomes.add(page_json(done), done.exit_code)
             if not quiet:

@@ -9,7 +9,6 @@ from dogbot_logtool.core.arrays import Floats, Ints
 
 _SUB_BINS: Final = 9
 """2^9 bins an octave: a bin is at most 0.2 % wide."""
-_BINS: Final = 64 << _SUB_BINS
 _EXPONENT_BIAS: Final = 1023 << _SUB_BINS
 
 
@@ -89,12 +88,14 @@ class IntervalHistogram:
 
     Each bin remembers the sum of its intervals, so a percentile is the mean of the intervals in
     the bin that holds it: exact where the intervals are constant, within 0.2 % elsewhere. All
-    sums are of integers, so the order in which intervals are added does not matter.
+    sums are of integers, so the order in which intervals are added does not matter. Only bins
+    that hold something are kept: a log may have thousands of frames, with a histogram each.
     """
 
     def __init__(self) -> None:
-        self._counts = np.zeros(_BINS, np.int64)
-        self._sums = np.zeros(_BINS, np.int64)
+        self._bins = np.empty(0, np.int64)
+        self._counts = np.empty(0, np.int64)
+        self._sums = np.empty(0, np.int64)
 
     def add(self, intervals: Ints) -> None:
         """Count intervals.
@@ -109,11 +110,25 @@ class IntervalHistogram:
         lowest = int(bins.min())
         bins -= lowest
         counts = np.bincount(bins)
-        here = slice(lowest, lowest + len(counts))
-        self._counts[here] += counts
+        sums = np.zeros(len(counts), np.int64)
         # In two halves, because bincount adds up floats: each half's sum stays exact.
         for shift, part in ((0, counted & 0xFFFFFF), (24, counted >> 24)):
-            self._sums[here] += np.bincount(bins, weights=part).astype(np.int64) << shift
+            sums += np.bincount(bins, weights=part).astype(np.int64) << shift
+        filled = np.flatnonzero(counts)
+        self._merge(filled + lowest, counts[filled], sums[filled])
+
+    def _merge(self, bins: Ints, counts: Ints, sums: Ints) -> None:
+        """Add bins, sorted and each only once, to those that are kept."""
+        all_bins = np.union1d(self._bins, bins)
+        all_counts, all_sums = np.zeros((2, len(all_bins)), np.int64)
+        for held, held_counts, held_sums in (
+            (self._bins, self._counts, self._sums),
+            (bins, counts, sums),
+        ):
+            places = np.searchsorted(all_bins, held)
+            all_counts[places] += held_counts
+            all_sums[places] += held_sums
+        self._bins, self._counts, self._sums = all_bins, all_counts, all_sums
 
     @property
     def count(self) -> int:
@@ -135,8 +150,9 @@ class IntervalHistogram:
 
     def longer_than(self, interval: float) -> tuple[int, int]:
         """Return the number and the sum, ns, of intervals longer than one (to 0.2 %)."""
-        first = int(_interval_bin(np.array([max(1, round(interval))], np.int64))[0]) + 1
-        return int(self._counts[first:].sum()), int(self._sums[first:].sum())
+        last = int(_interval_bin(np.array([max(1, round(interval))], np.int64))[0])
+        longer = self._bins > last
+        return int(self._counts[longer].sum()), int(self._sums[longer].sum())
 
 
 def _interval_bin(intervals: Ints) -> Ints:

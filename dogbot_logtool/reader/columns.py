@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -9,6 +10,8 @@ from numpy.typing import NDArray
 from dogbot_logtool.core.arrays import Flags, Floats, Ints
 
 Bytes = NDArray[np.uint8]
+_ROUNDS: Final = 64
+"""Different strings from which sorting all is faster than taking out one after another."""
 
 
 def gather(buffer: Bytes, start: Ints, size: int) -> NDArray[np.void]:
@@ -52,7 +55,8 @@ class Texts:
         """Replace the strings by numbers.
 
         Strings on the path are nearly always constant, or take few values, so each round
-        settles all rows that equal the first unsettled one.
+        settles all rows that equal the first unsettled one. After some rounds the rest is sorted,
+        since a log may also name every row differently.
 
         Returns:
             code (n,), and the different strings that the codes count.
@@ -60,7 +64,7 @@ class Texts:
         code = np.full(len(self.start), -1, np.int64)
         names: list[str] = []
         left = np.arange(len(self.start))
-        while len(left):
+        while len(left) and len(names) < _ROUNDS:
             first = left[0]
             alike = left[self.length[left] == self.length[first]]
             if size := int(self.length[first]):
@@ -69,6 +73,13 @@ class Texts:
             code[alike] = len(names)
             names.append(self.text(int(first)))
             left = left[code[left] < 0] if len(alike) < len(left) else left[:0]
+        for size in np.unique(self.length[left]).tolist():
+            alike = left[self.length[left] == size]
+            # Texts without a byte are all alike.
+            texts = gather(self.buffer, self.start[alike], size) if size else alike * 0
+            _, first_rows, inverse = np.unique(texts, return_index=True, return_inverse=True)
+            code[alike] = len(names) + inverse
+            names.extend(self.text(row) for row in alike[first_rows].tolist())
         return code, tuple(names)
 
 

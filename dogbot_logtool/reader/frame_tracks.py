@@ -6,8 +6,8 @@ from collections.abc import Set as AbstractSet
 import numpy as np
 
 from dogbot_logtool.core.clock import TimeSource
+from dogbot_logtool.core.recorded_transforms import RecordedTransforms
 from dogbot_logtool.core.transform_buffer import TransformBuffer
-from dogbot_logtool.reader.transforms import RecordedTransforms
 
 
 def static_tracks(recorded: RecordedTransforms, channels: AbstractSet[int]) -> TransformBuffer:

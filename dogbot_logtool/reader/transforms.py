@@ -1,12 +1,11 @@
 """tf2_msgs/TFMessage to columns."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
 
-from dogbot_logtool.core.arrays import Floats, Ints
+from dogbot_logtool.core.recorded_transforms import RecordedTransforms
 from dogbot_logtool.reader.log import Batch, Channel
 from dogbot_logtool.reader.messages import DecodedMessages, decode_channels, layout_of
 
@@ -19,26 +18,9 @@ _WANTED: Final = (
 )
 
 
-@dataclass(frozen=True, slots=True)
-class RecordedTransforms:
-    """Transforms as recorded: one row each, in log order."""
-
-    channel: Ints
-    """(n,) channel id."""
-    log_time: Ints
-    """(n,) ns."""
-    stamp: Ints
-    """(n,) ns."""
-    parent: Ints
-    """(n,) index into `parents`; also `child` into `children`."""
-    parents: tuple[str, ...]
-    """Frame ids as recorded."""
-    child: Ints
-    children: tuple[str, ...]
-    translation: Floats
-    """(n, 3) m."""
-    rotation: Floats
-    """(n, 4) quaternion x, y, z, w."""
+def is_static(channel: Channel) -> bool:
+    """Tell whether a channel's transforms hold for ever, as those of ``/tf_static`` do."""
+    return channel.topic.endswith("tf_static")
 
 
 def check_transforms(channel: Channel) -> None:

@@ -7,12 +7,13 @@ from rich import box
 from rich.console import Console
 from rich.table import Table
 from rich.text import Text
-from rich.tree import Tree
 
 from dogbot_logtool.info import LogInfo
 from dogbot_logtool.printable import printable
 from dogbot_logtool.report.console import human_size, print_findings
 from dogbot_logtool.report.damage import damage_json, print_damage
+from dogbot_logtool.report.frames_json import frames_json
+from dogbot_logtool.report.frames_text import print_frame_names, print_frames
 
 _SIMULATED_BEFORE_S = 1_000_000_000
 """Log times before this are simulation time, not dates."""
@@ -45,11 +46,7 @@ def info_json(info: LogInfo) -> dict[str, Any]:
             }
             for topic in info.topics
         ],
-        "frames": {
-            "parents": {child: sorted(parents) for child, parents in info.parents.items()},
-            "added": list(info.added_transform) if info.added_transform else None,
-            "chunks_seen": info.chunks_seen,
-        },
+        "frames": frames_json(info),
         "findings": [
             {"code": f.code, "text": f.text, "where": f.where or None} for f in info.findings
         ],
@@ -62,8 +59,10 @@ def print_info(console: Console, info: LogInfo) -> None:
     console.print(Text(printable(str(info.path)), style="bold"))
     console.print(_head(info))
     console.print(_topics(info, wide=console.width >= _WIDE))
-    if info.parents or info.added_transform:
-        console.print(_frames(info))
+    if info.frames is not None:
+        print_frames(console, info, info.frames)
+    elif info.parents or info.added_transform:
+        print_frame_names(console, info)
     print_findings(console, info.findings)
     print_damage(console, info.losses)
 
@@ -107,34 +106,3 @@ def _topics(info: LogInfo, *, wide: bool) -> Table:
         style = "" if topic.use else "dim"
         table.add_row(*names, f"{topic.messages:,}", rate, topic.use, style=style)
     return table
-
-
-def _frames(info: LogInfo) -> Tree:
-    """Return the frame tree; a frame with several parents stands below each."""
-    children: dict[str, list[str]] = {}
-    for child, parents in info.parents.items():
-        for parent in parents:
-            children.setdefault(parent, []).append(child)
-    label: dict[tuple[str, str], str] = {}
-    if info.added_transform:
-        parent, child = info.added_transform
-        children.setdefault(parent, []).append(child)
-        label[parent, child] = "  <- added by convert, from odometry"
-    everyone = {child for below in children.values() for child in below}
-    tree = Tree("frames", guide_style="dim")
-    for root in sorted(set(children) - everyone) or sorted(children)[:1]:
-        _grow(tree.add(printable(root)), root, children, label, frozenset({root}))
-    return tree
-
-
-def _grow(
-    branch: Tree,
-    frame: str,
-    children: dict[str, list[str]],
-    label: dict[tuple[str, str], str],
-    above: frozenset[str],
-) -> None:
-    for child in sorted(children.get(frame, ())):
-        twig = branch.add(printable(child) + label.get((frame, child), ""))
-        if child not in above:
-            _grow(twig, child, children, label, above | {child})

@@ -61,7 +61,7 @@ def _refuse(target: Path, source: Path | None, *, overwrite: bool) -> None:
     if source is not None and target.exists() and target.samefile(source):
         raise CallError(f"{target}: is the input itself; choose another output with -o")
     if target.exists() and not overwrite:
-        raise CallError(f"{target}: exists already; --overwrite replaces it, -o names another")
+        raise CallError(f"{target}: exists already; --overwrite replaces it, or name another")
     if not target.parent.is_dir():
         raise CallError(f"{target.parent}: no such folder")
 
@@ -104,7 +104,7 @@ def _move_into_place(temporary: Path, target: Path, *, overwrite: bool) -> None:
         os.link(temporary, target)
     except FileExistsError as error:
         raise CallError(
-            f"{target}: exists already; --overwrite replaces it, -o names another"
+            f"{target}: exists already; --overwrite replaces it, or name another"
         ) from error
     except OSError:
         # A filesystem without hard links.

@@ -13,7 +13,17 @@ PACKAGE: Final = "dogbot_logtool"
 ROOT: Final = Path(dogbot_logtool.__file__).parent
 MODULES: Final = sorted(ROOT.rglob("*.py"))
 
-COMMANDS: Final = ("cli", "convert", "info", "stats", "compare", "layout", "__main__")
+COMMANDS: Final = (
+    "cli",
+    "compare",
+    "convert",
+    "frames",
+    "info",
+    "layout",
+    "plot",
+    "stats",
+    "__main__",
+)
 LAYERS: Final = ("core", "reader", "writer")
 
 

@@ -1,0 +1,324 @@
+"""The gait diagram and the load curves as a figure for a paper, drawn by matplotlib.
+
+Above, a row a foot, filled while the foot is down, as Hildebrand drew gaits (Hildebrand,
+Symmetrical gaits of horses, Science 150, 1965). Below, a panel a foot with its load over the same
+time. All lengths are millimetres on paper.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, BinaryIO, Final, Literal
+
+import numpy as np
+
+from dogbot_logtool.core import timespans
+from dogbot_logtool.core.arrays import Floats, Ints
+from dogbot_logtool.core.curves import Curve, LoadCurves
+from dogbot_logtool.core.foot_figures import FootFigures
+from dogbot_logtool.core.walk_stats import Stats
+from dogbot_logtool.errors import CallError, LogError, LogtoolError
+from dogbot_logtool.printable import printable
+from dogbot_logtool.report.foot_pens import foot_colour, short_names
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+FORMATS: Final = ("pdf", "png", "svg")
+ONE_COLUMN_MM: Final = 85.0
+"""Width of a column in most journals of two columns."""
+
+_MM_PER_INCH: Final = 25.4
+_DOTS_PER_INCH: Final = 600
+_ROW, _BAR, _BELOW_ROWS, _PANEL, _BELOW_PANEL = 4.0, 2.8, 2.0, 10.0, 1.8
+"""Heights; they grow and shrink together when another height is asked for."""
+_TOP, _BOTTOM, _LEFT, _RIGHT = 1.5, 8.0, 11.0, 2.0
+_LETTER: Final = 1.8
+"""Width of a wide letter."""
+_LEAST_SCALE: Final = 0.65
+"""Rows come no closer than this, or their names would touch."""
+_LEAST_WIDTH: Final = 20.0
+"""Of the axes."""
+
+_GREY: Final = "#ececec"
+"""Behind the load curves while the foot is down."""
+_UNKNOWN: Final = "#999999"
+_STYLE: Final[dict[str, Any]] = {
+    "font.family": "DejaVu Sans",  # the one that matplotlib brings along
+    "font.size": 7.0,
+    "axes.linewidth": 0.5,
+    "axes.unicode_minus": True,
+    "hatch.linewidth": 0.4,
+    "lines.linewidth": 0.9,
+    "lines.solid_joinstyle": "round",
+    "path.simplify": False,
+    "xtick.major.width": 0.5,
+    "xtick.major.size": 2.0,
+    "xtick.major.pad": 2.0,
+    "ytick.major.width": 0.5,
+    "ytick.major.size": 2.0,
+    "ytick.major.pad": 1.5,
+    # Text stays text, and nothing depends on the day or the machine.
+    "pdf.fonttype": 42,
+    "svg.fonttype": "none",
+    "svg.hashsalt": "dogbot-logtool",
+}
+_NO_METADATA: Final[dict[str, dict[str, Any]]] = {
+    "pdf": {"CreationDate": None, "Creator": None, "Producer": None},
+    "png": {"Software": None},
+    "svg": {"Date": None, "Creator": None, "Format": None, "Type": None},
+}
+
+
+def require_matplotlib() -> None:
+    """Check that matplotlib is there.
+
+    Raises:
+        LogtoolError: it is not; the text says how to install it.
+    """
+    try:
+        import matplotlib as mpl  # noqa: F401, PLC0415
+    except ImportError as error:
+        raise LogtoolError(
+            "figures are drawn by matplotlib, which is not installed: "
+            "pip install 'dogbot-logtool[plot]'"
+        ) from error
+
+
+@dataclass(frozen=True, slots=True)
+class _Layout:
+    """Where things stand."""
+
+    width: float
+    height: float
+    scale: float
+    """By which the heights of rows and panels differ from the usual ones."""
+    left: float
+    right: float
+
+    def axes(self, figure: "Figure", below_top: float, height: float) -> "Axes":
+        """Add axes over the whole width, at a place given in usual heights."""
+        top = self.height - _TOP - below_top * self.scale
+        inner = self.width - self.left - self.right
+        return figure.add_axes(
+            (
+                self.left / self.width,
+                (top - height * self.scale) / self.height,
+                inner / self.width,
+                height * self.scale / self.height,
+            )
+        )
+
+    def middle(self, below_top: float, height: float) -> float:
+        """Return how far up the figure, 0 to 1, the middle of such axes is."""
+        return 1.0 - (_TOP + self.scale * (below_top + height / 2.0)) / self.height
+
+
+def _layout(
+    names: Sequence[str], panels: int, size_mm: tuple[float, float | None] | None
+) -> _Layout:
+    width, height = size_mm or (ONE_COLUMN_MM, None)
+    letters = max(map(len, names)) * _LETTER
+    left, right = max(_LEFT, letters + 1.5), _RIGHT + (letters if panels else 0.0)
+    usual = len(names) * _ROW + panels * (_PANEL + _BELOW_PANEL) + (_BELOW_ROWS if panels else 0.0)
+    least = left + right + _LEAST_WIDTH, _TOP + _BOTTOM + usual * _LEAST_SCALE
+    height = height or _TOP + _BOTTOM + usual
+    if width < least[0] or height < least[1]:
+        raise CallError(
+            f"a figure of {len(names)} feet must be at least {least[0]:.0f}x{least[1]:.0f} mm"
+        )
+    return _Layout(width, height, (height - _TOP - _BOTTOM) / usual, left, right)
+
+
+def gait_figure(
+    stats: Stats,
+    curves: Sequence[LoadCurves | None],
+    window: tuple[float, float],
+    size_mm: tuple[float, float | None] | None = None,
+) -> "Figure":
+    """Draw the figure.
+
+    Bars are named ``stance-<foot>`` and lines ``load-<foot>`` in it, and in SVG.
+
+    Args:
+        stats: figures of a log.
+        curves: load curves of its feet; None for a foot that tells no force.
+        window: s since the log's start, from and to.
+        size_mm: width and height; a height of None fits the number of feet.
+
+    Raises:
+        CallError: the log has no time in the window, or the size is too small.
+        LogError: there are no feet.
+    """
+    from matplotlib.figure import Figure  # noqa: PLC0415
+    from matplotlib.style import context  # noqa: PLC0415
+
+    _refuse_nothing(stats, window)
+    names = [printable(name) for name in short_names([foot.name for foot in stats.feet])]
+    forces = {row: each.force for row, each in enumerate(curves) if each and each.force}
+    layout = _layout(names, len(forces), size_mm)
+    with context(["default", _STYLE]):
+        figure = Figure((layout.width / _MM_PER_INCH, layout.height / _MM_PER_INCH))
+        rows = layout.axes(figure, 0.0, len(names) * _ROW)
+        _draw_rows(rows, stats, names, window)
+        top = len(names) * _ROW + _BELOW_ROWS
+        panels = []
+        for place, (row, force) in enumerate(forces.items()):
+            axes = layout.axes(figure, top + place * (_PANEL + _BELOW_PANEL), _PANEL)
+            _draw_load(axes, stats, row, force, window)
+            _name(axes, names[row], (1.0, 0.5), "axes fraction", 1)
+            panels.append(axes)
+        _scale_loads(panels)
+        _time_axis([rows, *panels], window)
+        if panels:
+            unit = "N" if stats.settings.body_weight_n is None else "body weights"
+            height = len(panels) * (_PANEL + _BELOW_PANEL) - _BELOW_PANEL
+            at = 0.6 / layout.width, layout.middle(top, height)
+            figure.text(*at, f"Load ({unit})", rotation=90, va="center")
+    return figure
+
+
+def _refuse_nothing(stats: Stats, window: tuple[float, float]) -> None:
+    if not stats.feet:
+        raise LogError("there are no feet to draw")
+    length = (stats.end - stats.origin) / 1e9
+    if not (window[0] < length and window[1] > 0.0):
+        raise CallError(
+            f"--window {window[0]:g}:{window[1]:g}: the log has no time there, it ends at "
+            f"{length:.3f} s"
+        )
+
+
+def _draw_rows(
+    axes: "Axes", stats: Stats, names: Sequence[str], window: tuple[float, float]
+) -> None:
+    """Draw the gait diagram: a row a foot, from top to bottom."""
+    for row, (foot, name) in enumerate(zip(stats.feet, names, strict=True)):
+        middle = -row * _ROW
+        height: dict[str, Any] = {"yrange": (middle - _BAR / 2.0, _BAR)}
+        axes.axhline(middle, color=_UNKNOWN, linewidth=0.3, zorder=0)
+        _shade_unknown(axes, stats, foot, window, height)
+        down = _bars(stats, foot.record.in_contact, window)
+        bars = axes.broken_barh(down, **height, facecolor=foot_colour(row), linewidth=0.0)
+        bars.set_gid(f"stance-{foot.name}")
+        _name(axes, name, (0.0, middle), ("axes fraction", "data"), -1)
+    axes.set_ylim(-(len(names) - 0.5) * _ROW, 0.5 * _ROW)
+    axes.set_yticks([])
+
+
+def _name(
+    axes: "Axes",
+    name: str,
+    place: tuple[float, float],
+    measured_in: str | tuple[str, str],
+    side: Literal[-1, 1],
+) -> None:
+    """Write a foot's name to the left (-1) or the right (1) of a place."""
+    axes.annotate(
+        name,
+        place,
+        xycoords=measured_in,
+        xytext=(3.0 * side, 0.0),
+        textcoords="offset points",
+        ha="right" if side < 0 else "left",
+        va="center_baseline",
+        parse_math=False,
+    )
+
+
+def _draw_load(
+    axes: "Axes", stats: Stats, row: int, force: Curve, window: tuple[float, float]
+) -> None:
+    """Draw what a foot carries over time, with its stances shaded."""
+    foot = stats.feet[row]
+    height: dict[str, Any] = {"yrange": (0.0, 1.0), "transform": axes.get_xaxis_transform()}
+    down = _bars(stats, foot.record.in_contact, window)
+    axes.broken_barh(down, **height, facecolor=_GREY, linewidth=0.0, zorder=0)
+    _shade_unknown(axes, stats, foot, window, height)
+    time, load = _line(stats, foot, force, window)
+    (line,) = axes.plot(time, load, color=foot_colour(row))
+    line.set_gid(f"load-{foot.name}")
+
+
+def _line(
+    stats: Stats, foot: FootFigures, force: Curve, window: tuple[float, float]
+) -> tuple[Floats, Floats]:
+    """Return s since the log's start, and body weights or N, over a window and no further."""
+    time, load = force.line(foot.record.gaps)
+    start, end = _limits(stats, window)
+    first = max(int(np.searchsorted(time, start)) - 1, 0)
+    last = int(np.searchsorted(time, end, side="right")) + 1
+    weight = stats.settings.body_weight_n or 1.0
+    return (time[first:last] - stats.origin) / 1e9, load[first:last] / weight
+
+
+def _shade_unknown(
+    axes: "Axes",
+    stats: Stats,
+    foot: FootFigures,
+    window: tuple[float, float],
+    height: Mapping[str, Any],
+) -> None:
+    """Hatch the time of which the foot's sensor says nothing."""
+    whole = np.array([_limits(stats, window)], np.int64)
+    known = timespans.no_spans() if foot.is_dead else foot.record.known
+    axes.broken_barh(
+        _bars(stats, timespans.subtract(whole, known), window),
+        **height,
+        facecolor="white",
+        edgecolor=_UNKNOWN,
+        hatch="//////",
+        linewidth=0.0,
+        zorder=0.5,
+    )
+
+
+def _bars(stats: Stats, spans: Ints, window: tuple[float, float]) -> list[tuple[float, float]]:
+    """Return start and width, s, of spans within a window."""
+    inside = timespans.intersect([spans, np.array([_limits(stats, window)], np.int64)])
+    edges = ((inside - stats.origin) / 1e9).tolist()
+    return [(start, end - start) for start, end in edges]
+
+
+def _limits(stats: Stats, window: tuple[float, float]) -> tuple[int, int]:
+    start, end = (stats.origin + round(each * 1e9) for each in window)
+    return start, end
+
+
+def _scale_loads(panels: Sequence["Axes"]) -> None:
+    """Give all panels the same scale, so that loads can be compared by eye."""
+    from matplotlib.ticker import MaxNLocator  # noqa: PLC0415
+
+    loads = [np.asarray(line.get_ydata(), np.float64) for axes in panels for line in axes.lines]
+    highest = float(np.nanmax(np.concatenate([[0.0], *loads]))) or 1.0
+    for axes in panels:
+        # A little below zero, so that the axis does not hide an unloaded foot's line.
+        axes.set_ylim(-0.04 * highest, 1.08 * highest)
+        axes.yaxis.set_major_locator(MaxNLocator(3, steps=[1, 2, 5, 10]))
+        axes.spines[["top", "right"]].set_visible(False)
+
+
+def _time_axis(stack: Sequence["Axes"], window: tuple[float, float]) -> None:
+    for axes in stack:
+        axes.set_xlim(*window)
+    for axes in stack[:-1]:
+        axes.set_xticks([])
+    if len(stack) == 1:
+        stack[0].spines[["top", "left", "right"]].set_visible(False)
+    else:
+        stack[0].set_frame_on(False)
+    stack[-1].set_xlabel("Time (s)", labelpad=2.0)
+
+
+def write_figure(figure: "Figure", file: BinaryIO, form: str) -> None:
+    """Write a figure; the same bytes for the same figure.
+
+    Args:
+        figure: by `gait_figure`.
+        file: where to.
+        form: one of `FORMATS`.
+    """
+    from matplotlib.style import context  # noqa: PLC0415
+
+    with context(["default", _STYLE]):
+        figure.savefig(file, format=form, dpi=_DOTS_PER_INCH, metadata=_NO_METADATA[form])
