@@ -119,8 +119,9 @@ class _Look:
             for parent, child in frame_pairs(messages):
                 self._slashed.update(name for name in (parent, child) if name.startswith("/"))
                 self._parents.setdefault(child.lstrip("/"), set()).add(parent.lstrip("/"))
-            tracks = static_tracks(transform_columns(messages), selection.static_transforms)
-            self._statics = self._statics.then(tracks)
+            if selection.static_transforms:
+                tracks = static_tracks(transform_columns(messages), selection.static_transforms)
+                self._statics = self._statics.then(tracks)
 
     def _see_stamps(self, channel: Ints, stamp: Ints) -> None:
         topics = {c.id: c.topic for c in (*self._selection.odometry, *self._selection.contacts)}

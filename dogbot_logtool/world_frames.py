@@ -23,6 +23,7 @@ from dogbot_logtool.core.transform_buffer import (
     LONGEST_DELAY_S,
     TransformBuffer,
     chain_of_frames,
+    frame_track,
 )
 from dogbot_logtool.evidence import Evidence
 from dogbot_logtool.findings import Finding, note, warning
@@ -64,9 +65,8 @@ class WorldFrames:
         if self.odometry_places_base:
             poses = poses.pick(usable_poses(poses))
             time = self.clock.of(poses)
-            tracks = tracks.add(
-                self.world, self.base, time, poses.log_time, poses.position, poses.orientation
-            )
+            track = frame_track(self.world, time, poses.log_time, poses.position, poses.orientation)
+            tracks = TransformBuffer({self.base: track} if track else {})
         for messages in decode_transforms(batch, selection.transforms):
             recorded = transform_columns(messages)
             tracks = tracks.then(moving_tracks(recorded, self.moving, self.clock))

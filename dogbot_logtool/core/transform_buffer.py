@@ -7,7 +7,7 @@ reads a log in parts need not look further than that around each.
 
 from collections.abc import Mapping
 from collections.abc import Set as AbstractSet
-from dataclasses import dataclass, field, fields, replace
+from dataclasses import dataclass, field, replace
 from typing import Any, Final
 
 import numpy as np
@@ -63,69 +63,56 @@ class FrameTrack:
         )
 
 
+def frame_track(
+    parent: str,
+    time: Ints,
+    log_time: Ints,
+    translation: Floats,
+    rotation: Floats,
+    *,
+    static: bool = False,
+) -> FrameTrack | None:
+    """Return what can be used of one frame's transforms; None: nothing.
+
+    Those that are not finite are left out, and those that step back in time.
+
+    Args:
+        parent: frame id, with or without a leading slash.
+        time: (n,) ns, in the order of the log.
+        log_time: (n,) ns.
+        translation: (n, 3) m, in the parent.
+        rotation: (n, 4) quaternion x, y, z, w.
+        static: whether they hold at any time; the latest one does.
+    """
+    sound = np.isfinite(translation).all(axis=1) & np.isfinite(rotation).all(axis=1)
+    sound &= (rotation != 0.0).any(axis=1)
+    if not static:
+        sound[sound] = advancing(time[sound], None)
+    if not sound.any():
+        return None
+    turned = normalised(rotation[sound])
+    return FrameTrack(
+        parent.lstrip("/"), static, time[sound], log_time[sound], translation[sound], turned
+    )
+
+
 @dataclass(frozen=True, slots=True)
 class TransformBuffer:
     """Transforms of frames in their parents, from one unbroken part of a log.
 
-    Frames are named without leading slashes. Each has one parent: transforms into another one
-    are left out, since which of them holds is not known. So are those that are not finite, and
-    those that step back in time.
+    Each frame has one parent: transforms into another one are left out, since which of them holds
+    is not known. So are those that step back in time.
     """
 
     frames: Mapping[str, FrameTrack] = field(default_factory=dict)
-    """By child frame."""
-
-    def add(
-        self,
-        parent: str,
-        child: str,
-        time: Ints,
-        log_time: Ints,
-        translation: Floats,
-        rotation: Floats,
-        *,
-        static: bool = False,
-    ) -> "TransformBuffer":
-        """Return this buffer with transforms of one child frame, in the order of the log.
-
-        Args:
-            parent: frame id, with or without a leading slash. Also `child`.
-            child: the frame whose pose it is.
-            time: (n,) ns.
-            log_time: (n,) ns.
-            translation: (n, 3) m, in the parent.
-            rotation: (n, 4) quaternion x, y, z, w.
-            static: whether they hold at any time; the latest one does.
-        """
-        sound = np.isfinite(translation).all(axis=1) & np.isfinite(rotation).all(axis=1)
-        sound &= (rotation != 0.0).any(axis=1)
-        track = FrameTrack(
-            parent.lstrip("/"),
-            static,
-            time[sound],
-            log_time[sound],
-            translation[sound],
-            normalised(rotation[sound]),
-        )
-        return self._with(child.lstrip("/"), track)
+    """By child frame, without leading slashes."""
 
     def then(self, later: "TransformBuffer") -> "TransformBuffer":
         """Return this buffer with what was recorded right after it."""
-        joined = self
+        frames = dict(self.frames)
         for child, track in later.frames.items():
-            joined = joined._with(child, track)
-        return joined
-
-    def _with(self, child: str, track: FrameTrack) -> "TransformBuffer":
-        known = self.frames.get(child)
-        moving = None if known is None or known.static or track.static else known
-        if not track.static:
-            latest = int(moving.time[-1]) if moving else None
-            track = track.pick(advancing(track.time, latest))
-        if not len(track.time) or (known is not None and known.parent != track.parent):
-            return self
-        track = _joined(moving, track) if moving else track
-        return TransformBuffer({**self.frames, child: track})
+            frames[child] = _followed(frames.get(child), track)
+        return TransformBuffer(frames)
 
     def only(self, frames: AbstractSet[str]) -> "TransformBuffer":
         """Return what it holds of some child frames."""
@@ -199,13 +186,20 @@ def chain_of_frames(
     return tuple(frames)
 
 
-def _joined(earlier: FrameTrack, later: FrameTrack) -> FrameTrack:
+def _followed(known: FrameTrack | None, later: FrameTrack) -> FrameTrack:
+    """Return what is known of a frame after more was recorded of it."""
+    if known is None:
+        return later
+    if known.parent != later.parent:
+        return known
+    if known.static or later.static:
+        return later
+    later = later.pick(advancing(later.time, int(known.time[-1])))
     columns: dict[str, Any] = {
-        each.name: np.concatenate([getattr(earlier, each.name), getattr(later, each.name)])
-        for each in fields(FrameTrack)
-        if each.name not in {"parent", "static"}
+        name: np.concatenate([getattr(known, name), getattr(later, name)])
+        for name in ("time", "log_time", "translation", "rotation")
     }
-    return replace(earlier, **columns)
+    return replace(known, **columns)
 
 
 def _interpolated(track: FrameTrack, time: Ints, log_time: Ints) -> tuple[Flags, Floats, Floats]:

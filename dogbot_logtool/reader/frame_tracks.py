@@ -1,31 +1,25 @@
 """Recorded transforms, sorted by frame."""
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from collections.abc import Set as AbstractSet
 
 import numpy as np
 
+from dogbot_logtool.core.arrays import Ints
 from dogbot_logtool.core.clock import TimeSource
+from dogbot_logtool.core.transform_buffer import FrameTrack, TransformBuffer, frame_track
 from dogbot_logtool.core.recorded_transforms import RecordedTransforms
-from dogbot_logtool.core.transform_buffer import TransformBuffer
 
 
 def static_tracks(recorded: RecordedTransforms, channels: AbstractSet[int]) -> TransformBuffer:
     """Return the transforms of channels whose transforms hold for ever."""
-    buffer = TransformBuffer()
-    held = np.isin(recorded.channel, list(channels))
-    for (parent, child), rows in _rows_of_pairs(recorded).items():
-        chosen = rows[held[rows]]
-        buffer = buffer.add(
-            parent,
-            child,
-            recorded.stamp[chosen],
-            recorded.log_time[chosen],
-            recorded.translation[chosen],
-            recorded.rotation[chosen],
-            static=True,
-        )
-    return buffer
+    held = np.flatnonzero(np.isin(recorded.channel, list(channels)))
+    frames: dict[str, FrameTrack] = {}
+    for parent, child, rows in _pairs(recorded, held):
+        track = _track(recorded, parent, recorded.stamp, rows, static=True)
+        if track is not None:
+            frames.setdefault(child, track)
+    return TransformBuffer(frames)
 
 
 def moving_tracks(
@@ -39,31 +33,43 @@ def moving_tracks(
             one are left out.
         clock: the clock that they are placed on.
     """
-    buffer = TransformBuffer()
     time = clock.of(recorded)
-    for (parent, child), rows in _rows_of_pairs(recorded).items():
+    frames: dict[str, FrameTrack] = {}
+    for parent, child, rows in _pairs(recorded, np.arange(len(time))):
         if parents.get(child) == parent:
-            buffer = buffer.add(
-                parent,
-                child,
-                time[rows],
-                recorded.log_time[rows],
-                recorded.translation[rows],
-                recorded.rotation[rows],
-            )
-    return buffer
+            track = _track(recorded, parent, time, rows, static=False)
+            if track is not None:
+                frames[child] = track
+    return TransformBuffer(frames)
 
 
-def _rows_of_pairs(
-    recorded: RecordedTransforms,
-) -> Mapping[tuple[str, str], np.ndarray[tuple[int], np.dtype[np.int64]]]:
-    """Return the rows of each parent and child, without leading slashes."""
-    pair = recorded.parent * max(len(recorded.children), 1) + recorded.child
+def _track(
+    recorded: RecordedTransforms, parent: str, time: Ints, rows: Ints, *, static: bool
+) -> FrameTrack | None:
+    return frame_track(
+        parent,
+        time[rows],
+        recorded.log_time[rows],
+        recorded.translation[rows],
+        recorded.rotation[rows],
+        static=static,
+    )
+
+
+def _pairs(recorded: RecordedTransforms, rows: Ints) -> Iterator[tuple[str, str, Ints]]:
+    """Yield parent and child, without leading slashes, and those of some rows that tell of them."""
+    parent = _without_slashes(recorded.parent[rows], recorded.parents)
+    child = _without_slashes(recorded.child[rows], recorded.children)
+    pair = parent * max(len(recorded.children), 1) + child
     order = np.argsort(pair, kind="stable")
     numbers, starts = np.unique(pair[order], return_index=True)
-    found: dict[tuple[str, str], list[np.ndarray[tuple[int], np.dtype[np.int64]]]] = {}
-    for number, rows in zip(numbers.tolist(), np.split(order, starts[1:]), strict=False):
-        parent = recorded.parents[number // len(recorded.children)].lstrip("/")
-        child = recorded.children[number % len(recorded.children)].lstrip("/")
-        found.setdefault((parent, child), []).append(rows)
-    return {pair: np.sort(np.concatenate(rows)) for pair, rows in found.items()}
+    for number, chosen in zip(numbers.tolist(), np.split(order, starts[1:]), strict=False):
+        one, other = divmod(number, len(recorded.children))
+        yield recorded.parents[one].lstrip("/"), recorded.children[other].lstrip("/"), rows[chosen]
+
+
+def _without_slashes(code: Ints, names: tuple[str, ...]) -> Ints:
+    """Give names that only differ in leading slashes the same code, that of the first one."""
+    first: dict[str, int] = {}
+    same = [first.setdefault(name.lstrip("/"), place) for place, name in enumerate(names)]
+    return np.array(same, np.int64)[code] if same else code

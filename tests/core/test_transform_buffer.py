@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 from dogbot_logtool.core.arrays import Floats, Ints
 from dogbot_logtool.core.rotations import rotate
-from dogbot_logtool.core.transform_buffer import Poses, TransformBuffer
+from dogbot_logtool.core.transform_buffer import Poses, TransformBuffer, frame_track
 
 MS = 1_000_000
 
@@ -26,17 +26,28 @@ def at(*milliseconds: float) -> Ints:
     return np.array([round(each * MS) for each in milliseconds], np.int64)
 
 
+def buffer_of(
+    parent: str,
+    child: str,
+    time: Ints,
+    log_time: Ints,
+    shift: Floats,
+    turn: Floats,
+    *,
+    static: bool = False,
+) -> TransformBuffer:
+    track = frame_track(parent, time, log_time, shift, turn, static=static)
+    return TransformBuffer({child: track} if track else {})
+
+
 def spinning(time: Ints, log_time: Ints | None = None) -> TransformBuffer:
     """A base that turns about z at 1 rad/s and moves along x at 2 m/s; a link bent by 0.3 rad."""
     seconds = time / 1e9
     log_time = time if log_time is None else log_time
     shift = np.stack([2.0 * seconds, 0.0 * seconds, 0.0 * seconds], axis=1)
     bend, beside = about_x(np.array([0.3])), np.array([[0.0, 1.0, 0.0]])
-    return (
-        TransformBuffer()
-        .add("/world", "base_link", time, log_time, shift, about_z(seconds))
-        .add("base_link", "/leg", at(0), at(0), beside, bend, static=True)
-    )
+    base = buffer_of("/world", "base_link", time, log_time, shift, about_z(seconds))
+    return base.then(buffer_of("base_link", "leg", at(0), at(0), beside, bend, static=True))
 
 
 def look(buffer: TransformBuffer, time: Ints, world: str = "world") -> Poses:
@@ -83,7 +94,9 @@ def test_a_frame_is_where_it_is_in_itself() -> None:
 def test_a_loop_of_frames_ends() -> None:
     buffer = TransformBuffer()
     for parent, child in (("a", "b"), ("b", "a")):
-        buffer = buffer.add(parent, child, at(0), at(0), np.zeros((1, 3)), about_z(np.zeros(1)))
+        buffer = buffer.then(
+            buffer_of(parent, child, at(0), at(0), np.zeros((1, 3)), about_z(np.zeros(1)))
+        )
     assert buffer.chain("a", "world") is None
 
 
@@ -92,11 +105,13 @@ def test_what_cannot_be_a_transform_is_left_out() -> None:
     shift[1, 0] = np.nan
     turn = about_z(np.zeros(5))
     turn[2] = 0.0
-    buffer = TransformBuffer().add(
-        "world", "base", at(0, 10, 20, 30, 30), at(0, 10, 20, 30, 40), shift, turn
+    buffer = buffer_of("world", "base", at(0, 10, 20, 30, 30), at(0, 10, 20, 30, 40), shift, turn)
+    buffer = buffer.then(
+        buffer_of("world", "base", at(25), at(50), np.zeros((1, 3)), about_z(np.zeros(1)))
     )
-    buffer = buffer.add("world", "base", at(25), at(50), np.zeros((1, 3)), about_z(np.zeros(1)))
-    buffer = buffer.add("other", "base", at(40), at(60), np.zeros((1, 3)), about_z(np.zeros(1)))
+    buffer = buffer.then(
+        buffer_of("other", "base", at(40), at(60), np.zeros((1, 3)), about_z(np.zeros(1)))
+    )
     assert buffer.frames["base"].time.tolist() == at(0, 30).tolist()
     assert buffer.frames["base"].parent == "world"
 
@@ -105,14 +120,16 @@ def test_the_latest_static_transform_holds() -> None:
     buffer = TransformBuffer()
     for metres in (1.0, 2.0):
         shift = np.array([[metres, 0.0, 0.0]])
-        buffer = buffer.add("base", "leg", at(7), at(7), shift, about_z(np.zeros(1)), static=True)
+        buffer = buffer.then(
+            buffer_of("base", "leg", at(7), at(7), shift, about_z(np.zeros(1)), static=True)
+        )
     assert buffer.lookup("leg", "base", at(0), at(0)).translation[0].tolist() == [2.0, 0.0, 0.0]
 
 
 def test_huge_numbers_are_no_error() -> None:
     still = about_z(np.zeros(2))
     shift = np.full((2, 3), 1e308) * np.array([[1.0], [-1.0]])
-    buffer = TransformBuffer().add("world", "leg", at(0, 20), at(0, 20), shift, still)
+    buffer = buffer_of("world", "leg", at(0, 20), at(0, 20), shift, still)
     assert look(buffer, at(10)).known.all()
 
 
