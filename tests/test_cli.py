@@ -447,12 +447,14 @@ def test_info_json(shell: Shell) -> None:
     assert told["frames"]["parents"]["front_left_hip"] == ["base_link"]
 
 
-def test_info_with_all_frames(shell: Shell) -> None:
+def test_info_with_all_frames(shell: Shell, monkeypatch: pytest.MonkeyPatch) -> None:
     told = shell("info", "--frames", "--json", WALK).json["frames"]
     assert {edge["child"] for edge in told["edges"]} == set(told["parents"])
-    text = shell("info", "--frames", WALK).out
-    assert "static" in text
-    assert "added by convert" in text
+    for width in ("80", "120"):
+        monkeypatch.setenv("COLUMNS", width)
+        text = shell("info", "--frames", WALK).out
+        assert "static" in text
+        assert "added by convert" in text
 
 
 def test_info_writes_graphs(shell: Shell) -> None:

@@ -14,7 +14,8 @@ from dogbot_logtool.frames import Frames
 from dogbot_logtool.info import LogInfo
 from dogbot_logtool.printable import printable
 
-_ADDED: Final = "convert, from odometry"
+_ADDED: Final = "added by convert, from odometry"
+_ARROW: Final = f"  <- {_ADDED}"
 _WIDE: Final = 100
 """Columns from which it is said who sent the transforms."""
 _NUMBERS: Final = 36
@@ -36,7 +37,7 @@ def print_frame_names(console: Console, info: LogInfo) -> None:
     for row in walk(frame_pairs(info)):
         label = printable(row.frame)
         if (row.parent, row.frame) == info.added_transform:
-            label += f"  <- added by {_ADDED}"
+            label += _ARROW
         del branches[len(row.more) + 1 :]
         branches.append(branches[-1].add(label + _remark(row)))
     console.print(tree)
@@ -45,13 +46,14 @@ def print_frame_names(console: Console, info: LogInfo) -> None:
 def print_frames(console: Console, info: LogInfo, frames: Frames) -> None:
     """Print the tree with what all transforms say of each frame."""
     edges = {(edge.parent, edge.child): edge for edge in frames.recorded.edges}
-    rows = list(walk(frame_pairs(info)))
-    names = [
-        Text.assemble((_guides(row), "dim"), printable(row.frame), (_remark(row), "dim"))
-        for row in rows
-    ]
-    longest = max((name.cell_len for name in names), default=0)
     wide = console.width >= _WIDE
+    rows = list(walk(frame_pairs(info)))
+    names = []
+    for row in rows:
+        added = not wide and (row.parent, row.frame) == info.added_transform
+        remark = _remark(row) + (_ARROW if added else "")
+        names.append(Text.assemble((_guides(row), "dim"), printable(row.frame), (remark, "dim")))
+    longest = max((name.cell_len for name in names), default=0)
     room = console.width - _NUMBERS - (_SENDERS if wide else 0)
     table = Table(box=box.SIMPLE_HEAD, padding=(0, 1))
     table.add_column("frame", overflow="fold", min_width=max(min(longest, room), 5))
@@ -103,5 +105,5 @@ def milliseconds(interval_s: float | None) -> str:
 def _sent_by(info: LogInfo, frames: Frames, edge: FrameEdge | None, pair: Pair) -> str:
     senders = [printable(sender) for sender in frames.senders(edge)] if edge else []
     if pair == info.added_transform:
-        senders.append(f"added by {_ADDED}")
+        senders.append(_ADDED)
     return ", ".join(senders)
