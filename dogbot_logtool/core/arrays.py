@@ -45,8 +45,8 @@ def sum_by_group(values: Floats, group: Ints, groups: int) -> Floats:
     """
     if values.ndim == 2:
         return np.stack([sum_by_group(column, group, groups) for column in values.T], axis=1)
-    total: Floats = np.bincount(group, weights=values, minlength=groups).astype(np.float64)
-    return total
+    total = np.bincount(group, weights=values, minlength=groups)
+    return total.astype(np.float64, copy=False)
 
 
 def header_time(stamp: Ints, log_time: Ints) -> Ints:

@@ -1,6 +1,6 @@
 """What the feet felt: contact messages as columns, reduced to one sample a message."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
@@ -110,51 +110,76 @@ def contact_samples(contacts: Contacts) -> Samples:
     adding steps up multiplies the load. Where the foot is the second body of a pair the force
     is turned round. States of other pairs are left out.
     """
-    messages = len(contacts.log_time)
     used = contacts.newest & (contacts.foot_side != NOT_THIS_FOOT)
-    state = np.flatnonzero(used)
-    message = contacts.state_message[state]
-    turned = contacts.foot_side[state] == FOOT_IS_COLLISION2
-    sign = np.where(turned, -1.0, 1.0)
+    if not used.all():
+        contacts = _of_states(contacts, used)
+    messages, message = len(contacts.log_time), contacts.state_message
+    turned = contacts.foot_side == FOOT_IS_COLLISION2
 
     states_of = np.bincount(message, minlength=messages)
     turned_of = np.bincount(message[turned], minlength=messages)
     in_contact = states_of > 0
-    points, position = _mean_point(contacts, used)
+    points, position = _mean_point(contacts)
     return Samples(
         foot=contacts.foot,
         log_time=contacts.log_time,
         stamp=contacts.stamp,
         in_contact=in_contact,
-        force=sum_by_group(contacts.total_force[state] * sign[:, None], message, messages),
+        force=sum_by_group(_where_turned(turned, contacts.total_force), message, messages),
         in_world=in_contact & (turned_of == states_of),
         points=points,
         position=position,
-        normal=_mean_normal(contacts, used),
+        normal=_mean_normal(contacts, turned),
     )
 
 
-def _mean_point(contacts: Contacts, used: Flags) -> tuple[Ints, Floats]:
+def _of_states(contacts: Contacts, used: Flags) -> Contacts:
+    """Keep the chosen states, and what belongs to them."""
+    number = np.cumsum(used) - 1
+    point, wrench, normal = (
+        used[state]
+        for state in (contacts.point_state, contacts.wrench_state, contacts.normal_state)
+    )
+    return replace(
+        contacts,
+        state_message=contacts.state_message[used],
+        foot_side=contacts.foot_side[used],
+        newest=contacts.newest[used],
+        total_force=contacts.total_force[used],
+        point_state=number[contacts.point_state[point]],
+        point=contacts.point[point],
+        wrench_state=number[contacts.wrench_state[wrench]],
+        wrench_force=contacts.wrench_force[wrench],
+        normal_state=number[contacts.normal_state[normal]],
+        normal=contacts.normal[normal],
+    )
+
+
+def _where_turned(turned: Flags, vectors: Floats) -> Floats:
+    """(n, 3): turn the chosen vectors round."""
+    return np.where(turned[:, None], -vectors, vectors) if turned.any() else vectors
+
+
+def _mean_point(contacts: Contacts) -> tuple[Ints, Floats]:
     """(n,) number of each message's contact points, (n, 3) m their force-weighted mean."""
     messages = len(contacts.log_time)
-    kept = used[contacts.point_state]
-    message = contacts.state_message[contacts.point_state[kept]]
-    weight = _point_weights(contacts)[kept]
-    point = contacts.point[kept]
-
+    message = contacts.state_message[contacts.point_state]
+    weight = _point_weights(contacts)
     total = sum_by_group(weight, message, messages)
     # Sensors of other physics engines may report no force at all: then every point counts alike.
     unweighted = total == 0.0
-    if unweighted.any():
+    if unweighted[message].any():
         weight = np.where(unweighted[message], 1.0, weight)
         total = sum_by_group(weight, message, messages)
     with np.errstate(invalid="ignore", over="ignore", divide="ignore"):
-        weighted = sum_by_group(point * weight[:, None], message, messages)
+        weighted = sum_by_group(contacts.point * weight[:, None], message, messages)
         return np.bincount(message, minlength=messages), weighted / total[:, None]
 
 
 def _point_weights(contacts: Contacts) -> Floats:
     """(p,) N: the force at each point, or an equal part of its state's where lengths differ."""
+    if np.array_equal(contacts.point_state, contacts.wrench_state):
+        return norms(contacts.wrench_force)
     states = len(contacts.state_message)
     points_of = np.bincount(contacts.point_state, minlength=states)
     wrenches_of = np.bincount(contacts.wrench_state, minlength=states)
@@ -174,13 +199,11 @@ def _point_weights(contacts: Contacts) -> Floats:
     return weight
 
 
-def _mean_normal(contacts: Contacts, used: Flags) -> Floats:
+def _mean_normal(contacts: Contacts, turned: Flags) -> Floats:
     """(n, 3): unit mean of each message's normals, turned to point into the foot."""
-    kept = used[contacts.normal_state]
-    state = contacts.normal_state[kept]
-    sign = np.where(contacts.foot_side[state] == FOOT_IS_COLLISION2, -1.0, 1.0)
+    state = contacts.normal_state
     total = sum_by_group(
-        contacts.normal[kept] * sign[:, None],
+        _where_turned(turned[state], contacts.normal),
         contacts.state_message[state],
         len(contacts.log_time),
     )

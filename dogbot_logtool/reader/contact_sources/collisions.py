@@ -7,7 +7,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from dogbot_logtool.core.arrays import Flags, Ints
+from dogbot_logtool.core.arrays import Ints
 from dogbot_logtool.core.contacts import FOOT_IS_COLLISION1, FOOT_IS_COLLISION2, NOT_THIS_FOOT
 from dogbot_logtool.reader.columns import Texts
 from dogbot_logtool.robot import Foot
@@ -31,19 +31,28 @@ def foot_sides(
     """
     code1, names1 = first_names.encode()
     code2, names2 = second_names.encode()
-    first = _matches(feet, names1)[foot, code1]
-    second = _matches(feet, names2)[foot, code2]
-    side = np.select(
-        [first & ~second, second & ~first], [FOOT_IS_COLLISION1, FOOT_IS_COLLISION2], NOT_THIS_FOOT
-    )
+    # Few names make few cases: each is judged once, and looked up.
+    case = (foot * len(names1) + code1) * len(names2) + code2
+    cases = np.unique(case)
+    sides = []
+    for one in cases.tolist():
+        rest, second = divmod(one, len(names2))
+        which, first = divmod(rest, len(names1))
+        sides.append(_side(feet[which], names1[first], names2[second]))
+    return np.array(sides, np.int8)[np.searchsorted(cases, case)]
+
+
+def _side(foot: Foot, first: str, second: str) -> int:
+    """Tell which of two bodies is the foot, by their names."""
+    is_first, is_second = _is_foot(foot, first), _is_foot(foot, second)
+    if is_first != is_second:
+        return FOOT_IS_COLLISION1 if is_first else FOOT_IS_COLLISION2
+    if is_first or foot.collision:
+        return NOT_THIS_FOOT
     # Without a pattern, and with names that do not tell, the ground's name may; else the sensor's
     # own body stands first.
-    guess = np.array([not one.collision for one in feet], np.bool_)[foot]
-    guess &= ~(first | second)
-    ground1 = np.array([_is_ground(name) for name in names1], np.bool_)[code1]
-    ground2 = np.array([_is_ground(name) for name in names2], np.bool_)[code2]
-    guessed = np.where(ground1 & ~ground2, FOOT_IS_COLLISION2, FOOT_IS_COLLISION1)
-    return np.where(guess, guessed, side).astype(np.int8)
+    only_first_is_ground = _is_ground(first) and not _is_ground(second)
+    return FOOT_IS_COLLISION2 if only_first_is_ground else FOOT_IS_COLLISION1
 
 
 def link_of_collision(collision: str) -> str | None:
@@ -53,12 +62,6 @@ def link_of_collision(collision: str) -> str | None:
     """
     parts = collision.split("::")
     return parts[-2] if len(parts) >= 3 else None
-
-
-def _matches(feet: Sequence[Foot], names: Sequence[str]) -> Flags:
-    """(feet, names) whether a name is the foot's."""
-    table = [[_is_foot(foot, name) for name in names] for foot in feet]
-    return np.array(table, np.bool_).reshape(len(feet), len(names))
 
 
 def _is_foot(foot: Foot, name: str) -> bool:
