@@ -107,7 +107,7 @@ def convert(
     outcomes = Outcomes()
     for source, target in targets(logs, output):
         with outcomes.of(source):
-            with progress_bar(console, source.name, shown=not quiet) as progress:
+            with progress_bar(source.name, shown=not quiet) as progress:
                 done = convert_log(source, target, chosen, progress)
             outcomes.add(conversion_json(done), done.exit_code)
             if not quiet:

@@ -2,7 +2,7 @@
 
 import sys
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -20,6 +20,10 @@ from dogbot_logtool.cli.options import (
 )
 from dogbot_logtool.cli.outcomes import Outcomes
 from dogbot_logtool.errors import CallError
+
+if TYPE_CHECKING:
+    from dogbot_logtool.core.walk_stats import Stats
+    from dogbot_logtool.report.stats_json import LogFacts
 
 
 @click.command()
@@ -83,11 +87,9 @@ def stats(
     **options: Any,  # noqa: ANN401 - click's words go straight into the dataclass
 ) -> None:
     """Measure a walk: which gait, how loaded, and can the recording be trusted."""
-    from dogbot_logtool.report.console import diagnostics, results  # noqa: PLC0415
     from dogbot_logtool.report.progress import progress_bar  # noqa: PLC0415
     from dogbot_logtool.report.stats_csv import write_strides  # noqa: PLC0415
     from dogbot_logtool.report.stats_json import stats_json  # noqa: PLC0415
-    from dogbot_logtool.report.stats_text import print_report, print_summary  # noqa: PLC0415
     from dogbot_logtool.stats import Measurement, StatsOptions, measure  # noqa: PLC0415
 
     if as_csv and as_json:
@@ -99,18 +101,29 @@ def stats(
     measured: list[Measurement] = []
     for source in logs:
         with outcomes.of(source):
-            with progress_bar(diagnostics(), source.name, shown=not quiet) as progress:
+            with progress_bar(source.name, shown=not quiet) as progress:
                 done = measure(source, chosen, progress)
             measured.append(done)
             outcomes.add(stats_json(done.stats, done.facts), done.exit_code)
     pairs = [(done.stats, done.facts) for done in measured]
     if as_csv:
         write_strides(sys.stdout, pairs)
-    elif not as_json and len(pairs) == 1:
-        print_report(results(), *pairs[0], window=shown, verbose=verbose)
     elif not as_json and pairs:
-        print_summary(results(), pairs)
+        _print(pairs, window=shown, verbose=verbose)
     outcomes.finish(as_json=as_json)
+
+
+def _print(
+    measured: "list[tuple[Stats, LogFacts]]", *, window: tuple[float, float] | None, verbose: bool
+) -> None:
+    """Print the report of one log, or a summary of several."""
+    from dogbot_logtool.report.console import results  # noqa: PLC0415 - rich costs 40 ms
+    from dogbot_logtool.report.stats_text import print_report, print_summary  # noqa: PLC0415
+
+    if len(measured) == 1:
+        print_report(results(), *measured[0], window=window, verbose=verbose)
+    else:
+        print_summary(results(), measured)
 
 
 def _parse_window(window: str | None) -> tuple[float, float] | None:
