@@ -18,6 +18,7 @@ from dogbot_logtool.core.wrench_frame import (
     judge_wrench_frame,
 )
 from dogbot_logtool.reader.contact_sources.registry import read_contacts
+from dogbot_logtool.reader.contact_sources.source import StepTiming
 from dogbot_logtool.reader.log import Batch, Chunk, Log
 from dogbot_logtool.reader.odometry import decode_odometry, odometry_frames
 from dogbot_logtool.reader.transforms import decode_transforms, frame_pairs
@@ -25,6 +26,8 @@ from dogbot_logtool.selection import Selection
 
 _LOOKS: Final = 8
 """Chunks that are looked at, besides those with static transforms."""
+_REGULAR: Final = 0.75
+"""Share of messages that must have the usual lag. Only the last of each stance should not."""
 _USUAL_INTERVAL_NS: Final = 10_000_000
 """Of a sensor that was hardly heard."""
 
@@ -45,6 +48,8 @@ class Evidence:
     """Link that each foot's collision belongs to, in whose frame its wrenches may be."""
     intervals: Mapping[int, int]
     """ns between messages in contact, by foot, of the feet that are silent in swing."""
+    left_after_ns: int | None
+    """See `FootChannels.left_after_ns`."""
     zero_stamps: frozenset[str]
     """Topics whose header stamps are all zero."""
     chunks_seen: int
@@ -82,6 +87,7 @@ class _Look:
         self._stamped: dict[str, bool] = {}
         self._links: dict[int, set[str]] = {}
         self._steps: dict[int, list[Ints]] = {}
+        self._timings: list[StepTiming] = []
 
     def take(self, batch: Batch) -> None:
         """Look at the messages of a batch."""
@@ -94,6 +100,7 @@ class _Look:
         for read in read_contacts(batch, selection.contacts, selection.foot_channels()):
             samples = read.felt.samples
             self._alignments.append(alignment(samples))
+            self._timings.append(read.timing)
             for foot, names in read.links.items():
                 self._links.setdefault(foot, set()).update(names)
             if read.source.has_header:
@@ -131,6 +138,7 @@ class _Look:
                 for foot in range(len(self._selection.robot.feet))
             ),
             intervals={foot: _interval(steps) for foot, steps in sorted(self._steps.items())},
+            left_after_ns=left_after(self._timings),
             zero_stamps=frozenset(topic for topic, stamped in self._stamped.items() if not stamped),
             chunks_seen=seen,
             chunks=chunks,
@@ -141,6 +149,22 @@ class _Look:
         promised = {source.frame for source in self._selection.sources}
         (frame,) = promised if len(promised) == 1 else (None,)
         return judge_wrench_frame(alignments) if frame is None else WrenchFrameEvidence(frame)
+
+
+def left_after(timings: list[StepTiming]) -> int | None:
+    """Return the lag, ns, beyond which a foot has left the ground; None where that is not known.
+
+    While a foot stands, each step has a contact. So the newest step of a message lies as far from
+    its stamp as in any other, unless the foot left in between. Where lags vary for other reasons,
+    as with a simulation that runs ahead of its sensors, a lag tells nothing.
+    """
+    lag = np.concatenate([np.empty(0, np.int64), *(timing.lag for timing in timings)])
+    step = np.concatenate([np.empty(0, np.int64), *(timing.step for timing in timings)])
+    if not len(step):
+        return None
+    usual, half_a_step = float(np.median(lag)), float(np.median(step)) / 2.0
+    regular = np.abs(lag - usual) < half_a_step
+    return round(usual + half_a_step) if regular.mean() >= _REGULAR else None
 
 
 def _interval(steps: list[Ints]) -> int:

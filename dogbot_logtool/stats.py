@@ -1,7 +1,7 @@
 """`dogbot-logtool stats`: which gait, how loaded, and can the recording be trusted."""
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Final, Literal
 
@@ -184,7 +184,10 @@ def _pass(
         log.start_time if start is None else None,
         log.end_time if end is None else None,
     )
-    feet = selection.foot_channels(settings.contact_on_n, settings.contact_off_n)
+    feet = replace(
+        selection.foot_channels(settings.contact_on_n, settings.contact_off_n),
+        left_after_ns=evidence.left_after_ns,
+    )
 
     def work(span: Span) -> _Measured:
         return _measure_batch(

@@ -5,10 +5,12 @@ from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 
 from dogbot_logtool.core.wrench_frame import WrenchFrame
-from dogbot_logtool.evidence import Evidence, look_into
+from dogbot_logtool.evidence import Evidence, left_after, look_into
+from dogbot_logtool.reader.contact_sources.source import StepTiming
 from dogbot_logtool.reader.opening import open_log
 from dogbot_logtool.selection import TopicOptions, select_topics
 
@@ -46,6 +48,23 @@ def test_frames_are_those_of_the_odometry(name: str) -> None:
     assert seen.base_frames == (told["base_frame_id"],)
     slashed = (told["world_frame_id"],) if told["world_frame_id"].startswith("/") else ()
     assert seen.slashed_frames == slashed
+
+
+def test_a_foot_has_left_where_the_newest_step_is_older_than_the_stamp() -> None:
+    half_a_step = truth("dogbot_trot.bag")["log"]["physics_step_s"] / 2.0
+    assert look("dogbot_trot.bag").left_after_ns == pytest.approx(half_a_step * 1e9)
+
+
+@pytest.mark.parametrize("name", ["dogbot_walk.mcap", "dogbot_troubled.bag"])
+def test_single_steps_and_zero_stamps_do_not_tell_whether_a_foot_has_left(name: str) -> None:
+    assert look(name).left_after_ns is None
+
+
+def test_irregular_lags_do_not_tell_whether_a_foot_has_left() -> None:
+    step = np.full(30, 1_000_000)
+    regular, jittery = np.zeros(10, np.int64), np.arange(10) * 1_000_000
+    assert left_after([StepTiming(regular + 7, step)]) == 500_007
+    assert left_after([StepTiming(regular, step), StepTiming(jittery, step)]) is None
 
 
 @pytest.mark.parametrize("name", LOGS)

@@ -41,8 +41,18 @@ def test_contact_fractions_are_true(walk: Walk) -> None:
     got, true = walk
     for foot, known in true["feet"].items():
         assert got["feet"][foot]["contact_fraction"] == pytest.approx(
-            known["contact_fraction"], abs=0.005
+            known["contact_fraction"], abs=0.0015
         )
+
+
+def test_liftoffs_are_true_within_one_sample(walk: Walk) -> None:
+    """Also where the message after a lift-off still holds the last steps of the stance."""
+    got, true = walk
+    start = true["log"]["start_stamp_s"] - got["settings"]["time_origin_ns"] / 1e9
+    for foot, known in true["feet"].items():
+        late = np.array(got["feet"][foot]["liftoff_s"]) - np.array(known["liftoff_s"]) - start
+        assert late.min() > -1e-6
+        assert late.max() <= true["log"]["contact_interval_s"] + 1e-6
 
 
 def test_touchdowns_are_true_within_one_sample(walk: Walk) -> None:

@@ -1,6 +1,7 @@
 """gazebo_msgs/ContactsState as columns: physics steps, bodies and links by their names."""
 
 from collections.abc import Callable
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -9,7 +10,11 @@ from hypothesis import strategies as st
 
 from dogbot_logtool.reader.columns import Texts
 from dogbot_logtool.reader.contact_sources.collisions import link_of_collision
-from dogbot_logtool.reader.contact_sources.gazebo_classic import newest_step
+from dogbot_logtool.reader.contact_sources.physics_steps import (
+    newest_lag,
+    newest_step,
+    steps_of_messages,
+)
 
 
 def texts(strings: list[str]) -> Texts:
@@ -49,6 +54,34 @@ def test_states_of_the_last_states_time_are_the_newest(
 
     assert newest.tolist() == wanted
     assert untimed == 0
+
+
+@given(
+    st.lists(st.lists(st.integers(0, 2000), max_size=5), min_size=1, max_size=6),
+    st.sampled_from([ros1_info, ros2_info]),
+    st.sampled_from([999_999_000, 1_760_000_123_999_999_000]),
+)
+def test_lags_and_steps_are_those_of_the_times_in_the_text(
+    messages: list[list[int]], info: Callable[[int], str], start: int
+) -> None:
+    messages = [sorted(message) for message in messages]
+    infos = texts([info(start + step) for message in messages for step in message])
+    owner = np.array([n for n, message in enumerate(messages) for _ in message], np.int64)
+    stamp = start + 3000 * np.arange(len(messages))
+    several = [n for n, message in enumerate(messages) if len(set(message)) > 1]
+    lags = [3000 * n - message[-1] if message else 0 for n, message in enumerate(messages)]
+    steps = [b - a for message in messages for a, b in pairwise(sorted(set(message)))]
+
+    timing = steps_of_messages(infos, owner, stamp)
+
+    assert newest_lag(infos, owner, stamp).tolist() == lags
+    assert timing.lag.tolist() == [lags[n] for n in several]
+    assert timing.step.tolist() == steps
+
+
+def test_a_message_that_tells_no_time_has_no_lag() -> None:
+    infos, owner = texts([ros1_info(5), "no time here"]), np.array([0, 1], np.int64)
+    assert newest_lag(infos, owner, np.array([9, 9, 9])).tolist() == [4, 0, 0]
 
 
 @pytest.mark.parametrize("info", ["", "no time here", "time12.5", "x" * 100, "time"])

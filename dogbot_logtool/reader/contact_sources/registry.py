@@ -17,6 +17,7 @@ from dogbot_logtool.reader.contact_sources.source import (
     Felt,
     FootChannels,
     FootLinks,
+    StepTiming,
 )
 from dogbot_logtool.reader.log import Batch, Channel
 from dogbot_logtool.reader.messages import DecodedMessages, decode_channels, layout_of
@@ -47,6 +48,11 @@ class ContactsRead:
     def links(self) -> FootLinks:
         """Frames that the forces may be in, by foot."""
         return self.source.links(self.messages, self.feet)
+
+    @property
+    def timing(self) -> StepTiming:
+        """How physics steps lie to stamps."""
+        return self.source.timing(self.messages)
 
 
 def check_contacts(channel: Channel) -> None:

@@ -25,6 +25,9 @@ class FootChannels:
     """Indices in `feet` by channel id; several where one message tells of several feet."""
     release_n: float
     """N: a sensor that is never quite silent touches nothing below this force."""
+    left_after_ns: int | None = None
+    """ns: where a message's newest physics step is older than its stamp by more, the foot has left
+    the ground since. None: not known, the newest step stands for the stamp."""
 
     def single(self, channel: Ints) -> Ints:
         """(n,) foot index of messages that tell of one foot each."""
@@ -52,6 +55,22 @@ FootLinks = Mapping[int, set[str]]
 """Frames of the wrenches of each foot, by its index."""
 
 
+@dataclass(frozen=True, slots=True)
+class StepTiming:
+    """Messages that hold several physics steps."""
+
+    lag: Ints
+    """(m,) ns by which a message's newest step is older than its stamp."""
+    step: Ints
+    """(k,) ns between neighbouring steps of a message."""
+
+
+def no_steps(messages: DecodedMessages) -> StepTiming:
+    """Return nothing: for sources whose messages hold one moment each."""
+    del messages
+    return StepTiming(np.empty(0, np.int64), np.empty(0, np.int64))
+
+
 def no_links(messages: DecodedMessages, feet: FootChannels) -> FootLinks:
     """Return nothing: for sources whose forces are in no link's frame."""
     del messages, feet
@@ -69,6 +88,7 @@ class ContactSource:
     read: Callable[[DecodedMessages, FootChannels], Felt]
     """Reduces decoded messages to samples."""
     links: Callable[[DecodedMessages, FootChannels], FootLinks] = no_links
+    timing: Callable[[DecodedMessages], StepTiming] = no_steps
     elements: tuple[str, ...] = ()
     """Names of the feet in the order of the message, where one message tells of all feet."""
     frame: WrenchFrame | None = None
