@@ -1,5 +1,7 @@
 """Reads the force at every foot with rosbags, message by message: a part of what `stats` does.
 
+The leanest way to write it: `AnyReader` takes 1.2 times as long, ROS' own `rosbag` 1.4 times.
+
 python benchmarks/library_stats.py IN.bag
 """
 
