@@ -7,6 +7,8 @@ from typing import Any
 import numpy as np
 import pytest
 from jsonschema import Draft202012Validator
+from mcap.reader import make_reader
+from mcap.writer import Writer
 
 from dogbot_logtool.errors import CallError, LogError
 from dogbot_logtool.report.stats_json import stats_json, stats_schema
@@ -170,3 +172,26 @@ def test_a_log_with_nothing_to_measure_is_an_error(tmp_path: Path) -> None:
 def test_a_missing_file_is_a_wrong_call(tmp_path: Path) -> None:
     with pytest.raises(CallError, match="no such file"):
         measure(tmp_path / "log.bag", StatsOptions())
+
+
+def test_times_of_several_senders_of_a_topic_stand_in_the_order_of_the_log(tmp_path: Path) -> None:
+    """Both of the topics that are decoded and of those that are not."""
+    log = tmp_path / "log.mcap"
+    with (SAMPLES / "dogbot_walk.mcap").open("rb") as stream, log.open("wb") as copy:
+        writer = Writer(copy)
+        writer.start("ros2")
+        topics: dict[str, list[int]] = {}
+        for number, (schema, channel, message) in enumerate(make_reader(stream).iter_messages()):
+            assert schema is not None
+            if channel.topic not in topics:
+                kind = writer.register_schema(schema.name, schema.encoding, schema.data)
+                topics[channel.topic] = [
+                    writer.register_channel(channel.topic, "cdr", kind) for _ in "ab"
+                ]
+            sender = topics[channel.topic][number % 2]
+            writer.add_message(sender, message.log_time, message.data, message.publish_time)
+        writer.finish()
+
+    done = measure(log, StatsOptions())
+
+    assert stats_json(done.stats, done.facts)["quality"] == figures("dogbot_walk.mcap")["quality"]

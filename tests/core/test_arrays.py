@@ -1,7 +1,9 @@
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
-from dogbot_logtool.core.arrays import all_finite, stable_order
+from dogbot_logtool.core.arrays import all_finite, rows_by_group, stable_order
 
 
 @pytest.mark.parametrize("highest", [0, 5, (1 << 16) - 1, 1 << 16, 1 << 40])
@@ -13,6 +15,18 @@ def test_equal_numbers_stay_in_order(highest: int) -> None:
 
 def test_nothing_has_an_order() -> None:
     assert not len(stable_order(np.empty(0, np.int64)))
+
+
+@given(st.lists(st.sampled_from([0, 1, 3, 70_000])))
+def test_rows_of_a_group_stand_in_their_order(numbers: list[int]) -> None:
+    group = np.array(numbers, np.int64)
+
+    rows = {number: rows.tolist() for number, rows in rows_by_group(group)}
+
+    assert list(rows) == sorted(set(numbers))
+    assert rows == {
+        number: [row for row, each in enumerate(numbers) if each == number] for number in rows
+    }
 
 
 def test_a_row_is_finite_when_all_its_numbers_are() -> None:
