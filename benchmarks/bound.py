@@ -20,6 +20,7 @@ import zstandard
 from dogbot_logtool.reader.compression import decompress_into
 from dogbot_logtool.reader.log import Log
 from dogbot_logtool.reader.opening import open_log
+from dogbot_logtool.writer.chunks import ZSTD_LEVEL
 
 Chunk = tuple[bytes, int, str]
 """Stored bytes, size when decompressed, compression."""
@@ -49,7 +50,7 @@ def read(chunk: Chunk) -> None:
 
 class _Codecs(threading.local):
     def __init__(self) -> None:
-        self.zstd = zstandard.ZstdCompressor(level=1)
+        self.zstd = zstandard.ZstdCompressor(level=ZSTD_LEVEL)
 
 
 _CODECS = _Codecs()

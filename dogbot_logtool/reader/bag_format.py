@@ -175,8 +175,8 @@ class _Template:
 
     def matches(self, heads: Bytes) -> Flags:
         """Tell which rows, (n, 8 + size), are such a head."""
-        alike: NDArray[np.bool_] = heads[:, self.constant] == self.head[self.constant]
-        return alike.all(axis=1)
+        alike: Flags = (heads[:, self.constant] == self.head[self.constant]).all(axis=1)
+        return alike
 
 
 def _template(records: Bytes, place: int) -> _Template | None:

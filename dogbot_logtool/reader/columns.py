@@ -88,7 +88,8 @@ def _like_first(rows: Bytes) -> Flags:
     if rows.tobytes() == rows[0].tobytes() * len(rows):
         # Much the fastest comparison there is, and mostly the answer.
         return np.ones(len(rows), np.bool_)
-    return (rows == rows[0]).all(axis=1)
+    alike: Flags = (rows == rows[0]).all(axis=1)
+    return alike
 
 
 @dataclass(frozen=True, slots=True)
