@@ -3,9 +3,9 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
-from dogbot_logtool.conversion.carried import Carried, Work
+from dogbot_logtool.conversion.carried import Work
 from dogbot_logtool.conversion.copying import copied_chunks
-from dogbot_logtool.conversion.drawing import draw
+from dogbot_logtool.conversion.drawing import Drawn, draw
 from dogbot_logtool.conversion.reading import ReadBatch, read_batch
 from dogbot_logtool.core.arrows import ArrowCounts
 from dogbot_logtool.plan import Plan
@@ -28,6 +28,10 @@ class Counts:
     """Contact messages of several states that tell no time of their physics step."""
     foreign_states: int = 0
     """Contact states of pairs that the foot is not one body of."""
+    support_unknown: int = 0
+    """Support messages at whose time it was not known which feet are down, or where."""
+    support_unweighed: int = 0
+    """Support messages without a centre of pressure for want of a vertical force."""
 
     def __add__(self, other: "Counts") -> "Counts":
         return Counts(
@@ -36,6 +40,8 @@ class Counts:
             self.bad_poses + other.bad_poses,
             self.untimed_messages + other.untimed_messages,
             self.foreign_states + other.foreign_states,
+            self.support_unknown + other.support_unknown,
+            self.support_unweighed + other.support_unweighed,
         )
 
 
@@ -66,15 +72,16 @@ class BatchConverter:
         """Convert one batch."""
         try:
             read = read_batch(self._log, self._plan, work.span)
-            carried = work.hand_on(read)
+            carried, footings = work.hand_on(read, self._plan)
         except BaseException:
             # Whoever waits must not wait for ever; the error reaches the user from here.
             work.give_up()
             raise
-        return self._converted(read, carried)
+        drawn = draw(read, carried, footings, self._plan, self._log.start_time)
+        return self._converted(read, drawn)
 
-    def _converted(self, read: ReadBatch, carried: Carried) -> ConvertedBatch:
-        drawn = draw(read, carried, self._plan, self._log.start_time)
+    def _converted(self, read: ReadBatch, drawn: Drawn) -> ConvertedBatch:
+        support = drawn.columns.support
         return ConvertedBatch(
             chunks=(
                 *self._copied(read.batch),
@@ -89,6 +96,8 @@ class BatchConverter:
                 bad_poses=read.bad_poses,
                 untimed_messages=sum(each.felt.untimed_messages for each in read.contacts),
                 foreign_states=sum(each.felt.foreign_states for each in read.contacts),
+                support_unknown=support.unknown if support else 0,
+                support_unweighed=support.unweighed if support else 0,
             ),
             malformed=read.malformed,
             losses=read.batch.losses,

@@ -45,6 +45,8 @@ class Evidence:
     """Link that each foot's collision belongs to, in whose frame its wrenches may be."""
     intervals: Mapping[int, int]
     """ns between messages in contact, by foot, of the feet that are silent in swing."""
+    touching: frozenset[int]
+    """Feet that were seen in contact."""
     zero_stamps: frozenset[str]
     """Topics whose header stamps are all zero."""
     chunks_seen: int
@@ -82,6 +84,7 @@ class _Look:
         self._stamped: dict[str, bool] = {}
         self._links: dict[int, set[str]] = {}
         self._steps: dict[int, list[Ints]] = {}
+        self._touching: set[int] = set()
 
     def take(self, batch: Batch) -> None:
         """Look at the messages of a batch."""
@@ -94,6 +97,7 @@ class _Look:
         for read in read_contacts(batch, selection.contacts, selection.foot_channels()):
             samples = read.felt.samples
             self._alignments.append(alignment(samples))
+            self._touching.update(np.unique(samples.foot[samples.in_contact]).tolist())
             for foot, names in read.links.items():
                 self._links.setdefault(foot, set()).update(names)
             if read.source.has_header:
@@ -131,6 +135,7 @@ class _Look:
                 for foot in range(len(self._selection.robot.feet))
             ),
             intervals={foot: _interval(steps) for foot, steps in sorted(self._steps.items())},
+            touching=frozenset(self._touching),
             zero_stamps=frozenset(topic for topic, stamped in self._stamped.items() if not stamped),
             chunks_seen=seen,
             chunks=chunks,

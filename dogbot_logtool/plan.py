@@ -5,7 +5,10 @@ from dataclasses import dataclass, field, replace
 from typing import Final, Literal
 
 from dogbot_logtool.core.arrows import CLASSIC_DIAMETER_M, LIFETIME_S
+from dogbot_logtool.core.footfall import contact_rule
+from dogbot_logtool.core.footing import Hearing
 from dogbot_logtool.core.loads import body_weight_n
+from dogbot_logtool.core.silent_swing import MISSED_INTERVALS
 from dogbot_logtool.core.wrench_frame import WrenchFrame
 from dogbot_logtool.errors import LogError
 from dogbot_logtool.evidence import Evidence
@@ -15,7 +18,7 @@ from dogbot_logtool.reader.log import Log
 from dogbot_logtool.robot import Robot
 from dogbot_logtool.selection import Selection, TopicOptions
 from dogbot_logtool.writer.chunks import Compression
-from dogbot_logtool.writer.encoding import ArrowStyle
+from dogbot_logtool.writer.encoding import ArrowStyle, SupportStyle
 
 Style = Literal["classic", "pressure", "force"]
 EncodingName = Literal["foxglove", "ros1", "ros2"]
@@ -42,6 +45,8 @@ class ConvertOptions:
     start_s: float | None = None
     """s since the log's start; messages recorded earlier are left out."""
     end_s: float | None = None
+    scene: bool | None = None
+    """Whether `/support` is written; None: where it can be, but not in `classic`."""
     compression: Compression | None = None
     """None: zstd, and the chunks of an MCAP input as they are."""
     jobs: int = 1
@@ -62,6 +67,9 @@ class Plan:
     force_in_world: bool
     body_weight_n: float | None
     arrow_style: ArrowStyle
+    support_style: SupportStyle
+    hearings: tuple[Hearing, ...]
+    """How to understand each foot where support is drawn; empty where it is not."""
     swing_intervals: Mapping[int, int]
     """ns between messages in contact, by foot, of the feet that are silent in swing."""
     start_time: int | None
@@ -98,6 +106,8 @@ def make_plan(log: Log, selection: Selection, evidence: Evidence, options: Conve
         force_in_world=force_in_world,
         body_weight_n=weight,
         arrow_style=_arrow_style(options.style, robot.shaft_diameter_m),
+        support_style=_support_style(robot.shaft_diameter_m, options.tf_rate_hz),
+        hearings=_hearings(selection, evidence, options, findings),
         swing_intervals=evidence.intervals,
         start_time=start_time,
         end_time=end_time,
@@ -219,6 +229,44 @@ def _arrow_style(style: Style, shaft_diameter_m: float) -> ArrowStyle:
     if style == "classic":
         return ArrowStyle(CLASSIC_DIAMETER_M, lifetime_s=0.0)
     return ArrowStyle(shaft_diameter_m, LIFETIME_S)
+
+
+def _support_style(shaft_diameter_m: float, tf_rate_hz: float) -> SupportStyle:
+    return SupportStyle(
+        line_m=shaft_diameter_m / 2.0,
+        mark_m=shaft_diameter_m,
+        # What is drawn anew at a low rate must last until then.
+        lifetime_s=max(LIFETIME_S, 2.0 / tf_rate_hz if tf_rate_hz else 0.0),
+    )
+
+
+def _hearings(
+    selection: Selection,
+    evidence: Evidence,
+    options: ConvertOptions,
+    findings: list[Finding],
+) -> tuple[Hearing, ...]:
+    """Return how to understand each foot; nothing where support is not drawn, with a reason."""
+    wanted = options.style != "classic" if options.scene is None else options.scene
+    if not wanted:
+        return ()
+    if not selection.odometry or not any(source.has_points for source in selection.sources):
+        lacking = "contact points" if selection.odometry else "odometry"
+        findings.append(note("NO_SUPPORT", f"there is no /support: the log has no {lacking}"))
+        return ()
+    robot = selection.robot
+    weight = body_weight_n(robot.mass_kg)
+    rule = contact_rule(robot.contact_on_n, robot.contact_off_n, robot.debounce_s, weight)
+    return tuple(
+        Hearing(
+            rule,
+            round(MISSED_INTERVALS * evidence.intervals[foot])
+            if foot in evidence.intervals
+            else None,
+            works=foot in evidence.touching,
+        )
+        for foot in range(len(robot.feet))
+    )
 
 
 def _frame(recorded: tuple[str, ...], default: str) -> str:
