@@ -142,10 +142,9 @@ class Footing:
     def memory(self) -> FootMemory:
         """Return what the next batch must know."""
         rows = self._rows
-        edges = np.concatenate([self._starts[-1:], self._ends[-1:]])
-        kept = np.unique(np.concatenate([edges, [len(rows) - 1]]))
+        kept = {*self._starts[-1:].tolist(), *self._ends[-1:].tolist(), len(rows) - 1}
         return FootMemory(
-            rows.pick(kept[(kept >= 0) & (kept < len(rows))]),
+            rows.pick(np.array(sorted(row for row in kept if 0 <= row < len(rows)), np.int64)),
             Footfalls(self._trail.since[-TRAIL:].copy(), self._trail.point[-TRAIL:].copy()),
             self._before.works or bool(rows.down.any()),
         )

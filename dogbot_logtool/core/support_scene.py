@@ -175,5 +175,8 @@ def _mean_of_known(values: Floats) -> Floats:
 
 def _known_first(points: Floats) -> Floats:
     """Move the points that are known, (n, k, 3), to the front of each row."""
-    order = np.argsort(np.isnan(points[:, :, 0]), axis=1, kind="stable")
+    missing = np.isnan(points[:, :, 0])
+    if not missing.any():
+        return points
+    order = np.argsort(missing, axis=1, kind="stable")
     return np.take_along_axis(points, order[:, :, None], axis=1)

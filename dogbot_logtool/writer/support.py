@@ -1,6 +1,7 @@
 """Messages of `/support`, stamped out of columns, those of one shape at a time."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -13,7 +14,18 @@ from dogbot_logtool.writer.encoding import (
     support_points,
 )
 from dogbot_logtool.writer.outgoing import Outgoing, stamped
-from dogbot_logtool.writer.template import Template
+from dogbot_logtool.writer.template import Stretch, Template
+
+
+@dataclass(frozen=True, slots=True)
+class _Form:
+    """What messages of one shape are made with."""
+
+    template: Template
+    stamps: tuple[str, ...]
+    """Names of the times."""
+    stretches: tuple[Stretch | None, ...]
+    """Where outline, pressure, projection and footfalls stand, as far as there are such."""
 
 
 class SupportStamper:
@@ -24,52 +36,54 @@ class SupportStamper:
         self._encoding = encoding
         self._frame = frame
         self._style = style
-        self._templates: dict[SupportShape, Template] = {}
+        self._forms: dict[SupportShape, _Form] = {}
 
     def outgoing(self, scene: SupportScene) -> Iterator[Outgoing]:
         """Yield the messages of a scene."""
-        for shape, rows in _shapes(scene):
-            template = self._template(shape)
+        columns = (
+            scene.outline,
+            scene.pressure[:, None],
+            scene.projection[:, None],
+            scene.footfalls,
+        )
+        for shape, rows in _shapes(columns):
+            form = self._form(shape)
+            template = form.template
             messages = template.copies(len(rows))
-            for stamp in (name[:-4] for name in template.kinds if name.endswith(".sec")):
-                template.write_time(messages, stamp, scene.stamp[rows])
-            for name, place in _places(scene, shape):
-                for axis, column in zip("xyz", place[rows].T, strict=True):
-                    messages[f"{name}.{axis}"] = column
+            for name in form.stamps:
+                template.write_time(messages, name, scene.stamp[rows])
+            for stretch, column in zip(form.stretches, columns, strict=True):
+                if stretch is not None:
+                    stretch.of(messages)[:] = column[rows, : stretch.shape[0]]
             if shape.line_points:
-                for part, column in zip("rgba", scene.colour[rows].T, strict=True):
-                    messages[part] = column
+                for part, parts in zip("rgba", scene.colour[rows].T, strict=True):
+                    messages[part] = parts
             yield stamped(self._channel, scene.log_time[rows], messages)
 
-    def _template(self, shape: SupportShape) -> Template:
+    def _form(self, shape: SupportShape) -> _Form:
         # Two threads may learn the same; no harm is done.
-        if shape not in self._templates:
-            self._templates[shape] = self._encoding.support(shape, self._frame, self._style)
-        return self._templates[shape]
+        if shape not in self._forms:
+            template = self._encoding.support(shape, self._frame, self._style)
+            points = support_points(shape)
+            kinds = points.line, points.pressure, points.projection, points.footfalls
+            self._forms[shape] = _Form(
+                template,
+                tuple(name[: -len(".sec")] for name in template.kinds if name.endswith(".sec")),
+                tuple(template.stretch(names) if names else None for names in kinds),
+            )
+        return self._forms[shape]
 
 
-def _shapes(scene: SupportScene) -> Iterator[tuple[SupportShape, Ints]]:
-    """Yield the shapes that there are, and their rows."""
-    line_points = np.isfinite(scene.outline[:, :, 0]).sum(axis=1)
-    pressure = np.isfinite(scene.pressure[:, 0])
-    projection = np.isfinite(scene.projection[:, 0])
-    footfalls = np.isfinite(scene.footfalls[:, :, 0]).sum(axis=1)
-    columns = line_points, pressure, projection, footfalls
-    sizes = [int(column.max(initial=0)) + 1 for column in columns]
-    code = np.ravel_multi_index([column.astype(np.int64) for column in columns], sizes)
+def _shapes(columns: Sequence[Floats]) -> Iterator[tuple[SupportShape, Ints]]:
+    """Yield the shapes that there are, and their rows.
+
+    Args:
+        columns: (n, k, 3) outline, pressure, projection and footfalls; NaN where there are none.
+    """
+    counts = [np.isfinite(column[:, :, 0]).sum(axis=1) for column in columns]
+    sizes = [column.shape[1] + 1 for column in columns]
+    code = np.ravel_multi_index(counts, sizes)
     for number in np.unique(code).tolist():
-        line, has_pressure, has_projection, marks = np.unravel_index(number, sizes)
-        shape = SupportShape(int(line), bool(has_pressure), bool(has_projection), int(marks))
+        line, pressure, projection, footfalls = map(int, np.unravel_index(number, sizes))
+        shape = SupportShape(line, bool(pressure), bool(projection), footfalls)
         yield shape, np.flatnonzero(code == number)
-
-
-def _places(scene: SupportScene, shape: SupportShape) -> Iterator[tuple[str, Floats]]:
-    """Yield the names of a shape's points, and (n, 3) m where they are."""
-    points = support_points(shape)
-    for names, column in (
-        (points.line, scene.outline),
-        (points.pressure, scene.pressure[:, None]),
-        (points.projection, scene.projection[:, None]),
-        (points.footfalls, scene.footfalls),
-    ):
-        yield from zip(names, np.moveaxis(column, 1, 0), strict=False)

@@ -6,10 +6,10 @@ Copies are then made as a numpy structured array, and the numbers written into i
 """
 
 import struct
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from enum import Enum
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -43,6 +43,28 @@ class Kind(Enum):
 
 
 @dataclass(frozen=True, slots=True)
+class Stretch:
+    """Points of a message that stand at equal distances, so that all are written at once."""
+
+    shape: tuple[int, int]
+    """Number of points, and of numbers in each."""
+    start: int
+    """First byte of the first."""
+    strides: tuple[int, int]
+    """Bytes from one point to the next, and from one number to the next."""
+
+    def of(self, records: NDArray[np.void]) -> NDArray[np.float64]:
+        """Return the points of messages, (messages, points, numbers), to be written into."""
+        return np.ndarray(
+            (len(records), *self.shape),
+            "<f8",
+            records.view(np.uint8).data,
+            self.start,
+            (records.dtype.itemsize, *self.strides),
+        )
+
+
+@dataclass(frozen=True, slots=True)
 class Template:
     """A serialised message and the places of the numbers that vary."""
 
@@ -61,6 +83,24 @@ class Template:
         records = np.empty(count, f"V{self.size}")
         records[:] = np.void(self.message)
         return records.view(self.dtype)
+
+    def stretch(self, points: Sequence[str]) -> Stretch:
+        """Find out where some points lie.
+
+        Args:
+            points: names; the numbers of each are those whose names begin with its and a dot.
+        """
+        fields: Mapping[str, tuple[Any, ...]] = self.dtype.fields or {}
+        offsets = np.array([[fields[f"{name}.{axis}"][1] for axis in "xyz"] for name in points])
+        start = int(offsets[0, 0])
+        between = int(offsets[1, 0]) - start if len(points) > 1 else 0
+        within = int(offsets[0, 1]) - start
+        steps = between * np.arange(len(points))[:, None] + within * np.arange(3)
+        if (offsets != start + steps).any() or any(
+            self.kinds[f"{name}.{axis}"] is not Kind.FLOAT64 for name in points for axis in "xyz"
+        ):
+            raise AssertionError(f"{', '.join(points)} do not stand at equal distances")
+        return Stretch((len(points), 3), start, (between, within))
 
     def write_time(self, records: NDArray[np.void], name: str, time: Ints) -> None:
         """Write times, ns, into the pair of numbers ``name.sec`` and ``name.nanosec``."""
