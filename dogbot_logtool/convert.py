@@ -354,9 +354,14 @@ def _findings(plan: Plan, tally: _Tally) -> Iterator[Finding]:
             unknown,
             note,
             "SUPPORT_UNKNOWN",
-            "times in /support at which a foot was silent or placeless",
+            "times in /support without a polygon, not knowing what is down",
         ),
-        (unweighed, note, "NO_PRESSURE", "times in /support whose vertical forces are not known"),
+        (
+            unweighed,
+            note,
+            "NO_PRESSURE",
+            "times in /support without a centre of pressure, for want of Fz",
+        ),
         (counts.foreign_states, note, "FOREIGN_STATES", "contact states of other pairs, left out"),
     ):
         if count:

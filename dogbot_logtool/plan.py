@@ -255,6 +255,10 @@ def _hearings(
         findings.append(note("NO_SUPPORT", f"there is no /support: the log has no {lacking}"))
         return ()
     robot = selection.robot
+    idle = [foot.name for number, foot in enumerate(robot.feet) if number not in evidence.touching]
+    if idle:
+        text = f"/support has no polygon until these feet touch, which were not seen to: {idle[0]}"
+        findings.append(note("NOT_SEEN_TOUCHING", ", ".join([text, *idle[1:]])))
     weight = body_weight_n(robot.mass_kg)
     rule = contact_rule(robot.contact_on_n, robot.contact_off_n, robot.debounce_s, weight)
     return tuple(

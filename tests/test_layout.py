@@ -39,7 +39,8 @@ def test_every_topic_and_field_is_in_a_converted_log(tmp_path: Path) -> None:
             if channel.topic == "/tf":
                 frames.add(message.transforms[0].child_frame_id)
     layout = layout_for(TROUBLED, TopicOptions())
-    assert set(panel(layout, "3D")["topics"]) == {t for t in fields if "marker" in t}
+    drawn = {topic for topic in fields if "marker" in topic or topic == "/support"}
+    assert set(panel(layout, "3D")["topics"]) == drawn
     assert panel(layout, "3D")["followTf"] in frames
     for kind in ("Plot", "StateTransitions"):
         paths = [path["value"] for path in panel(layout, kind)["paths"]]
@@ -52,7 +53,8 @@ def test_every_topic_and_field_is_in_a_converted_log(tmp_path: Path) -> None:
 def test_the_robot_is_followed_and_its_arrows_are_visible() -> None:
     scene = panel(foxglove_layout(FEET, "trunk"), "3D")
     assert (scene["followTf"], scene["followMode"]) == ("trunk", "follow-pose")
-    assert scene["topics"] == {f"/marker_basic_{foot}_foot": {"visible": True} for foot in FEET}
+    drawn = ["/support", *(f"/marker_basic_{foot}_foot" for foot in FEET)]
+    assert scene["topics"] == {topic: {"visible": True} for topic in drawn}
     assert scene["scene"]["transforms"]["enablePreloading"] is True
     assert any(layer["layerId"] == "foxglove.Grid" for layer in scene["layers"].values())
 

@@ -201,7 +201,10 @@ class Footing:
         point = rows.point[self._starts]
         chosen = (confirming >= first_new) & (confirming <= self._ends) & (confirming < len(rows))
         chosen &= np.isfinite(point).all(axis=1)
-        return Footfalls(rows.time[confirming[chosen]], point[chosen])
+        # A lift-off that silence told became known with the message that ended the silence.
+        known = confirming[chosen]
+        known += rows.heard[known] < rows.time[known]
+        return Footfalls(rows.time[known], point[chosen])
 
 
 def _rows(new: "_Told", before: FootRows, hearing: Hearing) -> FootRows:

@@ -84,8 +84,7 @@ def _at(
     heading = base.angles_at(instants)[:, 2] + FORWARD_ANGLES[forward_axis]
     points, load = feet_down(instants, feet)
     polygon = (np.isfinite(points[:, :, 0]).sum(axis=1) >= FEWEST_FEET) & np.isfinite(body[:, 0])
-    margin = np.full(len(instants), np.nan)
-    margin[polygon] = margin_in_hull(points[polygon], body[polygon])
+    margin = margin_in_hull(points, body)
     pressure = centre_of_pressure(points, load)
     ahead, left = along_heading(pressure - body, heading)
     return margin, polygon, ahead, left
