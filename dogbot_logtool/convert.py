@@ -354,13 +354,13 @@ def _findings(plan: Plan, tally: _Tally) -> Iterator[Finding]:
             unknown,
             note,
             "SUPPORT_UNKNOWN",
-            "times in /support without a polygon, not knowing what is down",
+            "/support without polygon, not knowing which feet are down",
         ),
         (
             unweighed,
             note,
             "NO_PRESSURE",
-            "times in /support without a centre of pressure, for want of Fz",
+            "/support without centre of pressure, not knowing vertical forces",
         ),
         (counts.foreign_states, note, "FOREIGN_STATES", "contact states of other pairs, left out"),
     ):

@@ -55,6 +55,8 @@ class Stretch:
 
     def of(self, records: NDArray[np.void]) -> NDArray[np.float64]:
         """Return the points of messages, (messages, points, numbers), to be written into."""
+        if not len(records):
+            return np.empty((0, *self.shape))
         return np.ndarray(
             (len(records), *self.shape),
             "<f8",
