@@ -27,6 +27,8 @@ TfOption = Literal["auto", "always", "never"]
 
 DEFAULT_WORLD: Final = "world"
 DEFAULT_BASE: Final = "base_link"
+_MOST_FEET: Final = 16
+"""Feet of which support is drawn: the work grows with the cube of their number."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -250,11 +252,17 @@ def _hearings(
     wanted = options.style != "classic" if options.scene is None else options.scene
     if not wanted:
         return ()
-    if not selection.odometry or not any(source.has_points for source in selection.sources):
-        lacking = "contact points" if selection.odometry else "odometry"
-        findings.append(note("NO_SUPPORT", f"there is no /support: the log has no {lacking}"))
-        return ()
     robot = selection.robot
+    why_not = ""
+    if not selection.odometry:
+        why_not = "the log has no odometry"
+    elif not any(source.has_points for source in selection.sources):
+        why_not = "the log has no contact points"
+    elif len(robot.feet) > _MOST_FEET:
+        why_not = f"{len(robot.feet)} feet are more than {_MOST_FEET}"
+    if why_not:
+        findings.append(note("NO_SUPPORT", f"there is no /support: {why_not}"))
+        return ()
     idle = [foot.name for number, foot in enumerate(robot.feet) if number not in evidence.touching]
     if idle:
         text = f"/support has no polygon until these feet touch, which were not seen to: {idle[0]}"

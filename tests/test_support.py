@@ -315,6 +315,15 @@ def test_feet_without_points_have_no_support(tmp_path: Path, kind: str) -> None:
     assert "contact points" in finding.text
 
 
+def test_a_centipede_has_no_support(tmp_path: Path) -> None:
+    feet = {f"foot_{number}": contact_topic("front_left") for number in range(17)}
+    options = ConvertOptions(topics=TopicOptions(robot="generic", foot_topics=feet), end_s=0.1)
+    done = convert(TROUBLED, tmp_path / "out.mcap", options)
+    assert "/support" not in done.annotations
+    (finding,) = [one for one in done.findings if one.code == "N_NO_SUPPORT"]
+    assert "17 feet" in finding.text
+
+
 def test_it_lasts_until_it_is_drawn_anew(tmp_path: Path) -> None:
     convert(TROUBLED, tmp_path / "out.mcap", ConvertOptions(copy=False, tf_rate_hz=1.0))
     written = read_written(tmp_path / "out.mcap")

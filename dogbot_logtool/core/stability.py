@@ -17,7 +17,8 @@ NEAR_NS: Final = 60_000_000
 """ns: a foot's row further from an instant than this does not tell where it is then."""
 FEWEST_FEET: Final = 3
 """Feet that span a polygon."""
-_CHUNK: Final = 20_000
+_CHUNK_NUMBERS: Final = 500_000
+"""Pairs of feet, times instants, that are looked at in one go."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -49,9 +50,10 @@ def stability(
         vertical_known: whether vertical forces are known; else there is no centre of pressure.
     """
     instants = _common_instants(feet, base)
+    chunk = max(_CHUNK_NUMBERS // max(len(feet), 1) ** 2, 1)
     parts = [
-        _at(instants[start : start + _CHUNK], feet, base, forward_axis)
-        for start in range(0, len(instants), _CHUNK)
+        _at(instants[start : start + chunk], feet, base, forward_axis)
+        for start in range(0, len(instants), chunk)
     ]
     if not parts:
         return None
@@ -167,11 +169,13 @@ def hulls(points: Floats) -> Hulls:
     """
     point = np.ascontiguousarray(points.T)
     along = point[:, None] - point[:, :, None]
-    sides = _cross(along[:, :, :, None], along[:, :, None])
-    with np.errstate(invalid="ignore"):
-        edge = (np.isnan(sides) | (sides >= 0.0)).all(axis=2)
-        edge &= (along != 0.0).any(axis=0) & np.isfinite(along[0])
-        area: Flags = (edge & (sides > 0.0).any(axis=2)).any(axis=(0, 1))
+    edge = (along != 0.0).any(axis=0) & np.isfinite(along[0])
+    area = np.zeros(len(points), np.bool_)
+    for first, away in enumerate(along.swapaxes(0, 1)):
+        sides = _cross(away[:, :, None], away[:, None])
+        with np.errstate(invalid="ignore"):
+            edge[first] &= (np.isnan(sides) | (sides >= 0.0)).all(axis=1)
+            area |= (edge[first] & (sides > 0.0).any(axis=1)).any(axis=0)
     return Hulls(point, along, edge, area)
 
 
