@@ -158,6 +158,7 @@ class Hulls:
     """(n,) whether the feet span an area."""
 
 
+@np.errstate(over="ignore", invalid="ignore")
 def hulls(points: Floats) -> Hulls:
     """Find the convex hull of some points.
 
@@ -173,9 +174,8 @@ def hulls(points: Floats) -> Hulls:
     area = np.zeros(len(points), np.bool_)
     for first, away in enumerate(along.swapaxes(0, 1)):
         sides = _cross(away[:, :, None], away[:, None])
-        with np.errstate(invalid="ignore"):
-            edge[first] &= (np.isnan(sides) | (sides >= 0.0)).all(axis=1)
-            area |= (edge[first] & (sides > 0.0).any(axis=1)).any(axis=0)
+        edge[first] &= (np.isnan(sides) | (sides >= 0.0)).all(axis=1)
+        area |= (edge[first] & (sides > 0.0).any(axis=1)).any(axis=0)
     return Hulls(point, along, edge, area)
 
 
@@ -192,14 +192,14 @@ def margin_in_hull(points: Floats, body: Floats) -> Floats:
     return margin_in(hulls(points), body)
 
 
+@np.errstate(over="ignore", invalid="ignore", divide="ignore")
 def margin_in(hull: Hulls, body: Floats) -> Floats:
     """See `margin_in_hull`."""
     along, to = hull.along, (body.T[:, None] - hull.point)[:, :, None]
-    with np.errstate(invalid="ignore", divide="ignore"):
-        inside = (~hull.edge | (_cross(along, to) >= 0.0)).all(axis=(0, 1))
-        share = (along * to).sum(axis=0) / (along * along).sum(axis=0)
-        away = to - np.clip(share, 0.0, 1.0) * along
-        reach = np.hypot(away[0], away[1])
+    inside = (~hull.edge | (_cross(along, to) >= 0.0)).all(axis=(0, 1))
+    share = (along * to).sum(axis=0) / (along * along).sum(axis=0)
+    away = to - np.clip(share, 0.0, 1.0) * along
+    reach = np.hypot(away[0], away[1])
     distance = np.where(hull.edge, reach, np.inf).min(axis=(0, 1), initial=np.inf)
     return np.where(hull.area, np.where(inside, distance, -distance), np.nan)
 

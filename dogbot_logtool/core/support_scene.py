@@ -11,7 +11,7 @@ from typing import Final
 
 import numpy as np
 
-from dogbot_logtool.core.arrays import Float32s, Floats, Ints
+from dogbot_logtool.core.arrays import Float32s, Floats, Ints, all_finite
 from dogbot_logtool.core.footing import TRAIL, Footing
 from dogbot_logtool.core.odometry import Odometry
 from dogbot_logtool.core.stability import Hulls, centre_of_pressure, hulls, margin_in
@@ -58,6 +58,7 @@ class SupportScene:
     """Times at which that is known, but not the vertical force on a foot that is down."""
 
 
+@np.errstate(over="ignore", invalid="ignore")
 def support_scene(poses: Odometry, feet: Sequence[Footing]) -> SupportScene:
     """Work out what the robot stands on.
 
@@ -88,7 +89,7 @@ def support_scene(poses: Odometry, feet: Sequence[Footing]) -> SupportScene:
         outline=outlines(in_use, hull),
         margin=margin,
         colour=margin_colour(margin),
-        pressure=pressure,
+        pressure=_known(pressure),
         projection=_projection(poses.position, points, footfalls[:, :, 0]),
         footfalls=_known_first(footfalls.reshape(-1, len(feet) * TRAIL, 3)),
         unknown=int((~told).sum()),
@@ -160,9 +161,12 @@ def _projection(base: Floats, points: Floats, newest_footfalls: Floats) -> Float
     """
     height = _mean_of_known(points[:, :, 2])
     height = np.where(np.isnan(height), _mean_of_known(newest_footfalls[:, :, 2]), height)
-    projection = np.column_stack([base[:, :2], height])
-    projection[np.isnan(height)] = np.nan
-    return projection
+    return _known(np.column_stack([base[:, :2], height]))
+
+
+def _known(points: Floats) -> Floats:
+    """Leave out points, (n, 3), of which a number is not known, or too large for a float."""
+    return np.where(all_finite(points)[:, None], points, np.nan)
 
 
 def _mean_of_known(values: Floats) -> Floats:

@@ -142,6 +142,16 @@ def test_in_flight_the_ground_is_where_the_feet_last_touched_down() -> None:
     assert np.isnan(shown((0, up)).projection).all()
 
 
+@pytest.mark.parametrize("size", [1e160, 1e308])
+def test_places_beyond_all_bounds_do_no_harm(size: float) -> None:
+    far = [((x * size, y * size, z * size), 1e153) for x, y, z in SQUARE]
+    scene = shown((0, far), (25, far), base=(size, size))
+    assert np.isfinite(np.array(corners(scene))).all()
+    for points in (scene.pressure, scene.projection):
+        assert np.isfinite(points).all() or np.isnan(points).all()
+    assert np.isfinite(scene.colour).all()
+
+
 def test_no_times_no_scene() -> None:
     footings = follow_feet([], [nothing_heard()] * 4, [Hearing(RULE)] * 4, force_in_world=False)
     scene = support_scene(pose(0).pick(np.empty(0, np.int64)), footings)
