@@ -3,9 +3,9 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
-from dogbot_logtool.conversion.carried import Carried, Work
+from dogbot_logtool.conversion.carried import Work
 from dogbot_logtool.conversion.copying import copied_chunks
-from dogbot_logtool.conversion.drawing import draw
+from dogbot_logtool.conversion.drawing import Drawn, draw
 from dogbot_logtool.conversion.placing import placed
 from dogbot_logtool.conversion.reading import ReadBatch, read_batch
 from dogbot_logtool.core.arrows import ArrowCounts
@@ -31,6 +31,10 @@ class Counts:
     foreign_states: int = 0
     """Contact states of pairs that the foot is not one body of."""
     frames: FrameCounts = field(default_factory=FrameCounts)
+    support_unknown: int = 0
+    """Support messages at whose time it was not known which feet are down, or where."""
+    support_unweighed: int = 0
+    """Support messages without a centre of pressure for want of a vertical force."""
 
     def __add__(self, other: "Counts") -> "Counts":
         return Counts(
@@ -40,6 +44,8 @@ class Counts:
             self.untimed_messages + other.untimed_messages,
             self.foreign_states + other.foreign_states,
             self.frames + other.frames,
+            self.support_unknown + other.support_unknown,
+            self.support_unweighed + other.support_unweighed,
         )
 
 
@@ -70,16 +76,20 @@ class BatchConverter:
         """Convert one batch."""
         try:
             read = read_batch(self._log, self._plan, work.span)
-            carried = work.hand_on(read)
+            carried = work.before.result()
+            read = placed(read, carried, self._plan)
+            footings = carried.footings(read, self._plan)
+            work.after.set_result(carried.past(read, footings))
         except BaseException:
             # Whoever waits must not wait for ever; the error reaches the user from here.
             work.give_up()
             raise
-        return self._converted(read, carried)
+        return self._converted(
+            read, draw(read, carried, footings, self._plan, self._log.start_time)
+        )
 
-    def _converted(self, read: ReadBatch, carried: Carried) -> ConvertedBatch:
-        read, frame_counts = placed(read, carried, self._plan)
-        drawn = draw(read, carried, self._plan, self._log.start_time)
+    def _converted(self, read: ReadBatch, drawn: Drawn) -> ConvertedBatch:
+        support = drawn.columns.support
         return ConvertedBatch(
             chunks=(
                 *self._copied(read.batch),
@@ -94,7 +104,9 @@ class BatchConverter:
                 bad_poses=read.bad_poses,
                 untimed_messages=sum(each.felt.untimed_messages for each in read.contacts),
                 foreign_states=sum(each.felt.foreign_states for each in read.contacts),
-                frames=frame_counts,
+                frames=read.frame_counts,
+                support_unknown=support.unknown if support else 0,
+                support_unweighed=support.unweighed if support else 0,
             ),
             malformed=read.malformed,
             losses=read.batch.losses,

@@ -158,6 +158,7 @@ def _annotations(log: Log, plan: Plan, tally: _Tally) -> Annotations:
         world_frame=plan.world_frame,
         base_frame=plan.base_frame,
         with_tf=plan.write_tf,
+        support_style=plan.support_style if plan.hearings else None,
         schema_ids=IdSource({channel.schema.id for channel in copied if channel.schema}),
         channel_ids=IdSource({channel.id for channel in copied}),
         resolve_topic=resolve_topic,
@@ -215,7 +216,7 @@ def _converted_batches(
 ) -> Iterator[ConvertedBatch]:
     total = sum(chunk.data_size for chunk in log.chunks)
     done = 0
-    work = chained(log.spans(plan.start_time, plan.end_time))
+    work = chained(log.spans(plan.start_time, plan.end_time), len(plan.hearings))
     for batch in in_order(BatchConverter(log, plan, annotations), work, plan.options.jobs):
         yield batch
         done += batch.stored_size
@@ -269,6 +270,7 @@ def _provenance(log: Log, plan: Plan, tally: _Tally) -> records.Metadata:
         "force_in_world": plan.force_in_world,
         "tf": options.tf,
         "tf_rate_hz": options.tf_rate_hz,
+        "scene": bool(plan.hearings),
         "start_s": options.start_s,
         "end_s": options.end_s,
         "robot": robot.name,
@@ -311,6 +313,7 @@ def _findings(plan: Plan, tally: _Tally) -> Iterator[Finding]:
         text = f"the log has a topic {topic} of another type, so ours is {name}"
         yield note("TOPIC_MOVED", text, name)
     counts, arrows = tally.counts, tally.counts.arrows
+    unknown, unweighed = counts.support_unknown, counts.support_unweighed
     untimed = 0 if plan.options.style == "classic" else counts.untimed_messages
     for count, say, code, text in (
         (counts.bad_poses, warning, "BAD_POSES", "poses not written for NaN or a zero quaternion"),
@@ -319,6 +322,18 @@ def _findings(plan: Plan, tally: _Tally) -> Iterator[Finding]:
         (arrows.no_direction, warning, "NO_DIRECTION", "contacts not drawn for want of a normal"),
         (arrows.overflow, warning, "OVERFLOW", "forces skipped, as live, for overflow of a square"),
         (untimed, warning, "UNTIMED_STATES", "contacts that tell no physics step, taken for one"),
+        (
+            unknown,
+            note,
+            "SUPPORT_UNKNOWN",
+            "/support without polygon, not knowing which feet are down",
+        ),
+        (
+            unweighed,
+            note,
+            "NO_PRESSURE",
+            "/support without centre of pressure, not knowing vertical forces",
+        ),
         (counts.foreign_states, note, "FOREIGN_STATES", "contact states of other pairs, left out"),
     ):
         if count:

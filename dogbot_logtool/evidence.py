@@ -54,6 +54,8 @@ class Evidence:
     """ns between messages in contact, by foot, of the feet that are silent in swing."""
     left_after_ns: int | None
     """See `FootChannels.left_after_ns`."""
+    touching: frozenset[int]
+    """Feet that were seen in contact."""
     zero_stamps: frozenset[str]
     """Topics whose header stamps are all zero."""
     chunks_seen: int
@@ -93,6 +95,7 @@ class _Look:
         self._links: dict[int, set[str]] = {}
         self._steps: dict[int, list[Ints]] = {}
         self._timings: list[StepTiming] = []
+        self._touching: set[int] = set()
 
     def take(self, batch: Batch) -> None:
         """Look at the messages of a batch."""
@@ -106,6 +109,7 @@ class _Look:
             samples = read.felt.samples
             self._alignments.append(alignment(samples))
             self._timings.append(read.timing)
+            self._touching.update(np.unique(samples.foot[samples.in_contact]).tolist())
             for foot, names in read.links.items():
                 self._links.setdefault(foot, set()).update(names)
             if read.source.has_header:
@@ -148,6 +152,7 @@ class _Look:
             ),
             intervals={foot: _interval(steps) for foot, steps in sorted(self._steps.items())},
             left_after_ns=left_after(self._timings),
+            touching=frozenset(self._touching),
             zero_stamps=frozenset(topic for topic, stamped in self._stamped.items() if not stamped),
             chunks_seen=seen,
             chunks=chunks,

@@ -10,7 +10,7 @@ from dogbot_logtool.reader.opening import open_log
 from dogbot_logtool.report.foot_pens import foot_colour
 from dogbot_logtool.robot import load_robot
 from dogbot_logtool.selection import TopicOptions, select_topics
-from dogbot_logtool.writer.annotations import arrow_topic, load_topic
+from dogbot_logtool.writer.annotations import SUPPORT_TOPIC, arrow_topic, load_topic
 
 
 def foxglove_layout(feet: Sequence[str], world_frame: str, base_frame: str) -> dict[str, Any]:
@@ -67,7 +67,7 @@ def _scene(feet: Sequence[str], world_frame: str, base_frame: str) -> dict[str, 
             "transforms": {"enablePreloading": True, "showLabel": False, "axisScale": 0.4},
         },
         "transforms": {},
-        "topics": {arrow_topic(foot): {"visible": True} for foot in feet},
+        "topics": {topic: {"visible": True} for topic in (*map(arrow_topic, feet), SUPPORT_TOPIC)},
         "layers": {
             "grid": {
                 "layerId": "foxglove.Grid",

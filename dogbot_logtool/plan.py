@@ -6,7 +6,10 @@ from typing import Final, Literal
 
 from dogbot_logtool.core.arrows import CLASSIC_DIAMETER_M, LIFETIME_S
 from dogbot_logtool.core.clock import TimeSource
+from dogbot_logtool.core.footfall import contact_rule
+from dogbot_logtool.core.footing import Hearing
 from dogbot_logtool.core.loads import body_weight_n
+from dogbot_logtool.core.silent_swing import MISSED_INTERVALS
 from dogbot_logtool.core.wrench_frame import WrenchFrame
 from dogbot_logtool.errors import LogError
 from dogbot_logtool.evidence import Evidence
@@ -17,7 +20,7 @@ from dogbot_logtool.robot import Robot
 from dogbot_logtool.selection import Selection, TopicOptions
 from dogbot_logtool.world_frames import WorldFrames, follow_frames
 from dogbot_logtool.writer.chunks import Compression
-from dogbot_logtool.writer.encoding import ArrowStyle
+from dogbot_logtool.writer.encoding import ArrowStyle, SupportStyle
 
 Style = Literal["classic", "pressure", "force"]
 EncodingName = Literal["foxglove", "ros1", "ros2"]
@@ -26,6 +29,8 @@ TfOption = Literal["auto", "always", "never"]
 
 DEFAULT_WORLD: Final = "world"
 DEFAULT_BASE: Final = "base_link"
+_MOST_FEET: Final = 16
+"""Feet of which support is drawn: the work grows with the cube of their number."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,6 +49,8 @@ class ConvertOptions:
     start_s: float | None = None
     """s since the log's start; messages recorded earlier are left out."""
     end_s: float | None = None
+    scene: bool | None = None
+    """Whether `/support` is written; None: where it can be, but not in `classic`."""
     compression: Compression | None = None
     """None: zstd, and the chunks of an MCAP input as they are."""
     jobs: int = 1
@@ -67,6 +74,9 @@ class Plan:
     """How links' frames hang in the world; None: not needed, or not connected."""
     body_weight_n: float | None
     arrow_style: ArrowStyle
+    support_style: SupportStyle
+    hearings: tuple[Hearing, ...]
+    """How to understand each foot where support is drawn; empty where it is not."""
     swing_intervals: Mapping[int, int]
     """ns between messages in contact, by foot, of the feet that are silent in swing."""
     start_time: int | None
@@ -121,6 +131,8 @@ def make_plan(log: Log, selection: Selection, evidence: Evidence, options: Conve
         frames=frames,
         body_weight_n=weight,
         arrow_style=_arrow_style(options.style, robot.shaft_diameter_m),
+        support_style=_support_style(robot.shaft_diameter_m, options.tf_rate_hz),
+        hearings=_hearings(selection, evidence, options, findings),
         swing_intervals=evidence.intervals,
         start_time=start_time,
         end_time=end_time,
@@ -280,6 +292,54 @@ def _arrow_style(style: Style, shaft_diameter_m: float) -> ArrowStyle:
     if style == "classic":
         return ArrowStyle(CLASSIC_DIAMETER_M, lifetime_s=0.0)
     return ArrowStyle(shaft_diameter_m, LIFETIME_S)
+
+
+def _support_style(shaft_diameter_m: float, tf_rate_hz: float) -> SupportStyle:
+    return SupportStyle(
+        line_m=shaft_diameter_m / 2.0,
+        mark_m=shaft_diameter_m,
+        # What is drawn anew at a low rate must last until then.
+        lifetime_s=max(LIFETIME_S, 2.0 / tf_rate_hz if tf_rate_hz else 0.0),
+    )
+
+
+def _hearings(
+    selection: Selection,
+    evidence: Evidence,
+    options: ConvertOptions,
+    findings: list[Finding],
+) -> tuple[Hearing, ...]:
+    """Return how to understand each foot; nothing where support is not drawn, with a reason."""
+    wanted = options.style != "classic" if options.scene is None else options.scene
+    if not wanted:
+        return ()
+    robot = selection.robot
+    why_not = ""
+    if not selection.odometry:
+        why_not = "the log has no odometry"
+    elif not any(source.has_points for source in selection.sources):
+        why_not = "the log has no contact points"
+    elif len(robot.feet) > _MOST_FEET:
+        why_not = f"{len(robot.feet)} feet are more than {_MOST_FEET}"
+    if why_not:
+        findings.append(note("NO_SUPPORT", f"there is no /support: {why_not}"))
+        return ()
+    idle = [foot.name for number, foot in enumerate(robot.feet) if number not in evidence.touching]
+    if idle:
+        text = f"/support has no polygon until these feet touch, which were not seen to: {idle[0]}"
+        findings.append(note("NOT_SEEN_TOUCHING", ", ".join([text, *idle[1:]])))
+    weight = body_weight_n(robot.mass_kg)
+    rule = contact_rule(robot.contact_on_n, robot.contact_off_n, robot.debounce_s, weight)
+    return tuple(
+        Hearing(
+            rule,
+            round(MISSED_INTERVALS * evidence.intervals[foot])
+            if foot in evidence.intervals
+            else None,
+            works=foot in evidence.touching,
+        )
+        for foot in range(len(robot.feet))
+    )
 
 
 def _frame(recorded: tuple[str, ...], default: str) -> str:

@@ -50,7 +50,13 @@ class GoldenLog:
         """Write the file into a folder."""
         start_s, end_s = _SPANS_S[self.log]
         options = ConvertOptions(
-            style=self.style, encoding=self.encoding, copy=False, start_s=start_s, end_s=end_s
+            style=self.style,
+            encoding=self.encoding,
+            copy=False,
+            start_s=start_s,
+            end_s=end_s,
+            # It does not depend on the style: once is enough.
+            scene=self.style == "pressure",
         )
         target = folder / self.name
         convert(SAMPLES / self.log, target, options)

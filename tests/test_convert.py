@@ -794,7 +794,7 @@ def test_without_copy_there_are_annotations_only(
     folder: Path, compression: Compression, encoding: EncodingName
 ) -> None:
     done = converted(folder, TROUBLED, copy=False, compression=compression, encoding=encoding)
-    topics = {"/tf", *map(arrow_topic, FEET), *map(load_topic, FEET)}
+    topics = {"/tf", "/support", *map(arrow_topic, FEET), *map(load_topic, FEET)}
     assert {channel.topic for channel in done.written.channels.values()} == topics
     encodings = {channel.message_encoding for channel in done.written.channels.values()}
     assert encodings == {of_encoding(encoding)}
@@ -1148,7 +1148,7 @@ def test_a_chunk_without_messages(tmp_path: Path, compression: Compression) -> N
     log.write_bytes(b"".join([*pieces, builder.end(), b"\x89MCAP0\r\n"]))
     conversion = convert(log, tmp_path / "out.mcap", ConvertOptions(compression=compression))
     assert (conversion.exit_code, conversion.copied) == (0, 100)
-    assert len(read_written(tmp_path / "out.mcap").messages) == 100 + 110
+    assert len(read_written(tmp_path / "out.mcap").messages) == 100 + 120
 
 
 def test_extras_are_not_copied_without_copy(tmp_path: Path) -> None:

@@ -40,8 +40,9 @@ def test_every_topic_and_field_is_in_a_converted_log(tmp_path: Path) -> None:
                 (transform,) = message.transforms
                 frames.add((transform.parent_frame_id, transform.child_frame_id))
     layout = layout_for(TROUBLED, TopicOptions())
-    assert set(panel(layout, "3D")["topics"]) == {t for t in fields if "marker" in t}
+    drawn = {topic for topic in fields if "marker" in topic or topic == "/support"}
     scene = panel(layout, "3D")
+    assert set(scene["topics"]) == drawn
     assert frames == {(scene["layers"]["grid"]["frameId"], scene["followTf"])}
     for kind in ("Plot", "StateTransitions"):
         paths = [path["value"] for path in panel(layout, kind)["paths"]]
@@ -54,7 +55,8 @@ def test_every_topic_and_field_is_in_a_converted_log(tmp_path: Path) -> None:
 def test_the_robot_is_followed_and_its_arrows_are_visible() -> None:
     scene = panel(foxglove_layout(FEET, "map", "trunk"), "3D")
     assert (scene["followTf"], scene["followMode"]) == ("trunk", "follow-position")
-    assert scene["topics"] == {f"/marker_basic_{foot}_foot": {"visible": True} for foot in FEET}
+    drawn = ["/support", *(f"/marker_basic_{foot}_foot" for foot in FEET)]
+    assert scene["topics"] == {topic: {"visible": True} for topic in drawn}
     assert scene["scene"]["transforms"]["enablePreloading"] is True
     assert scene["scene"]["transforms"]["showLabel"] is False
 

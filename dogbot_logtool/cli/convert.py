@@ -65,6 +65,11 @@ from dogbot_logtool.cli.outcomes import Outcomes
     metavar="HZ",
     help="Transforms a second; 0 writes every odometry message.",
 )
+@click.option(
+    "--scene/--no-scene",
+    default=None,
+    help="Draw what the robot stands on in /support; default: yes, but not in classic.",
+)
 @time_range
 @click.option(
     "--compression",
@@ -90,7 +95,7 @@ def convert(
     verbose: bool,
     **options: Any,  # noqa: ANN401 - click's words go straight into the dataclass
 ) -> None:
-    """Write an annotated MCAP: /tf, an arrow and a load at each foot, and the log itself."""
+    """Write an annotated MCAP: /tf, arrows and loads of the feet, /support, and the log itself."""
     from dogbot_logtool.convert import convert as convert_log  # noqa: PLC0415
     from dogbot_logtool.plan import ConvertOptions  # noqa: PLC0415
     from dogbot_logtool.report.console import diagnostics  # noqa: PLC0415

@@ -4,13 +4,15 @@ Batches are worked on in parallel. What a batch must know of all earlier ones is
 what was read of them alone, and is handed on before the heavy work begins.
 """
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from concurrent.futures import Future
 from dataclasses import dataclass, field
 
 from dogbot_logtool.conversion.reading import ReadBatch
+from dogbot_logtool.core.footing import Footing, FootMemory, follow_feet, nothing_heard
 from dogbot_logtool.core.silent_swing import LastHeard, last_heard
 from dogbot_logtool.core.transform_buffer import TransformBuffer
+from dogbot_logtool.plan import Plan
 from dogbot_logtool.reader.log import Span
 
 
@@ -24,16 +26,33 @@ class Carried:
     """When the feet that are silent in swing were last heard."""
     transforms: TransformBuffer = field(default_factory=TransformBuffer)
     """What was last recorded of the frames that are needed."""
+    feet: tuple[FootMemory, ...] = ()
+    """Where each foot stands; empty where nobody asks."""
 
-    def past(self, read: ReadBatch) -> "Carried":
-        """Return what the batch after this one must know."""
+    def footings(self, read: ReadBatch, plan: Plan) -> tuple[Footing, ...]:
+        """Return each foot's way through the batch after all earlier ones, if anybody asks."""
+        return follow_feet(
+            [contacts.felt.samples for contacts in read.contacts],
+            self.feet,
+            plan.hearings,
+            force_in_world=plan.force_in_world,
+        )
+
+    def past(self, read: ReadBatch, footings: Sequence[Footing]) -> "Carried":
+        """Return what the batch after this one must know.
+
+        Args:
+            read: what was read of this one.
+            footings: of each foot in this one, if anybody asks.
+        """
         time = read.poses.time
         heard = self.contacts
         for contacts in read.contacts:
             if contacts.source.silent_in_swing:
                 heard = last_heard(contacts.felt.samples, heard)
         transforms = read.frames.handed_on(self.transforms) if read.frames else self.transforms
-        return Carried(int(time[-1]) if len(time) else self.odometry, heard, transforms)
+        feet = tuple(footing.memory() for footing in footings)
+        return Carried(int(time[-1]) if len(time) else self.odometry, heard, transforms, feet)
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,21 +63,20 @@ class Work:
     before: Future[Carried]
     after: Future[Carried]
 
-    def hand_on(self, read: ReadBatch) -> Carried:
-        """Tell the next batch what it must know; return what the one before told."""
-        carried = self.before.result()
-        self.after.set_result(carried.past(read))
-        return carried
-
     def give_up(self) -> None:
         """Let nobody wait for what will not come; does nothing where it has come."""
         self.after.cancel()
 
 
-def chained(spans: Iterable[Span]) -> Iterator[Work]:
-    """Tie every batch to the one before it."""
+def chained(spans: Iterable[Span], feet: int) -> Iterator[Work]:
+    """Tie every batch to the one before it.
+
+    Args:
+        spans: the batches.
+        feet: the number of feet of which it is asked where they stand.
+    """
     before: Future[Carried] = Future()
-    before.set_result(Carried())
+    before.set_result(Carried(feet=(nothing_heard(),) * feet))
     for span in spans:
         after: Future[Carried] = Future()
         yield Work(span, before, after)

@@ -1,5 +1,6 @@
-"""What is drawn and told of a batch: transforms, arrows and loads."""
+"""What is drawn and told of a batch: transforms, arrows, loads and support."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -15,14 +16,15 @@ from dogbot_logtool.core.arrows import (
     pressure_arrows,
 )
 from dogbot_logtool.core.contacts import Samples
+from dogbot_logtool.core.footing import Footing
 from dogbot_logtool.core.loads import Loads, foot_loads
 from dogbot_logtool.core.odometry import (
     Odometry,
-    Transforms,
     base_transforms,
     first_at_each_tick,
 )
 from dogbot_logtool.core.silent_swing import with_swings
+from dogbot_logtool.core.support_scene import support_scene
 from dogbot_logtool.plan import Plan
 from dogbot_logtool.reader.contact_sources.registry import ContactsRead
 from dogbot_logtool.writer.annotations import AnnotationColumns
@@ -36,12 +38,19 @@ class Drawn:
     skipped: ArrowCounts
 
 
-def draw(read: ReadBatch, carried: Carried, plan: Plan, log_start: int | None) -> Drawn:
+def draw(
+    read: ReadBatch,
+    carried: Carried,
+    footings: Sequence[Footing],
+    plan: Plan,
+    log_start: int | None,
+) -> Drawn:
     """Compute what is to be written about a batch.
 
     Args:
         read: the batch.
         carried: what all earlier batches hand on.
+        footings: each foot's way through the batch, if support is to be drawn.
         plan: what is to be done.
         log_start: ns, log time at which the log begins.
     """
@@ -57,13 +66,14 @@ def draw(read: ReadBatch, carried: Carried, plan: Plan, log_start: int | None) -
         drawn, counts = _arrows(contacts, samples, plan)
         arrows.append(drawn)
         skipped += counts
-    transforms = _transforms(read.poses, carried.odometry, plan.options.tf_rate_hz)
-    return Drawn(AnnotationColumns(transforms, arrows, loads), skipped)
+    poses = _at_ticks(read.poses, carried.odometry, plan.options.tf_rate_hz)
+    support = support_scene(poses, footings) if footings else None
+    return Drawn(AnnotationColumns(base_transforms(poses), arrows, loads, support), skipped)
 
 
-def _transforms(poses: Odometry, previous_time: int | None, rate_hz: float) -> Transforms:
-    """Return the base's transforms at the ticks of the clock."""
-    return base_transforms(poses.pick(first_at_each_tick(poses.time, rate_hz, previous_time)))
+def _at_ticks(poses: Odometry, previous_time: int | None, rate_hz: float) -> Odometry:
+    """Return the base's poses at the ticks of the clock."""
+    return poses.pick(first_at_each_tick(poses.time, rate_hz, previous_time))
 
 
 def _arrows(read: ContactsRead, samples: Samples, plan: Plan) -> tuple[Arrows, ArrowCounts]:

@@ -8,7 +8,7 @@ from dogbot_logtool.core.link_frames import FrameCounts
 from dogbot_logtool.plan import Plan
 
 
-def placed(read: ReadBatch, carried: Carried, plan: Plan) -> tuple[ReadBatch, FrameCounts]:
+def placed(read: ReadBatch, carried: Carried, plan: Plan) -> ReadBatch:
     """Turn forces and place sensors, where that is wanted and the frames tell.
 
     Args:
@@ -16,13 +16,13 @@ def placed(read: ReadBatch, carried: Carried, plan: Plan) -> tuple[ReadBatch, Fr
         carried: what all earlier batches hand on.
         plan: what is to be done.
     """
-    counts = FrameCounts()
     if plan.frames is None or read.frames is None:
-        return read, counts
+        return read
     around = read.frames.around(carried.transforms)
+    counts = FrameCounts()
     contacts = []
     for each in read.contacts:
         samples, told = plan.frames.place(each.felt.samples, around)
         contacts.append(replace(each, felt=replace(each.felt, samples=samples)))
         counts += told
-    return replace(read, contacts=tuple(contacts)), counts
+    return replace(read, contacts=tuple(contacts), frame_counts=counts)

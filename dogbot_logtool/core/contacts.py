@@ -103,6 +103,13 @@ class Samples:
         )
 
 
+def no_samples() -> Samples:
+    """Return none."""
+    times, vectors = np.empty(0, np.int64), np.empty((0, 3))
+    flags = np.empty(0, np.bool_)
+    return Samples(times, times, times, flags, vectors, flags, times, vectors, vectors)
+
+
 def contact_samples(contacts: Contacts) -> Samples:
     """Reduce every contact message to one sample of its foot.
 

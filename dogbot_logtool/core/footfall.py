@@ -144,6 +144,32 @@ def schmitt(force: Floats, rule: ContactRule, *, on: bool) -> Flags:
     return state
 
 
+def contact_groups(
+    time: Ints, contact: Flags, debounce_ns: int, silent_before: Flags | None = None
+) -> tuple[Ints, Ints]:
+    """Join the runs of contact over short swings.
+
+    Args:
+        time: (n,) ns, strictly increasing.
+        contact: (n,) state of the Schmitt trigger.
+        debounce_ns: shorter swings are short.
+        silent_before: (n,) nothing was known just before: a swing that begins so is not short.
+
+    Returns:
+        first row in contact, and first row after it, of each; the number of rows where contact
+        lasts to the last row.
+    """
+    padded = np.concatenate([[False], contact, [False]])
+    edges = np.flatnonzero(padded[1:] != padded[:-1])
+    starts, ends = edges[::2], edges[1::2]
+    filled = time[starts[1:]] - time[ends[:-1]] < debounce_ns
+    if silent_before is not None:
+        filled &= ~silent_before[ends[:-1]]
+    first = np.concatenate([[True], ~filled])[: len(starts)]
+    last = np.concatenate([~filled, [True]])[: len(starts)]
+    return starts[first], ends[last]
+
+
 @dataclass(frozen=True, slots=True)
 class DecidedStance:
     """A stance after debouncing."""
@@ -195,20 +221,7 @@ class StanceFinder:
         return self._stances(self._open, starts, ends, may_be_brief=True)
 
     def _groups(self, signal: FootSignal) -> tuple[Ints, Ints]:
-        """Join the runs of contact over short swings.
-
-        Returns:
-            first row in contact, and first row after it, of each; the number of rows where
-            contact lasts to the last row.
-        """
-        padded = np.concatenate([[False], signal.contact, [False]])
-        edges = np.flatnonzero(padded[1:] != padded[:-1])
-        starts, ends = edges[::2], edges[1::2]
-        swing = signal.time[starts[1:]] - signal.time[ends[:-1]]
-        filled = (swing < self._debounce_ns) & ~signal.silent_before[ends[:-1]]
-        first = np.concatenate([[True], ~filled])[: len(starts)]
-        last = np.concatenate([~filled, [True]])[: len(starts)]
-        return starts[first], ends[last]
+        return contact_groups(signal.time, signal.contact, self._debounce_ns, signal.silent_before)
 
     def _is_over(self, signal: FootSignal, end: int) -> bool:
         """Tell whether the swing that begins at a row can no longer be filled."""

@@ -17,7 +17,8 @@ NEAR_NS: Final = 60_000_000
 """ns: a foot's row further from an instant than this does not tell where it is then."""
 FEWEST_FEET: Final = 3
 """Feet that span a polygon."""
-_CHUNK: Final = 100_000
+_CHUNK_NUMBERS: Final = 500_000
+"""Pairs of feet, times instants, that are looked at in one go."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -49,9 +50,10 @@ def stability(
         vertical_known: whether vertical forces are known; else there is no centre of pressure.
     """
     instants = _common_instants(feet, base)
+    chunk = max(_CHUNK_NUMBERS // max(len(feet), 1) ** 2, 1)
     parts = [
-        _at(instants[start : start + _CHUNK], feet, base, forward_axis)
-        for start in range(0, len(instants), _CHUNK)
+        _at(instants[start : start + chunk], feet, base, forward_axis)
+        for start in range(0, len(instants), chunk)
     ]
     if not parts:
         return None
@@ -84,8 +86,7 @@ def _at(
     heading = base.angles_at(instants)[:, 2] + FORWARD_ANGLES[forward_axis]
     points, load = feet_down(instants, feet)
     polygon = (np.isfinite(points[:, :, 0]).sum(axis=1) >= FEWEST_FEET) & np.isfinite(body[:, 0])
-    margin = np.full(len(instants), np.nan)
-    margin[polygon] = margin_in_hull(points[polygon], body[polygon])
+    margin = margin_in_hull(points, body)
     pressure = centre_of_pressure(points, load)
     ahead, left = along_heading(pressure - body, heading)
     return margin, polygon, ahead, left
@@ -126,14 +127,14 @@ def _nearest(time: Ints, instants: Ints) -> tuple[Ints, Flags]:
 
 
 def centre_of_pressure(points: Floats, load: Floats) -> Floats:
-    """Return sum(Fz p) / sum(Fz), seen from above.
+    """Return sum(Fz p) / sum(Fz).
 
     Args:
-        points: (n, feet, 2) m; NaN where a foot is not down.
+        points: (n, feet, 2 or 3) m; NaN where a foot is not down.
         load: (n, feet) N, vertical force, 0 where a foot is not down.
 
     Returns:
-        (n, 2) m; NaN where nothing is loaded.
+        (n, 2 or 3) m; NaN where nothing is loaded.
     """
     total = load.sum(axis=1)
     weighted = (np.nan_to_num(points) * load[:, :, None]).sum(axis=1)
@@ -142,11 +143,44 @@ def centre_of_pressure(points: Floats, load: Floats) -> Floats:
     return centre
 
 
-def margin_in_hull(points: Floats, body: Floats) -> Floats:
-    """Return the signed distance of a point to the edge of the convex hull of some others.
+@dataclass(frozen=True, slots=True)
+class Hulls:
+    """Convex hulls of the feet that are down, seen from above."""
+
+    point: Floats
+    """(2, feet, n) m; NaN where a foot is not down."""
+    along: Floats
+    """(2, feet, feet, n) m, from the one foot to the other."""
+    edge: Flags
+    """(feet, feet, n) whether an edge runs from the one foot to the other, counter-clockwise; both
+    ways between two feet, or the ends of a row of feet."""
+    area: Flags
+    """(n,) whether the feet span an area."""
+
+
+@np.errstate(over="ignore", invalid="ignore")
+def hulls(points: Floats) -> Hulls:
+    """Find the convex hull of some points.
 
     A pair of points is an edge of the hull where all other points lie to the left of the line
     through them: for the few feet that a robot has, trying all pairs is the plainest way.
+
+    Args:
+        points: (n, feet, 2) m; NaN where a foot is not down.
+    """
+    point = np.ascontiguousarray(points.T)
+    along = point[:, None] - point[:, :, None]
+    edge = (along != 0.0).any(axis=0) & np.isfinite(along[0])
+    area = np.zeros(len(points), np.bool_)
+    for first, away in enumerate(along.swapaxes(0, 1)):
+        sides = _cross(away[:, :, None], away[:, None])
+        edge[first] &= (np.isnan(sides) | (sides >= 0.0)).all(axis=1)
+        area |= (edge[first] & (sides > 0.0).any(axis=1)).any(axis=0)
+    return Hulls(point, along, edge, area)
+
+
+def margin_in_hull(points: Floats, body: Floats) -> Floats:
+    """Return the signed distance of a point to the edge of the convex hull of some others.
 
     Args:
         points: (n, feet, 2) m; NaN where a foot is not down.
@@ -155,37 +189,22 @@ def margin_in_hull(points: Floats, body: Floats) -> Floats:
     Returns:
         (n,) m, positive inside, NaN where the points span no area.
     """
-    distance = np.full(len(points), np.inf)
-    inside = np.ones(len(points), np.bool_)
-    area = np.zeros(len(points), np.bool_)
-    with np.errstate(invalid="ignore"):
-        for first in range(points.shape[1]):
-            for second in range(points.shape[1]):
-                if first == second:
-                    continue
-                begin, end = points[:, first], points[:, second]
-                sides = _left_of(begin[:, None], end[:, None], points)
-                edge = (np.isnan(sides) | (sides >= 0.0)).all(axis=1)
-                edge &= np.isfinite(begin[:, 0]) & np.isfinite(end[:, 0])
-                edge &= (begin != end).any(axis=1)
-                area |= edge & (np.nan_to_num(sides) > 0.0).any(axis=1)
-                inside &= ~edge | (_left_of(begin, end, body) >= 0.0)
-                reach = _to_edge(begin, end, body)
-                distance = np.where(edge, np.minimum(distance, reach), distance)
-    return np.where(area, np.where(inside, distance, -distance), np.nan)
+    return margin_in(hulls(points), body)
 
 
-def _left_of(begin: Floats, end: Floats, point: Floats) -> Floats:
-    """Twice the signed area of the triangle: positive where the point lies to the left."""
-    along, to = end - begin, point - begin
-    signed: Floats = along[..., 0] * to[..., 1] - along[..., 1] * to[..., 0]
+@np.errstate(over="ignore", invalid="ignore", divide="ignore")
+def margin_in(hull: Hulls, body: Floats) -> Floats:
+    """See `margin_in_hull`."""
+    along, to = hull.along, (body.T[:, None] - hull.point)[:, :, None]
+    inside = (~hull.edge | (_cross(along, to) >= 0.0)).all(axis=(0, 1))
+    share = (along * to).sum(axis=0) / (along * along).sum(axis=0)
+    away = to - np.clip(share, 0.0, 1.0) * along
+    reach = np.hypot(away[0], away[1])
+    distance = np.where(hull.edge, reach, np.inf).min(axis=(0, 1), initial=np.inf)
+    return np.where(hull.area, np.where(inside, distance, -distance), np.nan)
+
+
+def _cross(along: Floats, to: Floats) -> Floats:
+    """Twice the signed area of the triangle: positive where the one turns left to the other."""
+    signed: Floats = along[0] * to[1] - along[1] * to[0]
     return signed
-
-
-def _to_edge(begin: Floats, end: Floats, point: Floats) -> Floats:
-    """(n,) distance of points to line segments."""
-    along, to = end - begin, point - begin
-    with np.errstate(invalid="ignore", divide="ignore"):
-        share = np.clip((along * to).sum(axis=1) / (along * along).sum(axis=1), 0.0, 1.0)
-    away = to - share[:, None] * along
-    return np.asarray(np.hypot(away[:, 0], away[:, 1]))

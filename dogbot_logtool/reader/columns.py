@@ -76,8 +76,8 @@ class Texts:
         for size in np.unique(self.length[left]).tolist():
             alike = left[self.length[left] == size]
             # Texts without a byte are all alike.
-            texts = gather(self.buffer, self.start[alike], size) if size else alike * 0
-            _, first_rows, inverse = np.unique(texts, return_index=True, return_inverse=True)
+            whole = gather(self.buffer, self.start[alike], size) if size else alike * 0
+            _, first_rows, inverse = np.unique(whole, return_index=True, return_inverse=True)
             code[alike] = len(names) + inverse
             names.extend(self.text(row) for row in alike[first_rows].tolist())
         return code, tuple(names)

@@ -7,8 +7,8 @@ import numpy as np
 
 from dogbot_logtool.core.arrays import Ints
 from dogbot_logtool.core.clock import TimeSource
-from dogbot_logtool.core.transform_buffer import FrameTrack, TransformBuffer, frame_track
 from dogbot_logtool.core.recorded_transforms import RecordedTransforms
+from dogbot_logtool.core.transform_buffer import FrameTrack, TransformBuffer, frame_track
 
 
 def static_tracks(recorded: RecordedTransforms, channels: AbstractSet[int]) -> TransformBuffer:

@@ -1,4 +1,4 @@
-"""The messages that we add: transforms, arrows and loads, stamped out of columns."""
+"""The messages that we add: transforms, arrows, loads and support, stamped out of columns."""
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from collections.abc import Set as AbstractSet
@@ -13,12 +13,21 @@ from dogbot_logtool.core.arrays import Floats, Ints, stable_order
 from dogbot_logtool.core.arrows import Arrows
 from dogbot_logtool.core.loads import Loads
 from dogbot_logtool.core.odometry import Transforms
+from dogbot_logtool.core.support_scene import SupportScene
 from dogbot_logtool.errors import LogtoolError
-from dogbot_logtool.writer.encoding import SHAFT_SHARE, ArrowStyle, Encoding, MessageType
+from dogbot_logtool.writer.encoding import (
+    SHAFT_SHARE,
+    ArrowStyle,
+    Encoding,
+    MessageType,
+    SupportStyle,
+)
 from dogbot_logtool.writer.outgoing import Outgoing, in_time_order, stamped
+from dogbot_logtool.writer.support import SupportStamper
 from dogbot_logtool.writer.template import Stamps, Template
 
 TF_TOPIC: Final = "/tf"
+SUPPORT_TOPIC: Final = "/support"
 FALLBACK_PREFIX: Final = "/dogbot_logtool"
 _MAX_ID: Final = 0xFFFF
 
@@ -43,6 +52,8 @@ class AnnotationColumns:
     transforms: Transforms
     arrows: Sequence[Arrows]
     loads: Sequence[Loads]
+    support: SupportScene | None = None
+    """None: not to be written."""
 
 
 class IdSource:
@@ -77,6 +88,7 @@ class Annotations:
         world_frame: str,
         base_frame: str,
         with_tf: bool,
+        support_style: SupportStyle | None = None,
         schema_ids: IdSource,
         channel_ids: IdSource,
         resolve_topic: ResolveTopic,
@@ -101,6 +113,10 @@ class Annotations:
         self._load = encoding.load()
         load_channels = [self._declare(load_topic(foot), encoding.load_type) for foot in feet]
         self._load_channels = np.array(load_channels, np.int64)
+        self._support: SupportStamper | None = None
+        if support_style is not None:
+            channel = self._declare(SUPPORT_TOPIC, encoding.support_type)
+            self._support = SupportStamper(channel, encoding, world_frame, support_style)
 
     def _declare(self, topic: str, kind: MessageType) -> int:
         schema = next((one for one in self.schemas if one.name == kind.name), None)
@@ -140,6 +156,8 @@ class Annotations:
                 parts.append(_shown(channel, arrow, arrows, stamps, of_foot[shown]))
                 parts.append(_removed(channel, removal, arrows, stamps, of_foot[~shown]))
         parts.extend(_loads(self._load_channels, self._load, loads) for loads in columns.loads)
+        if self._support is not None and columns.support is not None:
+            parts.extend(self._support.outgoing(columns.support))
         return in_time_order(parts) if parts else stamped(0, *_nothing())
 
 

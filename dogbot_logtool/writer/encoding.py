@@ -1,5 +1,6 @@
 """What an output encoding must offer, and what both have in common."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Final, Protocol
 
@@ -35,17 +36,87 @@ class ArrowStyle:
     """0: for ever."""
 
 
+@dataclass(frozen=True, slots=True)
+class SupportShape:
+    """What a support message holds; messages of one shape are of one size."""
+
+    line_points: int
+    """Points of the outline, one after the other."""
+    pressure: bool
+    """Whether the centre of pressure is known; also `projection`, the base's."""
+    projection: bool
+    footfalls: int
+
+
+@dataclass(frozen=True, slots=True)
+class SupportStyle:
+    """What is the same for all support messages."""
+
+    line_m: float
+    """m, thickness of the outline."""
+    mark_m: float
+    """m, diameter of a footfall's mark."""
+    lifetime_s: float
+
+
+@dataclass(frozen=True, slots=True)
+class BallLook:
+    """How a point of a support message is drawn: as a sphere, or flat on the ground."""
+
+    width: float
+    """Times the diameter of a footfall's mark; also `height`."""
+    height: float
+    colour: tuple[float, float, float, float]
+    """Red, green, blue, alpha; Okabe and Ito's, besides those of the outline."""
+
+
+PRESSURE_LOOK: Final = BallLook(1.5, 1.5, (0.8, 0.475, 0.655, 1.0))
+"""Reddish purple."""
+PROJECTION_LOOK: Final = BallLook(1.5, 0.25, (0.337, 0.706, 0.914, 1.0))
+"""Sky blue."""
+FOOTFALL_LOOK: Final = BallLook(1.0, 0.25, (0.6, 0.6, 0.6, 1.0))
+"""Grey."""
+
+
+@dataclass(frozen=True, slots=True)
+class SupportPoints:
+    """Names of a support message's points."""
+
+    line: tuple[str, ...]
+    pressure: tuple[str, ...]
+    projection: tuple[str, ...]
+    footfalls: tuple[str, ...]
+
+    @property
+    def fields(self) -> Mapping[str, Kind]:
+        """Their numbers."""
+        names = (*self.line, *self.pressure, *self.projection, *self.footfalls)
+        return {f"{name}.{axis}": Kind.FLOAT64 for name in names for axis in "xyz"}
+
+
+def support_points(shape: SupportShape) -> SupportPoints:
+    """Return the names of a support message's points."""
+    return SupportPoints(
+        line=tuple(f"line{number}" for number in range(shape.line_points)),
+        pressure=("pressure",) * shape.pressure,
+        projection=("projection",) * shape.projection,
+        footfalls=tuple(f"footfall{number}" for number in range(shape.footfalls)),
+    )
+
+
 class Encoding(Protocol):
     """Makes templates of the annotations.
 
     Numbers are named alike in all encodings: ``stamp``; ``x``, ``y``, ``z`` of a position;
     ``qx``, ``qy``, ``qz``, ``qw`` of an orientation; ``length`` of an arrow or, where an encoding
-    has none, ``shaft`` and ``head``; ``r``, ``g``, ``b``, ``a``; and those of `LOAD_FIELDS`.
+    has none, ``shaft`` and ``head``; ``r``, ``g``, ``b``, ``a``; those of `LOAD_FIELDS`; and of
+    each of the `support_points`, ``x``, ``y`` and ``z`` after its name and a dot.
     """
 
     transform_type: MessageType
     arrow_type: MessageType
     load_type: MessageType
+    support_type: MessageType
 
     def transform(self, parent: str, child: str) -> Template:
         """Return a message of one transform."""
@@ -58,3 +129,6 @@ class Encoding(Protocol):
 
     def load(self) -> Template:
         """Return a message that gives a foot's load."""
+
+    def support(self, shape: SupportShape, frame: str, style: SupportStyle) -> Template:
+        """Return a message that draws what the robot stands on; it replaces the one before."""

@@ -4,7 +4,11 @@ from collections.abc import Mapping
 from typing import Final, cast
 
 from foxglove_schemas_protobuf.FrameTransforms_pb2 import FrameTransforms
+from foxglove_schemas_protobuf.LinePrimitive_pb2 import LinePrimitive
+from foxglove_schemas_protobuf.Point3_pb2 import Point3
+from foxglove_schemas_protobuf.SceneEntity_pb2 import SceneEntity
 from foxglove_schemas_protobuf.SceneUpdate_pb2 import SceneUpdate
+from foxglove_schemas_protobuf.Vector3_pb2 import Vector3
 from google.protobuf.descriptor import FileDescriptor
 from google.protobuf.descriptor_pb2 import (
     DescriptorProto,
@@ -19,15 +23,23 @@ from google.protobuf.timestamp_pb2 import DESCRIPTOR as TIMESTAMP_FILE
 from google.protobuf.timestamp_pb2 import Timestamp
 
 from dogbot_logtool.writer.encoding import (
+    FOOTFALL_LOOK,
     HEAD_TO_SHAFT,
     LOAD_FIELDS,
+    PRESSURE_LOOK,
+    PROJECTION_LOOK,
     ArrowStyle,
+    BallLook,
     MessageType,
+    SupportShape,
+    SupportStyle,
+    support_points,
 )
 from dogbot_logtool.writer.template import Kind, Number, Template, learn
 
 _STAMP: Final = {"stamp.sec": Kind.VARINT, "stamp.nanosec": Kind.VARINT}
 _POSE: Final = dict.fromkeys(("x", "y", "z", "qx", "qy", "qz", "qw"), Kind.FLOAT64)
+_COLOUR: Final = dict.fromkeys("rgba", Kind.FLOAT64)
 _ARROW: Final = dict.fromkeys(("shaft", "head", "r", "g", "b", "a"), Kind.FLOAT64)
 
 
@@ -99,13 +111,14 @@ def _set_time(stamp: Timestamp, values: Mapping[str, Number]) -> None:
 
 
 class FoxgloveEncoding:
-    """FrameTransforms, SceneUpdate and a load message of our own."""
+    """FrameTransforms, SceneUpdates and a load message of our own."""
 
     def __init__(self) -> None:
         self._load_class = _load_class()
         self.transform_type = _message_type(FrameTransforms)
         self.arrow_type = _message_type(SceneUpdate)
         self.load_type = _message_type(self._load_class)
+        self.support_type = self.arrow_type
 
     def transform(self, parent: str, child: str) -> Template:
         """See `Encoding.transform`."""
@@ -167,3 +180,45 @@ class FoxgloveEncoding:
             return message.SerializeToString(deterministic=True)
 
         return learn(serialise, _STAMP | LOAD_FIELDS)
+
+    def support(self, shape: SupportShape, frame: str, style: SupportStyle) -> Template:
+        """See `Encoding.support`; one entity holds it all, so that each replaces the last."""
+        message = SceneUpdate()
+        entity = message.entities.add(id="support", frame_id=frame)
+        entity.lifetime.FromNanoseconds(round(style.lifetime_s * 1e9))
+        points = support_points(shape)
+        places: dict[str, Point3 | Vector3] = {}
+        line = LinePrimitive()
+        if points.line:
+            line = entity.lines.add(type=LinePrimitive.LINE_STRIP, thickness=style.line_m)
+            # All zeros are no orientation.
+            line.pose.orientation.w = 1.0
+            places |= {name: line.points.add() for name in points.line}
+        for names, look in (
+            (points.pressure, PRESSURE_LOOK),
+            (points.projection, PROJECTION_LOOK),
+            (points.footfalls, FOOTFALL_LOOK),
+        ):
+            places |= {name: _add_ball(entity, look, style.mark_m) for name in names}
+
+        def serialise(values: Mapping[str, Number]) -> bytes:
+            _set_time(entity.timestamp, values)
+            for name, place in places.items():
+                place.x, place.y, place.z = (values[f"{name}.{axis}"] for axis in "xyz")
+            if points.line:
+                colour = line.color
+                colour.r, colour.g, colour.b, colour.a = (values[part] for part in "rgba")
+            return message.SerializeToString(deterministic=True)
+
+        colour = _COLOUR if points.line else {}
+        return learn(serialise, {**_STAMP, **colour, **points.fields})
+
+
+def _add_ball(entity: SceneEntity, look: BallLook, mark_m: float) -> Vector3:
+    """Add a sphere; return its place."""
+    ball = entity.spheres.add()
+    ball.pose.orientation.w = 1.0
+    ball.size.x = ball.size.y = look.width * mark_m
+    ball.size.z = look.height * mark_m
+    ball.color.r, ball.color.g, ball.color.b, ball.color.a = look.colour
+    return ball.pose.position

@@ -1,16 +1,28 @@
 """Annotations as ROS messages: what ROS 1 and ROS 2 have in common."""
 
 from abc import ABC, abstractmethod
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any, ClassVar, Final
 
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
-from dogbot_logtool.writer.encoding import LOAD_FIELDS, ArrowStyle, MessageType
+from dogbot_logtool.writer.encoding import (
+    FOOTFALL_LOOK,
+    LOAD_FIELDS,
+    PRESSURE_LOOK,
+    PROJECTION_LOOK,
+    ArrowStyle,
+    BallLook,
+    MessageType,
+    SupportShape,
+    SupportStyle,
+    support_points,
+)
 from dogbot_logtool.writer.template import Kind, Number, Template, learn
 
 TF: Final = "tf2_msgs/msg/TFMessage"
 MARKER: Final = "visualization_msgs/msg/Marker"
+MARKERS: Final = "visualization_msgs/msg/MarkerArray"
 _LOAD: Final = "dogbot_logtool/msg/Load"
 _LOAD_DEFINITION: Final = """
 # The load on a foot at the time of one contact message.
@@ -20,15 +32,18 @@ float64 force     # N, magnitude
 float64 force_bw  # body weights; NaN when the robot's mass is not known
 """
 _NAMESPACE: Final = "dogbot"
-_ARROW_TYPE, _ADD, _DELETE = 0, 0, 2
+_ADD, _DELETE = 0, 2
+_ARROW_TYPE, _LINE_STRIP_TYPE, _SPHERE_LIST_TYPE = 0, 4, 7
+_SUPPORT_MARKERS: Final = 4
+"""Outline, centre of pressure, projection and footfalls, in the order of their ids."""
 _STAMP: Final = {"stamp.sec": Kind.UINT32, "stamp.nanosec": Kind.UINT32}
 _POSE: Final = dict.fromkeys(("x", "y", "z", "qx", "qy", "qz", "qw"), Kind.FLOAT64)
 _COLOUR: Final = dict.fromkeys("rgba", Kind.FLOAT32)
-_HIDDEN: Final = dict.fromkeys((*_POSE, *_COLOUR, "length"), 0.0) | {"qw": 1.0}
+_UPRIGHT: Final = {"qx": 0.0, "qy": 0.0, "qz": 0.0, "qw": 1.0}
 
 
 class RosEncoding(ABC):
-    """tf2_msgs/TFMessage, visualization_msgs/Marker and a load message of our own."""
+    """tf2_msgs/TFMessage, visualization_msgs' markers and a load message of our own."""
 
     distribution: ClassVar[Stores]
     """Whose message definitions are used."""
@@ -43,6 +58,7 @@ class RosEncoding(ABC):
         self.transform_type = self._message_type(TF)
         self.arrow_type = self._message_type(MARKER)
         self.load_type = self._message_type(_LOAD)
+        self.support_type = self._message_type(MARKERS)
 
     @abstractmethod
     def _message_type(self, name: str) -> MessageType:
@@ -64,16 +80,16 @@ class RosEncoding(ABC):
         """Make a message."""
         return self._store.types[name](**fields)  # type: ignore[arg-type]
 
-    def _time(self, values: Mapping[str, Number]) -> Any:  # noqa: ANN401
+    def _time(self, values: Mapping[str, Number], name: str = "stamp") -> Any:  # noqa: ANN401
         return self.make(
             "builtin_interfaces/msg/Time",
-            sec=values["stamp.sec"],
-            nanosec=values["stamp.nanosec"],
+            sec=values[f"{name}.sec"],
+            nanosec=values[f"{name}.nanosec"],
         )
 
-    def header(self, frame: str, values: Mapping[str, Number]) -> Any:  # noqa: ANN401
+    def header(self, frame: str, values: Mapping[str, Number], stamp_name: str = "stamp") -> Any:  # noqa: ANN401
         """Make a header."""
-        stamp = self._time(values)
+        stamp = self._time(values, stamp_name)
         return self.make(
             "std_msgs/msg/Header", stamp=stamp, frame_id=frame, **self._header_extras()
         )
@@ -106,52 +122,133 @@ class RosEncoding(ABC):
         del foot
 
         def serialise(values: Mapping[str, Number]) -> bytes:
-            return self._marker(frame, _ADD, style, values)
+            length, diameter = values["length"], style.shaft_diameter_m
+            arrow = self.marker(
+                self.header(frame, values),
+                type=_ARROW_TYPE,
+                pose=self._pose(self.point(values), values),
+                scale=self._vector(length, diameter, diameter),
+                color=self._colour([values[part] for part in "rgba"]),
+                lifetime=self._duration(style.lifetime_s),
+            )
+            return self._serialise(arrow, MARKER)
 
         return learn(serialise, _STAMP | _POSE | _COLOUR | {"length": Kind.FLOAT64})
 
     def removal(self, foot: str, frame: str) -> Template:
         """See `Encoding.removal`."""
         del foot
-        unseen = ArrowStyle(shaft_diameter_m=0.0, lifetime_s=0.0)
 
         def serialise(values: Mapping[str, Number]) -> bytes:
-            return self._marker(frame, _DELETE, unseen, {**_HIDDEN, **values})
+            header = self.header(frame, values)
+            return self._serialise(self.marker(header, type=_ARROW_TYPE, action=_DELETE), MARKER)
 
         return learn(serialise, _STAMP)
 
-    def _marker(
-        self, frame: str, action: int, style: ArrowStyle, values: Mapping[str, Number]
-    ) -> bytes:
-        diameter = style.shaft_diameter_m
-        place = {axis: values[axis] for axis in "xyz"}
-        seconds, nanoseconds = divmod(round(style.lifetime_s * 1e9), 1_000_000_000)
-        marker = self.make(
+    def support(self, shape: SupportShape, frame: str, style: SupportStyle) -> Template:
+        """See `Encoding.support`; of its four markers, those that there are not are deleted."""
+        points = support_points(shape)
+        lifetime = self._duration(style.lifetime_s)
+        stamps = [f"stamp{number}" for number in range(_SUPPORT_MARKERS)]
+
+        def serialise(values: Mapping[str, Number]) -> bytes:
+            looks = (
+                self._line(points.line, style, values),
+                self._balls(points.pressure, PRESSURE_LOOK, style, values),
+                self._balls(points.projection, PROJECTION_LOOK, style, values),
+                self._balls(points.footfalls, FOOTFALL_LOOK, style, values),
+            )
+            markers = [
+                self.marker(
+                    self.header(frame, values, stamp),
+                    ns="support",
+                    id=number,
+                    **({"lifetime": lifetime, **look} if look else {"action": _DELETE}),
+                )
+                for number, (stamp, look) in enumerate(zip(stamps, looks, strict=True))
+            ]
+            return self._serialise(self.make(MARKERS, markers=markers), MARKERS)
+
+        times = {f"{stamp}.{part}": Kind.UINT32 for stamp in stamps for part in ("sec", "nanosec")}
+        colour = _COLOUR if points.line else {}
+        return learn(serialise, {**times, **colour, **points.fields})
+
+    def _line(
+        self, names: Sequence[str], style: SupportStyle, values: Mapping[str, Number]
+    ) -> Mapping[str, Any]:
+        """Return the fields of a marker that joins points; none where there are none."""
+        if not names:
+            return {}
+        return {
+            "type": _LINE_STRIP_TYPE,
+            "points": [self.point(values, f"{name}.") for name in names],
+            "scale": self._vector(style.line_m, 0.0, 0.0),
+            "color": self._colour([values[part] for part in "rgba"]),
+        }
+
+    def _balls(
+        self,
+        names: Sequence[str],
+        look: BallLook,
+        style: SupportStyle,
+        values: Mapping[str, Number],
+    ) -> Mapping[str, Any]:
+        """Return the fields of a marker of several spheres; none where there are none."""
+        if not names:
+            return {}
+        width, height = look.width * style.mark_m, look.height * style.mark_m
+        return {
+            "type": _SPHERE_LIST_TYPE,
+            "points": [self.point(values, f"{name}.") for name in names],
+            "scale": self._vector(width, width, height),
+            "color": self._colour(look.colour),
+        }
+
+    def point(self, values: Mapping[str, Number], name: str = "") -> Any:  # noqa: ANN401
+        """Make a point of three named numbers."""
+        return self.make("geometry_msgs/msg/Point", **{axis: values[name + axis] for axis in "xyz"})
+
+    def _pose(self, position: Any, turn: Mapping[str, Number]) -> Any:  # noqa: ANN401
+        orientation = self._quaternion(turn)
+        return self.make("geometry_msgs/msg/Pose", position=position, orientation=orientation)
+
+    def _vector(self, x: Number, y: Number, z: Number) -> Any:  # noqa: ANN401
+        return self.make("geometry_msgs/msg/Vector3", x=x, y=y, z=z)
+
+    def _colour(self, parts: Sequence[Number]) -> Any:  # noqa: ANN401
+        named = dict(zip("rgba", parts, strict=True))
+        return self.make("std_msgs/msg/ColorRGBA", **named)
+
+    def _duration(self, seconds: float) -> Any:  # noqa: ANN401
+        whole, nanoseconds = divmod(round(seconds * 1e9), 1_000_000_000)
+        return self.make("builtin_interfaces/msg/Duration", sec=whole, nanosec=nanoseconds)
+
+    def marker(self, header: Any, **fields: Any) -> Any:  # noqa: ANN401
+        """Make a marker; what is not given is that of a marker of no size."""
+        nowhere = self.point(dict.fromkeys("xyz", 0.0))
+        given = {
+            "ns": _NAMESPACE,
+            "id": 0,
+            "type": _ARROW_TYPE,
+            "action": _ADD,
+            "pose": self._pose(nowhere, _UPRIGHT),
+            "scale": self._vector(0.0, 0.0, 0.0),
+            "color": self._colour((0.0,) * 4),
+            "lifetime": self._duration(0.0),
+            "points": [],
+            **fields,
+        }
+        return self.make(
             MARKER,
-            header=self.header(frame, values),
-            ns=_NAMESPACE,
-            id=0,
-            type=_ARROW_TYPE,
-            action=action,
-            pose=self.make(
-                "geometry_msgs/msg/Pose",
-                position=self.make("geometry_msgs/msg/Point", **place),
-                orientation=self._quaternion(values),
-            ),
-            scale=self.make(
-                "geometry_msgs/msg/Vector3", x=values["length"], y=diameter, z=diameter
-            ),
-            color=self.make("std_msgs/msg/ColorRGBA", **{part: values[part] for part in "rgba"}),
-            lifetime=self.make("builtin_interfaces/msg/Duration", sec=seconds, nanosec=nanoseconds),
+            header=header,
             frame_locked=False,
-            points=[],
             colors=[],
             text="",
             mesh_resource="",
             mesh_use_embedded_materials=False,
+            **given,
             **self._marker_extras(),
         )
-        return self._serialise(marker, MARKER)
 
     def load(self) -> Template:
         """See `Encoding.load`."""

@@ -1,15 +1,15 @@
 """Stamping out messages: one is serialised by its official library, the rest are copies of it.
 
-Nothing here knows a wire format. To find where a number lies, a message is serialised twice with
-two values that differ in every byte, and the bytes that changed are its place. Copies are then
-made as a numpy structured array, and the numbers written into its columns.
+Nothing here knows a wire format. To find where numbers lie, a message is serialised several times
+with either of two values that differ in every byte, and the bytes that changed are their places.
+Copies are then made as a numpy structured array, and the numbers written into its columns.
 """
 
 import struct
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from enum import Enum
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -56,6 +56,30 @@ class Stamps:
 
 
 @dataclass(frozen=True, slots=True)
+class Stretch:
+    """Points of a message that stand at equal distances, so that all are written at once."""
+
+    shape: tuple[int, int]
+    """Number of points, and of numbers in each."""
+    start: int
+    """First byte of the first."""
+    strides: tuple[int, int]
+    """Bytes from one point to the next, and from one number to the next."""
+
+    def of(self, records: NDArray[np.void]) -> NDArray[np.float64]:
+        """Return the points of messages, (messages, points, numbers), to be written into."""
+        if not len(records):
+            return np.empty((0, *self.shape))
+        return np.ndarray(
+            (len(records), *self.shape),
+            "<f8",
+            records.view(np.uint8).data,
+            self.start,
+            (records.dtype.itemsize, *self.strides),
+        )
+
+
+@dataclass(frozen=True, slots=True)
 class Template:
     """A serialised message and the places of the numbers that vary."""
 
@@ -74,6 +98,24 @@ class Template:
         records = np.empty(count, f"V{self.size}")
         records[:] = np.void(self.message)
         return records.view(self.dtype)
+
+    def stretch(self, points: Sequence[str]) -> Stretch:
+        """Find out where some points lie.
+
+        Args:
+            points: names; the numbers of each are those whose names begin with its and a dot.
+        """
+        fields: Mapping[str, tuple[Any, ...]] = self.dtype.fields or {}
+        offsets = np.array([[fields[f"{name}.{axis}"][1] for axis in "xyz"] for name in points])
+        start = int(offsets[0, 0])
+        between = int(offsets[1, 0]) - start if len(points) > 1 else 0
+        within = int(offsets[0, 1]) - start
+        steps = between * np.arange(len(points))[:, None] + within * np.arange(3)
+        if (offsets != start + steps).any() or any(
+            self.kinds[f"{name}.{axis}"] is not Kind.FLOAT64 for name in points for axis in "xyz"
+        ):
+            raise AssertionError(f"{', '.join(points)} do not stand at equal distances")
+        return Stretch((len(points), 3), start, (between, within))
 
     def stamps(self, name: str, time: Ints) -> Stamps:
         """Return times, ns, as the numbers ``name.sec`` and ``name.nanosec`` write them."""
@@ -95,22 +137,37 @@ class Template:
 def learn(serialise: Serialise, fields: Mapping[str, Kind]) -> Template:
     """Find out where the numbers of a message lie.
 
+    The numbers are counted from 1, and the message is serialised once for every binary digit of
+    the count, with the second value for the numbers that have the digit: the times at which a byte
+    changed spell out the number that it belongs to.
+
     Args:
         serialise: builds and serialises the message.
         fields: the numbers that vary.
     """
-    base = {name: kind.first for name, kind in fields.items()}
-    message = serialise(base)
-    offsets: list[int] = []
-    for name, kind in fields.items():
-        changed = serialise({**base, name: kind.second})
+    message = serialise({name: kind.first for name, kind in fields.items()})
+    owner = np.zeros(len(message), np.int64)
+    for digit in range(len(fields).bit_length()):
+        changed = serialise(
+            {
+                name: kind.second if count >> digit & 1 else kind.first
+                for count, (name, kind) in enumerate(fields.items(), 1)
+            }
+        )
         if len(changed) != len(message):
-            raise AssertionError(f"{name} is not written in a fixed width")
-        places = [at for at, (a, b) in enumerate(zip(message, changed, strict=True)) if a != b]
+            asked = [name for count, name in enumerate(fields, 1) if count >> digit & 1]
+            raise AssertionError(f"one of {', '.join(asked)} is not written in a fixed width")
+        differs = np.frombuffer(changed, np.uint8) != np.frombuffer(message, np.uint8)
+        owner += differs.astype(np.int64) << digit
+    owners, first = np.unique(owner, return_index=True)
+    first_of = dict(zip(owners.tolist(), first.tolist(), strict=True))
+    owners, last = np.unique(owner[::-1], return_index=True)
+    last_of = dict(zip(owners.tolist(), (len(message) - 1 - last).tolist(), strict=True))
+    for count, (name, kind) in enumerate(fields.items(), 1):
         width = np.dtype(kind.dtype).itemsize
-        if not places or places[-1] - places[0] >= width:
+        if count not in first_of or last_of[count] - first_of[count] >= width:
             raise AssertionError(f"{name} is not written in one place")
-        offsets.append(places[0])
+    offsets = [first_of[count] for count in range(1, len(fields) + 1)]
     dtype = np.dtype(
         {
             "names": list(fields),

@@ -117,6 +117,48 @@ def test_a_number_that_is_not_written_is_refused() -> None:
         learn(lambda _: b"constant", {"n": Kind.UINT32})
 
 
+@pytest.mark.parametrize("count", [1, 2, 3, 7, 8, 100])
+def test_many_numbers_are_told_apart(count: int) -> None:
+    names = [f"n{number}" for number in range(count)]
+    asked = 0
+
+    def serialise(values: Mapping[str, Number]) -> bytes:
+        nonlocal asked
+        asked += 1
+        return struct.pack(f"<{count}d", *(values[name] for name in names))
+
+    template = learn(serialise, dict.fromkeys(names, Kind.FLOAT64))
+    assert [template.dtype.fields[name][1] for name in names] == [  # type: ignore[index]
+        8 * number for number in range(count)
+    ]
+    assert asked == 1 + count.bit_length()
+
+
+def points_of(spacing: str, count: int) -> Template:
+    names = [f"p{number}.{axis}" for number in range(count) for axis in "xyz"]
+    return learn(
+        lambda values: struct.pack(spacing, *(values[name] for name in names)),
+        dict.fromkeys(names, Kind.FLOAT64),
+    )
+
+
+@given(st.integers(0, 5), st.integers(1, 4))
+def test_points_are_written_at_once(messages: int, count: int) -> None:
+    template = points_of("<" + "3xdxdxd" * count, count)
+    points = np.arange(messages * count * 3.0).reshape(messages, count, 3)
+    copies = template.copies(messages)
+    template.stretch([f"p{number}" for number in range(count)]).of(copies)[:] = points
+    wanted = [struct.pack("<" + "3xdxdxd" * count, *rows.ravel()) for rows in points]
+    # Bytes between the numbers are the message's own.
+    assert [copy.tobytes() for copy in copies] == wanted
+
+
+def test_points_at_odd_places_are_refused() -> None:
+    for spacing in ("<dddxddd" + "ddd", "<ddxd" * 1 + "dddddd"):
+        with pytest.raises(AssertionError, match="p0, p1, p2 do not stand at equal distances"):
+            points_of(spacing, 3).stretch(["p0", "p1", "p2"])
+
+
 @pytest.mark.parametrize("kind", Kind)
 def test_sentinels_differ_in_every_byte(kind: Kind) -> None:
     """Otherwise a number's first byte could be missed."""
