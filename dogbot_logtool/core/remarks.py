@@ -8,6 +8,7 @@ import numpy as np
 
 from dogbot_logtool.core import timespans
 from dogbot_logtool.core.arrays import norms
+from dogbot_logtool.core.base_motion import BaseMotion
 from dogbot_logtool.core.foot_figures import FootFigures
 from dogbot_logtool.core.gait import CONSISTENT, IRREGULAR
 from dogbot_logtool.core.load_figures import is_saturated, is_stuck, vertical_is_known
@@ -20,6 +21,8 @@ OFTEN: Final = 0.01
 """Share of messages from which a fault is worth a warning."""
 SOME_S: Final = 0.1
 """s, time from which a lack is worth a warning."""
+WALKED_M: Final = 0.5
+"""m, way to a side from which its direction means something."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -184,10 +187,25 @@ def _base(stats: Stats) -> Iterator[Remark]:
     if base.froude is None:
         text = "the base's mean height is not above 0 in the world: no Froude number"
         yield Remark("N_NO_FROUDE", text, "base.froude")
+    yield from _heading(stats, base)
     speed = _fastest_step_mps(stats)
     if speed is not None and speed > 20.0:
         text = f"the base jumps: two poses are {speed:.0f} m/s apart"
         yield Remark("W_POSE_JUMP", text, "base.path_length_m")
+
+
+def _heading(stats: Stats, base: BaseMotion) -> Iterator[Remark]:
+    forward, left = base.forward_speed_mps, base.lateral_speed_mps
+    if forward is None or left is None or abs(left) * base.duration_s < WALKED_M:
+        return
+    if abs(left) > 2.0 * abs(forward):
+        axis, side = stats.settings.forward_axis, "left" if left > 0.0 else "right"
+        text = (
+            f"the robot moves to the {side} of its forward axis {axis}, at {abs(left):.2f} m/s "
+            f"against {forward:.2f} m/s forward: if it does not walk sideways, another "
+            "--forward-axis is right"
+        )
+        yield Remark("W_MOVES_SIDEWAYS", text, "base.forward_speed_mps")
 
 
 def _fastest_step_mps(stats: Stats) -> float | None:

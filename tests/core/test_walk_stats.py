@@ -173,6 +173,19 @@ def test_a_running_trot_has_flight() -> None:
     assert stats.support.flight_fraction == pytest.approx(0.2, abs=0.01)
 
 
+@pytest.mark.parametrize(
+    ("axis", "speed_mps", "said"),
+    [("+x", 0.5, ""), ("+y", 0.5, "right"), ("-y", 0.5, "left"), ("+y", 0.03, "")],
+)
+def test_a_robot_that_seems_to_walk_sideways_is_told(
+    axis: str, speed_mps: float, said: str
+) -> None:
+    stats = Walk(speed_mps=speed_mps).measure(replace(SETTINGS, forward_axis=axis))
+    found = [remark.text for remark in remarks(stats) if remark.code == "W_MOVES_SIDEWAYS"]
+    assert len(found) == bool(said)
+    assert all(f"to the {said} of its forward axis {axis}, at 0.50 m/s" in text for text in found)
+
+
 def test_a_walk_in_lateral_sequence() -> None:
     stats = Walk(phases=WALK, duty=(0.8,) * 4, period_s=1.0).measure()
     assert stats.main is not None
