@@ -6,7 +6,6 @@ from dataclasses import dataclass, field
 from dogbot_logtool.conversion.carried import Carried, Work
 from dogbot_logtool.conversion.copying import copied_chunks
 from dogbot_logtool.conversion.drawing import draw
-from dogbot_logtool.conversion.placing import placed
 from dogbot_logtool.conversion.reading import ReadBatch, read_batch
 from dogbot_logtool.core.arrows import ArrowCounts
 from dogbot_logtool.core.link_frames import FrameCounts
@@ -78,7 +77,6 @@ class BatchConverter:
         return self._converted(read, carried)
 
     def _converted(self, read: ReadBatch, carried: Carried) -> ConvertedBatch:
-        read, frame_counts = placed(read, carried, self._plan)
         drawn = draw(read, carried, self._plan, self._log.start_time)
         return ConvertedBatch(
             chunks=(
@@ -94,7 +92,7 @@ class BatchConverter:
                 bad_poses=read.bad_poses,
                 untimed_messages=sum(each.felt.untimed_messages for each in read.contacts),
                 foreign_states=sum(each.felt.foreign_states for each in read.contacts),
-                frames=frame_counts,
+                frames=drawn.placed,
             ),
             malformed=read.malformed,
             losses=read.batch.losses,

@@ -15,6 +15,7 @@ from dogbot_logtool.core.arrows import (
     pressure_arrows,
 )
 from dogbot_logtool.core.contacts import Samples
+from dogbot_logtool.core.link_frames import FrameCounts
 from dogbot_logtool.core.loads import Loads, foot_loads
 from dogbot_logtool.core.odometry import (
     Odometry,
@@ -23,6 +24,7 @@ from dogbot_logtool.core.odometry import (
     first_at_each_tick,
 )
 from dogbot_logtool.core.silent_swing import with_swings
+from dogbot_logtool.core.transform_buffer import TransformBuffer
 from dogbot_logtool.plan import Plan
 from dogbot_logtool.reader.contact_sources.registry import ContactsRead
 from dogbot_logtool.writer.annotations import AnnotationColumns
@@ -34,6 +36,8 @@ class Drawn:
 
     columns: AnnotationColumns
     skipped: ArrowCounts
+    placed: FrameCounts
+    """What the log's own frames told of the contacts that are drawn."""
 
 
 def draw(read: ReadBatch, carried: Carried, plan: Plan, log_start: int | None) -> Drawn:
@@ -48,17 +52,21 @@ def draw(read: ReadBatch, carried: Carried, plan: Plan, log_start: int | None) -
     start = None if plan.start_time is not None else log_start
     arrows: list[Arrows] = []
     loads: list[Loads] = []
-    skipped = ArrowCounts()
+    skipped, told = ArrowCounts(), FrameCounts()
+    around = read.frames.around(carried.transforms) if read.frames else TransformBuffer()
     for contacts in read.contacts:
         samples = contacts.felt.samples
         if contacts.source.silent_in_swing:
             samples = with_swings(samples, plan.swing_intervals, carried.contacts, start)
         loads.append(foot_loads(samples, plan.body_weight_n))
-        drawn, counts = _arrows(contacts, samples, plan)
+        if plan.frames is not None:
+            samples, counts = plan.frames.place(samples, around)
+            told += counts
+        drawn, left_out = _arrows(contacts, samples, plan)
         arrows.append(drawn)
-        skipped += counts
+        skipped += left_out
     transforms = _transforms(read.poses, carried.odometry, plan.options.tf_rate_hz)
-    return Drawn(AnnotationColumns(transforms, arrows, loads), skipped)
+    return Drawn(AnnotationColumns(transforms, arrows, loads), skipped, told)
 
 
 def _transforms(poses: Odometry, previous_time: int | None, rate_hz: float) -> Transforms:
