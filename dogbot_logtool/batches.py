@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 from dogbot_logtool.conversion.carried import Work
 from dogbot_logtool.conversion.copying import copied_chunks
 from dogbot_logtool.conversion.drawing import Drawn, draw
-from dogbot_logtool.conversion.placing import placed
+from dogbot_logtool.conversion.placing import place
 from dogbot_logtool.conversion.reading import ReadBatch, read_batch
 from dogbot_logtool.core.arrows import ArrowCounts
 from dogbot_logtool.core.link_frames import FrameCounts
@@ -77,18 +77,17 @@ class BatchConverter:
         try:
             read = read_batch(self._log, self._plan, work.span)
             carried = work.before.result()
-            read = placed(read, carried, self._plan)
-            footings = carried.footings(read, self._plan)
+            placed = place(read, carried, self._plan)
+            footings = carried.footings(placed.samples, self._plan)
             work.after.set_result(carried.past(read, footings))
         except BaseException:
             # Whoever waits must not wait for ever; the error reaches the user from here.
             work.give_up()
             raise
-        return self._converted(
-            read, draw(read, carried, footings, self._plan, self._log.start_time)
-        )
+        drawn = draw(read, placed.samples, footings, carried, self._plan)
+        return self._converted(read, drawn, placed.counts)
 
-    def _converted(self, read: ReadBatch, drawn: Drawn) -> ConvertedBatch:
+    def _converted(self, read: ReadBatch, drawn: Drawn, frames: FrameCounts) -> ConvertedBatch:
         support = drawn.columns.support
         return ConvertedBatch(
             chunks=(
@@ -104,7 +103,7 @@ class BatchConverter:
                 bad_poses=read.bad_poses,
                 untimed_messages=sum(each.felt.untimed_messages for each in read.contacts),
                 foreign_states=sum(each.felt.foreign_states for each in read.contacts),
-                frames=read.frame_counts,
+                frames=frames,
                 support_unknown=support.unknown if support else 0,
                 support_unweighed=support.unweighed if support else 0,
             ),

@@ -79,6 +79,8 @@ class Plan:
     """How to understand each foot where support is drawn; empty where it is not."""
     swing_intervals: Mapping[int, int]
     """ns between messages in contact, by foot, of the feet that are silent in swing."""
+    swings_from: int | None
+    """ns, log time from which a foot that was not heard yet may be said to swing; None: none."""
     start_time: int | None
     """ns, log time from which on messages are taken; None: all; also `end_time`."""
     end_time: int | None
@@ -134,6 +136,7 @@ def make_plan(log: Log, selection: Selection, evidence: Evidence, options: Conve
         support_style=_support_style(robot.shaft_diameter_m, options.tf_rate_hz),
         hearings=_hearings(selection, evidence, options, findings),
         swing_intervals=evidence.intervals,
+        swings_from=log.start_time if start_time is None else None,
         start_time=start_time,
         end_time=end_time,
         findings=tuple(sorted(findings)),

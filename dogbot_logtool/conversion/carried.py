@@ -9,6 +9,7 @@ from concurrent.futures import Future
 from dataclasses import dataclass, field
 
 from dogbot_logtool.conversion.reading import ReadBatch
+from dogbot_logtool.core.contacts import Samples
 from dogbot_logtool.core.footing import Footing, FootMemory, follow_feet, nothing_heard
 from dogbot_logtool.core.silent_swing import LastHeard, last_heard
 from dogbot_logtool.core.transform_buffer import TransformBuffer
@@ -29,14 +30,14 @@ class Carried:
     feet: tuple[FootMemory, ...] = ()
     """Where each foot stands; empty where nobody asks."""
 
-    def footings(self, read: ReadBatch, plan: Plan) -> tuple[Footing, ...]:
-        """Return each foot's way through the batch after all earlier ones, if anybody asks."""
-        return follow_feet(
-            [contacts.felt.samples for contacts in read.contacts],
-            self.feet,
-            plan.hearings,
-            force_in_world=plan.force_in_world,
-        )
+    def footings(self, samples: Sequence[Samples], plan: Plan) -> tuple[Footing, ...]:
+        """Return each foot's way through a batch after all earlier ones, if anybody asks.
+
+        Args:
+            samples: of the batch, placed in the world as far as frames tell.
+            plan: what is to be done.
+        """
+        return follow_feet(samples, self.feet, plan.hearings, force_in_world=plan.force_in_world)
 
     def past(self, read: ReadBatch, footings: Sequence[Footing]) -> "Carried":
         """Return what the batch after this one must know.

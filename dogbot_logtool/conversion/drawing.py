@@ -40,35 +40,43 @@ class Drawn:
 
 def draw(
     read: ReadBatch,
-    carried: Carried,
+    placed: Sequence[Samples],
     footings: Sequence[Footing],
+    carried: Carried,
     plan: Plan,
-    log_start: int | None,
 ) -> Drawn:
     """Compute what is to be written about a batch.
 
     Args:
         read: the batch.
-        carried: what all earlier batches hand on.
+        placed: its contacts, placed in the world as far as frames tell.
         footings: each foot's way through the batch, if support is to be drawn.
+        carried: what all earlier batches hand on.
         plan: what is to be done.
-        log_start: ns, log time at which the log begins.
     """
-    start = None if plan.start_time is not None else log_start
     arrows: list[Arrows] = []
     loads: list[Loads] = []
     skipped = ArrowCounts()
-    for contacts in read.contacts:
+    for contacts, in_world in zip(read.contacts, placed, strict=True):
         samples = contacts.felt.samples
-        if contacts.source.silent_in_swing:
-            samples = with_swings(samples, plan.swing_intervals, carried.contacts, start)
-        loads.append(foot_loads(samples, plan.body_weight_n))
-        drawn, counts = _arrows(contacts, samples, plan)
+        felt = _with_swings(contacts, samples, carried, plan)
+        # A load is a magnitude, which no frame changes but in its last digit.
+        loads.append(foot_loads(felt, plan.body_weight_n))
+        if in_world is not samples:
+            felt = _with_swings(contacts, in_world, carried, plan)
+        drawn, left_out = _arrows(contacts, felt, plan)
         arrows.append(drawn)
-        skipped += counts
+        skipped += left_out
     poses = _at_ticks(read.poses, carried.odometry, plan.options.tf_rate_hz)
     support = support_scene(poses, footings) if footings else None
     return Drawn(AnnotationColumns(base_transforms(poses), arrows, loads, support), skipped)
+
+
+def _with_swings(read: ContactsRead, samples: Samples, carried: Carried, plan: Plan) -> Samples:
+    """Return the samples, and swings where the sensor is silent in swing."""
+    if not read.source.silent_in_swing:
+        return samples
+    return with_swings(samples, plan.swing_intervals, carried.contacts, plan.swings_from)
 
 
 def _at_ticks(poses: Odometry, previous_time: int | None, rate_hz: float) -> Odometry:

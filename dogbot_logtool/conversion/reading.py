@@ -1,9 +1,8 @@
 """What `convert` reads of a batch: columns of what the robot did and felt."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
-from dogbot_logtool.core.link_frames import FrameCounts
 from dogbot_logtool.core.odometry import Odometry, concatenate_odometry, usable_poses
 from dogbot_logtool.plan import Plan
 from dogbot_logtool.reader.contact_sources.registry import ContactsRead, read_contacts
@@ -28,8 +27,6 @@ class ReadBatch:
     """Messages that could not be decoded, by channel id."""
     stored_size: int
     """Bytes of the file that it was read from."""
-    frame_counts: FrameCounts = field(default_factory=FrameCounts)
-    """What became of the contacts whose place in the world the frames tell."""
 
 
 def read_batch(log: Log, plan: Plan, span: Span) -> ReadBatch:
