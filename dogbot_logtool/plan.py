@@ -104,13 +104,16 @@ def make_plan(log: Log, selection: Selection, evidence: Evidence, options: Conve
     findings = [*selection.findings, *evidence_findings(selection, evidence)]
     world, base = frame_names(robot, evidence)
     wrench_frame = _wrench_frame(evidence, options)
+    hearings = _hearings(selection, evidence, options, findings)
     frames = follow_frames(
         selection,
         evidence,
         world,
         base,
         _clock(selection, evidence),
-        turn_forces=options.style == "force" and wrench_frame is WrenchFrame.LINK,
+        # The centre of pressure of a support needs vertical forces too.
+        turn_forces=wrench_frame is WrenchFrame.LINK
+        and (options.style == "force" or bool(hearings)),
         place_sensors=options.style != "classic",
     )
     findings.extend(_without_points(selection, frames))
@@ -134,7 +137,7 @@ def make_plan(log: Log, selection: Selection, evidence: Evidence, options: Conve
         body_weight_n=weight,
         arrow_style=_arrow_style(options.style, robot.shaft_diameter_m),
         support_style=_support_style(robot.shaft_diameter_m, options.tf_rate_hz),
-        hearings=_hearings(selection, evidence, options, findings),
+        hearings=hearings,
         swing_intervals=evidence.intervals,
         swings_from=log.start_time if start_time is None else None,
         start_time=start_time,

@@ -1,7 +1,7 @@
 """What is drawn and told of a batch: transforms, arrows, loads and support."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -60,16 +60,26 @@ def draw(
     for contacts, in_world in zip(read.contacts, placed, strict=True):
         samples = contacts.felt.samples
         felt = _with_swings(contacts, samples, carried, plan)
-        # A load is a magnitude, which no frame changes but in its last digit.
         loads.append(foot_loads(felt, plan.body_weight_n))
         if in_world is not samples:
-            felt = _with_swings(contacts, in_world, carried, plan)
+            felt = _with_swings(contacts, _as_drawn(samples, in_world, plan), carried, plan)
         drawn, left_out = _arrows(contacts, felt, plan)
         arrows.append(drawn)
         skipped += left_out
     poses = _at_ticks(read.poses, carried.odometry, plan.options.tf_rate_hz)
     support = support_scene(poses, footings) if footings else None
     return Drawn(AnnotationColumns(base_transforms(poses), arrows, loads, support), skipped)
+
+
+def _as_drawn(recorded: Samples, in_world: Samples, plan: Plan) -> Samples:
+    """Return samples that were placed, with forces as the style wants them.
+
+    Turning a force changes its magnitude in the last digit, so loads and the arrows that show
+    nothing else are those of the recorded one.
+    """
+    if plan.options.style == "force":
+        return in_world
+    return replace(in_world, force=recorded.force)
 
 
 def _with_swings(read: ContactsRead, samples: Samples, carried: Carried, plan: Plan) -> Samples:
