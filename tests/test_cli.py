@@ -288,7 +288,7 @@ def test_convert_says_what_it_did_on_stderr_only(shell: Shell) -> None:
     done = shell("convert", TROUBLED)
     assert (done.code, done.out) == (0, "")
     assert shell.files() == ["dogbot_troubled.annotated.mcap"]
-    assert "dogbot_troubled.annotated.mcap: 3,408 recorded messages and 4,058 ann" in done.err
+    assert "dogbot_troubled.annotated.mcap: 3,408 recorded messages and 4,308 ann" in done.err
     assert "warning" in done.err
     assert "note" in done.err
 
@@ -412,7 +412,7 @@ def test_a_long_name_that_the_disk_takes_is_taken(shell: Shell) -> None:
 
 def test_options_reach_the_conversion(shell: Shell) -> None:
     words = ["--start", "1", "--end", "2", "--tf-rate", "0", "--no-copy", "--compression", "none"]
-    words += ["--odom-topic", "/dogbot/odom", "--robot", "generic", "--mass", "10"]
+    words += ["--no-scene", "--odom-topic", "/dogbot/odom", "--robot", "generic", "--mass", "10"]
     feet = ["--foot", "paw=/dogbot/back_left_contactsensor_state"]
     done = shell("convert", TROT, "-o", "x.mcap", "--json", *words, *feet)
     told = done.json

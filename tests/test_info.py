@@ -91,7 +91,7 @@ def test_findings(log: Path) -> None:
     frame = truth(log)["forces"]["wrench_frame"].upper()
     wanted = {"N_ROBOT_GUESSED", f"N_WRENCH_FRAME_{frame}"}
     if log == TROUBLED:
-        wanted |= {"W_ZERO_STAMPS", "W_SLASHED_FRAMES"}
+        wanted |= {"W_ZERO_STAMPS", "W_SLASHED_FRAMES", "N_NOT_SEEN_TOUCHING"}
     assert codes == wanted
 
 
