@@ -21,3 +21,7 @@ class LogError(LogtoolError):
 
 class DefinitionError(LogError):
     """A message definition recorded in the log cannot be understood; its channel is unread."""
+
+
+class StoreError(LogtoolError):
+    """A store of logs or results does not answer, though it was asked several times."""

@@ -3,12 +3,12 @@
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from enum import StrEnum
-from pathlib import Path
 from typing import Final, Literal
 
 from dogbot_logtool.comparison.fields import FieldDifference, Findings
 from dogbot_logtool.printable import printable
 from dogbot_logtool.reader.log import Loss
+from dogbot_logtool.storage import Location
 
 SAME: Final = 0
 DIFFERENT: Final = 1
@@ -170,7 +170,7 @@ class Differences:
 class FileLoss:
     """Damage found in one of the files."""
 
-    path: Path
+    path: Location
     loss: Loss
 
 
@@ -178,8 +178,8 @@ class FileLoss:
 class Comparison:
     """What comparing two files found."""
 
-    expected: Path
-    actual: Path
+    expected: Location
+    actual: Location
     unit: str
     """What the tallies count: ``messages`` or ``values``."""
     tallies: Sequence[Tally]

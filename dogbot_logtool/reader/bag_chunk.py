@@ -12,8 +12,7 @@ from dogbot_logtool.reader.chunk_content import read_content
 from dogbot_logtool.reader.columns import Bytes
 from dogbot_logtool.reader.compression import check_claimed_size, decompress_into
 from dogbot_logtool.reader.log import Chunk, ChunkContent, ChunkDamage, Loss
-from dogbot_logtool.reader.records import Index
-from dogbot_logtool.reader.source import ByteSource
+from dogbot_logtool.reader.records import Index, Readable
 
 INDEX_ENTRY: Final = np.dtype([("seconds", "<u4"), ("nanoseconds", "<u4"), ("offset", "<u4")])
 UNKNOWN_CHANNEL: Final = -1
@@ -21,7 +20,7 @@ UNKNOWN_CHANNEL: Final = -1
 _FORMAT: Final = BagFormat()
 
 
-def chunk_at(source: ByteSource, place: int) -> Chunk:
+def chunk_at(source: Readable, place: int) -> Chunk:
     """Read a chunk record's header. Its data may reach beyond the end of the file.
 
     Raises:

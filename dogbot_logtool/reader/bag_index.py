@@ -9,6 +9,7 @@ import numpy as np
 from dogbot_logtool.reader.bag_chunk import chunk_at
 from dogbot_logtool.reader.bag_format import INDEX_ENTRY_SIZE
 from dogbot_logtool.reader.bag_records import (
+    HEAD_SIZE,
     MAGIC,
     BagOp,
     Fields,
@@ -19,6 +20,7 @@ from dogbot_logtool.reader.bag_records import (
     record_in_file,
 )
 from dogbot_logtool.reader.log import Channel, Chunk, ChunkDamage, Contents, Loss, Schema
+from dogbot_logtool.reader.records import Heads
 from dogbot_logtool.reader.source import ByteSource
 
 _MOST_CONNECTIONS: Final = 1 << 16
@@ -202,8 +204,9 @@ def _chunks(
     infos = sorted(infos, key=lambda info: info.offset)
     ends = [*(info.offset for info in infos[1:]), index_start][: len(infos)]
     chunks: list[Chunk] = []
+    heads = Heads(source, [info.offset for info in infos], HEAD_SIZE)
     for info, end in zip(infos, ends, strict=True):
-        chunk = chunk_at(source, info.offset)
+        chunk = chunk_at(heads, info.offset)
         if (
             not _only_index_records(source, chunk.end, end, info.counts)
             or not info.counts.keys() <= connections.channel_ids.keys()

@@ -42,5 +42,6 @@ def open_bag(source: ByteSource) -> BagLog:
     contents, problem = read_index(source, connections)
     if contents is None:
         connections = Connections()
+        source = source.nearby()
         contents = BagSurvey(source, connections).contents(problem)
     return BagLog(source, contents, connections)

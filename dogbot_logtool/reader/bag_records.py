@@ -17,6 +17,8 @@ MAGIC: Final = b"#ROSBAG V2.0\n"
 U32: Final = struct.Struct("<I")
 _TIME: Final = struct.Struct("<II")
 MAX_HEADER_SIZE: Final = 1 << 20
+HEAD_SIZE: Final = 512
+"""Bytes that hold nearly every record's header."""
 
 
 class BagOp(IntEnum):
@@ -151,7 +153,7 @@ def record_in_file(source: Readable, place: int) -> Record:
     Raises:
         MalformedRecord: there is no record's header.
     """
-    head = source.read(place, 512)
+    head = source.read(place, HEAD_SIZE)
     if len(head) < 4:
         raise MalformedRecord("a record is cut off")
     (header_size,) = U32.unpack_from(head)

@@ -2,7 +2,6 @@
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from pathlib import Path
 
 import numpy as np
 
@@ -23,12 +22,13 @@ from dogbot_logtool.reader.log import (
 )
 from dogbot_logtool.reader.packed_messages import unpacked
 from dogbot_logtool.reader.source import ByteSource
+from dogbot_logtool.storage import Location, file_name
 
 
 class _Folder(ByteSource):
     """Stands for the bytes of all files."""
 
-    def __init__(self, path: Path, size: int) -> None:
+    def __init__(self, path: Location, size: int) -> None:
         self.path = path
         self.size = size
 
@@ -57,7 +57,7 @@ class JoinedLog(Log):
 
     container = "ROS 2 bag"
 
-    def __init__(self, path: Path, logs: Sequence[Log], losses: Sequence[Loss]) -> None:
+    def __init__(self, path: Location, logs: Sequence[Log], losses: Sequence[Loss]) -> None:
         """Join logs; they are closed with this one.
 
         Args:
@@ -179,4 +179,4 @@ def _renumbered(chunk: Chunk, part: _Part, row: int) -> Chunk:
 
 def _placed(loss: Loss, log: Log) -> Loss:
     """Say in which file it is."""
-    return replace(loss, what=f"{log.source.path.name}: {loss.what}")
+    return replace(loss, what=f"{file_name(log.source.path)}: {loss.what}")

@@ -325,7 +325,7 @@ class Log(ABC):
 
     def read(self, span: Span) -> Batch:
         """Read and decompress chunks and find their messages. Damage becomes losses."""
-        sound: list[tuple[Chunk, memoryview]] = []
+        sound: list[Chunk] = []
         losses: list[Loss] = []
         for chunk in span:
             try:
@@ -333,14 +333,15 @@ class Log(ABC):
             except ChunkDamage as damage:
                 losses.append(left_out(chunk, damage))
                 continue
-            stored = self.source.read(chunk.offset, chunk.index_end - chunk.offset)
-            sound.append((chunk, memoryview(stored)))
+            sound.append(chunk)
+        places = [(chunk.offset, chunk.index_end - chunk.offset) for chunk in sound]
+        stored = [memoryview(data) for data in self.source.read_many(places)]
 
-        buffer = np.empty(sum(chunk.size for chunk, _ in sound), np.uint8)
+        buffer = np.empty(sum(chunk.size for chunk in sound), np.uint8)
         loaded: list[LoadedChunk] = []
         parts: list[Messages] = []
         base = row = 0
-        for chunk, data in sound:
+        for chunk, data in zip(sound, stored, strict=True):
             target = buffer[base : base + chunk.size]
             try:
                 content = self.parse(chunk, data, target)

@@ -11,8 +11,6 @@ from dogbot_logtool.reader.mcap_records import RECORD_HEAD
 from dogbot_logtool.reader.source import ByteSource
 
 DATA_END_SIZE: Final = RECORD_HEAD.size + 4
-_CHEAP_SIZE: Final = 64 << 20
-"""A data section up to this size is always read for its checksum: it takes some 20 ms."""
 _PIECE: Final = 1 << 20
 
 
@@ -25,10 +23,10 @@ def check_data(source: ByteSource, data_end: int, *, thorough: bool) -> Loss | N
     Args:
         source: the file.
         data_end: where the DataEnd record begins.
-        thorough: read a large data section, too.
+        thorough: read a data section that is not cheap to read, too.
     """
     record = source.read(data_end, DATA_END_SIZE)
-    if len(record) < DATA_END_SIZE or (data_end > _CHEAP_SIZE and not thorough):
+    if len(record) < DATA_END_SIZE or (data_end > source.cheap_size and not thorough):
         return None
     opcode, length = RECORD_HEAD.unpack_from(record)
     (expected,) = struct.unpack_from("<I", record, RECORD_HEAD.size)

@@ -42,6 +42,7 @@ def open_mcap(source: ByteSource) -> McapLog:
     profile = _profile(source)
     contents, problem = read_summary(source)
     if contents is None:
+        source = source.nearby()
         contents = McapSurvey(source).contents(problem)
     if profile is None:
         damage = Loss(len(MAGIC), "the header is damaged, so that the log's profile is not known")

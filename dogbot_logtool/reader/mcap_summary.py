@@ -19,6 +19,7 @@ from dogbot_logtool.reader.mcap_records import (
     decode_record,
     schema_of,
 )
+from dogbot_logtool.reader.records import Heads
 from dogbot_logtool.reader.source import ByteSource
 
 _FOOTER_SIZE: Final = RECORD_HEAD.size + 20
@@ -187,20 +188,28 @@ def _chunks_are_there(source: ByteSource, chunks: Sequence[Chunk], summary: _Sum
     summary.
     """
     place = len(MAGIC)
+    places = [chunk.offset for chunk in chunks]
+    heads = None if summary.verified else Heads(source, places, RECORD_HEAD.size)
     for chunk in chunks:
         if not _only_small_records(source, place, chunk.offset):
             return False
-        head = source.read(chunk.offset, RECORD_HEAD.size)
-        if len(head) < RECORD_HEAD.size or chunk.index_end < chunk.end:
+        if chunk.index_end < chunk.end:
             return False
-        opcode, length = RECORD_HEAD.unpack(head)
-        fits = opcode == Opcode.CHUNK and chunk.offset + RECORD_HEAD.size + length == chunk.end
-        if not fits and not summary.verified:
+        if heads is not None and not _begins(heads, chunk):
             return False
         if chunk.data_offset + chunk.data_size > chunk.end:
             return False
         place = chunk.index_end
     return _only_small_records(source, place, summary.offset)
+
+
+def _begins(heads: Heads, chunk: Chunk) -> bool:
+    """Tell whether a chunk's record begins where its index says, and ends there, too."""
+    head = heads.read(chunk.offset, RECORD_HEAD.size)
+    if len(head) < RECORD_HEAD.size:
+        return False
+    opcode, length = RECORD_HEAD.unpack(head)
+    return bool(opcode == Opcode.CHUNK and chunk.offset + RECORD_HEAD.size + length == chunk.end)
 
 
 def _only_small_records(source: ByteSource, place: int, end: int) -> bool:

@@ -4,17 +4,22 @@ The code of a container is imported when such a log is opened.
 """
 
 from pathlib import Path
-from typing import Final, TypeVar
+from typing import TYPE_CHECKING, Final, TypeVar
 
+from dogbot_logtool import storage
 from dogbot_logtool.errors import LogError
 from dogbot_logtool.reader import bag_records, mcap_records
 from dogbot_logtool.reader.log import Log, Loss
 from dogbot_logtool.reader.packed_messages import ZSTD_MAGIC
 from dogbot_logtool.reader.source import ByteSource
+from dogbot_logtool.storage import Location
+
+if TYPE_CHECKING:
+    from upath import UPath
 
 OpenedLog = TypeVar("OpenedLog", bound=Log)
 
-_SQLITE_MAGIC: Final = b"SQLite format 3\0"
+SQLITE_MAGIC: Final = b"SQLite format 3\0"
 _MOST_DAMAGED_BYTES: Final = 2
 _KNOWN_BUT_UNREAD: Final = {
     b"#ROSBAG V1": "a bag of an older format than 2.0; 'rosbag fix' or 'rosbag migrate' updates it",
@@ -22,22 +27,46 @@ _KNOWN_BUT_UNREAD: Final = {
 }
 
 
-def open_log(path: Path) -> Log:
+def open_log(path: Location) -> Log:
     """Open a ROS 1 bag, an MCAP, or a ROS 2 bag: its directory or one of its files.
+
+    Of a log in a store, only what is asked for is read, by range, as long as it has an index;
+    without one, and where a library needs a file, a temporary copy is.
 
     Raises:
         CallError: there is no such file.
         LogError: it is none of them.
+        StoreError: the store fails.
     """
-    if not path.is_dir():
-        return _open_file(path)
+    if isinstance(path, Path):
+        return _open_folder(path) if path.is_dir() else _open_file(path)
+    facts = storage.facts(path)
+    return _open_folder(path) if facts.is_folder else _open_object(path, "", facts)
+
+
+def _open_folder(path: Location) -> Log:
     from dogbot_logtool.reader.rosbag2 import open_rosbag2  # noqa: PLC0415
 
     return open_rosbag2(path, _open_file)
 
 
-def _open_file(path: Path, distribution: str = "", *, packed: bool = True) -> Log:
-    source = ByteSource(path)
+def _open_file(path: Location, distribution: str = "", *, packed: bool = True) -> Log:
+    if isinstance(path, Path):
+        return _open_or_close(ByteSource(path), distribution, packed=packed)
+    return _open_object(path, distribution, storage.facts(path))
+
+
+def _open_object(place: "UPath", distribution: str, facts: storage.Facts) -> Log:
+    # Imported late: only URLs need it.
+    from dogbot_logtool.reader.remote_source import RemoteSource, open_copied  # noqa: PLC0415
+
+    source = RemoteSource(place, facts)
+    if source.read(0, 16) == SQLITE_MAGIC:
+        return open_copied(source, lambda copy: _open_file(copy, distribution))
+    return _open_or_close(source, distribution, packed=True)
+
+
+def _open_or_close(source: ByteSource, distribution: str, *, packed: bool) -> Log:
     try:
         return _open_source(source, distribution, packed=packed)
     except BaseException:
@@ -47,7 +76,7 @@ def _open_file(path: Path, distribution: str = "", *, packed: bool = True) -> Lo
 
 def _open_source(source: ByteSource, distribution: str, *, packed: bool) -> Log:
     magic = source.read(0, 16)
-    if magic == _SQLITE_MAGIC:
+    if magic == SQLITE_MAGIC:
         from dogbot_logtool.reader.sqlite_log import open_sqlite  # noqa: PLC0415
 
         return open_sqlite(source, distribution)
@@ -67,7 +96,7 @@ def _open_source(source: ByteSource, distribution: str, *, packed: bool) -> Log:
         from dogbot_logtool.reader.bag_log import open_bag  # noqa: PLC0415
 
         return _noting_damage(open_bag(source), magic, bag_records.MAGIC)
-    raise LogError(f"{source.path}: {_what_it_is(magic)}")
+    raise LogError(f"{storage.shown(source.path)}: {_what_it_is(magic)}")
 
 
 def _resembles(magic: bytes, expected: bytes) -> bool:

@@ -14,6 +14,7 @@ import numpy as np
 from dogbot_logtool.core.arrays import Flags, Ints
 from dogbot_logtool.reader.columns import Bytes
 from dogbot_logtool.reader.message_table import Messages, concatenate_messages
+from dogbot_logtool.reader.source import ByteSource
 
 _FIRST_WINDOW: Final = 1 << 12
 _LARGEST_WINDOW: Final = 1 << 20
@@ -21,6 +22,7 @@ _LARGEST_WINDOW: Final = 1 << 20
 OVERLAP: Final = 1 << 12
 """Bytes of the next window that a candidate may need to be seen as one."""
 _FIRST_BLOCK: Final = 64
+_HEADS_AT_ONCE: Final = 1000
 _LARGEST_BLOCK: Final = 1 << 16
 
 
@@ -29,6 +31,34 @@ class Readable(Protocol):
 
     def read(self, offset: int, size: int, /) -> bytes:
         """Return up to `size` bytes from `offset`; fewer at the end."""
+
+
+class Heads:
+    """The first bytes at known places of a file, many fetched at once: stores answer slowly."""
+
+    def __init__(self, source: ByteSource, places: Sequence[int], size: int) -> None:
+        """Set up.
+
+        Args:
+            source: the file.
+            places: offsets, in the order in which they will be read.
+            size: bytes from each.
+        """
+        self._source = source
+        self._places = places
+        self._size = size
+        self._numbers = {place: number for number, place in enumerate(places)}
+        self._heads: dict[int, bytes] = {}
+
+    def read(self, offset: int, size: int) -> bytes:
+        """See `Readable.read`."""
+        if offset in self._numbers and offset not in self._heads:
+            number = self._numbers[offset]
+            group = self._places[number : number + _HEADS_AT_ONCE]
+            found = self._source.read_many([(place, self._size) for place in group])
+            self._heads = dict(zip(group, found, strict=True))
+        head = self._heads.get(offset, b"")
+        return head[:size] if len(head) >= size else self._source.read(offset, size)
 
 
 class Memory:

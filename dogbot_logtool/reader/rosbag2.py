@@ -1,7 +1,7 @@
 """ROS 2 bags: a directory of files, and a metadata.yaml that names them."""
 
 import re
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Final, Protocol
@@ -9,6 +9,7 @@ from typing import Any, Final, Protocol
 from dogbot_logtool.errors import CallError, LogError
 from dogbot_logtool.reader.joined_log import JoinedLog
 from dogbot_logtool.reader.log import Log, Loss
+from dogbot_logtool.storage import Location, content, files_in, shown
 
 METADATA: Final = "metadata.yaml"
 _LARGEST_METADATA: Final = 8 << 20
@@ -19,7 +20,7 @@ _PACKED: Final = ".zstd"
 class OpenFile(Protocol):
     """Opens one file of a bag."""
 
-    def __call__(self, path: Path, distribution: str) -> Log:
+    def __call__(self, path: Location, distribution: str) -> Log:
         """Open a file; `distribution` is the one of ROS 2 that recorded it, if known."""
 
 
@@ -27,12 +28,12 @@ class OpenFile(Protocol):
 class _Bag:
     """What a bag's metadata tells. Counts and types are taken from the files themselves."""
 
-    files: tuple[Path, ...]
+    files: tuple[Location, ...]
     distribution: str
     losses: tuple[Loss, ...]
 
 
-def open_rosbag2(path: Path, open_file: OpenFile) -> Log:
+def open_rosbag2(path: Location, open_file: OpenFile) -> Log:
     """Open the directory of a ROS 2 bag.
 
     Files that are missing or cannot be read are losses, as long as one can.
@@ -51,11 +52,11 @@ def open_rosbag2(path: Path, open_file: OpenFile) -> Log:
             losses.append(Loss(0, f"a file of the bag was left out: {error}", 0, None))
     if not logs:
         told = losses[0].what if losses else f"{METADATA} names no files"
-        raise LogError(f"{path}: nothing of this ROS 2 bag can be read: {told}")
+        raise LogError(f"{shown(path)}: nothing of this ROS 2 bag can be read: {told}")
     return JoinedLog(path, logs, losses)
 
 
-def _read_metadata(folder: Path) -> _Bag | None:
+def _read_metadata(folder: Location) -> _Bag | None:
     """Return what metadata tells; None if there is none that can be read."""
     document = _document(folder / METADATA)
     information = document.get("rosbag2_bagfile_information")
@@ -63,10 +64,11 @@ def _read_metadata(folder: Path) -> _Bag | None:
     names = information.get("relative_file_paths")
     if not isinstance(names, list):
         return None
-    files: list[Path] = []
+    present = {file.name: file for file in files_in(folder)}
+    files: list[Location] = []
     losses: list[Loss] = []
     for name in names:
-        file = _present(folder, str(name))
+        file = _present(present, str(name))
         if file is None:
             what = f"{METADATA} names {Path(str(name)).name}, which is not there"
             losses.append(Loss(0, what, 0, None))
@@ -75,53 +77,53 @@ def _read_metadata(folder: Path) -> _Bag | None:
     return _Bag(tuple(files), str(information.get("ros_distro") or ""), tuple(losses))
 
 
-def _document(path: Path) -> dict[str, Any]:
+def _document(path: Location) -> dict[str, Any]:
     # Imported late: only directories need it.
     from ruamel.yaml import YAML  # noqa: PLC0415
     from ruamel.yaml.error import YAMLError  # noqa: PLC0415
 
     try:
-        if path.stat().st_size > _LARGEST_METADATA:
+        data = content(path, _LARGEST_METADATA)
+        if data is None:
             return {}
-        document = YAML(typ="safe").load(path.read_text(encoding="utf-8"))
-    except (OSError, UnicodeDecodeError, YAMLError, ValueError, RecursionError):
+        document = YAML(typ="safe").load(data.decode("utf-8"))
+    except (OSError, CallError, UnicodeDecodeError, YAMLError, ValueError, RecursionError):
         return {}
     return document if isinstance(document, dict) else {}
 
 
-def _present(folder: Path, name: str) -> Path | None:
+def _present(files: Mapping[str, Location], name: str) -> Location | None:
     """Return a file that metadata names; old recorders name it from the parent directory.
 
     Whatever the name says, the file is in the bag's own directory.
     """
     base = Path(name).name
     for candidate in (base, base + _PACKED, base.removesuffix(_PACKED)):
-        file = folder / candidate
-        if candidate and file.is_file():
-            return file
+        if candidate in files:
+            return files[candidate]
     return None
 
 
-def _without_metadata(folder: Path) -> _Bag:
+def _without_metadata(folder: Location) -> _Bag:
     """Take all log files in the order of their numbers."""
-    found = [file for file in folder.iterdir() if _is_log(file)]
+    found: list[Location] = [file for file in files_in(folder) if _is_log(file)]
     if not found:
-        raise CallError(f"{folder}: is a directory, not a log file, and holds no ROS 2 bag")
+        raise CallError(f"{shown(folder)}: is a directory, not a log file, and holds no ROS 2 bag")
     ordered = sorted(found, key=_by_number)
     what = f"there is no {METADATA} that can be read; the files were taken by their names"
     return _Bag(_one_storage(ordered), "", (Loss(0, what, 0, 0),))
 
 
-def _is_log(file: Path) -> bool:
+def _is_log(file: Location) -> bool:
     name = file.name.removesuffix(_PACKED)
-    return name.endswith(_SUFFIXES) and file.is_file()
+    return name.endswith(_SUFFIXES)
 
 
-def _by_number(file: Path) -> tuple[list[int], str]:
+def _by_number(file: Location) -> tuple[list[int], str]:
     return [int(digits) for digits in re.findall(r"\d{1,18}", file.name)], file.name
 
 
-def _one_storage(files: Sequence[Path]) -> tuple[Path, ...]:
+def _one_storage(files: Sequence[Location]) -> tuple[Location, ...]:
     """Leave out what stands there twice, packed and unpacked."""
     plain = {file.name for file in files}
     return tuple(

@@ -2,15 +2,22 @@
 
 import os
 import stat
+from collections.abc import Sequence
 from pathlib import Path
 from types import TracebackType
 from typing import Self
 
 from dogbot_logtool.errors import CallError, LogError
+from dogbot_logtool.storage import Location
 
 
 class ByteSource:
     """A file opened for reading at any offset."""
+
+    path: Location
+    """What users call it."""
+    cheap_size: int = 64 << 20
+    """Bytes that are read without a second thought; a disk takes some 20 ms for them."""
 
     def __init__(self, path: Path) -> None:
         """Open a file.
@@ -55,6 +62,17 @@ class ByteSource:
                 f"{self.path}: byte {offset} cannot be read: {error.strerror}"
             ) from error
         return data
+
+    def read_many(self, places: Sequence[tuple[int, int]]) -> list[bytes]:
+        """Return what `read` gives for each of several (offset, size)."""
+        return [self.read(offset, size) for offset, size in places]
+
+    def nearby(self) -> "ByteSource":
+        """Return the same bytes from the nearest disk, for whoever reads all of them, and often.
+
+        The path stays what it is; whoever takes another source than this one closes this.
+        """
+        return self
 
     def close(self) -> None:
         """Close the file."""

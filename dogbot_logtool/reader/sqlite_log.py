@@ -4,6 +4,7 @@ import sqlite3
 import threading
 from collections.abc import Iterator
 from itertools import pairwise
+from pathlib import Path
 from typing import Final
 from urllib.parse import quote
 
@@ -160,8 +161,9 @@ def open_sqlite(source: ByteSource, distribution: str = "") -> SqliteLog:
 
 def _connect(source: ByteSource) -> tuple[sqlite3.Connection, list[Loss]]:
     """Open the database for reading only, with its write-ahead log if there is one."""
-    name = quote(str(source.path.resolve()))
-    journal = source.path.with_name(source.path.name + "-wal")
+    path = Path(str(source.path))
+    name = quote(str(path.resolve()))
+    journal = path.with_name(path.name + "-wal")
     problems: list[Loss] = []
     for access in ("mode=ro", "mode=ro&immutable=1") if journal.exists() else ("immutable=1",):
         database = sqlite3.connect(f"file:{name}?{access}", uri=True, check_same_thread=False)

@@ -10,6 +10,7 @@ import zstandard
 from dogbot_logtool.errors import LogError
 from dogbot_logtool.reader.log import Log
 from dogbot_logtool.reader.source import ByteSource
+from dogbot_logtool.storage import Location, file_stem, shown
 
 _MOST_FREE: Final = 256 << 20
 _MAX_RATIO: Final = 200
@@ -27,18 +28,18 @@ def open_zstd(source: ByteSource, open_file: Callable[[Path], Log]) -> Log:
         LogError: it is damaged or swells absurdly, or what is in it is no log.
     """
     path = source.path
-    with tempfile.NamedTemporaryFile(suffix=f"-{path.stem}") as file:
+    with tempfile.NamedTemporaryFile(suffix=f"-{file_stem(path)}") as file:
         _decompress(path, source.size, file)
         try:
             log = open_file(Path(file.name))
         except LogError as error:
-            raise LogError(str(error).replace(file.name, str(path))) from error
+            raise LogError(str(error).replace(file.name, shown(path))) from error
     # The file's name is gone, but the log holds its bytes open.
     log.source.path = path
     return log
 
 
-def _decompress(path: Path, size: int, target: IO[bytes]) -> None:
+def _decompress(path: Location, size: int, target: IO[bytes]) -> None:
     most = max(_MOST_FREE, _MAX_RATIO * size)
     written = 0
     try:
@@ -46,10 +47,10 @@ def _decompress(path: Path, size: int, target: IO[bytes]) -> None:
             for piece in zstandard.ZstdDecompressor().read_to_iter(compressed):
                 written += len(piece)
                 if written > most:
-                    raise LogError(f"{path}: its {size} bytes swell to over {most}")
+                    raise LogError(f"{shown(path)}: its {size} bytes swell to over {most}")
                 target.write(piece)
         target.flush()
     except zstandard.ZstdError as error:
-        raise LogError(f"{path}: its zstd data is damaged ({error})") from error
+        raise LogError(f"{shown(path)}: its zstd data is damaged ({error})") from error
     except OSError as error:
-        raise LogError(f"{path}: cannot be decompressed: {error.strerror}") from error
+        raise LogError(f"{shown(path)}: cannot be decompressed: {error.strerror}") from error

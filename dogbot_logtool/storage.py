@@ -1,0 +1,232 @@
+"""Where logs lie and results go: on a disk, or in any filesystem of fsspec (s3://, gs://, http://).
+
+fsspec comes with the extra `fleet` and is imported only when a URL is met.
+"""
+
+import logging
+import re
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Final, TypeVar
+from urllib.parse import unquote, urlsplit, urlunsplit
+
+from dogbot_logtool.errors import CallError, StoreError
+from dogbot_logtool.printable import printable
+
+if TYPE_CHECKING:
+    from tenacity import RetryCallState
+    from upath import UPath
+
+    Location = Path | UPath
+else:
+    Location = Path
+
+Result = TypeVar("Result")
+_LOG: Final = logging.getLogger(__name__)
+
+TRIES: Final = 5
+"""A request is made so often before the store is given up. s3fs and its like try a few times of
+their own within each."""
+FIRST_WAIT_S: Final = 0.2
+"""Waits double from here to `LONGEST_WAIT_S`; chance adds up to this, so that many clients do not
+ask all at once."""
+LONGEST_WAIT_S: Final = 10.0
+ANSWER_WITHIN_S = 120.0
+"""A request that takes longer has stalled."""
+_URL: Final = re.compile(r"[A-Za-z][A-Za-z0-9+.-]*://")
+_HOPELESS: Final = (FileNotFoundError, PermissionError, IsADirectoryError, FileExistsError)
+
+
+def extra_missing(what: str) -> CallError:
+    """Return the sentence for something that the extra `fleet` brings."""
+    return CallError(
+        f"{what}: needs packages that are not installed: pip install 'dogbot-logtool[fleet]'"
+    )
+
+
+def location(word: str) -> Location:
+    """Return the place that a word of the command line names.
+
+    Raises:
+        CallError: it is a URL, and what reads such URLs is not installed.
+    """
+    if not _URL.match(word):
+        return Path(word)
+    if word.startswith("file://"):
+        return Path(unquote(urlsplit(word).path))
+    try:
+        from upath import UPath  # noqa: PLC0415 - only URLs need it
+    except ImportError as error:
+        raise extra_missing(word) from error
+    try:
+        place = UPath(word)
+        place.fs  # noqa: B018 - finds out whether its filesystem is installed
+    except ImportError as error:
+        raise CallError(f"{shown(word)}: {error}") from error
+    except ValueError as error:
+        raise CallError(f"{shown(word)}: is a URL of no known kind ({error})") from error
+    return place
+
+
+def from_root(place: Location) -> Location:
+    """Return a place by a name that does not depend on where a process stands."""
+    return place.absolute() if isinstance(place, Path) else place
+
+
+def shown(place: Location | str) -> str:
+    """Return a place as it may be printed: a URL without passwords and signatures."""
+    text = str(place)
+    if not _URL.match(text):
+        return text
+    parts = urlsplit(text)
+    return urlunsplit((parts.scheme, parts.netloc.rpartition("@")[2], parts.path, "", ""))
+
+
+def file_name(place: Location) -> str:
+    """Return the last part of a place; a URL's query is no part of it."""
+    return place.name if isinstance(place, Path) else place.name.partition("?")[0]
+
+
+def file_stem(place: Location) -> str:
+    """Return `file_name` without its last suffix."""
+    return Path(file_name(place)).stem
+
+
+@dataclass(frozen=True, slots=True)
+class Facts:
+    """What a store knows of an object."""
+
+    is_folder: bool
+    """It is a directory, or the common beginning of objects' names."""
+    size: int | None
+    """Bytes; None if the store does not tell."""
+    version: str
+    """Changes whenever the content does; empty if the store has no such thing."""
+
+
+def facts(place: "UPath") -> Facts:
+    """Ask a store about an object.
+
+    Raises:
+        CallError: there is none.
+        StoreError: the store fails.
+    """
+    info = asked(place, lambda: place.fs.info(place.path))
+    tags = ("ETag", "etag", "md5Hash", "mtime", "LastModified", "last_modified", "created")
+    tag = next((str(info[name]) for name in tags if info.get(name)), "")
+    size = info.get("size")
+    return Facts(info.get("type") == "directory", None if size is None else int(size), tag)
+
+
+def is_folder(place: Location) -> bool:
+    """Tell whether it is a directory, or the common beginning of objects' names.
+
+    Raises:
+        CallError: it is a URL, and nothing is there.
+        StoreError: the store fails.
+    """
+    return place.is_dir() if isinstance(place, Path) else facts(place).is_folder
+
+
+def files_in(folder: Location) -> list[Location]:
+    """Return the files in a directory, by name; not those in directories below it.
+
+    Raises:
+        StoreError: the store fails.
+    """
+    if isinstance(folder, Path):
+        return sorted(file for file in folder.iterdir() if file.is_file())
+    entries = asked(folder, lambda: folder.fs.ls(folder.path, detail=True))
+    names = [entry["name"].rpartition("/")[2] for entry in entries if entry["type"] == "file"]
+    return [folder / name for name in sorted(names) if name]
+
+
+def content(place: Location, most: int) -> bytes | None:
+    """Return all bytes of a file; None if there are more than `most`.
+
+    Raises:
+        CallError: there is no such file.
+        StoreError: the store fails.
+        OSError: the disk fails.
+    """
+    if isinstance(place, Path):
+        return place.read_bytes() if place.stat().st_size <= most else None
+    if (facts(place).size or 0) > most:
+        return None
+    return bytes(asked(place, lambda: place.fs.cat_file(place.path)))
+
+
+def version(place: Location) -> tuple[int, str]:
+    """Return the size, bytes, of a file or of all in a directory, and what changes with them.
+
+    The latter is the time of the last change or the store's own tag; empty if it has none.
+
+    Raises:
+        CallError: it is a URL, and nothing is there.
+        StoreError: the store fails.
+        OSError: it cannot be seen on the disk.
+    """
+    if isinstance(place, Path):
+        status = place.stat()
+        size, tag, folder = status.st_size, str(status.st_mtime_ns), place.is_dir()
+    else:
+        found = facts(place)
+        size, tag, folder = found.size or 0, found.version, found.is_folder
+    if not folder:
+        return size, tag
+    parts = [version(file) for file in files_in(place)]
+    return sum(part[0] for part in parts), " ".join(part[1] for part in parts)
+
+
+def asked(place: Location, request: Callable[[], Result]) -> Result:
+    """Return what a store answers; a request that fails or stalls is made again, a few times.
+
+    Raises:
+        CallError: there is no such object, or it may not be had.
+        StoreError: the store has failed `TRIES` times.
+    """
+    from tenacity import (  # noqa: PLC0415 - only URLs need it
+        Retrying,
+        retry_if_exception,
+        stop_after_attempt,
+        wait_exponential,
+        wait_random,
+    )
+
+    tries = Retrying(
+        retry=retry_if_exception(_may_pass),
+        stop=stop_after_attempt(TRIES),
+        wait=wait_exponential(FIRST_WAIT_S, LONGEST_WAIT_S) + wait_random(0.0, FIRST_WAIT_S),
+        before_sleep=lambda state: _say_again(place, state),
+        reraise=True,
+    )
+    try:
+        return tries(request)
+    except FileNotFoundError as error:
+        raise CallError(f"{shown(place)}: no such file") from error
+    except PermissionError as error:
+        raise CallError(f"{shown(place)}: access is denied ({_first_line(error)})") from error
+    except Exception as error:
+        if not _may_pass(error) and not isinstance(error, OSError):
+            raise
+        raise StoreError(f"{shown(place)}: the store fails: {_first_line(error)}") from error
+
+
+def _say_again(place: Location, state: "RetryCallState") -> None:
+    """Say that a request is made again: on stderr, or wherever a worker keeps its log."""
+    error = state.outcome.exception() if state.outcome else None
+    what = _first_line(error) if isinstance(error, Exception) else "no answer"
+    _LOG.warning("%s: the store fails (%s); it is asked again", shown(place), printable(what))
+
+
+def _may_pass(error: BaseException) -> bool:
+    """Tell whether an error may be gone the next time."""
+    if isinstance(error, _HOPELESS):
+        return False
+    family = type(error).__module__.partition(".")[0]
+    return isinstance(error, OSError) or family in {"aiohttp", "botocore", "aiobotocore", "gcsfs"}
+
+
+def _first_line(error: Exception) -> str:
+    return (str(error).splitlines() or [""])[0] or type(error).__name__
