@@ -2,7 +2,6 @@
 
 from collections.abc import Sequence
 from dataclasses import replace
-from pathlib import Path
 from typing import Final
 
 import numpy as np
@@ -11,6 +10,7 @@ from dogbot_logtool.core.arrays import Ints
 from dogbot_logtool.core.curves import Curve, CurveDetail, LoadCurves
 from dogbot_logtool.errors import LogError
 from dogbot_logtool.stats import Measurement, Progress, StatsOptions, TimeSourceOption, measure
+from dogbot_logtool.storage import Location
 
 ENOUGH_BINS: Final = 1000
 """Bins over a window from which its curves need no second look."""
@@ -22,7 +22,7 @@ FeetCurves = tuple[LoadCurves | None, ...]
 
 
 def load_curves_within(
-    path: Path,
+    path: Location,
     options: StatsOptions,
     measured: Measurement,
     window: tuple[float, float],
@@ -66,7 +66,7 @@ def load_curves_within(
 
 
 def with_detail(
-    path: Path,
+    path: Location,
     options: StatsOptions,
     measured: Measurement,
     window: tuple[float, float],
@@ -90,7 +90,7 @@ def with_detail(
     return replace(measured, stats=replace(stats, feet=feet))
 
 
-def _curves(path: Path, options: StatsOptions, progress: Progress | None) -> FeetCurves:
+def _curves(path: Location, options: StatsOptions, progress: Progress | None) -> FeetCurves:
     return tuple(foot.record.curves for foot in measure(path, options, progress).stats.feet)
 
 

@@ -2,7 +2,6 @@
 
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
-from pathlib import Path
 from typing import BinaryIO, Final
 
 from mcap import records
@@ -21,6 +20,7 @@ from dogbot_logtool.reader.log import Log, Loss, lost_messages
 from dogbot_logtool.reader.mcap_extras import read_extra
 from dogbot_logtool.reader.opening import open_log
 from dogbot_logtool.selection import select_topics
+from dogbot_logtool.storage import Location, file_name
 from dogbot_logtool.world_frames import frame_findings
 from dogbot_logtool.writer.annotations import (
     FALLBACK_PREFIX,
@@ -69,8 +69,8 @@ class _Tally:
 class Conversion:
     """What was done."""
 
-    source: Path
-    target: Path
+    source: Location
+    target: Location
     container: str
     plan: Plan
     copied: int
@@ -88,7 +88,7 @@ class Conversion:
 
 
 def convert(
-    source: Path, target: Path, options: ConvertOptions, progress: Progress | None = None
+    source: Location, target: Location, options: ConvertOptions, progress: Progress | None = None
 ) -> Conversion:
     """Write the annotated MCAP of a log.
 
@@ -116,7 +116,7 @@ def convert(
         log.close()
 
 
-def _write(log: Log, target: Path, plan: Plan, progress: Progress | None) -> Conversion:
+def _write(log: Log, target: Location, plan: Plan, progress: Progress | None) -> Conversion:
     tally = _Tally(losses=list(log.losses))
     with whole_file(target, overwrite=plan.options.overwrite) as file:
         annotations = _annotations(log, plan, tally)
@@ -261,7 +261,7 @@ def _provenance(log: Log, plan: Plan, tally: _Tally) -> records.Metadata:
     options, robot = plan.options, plan.selection.robot
     values: dict[str, object] = {
         "version": __version__,
-        "input": printable(log.source.path.name),
+        "input": printable(file_name(log.source.path)),
         "container": log.container,
         "style": options.style,
         "encoding": options.encoding,
@@ -286,7 +286,7 @@ def _provenance(log: Log, plan: Plan, tally: _Tally) -> records.Metadata:
 
 
 def _conversion(
-    log: Log, target: Path, plan: Plan, annotations: Annotations, tally: _Tally
+    log: Log, target: Location, plan: Plan, annotations: Annotations, tally: _Tally
 ) -> Conversion:
     topics = annotations.topics()
     ours = {topic: tally.by_channel.get(channel, 0) for channel, topic in topics.items()}

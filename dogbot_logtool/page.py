@@ -11,6 +11,7 @@ from dogbot_logtool.errors import LogtoolError
 from dogbot_logtool.report.gait_diagram import default_window
 from dogbot_logtool.report.page.render import IndexRow, Place, index, index_row, page
 from dogbot_logtool.stats import Measurement, Progress, StatsOptions, measure
+from dogbot_logtool.storage import Location, file_name, is_folder, version
 from dogbot_logtool.writer.output import refuse_bad_target, targets, whole_file
 
 DETAIL: Final = CurveDetail()
@@ -21,8 +22,8 @@ DETAIL: Final = CurveDetail()
 class Page:
     """A page that was written."""
 
-    source: Path
-    target: Path
+    source: Location
+    target: Location
     size: int
     """bytes."""
     measured: Measurement
@@ -37,7 +38,12 @@ class Reports:
     """The pages of one call, and the index that leads to them where there are several."""
 
     def __init__(
-        self, logs: Sequence[Path], output: Path | None, options: StatsOptions, *, overwrite: bool
+        self,
+        logs: Sequence[Location],
+        output: Location | None,
+        options: StatsOptions,
+        *,
+        overwrite: bool,
     ) -> None:
         """Choose the outputs.
 
@@ -48,12 +54,12 @@ class Reports:
         self._options = replace(options, curves=DETAIL)
         self._overwrite = overwrite
         self._rows: list[IndexRow] = []
-        self._index: Path | None = None
+        self._index: Location | None = None
         if len(logs) > 1:
             self._index = (output or Path()) / "index.html"
             refuse_bad_target(self._index, None, overwrite=overwrite)
 
-    def write(self, source: Path, progress: Progress | None = None) -> Page:
+    def write(self, source: Location, progress: Progress | None = None) -> Page:
         """Measure a log and write its page.
 
         Args:
@@ -74,7 +80,7 @@ class Reports:
             with whole_file(target, overwrite=self._overwrite) as file:
                 file.write(html)
         except LogtoolError as error:
-            self._rows.append(IndexRow(source.name, error=str(error)))
+            self._rows.append(IndexRow(file_name(source), error=str(error)))
             raise
         self._rows.append(index_row(measured.stats, measured.facts, target.name))
         return Page(source, target, len(html), measured)
@@ -86,7 +92,7 @@ class Reports:
                 file.write(index(self._rows))
 
 
-def _page_of(source: Path, measured: Measurement) -> bytes:
+def _page_of(source: Location, measured: Measurement) -> bytes:
     damage = [Place(loss.offset, loss.bytes, loss.what) for loss in measured.losses]
-    size = source.stat().st_size if source.is_file() else 0
+    size = 0 if is_folder(source) else version(source)[0]
     return page(measured.stats, measured.facts, damage, size)

@@ -14,6 +14,7 @@ from dogbot_logtool.report.gait_figure import (
     write_figure,
 )
 from dogbot_logtool.stats import Measurement, Progress, StatsOptions
+from dogbot_logtool.storage import Location
 from dogbot_logtool.writer.output import refuse_bad_target, whole_file
 
 
@@ -34,7 +35,7 @@ class PlotOptions:
         return self.target.suffix[1:].lower()
 
 
-def refuse_bad_plot(plot: PlotOptions, logs: Sequence[Path]) -> None:
+def refuse_bad_plot(plot: PlotOptions, logs: Sequence[Location]) -> None:
     """Check what can be checked before any work is done.
 
     Raises:
@@ -51,7 +52,7 @@ def refuse_bad_plot(plot: PlotOptions, logs: Sequence[Path]) -> None:
 
 
 def write_plot(
-    source: Path,
+    source: Location,
     options: StatsOptions,
     measured: Measurement,
     plot: PlotOptions,

@@ -4,9 +4,10 @@ import os
 import shutil
 import subprocess
 from collections.abc import Iterator
-from pathlib import Path
+from pathlib import Path, PurePath
 
 import pytest
+from upath import UPath
 
 from dogbot_logtool.errors import CallError, LogtoolError
 from dogbot_logtool.writer.output import refuse_bad_target, targets, whole_file
@@ -220,3 +221,12 @@ def test_targets_in_a_directory(tmp_path: Path) -> None:
         targets(logs, tmp_path / "none.mcap", ".report.html")
     with pytest.raises(CallError, match="same name"):
         targets([Path("a/walk.bag"), Path("b/walk.bag")], tmp_path, ".mcap")
+
+
+def test_targets_lie_as_their_logs_do_and_a_url_is_a_directory_without_a_suffix() -> None:
+    logs = [Path("a/walk.bag"), Path("b/walk.bag")]
+    below = [PurePath(), PurePath("b")]
+    folder = UPath("memory://out")
+    found = [str(target) for _, target in targets(logs, folder, ".mcap", below)]
+    assert found == [f"{folder}/walk.mcap", f"{folder}/b/walk.mcap"]
+    assert targets(logs[:1], folder / "x.mcap", ".mcap") == [(logs[0], folder / "x.mcap")]
