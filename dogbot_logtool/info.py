@@ -2,7 +2,6 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from pathlib import Path
 
 from dogbot_logtool.evidence import Evidence, look_into
 from dogbot_logtool.findings import Finding
@@ -12,6 +11,7 @@ from dogbot_logtool.plan import ConvertOptions, evidence_findings, make_plan
 from dogbot_logtool.reader.log import Log, Loss
 from dogbot_logtool.reader.opening import open_log
 from dogbot_logtool.selection import Selection, TopicOptions, select_topics
+from dogbot_logtool.storage import Location
 
 
 @dataclass(frozen=True, slots=True)
@@ -33,7 +33,7 @@ class TopicInfo:
 class LogInfo:
     """What a log holds."""
 
-    path: Path
+    path: Location
     size: int
     """Bytes."""
     container: str
@@ -65,7 +65,7 @@ class LogInfo:
 
 
 def describe(
-    path: Path,
+    path: Location,
     options: TopicOptions,
     *,
     all_frames: bool = False,

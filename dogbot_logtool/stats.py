@@ -2,7 +2,6 @@
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from pathlib import Path
 from typing import Final, Literal
 
 import numpy as np
@@ -37,6 +36,7 @@ from dogbot_logtool.reader.opening import open_log
 from dogbot_logtool.report.stats_json import LogFacts
 from dogbot_logtool.robot import Robot
 from dogbot_logtool.selection import Selection, TopicOptions, select_topics
+from dogbot_logtool.storage import Location, shown
 from dogbot_logtool.world_frames import (
     BatchFrames,
     StreamedFrames,
@@ -109,7 +109,7 @@ class _Measured:
     stored_size: int
 
 
-def measure(path: Path, options: StatsOptions, progress: Progress | None = None) -> Measurement:
+def measure(path: Location, options: StatsOptions, progress: Progress | None = None) -> Measurement:
     """Work out all figures of a log.
 
     Raises:
@@ -222,7 +222,7 @@ def _pass(
     findings = [*selection.findings, *seen]
     if forces is not None:
         findings.extend(forces.findings())
-    facts = _facts(log, findings, messages, losses)
+    facts = _facts(log, selection.robot.name, findings, messages, losses)
     return Measurement(accumulator.finish(), facts, tuple(losses))
 
 
@@ -314,13 +314,13 @@ def _by_topic(log: Log, channel: Ints) -> Iterator[tuple[str, Ints]]:
 
 
 def _facts(
-    log: Log, findings: Sequence[Finding], messages: int, losses: Sequence[Loss]
+    log: Log, robot: str, findings: Sequence[Finding], messages: int, losses: Sequence[Loss]
 ) -> LogFacts:
     duration = None
     if log.start_time is not None and log.end_time is not None:
         duration = (log.end_time - log.start_time) / 1e9
     return LogFacts(
-        path=str(log.source.path),
+        path=shown(log.source.path),
         container=log.container,
         profile=log.profile,
         start_s=None if log.start_time is None else log.start_time / 1e9,
@@ -330,4 +330,5 @@ def _facts(
         lost_bytes=sum(loss.bytes for loss in losses),
         losses=[loss.what for loss in losses],
         findings=findings,
+        robot=robot,
     )

@@ -11,6 +11,7 @@ from dogbot_logtool.convert import Conversion
 from dogbot_logtool.printable import printable
 from dogbot_logtool.report.console import print_findings
 from dogbot_logtool.report.damage import damage_json, print_damage
+from dogbot_logtool.storage import shown
 
 
 def conversion_json(done: Conversion) -> dict[str, Any]:
@@ -19,8 +20,8 @@ def conversion_json(done: Conversion) -> dict[str, Any]:
     robot = plan.selection.robot
     return {
         "tool": {"name": "dogbot-logtool", "version": __version__},
-        "input": str(done.source),
-        "output": str(done.target),
+        "input": shown(done.source),
+        "output": shown(done.target),
         "container": done.container,
         "robot": robot.name,
         "style": plan.options.style,
@@ -43,7 +44,7 @@ def conversion_json(done: Conversion) -> dict[str, Any]:
 def print_conversion(console: Console, done: Conversion, *, verbose: bool) -> None:
     """Print what was done."""
     added = sum(done.annotations.values())
-    name = printable(str(done.target))
+    name = printable(shown(done.target))
     line = f": {done.copied:,} recorded messages and {added:,} annotations"
     console.print(Text.assemble(Text(name, style="bold"), line), soft_wrap=True)
     if verbose:

@@ -14,6 +14,7 @@ from dogbot_logtool.report.console import human_size, print_findings
 from dogbot_logtool.report.damage import damage_json, print_damage
 from dogbot_logtool.report.frames_json import frames_json
 from dogbot_logtool.report.frames_text import print_frame_names, print_frames
+from dogbot_logtool.storage import shown
 
 _SIMULATED_BEFORE_S = 1_000_000_000
 """Log times before this are simulation time, not dates."""
@@ -24,7 +25,7 @@ _WIDE = 110
 def info_json(info: LogInfo) -> dict[str, Any]:
     """Return what is known of a log as plain values."""
     return {
-        "path": str(info.path),
+        "path": shown(info.path),
         "size_bytes": info.size,
         "container": info.container,
         "profile": info.profile,
@@ -56,7 +57,7 @@ def info_json(info: LogInfo) -> dict[str, Any]:
 
 def print_info(console: Console, info: LogInfo) -> None:
     """Print what is known of a log."""
-    console.print(Text(printable(str(info.path)), style="bold"))
+    console.print(Text(printable(shown(info.path)), style="bold"))
     console.print(_head(info))
     console.print(_topics(info, wide=console.width >= _WIDE))
     if info.frames is not None:

@@ -1,30 +1,101 @@
-"""A progress bar, on a terminal only."""
+"""Progress bars, on a terminal only: one for the whole, and one for each log under way."""
 
-import contextlib
 import sys
-from collections.abc import Callable, Iterator
+import threading
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Self
+
+from dogbot_logtool.printable import printable
+
+if TYPE_CHECKING:
+    from rich.progress import Progress, Task, TaskID
+    from rich.text import Text
 
 
-@contextlib.contextmanager
-def progress_bar(name: str, *, shown: bool) -> Iterator[Callable[[int, int], None] | None]:
-    """Show a bar while the block runs; yields what is to be told bytes done and in all."""
-    if not (shown and sys.stderr.isatty()):
-        yield None
-        return
+class ProgressBars:
+    """Follows work on logs; may be told from any thread."""
+
+    def __init__(self, names: Sequence[str], *, shown: bool) -> None:
+        """Set up.
+
+        Args:
+            names: of the logs.
+            shown: whether to show anything.
+        """
+        self._names = names
+        self._shown = shown
+        self._lock = threading.Lock()
+        self._tasks: dict[int, TaskID] = {}
+        self._finished: set[int] = set()
+        self._bars = _bars() if shown and sys.stderr.isatty() else None
+
+    def __enter__(self) -> Self:
+        if self._bars is not None:
+            self._bars.start()
+            if len(self._names) > 1:
+                self._whole = self._bars.add_task(
+                    self._count(), total=len(self._names), counts_logs=True
+                )
+        return self
+
+    def __exit__(self, *_error: object) -> None:
+        if self._bars is not None:
+            self._bars.stop()
+
+    def told(self, number: int, done: int, total: int) -> None:
+        """Show how far a log has come, in bytes."""
+        with self._lock:
+            if self._bars is None or number in self._finished:
+                return
+            if number not in self._tasks:
+                name = printable(self._names[number])
+                self._tasks[number] = self._bars.add_task(name, total=total)
+            self._bars.update(self._tasks[number], completed=done, total=total)
+
+    def finished(self, number: int) -> None:
+        """Take a log's bar away."""
+        with self._lock:
+            self._finished.add(number)
+            if self._bars is None:
+                return
+            task = self._tasks.pop(number, None)
+            if task is not None:
+                self._bars.remove_task(task)
+            if len(self._names) > 1:
+                done = len(self._finished)
+                self._bars.update(self._whole, completed=done, description=self._count())
+
+    def say(self, sentence: str) -> None:
+        """Say what a user should know at once."""
+        line = f"   note  {printable(sentence)}"
+        if self._bars is not None:
+            self._bars.console.print(line, soft_wrap=True)
+        elif self._shown:
+            sys.stderr.write(f"{line}\n")
+
+    def _count(self) -> str:
+        return f"{len(self._finished)} of {len(self._names)} logs"
+
+
+def _bars() -> "Progress":
     from rich import progress  # noqa: PLC0415 - rich costs 40 ms
+    from rich.text import Text  # noqa: PLC0415
 
     from dogbot_logtool.report.console import diagnostics  # noqa: PLC0415
 
-    columns = (
+    class Speed(progress.TransferSpeedColumn):
+        """Bytes a second; nothing for a bar that counts logs."""
+
+        def render(self, task: "Task") -> "Text":
+            """See `ProgressColumn.render`."""
+            return Text() if task.fields.get("counts_logs") else super().render(task)
+
+    return progress.Progress(
         progress.TextColumn("{task.description}"),
         progress.BarColumn(),
-        progress.TransferSpeedColumn(),
+        Speed(),
         progress.TimeRemainingColumn(),
+        console=diagnostics(),
+        transient=True,
+        redirect_stdout=sys.stdout.isatty(),
     )
-    with progress.Progress(*columns, console=diagnostics(), transient=True) as bar:
-        task = bar.add_task(name, total=None)
-
-        def tell(done: int, total: int) -> None:
-            bar.update(task, completed=done, total=total)
-
-        yield tell

@@ -1,7 +1,7 @@
 """One row a stride, for spreadsheets; one row a log, where there are several."""
 
 import csv
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Sequence
 from typing import Final, TextIO
 
 import numpy as np
@@ -9,19 +9,9 @@ import numpy as np
 from dogbot_logtool.core.remarks import remarks
 from dogbot_logtool.core.walk_stats import Stats
 from dogbot_logtool.report.stats_json import LogFacts
+from dogbot_logtool.report.stride_table import COLUMNS, StrideTable
 
-STRIDE_COLUMNS: Final = (
-    "log",
-    "foot",
-    "start_s",
-    "stance_s",
-    "swing_s",
-    "duty_factor",
-    "length_m",
-    "peak_force_n",
-    "vertical_impulse_ns",
-    "slip_m",
-)
+STRIDE_COLUMNS: Final = ("log", "foot", *COLUMNS)
 SUMMARY_COLUMNS: Final = (
     "log",
     "class",
@@ -37,12 +27,14 @@ _DIGITS: Final = 9
 """Significant digits; stamps are nanoseconds, forces are not that good."""
 
 
-def write_strides(file: TextIO, results: Sequence[tuple[Stats, LogFacts]]) -> None:
-    """Write a row for each whole stride of each foot; what is not known stays empty."""
+def write_strides(file: TextIO, results: Iterable[tuple[str, StrideTable]]) -> None:
+    """Write a row for each stride, given logs' names and strides; what is not known is empty."""
     writer = csv.writer(file, lineterminator="\n")
     writer.writerow(STRIDE_COLUMNS)
-    for stats, log in results:
-        writer.writerows(_stride_rows(stats, log.path))
+    for path, strides in results:
+        columns = [strides.columns[name].tolist() for name in COLUMNS]
+        for foot, *figures in zip(strides.foot, *columns, strict=True):
+            writer.writerow([path, foot, *map(_text, figures)])
 
 
 def write_summary(file: TextIO, results: Sequence[tuple[Stats, LogFacts]]) -> None:
@@ -51,24 +43,6 @@ def write_summary(file: TextIO, results: Sequence[tuple[Stats, LogFacts]]) -> No
     writer.writerow(SUMMARY_COLUMNS)
     for stats, log in results:
         writer.writerow(_summary_row(stats, log))
-
-
-def _stride_rows(stats: Stats, path: str) -> Iterator[list[str]]:
-    for foot in stats.feet:
-        strides, stances = foot.strides, foot.stances
-        row = strides.stance
-        columns = (
-            (strides.touchdown - stats.origin) / 1e9,
-            strides.stance_s,
-            strides.swing_s,
-            strides.duty_factor,
-            foot.length_m,
-            stances.peak_n[row],
-            stances.vertical_impulse_ns[row],
-            foot.slip_m[row],
-        )
-        for figures in np.stack(columns, axis=1).tolist():
-            yield [path, foot.name, *(_text(figure) for figure in figures)]
 
 
 def _summary_row(stats: Stats, log: LogFacts) -> list[str]:

@@ -54,6 +54,8 @@ class LogFacts:
     """What was lost, and where, a sentence each."""
     findings: Sequence[Said] = field(default=())
     """What choosing topics and frames brought up."""
+    robot: str = ""
+    """Name of the robot."""
 
 
 @cache

@@ -20,7 +20,8 @@ from dogbot_logtool.core.wrench_frame import WrenchFrame
 from dogbot_logtool.report.gait_diagram import ASCII, default_window, gait_diagram
 from dogbot_logtool.report.stats_csv import write_strides, write_summary
 from dogbot_logtool.report.stats_json import LogFacts, several_logs, stats_json, stats_schema
-from dogbot_logtool.report.stats_text import print_report, print_summary, verdict
+from dogbot_logtool.report.stats_text import print_report, print_summary, summary_row, verdict
+from dogbot_logtool.report.stride_table import stride_table
 
 START = 1_700_000_000_000_000_000
 PLACES = (("front", "left"), ("front", "right"), ("back", "left"), ("back", "right"))
@@ -173,7 +174,7 @@ def test_one_log_is_an_object_several_are_a_list() -> None:
 
 def test_a_row_a_stride(trot: Stats) -> None:
     file = io.StringIO()
-    write_strides(file, [(trot, FACTS)])
+    write_strides(file, [(FACTS.path, stride_table(trot))])
     rows = list(csv.DictReader(io.StringIO(file.getvalue())))
     assert len(rows) == sum(len(foot.strides.stance) for foot in trot.feet)
     first = rows[0]
@@ -185,7 +186,8 @@ def test_a_row_a_stride(trot: Stats) -> None:
 
 def test_unknown_figures_are_empty_cells() -> None:
     file = io.StringIO()
-    write_strides(file, [(measured(with_base=False, wrench_frame=WrenchFrame.LINK), FACTS)])
+    unknown = measured(with_base=False, wrench_frame=WrenchFrame.LINK)
+    write_strides(file, [(FACTS.path, stride_table(unknown))])
     row = next(csv.DictReader(io.StringIO(file.getvalue())))
     assert (row["length_m"], row["vertical_impulse_ns"]) == ("", "")
 
@@ -256,7 +258,8 @@ def test_the_window_chosen_is_a_few_strides(trot: Stats) -> None:
 
 def test_several_logs_have_a_row_each(trot: Stats) -> None:
     file = io.StringIO()
-    print_summary(Console(file=file, width=80), [(trot, FACTS), (measured(feet=0), FACTS)])
+    rows = [summary_row(stats, FACTS) for stats in (trot, measured(feet=0))]
+    print_summary(Console(file=file, width=80), rows)
     lines = file.getvalue().splitlines()
     assert len(lines) == 3
     assert "trot" in lines[1]

@@ -12,6 +12,7 @@ from dogbot_logtool.report.console import human_size
 from dogbot_logtool.report.damage import damage_json, print_damage
 from dogbot_logtool.report.page.summary import findings, trust
 from dogbot_logtool.report.verdict import headline
+from dogbot_logtool.storage import shown
 
 
 def page_json(done: Page) -> dict[str, Any]:
@@ -20,8 +21,8 @@ def page_json(done: Page) -> dict[str, Any]:
     trusted = trust(measured.stats, measured.facts)
     return {
         "tool": {"name": "dogbot-logtool", "version": __version__},
-        "input": str(done.source),
-        "output": str(done.target),
+        "input": shown(done.source),
+        "output": shown(done.target),
         "bytes": done.size,
         "verdict": headline(measured.stats),
         "trust": trusted.level,
@@ -32,7 +33,7 @@ def page_json(done: Page) -> dict[str, Any]:
 def print_page(console: Console, done: Page, *, verbose: bool) -> None:
     """Print what was written."""
     stats, facts = done.measured.stats, done.measured.facts
-    name = Text(printable(str(done.target)), style="bold")
+    name = Text(printable(shown(done.target)), style="bold")
     words = f": {headline(stats)}. {trust(stats, facts).text} ({human_size(done.size)})"
     console.print(Text.assemble(name, words), soft_wrap=True)
     if verbose:
