@@ -73,11 +73,14 @@ class Cluster(Crew[Result]):
 
     def _begin(self, number: int, work: Work[Result], item: object, watch: Watch) -> None:
         self._watch = watch
+        self._handed_out[number] = work, item
+        if self._client.status != "running":
+            # Without a future, it makes `_wait` connect anew.
+            return
         if not self._asked_for_workers:
             self._asked_for_workers = True
             if not self._client.scheduler_info(n_workers=-1)["workers"]:
                 watch.say(f"{self._name} has no workers yet; waiting for them")
-        self._handed_out[number] = work, item
         future = self._client.submit(
             _attempt,
             __version__,
@@ -93,6 +96,8 @@ class Cluster(Crew[Result]):
         self._done.add(future)
 
     def _wait(self, watch: Watch) -> list[tuple[int, Result | Failure]]:
+        if len(self._handed_out) > len(self._numbers):
+            return self._reconnect(watch)
         future = next(self._done)
         try:
             if future.status in _LOST:
@@ -110,7 +115,7 @@ class Cluster(Crew[Result]):
         left, self._handed_out, self._numbers = list(self._numbers), {}, {}
         if left and self._client.status == "running":
             self._client.cancel(left, force=True)
-        self._done = distributed.as_completed([], loop=self._client.loop)
+            self._done = distributed.as_completed([], loop=self._client.loop)
 
     def _reconnect(self, watch: Watch) -> list[tuple[int, Result | Failure]]:
         """Hand out anew what a lost scheduler had, or give up."""
@@ -125,7 +130,6 @@ class Cluster(Crew[Result]):
             self._connect()
         except LogtoolError:
             what = f"was not done: the scheduler {self._name} was lost"
-            self._done = distributed.as_completed([], loop=None)
             return [(number, Failure(what, 1)) for number in left]
         watch.say(f"the scheduler {self._name} was lost; what it had is handed out again")
         for number, (work, item) in left.items():

@@ -89,7 +89,7 @@ def both(
     whole = convert(log, folder / "whole.mcap", options)
     order = Order(log, folder / "joined.mcap", was_free=True)
     with Counting(scheduler) as engine:
-        (joined,) = Splitting(engine, 0, PART_SIZE).run(Convert(options), [order], watcher)
+        (joined,) = Splitting[Any](engine, 0, PART_SIZE).run(Convert(options), [order], watcher)
         assert isinstance(joined, Conversion), joined
         return whole, joined, engine.runs
 
@@ -188,3 +188,20 @@ def test_only_huge_logs_are_split(scheduler: str) -> None:
     with Counting(scheduler) as engine:
         (_,) = Splitting[Any](engine).run(Measure(StatsOptions()), [TROUBLED], Watcher())
         assert engine.runs == [1]
+
+
+def test_a_scheduler_that_stays_away_fails_every_log(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("dogbot_logtool.fleet.cluster._PATIENCE_S", 1)
+    measure = Measure(StatsOptions())
+    with Splitting[Any](_cluster_without_scheduler(tmp_path), TROUBLED.stat().st_size) as engine:
+        outcomes = list(engine.run(measure, [TROUBLED, TROT, WALK, TROUBLED], Watcher()))
+    assert [type(outcome) for outcome in outcomes] == [Failure] * 4
+    assert all("the scheduler" in outcome.sentence for outcome in outcomes)
+    assert all(outcome.sentence.endswith("was lost") for outcome in outcomes)
+
+
+def _cluster_without_scheduler(folder: Path) -> Cluster[Any]:
+    with dask_scheduler(folder=folder) as address:
+        return Cluster(address)
