@@ -1,7 +1,7 @@
 """What `convert` does with one batch: read, decode, compute, stamp out, compress."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 from dogbot_logtool.conversion.carried import Work
 from dogbot_logtool.conversion.copying import copied_chunks
@@ -63,6 +63,11 @@ class ConvertedBatch:
     stored_size: int
     """Bytes of the file that it was read from."""
 
+    def detached(self) -> "ConvertedBatch":
+        """Return the same without views of the log's bytes, so that it can be sent."""
+        chunks = tuple(replace(chunk, record=bytes(chunk.record)) for chunk in self.chunks)
+        return replace(self, chunks=chunks)
+
 
 class BatchConverter:
     """Converts batches; called from several threads at once."""
@@ -77,9 +82,10 @@ class BatchConverter:
         try:
             read = read_batch(self._log, self._plan, work.span)
             carried = work.before.result()
-            placed = place(read, carried, self._plan)
+            extract = read.extract
+            placed = place(extract, carried.transforms, self._plan)
             footings = carried.footings(placed.samples, self._plan)
-            work.after.set_result(carried.past(read, footings))
+            work.after.set_result(carried.past(extract, footings))
         except BaseException:
             # Whoever waits must not wait for ever; the error reaches the user from here.
             work.give_up()

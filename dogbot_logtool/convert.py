@@ -8,26 +8,21 @@ from mcap import records
 
 from dogbot_logtool import __version__
 from dogbot_logtool.batches import BatchConverter, ConvertedBatch, Counts
-from dogbot_logtool.conversion.carried import chained
+from dogbot_logtool.conversion.carried import Carried, chained
+from dogbot_logtool.conversion.channels import annotations_of
 from dogbot_logtool.errors import LogError
 from dogbot_logtool.evidence import look_into
 from dogbot_logtool.findings import Finding, note, warning
 from dogbot_logtool.parallel import in_order
 from dogbot_logtool.plan import ConvertOptions, Plan, make_plan, without_tf
 from dogbot_logtool.printable import printable
-from dogbot_logtool.reader.definition import short_type_name
 from dogbot_logtool.reader.log import Log, Loss, lost_messages
 from dogbot_logtool.reader.mcap_extras import read_extra
 from dogbot_logtool.reader.opening import open_log
 from dogbot_logtool.selection import select_topics
 from dogbot_logtool.storage import Location, file_name
 from dogbot_logtool.world_frames import frame_findings
-from dogbot_logtool.writer.annotations import (
-    FALLBACK_PREFIX,
-    Annotations,
-    IdSource,
-)
-from dogbot_logtool.writer.encoding import Encoding, MessageType
+from dogbot_logtool.writer.annotations import Annotations
 from dogbot_logtool.writer.mcap_writer import McapWriter, metadata_record
 from dogbot_logtool.writer.output import refuse_bad_target, whole_file
 
@@ -35,6 +30,8 @@ PROVENANCE: Final = "dogbot_logtool"
 """Name of the metadata record that tells how the file was made."""
 Progress = Callable[[int, int], None]
 """Is told bytes done and bytes in all."""
+BatchSource = Callable[[Log, Plan, Annotations], Iterator[ConvertedBatch]]
+"""Converts all batches of a log and hands them back in order."""
 
 
 class _BaseHasParent(Exception):  # noqa: N818 - it never leaves this module
@@ -53,7 +50,7 @@ class _Tally:
     by_channel: dict[int, int] = field(default_factory=dict)
     malformed: dict[int, int] = field(default_factory=dict)
     losses: list[Loss] = field(default_factory=list)
-    moved_topics: dict[str, str] = field(default_factory=dict)
+    moved_topics: Mapping[str, str] = field(default_factory=dict)
 
     def add(self, batch: ConvertedBatch) -> None:
         self.counts += batch.counts
@@ -88,7 +85,11 @@ class Conversion:
 
 
 def convert(
-    source: Location, target: Location, options: ConvertOptions, progress: Progress | None = None
+    source: Location,
+    target: Location,
+    options: ConvertOptions,
+    progress: Progress | None = None,
+    batches: BatchSource | None = None,
 ) -> Conversion:
     """Write the annotated MCAP of a log.
 
@@ -97,6 +98,7 @@ def convert(
         target: the file to write; it appears only when it is whole.
         options: what is asked for.
         progress: is told how far it has come.
+        batches: who converts the batches; None: threads of this process.
 
     Raises:
         CallError: no such file, a target that may not be written, a topic that is not there.
@@ -109,77 +111,38 @@ def convert(
         selection = select_topics(log, options.topics)
         plan = make_plan(log, selection, look_into(log, selection), options)
         try:
-            return _write(log, target, plan, progress)
+            return _write(log, target, plan, progress, batches or convert_batches)
         except _BaseHasParent as surprise:
-            return _write(log, target, without_tf(plan, surprise.parent), progress)
+            plan = without_tf(plan, surprise.parent)
+            return _write(log, target, plan, progress, batches or convert_batches)
     finally:
         log.close()
 
 
-def _write(log: Log, target: Location, plan: Plan, progress: Progress | None) -> Conversion:
-    tally = _Tally(losses=list(log.losses))
+def _write(
+    log: Log, target: Location, plan: Plan, progress: Progress | None, batches: BatchSource
+) -> Conversion:
+    total = sum(chunk.data_size for chunk in log.chunks)
+    done = 0
     with whole_file(target, overwrite=plan.options.overwrite) as file:
-        annotations = _annotations(log, plan, tally)
+        annotations, moved_topics = annotations_of(log, plan)
+        tally = _Tally(losses=list(log.losses), moved_topics=moved_topics)
         writer = _start(file, log, plan, annotations)
-        for batch in _converted_batches(log, plan, annotations, progress):
+        for batch in batches(log, plan, annotations):
             if batch.other_parent is not None:
                 raise _BaseHasParent(batch.other_parent)
             tally.add(batch)
             for chunk in batch.chunks:
                 writer.add_chunk(chunk)
+            done += batch.stored_size
+            if progress is not None:
+                progress(done, total)
         if plan.options.copy:
             _copy_extras(log, writer, tally)
         _account_for_damage(log, plan, tally)
         writer.add_metadata(_provenance(log, plan, tally))
         writer.finish()
     return _conversion(log, target, plan, annotations, tally)
-
-
-def _annotations(log: Log, plan: Plan, tally: _Tally) -> Annotations:
-    copied = log.channels.values() if plan.options.copy else ()
-    recorded = {channel.topic: channel for channel in copied}
-
-    def resolve_topic(topic: str, kind: MessageType) -> str:
-        """One topic must never carry two types or encodings."""
-        name = topic
-        while (there := recorded.get(name)) is not None:
-            ours = short_type_name(kind.name), kind.message_encoding
-            if (there.type_name, there.message_encoding) == ours:
-                break
-            name = FALLBACK_PREFIX + name
-        if name != topic:
-            tally.moved_topics[topic] = name
-        return name
-
-    return Annotations(
-        _encoding(plan),
-        [foot.name for foot in plan.selection.robot.feet],
-        plan.arrow_style,
-        world_frame=plan.world_frame,
-        base_frame=plan.base_frame,
-        with_tf=plan.write_tf,
-        support_style=plan.support_style if plan.hearings else None,
-        schema_ids=IdSource({channel.schema.id for channel in copied if channel.schema}),
-        channel_ids=IdSource({channel.id for channel in copied}),
-        resolve_topic=resolve_topic,
-    )
-
-
-def _encoding(plan: Plan) -> Encoding:
-    # Imported late: each brings the libraries of its message format.
-    match plan.options.encoding:
-        case "ros1":
-            from dogbot_logtool.writer.ros1 import Ros1Encoding  # noqa: PLC0415
-
-            return Ros1Encoding()
-        case "ros2":
-            from dogbot_logtool.writer.ros2 import Ros2Encoding  # noqa: PLC0415
-
-            return Ros2Encoding()
-        case "foxglove":
-            from dogbot_logtool.writer.foxglove import FoxgloveEncoding  # noqa: PLC0415
-
-            return FoxgloveEncoding()
 
 
 def _start(file: BinaryIO, log: Log, plan: Plan, annotations: Annotations) -> McapWriter:
@@ -211,17 +174,10 @@ def _start(file: BinaryIO, log: Log, plan: Plan, annotations: Annotations) -> Mc
     return writer
 
 
-def _converted_batches(
-    log: Log, plan: Plan, annotations: Annotations, progress: Progress | None
-) -> Iterator[ConvertedBatch]:
-    total = sum(chunk.data_size for chunk in log.chunks)
-    done = 0
-    work = chained(log.spans(plan.start_time, plan.end_time), len(plan.hearings))
-    for batch in in_order(BatchConverter(log, plan, annotations), work, plan.options.jobs):
-        yield batch
-        done += batch.stored_size
-        if progress is not None:
-            progress(done, total)
+def convert_batches(log: Log, plan: Plan, annotations: Annotations) -> Iterator[ConvertedBatch]:
+    """Convert all batches of a log on threads of this process."""
+    work = chained(log.spans(*plan.limits), Carried.nothing(plan))
+    return in_order(BatchConverter(log, plan, annotations), work, plan.options.jobs)
 
 
 def _copy_extras(log: Log, writer: McapWriter, tally: _Tally) -> None:

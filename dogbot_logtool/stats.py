@@ -1,7 +1,8 @@
 """`dogbot-logtool stats`: which gait, how loaded, and can the recording be trusted."""
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import partial
 from typing import Final, Literal
 
 import numpy as np
@@ -95,7 +96,7 @@ class _Times:
 
 
 @dataclass(frozen=True, slots=True)
-class _Measured:
+class MeasuredBatch:
     """What a batch holds of use."""
 
     samples: Sequence[Samples]
@@ -109,8 +110,39 @@ class _Measured:
     stored_size: int
 
 
-def measure(path: Location, options: StatsOptions, progress: Progress | None = None) -> Measurement:
+@dataclass(frozen=True, slots=True)
+class BatchMeasurer:
+    """Reads batches; called from several threads at once, or sent to other processes."""
+
+    selection: Selection
+    feet: FootChannels
+    frames: WorldFrames | None
+    """What turns forces into the world; None where none must be."""
+    limits: tuple[int | None, int | None]
+    """ns, log times from which and up to which messages are taken; None: no limit."""
+
+    def __call__(self, log: Log, span: Span) -> MeasuredBatch:
+        """Read and decode one batch."""
+        return _measure_batch(log, self.selection, self.feet, span, self.limits, self.frames)
+
+
+BatchSource = Callable[[Log, BatchMeasurer, Iterable[Span]], Iterator[MeasuredBatch]]
+"""Measures batches of a log and hands them back in order."""
+
+
+def measure(
+    path: Location,
+    options: StatsOptions,
+    progress: Progress | None = None,
+    batches: BatchSource | None = None,
+) -> Measurement:
     """Work out all figures of a log.
+
+    Args:
+        path: the log.
+        options: what is asked for.
+        progress: is told how far it has come.
+        batches: who reads the batches; None: threads of this process.
 
     Raises:
         CallError: no such file, or a topic in the options that the log does not have.
@@ -124,10 +156,10 @@ def measure(path: Location, options: StatsOptions, progress: Progress | None = N
         evidence = look_into(log, selection)
         try:
             settings = _settings(selection, evidence, options)
-            return _pass(log, selection, evidence, settings, options, progress)
+            return _pass(log, selection, evidence, settings, options, progress, batches)
         except UnusableStamps as reason:
             settings = _settings(selection, evidence, options, log_time_because=str(reason))
-            return _pass(log, selection, evidence, settings, options, progress)
+            return _pass(log, selection, evidence, settings, options, progress, batches)
     finally:
         log.close()
 
@@ -171,6 +203,7 @@ def _pass(
     settings: StatsSettings,
     options: StatsOptions,
     progress: Progress | None,
+    batches: BatchSource | None,
 ) -> Measurement:
     """Read the log once, feeding all messages to the figures in order."""
     start, end = time_limits(log, options.start_s, options.end_s)
@@ -192,10 +225,13 @@ def _pass(
         left_after_ns=evidence.left_after_ns,
     )
 
-    def work(span: Span) -> _Measured:
-        return _measure_batch(log, selection, feet, span, (start, end), frames)
-
-    for batch in in_order(work, log.spans(start, end), options.jobs):
+    measurer = BatchMeasurer(selection, feet, frames, (start, end))
+    spans = log.spans(start, end)
+    if batches is None:
+        measured = in_order(partial(measurer, log), spans, options.jobs)
+    else:
+        measured = batches(log, measurer, spans)
+    for batch in measured:
         accumulator.add_odometry(batch.odometry)
         ready = swings.add(batch.samples)
         if forces is not None and batch.frames is not None:
@@ -253,7 +289,7 @@ def _measure_batch(
     span: Span,
     limits: tuple[int | None, int | None],
     frames: WorldFrames | None,
-) -> _Measured:
+) -> MeasuredBatch:
     batch = log.read(span).cropped(*limits)
     decoded = decode_odometry(batch, selection.odometry)
     odometry = concatenate_odometry([odometry_columns(messages) for messages in decoded])
@@ -263,7 +299,7 @@ def _measure_batch(
     stamped: dict[str, _Times] = {}
     for messages in (*decoded, *with_header):
         stamped.update(_stamped_times(log, messages))
-    return _Measured(
+    return MeasuredBatch(
         samples=samples,
         odometry=odometry,
         frames=(

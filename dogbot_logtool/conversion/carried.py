@@ -8,7 +8,8 @@ from collections.abc import Iterable, Iterator, Sequence
 from concurrent.futures import Future
 from dataclasses import dataclass, field
 
-from dogbot_logtool.conversion.reading import ReadBatch
+from dogbot_logtool.conversion.placing import place
+from dogbot_logtool.conversion.reading import Extract
 from dogbot_logtool.core.contacts import Samples
 from dogbot_logtool.core.footing import Footing, FootMemory, follow_feet, nothing_heard
 from dogbot_logtool.core.silent_swing import LastHeard, last_heard
@@ -30,6 +31,11 @@ class Carried:
     feet: tuple[FootMemory, ...] = ()
     """Where each foot stands; empty where nobody asks."""
 
+    @classmethod
+    def nothing(cls, plan: Plan) -> "Carried":
+        """Return what is known before the first message."""
+        return cls(feet=(nothing_heard(),) * len(plan.hearings))
+
     def footings(self, samples: Sequence[Samples], plan: Plan) -> tuple[Footing, ...]:
         """Return each foot's way through a batch after all earlier ones, if anybody asks.
 
@@ -39,21 +45,31 @@ class Carried:
         """
         return follow_feet(samples, self.feet, plan.hearings, force_in_world=plan.force_in_world)
 
-    def past(self, read: ReadBatch, footings: Sequence[Footing]) -> "Carried":
+    def over(self, read: Extract, plan: Plan) -> "Carried":
+        """Return what the batch after this one must know; nothing else is wanted of this one.
+
+        Args:
+            read: what was read of this one.
+            plan: what is to be done.
+        """
+        placed = place(read, self.transforms, plan)
+        return self.past(read, self.footings(placed.samples, plan))
+
+    def past(self, read: Extract, footings: Sequence[Footing]) -> "Carried":
         """Return what the batch after this one must know.
 
         Args:
             read: what was read of this one.
             footings: of each foot in this one, if anybody asks.
         """
-        time = read.poses.time
         heard = self.contacts
-        for contacts in read.contacts:
-            if contacts.source.silent_in_swing:
-                heard = last_heard(contacts.felt.samples, heard)
+        for samples, silent_in_swing in zip(read.samples, read.silent_in_swing, strict=True):
+            if silent_in_swing:
+                heard = last_heard(samples, heard)
         transforms = read.frames.handed_on(self.transforms) if read.frames else self.transforms
         feet = tuple(footing.memory() for footing in footings)
-        return Carried(int(time[-1]) if len(time) else self.odometry, heard, transforms, feet)
+        odometry = self.odometry if read.last_pose is None else read.last_pose
+        return Carried(odometry, heard, transforms, feet)
 
 
 @dataclass(frozen=True, slots=True)
@@ -69,15 +85,15 @@ class Work:
         self.after.cancel()
 
 
-def chained(spans: Iterable[Span], feet: int) -> Iterator[Work]:
+def chained(spans: Iterable[Span], carried: Carried) -> Iterator[Work]:
     """Tie every batch to the one before it.
 
     Args:
         spans: the batches.
-        feet: the number of feet of which it is asked where they stand.
+        carried: what the first of them must know.
     """
     before: Future[Carried] = Future()
-    before.set_result(Carried(feet=(nothing_heard(),) * feet))
+    before.set_result(carried)
     for span in spans:
         after: Future[Carried] = Future()
         yield Work(span, before, after)

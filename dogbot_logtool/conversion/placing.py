@@ -2,10 +2,10 @@
 
 from dataclasses import dataclass, field
 
-from dogbot_logtool.conversion.carried import Carried
-from dogbot_logtool.conversion.reading import ReadBatch
+from dogbot_logtool.conversion.reading import Extract
 from dogbot_logtool.core.contacts import Samples
 from dogbot_logtool.core.link_frames import FrameCounts
+from dogbot_logtool.core.transform_buffer import TransformBuffer
 from dogbot_logtool.plan import Plan
 
 
@@ -14,22 +14,21 @@ class Placed:
     """Contacts with forces turned and sensors placed, as far as that is wanted and frames tell."""
 
     samples: tuple[Samples, ...]
-    """One each of `ReadBatch.contacts`."""
+    """One each of `Extract.samples`."""
     counts: FrameCounts = field(default_factory=FrameCounts)
 
 
-def place(read: ReadBatch, carried: Carried, plan: Plan) -> Placed:
+def place(read: Extract, before: TransformBuffer, plan: Plan) -> Placed:
     """Place the contacts of a batch.
 
     Args:
-        read: the batch.
-        carried: what all earlier batches hand on.
+        read: what was read of the batch.
+        before: what all earlier batches hand on of the frames.
         plan: what is to be done.
     """
-    recorded = tuple(contacts.felt.samples for contacts in read.contacts)
     if plan.frames is None or read.frames is None:
-        return Placed(recorded)
-    around = read.frames.around(carried.transforms)
-    placed = [plan.frames.place(samples, around) for samples in recorded]
+        return Placed(read.samples)
+    around = read.frames.around(before)
+    placed = [plan.frames.place(samples, around) for samples in read.samples]
     counts = sum((told for _, told in placed), FrameCounts())
     return Placed(tuple(samples for samples, _ in placed), counts)

@@ -3,12 +3,27 @@
 from collections.abc import Mapping
 from dataclasses import dataclass
 
+from dogbot_logtool.core.contacts import Samples
 from dogbot_logtool.core.odometry import Odometry, concatenate_odometry, usable_poses
 from dogbot_logtool.plan import Plan
 from dogbot_logtool.reader.contact_sources.registry import ContactsRead, read_contacts
 from dogbot_logtool.reader.log import Batch, Log, Span
 from dogbot_logtool.reader.odometry import decode_odometry, odometry_columns
 from dogbot_logtool.world_frames import BatchFrames, read_frames
+
+
+@dataclass(frozen=True, slots=True)
+class Extract:
+    """What placing a batch's contacts and going on after it take; none of its bytes."""
+
+    last_pose: int | None
+    """ns, time of the last usable odometry message; None: there is none."""
+    samples: tuple[Samples, ...]
+    """Of each sort of contact messages."""
+    silent_in_swing: tuple[bool, ...]
+    """Whether each sort is published only while in contact."""
+    frames: BatchFrames | None
+    """What places feet in the world; None where that is not needed."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -27,6 +42,16 @@ class ReadBatch:
     """Messages that could not be decoded, by channel id."""
     stored_size: int
     """Bytes of the file that it was read from."""
+
+    @property
+    def extract(self) -> Extract:
+        """What other batches may need to know of it."""
+        return Extract(
+            int(self.poses.time[-1]) if len(self.poses.time) else None,
+            tuple(contacts.felt.samples for contacts in self.contacts),
+            tuple(contacts.source.silent_in_swing for contacts in self.contacts),
+            self.frames,
+        )
 
 
 def read_batch(log: Log, plan: Plan, span: Span) -> ReadBatch:

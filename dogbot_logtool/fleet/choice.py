@@ -9,7 +9,8 @@ def engine_for(logs: int, jobs: int, scheduler: str | None) -> Engine[Any]:
     """Choose an engine.
 
     One log is done here, on all threads; several by processes, since the part of the work that
-    holds Python's lock is large for small logs; and whatever a scheduler's workers can do, they do.
+    holds Python's lock is large for small logs; and whatever a scheduler's workers can do, they do,
+    huge logs in parts.
 
     Args:
         logs: how many.
@@ -22,8 +23,9 @@ def engine_for(logs: int, jobs: int, scheduler: str | None) -> Engine[Any]:
     """
     if scheduler is not None:
         from dogbot_logtool.fleet.cluster import Cluster  # noqa: PLC0415 - needs the extra
+        from dogbot_logtool.fleet.splitting import Splitting  # noqa: PLC0415
 
-        return Cluster(scheduler)
+        return Splitting(Cluster(scheduler))
     if min(logs, jobs) <= 1:
         return Here(jobs)
     from dogbot_logtool.fleet.processes import Processes  # noqa: PLC0415 - slow to import

@@ -7,7 +7,7 @@ from typing import Any, Final
 
 from dogbot_logtool import __version__
 from dogbot_logtool.errors import CallError, LogtoolError
-from dogbot_logtool.fleet.engine import Engine, Failure, Result, Watch, Work, attempt
+from dogbot_logtool.fleet.engine import Crew, Failure, Result, Watch, Work, attempt
 from dogbot_logtool.storage import extra_missing
 
 try:
@@ -23,7 +23,7 @@ _ADDRESS: Final = re.compile(r"(tcp|tls|ws|wss|ucx)://\S+")
 _LOST: Final = {"cancelled", "lost"}
 
 
-class Cluster(Engine[Result]):
+class Cluster(Crew[Result]):
     """The workers of a scheduler.
 
     What a lost worker had in hand is given to another one, thrice at most, and a scheduler that
@@ -53,8 +53,10 @@ class Cluster(Engine[Result]):
         self._address = self._local.scheduler_address if self._local else scheduler
         self._run = uuid.uuid4().hex[:12]
         self._reconnections = 0
+        self._submitted = 0
+        self._asked_for_workers = False
         self._handed_out: dict[int, tuple[Work[Any], object]] = {}
-        self._numbers: dict[object, int] = {}
+        self._numbers: dict[distributed.Future[Any], int] = {}
         self._watch: Watch | None = None
         self._connect()
 
@@ -70,11 +72,15 @@ class Cluster(Engine[Result]):
         self._client.subscribe_topic("all", self._hear_of_workers)
 
     def _begin(self, number: int, work: Work[Result], item: object, watch: Watch) -> None:
-        if self._watch is None:
-            self._watch = watch
+        self._watch = watch
+        self._handed_out[number] = work, item
+        if self._client.status != "running":
+            # Without a future, it makes `_wait` connect anew.
+            return
+        if not self._asked_for_workers:
+            self._asked_for_workers = True
             if not self._client.scheduler_info(n_workers=-1)["workers"]:
                 watch.say(f"{self._name} has no workers yet; waiting for them")
-        self._handed_out[number] = work, item
         future = self._client.submit(
             _attempt,
             __version__,
@@ -82,13 +88,16 @@ class Cluster(Engine[Result]):
             number,
             work,
             item,
-            key=f"dogbot-logtool-{self._run}-{self._reconnections}-{number}",
+            key=f"dogbot-logtool-{self._run}-{self._submitted}",
             pure=False,
         )
-        self._numbers[future.key] = number
+        self._submitted += 1
+        self._numbers[future] = number
         self._done.add(future)
 
     def _wait(self, watch: Watch) -> list[tuple[int, Result | Failure]]:
+        if len(self._handed_out) > len(self._numbers):
+            return self._reconnect(watch)
         future = next(self._done)
         try:
             if future.status in _LOST:
@@ -98,9 +107,15 @@ class Cluster(Engine[Result]):
         except (distributed.client.FutureCancelledError, OSError):
             # The scheduler went before the result came.
             return self._reconnect(watch)
-        number = self._numbers.pop(future.key)
+        number = self._numbers.pop(future)
         del self._handed_out[number]
         return [(number, outcome)]
+
+    def _give_up(self) -> None:
+        left, self._handed_out, self._numbers = list(self._numbers), {}, {}
+        if left and self._client.status == "running":
+            self._client.cancel(left, force=True)
+            self._done = distributed.as_completed([], loop=self._client.loop)
 
     def _reconnect(self, watch: Watch) -> list[tuple[int, Result | Failure]]:
         """Hand out anew what a lost scheduler had, or give up."""
@@ -115,9 +130,8 @@ class Cluster(Engine[Result]):
             self._connect()
         except LogtoolError:
             what = f"was not done: the scheduler {self._name} was lost"
-            self._done = distributed.as_completed([], loop=None)
             return [(number, Failure(what, 1)) for number in left]
-        watch.say(f"the scheduler {self._name} was lost; {len(left)} logs are handed out again")
+        watch.say(f"the scheduler {self._name} was lost; what it had is handed out again")
         for number, (work, item) in left.items():
             self._begin(number, work, item, watch)
         return self._wait(watch)

@@ -29,6 +29,7 @@ from dogbot_logtool.storage import Location, extra_missing
 from dogbot_logtool.writer.output import whole_file
 
 if TYPE_CHECKING:
+    from dogbot_logtool.fleet.parts import Parts
     from dogbot_logtool.stats import StatsOptions
 
 try:
@@ -277,9 +278,13 @@ class Keep:
     measure: Measure
     dataset: Dataset
 
-    def __call__(self, entry: Entry, tell: Tell | None) -> Figures:
-        """Measure a log and keep its figures."""
-        figures = self.measure(entry.place, tell)
+    def size(self, entry: Entry) -> int:
+        """Return the log's size, bytes."""
+        return entry.state.size
+
+    def __call__(self, entry: Entry, tell: Tell | None, parts: "Parts | None" = None) -> Figures:
+        """Measure a log, by parts if they are given, and keep its figures."""
+        figures = self.measure(entry.place, tell, parts)
         self.dataset.keep(figures, entry)
         return figures
 

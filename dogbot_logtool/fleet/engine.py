@@ -8,7 +8,7 @@ import time
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
-from typing import Any, Final, Generic, Protocol, TypeVar
+from typing import Any, Final, Generic, Protocol, Self, TypeVar
 
 from dogbot_logtool.errors import LogtoolError, StoreError
 
@@ -52,6 +52,7 @@ class Engine(ABC, Generic[Result]):
     may_repeat: bool = True
     """Whether an item may be begun again after whoever worked on it was lost."""
 
+    @abstractmethod
     def run(
         self, work: Work[Result], items: Sequence[Item], watch: Watch, ahead: int = AHEAD
     ) -> Iterator[Result | Failure]:
@@ -63,6 +64,25 @@ class Engine(ABC, Generic[Result]):
             watch: is told how it goes.
             ahead: bounds how many outcomes wait for an earlier one.
         """
+
+    def close(self) -> None:
+        """Let everybody go; what is under way is given up, and leaves nothing behind."""
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_error: object) -> None:
+        self.close()
+
+
+class Crew(Engine[Result]):
+    """Hands out items one by one, and takes outcomes as they come."""
+
+    def run(
+        self, work: Work[Result], items: Sequence[Item], watch: Watch, ahead: int = AHEAD
+    ) -> Iterator[Result | Failure]:
+        """See `Engine.run`."""
+        self._give_up()
         finished: dict[int, Result | Failure] = {}
         begun = wanted = 0
         while wanted < len(items):
@@ -84,17 +104,11 @@ class Engine(ABC, Generic[Result]):
     def _wait(self, watch: Watch) -> list[tuple[int, Result | Failure]]:
         """Return items that are done, with what became of them; at least one."""
 
-    def close(self) -> None:
-        """Let everybody go; what is under way is given up, and leaves nothing behind."""
-
-    def __enter__(self) -> "Engine[Result]":
-        return self
-
-    def __exit__(self, *_error: object) -> None:
-        self.close()
+    def _give_up(self) -> None:
+        """Forget what an earlier run handed out and nobody waits for any more."""
 
 
-class Here(Engine[Result]):
+class Here(Crew[Result]):
     """This process, one item after the other, each on all threads."""
 
     may_repeat = False

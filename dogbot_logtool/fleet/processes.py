@@ -9,7 +9,7 @@ from multiprocessing.queues import SimpleQueue
 from types import FrameType
 from typing import Any, Final, NoReturn
 
-from dogbot_logtool.fleet.engine import Engine, Failure, Result, Watch, Work, attempt
+from dogbot_logtool.fleet.engine import Crew, Failure, Result, Watch, Work, attempt
 
 _News = tuple[int, int, int] | None
 """An item's number, bytes done and in all; None: there will be no more."""
@@ -18,7 +18,7 @@ _SPAWN: Final = multiprocessing.get_context("spawn")
 """Threads, which libraries start as they like, do not survive a fork."""
 
 
-class Processes(Engine[Result]):
+class Processes(Crew[Result]):
     """A pool of processes. One that dies, for want of memory perhaps, costs its own item only."""
 
     def __init__(self, workers: int, threads: int = 1) -> None:

@@ -7,6 +7,7 @@ import os
 from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path, PurePath
 from typing import TYPE_CHECKING, Any, Final
 
@@ -18,6 +19,7 @@ from dogbot_logtool.storage import Location
 
 if TYPE_CHECKING:
     from dogbot_logtool.convert import Conversion
+    from dogbot_logtool.fleet.parts import Parts
     from dogbot_logtool.info import LogInfo
     from dogbot_logtool.plan import ConvertOptions
     from dogbot_logtool.plot import PlotOptions
@@ -52,12 +54,20 @@ class Convert:
 
     options: "ConvertOptions"
 
-    def __call__(self, order: "Order", tell: Tell | None) -> "Conversion":
-        """Convert it."""
+    def size(self, order: "Order") -> int:
+        """Return the log's size, bytes."""
+        return storage.version(order.log)[0]
+
+    def __call__(
+        self, order: "Order", tell: Tell | None, parts: "Parts | None" = None
+    ) -> "Conversion":
+        """Convert it, by parts if they are given."""
         from dogbot_logtool.convert import convert  # noqa: PLC0415
 
         overwrite = self.options.overwrite or order.was_free
-        return convert(order.log, order.target, replace(self.options, overwrite=overwrite), tell)
+        options = replace(self.options, overwrite=overwrite)
+        batches = partial(parts.converted, order.log) if parts else None
+        return convert(order.log, order.target, options, tell, batches)
 
 
 @dataclass(frozen=True, slots=True)
@@ -146,11 +156,16 @@ class Measure:
     whole: bool = False
     """Whether to return all there is, base's path and every stance included."""
 
-    def __call__(self, log: Location, tell: Tell | None) -> Figures:
-        """Measure it."""
+    def size(self, log: Location) -> int:
+        """Return the log's size, bytes."""
+        return storage.version(log)[0]
+
+    def __call__(self, log: Location, tell: Tell | None, parts: "Parts | None" = None) -> Figures:
+        """Measure it, by parts if they are given."""
         from dogbot_logtool.stats import measure  # noqa: PLC0415
 
-        measured = measure(log, self.options, tell)
+        batches = partial(parts.measured, log) if parts else None
+        measured = measure(log, self.options, tell, batches)
         figures = figures_of(measured, whole=self.whole)
         if self.drawing is None:
             return figures
