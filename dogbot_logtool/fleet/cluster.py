@@ -18,9 +18,9 @@ except ImportError as error:
 
 _RECONNECTIONS: Final = 2
 _PATIENCE_S: Final = 30
+_LOOK_EVERY_S: Final = 5
 _LOCAL: Final = re.compile(r"local:([1-9]\d{0,3})")
 _ADDRESS: Final = re.compile(r"(tcp|tls|ws|wss|ucx)://\S+")
-_LOST: Final = {"cancelled", "lost"}
 
 
 class Cluster(Crew[Result]):
@@ -55,6 +55,7 @@ class Cluster(Crew[Result]):
         self._reconnections = 0
         self._submitted = 0
         self._asked_for_workers = False
+        self._given_up = False
         self._handed_out: dict[int, tuple[Work[Any], object]] = {}
         self._numbers: dict[distributed.Future[Any], int] = {}
         self._watch: Watch | None = None
@@ -67,6 +68,7 @@ class Cluster(Crew[Result]):
             )
         except (OSError, ValueError) as error:
             raise LogtoolError(f"--scheduler {self._name}: nobody answers there") from error
+        self._comm = self._client.scheduler_comm
         self._done = distributed.as_completed([], loop=self._client.loop)
         self._client.subscribe_topic(self._run, self._hear)
         self._client.subscribe_topic("all", self._hear_of_workers)
@@ -74,8 +76,8 @@ class Cluster(Crew[Result]):
     def _begin(self, number: int, work: Work[Result], item: object, watch: Watch) -> None:
         self._watch = watch
         self._handed_out[number] = work, item
-        if self._client.status != "running":
-            # Without a future, it makes `_wait` connect anew.
+        if self._given_up or self._client.status != "running":
+            # Without a future, it makes `_wait` connect anew, or tell that it is not done.
             return
         if not self._asked_for_workers:
             self._asked_for_workers = True
@@ -96,26 +98,38 @@ class Cluster(Crew[Result]):
         self._done.add(future)
 
     def _wait(self, watch: Watch) -> list[tuple[int, Result | Failure]]:
+        if self._given_up:
+            return self._not_done()
         if len(self._handed_out) > len(self._numbers):
             return self._reconnect(watch)
         future = next(self._done)
+        if future.status == "lost":
+            # Its worker went before the result came; another one is at it.
+            self._done.add(future)
+            return []
         try:
-            if future.status in _LOST:
-                return self._reconnect(watch)
-            failed = future.status == "error"
-            outcome = _failure(future.exception()) if failed else future.result()
+            outcome = self._result(future)
         except (distributed.client.FutureCancelledError, OSError):
-            # The scheduler went before the result came.
+            # The scheduler went.
             return self._reconnect(watch)
+        except Exception as error:  # noqa: BLE001 - whatever a cluster comes up with
+            outcome = _failure(error)
         number = self._numbers.pop(future)
         del self._handed_out[number]
         return [(number, outcome)]
 
-    def _give_up(self) -> None:
-        left, self._handed_out, self._numbers = list(self._numbers), {}, {}
-        if left and self._client.status == "running":
-            self._client.cancel(left, force=True)
-            self._done = distributed.as_completed([], loop=self._client.loop)
+    def _result(self, future: Any) -> Any:  # noqa: ANN401 - dask's
+        """Fetch a result, which is done again if its worker was lost in the meantime.
+
+        Raises:
+            ConnectionError: the scheduler was lost, so that nobody does it.
+        """
+        while True:
+            try:
+                return future.result(timeout=_LOOK_EVERY_S)
+            except TimeoutError:
+                if self._client.scheduler_comm is not self._comm:
+                    raise ConnectionError from None
 
     def _reconnect(self, watch: Watch) -> list[tuple[int, Result | Failure]]:
         """Hand out anew what a lost scheduler had, or give up."""
@@ -129,12 +143,25 @@ class Cluster(Crew[Result]):
                 )
             self._connect()
         except LogtoolError:
-            what = f"was not done: the scheduler {self._name} was lost"
-            return [(number, Failure(what, 1)) for number in left]
+            self._given_up = True
+            self._handed_out = left
+            return self._not_done()
         watch.say(f"the scheduler {self._name} was lost; what it had is handed out again")
         for number, (work, item) in left.items():
             self._begin(number, work, item, watch)
-        return self._wait(watch)
+        return []
+
+    def _give_up(self) -> None:
+        left, self._handed_out, self._numbers = list(self._numbers), {}, {}
+        if left and self._client.status == "running":
+            self._client.cancel(left, force=True)
+            self._done = distributed.as_completed([], loop=self._client.loop)
+
+    def _not_done(self) -> list[tuple[int, Result | Failure]]:
+        """Return what is left, not done."""
+        left, self._handed_out = self._handed_out, {}
+        what = f"was not done: the scheduler {self._name} was lost"
+        return [(number, Failure(what, 1)) for number in left]
 
     def _hear(self, event: tuple[float, Any]) -> None:
         if self._watch is not None:

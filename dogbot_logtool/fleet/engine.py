@@ -102,7 +102,7 @@ class Crew(Engine[Result]):
 
     @abstractmethod
     def _wait(self, watch: Watch) -> list[tuple[int, Result | Failure]]:
-        """Return items that are done, with what became of them; at least one."""
+        """Return items that are done, with what became of them, after waiting for some."""
 
     def _give_up(self) -> None:
         """Forget what an earlier run handed out and nobody waits for any more."""

@@ -15,6 +15,7 @@ from upath import UPath
 
 from dogbot_logtool.convert import convert
 from dogbot_logtool.errors import CallError, StoreError
+from dogbot_logtool.fleet import cluster
 from dogbot_logtool.fleet.cluster import Cluster
 from dogbot_logtool.fleet.tasks import Measure
 from dogbot_logtool.plan import ConvertOptions
@@ -225,7 +226,7 @@ def test_an_object_is_not_overwritten_unasked(lab: Lab) -> None:
 
 
 def test_a_scheduler_that_comes_back_is_given_the_rest(tmp_path: Path) -> None:
-    """The last one kills all workers: that is said of it, and of nothing else."""
+    """The last one kills two workers: that is said of it, and of nothing else."""
     watcher = Watcher()
     results: list[Any] = []
     items = [("slow", tmp_path)] * 12 + [("deadly", tmp_path)]
@@ -239,7 +240,7 @@ def test_a_scheduler_that_comes_back_is_given_the_rest(tmp_path: Path) -> None:
     assert len(watcher.done) < len(items)
     with (
         dask_scheduler(port, folder=tmp_path) as address,
-        dask_workers(address, {}, folder=tmp_path, count=2),
+        dask_workers(address, {}, folder=tmp_path, count=3),
     ):
         run.join(60)
     engine.close()
@@ -247,3 +248,24 @@ def test_a_scheduler_that_comes_back_is_given_the_rest(tmp_path: Path) -> None:
     assert results[-1].sentence.startswith("every worker that worked on it died")
     assert sorted(watcher.done) == list(range(len(items)))
     assert any("the scheduler" in sentence for sentence in watcher.sentences)
+
+
+def test_a_scheduler_that_stays_away_is_told(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(cluster, "_PATIENCE_S", 1)
+    watcher = Watcher()
+    results: list[Any] = []
+    with dask_scheduler(folder=tmp_path) as address:
+        engine: Cluster[str] = Cluster(address)
+        items = [("slow", tmp_path)] * 3
+        run = threading.Thread(
+            target=lambda: results.extend(engine.run(work, items, watcher, ahead=2))
+        )
+        run.start()
+        wait_for(lambda: watcher.sentences, what="nobody says that there are no workers")
+    run.join(60)
+    engine.close()
+    assert "has no workers yet" in watcher.sentences[0]
+    assert [failure.exit_code for failure in results] == [1, 1, 1]
+    assert all(f"the scheduler {address} was lost" in failure.sentence for failure in results)
