@@ -528,7 +528,28 @@ def test_info_of_several_logs(shell: Shell) -> None:
     done = shell("info", TROT, "nothing.bag", TROUBLED, "--json")
     assert done.code == 2
     assert [bool(one.get("error")) for one in done.json] == [False, True, False]
-    assert done.err.startswith("error: nothing.bag: no such file")
+    assert done.err == "error: 1 of 3 logs could not be done\n  nothing.bag  no such file\n"
+
+
+@pytest.mark.parametrize(
+    ("words", "package"),
+    [
+        (("info", "s3://lab/walk.bag"), "upath"),
+        (("info", "@s3://lab/list.txt"), "upath"),
+        (("stats", TROT, "--scheduler", "local:2"), "dask"),
+        (("stats", TROT, "--parquet", "figures"), "pyarrow"),
+    ],
+)
+def test_what_an_extra_brings_is_asked_for(
+    shell: Shell, monkeypatch: pytest.MonkeyPatch, words: Sequence[object], package: str
+) -> None:
+    monkeypatch.setitem(sys.modules, package, None)
+    for module in ("cluster", "dataset"):
+        monkeypatch.delitem(sys.modules, f"dogbot_logtool.fleet.{module}", raising=False)
+    done = shell(*words)
+    assert (done.code, done.out) == (2, "")
+    assert done.err.endswith("not installed: pip install 'dogbot-logtool[fleet]'\n")
+    assert shell.files() == []
 
 
 def test_layout(shell: Shell) -> None:
@@ -622,12 +643,17 @@ main()
 """
 
 
-@pytest.mark.parametrize("jobs", [1, 2])
+@pytest.mark.parametrize(("jobs", "twins"), [(1, 0), (2, 0), (2, 1)])
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM], ids=lambda n: n.name)
 def test_a_signal_amid_writing_leaves_nothing(
-    tmp_path: Path, long_log: Path, number: signal.Signals, jobs: int
+    tmp_path: Path, long_log: Path, number: signal.Signals, jobs: int, twins: int
 ) -> None:
     words = ["convert", str(long_log), "-o", "x.mcap", "--compression", "lz4", "--jobs", str(jobs)]
+    if twins:
+        twin = long_log.with_name("twin.mcap")
+        twin.unlink(missing_ok=True)
+        os.link(long_log, twin)
+        words[2:4] = [str(twin), "-o", "."]
     process = subprocess.Popen(  # noqa: S603
         [sys.executable, "-c", INTERRUPTIBLE, *words],
         cwd=tmp_path,

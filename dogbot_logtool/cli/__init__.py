@@ -28,7 +28,8 @@ from dogbot_logtool.errors import LogtoolError
 def cli() -> None:
     """See and measure a legged robot's footfalls from recorded logs.
 
-    LOG is a ROS 1 bag or an MCAP. Results go to stdout, everything else to stderr.
+    LOG is a ROS 1 bag, a ROS 2 bag or an MCAP; a directory or glob of them; @FILE, a list of them;
+    or a URL (s3://, gs://, http:// ...). Results go to stdout, everything else to stderr.
 
     Exit codes: 0 done; 1 it could not be done, or a difference was found; 2 the call was wrong;
     3 done, but the input was damaged.

@@ -1,6 +1,5 @@
 """The words of `convert`."""
 
-from pathlib import Path
 from typing import Any
 
 import click
@@ -13,6 +12,7 @@ from dogbot_logtool.cli.options import (
     overwrite_option,
     parse_topics,
     quietness,
+    scheduler_option,
     threads,
     time_range,
     topic_options,
@@ -26,9 +26,8 @@ from dogbot_logtool.cli.outcomes import Outcomes
 @click.option(
     "-o",
     "--output",
-    type=click.Path(path_type=Path),
     metavar="OUT",
-    help="File, or a directory for several logs; default: <log>.annotated.mcap here.",
+    help="File, or a directory or URL for several logs; default: <log>.annotated.mcap here.",
 )
 @click.option(
     "--style",
@@ -77,18 +76,20 @@ from dogbot_logtool.cli.outcomes import Outcomes
     help="Of the output; default: zstd, and chunks copied from an MCAP as they are.",
 )
 @jobs_option
+@scheduler_option
 @overwrite_option
 @click.option("--strict", is_flag=True, help="Refuse damaged logs instead of salvaging them.")
 @json_option
 @quietness
 def convert(
-    logs: tuple[Path, ...],
-    output: Path | None,
+    words: tuple[str, ...],
+    output: str | None,
     robot: str | None,
     odom_topic: str | None,
     feet: tuple[str, ...],
     mass_kg: float | None,
     jobs: int | None,
+    scheduler: str | None,
     *,
     as_json: bool,
     quiet: bool,
@@ -96,25 +97,32 @@ def convert(
     **options: Any,  # noqa: ANN401 - click's words go straight into the dataclass
 ) -> None:
     """Write an annotated MCAP: /tf, arrows and loads of the feet, /support, and the log itself."""
-    from dogbot_logtool.convert import convert as convert_log  # noqa: PLC0415
+    from dogbot_logtool.fleet.choice import engine_for  # noqa: PLC0415
+    from dogbot_logtool.fleet.logs import find_logs  # noqa: PLC0415
+    from dogbot_logtool.fleet.tasks import Convert, orders  # noqa: PLC0415
     from dogbot_logtool.plan import ConvertOptions  # noqa: PLC0415
     from dogbot_logtool.report.console import diagnostics  # noqa: PLC0415
     from dogbot_logtool.report.convert_report import (  # noqa: PLC0415
         conversion_json,
         print_conversion,
     )
-    from dogbot_logtool.report.progress import progress_bar  # noqa: PLC0415
+    from dogbot_logtool.storage import from_root, location  # noqa: PLC0415
     from dogbot_logtool.writer.output import targets  # noqa: PLC0415
 
     topics = parse_topics(robot, odom_topic, feet, mass_kg)
-    chosen = ConvertOptions(topics=topics, jobs=threads(jobs), **options)
+    fleet = find_logs(words, for_workers=scheduler is not None)
+    folder = location(output) if output else None
+    if scheduler is not None:
+        folder = from_root(folder or location("."))
+    pairs = targets(fleet.places, folder, ".annotated.mcap", fleet.below)
+    engine = engine_for(len(pairs), threads(jobs), scheduler)
+    chosen = ConvertOptions(topics=topics, jobs=engine.threads, **options)
+    work = orders(pairs, fleet.below, may_repeat=engine.may_repeat)
     console = diagnostics()
-    outcomes = Outcomes()
-    for source, target in targets(logs, output, ".annotated.mcap"):
-        with outcomes.of(source):
-            with progress_bar(source.name, shown=not quiet) as progress:
-                done = convert_log(source, target, chosen, progress)
-            outcomes.add(conversion_json(done), done.exit_code)
-            if not quiet:
-                print_conversion(console, done, verbose=verbose)
+    outcomes = Outcomes(quiet=quiet)
+    outcomes.mention_left_out(fleet)
+    for done in outcomes.of(engine, Convert(chosen), work, fleet.names):
+        outcomes.add(conversion_json(done), done.exit_code)
+        if not quiet:
+            print_conversion(console, done, verbose=verbose)
     outcomes.finish(as_json=as_json)

@@ -10,6 +10,7 @@ from dogbot_logtool.cli.options import (
     logs_argument,
     overwrite_option,
     parse_topics,
+    scheduler_option,
     threads,
     topic_options,
 )
@@ -36,15 +37,17 @@ from dogbot_logtool.errors import CallError
 )
 @overwrite_option
 @jobs_option
+@scheduler_option
 @json_option
 def info(
-    logs: tuple[Path, ...],
+    words: tuple[str, ...],
     robot: str | None,
     odom_topic: str | None,
     feet: tuple[str, ...],
     mass_kg: float | None,
     output: Path | None,
     jobs: int | None,
+    scheduler: str | None,
     *,
     all_frames: bool,
     dot: bool,
@@ -52,38 +55,34 @@ def info(
     as_json: bool,
 ) -> None:
     """Show what is in a log, what will be used for what, and what is wrong with it."""
-    from dogbot_logtool.info import describe  # noqa: PLC0415
+    from dogbot_logtool.fleet.choice import engine_for  # noqa: PLC0415
+    from dogbot_logtool.fleet.logs import find_logs  # noqa: PLC0415
+    from dogbot_logtool.fleet.tasks import Describe  # noqa: PLC0415
     from dogbot_logtool.report.console import results  # noqa: PLC0415
     from dogbot_logtool.report.frames_dot import frames_dot  # noqa: PLC0415
     from dogbot_logtool.report.info_report import info_json, print_info  # noqa: PLC0415
-    from dogbot_logtool.report.progress import progress_bar  # noqa: PLC0415
     from dogbot_logtool.writer.output import refuse_bad_target, whole_file  # noqa: PLC0415
 
     if dot and as_json:
         raise CallError("--dot and --json: choose one")
+    options = parse_topics(robot, odom_topic, feet, mass_kg)
+    fleet = find_logs(words, for_workers=scheduler is not None)
     if output is not None:
         if not dot:
             raise CallError("-o says where --dot writes; without --dot results go to stdout")
-        for source in logs:
+        for source in fleet.places:
             refuse_bad_target(output, source, overwrite=overwrite)
-    options = parse_topics(robot, odom_topic, feet, mass_kg)
+    engine = engine_for(len(fleet.logs), threads(jobs), scheduler)
+    describe = Describe(options, all_frames=all_frames or dot, jobs=engine.threads)
     outcomes = Outcomes()
+    outcomes.mention_left_out(fleet)
     graphs: list[str] = []
-    for source in logs:
-        with outcomes.of(source):
-            with progress_bar(source.name, shown=all_frames or dot) as progress:
-                found = describe(
-                    source,
-                    options,
-                    all_frames=all_frames or dot,
-                    jobs=threads(jobs),
-                    progress=progress,
-                )
-            outcomes.add(info_json(found), found.exit_code)
-            if found.frames is not None and dot:
-                graphs.append(frames_dot(found, found.frames))
-            elif not as_json:
-                print_info(results(), found)
+    for found in outcomes.of(engine, describe, fleet.places, fleet.names):
+        outcomes.add(info_json(found), found.exit_code)
+        if found.frames is not None and dot:
+            graphs.append(frames_dot(found, found.frames))
+        elif not as_json:
+            print_info(results(), found)
     if output is not None and graphs:
         with whole_file(output, overwrite=overwrite) as file:
             file.write("".join(graphs).encode())

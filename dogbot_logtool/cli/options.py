@@ -3,7 +3,6 @@
 import math
 import os
 from collections.abc import Callable
-from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final, TypeVar
 
 import click
@@ -46,16 +45,19 @@ def _number(text: str, least: float, most: float, wanted: str) -> float:
 
 Command = TypeVar("Command", bound=Callable[..., Any])
 
-logs_argument: Final = click.argument(
-    "logs", nargs=-1, required=True, metavar="LOG...", type=click.Path(path_type=Path)
-)
+logs_argument: Final = click.argument("words", nargs=-1, required=True, metavar="LOG...", type=str)
 json_option: Final = click.option(
     "--json", "as_json", is_flag=True, help="Print the result as JSON on stdout."
 )
 jobs_option: Final = click.option(
     "--jobs",
     type=click.IntRange(min=1, max=256),
-    help="Threads; default: as many as there are cores. The result is the same.",
+    help="Threads, or logs at a time; default: as many as there are cores. The result is the same.",
+)
+scheduler_option: Final = click.option(
+    "--scheduler",
+    metavar="ADDRESS",
+    help="Have dask.distributed's workers do it: tcp://host:8786, or local:N for N here.",
 )
 overwrite_option: Final = click.option(
     "--overwrite", is_flag=True, help="Replace the output if it exists."

@@ -2,47 +2,111 @@
 
 import json
 import sys
-from collections.abc import Iterator
-from contextlib import contextmanager
-from pathlib import Path
-from typing import Any, NoReturn
+from collections.abc import Iterator, Sequence
+from typing import TYPE_CHECKING, Any, NoReturn, TypeVar
 
 import click
 
 from dogbot_logtool.errors import LogtoolError
 from dogbot_logtool.printable import printable
 
+if TYPE_CHECKING:
+    from dogbot_logtool.fleet.engine import Engine, Work
+    from dogbot_logtool.fleet.logs import Fleet
+
+Result = TypeVar("Result")
+
 
 class Outcomes:
     """Collects what became of each log."""
 
-    def __init__(self) -> None:
+    def __init__(self, *, quiet: bool = False) -> None:
+        """Begin.
+
+        Args:
+            quiet: no progress, and no notes.
+        """
+        self._quiet = quiet
         self._results: list[dict[str, Any]] = []
         self._codes: list[int] = []
+        self._failed: list[tuple[str, str]] = []
 
-    @contextmanager
-    def of(self, source: Path) -> Iterator[None]:
-        """Work on a log; an error is said, and becomes its outcome."""
-        try:
-            yield
-        except LogtoolError as error:
-            say_error(error)
-            self.add({"input": str(source), "error": str(error)}, error.exit_code)
+    def of(
+        self,
+        engine: "Engine[Result]",
+        work: "Work[Result]",
+        items: Sequence[object],
+        names: Sequence[str],
+    ) -> Iterator[Result]:
+        """Work on all logs; yield the results in order. What fails is told, and is an outcome.
+
+        Args:
+            engine: who works; is closed at the end.
+            work: what is done.
+            items: what it is done to.
+            names: of the items.
+        """
+        from dogbot_logtool.fleet.engine import Failure  # noqa: PLC0415
+        from dogbot_logtool.report.progress import ProgressBars  # noqa: PLC0415
+
+        bars = ProgressBars(names, shown=not self._quiet)
+        with engine, bars:
+            outcomes = engine.run(work, items, bars)
+            for name, outcome in zip(names, outcomes, strict=True):
+                if not isinstance(outcome, Failure):
+                    yield outcome
+                    continue
+                self._failed.append((name, outcome.sentence))
+                self.add({"input": name, "error": outcome.sentence}, outcome.exit_code)
 
     def add(self, result: dict[str, Any], exit_code: int) -> None:
         """Take the result of a log."""
         self._results.append(result)
         self._codes.append(exit_code)
 
+    def add_unchanged(self, logs: Sequence[tuple[str, int]]) -> None:
+        """Take logs, by name and exit code, whose results are there already."""
+        for name, exit_code in logs:
+            self.add({"input": name, "unchanged": True}, exit_code)
+        if logs:
+            self._note(f"{len(logs)} logs are there already, unchanged")
+
+    def mention_left_out(self, fleet: "Fleet") -> None:
+        """Say which files in searched directories were not taken for logs."""
+        if fleet.left_out:
+            self._note(f"{fleet.left_out} annotated logs were left out; a glob names them, too")
+
+    def _note(self, text: str) -> None:
+        if not self._quiet:
+            click.echo(f"   note  {text}", err=True)
+
     def finish(self, *, as_json: bool) -> NoReturn:
         """Print the results if wanted, one object for one log; exit: failure outranks damage."""
         if as_json:
             results = self._results
             click.echo(json.dumps(results[0] if len(results) == 1 else results, indent=2))
+        if len(self._codes) == 1 and self._failed:
+            say(self._failed[0][1])
+        elif self._failed:
+            self._print_failures()
         sys.exit(next((code for code in (1, 2, 3) if code in self._codes), 0))
+
+    def _print_failures(self) -> None:
+        """Print a table of what could not be done."""
+        count = f"{len(self._failed)} of {len(self._codes)} logs could not be done"
+        click.echo(click.style("error: ", fg="red") + count, err=True)
+        width = min(max(len(printable(name)) for name, _ in self._failed), 60)
+        for name, sentence in self._failed:
+            what = printable(sentence.removeprefix(f"{name}: "))
+            click.echo(f"  {printable(name):<{width}}  {what}", err=True)
 
 
 def say_error(error: LogtoolError) -> None:
     """Print an error's sentence on stderr."""
-    text = "\n".join(printable(line) for line in str(error).split("\n"))
+    say(str(error))
+
+
+def say(sentence: str) -> None:
+    """Print the sentence of an error on stderr."""
+    text = "\n".join(printable(line) for line in sentence.split("\n"))
     click.echo(click.style("error: ", fg="red") + text, err=True)

@@ -1,6 +1,5 @@
 """The words of `report`."""
 
-from pathlib import Path
 from typing import Any
 
 import click
@@ -26,7 +25,6 @@ from dogbot_logtool.cli.outcomes import Outcomes
 @click.option(
     "-o",
     "--output",
-    type=click.Path(path_type=Path),
     metavar="OUT",
     help="File, or a directory for several logs; default: <log>.report.html here.",
 )
@@ -39,8 +37,8 @@ from dogbot_logtool.cli.outcomes import Outcomes
 @json_option
 @quietness
 def report(
-    logs: tuple[Path, ...],
-    output: Path | None,
+    words: tuple[str, ...],
+    output: str | None,
     robot: str | None,
     odom_topic: str | None,
     feet: tuple[str, ...],
@@ -61,23 +59,27 @@ def report(
     from dogbot_logtool.report.page.libraries import require_libraries  # noqa: PLC0415
 
     require_libraries()
-    from dogbot_logtool.page import Reports  # noqa: PLC0415
+    from dogbot_logtool.fleet.engine import Here  # noqa: PLC0415
+    from dogbot_logtool.fleet.logs import find_logs  # noqa: PLC0415
+    from dogbot_logtool.page import Page, Reports  # noqa: PLC0415
     from dogbot_logtool.report.console import diagnostics  # noqa: PLC0415
     from dogbot_logtool.report.page.told import page_json, print_page  # noqa: PLC0415
-    from dogbot_logtool.report.progress import progress_bar  # noqa: PLC0415
     from dogbot_logtool.stats import StatsOptions  # noqa: PLC0415
+    from dogbot_logtool.storage import location  # noqa: PLC0415
 
     topics = parse_topics(robot, odom_topic, feet, mass_kg)
     chosen = StatsOptions(topics=topics, jobs=threads(jobs), **options)
     console = diagnostics()
-    outcomes = Outcomes()
-    reports = Reports(logs, output, chosen, overwrite=overwrite)
-    for source in logs:
-        with outcomes.of(source):
-            with progress_bar(source.name, shown=not quiet) as progress:
-                done = reports.write(source, progress)
-            outcomes.add(page_json(done), done.exit_code)
-            if not quiet:
-                print_page(console, done, verbose=verbose)
+    fleet = find_logs(words)
+    folder = location(output) if output else None
+    reports = Reports(fleet.places, folder, chosen, overwrite=overwrite)
+    outcomes = Outcomes(quiet=quiet)
+    outcomes.mention_left_out(fleet)
+    # One after the other, since the index needs them all.
+    here: Here[Page] = Here(chosen.jobs)
+    for done in outcomes.of(here, reports.write, fleet.places, fleet.names):
+        outcomes.add(page_json(done), done.exit_code)
+        if not quiet:
+            print_page(console, done, verbose=verbose)
     reports.finish()
     outcomes.finish(as_json=as_json)

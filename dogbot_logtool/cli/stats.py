@@ -1,6 +1,8 @@
 """The words of `stats`."""
 
 import sys
+from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -15,6 +17,7 @@ from dogbot_logtool.cli.options import (
     overwrite_option,
     parse_topics,
     quietness,
+    scheduler_option,
     threads,
     time_range,
     topic_options,
@@ -24,8 +27,7 @@ from dogbot_logtool.cli.outcomes import Outcomes
 from dogbot_logtool.errors import CallError
 
 if TYPE_CHECKING:
-    from dogbot_logtool.core.walk_stats import Stats
-    from dogbot_logtool.report.stats_json import LogFacts
+    from dogbot_logtool.fleet.tasks import Figures
 
 
 @click.command()
@@ -52,19 +54,27 @@ if TYPE_CHECKING:
 )
 @overwrite_option
 @click.option("--csv", "as_csv", is_flag=True, help="Print a row for each stride of each foot.")
+@click.option(
+    "--parquet",
+    metavar="DIR|URL",
+    help="Keep the figures of all logs there, for SQL; logs that are there unchanged are skipped.",
+)
 @jobs_option
+@scheduler_option
 @json_option
 @quietness
 def stats(
-    logs: tuple[Path, ...],
+    words: tuple[str, ...],
     robot: str | None,
     odom_topic: str | None,
     feet: tuple[str, ...],
     mass_kg: float | None,
     window: str | None,
+    parquet: str | None,
     plot: Path | None,
     plot_size: str | None,
     jobs: int | None,
+    scheduler: str | None,
     *,
     overwrite: bool,
     as_csv: bool,
@@ -75,56 +85,68 @@ def stats(
 ) -> None:
     """Measure a walk: which gait, how loaded, and can the recording be trusted."""
     from dogbot_logtool.core.curves import CurveDetail  # noqa: PLC0415
-    from dogbot_logtool.plot import PlotOptions, refuse_bad_plot, write_plot  # noqa: PLC0415
-    from dogbot_logtool.report.progress import progress_bar  # noqa: PLC0415
+    from dogbot_logtool.fleet.choice import engine_for  # noqa: PLC0415
+    from dogbot_logtool.fleet.logs import find_logs  # noqa: PLC0415
+    from dogbot_logtool.fleet.tasks import Measure  # noqa: PLC0415
+    from dogbot_logtool.plot import PlotOptions, refuse_bad_plot  # noqa: PLC0415
     from dogbot_logtool.report.stats_csv import write_strides  # noqa: PLC0415
-    from dogbot_logtool.report.stats_json import stats_json  # noqa: PLC0415
-    from dogbot_logtool.stats import Measurement, StatsOptions, measure  # noqa: PLC0415
+    from dogbot_logtool.stats import StatsOptions  # noqa: PLC0415
+    from dogbot_logtool.storage import from_root, location  # noqa: PLC0415
 
     if as_csv and as_json:
         raise CallError("--csv and --json: choose one")
     shown = _parse_window(window)
-    topics = parse_topics(robot, odom_topic, feet, mass_kg)
     chosen = StatsOptions(
-        topics=topics, jobs=threads(jobs), curves=CurveDetail() if plot else None, **options
+        topics=parse_topics(robot, odom_topic, feet, mass_kg),
+        curves=CurveDetail() if plot else None,
+        **options,
     )
     size = _parse_size(plot_size)
     drawing = PlotOptions(plot, size, shown, overwrite=overwrite) if plot else None
+    fleet = find_logs(words, for_workers=scheduler is not None)
     if drawing is not None:
-        refuse_bad_plot(drawing, logs)
+        refuse_bad_plot(drawing, fleet.places)
     elif plot_size or overwrite:
         raise CallError("--plot-size and --overwrite go with --plot")
-    outcomes = Outcomes()
-    measured: list[Measurement] = []
-    for source in logs:
-        with outcomes.of(source):
-            with progress_bar(source.name, shown=not quiet) as progress:
-                done = measure(source, chosen, progress)
-                if drawing is not None:
-                    start, end = write_plot(source, chosen, done, drawing, progress)
-            if drawing is not None and not quiet:
-                click.echo(f"{drawing.target}: {start:.2f} to {end:.2f} s", err=True)
-            measured.append(done)
-            outcomes.add(stats_json(done.stats, done.facts), done.exit_code)
-    pairs = [(done.stats, done.facts) for done in measured]
+    outcomes = Outcomes(quiet=quiet)
+    outcomes.mention_left_out(fleet)
+    items: Sequence[object] = fleet.places
+    dataset = None
+    if parquet is not None:
+        from dogbot_logtool.fleet.dataset import Keep, dataset_at  # noqa: PLC0415
+
+        dataset = dataset_at(from_root(location(parquet)), chosen)
+        todo = dataset.todo(fleet)
+        outcomes.add_unchanged(todo.unchanged)
+        fleet, items = todo.fleet, todo.entries
+    engine = engine_for(len(items), threads(jobs), scheduler)
+    whole = len(items) == 1 and dataset is None
+    measure = Measure(replace(chosen, jobs=engine.threads), drawing, whole=whole)
+    work = measure if dataset is None else Keep(measure, dataset)
+    measured: list[Figures] = []
+    for done in outcomes.of(engine, work, items, fleet.names):
+        if drawing is not None and done.drawn is not None and not quiet:
+            start, end = done.drawn
+            click.echo(f"{drawing.target}: {start:.2f} to {end:.2f} s", err=True)
+        measured.append(done)
+        outcomes.add(done.json, done.exit_code)
     if as_csv:
-        write_strides(sys.stdout, pairs)
-    elif not as_json and pairs:
-        _print(pairs, window=shown, verbose=verbose)
+        write_strides(sys.stdout, [(done.json["log"]["path"], done.strides) for done in measured])
+    elif not as_json and measured and dataset is None:
+        _print(measured, window=shown, verbose=verbose)
     outcomes.finish(as_json=as_json)
 
 
-def _print(
-    measured: "list[tuple[Stats, LogFacts]]", *, window: tuple[float, float] | None, verbose: bool
-) -> None:
+def _print(measured: "list[Figures]", *, window: tuple[float, float] | None, verbose: bool) -> None:
     """Print the report of one log, or a summary of several."""
     from dogbot_logtool.report.console import results  # noqa: PLC0415 - rich costs 40 ms
     from dogbot_logtool.report.stats_text import print_report, print_summary  # noqa: PLC0415
 
-    if len(measured) == 1:
-        print_report(results(), *measured[0], window=window, verbose=verbose)
+    one = measured[0].whole
+    if one is not None:
+        print_report(results(), one.stats, one.facts, window=window, verbose=verbose)
     else:
-        print_summary(results(), measured)
+        print_summary(results(), [done.summary for done in measured])
 
 
 def _parse_window(window: str | None) -> tuple[float, float] | None:
