@@ -88,7 +88,7 @@ class Cluster(Crew[Result]):
             number,
             work,
             item,
-            key=f"dogbot-logtool-{self._run}-{self._submitted}",
+            key=f"dogbot-logtool-{self._run}-{self._submitted:09}",
             pure=False,
         )
         self._submitted += 1
