@@ -15,6 +15,15 @@ class CallError(LogtoolError):
     exit_code: ClassVar[int] = 2
 
 
+class ExtraMissingError(LogtoolError):
+    """Something needs packages that the base install leaves out."""
+
+    def __init__(self, what: str, extra: str) -> None:
+        super().__init__(
+            f"{what}: needs packages that are not installed: pip install 'dogbot-logtool[{extra}]'"
+        )
+
+
 class LogError(LogtoolError):
     """The log is not one that can be read, or nothing in it can be used."""
 

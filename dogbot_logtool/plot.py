@@ -40,7 +40,7 @@ def refuse_bad_plot(plot: PlotOptions, logs: Sequence[Location]) -> None:
 
     Raises:
         CallError: there are several logs, the format is unknown, or the file may not be written.
-        LogtoolError: matplotlib is not installed.
+        ExtraMissingError: matplotlib is not installed.
     """
     if len(logs) != 1:
         raise CallError(f"--plot draws one log, and there are {len(logs)}: call it for each")

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Final, TypeVar
 from urllib.parse import unquote, urlsplit, urlunsplit
 
-from dogbot_logtool.errors import CallError, StoreError
+from dogbot_logtool.errors import CallError, ExtraMissingError, StoreError
 from dogbot_logtool.printable import printable
 
 if TYPE_CHECKING:
@@ -38,18 +38,12 @@ _URL: Final = re.compile(r"[A-Za-z][A-Za-z0-9+.-]*://")
 _HOPELESS: Final = (FileNotFoundError, PermissionError, IsADirectoryError, FileExistsError)
 
 
-def extra_missing(what: str) -> CallError:
-    """Return the sentence for something that the extra `fleet` brings."""
-    return CallError(
-        f"{what}: needs packages that are not installed: pip install 'dogbot-logtool[fleet]'"
-    )
-
-
 def location(word: str) -> Location:
     """Return the place that a word of the command line names.
 
     Raises:
-        CallError: it is a URL, and what reads such URLs is not installed.
+        ExtraMissingError: it is a URL, and what reads URLs is not installed.
+        CallError: it is a URL of a sort that nothing installed reads.
     """
     if not _URL.match(word):
         return Path(word)
@@ -58,7 +52,7 @@ def location(word: str) -> Location:
     try:
         from upath import UPath  # noqa: PLC0415 - only URLs need it
     except ImportError as error:
-        raise extra_missing(word) from error
+        raise ExtraMissingError(word, "fleet") from error
     try:
         place = UPath(word)
         place.fs  # noqa: B018 - finds out whether its filesystem is installed

@@ -6,15 +6,14 @@ import uuid
 from typing import Any, Final
 
 from dogbot_logtool import __version__
-from dogbot_logtool.errors import CallError, LogtoolError
+from dogbot_logtool.errors import CallError, ExtraMissingError, LogtoolError
 from dogbot_logtool.fleet.engine import Crew, Failure, Result, Watch, Work, attempt
-from dogbot_logtool.storage import extra_missing
 
 try:
     import dask.config
     import distributed
 except ImportError as error:
-    raise extra_missing("--scheduler") from error
+    raise ExtraMissingError("--scheduler", "fleet") from error
 
 _RECONNECTIONS: Final = 2
 _PATIENCE_S: Final = 30

@@ -21,11 +21,11 @@ from typing import TYPE_CHECKING, Any, Final
 from urllib.parse import quote
 
 from dogbot_logtool import __version__, storage
-from dogbot_logtool.errors import LogtoolError, StoreError
+from dogbot_logtool.errors import ExtraMissingError, LogtoolError, StoreError
 from dogbot_logtool.fleet.engine import Tell
 from dogbot_logtool.fleet.logs import Fleet, Found
 from dogbot_logtool.fleet.tasks import Figures, Measure
-from dogbot_logtool.storage import Location, extra_missing
+from dogbot_logtool.storage import Location
 from dogbot_logtool.writer.output import whole_file
 
 if TYPE_CHECKING:
@@ -37,7 +37,7 @@ try:
     import pyarrow.dataset as ds
     import pyarrow.parquet as pq
 except ImportError as error:
-    raise extra_missing("--parquet") from error
+    raise ExtraMissingError("--parquet", "fleet") from error
 
 SCHEMA_VERSION: Final = 1
 """Grows with every change of the columns' meaning."""

@@ -16,7 +16,7 @@ from dogbot_logtool.core.arrays import Floats, Ints
 from dogbot_logtool.core.curves import Curve, LoadCurves
 from dogbot_logtool.core.foot_figures import FootFigures
 from dogbot_logtool.core.walk_stats import Stats
-from dogbot_logtool.errors import CallError, LogError, LogtoolError
+from dogbot_logtool.errors import CallError, ExtraMissingError, LogError
 from dogbot_logtool.printable import printable
 from dogbot_logtool.report.foot_pens import foot_colour, short_names
 
@@ -74,15 +74,12 @@ def require_matplotlib() -> None:
     """Check that matplotlib is there.
 
     Raises:
-        LogtoolError: it is not; the text says how to install it.
+        ExtraMissingError: it is not.
     """
     try:
         import matplotlib as mpl  # noqa: F401, PLC0415
     except ImportError as error:
-        raise LogtoolError(
-            "figures are drawn by matplotlib, which is not installed: "
-            "pip install 'dogbot-logtool[plot]'"
-        ) from error
+        raise ExtraMissingError("--plot", "plot") from error
 
 
 @dataclass(frozen=True, slots=True)

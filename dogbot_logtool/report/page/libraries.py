@@ -2,18 +2,14 @@
 
 from importlib.util import find_spec
 
-from dogbot_logtool.errors import LogtoolError
+from dogbot_logtool.errors import ExtraMissingError
 
 
 def require_libraries() -> None:
     """Check for the libraries that draw the page.
 
     Raises:
-        LogtoolError: saying how to install them.
+        ExtraMissingError: one is not there.
     """
-    missing = [name for name in ("plotly", "jinja2") if find_spec(name) is None]
-    if missing:
-        raise LogtoolError(
-            f"a report needs {' and '.join(missing)}, which the base install leaves out; "
-            "install with: pip install 'dogbot-logtool[report]'"
-        )
+    if any(find_spec(name) is None for name in ("plotly", "jinja2")):
+        raise ExtraMissingError("report", "report")
