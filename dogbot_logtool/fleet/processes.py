@@ -116,8 +116,9 @@ def _begin_worker(news: "SimpleQueue[_News]") -> None:
     signal.signal(signal.SIGTERM, _stop)
 
 
-def _stop(_signal: int, _frame: FrameType | None) -> NoReturn:
-    raise KeyboardInterrupt
+def _stop(number: int, _frame: FrameType | None) -> NoReturn:
+    # Unlike an interruption, this ends a process without a word if it waits for work.
+    raise SystemExit(128 + number)
 
 
 def _attempt(number: int, work: Work[Result], item: object) -> Result | Failure:
