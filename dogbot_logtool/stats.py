@@ -11,7 +11,7 @@ from dogbot_logtool.core.arrays import Ints, rows_by_group
 from dogbot_logtool.core.clock import TimeSource, UnusableStamps
 from dogbot_logtool.core.contacts import Samples
 from dogbot_logtool.core.curves import CurveDetail
-from dogbot_logtool.core.odometry import Odometry, concatenate_odometry
+from dogbot_logtool.core.odometry import Odometry
 from dogbot_logtool.core.settings import FootPlace, StatsSettings
 from dogbot_logtool.core.silent_swing import SwingTeller
 from dogbot_logtool.core.walk_stats import Stats, StatsAccumulator
@@ -32,7 +32,7 @@ from dogbot_logtool.reader.contact_sources.registry import read_contacts
 from dogbot_logtool.reader.contact_sources.source import FootChannels
 from dogbot_logtool.reader.log import Batch, Log, Loss, Span, lost_messages
 from dogbot_logtool.reader.messages import DecodedMessages
-from dogbot_logtool.reader.odometry import decode_odometry, odometry_columns
+from dogbot_logtool.reader.odometry import decode_odometry, joined_odometry
 from dogbot_logtool.reader.opening import open_log
 from dogbot_logtool.report.stats_json import LogFacts
 from dogbot_logtool.robot import Robot
@@ -292,7 +292,7 @@ def _measure_batch(
 ) -> MeasuredBatch:
     batch = log.read(span).cropped(*limits)
     decoded = decode_odometry(batch, selection.odometry)
-    odometry = concatenate_odometry([odometry_columns(messages) for messages in decoded])
+    odometry = joined_odometry(decoded)
     contacts = read_contacts(batch, selection.contacts, feet)
     samples = [read.felt.samples for read in contacts]
     with_header = [read.messages for read in contacts if read.source.has_header]

@@ -18,7 +18,7 @@ from dogbot_logtool.core.link_frames import (
     forces_in_world,
     points_from_frames,
 )
-from dogbot_logtool.core.odometry import Odometry, concatenate_odometry, usable_poses
+from dogbot_logtool.core.odometry import Odometry, usable_poses
 from dogbot_logtool.core.transform_buffer import (
     LONGEST_DELAY_S,
     TransformBuffer,
@@ -29,7 +29,7 @@ from dogbot_logtool.evidence import Evidence
 from dogbot_logtool.findings import Finding, note, warning
 from dogbot_logtool.reader.frame_tracks import moving_tracks
 from dogbot_logtool.reader.log import Batch, Chunk, Log, Span
-from dogbot_logtool.reader.odometry import decode_odometry, odometry_columns
+from dogbot_logtool.reader.odometry import decode_odometry, joined_odometry
 from dogbot_logtool.reader.transforms import decode_transforms, transform_columns
 from dogbot_logtool.selection import Selection
 
@@ -212,7 +212,8 @@ def read_frames(
             if frames.tell_until(own.then(ahead), latest):
                 break
             later = log.read((chunk,)).cropped(*limits)
-            ahead = ahead.then(frames.tracks(later, selection, _odometry(later, selection)))
+            poses_ahead = joined_odometry(decode_odometry(later, selection.odometry))
+            ahead = ahead.then(frames.tracks(later, selection, poses_ahead))
     log_time = batch.messages.log_time
     return BatchFrames(own, ahead, int(log_time.max()) if len(log_time) else None)
 
@@ -246,11 +247,6 @@ def _chunks_ahead(log: Log, selection: Selection, span: Span, until: int) -> Ite
             break
         if chunk.counts is None or not wanted.isdisjoint(chunk.counts):
             yield chunk
-
-
-def _odometry(batch: Batch, selection: Selection) -> Odometry:
-    decoded = decode_odometry(batch, selection.odometry)
-    return concatenate_odometry([odometry_columns(messages) for messages in decoded])
 
 
 def frame_findings(frames: WorldFrames, counts: FrameCounts) -> Iterator[Finding]:

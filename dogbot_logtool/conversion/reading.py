@@ -4,11 +4,11 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from dogbot_logtool.core.contacts import Samples
-from dogbot_logtool.core.odometry import Odometry, concatenate_odometry, usable_poses
+from dogbot_logtool.core.odometry import Odometry, usable_poses
 from dogbot_logtool.plan import Plan
 from dogbot_logtool.reader.contact_sources.registry import ContactsRead, read_contacts
 from dogbot_logtool.reader.log import Batch, Log, Span
-from dogbot_logtool.reader.odometry import decode_odometry, odometry_columns
+from dogbot_logtool.reader.odometry import decode_odometry, joined_odometry
 from dogbot_logtool.world_frames import BatchFrames, read_frames
 
 
@@ -59,7 +59,7 @@ def read_batch(log: Log, plan: Plan, span: Span) -> ReadBatch:
     batch = log.read(span).cropped(plan.start_time, plan.end_time)
     selection = plan.selection
     decoded = decode_odometry(batch, selection.odometry)
-    odometry = concatenate_odometry([odometry_columns(messages) for messages in decoded])
+    odometry = joined_odometry(decoded)
     poses = odometry.pick(usable_poses(odometry))
     contacts = read_contacts(batch, selection.contacts, selection.foot_channels())
     samples = [read.felt.samples for read in contacts]

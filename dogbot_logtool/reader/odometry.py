@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from typing import Final
 
-from dogbot_logtool.core.odometry import Odometry
+from dogbot_logtool.core.odometry import Odometry, concatenate_odometry
 from dogbot_logtool.reader.log import Batch, Channel
 from dogbot_logtool.reader.messages import DecodedMessages, decode_channels, layout_of
 
@@ -44,6 +44,11 @@ def odometry_columns(messages: DecodedMessages) -> Odometry:
         linear_velocity=table.vectors("twist.twist.linear", "xyz"),
         angular_velocity=table.vectors("twist.twist.angular", "xyz"),
     )
+
+
+def joined_odometry(decoded: Sequence[DecodedMessages]) -> Odometry:
+    """Return the columns of all decoded odometry messages, in the order of the log."""
+    return concatenate_odometry([odometry_columns(messages) for messages in decoded])
 
 
 def odometry_frames(messages: DecodedMessages) -> tuple[tuple[str, ...], tuple[str, ...]]:
