@@ -6,7 +6,6 @@ from dataclasses import dataclass, field, replace
 from dogbot_logtool.conversion.carried import Work
 from dogbot_logtool.conversion.copying import copied_chunks
 from dogbot_logtool.conversion.drawing import Drawn, draw
-from dogbot_logtool.conversion.placing import place
 from dogbot_logtool.conversion.reading import ReadBatch, read_batch
 from dogbot_logtool.core.arrows import ArrowCounts
 from dogbot_logtool.core.link_frames import FrameCounts
@@ -83,7 +82,7 @@ class BatchConverter:
             read = read_batch(self._log, self._plan, work.span)
             carried = work.before.result()
             extract = read.extract
-            placed = place(extract, carried.transforms, self._plan)
+            placed = extract.placed(carried.transforms, self._plan)
             footings = carried.footings(placed.samples, self._plan)
             work.after.set_result(carried.past(extract, footings))
         except BaseException:

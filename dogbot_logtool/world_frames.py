@@ -6,7 +6,7 @@ what came before, and looks a little ahead. What is found does not depend on whe
 """
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from itertools import islice
 from typing import Final
 
@@ -72,7 +72,7 @@ class WorldFrames:
             tracks = tracks.then(moving_tracks(recorded, self.moving, self.clock))
         return tracks
 
-    def place(self, samples: Samples, around: TransformBuffer) -> tuple[Samples, FrameCounts]:
+    def place(self, samples: Sequence[Samples], around: TransformBuffer) -> "Placed":
         """Turn forces into the world and give sensors their places, where frames tell.
 
         Args:
@@ -80,15 +80,29 @@ class WorldFrames:
             around: the moving frames before, in, and after that batch.
         """
         buffer = self.statics.then(around)
-        samples, turned = forces_in_world(samples, self.links, buffer, self.world, self.clock)
-        samples, placed = points_from_frames(samples, self.points, buffer, self.world, self.clock)
-        return samples, turned + placed
+        counts = FrameCounts()
+        found: list[Samples] = []
+        for each in samples:
+            turned, forces = forces_in_world(each, self.links, buffer, self.world, self.clock)
+            placed, points = points_from_frames(turned, self.points, buffer, self.world, self.clock)
+            found.append(placed)
+            counts += forces + points
+        return Placed(tuple(found), counts)
 
     def tell_until(self, tracks: TransformBuffer, time: int) -> bool:
         """Tell whether no later transform changes what is known up to a time, ns."""
         moving = {*self.moving, self.base} if self.odometry_places_base else set(self.moving)
         known = tracks.frames
         return all(frame in known and known[frame].time[-1] >= time for frame in moving)
+
+
+@dataclass(frozen=True, slots=True)
+class Placed:
+    """Contacts with forces turned and sensors placed, as far as that is wanted and frames tell."""
+
+    samples: tuple[Samples, ...]
+    """One for each that was given."""
+    counts: FrameCounts = field(default_factory=FrameCounts)
 
 
 def follow_frames(
@@ -226,13 +240,12 @@ class StreamedFrames:
         self._before = TransformBuffer()
         self._counts = FrameCounts()
 
-    def add(self, samples: Sequence[Samples], batch: BatchFrames) -> list[Samples]:
+    def add(self, samples: Sequence[Samples], batch: BatchFrames) -> tuple[Samples, ...]:
         """Return the samples of a batch in the world, where the frames tell."""
-        around = batch.around(self._before)
-        placed = [self._frames.place(each, around) for each in samples]
+        placed = self._frames.place(samples, batch.around(self._before))
         self._before = batch.handed_on(self._before)
-        self._counts = sum((counts for _, counts in placed), self._counts)
-        return [each for each, _ in placed]
+        self._counts += placed.counts
+        return placed.samples
 
     def findings(self) -> Iterator[Finding]:
         """Say how often the frames told what was asked of them."""

@@ -8,7 +8,6 @@ from collections.abc import Iterable, Iterator, Sequence
 from concurrent.futures import Future
 from dataclasses import dataclass, field
 
-from dogbot_logtool.conversion.placing import place
 from dogbot_logtool.conversion.reading import Extract
 from dogbot_logtool.core.contacts import Samples
 from dogbot_logtool.core.footing import Footing, FootMemory, follow_feet, nothing_heard
@@ -52,7 +51,7 @@ class Carried:
             read: what was read of this one.
             plan: what is to be done.
         """
-        placed = place(read, self.transforms, plan)
+        placed = read.placed(self.transforms, plan)
         return self.past(read, self.footings(placed.samples, plan))
 
     def past(self, read: Extract, footings: Sequence[Footing]) -> "Carried":

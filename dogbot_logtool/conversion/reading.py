@@ -5,11 +5,12 @@ from dataclasses import dataclass
 
 from dogbot_logtool.core.contacts import Samples
 from dogbot_logtool.core.odometry import Odometry, usable_poses
+from dogbot_logtool.core.transform_buffer import TransformBuffer
 from dogbot_logtool.plan import Plan
 from dogbot_logtool.reader.contact_sources.registry import ContactsRead, read_contacts
 from dogbot_logtool.reader.log import Batch, Log, Span
 from dogbot_logtool.reader.odometry import decode_odometry, joined_odometry
-from dogbot_logtool.world_frames import BatchFrames, read_frames
+from dogbot_logtool.world_frames import BatchFrames, Placed, read_frames
 
 
 @dataclass(frozen=True, slots=True)
@@ -24,6 +25,17 @@ class Extract:
     """Whether each sort is published only while in contact."""
     frames: BatchFrames | None
     """What places feet in the world; None where that is not needed."""
+
+    def placed(self, before: TransformBuffer, plan: Plan) -> Placed:
+        """Place the contacts, where that is wanted and the log's own frames tell.
+
+        Args:
+            before: what all earlier batches hand on of the frames.
+            plan: what is to be done.
+        """
+        if plan.frames is None or self.frames is None:
+            return Placed(self.samples)
+        return plan.frames.place(self.samples, self.frames.around(before))
 
 
 @dataclass(frozen=True, slots=True)
