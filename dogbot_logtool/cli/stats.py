@@ -88,7 +88,6 @@ def stats(
     from dogbot_logtool.fleet.choice import engine_for  # noqa: PLC0415
     from dogbot_logtool.fleet.logs import find_logs  # noqa: PLC0415
     from dogbot_logtool.fleet.tasks import Measure  # noqa: PLC0415
-    from dogbot_logtool.plot import PlotOptions, refuse_bad_plot  # noqa: PLC0415
     from dogbot_logtool.report.stats_csv import write_strides  # noqa: PLC0415
     from dogbot_logtool.stats import StatsOptions  # noqa: PLC0415
     from dogbot_logtool.storage import from_root, location  # noqa: PLC0415
@@ -102,9 +101,12 @@ def stats(
         **options,
     )
     size = _parse_size(plot_size)
-    drawing = PlotOptions(plot, size, shown, overwrite=overwrite) if plot else None
+    drawing = None
     fleet = find_logs(words, for_workers=scheduler is not None)
-    if drawing is not None:
+    if plot is not None:
+        from dogbot_logtool.plot import PlotOptions, refuse_bad_plot  # noqa: PLC0415
+
+        drawing = PlotOptions(plot, size, shown, overwrite=overwrite)
         refuse_bad_plot(drawing, fleet.places)
     elif plot_size or overwrite:
         raise CallError("--plot-size and --overwrite go with --plot")
