@@ -1,5 +1,6 @@
 """`dogbot-logtool convert`: a recorded walk becomes an annotated MCAP."""
 
+from collections import Counter
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import BinaryIO, Final
@@ -13,10 +14,11 @@ from dogbot_logtool.conversion.channels import annotations_of
 from dogbot_logtool.errors import LogError
 from dogbot_logtool.evidence import look_into
 from dogbot_logtool.findings import Finding, note, warning
-from dogbot_logtool.parallel import in_order
+from dogbot_logtool.parallel import Progress, in_order
 from dogbot_logtool.plan import ConvertOptions, Plan, make_plan, without_tf
 from dogbot_logtool.printable import printable
 from dogbot_logtool.reader.log import Log, Loss, lost_messages
+from dogbot_logtool.reader.losses import undecodable
 from dogbot_logtool.reader.mcap_extras import read_extra
 from dogbot_logtool.reader.opening import open_log
 from dogbot_logtool.selection import select_topics
@@ -28,8 +30,6 @@ from dogbot_logtool.writer.output import refuse_bad_target, whole_file
 
 PROVENANCE: Final = "dogbot_logtool"
 """Name of the metadata record that tells how the file was made."""
-Progress = Callable[[int, int], None]
-"""Is told bytes done and bytes in all."""
 BatchSource = Callable[[Log, Plan, Annotations], Iterator[ConvertedBatch]]
 """Converts all batches of a log and hands them back in order."""
 
@@ -47,19 +47,17 @@ class _Tally:
     """What has happened so far."""
 
     counts: Counts = field(default_factory=Counts)
-    by_channel: dict[int, int] = field(default_factory=dict)
-    malformed: dict[int, int] = field(default_factory=dict)
+    by_channel: Counter[int] = field(default_factory=Counter)
+    malformed: Counter[int] = field(default_factory=Counter)
     losses: list[Loss] = field(default_factory=list)
     moved_topics: Mapping[str, str] = field(default_factory=dict)
 
     def add(self, batch: ConvertedBatch) -> None:
         self.counts += batch.counts
         self.losses.extend(batch.losses)
-        for channel, count in batch.malformed.items():
-            self.malformed[channel] = self.malformed.get(channel, 0) + count
+        self.malformed.update(batch.malformed)
         for chunk in batch.chunks:
-            for channel, count in chunk.counts.items():
-                self.by_channel[channel] = self.by_channel.get(channel, 0) + count
+            self.by_channel.update(chunk.counts)
 
 
 @dataclass(frozen=True, slots=True)
@@ -200,10 +198,8 @@ def _account_for_damage(log: Log, plan: Plan, tally: _Tally) -> None:
     Raises:
         LogError: there is damage, and the user asked for it to be an error.
     """
-    for channel, count in sorted(tally.malformed.items()):
-        topic = log.channels[channel].topic
-        what = f"{count} messages of {topic} could not be decoded: copied, but not annotated"
-        tally.losses.append(Loss(0, what, 0, count))
+    consequence = ": copied, but not annotated"
+    tally.losses.extend(undecodable(log.channels, tally.malformed, consequence))
     if tally.losses and plan.options.strict:
         first = tally.losses[0]
         raise LogError(

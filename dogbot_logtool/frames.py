@@ -1,16 +1,16 @@
 """The frame tree of a whole log: `info --frames`, what view_frames shows of a live system."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections import Counter
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from dogbot_logtool.core.frame_edges import FrameEdge, FrameRecorder, RecordedFrames
 from dogbot_logtool.core.recorded_transforms import RecordedTransforms, concatenate_transforms
-from dogbot_logtool.parallel import in_order
+from dogbot_logtool.parallel import Progress, in_order
 from dogbot_logtool.reader.foxglove_transforms import FOXGLOVE_TYPES, foxglove_transforms
 from dogbot_logtool.reader.log import Channel, Log, Loss, Span
+from dogbot_logtool.reader.losses import undecodable
 from dogbot_logtool.reader.transforms import decode_transforms, is_static, transform_columns
-
-Progress = Callable[[int, int], None]
 
 
 @dataclass(frozen=True, slots=True)
@@ -77,19 +77,15 @@ def read_frames(
 
     recorder = FrameRecorder(frozenset(n for n, one in channels.items() if is_static(one)))
     losses: list[Loss] = []
-    malformed: dict[int, int] = {}
+    malformed: Counter[int] = Counter()
     for batch in in_order(work, spans, jobs):
         recorder.add(batch.transforms)
         losses.extend(batch.losses)
-        for number, count in batch.malformed.items():
-            malformed[number] = malformed.get(number, 0) + count
+        malformed.update(batch.malformed)
         done += batch.stored_size
         if progress is not None:
             progress(done, total)
-    losses.extend(
-        Loss(0, f"{count} messages of {channels[number].topic} could not be decoded", 0, count)
-        for number, count in sorted(malformed.items())
-    )
+    losses.extend(undecodable(channels, malformed))
     unread = tuple(channel for channel in foxglove if channel.id not in channels)
     return Frames(recorder.finish(), channels, unread, tuple(losses))
 

@@ -8,9 +8,10 @@ from typing import Final
 from dogbot_logtool.closer_look import with_detail
 from dogbot_logtool.core.curves import CurveDetail
 from dogbot_logtool.errors import LogtoolError
+from dogbot_logtool.parallel import Progress
 from dogbot_logtool.report.gait_diagram import default_window
 from dogbot_logtool.report.page.render import IndexRow, Place, index, index_row, page
-from dogbot_logtool.stats import Measurement, Progress, StatsOptions, measure
+from dogbot_logtool.stats import Measurement, StatsOptions, measure
 from dogbot_logtool.storage import Location, file_name, is_folder, version
 from dogbot_logtool.writer.output import refuse_bad_target, targets, whole_file
 

@@ -10,6 +10,8 @@ import numpy as np
 
 Item = TypeVar("Item")
 Result = TypeVar("Result")
+Progress = Callable[[int, int], None]
+"""Is told bytes done and bytes in all, while work goes on."""
 _LARGEST_THRESHOLD: Final = 32 << 20
 """Bytes up to which glibc raises its thresholds by itself."""
 

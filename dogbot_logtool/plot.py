@@ -6,6 +6,7 @@ from pathlib import Path
 
 from dogbot_logtool.closer_look import load_curves_within
 from dogbot_logtool.errors import CallError
+from dogbot_logtool.parallel import Progress
 from dogbot_logtool.report.gait_diagram import default_window
 from dogbot_logtool.report.gait_figure import (
     FORMATS,
@@ -13,7 +14,7 @@ from dogbot_logtool.report.gait_figure import (
     require_matplotlib,
     write_figure,
 )
-from dogbot_logtool.stats import Measurement, Progress, StatsOptions
+from dogbot_logtool.stats import Measurement, StatsOptions
 from dogbot_logtool.storage import Location
 from dogbot_logtool.writer.output import refuse_bad_target, whole_file
 

@@ -1,5 +1,6 @@
 """`dogbot-logtool stats`: which gait, how loaded, and can the recording be trusted."""
 
+from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
@@ -19,7 +20,7 @@ from dogbot_logtool.core.wrench_frame import WrenchFrame
 from dogbot_logtool.errors import LogError
 from dogbot_logtool.evidence import Evidence, look_into
 from dogbot_logtool.findings import Finding
-from dogbot_logtool.parallel import in_order
+from dogbot_logtool.parallel import Progress, in_order
 from dogbot_logtool.plan import (
     WrenchFrameOption,
     evidence_findings,
@@ -31,6 +32,7 @@ from dogbot_logtool.reader.columns import Texts
 from dogbot_logtool.reader.contact_sources.registry import read_contacts
 from dogbot_logtool.reader.contact_sources.source import FootChannels
 from dogbot_logtool.reader.log import Batch, Log, Loss, Span, lost_messages
+from dogbot_logtool.reader.losses import undecodable
 from dogbot_logtool.reader.messages import DecodedMessages
 from dogbot_logtool.reader.odometry import decode_odometry, joined_odometry
 from dogbot_logtool.reader.opening import open_log
@@ -48,7 +50,6 @@ from dogbot_logtool.world_frames import (
 
 TimeSourceOption = Literal["header", "log"]
 _FRAMES: Final = {"world": WrenchFrame.WORLD, "link": WrenchFrame.LINK}
-Progress = Callable[[int, int], None]
 
 
 @dataclass(frozen=True, slots=True)
@@ -209,7 +210,7 @@ def _pass(
     start, end = time_limits(log, options.start_s, options.end_s)
     accumulator = StatsAccumulator(settings, options.curves)
     losses = list(log.losses)
-    malformed: dict[int, int] = {}
+    malformed: Counter[int] = Counter()
     messages = done = 0
     total = sum(chunk.data_size for chunk in log.chunks)
 
@@ -241,18 +242,14 @@ def _pass(
         for times in batch.times:
             accumulator.add_message_times(times.topic, times.log_time, times.stamp, times.frame_ids)
         losses.extend(batch.losses)
-        for channel, count in batch.malformed.items():
-            malformed[channel] = malformed.get(channel, 0) + count
+        malformed.update(batch.malformed)
         messages += batch.messages
         done += batch.stored_size
         if progress is not None:
             progress(done, total)
     for samples in swings.finish():
         accumulator.add_contacts(samples)
-    losses.extend(
-        Loss(0, f"{count} messages of {log.channels[channel].topic} could not be decoded", 0, count)
-        for channel, count in sorted(malformed.items())
-    )
+    losses.extend(undecodable(log.channels, malformed))
     # The figures have a finding of their own for each topic's stamps.
     seen = [f for f in evidence_findings(selection, evidence) if f.code != "W_ZERO_STAMPS"]
     findings = [*selection.findings, *seen]

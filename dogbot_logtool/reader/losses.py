@@ -1,8 +1,9 @@
-"""A list of losses that stays short, however many places are damaged."""
+"""Losses: a list that stays short however many places are damaged, and undecodable messages."""
 
+from collections.abc import Mapping
 from typing import Final
 
-from dogbot_logtool.reader.log import Loss
+from dogbot_logtool.reader.log import Channel, Loss
 
 _MOST: Final = 200
 """Losses told one by one; more are summed up."""
@@ -34,3 +35,24 @@ class Losses:
     def told(self) -> tuple[Loss, ...]:
         """Return them all."""
         return (*self._told, self._rest) if self._rest else tuple(self._told)
+
+
+def undecodable(
+    channels: Mapping[int, Channel], malformed: Mapping[int, int], consequence: str = ""
+) -> list[Loss]:
+    """Return the loss of messages that could not be decoded.
+
+    Args:
+        channels: by id.
+        malformed: number of such messages by channel id.
+        consequence: what that means, to end the sentence with.
+    """
+    return [
+        Loss(
+            0,
+            f"{count} messages of {channels[number].topic} could not be decoded{consequence}",
+            0,
+            count,
+        )
+        for number, count in sorted(malformed.items())
+    ]
