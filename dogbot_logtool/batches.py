@@ -1,16 +1,17 @@
 """What `convert` does with one batch: read, decode, compute, stamp out, compress."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 
-from dogbot_logtool.conversion.carried import Work
+from dogbot_logtool.conversion.carried import Carried
 from dogbot_logtool.conversion.copying import copied_chunks
 from dogbot_logtool.conversion.drawing import Drawn, draw
 from dogbot_logtool.conversion.reading import ReadBatch, read_batch
 from dogbot_logtool.core.arrows import ArrowCounts
 from dogbot_logtool.core.link_frames import FrameCounts
+from dogbot_logtool.parallel import Baton
 from dogbot_logtool.plan import Plan
-from dogbot_logtool.reader.log import Batch, Log, Loss
+from dogbot_logtool.reader.log import Batch, Log, Loss, Span
 from dogbot_logtool.reader.transforms import decode_transforms, frame_pairs
 from dogbot_logtool.writer.annotations import Annotations
 from dogbot_logtool.writer.chunks import FinishedChunk, finish_chunks
@@ -62,33 +63,23 @@ class ConvertedBatch:
     stored_size: int
     """Bytes of the file that it was read from."""
 
-    def detached(self) -> "ConvertedBatch":
-        """Return the same without views of the log's bytes, so that it can be sent."""
-        chunks = tuple(replace(chunk, record=bytes(chunk.record)) for chunk in self.chunks)
-        return replace(self, chunks=chunks)
-
 
 class BatchConverter:
-    """Converts batches; called from several threads at once."""
+    """Converts batches; called from several threads or processes at once."""
 
     def __init__(self, log: Log, plan: Plan, annotations: Annotations) -> None:
         self._log = log
         self._plan = plan
         self._annotations = annotations
 
-    def __call__(self, work: Work) -> ConvertedBatch:
+    def __call__(self, span: Span, baton: Baton[Carried]) -> ConvertedBatch:
         """Convert one batch."""
-        try:
-            read = read_batch(self._log, self._plan, work.span)
-            carried = work.before.result()
-            extract = read.extract
-            placed = extract.placed(carried.transforms, self._plan)
-            footings = carried.footings(placed.samples, self._plan)
-            work.after.set_result(carried.past(extract, footings))
-        except BaseException:
-            # Whoever waits must not wait for ever; the error reaches the user from here.
-            work.give_up()
-            raise
+        read = read_batch(self._log, self._plan, span)
+        carried = baton.take()
+        extract = read.extract
+        placed = extract.placed(carried.transforms, self._plan)
+        footings = carried.footings(placed.samples, self._plan)
+        baton.pass_on(carried.past(extract, footings))
         drawn = draw(read, placed.samples, footings, carried, self._plan)
         return self._converted(read, drawn, placed.counts)
 

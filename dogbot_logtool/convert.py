@@ -1,7 +1,8 @@
 """`dogbot-logtool convert`: a recorded walk becomes an annotated MCAP."""
 
 from collections import Counter
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Generator, Iterator, Mapping
+from contextlib import closing
 from dataclasses import dataclass, field
 from typing import BinaryIO, Final
 
@@ -9,12 +10,12 @@ from mcap import records
 
 from dogbot_logtool import __version__
 from dogbot_logtool.batches import BatchConverter, ConvertedBatch, Counts
-from dogbot_logtool.conversion.carried import Carried, chained
+from dogbot_logtool.conversion.carried import Carried
 from dogbot_logtool.conversion.channels import annotations_of
 from dogbot_logtool.errors import LogError
 from dogbot_logtool.evidence import look_into
 from dogbot_logtool.findings import Finding, note, warning
-from dogbot_logtool.parallel import Progress, in_order
+from dogbot_logtool.parallel import Progress, relayed
 from dogbot_logtool.plan import ConvertOptions, Plan, make_plan, without_tf
 from dogbot_logtool.printable import printable
 from dogbot_logtool.reader.log import Log, Loss, lost_messages
@@ -30,7 +31,7 @@ from dogbot_logtool.writer.output import refuse_bad_target, whole_file
 
 PROVENANCE: Final = "dogbot_logtool"
 """Name of the metadata record that tells how the file was made."""
-BatchSource = Callable[[Log, Plan, Annotations], Iterator[ConvertedBatch]]
+BatchSource = Callable[[Log, Plan, Annotations], Generator[ConvertedBatch, None, None]]
 """Converts all batches of a log and hands them back in order."""
 
 
@@ -96,7 +97,7 @@ def convert(
         target: the file to write; it appears only when it is whole.
         options: what is asked for.
         progress: is told how far it has come.
-        batches: who converts the batches; None: threads of this process.
+        batches: who converts the batches; None: this machine.
 
     Raises:
         CallError: no such file, a target that may not be written, a topic that is not there.
@@ -126,15 +127,16 @@ def _write(
         annotations, moved_topics = annotations_of(log, plan)
         tally = _Tally(losses=list(log.losses), moved_topics=moved_topics)
         writer = _start(file, log, plan, annotations)
-        for batch in batches(log, plan, annotations):
-            if batch.other_parent is not None:
-                raise _BaseHasParent(batch.other_parent)
-            tally.add(batch)
-            for chunk in batch.chunks:
-                writer.add_chunk(chunk)
-            done += batch.stored_size
-            if progress is not None:
-                progress(done, total)
+        with closing(batches(log, plan, annotations)) as converted:
+            for batch in converted:
+                if batch.other_parent is not None:
+                    raise _BaseHasParent(batch.other_parent)
+                tally.add(batch)
+                for chunk in batch.chunks:
+                    writer.add_chunk(chunk)
+                done += batch.stored_size
+                if progress is not None:
+                    progress(done, total)
         if plan.options.copy:
             _copy_extras(log, writer, tally)
         _account_for_damage(log, plan, tally)
@@ -172,10 +174,17 @@ def _start(file: BinaryIO, log: Log, plan: Plan, annotations: Annotations) -> Mc
     return writer
 
 
-def convert_batches(log: Log, plan: Plan, annotations: Annotations) -> Iterator[ConvertedBatch]:
-    """Convert all batches of a log on threads of this process."""
-    work = chained(log.spans(*plan.limits), Carried.nothing(plan))
-    return in_order(BatchConverter(log, plan, annotations), work, plan.options.jobs)
+def convert_batches(
+    log: Log, plan: Plan, annotations: Annotations
+) -> Generator[ConvertedBatch, None, None]:
+    """Convert all batches of a log on this machine."""
+    return relayed(
+        BatchConverter(log, plan, annotations),
+        log.spans(*plan.limits),
+        plan.options.jobs,
+        Carried.nothing(plan),
+        forks=log.can_fork,
+    )
 
 
 def _copy_extras(log: Log, writer: McapWriter, tally: _Tally) -> None:

@@ -78,7 +78,7 @@ def read_frames(
     recorder = FrameRecorder(frozenset(n for n, one in channels.items() if is_static(one)))
     losses: list[Loss] = []
     malformed: Counter[int] = Counter()
-    for batch in in_order(work, spans, jobs):
+    for batch in in_order(work, spans, jobs, forks=log.can_fork):
         recorder.add(batch.transforms)
         losses.extend(batch.losses)
         malformed.update(batch.malformed)

@@ -229,7 +229,7 @@ def _pass(
     measurer = BatchMeasurer(selection, feet, frames, (start, end))
     spans = log.spans(start, end)
     if batches is None:
-        measured = in_order(partial(measurer, log), spans, options.jobs)
+        measured = in_order(partial(measurer, log), spans, options.jobs, forks=log.can_fork)
     else:
         measured = batches(log, measurer, spans)
     for batch in measured:

@@ -4,8 +4,7 @@ Batches are worked on in parallel. What a batch must know of all earlier ones is
 what was read of them alone, and is handed on before the heavy work begins.
 """
 
-from collections.abc import Iterable, Iterator, Sequence
-from concurrent.futures import Future
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 from dogbot_logtool.conversion.reading import Extract
@@ -14,7 +13,6 @@ from dogbot_logtool.core.footing import Footing, FootMemory, follow_feet, nothin
 from dogbot_logtool.core.silent_swing import LastHeard, last_heard
 from dogbot_logtool.core.transform_buffer import TransformBuffer
 from dogbot_logtool.plan import Plan
-from dogbot_logtool.reader.log import Span
 
 
 @dataclass(frozen=True, slots=True)
@@ -69,31 +67,3 @@ class Carried:
         feet = tuple(footing.memory() for footing in footings)
         odometry = self.odometry if read.last_pose is None else read.last_pose
         return Carried(odometry, heard, transforms, feet)
-
-
-@dataclass(frozen=True, slots=True)
-class Work:
-    """A batch to be converted, tied to the one before it and the one after it."""
-
-    span: Span
-    before: Future[Carried]
-    after: Future[Carried]
-
-    def give_up(self) -> None:
-        """Let nobody wait for what will not come; does nothing where it has come."""
-        self.after.cancel()
-
-
-def chained(spans: Iterable[Span], carried: Carried) -> Iterator[Work]:
-    """Tie every batch to the one before it.
-
-    Args:
-        spans: the batches.
-        carried: what the first of them must know.
-    """
-    before: Future[Carried] = Future()
-    before.set_result(carried)
-    for span in spans:
-        after: Future[Carried] = Future()
-        yield Work(span, before, after)
-        before = after

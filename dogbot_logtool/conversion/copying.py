@@ -52,7 +52,7 @@ def _verbatim(messages: Messages, loaded: LoadedChunk) -> FinishedChunk:
     chunk = loaded.chunk
     rows = messages.pick(loaded.rows)
     return indexed_chunk(
-        loaded.stored[: chunk.end - chunk.offset],
+        bytes(loaded.stored[: chunk.end - chunk.offset]),
         rows.channel,
         rows.log_time,
         rows.start - MESSAGE_HEAD.itemsize - loaded.base,

@@ -10,7 +10,7 @@ import hashlib
 import threading
 import uuid
 import weakref
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Generator, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, Final, Protocol
 
@@ -159,7 +159,7 @@ class Parts:
 
     def converted(
         self, place: Location, log: Log, plan: "Plan", annotations: "Annotations"
-    ) -> Iterator["ConvertedBatch"]:
+    ) -> Generator["ConvertedBatch", None, None]:
         """Convert the log at a place; see `dogbot_logtool.convert.BatchSource`."""
         del annotations  # They follow from log and plan, and cannot be pickled.
         from dogbot_logtool.conversion.carried import Carried  # noqa: PLC0415
@@ -231,12 +231,12 @@ class _Converting:
 
     def __call__(self, log: Log, spans: Sequence[Span], given: "Carried") -> list["ConvertedBatch"]:
         from dogbot_logtool.batches import BatchConverter  # noqa: PLC0415
-        from dogbot_logtool.conversion.carried import chained  # noqa: PLC0415
         from dogbot_logtool.conversion.channels import annotations_of  # noqa: PLC0415
+        from dogbot_logtool.parallel import one_by_one  # noqa: PLC0415
 
         annotations, _ = annotations_of(log, self.plan)
         convert = BatchConverter(log, self.plan, annotations)
-        return [convert(work).detached() for work in chained(spans, given)]
+        return list(one_by_one(convert, spans, given))
 
 
 @dataclass(frozen=True, slots=True)

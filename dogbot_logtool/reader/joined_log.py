@@ -96,6 +96,11 @@ class JoinedLog(Log):
         storage = logs[0].container
         self.container = storage if "ROS 2 bag" in storage else f"ROS 2 bag ({storage})"
 
+    @property
+    def can_fork(self) -> bool:
+        """See `Log.can_fork`."""
+        return all(part.log.can_fork for part in self._parts)
+
     def source_of(self, extra: Extra) -> ByteSource:
         """See `Log.source_of`."""
         return self._parts[extra.file].log.source

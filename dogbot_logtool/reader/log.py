@@ -313,6 +313,11 @@ class Log(ABC):
         if group:
             yield tuple(group)
 
+    @property
+    def can_fork(self) -> bool:
+        """Whether copies of this process may read it, too."""
+        return self.source.can_fork
+
     def source_of(self, extra: Extra) -> ByteSource:
         """Return the file that an attachment or metadata record stands in."""
         del extra

@@ -26,6 +26,8 @@ _NEAR: Final = 16 << 10
 class RemoteSource(ByteSource):
     """An object read by ranges; safe to share among threads."""
 
+    can_fork = False
+    """Stores are asked by threads of their own, which copies of this process have not."""
     cheap_size = 1 << 20
 
     def __init__(self, place: "UPath", facts: storage.Facts) -> None:

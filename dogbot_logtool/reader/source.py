@@ -16,6 +16,8 @@ class ByteSource:
 
     path: Location
     """What users call it."""
+    can_fork: bool = True
+    """Whether copies of this process may read it, too."""
     cheap_size: int = 64 << 20
     """Bytes that are read without a second thought; a disk takes some 20 ms for them."""
 

@@ -52,6 +52,11 @@ class SqliteLog(Log):
         self._rows = rows
         self._topics = topics
 
+    @property
+    def can_fork(self) -> bool:
+        """See `Log.can_fork`; a connection to SQLite is of one process."""
+        return False
+
     def read(self, span: Span) -> Batch:
         """See `Log.read`."""
         losses: list[Loss] = []

@@ -42,7 +42,7 @@ _CODECS: Final = _Codecs()
 class FinishedChunk:
     """A chunk record and its message index records, ready to be written."""
 
-    record: bytes | memoryview
+    record: bytes
     """The whole chunk record."""
     index: bytes
     """The message index records that follow it."""
@@ -106,7 +106,7 @@ def finish_chunk(
 
 
 def indexed_chunk(
-    record: bytes | memoryview,
+    record: bytes,
     channel: Ints,
     log_time: Ints,
     offset: Ints,

@@ -1,0 +1,156 @@
+"""Work on several copies of this process, with results in the order of the work.
+
+A fork takes a few milliseconds and inherits whatever the work refers to: an opened log, a plan,
+the columns of its index. The copies take the items in turn, pass batons round in a ring, and send
+results here. They read the log, compute and answer: of the threads that were copied as they
+stood, none is needed.
+"""
+
+import multiprocessing
+import signal
+import traceback
+from collections.abc import Generator, Iterable, Iterator, Sequence
+from contextlib import contextmanager, suppress
+from dataclasses import dataclass
+from multiprocessing.connection import Connection
+from multiprocessing.context import ForkProcess
+from typing import Any, Final, Generic
+
+from dogbot_logtool.errors import LogtoolError
+from dogbot_logtool.parallel import Item, RelayWork, Result, State
+
+_FORK: Final = multiprocessing.get_context("fork")
+
+
+def forked(
+    work: RelayWork[Item, State, Result], items: Sequence[Item], jobs: int, first: State
+) -> Generator[Result, None, None]:
+    """Yield `work(item, baton)` for every item, in order; see `dogbot_logtool.parallel.relayed`.
+
+    Raises:
+        LogtoolError: a process died.
+    """
+    jobs = min(jobs, len(items))
+    with _crew(work, items, jobs, first) as results:
+        for number in range(len(items)):
+            yield _received(results[number % jobs])
+
+
+def _received(results: "Connection[Any, Any]") -> Any:  # noqa: ANN401 - it was pickled
+    try:
+        outcome = results.recv()
+    except EOFError as error:
+        raise LogtoolError(
+            "a process that worked on it died: perhaps for want of memory; try --jobs 1"
+        ) from error
+    if isinstance(outcome, _Raised):
+        raise outcome.error
+    return outcome
+
+
+@dataclass(frozen=True, slots=True)
+class _Raised:
+    """What came of work instead of a result."""
+
+    error: Exception
+
+
+@dataclass(frozen=True, slots=True)
+class _Ends:
+    """A worker's ends of its pipes."""
+
+    batons_in: "Connection[Any, Any]"
+    batons_out: "Connection[Any, Any]"
+    results: "Connection[Any, Any]"
+
+    def __iter__(self) -> Iterator["Connection[Any, Any]"]:
+        return iter((self.batons_in, self.batons_out, self.results))
+
+
+class _NeighbourDied(Exception):  # noqa: N818 - it never leaves this module
+    """Who was to hand the baton on is no more."""
+
+
+class _Piped(Generic[State]):
+    """A baton between processes."""
+
+    def __init__(self, ends: _Ends, given: list[State]) -> None:
+        self._ends = ends
+        self._given = given
+
+    def take(self) -> State:
+        """See `Baton.take`."""
+        if self._given:
+            return self._given.pop()
+        try:
+            state: State = self._ends.batons_in.recv()
+        except EOFError as error:
+            raise _NeighbourDied from error
+        return state
+
+    def pass_on(self, state: State) -> None:
+        """See `Baton.pass_on`."""
+        # Behind the last item nobody waits.
+        with suppress(BrokenPipeError):
+            self._ends.batons_out.send(state)
+
+
+@contextmanager
+def _crew(
+    work: RelayWork[Item, State, Result], items: Sequence[Item], jobs: int, first: State
+) -> Iterator[list["Connection[Any, Any]"]]:
+    """Start the workers; yield the ends from which their results come."""
+    batons = [_FORK.Pipe(duplex=False) for _ in range(jobs)]
+    results = [_FORK.Pipe(duplex=False) for _ in range(jobs)]
+    all_ends = [end for pipe in (*batons, *results) for end in pipe]
+    crew: list[ForkProcess] = []
+    for number in range(jobs):
+        ends = _Ends(batons[number][0], batons[(number + 1) % jobs][1], results[number][1])
+
+        def serve(number: int = number, ends: _Ends = ends) -> None:
+            # A pipe ends only when nobody holds its other end.
+            _close([end for end in all_ends if end not in set(ends)])
+            _serve(work, items[number::jobs], ends, [] if number else [first])
+
+        crew.append(_FORK.Process(target=serve, daemon=True))
+    try:
+        for process in crew:
+            process.start()
+        sources = [source for source, _ in results]
+        _close([end for end in all_ends if end not in sources])
+        yield sources
+    finally:
+        for process in crew:
+            process.kill()
+        for process in crew:
+            process.join()
+        _close(source for source, _ in results)
+
+
+def _serve(
+    work: RelayWork[Item, State, Result], items: Sequence[Item], ends: _Ends, given: list[State]
+) -> None:
+    """Work on some items; runs in a copy of the process."""
+    # Ctrl-C reaches all processes; only the first one decides, and ends the others.
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    signal.signal(signal.SIGTERM, signal.SIG_DFL)
+    baton = _Piped(ends, given)
+    for item in items:
+        try:
+            outcome: Result | _Raised = work(item, baton)
+        except _NeighbourDied:
+            return
+        except Exception as error:  # noqa: BLE001 - it is raised where the result is wanted
+            error.add_note(traceback.format_exc())
+            outcome = _Raised(error)
+        try:
+            ends.results.send(outcome)
+        except BrokenPipeError:
+            return
+        if isinstance(outcome, _Raised):
+            return
+
+
+def _close(ends: Iterable["Connection[Any, Any]"]) -> None:
+    for end in ends:
+        end.close()
