@@ -1,7 +1,7 @@
 """`dogbot-logtool stats`: which gait, how loaded, and can the recording be trusted."""
 
 from collections import Counter
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Generator, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
 from typing import Final, Literal
@@ -127,7 +127,7 @@ class BatchMeasurer:
         return _measure_batch(log, self.selection, self.feet, span, self.limits, self.frames)
 
 
-BatchSource = Callable[[Log, BatchMeasurer, Iterable[Span]], Iterator[MeasuredBatch]]
+BatchSource = Callable[[Log, BatchMeasurer, Iterable[Span]], Generator[MeasuredBatch, None, None]]
 """Measures batches of a log and hands them back in order."""
 
 

@@ -1,21 +1,67 @@
 """Results in order, errors from where they arise, no more work in flight than is wanted."""
 
+import multiprocessing
+import os
+import signal
+import sys
 import threading
+import time
 from collections.abc import Iterator
+from contextlib import closing
 
+import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from dogbot_logtool.parallel import in_order
+from dogbot_logtool.errors import LogError, LogtoolError
+from dogbot_logtool.parallel import Baton, in_order, one_by_one, relayed
+
+FORKS = [False, *([True] if sys.platform == "linux" else [])]
+every_way = pytest.mark.parametrize("forks", FORKS)
+"""On threads, and on copies of this process where there can be such."""
 
 
+@every_way
 @settings(max_examples=30)
-@given(st.lists(st.integers()), st.integers(1, 5))
-def test_results_come_in_the_order_of_the_items(items: list[int], jobs: int) -> None:
-    assert list(in_order(lambda item: (item, str(item)), items, jobs)) == [
+@given(items=st.lists(st.integers()), jobs=st.integers(1, 5))
+def test_results_come_in_the_order_of_the_items(
+    *, forks: bool, items: list[int], jobs: int
+) -> None:
+    assert list(in_order(lambda item: (item, str(item)), items, jobs, forks=forks)) == [
         (item, str(item)) for item in items
     ]
+
+
+def running_sum(item: int, baton: Baton[int]) -> tuple[int, int]:
+    """Hand on the sum of all items so far."""
+    before = baton.take()
+    baton.pass_on(before + item)
+    return item, before
+
+
+@every_way
+@settings(max_examples=30)
+@given(items=st.lists(st.integers()), jobs=st.integers(1, 5), first=st.integers())
+def test_batons_pass_from_each_item_to_the_next(
+    *, forks: bool, items: list[int], jobs: int, first: int
+) -> None:
+    got = list(relayed(running_sum, items, jobs, first, forks=forks))
+    assert got == [(item, first + sum(items[:row])) for row, item in enumerate(items)]
+    assert got == list(one_by_one(running_sum, items, first))
+
+
+@every_way
+@pytest.mark.parametrize("jobs", [2, 3])
+def test_large_batons_and_results_get_through(*, forks: bool, jobs: int) -> None:
+    def work(item: int, baton: Baton[np.ndarray]) -> np.ndarray:
+        state = baton.take()
+        baton.pass_on(state + 1)
+        return state + item
+
+    first = np.zeros(1 << 20)
+    for number, result in enumerate(relayed(work, range(8), jobs, first, forks=forks)):
+        assert (result == 2 * number).all()
 
 
 @pytest.mark.parametrize("jobs", [2, 3, 4])
@@ -29,7 +75,7 @@ def test_an_early_item_that_takes_long_still_comes_first(jobs: int) -> None:
             second_is_done.set()
         return item
 
-    assert list(in_order(work, range(20), jobs)) == list(range(20))
+    assert list(in_order(work, range(20), jobs, forks=False)) == list(range(20))
 
 
 @pytest.mark.parametrize("jobs", [1, 2, 4])
@@ -42,56 +88,123 @@ def test_items_are_taken_only_as_threads_become_free(jobs: int) -> None:
             taken += 1
             yield number
 
-    for got, result in enumerate(in_order(lambda item: item, items(), jobs), start=1):
+    results = in_order(lambda item: item, items(), jobs, forks=False)
+    for got, result in enumerate(results, start=1):
         assert result == got - 1
         assert taken <= got + jobs
     assert taken == 100
 
 
+@every_way
 @pytest.mark.parametrize("jobs", [1, 2, 4])
-def test_an_error_comes_at_its_place(jobs: int) -> None:
+def test_an_error_comes_at_its_place(*, forks: bool, jobs: int) -> None:
     def work(item: int) -> int:
         if item == 5:
-            raise ValueError("five")
+            raise LogError("x.bag: five is broken")
         return item
 
-    results = in_order(work, range(100), jobs)
+    results = in_order(work, range(100), jobs, forks=forks)
+    assert [next(results) for _ in range(5)] == [0, 1, 2, 3, 4]
+    with pytest.raises(LogError, match=r"x\.bag: five is broken"):
+        next(results)
+    assert_nobody_is_left()
+
+
+@every_way
+@pytest.mark.parametrize("jobs", [1, 2, 4])
+def test_nobody_waits_for_a_baton_that_will_not_come(*, forks: bool, jobs: int) -> None:
+    def work(item: int, baton: Baton[int]) -> int:
+        if item == 5:
+            raise ValueError("five")
+        baton.pass_on(baton.take() + 1)
+        return item
+
+    results = relayed(work, range(100), jobs, 0, forks=forks)
     assert [next(results) for _ in range(5)] == [0, 1, 2, 3, 4]
     with pytest.raises(ValueError, match="five"):
         next(results)
+    assert_nobody_is_left()
 
 
+@every_way
 @pytest.mark.parametrize("jobs", [1, 2, 4])
-def test_an_error_of_the_items_is_raised(jobs: int) -> None:
+def test_an_error_of_the_items_is_raised(*, forks: bool, jobs: int) -> None:
     def items() -> Iterator[int]:
         yield 1
         raise OSError("no more")
 
-    results = in_order(lambda item: item, items(), jobs)
     with pytest.raises(OSError, match="no more"):
-        list(results)
+        list(in_order(lambda item: item, items(), jobs, forks=forks))
 
 
+@every_way
 @pytest.mark.parametrize("jobs", [2, 4])
-def test_work_stops_when_no_one_takes_results(jobs: int) -> None:
-    begun: list[int] = []
+def test_work_stops_when_no_one_takes_results(*, forks: bool, jobs: int) -> None:
+    begun = multiprocessing.get_context("fork" if forks else None).Value("i", 0)
 
-    def work(item: int) -> int:
-        begun.append(item)
-        return item
+    def work(item: int) -> bytes:
+        with begun.get_lock():
+            begun.value += 1
+        return bytes([item]) * (1 << 20)
 
-    results = in_order(work, range(1000), jobs)
-    assert next(results) == 0
-    results.close()  # type: ignore[attr-defined]
-    assert len(begun) <= jobs + 2
+    results = in_order(work, range(200), jobs, forks=forks)
+    assert next(results)[:1] == b"\0"
+    results.close()
+    # Each worker may have a result that is taken, one that waits, and one under way.
+    assert begun.value <= 3 * jobs
+    assert_nobody_is_left()
+
+
+def assert_nobody_is_left() -> None:
+    assert not multiprocessing.active_children()
     assert not [t for t in threading.enumerate() if t.name.startswith("batch")]
 
 
 def test_one_job_works_in_this_thread() -> None:
-    here = threading.current_thread()
-    assert set(in_order(lambda _: threading.current_thread(), range(5), 1)) == {here}
+    here = os.getpid(), threading.get_ident()
+    whereabouts = in_order(lambda _: (os.getpid(), threading.get_ident()), range(5), 1, forks=True)
+    assert set(whereabouts) == {here}
 
 
-def test_nothing_to_do() -> None:
-    assert list(in_order(str, [], 1)) == []
-    assert list(in_order(str, [], 3)) == []
+@pytest.mark.skipif(True not in FORKS, reason="processes are not forked here")
+def test_items_are_shared_out_among_copies_of_this_process() -> None:
+    workers = list(in_order(lambda _: os.getpid(), range(6), 3, forks=True))
+    assert len(set(workers)) == 3
+    assert os.getpid() not in workers
+    assert workers[:3] == workers[3:]
+
+
+@pytest.mark.skipif(True not in FORKS, reason="processes are not forked here")
+@pytest.mark.parametrize("jobs", [2, 3])
+def test_a_process_that_dies_is_told(jobs: int) -> None:
+    def work(item: int, baton: Baton[int]) -> int:
+        if item == 3:
+            os.kill(os.getpid(), signal.SIGKILL)
+        baton.pass_on(baton.take() + 1)
+        return item
+
+    results = relayed(work, range(20), jobs, 0, forks=True)
+    with pytest.raises(LogtoolError, match=r"a process that worked on it died: .*--jobs 1"):
+        list(results)
+    assert_nobody_is_left()
+
+
+@pytest.mark.skipif(True not in FORKS, reason="processes are not forked here")
+def test_an_interruption_ends_all_processes() -> None:
+    def work(item: int) -> int:
+        time.sleep(60.0 * item)
+        return item
+
+    with closing(in_order(work, range(10), 3, forks=True)) as results:
+        next(results)
+        for process in multiprocessing.active_children():
+            # As a terminal sends it to all; only this process decides.
+            os.kill(process.pid or 0, signal.SIGINT)
+        assert len(multiprocessing.active_children()) >= 2
+    assert_nobody_is_left()
+
+
+@every_way
+def test_nothing_to_do(*, forks: bool) -> None:
+    assert list(in_order(str, [], 1, forks=forks)) == []
+    assert list(in_order(str, [], 3, forks=forks)) == []

@@ -178,7 +178,7 @@ class Parts:
 
     def measured(
         self, place: Location, log: Log, measurer: "BatchMeasurer", spans: Iterable[Span]
-    ) -> Iterator["MeasuredBatch"]:
+    ) -> Generator["MeasuredBatch", None, None]:
         """Measure batches of the log at a place; see `dogbot_logtool.stats.BatchSource`."""
         work = OnPart(_Opener(place, index_of(log), self._run), _Measuring(measurer))
         for batches in self._done(work, list(self._cut(spans))):
