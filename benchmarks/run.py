@@ -22,6 +22,8 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Final
 
+from memory import peak_mib
+
 HERE: Final = Path(__file__).parent
 RESULTS: Final = HERE / "results"
 LOGS: Final = {
@@ -32,6 +34,7 @@ LOGS: Final = {
     "60_bz2.bag": (60, "bz2"),
     "60_ros1.mcap": (60, "ros1"),
     "60_cdr.mcap": (60, "cdr"),
+    "600_ros1.mcap": (600, "ros1"),
     "1GB.bag": (630, "none"),
 }
 """Seconds, and how they are stored, by name. The last is for `info`: 1 GB, and not compressed."""
@@ -42,6 +45,7 @@ _ENVIRONMENT: Final = {
 """What is installed is compiled once; a checkout must not be compiled anew at every start."""
 BOUND: Final = "bound: the codecs alone"
 LIBRARIES: Final = "libraries, message by message"
+FORCES: Final = "rosbags, forces alone"
 
 
 @dataclass(frozen=True)
@@ -52,6 +56,8 @@ class Contender:
     command: Sequence[str | Path]
     output: Path | None = None
     """Removed before each run: to replace a file costs a flush of it to the disk."""
+    processes: bool = False
+    """It works in several; their memory is measured together, in a run of its own."""
 
 
 @dataclass(frozen=True)
@@ -109,10 +115,14 @@ def run(command: Sequence[str | Path]) -> Run:
 def measure(task: Task, repeats: int) -> list[Result]:
     """Let the contenders take turns."""
     runs: dict[str, list[Run]] = {one.name: [] for one in task.contenders}
+    peaks: dict[str, float] = {}
+    for one in task.contenders:
+        if one.processes:
+            make_room(one)
+            peaks[one.name] = peak_mib(one.command)
     for _ in range(repeats):
         for one in task.contenders:
-            if one.output is not None:
-                one.output.unlink(missing_ok=True)
+            make_room(one)
             runs[one.name].append(run(one.command))
     ours = statistics.median(one.seconds for one in runs[task.contenders[0].name])
     results = []
@@ -124,12 +134,18 @@ def measure(task: Task, repeats: int) -> list[Result]:
                 name=name,
                 seconds=round(seconds, 3),
                 cpu_seconds=round(statistics.median(one.cpu_seconds for one in done), 3),
-                peak_mib=round(max(one.peak_mib for one in done), 1),
+                peak_mib=round(peaks.get(name, max(one.peak_mib for one in done)), 1),
                 times_ours=round(seconds / ours, 2),
             )
         )
         print(f"{task.name:34} {name:34} {seconds:8.3f} s  {results[-1].times_ours:7.2f} x")
     return results
+
+
+def make_room(contender: Contender) -> None:
+    """Remove what an earlier run wrote."""
+    if contender.output is not None:
+        contender.output.unlink(missing_ok=True)
 
 
 def make_logs(folder: Path) -> None:
@@ -161,7 +177,7 @@ def convert_task(log: Path, out: Path, jobs: int, *, everything: bool = False) -
     ours, theirs = out / f"{log.name}.mcap", out / "theirs.mcap"
     words: list[str | Path] = ["convert", log, "-o", ours, "-q", "--jobs", str(jobs)]
     contenders = [
-        Contender(f"{OURS} --jobs {jobs}", tool(*words), ours),
+        Contender(f"{OURS} --jobs {jobs}", tool(*words), ours, processes=jobs > 1),
         Contender(BOUND, script("bound.py", log, ours, str(jobs))),
     ]
     if everything:
@@ -170,7 +186,7 @@ def convert_task(log: Path, out: Path, jobs: int, *, everything: bool = False) -
             Contender(LIBRARIES, script("library_convert.py", log, theirs), theirs),
             Contender(f"pymcap-cli {copy} (copies only)", pymcap(copy, log, "-o", theirs), theirs),
         ]
-    return Task(f"convert {log.name}, {jobs} threads", contenders)
+    return Task(f"convert {log.name}, {jobs} at once", contenders)
 
 
 def tasks(logs: Path, out: Path) -> list[Task]:
@@ -185,14 +201,15 @@ def tasks(logs: Path, out: Path) -> list[Task]:
         convert_task(long, out, 1),
         convert_task(short_ros1, out, 2, everything=True),
         convert_task(short_cdr, out, 2, everything=True),
+        convert_task(logs / "600_ros1.mcap", out, 2, everything=True),
         convert_task(logs / "60_none.bag", out, 2),
         convert_task(logs / "60_bz2.bag", out, 2),
         *(
             Task(
                 f"stats {log.name}",
                 [
-                    Contender(OURS, tool("stats", log, "--json")),
-                    Contender("rosbags, forces alone", script("library_stats.py", log)),
+                    Contender(OURS, tool("stats", log, "--json"), processes=True),
+                    Contender(FORCES, script("library_stats.py", log)),
                 ],
             )
             for log in (short, long)
@@ -247,7 +264,7 @@ def ratios(results: Sequence[Result]) -> dict[str, float]:
     seconds = {(one.task, one.name): one.seconds for one in results}
 
     def convert(log: str, name: str = "", jobs: int = 2) -> float:
-        return seconds[f"convert {log}, {jobs} threads", name or f"{OURS} --jobs {jobs}"]
+        return seconds[f"convert {log}, {jobs} at once", name or f"{OURS} --jobs {jobs}"]
 
     start = convert("1.bag")
     libraries = convert("600.bag", LIBRARIES)
@@ -255,8 +272,12 @@ def ratios(results: Sequence[Result]) -> dict[str, float]:
     found = {
         "libraries / ours, 10 min bag": libraries / convert("600.bag"),
         "libraries / ours, 10 min bag, one thread": libraries / convert("600.bag", jobs=1),
+        "libraries / ours, 10 min MCAP": convert("600_ros1.mcap", LIBRARIES)
+        / convert("600_ros1.mcap"),
         "libraries / ours, 1 min MCAP": convert("60_ros1.mcap", LIBRARIES)
         / convert("60_ros1.mcap"),
+        "rosbags / ours, stats of the 10 min bag": seconds["stats 600.bag", FORCES]
+        / seconds["stats 600.bag", OURS],
         "pymcap-cli / ours, 10 min bag": copying / convert("600.bag"),
         "ours / bound, 10 min bag": convert("600.bag") / convert("600.bag", BOUND),
         "10 min / 1 min": convert("600.bag") / convert("60.bag"),

@@ -6,6 +6,7 @@ results here. They read the log, compute and answer: of the threads that were co
 stood, none is needed.
 """
 
+import fcntl
 import multiprocessing
 import signal
 import traceback
@@ -20,6 +21,8 @@ from dogbot_logtool.errors import LogtoolError
 from dogbot_logtool.parallel import Item, RelayWork, Result, State
 
 _FORK: Final = multiprocessing.get_context("fork")
+_RESULT_SIZE: Final = 1 << 20
+"""Bytes that a worker can send before anybody takes them: about what comes of a batch."""
 
 
 def forked(
@@ -102,6 +105,10 @@ def _crew(
     """Start the workers; yield the ends from which their results come."""
     batons = [_FORK.Pipe(duplex=False) for _ in range(jobs)]
     results = [_FORK.Pipe(duplex=False) for _ in range(jobs)]
+    for _, end in results:
+        # The system may allow less; then more switches from process to process are paid.
+        with suppress(OSError):
+            fcntl.fcntl(end.fileno(), fcntl.F_SETPIPE_SZ, _RESULT_SIZE)
     all_ends = [end for pipe in (*batons, *results) for end in pipe]
     crew: list[ForkProcess] = []
     for number in range(jobs):
