@@ -65,7 +65,7 @@ class ConvertedBatch:
 
 
 class BatchConverter:
-    """Converts batches; called from several threads or processes at once."""
+    """Converts batches; called in several threads or processes at once."""
 
     def __init__(self, log: Log, plan: Plan, annotations: Annotations) -> None:
         self._log = log

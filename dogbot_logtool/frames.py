@@ -63,7 +63,7 @@ def read_frames(
     Args:
         log: the log.
         ros_channels: the channels of tf2 and tf messages that can be read.
-        jobs: how many threads.
+        jobs: how many batches are read at once.
         progress: is told bytes done and bytes in all.
     """
     foxglove = [c for c in log.channels.values() if c.type_name in FOXGLOVE_TYPES]

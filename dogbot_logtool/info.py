@@ -79,7 +79,7 @@ def describe(
         path: the log.
         options: which topics to use.
         all_frames: read every transform, not only those in a few chunks.
-        jobs: threads that read them.
+        jobs: how many batches are read at once.
         progress: is told bytes done and bytes in all.
 
     Raises:

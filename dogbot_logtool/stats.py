@@ -113,7 +113,7 @@ class MeasuredBatch:
 
 @dataclass(frozen=True, slots=True)
 class BatchMeasurer:
-    """Reads batches; called from several threads at once, or sent to other processes."""
+    """Reads batches; called in several threads or processes at once."""
 
     selection: Selection
     feet: FootChannels
@@ -143,7 +143,7 @@ def measure(
         path: the log.
         options: what is asked for.
         progress: is told how far it has come.
-        batches: who reads the batches; None: threads of this process.
+        batches: who reads the batches; None: this machine.
 
     Raises:
         CallError: no such file, or a topic in the options that the log does not have.

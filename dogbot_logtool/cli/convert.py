@@ -6,6 +6,7 @@ import click
 
 from dogbot_logtool.cli.options import (
     jobs_option,
+    jobs_or_cores,
     json_option,
     logs_argument,
     number,
@@ -13,7 +14,6 @@ from dogbot_logtool.cli.options import (
     parse_topics,
     quietness,
     scheduler_option,
-    threads,
     time_range,
     topic_options,
     wrench_frame_option,
@@ -115,8 +115,8 @@ def convert(
     if scheduler is not None:
         folder = from_root(folder or location("."))
     pairs = targets(fleet.places, folder, ".annotated.mcap", fleet.below)
-    engine = engine_for(len(pairs), threads(jobs), scheduler)
-    chosen = ConvertOptions(topics=topics, jobs=engine.threads, **options)
+    engine = engine_for(len(pairs), jobs_or_cores(jobs), scheduler)
+    chosen = ConvertOptions(topics=topics, jobs=engine.jobs, **options)
     work = orders(pairs, fleet.below, may_repeat=engine.may_repeat)
     console = diagnostics()
     outcomes = Outcomes(quiet=quiet)

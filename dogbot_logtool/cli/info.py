@@ -6,12 +6,12 @@ import click
 
 from dogbot_logtool.cli.options import (
     jobs_option,
+    jobs_or_cores,
     json_option,
     logs_argument,
     overwrite_option,
     parse_topics,
     scheduler_option,
-    threads,
     topic_options,
 )
 from dogbot_logtool.cli.outcomes import Outcomes
@@ -72,8 +72,8 @@ def info(
             raise CallError("-o says where --dot writes; without --dot results go to stdout")
         for source in fleet.places:
             refuse_bad_target(output, source, overwrite=overwrite)
-    engine = engine_for(len(fleet.logs), threads(jobs), scheduler)
-    describe = Describe(options, all_frames=all_frames or dot, jobs=engine.threads)
+    engine = engine_for(len(fleet.logs), jobs_or_cores(jobs), scheduler)
+    describe = Describe(options, all_frames=all_frames or dot, jobs=engine.jobs)
     outcomes = Outcomes()
     outcomes.mention_left_out(fleet)
     graphs: list[str] = []

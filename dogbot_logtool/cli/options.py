@@ -52,7 +52,7 @@ json_option: Final = click.option(
 jobs_option: Final = click.option(
     "--jobs",
     type=click.IntRange(min=1, max=256),
-    help="Threads, or logs at a time; default: as many as there are cores. The result is the same.",
+    help="Processes at work; default: as many as there are cores. The result is the same.",
 )
 scheduler_option: Final = click.option(
     "--scheduler",
@@ -173,8 +173,8 @@ def parse_topics(
     return TopicOptions(robot, odom_topic, foot_topics, mass_kg)
 
 
-def threads(jobs: int | None) -> int:
-    """Return how many threads to use: what was asked for, else the cores there are."""
+def jobs_or_cores(jobs: int | None) -> int:
+    """Return how much to do at once: what was asked for, else as much as there are cores."""
     if jobs is not None:
         return jobs
     affinity = getattr(os, "sched_getaffinity", None)

@@ -6,13 +6,13 @@ import click
 
 from dogbot_logtool.cli.options import (
     jobs_option,
+    jobs_or_cores,
     json_option,
     logs_argument,
     measuring_options,
     overwrite_option,
     parse_topics,
     quietness,
-    threads,
     time_range,
     topic_options,
     wrench_frame_option,
@@ -68,7 +68,7 @@ def report(
     from dogbot_logtool.storage import location  # noqa: PLC0415
 
     topics = parse_topics(robot, odom_topic, feet, mass_kg)
-    chosen = StatsOptions(topics=topics, jobs=threads(jobs), **options)
+    chosen = StatsOptions(topics=topics, jobs=jobs_or_cores(jobs), **options)
     console = diagnostics()
     fleet = find_logs(words)
     folder = location(output) if output else None

@@ -11,6 +11,7 @@ import click
 from dogbot_logtool.cli.options import (
     LONGEST_S,
     jobs_option,
+    jobs_or_cores,
     json_option,
     logs_argument,
     measuring_options,
@@ -18,7 +19,6 @@ from dogbot_logtool.cli.options import (
     parse_topics,
     quietness,
     scheduler_option,
-    threads,
     time_range,
     topic_options,
     wrench_frame_option,
@@ -121,9 +121,9 @@ def stats(
         todo = dataset.todo(fleet)
         outcomes.add_unchanged(todo.unchanged)
         fleet, items = todo.fleet, todo.entries
-    engine = engine_for(len(items), threads(jobs), scheduler)
+    engine = engine_for(len(items), jobs_or_cores(jobs), scheduler)
     whole = len(items) == 1 and dataset is None
-    measure = Measure(replace(chosen, jobs=engine.threads), drawing, whole=whole)
+    measure = Measure(replace(chosen, jobs=engine.jobs), drawing, whole=whole)
     work = measure if dataset is None else Keep(measure, dataset)
     measured: list[Figures] = []
     for done in outcomes.of(engine, work, items, fleet.names):

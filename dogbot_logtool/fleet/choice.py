@@ -8,13 +8,12 @@ from dogbot_logtool.fleet.engine import Engine, Here
 def engine_for(logs: int, jobs: int, scheduler: str | None) -> Engine[Any]:
     """Choose an engine.
 
-    One log is done here, on all threads; several by processes, since the part of the work that
-    holds Python's lock is large for small logs; and whatever a scheduler's workers can do, they do,
-    huge logs in parts.
+    One log is done here, several batches at once; several logs by as many processes; and whatever a
+    scheduler's workers can do, they do, huge logs in parts.
 
     Args:
         logs: how many.
-        jobs: threads or processes on this machine.
+        jobs: how much is done at once on this machine.
         scheduler: address of one of dask.distributed, or ``local:N``.
 
     Raises:

@@ -29,7 +29,7 @@ class Cluster(Crew[Result]):
     comes back is given all that was not done.
     """
 
-    threads = 1
+    jobs = 1
 
     def __init__(self, scheduler: str) -> None:
         """Connect.

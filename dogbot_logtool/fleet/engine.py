@@ -47,8 +47,8 @@ class Watch(Protocol):
 class Engine(ABC, Generic[Result]):
     """Works on items, several at once."""
 
-    threads: int
-    """How many threads an item may use."""
+    jobs: int
+    """How many batches of an item may be worked on at once."""
     may_repeat: bool = True
     """Whether an item may be begun again after whoever worked on it was lost."""
 
@@ -109,12 +109,12 @@ class Crew(Engine[Result]):
 
 
 class Here(Crew[Result]):
-    """This process, one item after the other, each on all threads."""
+    """One item after the other, each on all cores that may be used."""
 
     may_repeat = False
 
-    def __init__(self, threads: int) -> None:
-        self.threads = threads
+    def __init__(self, jobs: int) -> None:
+        self.jobs = jobs
         self._alone = True
         self._next: list[tuple[int, Result | Failure]] = []
 

@@ -21,8 +21,8 @@ _SPAWN: Final = multiprocessing.get_context("spawn")
 class Processes(Crew[Result]):
     """A pool of processes. One that dies, for want of memory perhaps, costs its own item only."""
 
-    def __init__(self, workers: int, threads: int = 1) -> None:
-        self.threads = threads
+    def __init__(self, workers: int, jobs: int = 1) -> None:
+        self.jobs = jobs
         self._workers = workers
         self._open()
 

@@ -52,7 +52,7 @@ class Splitting(Engine[Result]):
         self._engine = engine
         self._above = above
         self._part_size = part_size
-        self.threads = engine.threads
+        self.jobs = engine.jobs
         self.may_repeat = engine.may_repeat
 
     def run(

@@ -37,7 +37,7 @@ class Describe:
     all_frames: bool = False
     """Read every transform."""
     jobs: int = 1
-    """Threads that read them."""
+    """How many batches are read at once."""
 
     def __call__(self, log: Location, tell: Tell | None) -> "LogInfo":
         """Describe it."""

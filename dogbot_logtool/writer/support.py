@@ -29,7 +29,7 @@ class _Form:
 
 
 class SupportStamper:
-    """Stamps out the messages of one channel; called from several threads at once."""
+    """Stamps out the messages of one channel; called in several threads or processes at once."""
 
     def __init__(self, channel: int, encoding: Encoding, frame: str, style: SupportStyle) -> None:
         self._channel = channel

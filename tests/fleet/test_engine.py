@@ -57,10 +57,10 @@ def outcomes(engine: Engine[Any], folder: Path, *items: str) -> tuple[list[Any],
 def test_one_log_is_done_here_and_many_by_processes() -> None:
     engines = [engine_for(1, 8, None), engine_for(0, 8, None), engine_for(5, 1, None)]
     assert [type(engine).__name__ for engine in engines] == ["Here"] * 3
-    assert [engine.threads for engine in engines] == [8, 8, 1]
+    assert [engine.jobs for engine in engines] == [8, 8, 1]
     with engine_for(2, 8, None) as engine:
         assert isinstance(engine, Processes)
-        assert engine.threads == 4
+        assert engine.jobs == 4
 
 
 def test_here_an_error_is_an_outcome(tmp_path: Path) -> None:
