@@ -1,7 +1,7 @@
 """What `convert` reads of a batch: columns of what the robot did and felt."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from dogbot_logtool.core.contacts import Samples
 from dogbot_logtool.core.odometry import Odometry, usable_poses
@@ -73,7 +73,9 @@ def read_batch(log: Log, plan: Plan, span: Span) -> ReadBatch:
     decoded = decode_odometry(batch, selection.odometry)
     odometry = joined_odometry(decoded)
     poses = odometry.pick(usable_poses(odometry))
-    contacts = read_contacts(batch, selection.contacts, selection.foot_channels())
+    # Only arrows along the force may have to stand along a normal instead.
+    feet = replace(selection.foot_channels(), normals=plan.options.style == "force")
+    contacts = read_contacts(batch, selection.contacts, feet)
     samples = [read.felt.samples for read in contacts]
     return ReadBatch(
         batch=batch,

@@ -13,7 +13,12 @@ from dogbot_logtool.core.arrays import sum_by_group
 from dogbot_logtool.core.contacts import NOT_THIS_FOOT, Contacts, contact_samples
 from dogbot_logtool.core.wrench_frame import WrenchFrame
 from dogbot_logtool.reader.contact_sources.collisions import foot_sides
-from dogbot_logtool.reader.contact_sources.source import ContactSource, Felt, FootChannels
+from dogbot_logtool.reader.contact_sources.source import (
+    ContactSource,
+    Felt,
+    FootChannels,
+    vectors_inside,
+)
 from dogbot_logtool.reader.messages import DecodedMessages
 
 _WANTED: Final = (
@@ -30,9 +35,9 @@ _WANTED: Final = (
 def contacts_felt(messages: DecodedMessages, feet: FootChannels) -> Felt:
     """Reduce messages to samples; see `ContactSource.read`."""
     pairs = messages.table.nested("contacts")
-    points = pairs.table.nested("positions")
+    point_state, point = vectors_inside(pairs.table, "positions")
     wrenches = pairs.table.nested("wrenches")
-    normals = pairs.table.nested("normals")
+    normal_state, normal = vectors_inside(pairs.table, "normals")
     foot = feet.single(messages.channel)
     names = pairs.table.texts("collision1.name"), pairs.table.texts("collision2.name")
     side = foot_sides(*names, foot[pairs.parent], feet.feet)
@@ -45,12 +50,12 @@ def contacts_felt(messages: DecodedMessages, feet: FootChannels) -> Felt:
         foot_side=side,
         newest=np.ones(len(pairs.parent), np.bool_),
         total_force=sum_by_group(force, wrenches.parent, len(pairs.parent)),
-        point_state=points.parent,
-        point=points.table.vectors("", "xyz"),
+        point_state=point_state,
+        point=point,
         wrench_state=wrenches.parent,
         wrench_force=force,
-        normal_state=normals.parent,
-        normal=normals.table.vectors("", "xyz"),
+        normal_state=normal_state,
+        normal=normal,
     )
     samples = contact_samples(contacts)
     samples = replace(samples, in_world=samples.in_contact)
@@ -60,6 +65,7 @@ def contacts_felt(messages: DecodedMessages, feet: FootChannels) -> Felt:
 SOURCE: Final = ContactSource(
     type_name="ros_gz_interfaces/Contacts",
     wanted=_WANTED,
+    normals=("contacts.normals",),
     read=contacts_felt,
     frame=WrenchFrame.WORLD,
     silent_in_swing=True,

@@ -24,6 +24,7 @@ from dogbot_logtool.reader.contact_sources.source import (
     FootChannels,
     FootLinks,
     StepTiming,
+    vectors_inside,
 )
 from dogbot_logtool.reader.messages import DecodedMessages
 
@@ -44,9 +45,9 @@ def contacts_felt(messages: DecodedMessages, feet: FootChannels) -> Felt:
     """Reduce messages to samples; see `ContactSource.read`."""
     table = messages.table
     states = table.nested("states")
-    points = states.table.nested("contact_positions")
+    point_state, point = vectors_inside(states.table, "contact_positions")
     wrenches = states.table.nested("wrenches")
-    normals = states.table.nested("contact_normals")
+    normal_state, normal = vectors_inside(states.table, "contact_normals")
     foot = feet.single(messages.channel)
     stamp = table.nanoseconds("header.stamp")
     info = states.table.texts("info")
@@ -63,12 +64,12 @@ def contacts_felt(messages: DecodedMessages, feet: FootChannels) -> Felt:
         foot_side=side,
         newest=newest,
         total_force=states.table.vectors("total_wrench.force", "xyz"),
-        point_state=points.parent,
-        point=points.table.vectors("", "xyz"),
+        point_state=point_state,
+        point=point,
         wrench_state=wrenches.parent,
         wrench_force=wrenches.table.vectors("force", "xyz"),
-        normal_state=normals.parent,
-        normal=normals.table.vectors("", "xyz"),
+        normal_state=normal_state,
+        normal=normal,
     )
     foreign = int((side == NOT_THIS_FOOT).sum())
     return Felt(contact_samples(contacts), contacts, untimed, foreign)
@@ -110,6 +111,7 @@ def step_timing(messages: DecodedMessages) -> StepTiming:
 SOURCE: Final = ContactSource(
     type_name="gazebo_msgs/ContactsState",
     wanted=_WANTED,
+    normals=("states.contact_normals",),
     read=contacts_felt,
     links=foot_links,
     timing=step_timing,

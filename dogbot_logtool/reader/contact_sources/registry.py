@@ -73,5 +73,7 @@ def read_contacts(
 def _read(batch: Batch, channels: Sequence[Channel], feet: FootChannels) -> Iterator[ContactsRead]:
     for type_name, source in SOURCES.items():
         of_type = [channel for channel in channels if channel.type_name == type_name]
-        for messages in decode_channels(batch, of_type, source.wanted) if of_type else ():
+        left_out = () if feet.normals else source.normals
+        wanted = tuple(path for path in source.wanted if path not in left_out)
+        for messages in decode_channels(batch, of_type, wanted) if of_type else ():
             yield ContactsRead(source, messages, source.read(messages, feet), feet)

@@ -30,6 +30,8 @@ class FootChannels:
     left_after_ns: int | None = None
     """ns: where a message's newest physics step is older than its stamp by more, the foot has left
     the ground since. None: not known, the newest step stands for the stamp."""
+    normals: bool = True
+    """Whether anybody asks for contact normals."""
 
     def single(self, channel: Ints) -> Ints:
         """(n,) foot index of messages that tell of one foot each."""
@@ -89,6 +91,8 @@ class ContactSource:
     """Fields that are decoded; see `compile_layout`."""
     read: Callable[[DecodedMessages, FootChannels], Felt]
     """Reduces decoded messages to samples."""
+    normals: tuple[str, ...] = ()
+    """Those of the wanted fields that are decoded only for who asks for contact normals."""
     links: Callable[[DecodedMessages, FootChannels], FootLinks] = no_links
     timing: Callable[[DecodedMessages], StepTiming] = no_steps
     elements: tuple[str, ...] = ()
@@ -107,6 +111,17 @@ class ContactSource:
     """Such messages can be about anything: only topics that name a foot are taken for one's."""
     silent_in_swing: bool = False
     """It is published only while in contact, so that absence is swing."""
+
+
+def vectors_inside(table: Table, path: str) -> tuple[Ints, Floats]:
+    """Return the row that each element of an array of Vector3 belongs to, (m,), and (m, 3).
+
+    None where the field was not decoded.
+    """
+    if path not in table.columns:
+        return np.empty(0, np.int64), np.empty((0, 3))
+    nested = table.nested(path)
+    return nested.parent, nested.table.vectors("", "xyz")
 
 
 def flat_samples(log_time: Ints, foot: Ints, stamp: Ints, force: Floats) -> Samples:
