@@ -46,6 +46,11 @@ class Texts:
     length: Ints
     """(n,) bytes."""
 
+    @property
+    def end(self) -> Ints:
+        """(n,) first byte after each."""
+        return self.start + self.length
+
     def text(self, row: int) -> str:
         """Return one string; bytes that are not UTF-8 are replaced."""
         start = int(self.start[row])
@@ -54,33 +59,42 @@ class Texts:
     def encode(self) -> tuple[Ints, tuple[str, ...]]:
         """Replace the strings by numbers.
 
+        Returns:
+            code (n,), and the different strings that the codes count.
+        """
+        code, rows = self.alike()
+        return code, tuple(self.text(row) for row in rows)
+
+    def alike(self) -> tuple[Ints, list[int]]:
+        """Number the different strings, as bytes.
+
         Strings on the path are nearly always constant, or take few values, so each round
         settles all rows that equal the first unsettled one. After some rounds the rest is sorted,
         since a log may also name every row differently.
 
         Returns:
-            code (n,), and the different strings that the codes count.
+            code (n,), and for each code a row that has it.
         """
         code = np.full(len(self.start), -1, np.int64)
-        names: list[str] = []
+        rows: list[int] = []
         left = np.arange(len(self.start))
-        while len(left) and len(names) < _ROUNDS:
+        while len(left) and len(rows) < _ROUNDS:
             first = left[0]
             alike = left[self.length[left] == self.length[first]]
             if size := int(self.length[first]):
                 texts = gather_bytes(self.buffer, self.start[alike], size)
                 alike = alike[_like_first(texts)]
-            code[alike] = len(names)
-            names.append(self.text(int(first)))
+            code[alike] = len(rows)
+            rows.append(int(first))
             left = left[code[left] < 0] if len(alike) < len(left) else left[:0]
         for size in np.unique(self.length[left]).tolist():
             alike = left[self.length[left] == size]
             # Texts without a byte are all alike.
             whole = gather(self.buffer, self.start[alike], size) if size else alike * 0
             _, first_rows, inverse = np.unique(whole, return_index=True, return_inverse=True)
-            code[alike] = len(names) + inverse
-            names.extend(self.text(row) for row in alike[first_rows].tolist())
-        return code, tuple(names)
+            code[alike] = len(rows) + inverse
+            rows.extend(alike[first_rows].tolist())
+        return code, rows
 
 
 def _like_first(rows: Bytes) -> Flags:

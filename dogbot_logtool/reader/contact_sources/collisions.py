@@ -29,17 +29,19 @@ def foot_sides(
     Returns:
         (s,) as in `Contacts.foot_side`.
     """
-    code1, names1 = first_names.encode()
-    code2, names2 = second_names.encode()
-    # Few names make few cases: each is judged once, and looked up.
-    case = (foot * len(names1) + code1) * len(names2) + code2
-    cases = np.unique(case)
-    sides = []
-    for one in cases.tolist():
-        rest, second = divmod(one, len(names2))
-        which, first = divmod(rest, len(names1))
-        sides.append(_side(feet[which], names1[first], names2[second]))
-    return np.array(sides, np.int8)[np.searchsorted(cases, case)]
+    # Few pairs of names make few cases: each is judged once, and looked up. Whatever stands between
+    # two names, their lengths for one, can only make more pairs of them.
+    start = np.minimum(first_names.start, second_names.start)
+    end = np.maximum(first_names.end, second_names.end)
+    pair, rows = Texts(first_names.buffer, start, end - start).alike()
+    case = foot * len(rows) + pair
+    sides: NDArray[np.int8] = np.zeros(len(feet) * len(rows), np.int8)
+    for one in np.flatnonzero(np.bincount(case)).tolist():
+        which, number = divmod(one, len(rows))
+        names = first_names.text(rows[number]), second_names.text(rows[number])
+        sides[one] = _side(feet[which], *names)
+    side: NDArray[np.int8] = sides[case]
+    return side
 
 
 def _side(foot: Foot, first: str, second: str) -> int:

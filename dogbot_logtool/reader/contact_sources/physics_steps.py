@@ -50,7 +50,7 @@ def newest_step(info: Texts, message: Ints, messages: int) -> tuple[Flags, int]:
 
 def _step_times(info: Texts) -> tuple[NDArray[np.void], Flags]:
     """(s,) the text after the last ``time:`` in a form that compares, and (s,) if there is one."""
-    end = info.start + info.length
+    end = info.end
     alike = _times_at_same_place(info, end)
     if alike is not None:
         return alike, np.ones(len(end), np.bool_)
