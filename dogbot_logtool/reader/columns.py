@@ -1,8 +1,11 @@
-"""Columns of decoded messages: tables of numbers, texts and nested tables."""
+"""Columns of decoded messages: tables of numbers, texts and nested tables.
 
-from collections.abc import Iterable, Mapping, Sequence
+Numbers that stand near each other in a message stay together, as rows of a structured array.
+"""
+
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,6 +13,7 @@ from numpy.typing import NDArray
 from dogbot_logtool.core.arrays import Flags, Floats, Ints
 
 Bytes = NDArray[np.uint8]
+_DOUBLE: Final = np.dtype("<f8")
 _ROUNDS: Final = 64
 """Different strings from which sorting all is faster than taking out one after another."""
 
@@ -116,7 +120,8 @@ class Nested:
     """m rows."""
 
 
-Column = NDArray[np.generic] | Texts | Nested
+Rows = NDArray[np.void]
+"""(n,) structured; the fields are named by their paths."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -124,19 +129,33 @@ class Table:
     """Decoded fields of n messages, or n elements of an array."""
 
     rows: int
-    columns: Mapping[str, Column]
+    runs: tuple[Rows, ...]
+    """Fields that are numbers, or fixed arrays of numbers."""
+    columns: Mapping[str, Texts | Nested]
+    """All others, by path."""
 
     def numbers(self, path: str) -> NDArray[np.generic]:
         """Return a column of numbers, (n,) or (n, k)."""
-        column = self.columns[path]
-        assert isinstance(column, np.ndarray)  # noqa: S101 - a wrong path is a fault of ours
-        return column
+        return self._run(path)[path]
+
+    def is_fixed_array(self, path: str) -> bool:
+        """Tell whether there is a fixed array of numbers of this path."""
+        found = (run[path] for run in self.runs if path in _fields(run))
+        return any(numbers.ndim == 2 for numbers in found)
 
     def vectors(self, path: str, components: str) -> Floats:
         """Return (n, k) float64 from the fields ``path.x``, ``path.y`` ... of a struct."""
         prefix = f"{path}." if path else ""
-        parts = [self.numbers(prefix + component) for component in components]
-        return np.stack(parts, axis=1).astype(np.float64, copy=False)
+        names = [prefix + component for component in components]
+        run = self._run(names[0])
+        fields = _fields(run)
+        first = fields[names[0]][1]
+        in_a_row = [(_DOUBLE, first + _DOUBLE.itemsize * row) for row in range(len(names))]
+        if [fields.get(name) for name in names] == in_a_row:
+            place, strides = run.view(np.uint8).data, (run.itemsize, _DOUBLE.itemsize)
+            shape = len(run), len(names)
+            return np.ascontiguousarray(np.ndarray(shape, _DOUBLE, place, first, strides))
+        return np.stack([self.numbers(name) for name in names], axis=1).astype(np.float64)
 
     def nanoseconds(self, path: str) -> Ints:
         """Return (n,) ns from a time field's ``sec`` and ``nanosec``."""
@@ -155,27 +174,45 @@ class Table:
         assert isinstance(column, Nested)  # noqa: S101 - a wrong path is a fault of ours
         return column
 
+    def _run(self, path: str) -> Rows:
+        return next(run for run in self.runs if path in _fields(run))
+
+
+def _fields(run: Rows) -> Mapping[str, tuple[Any, ...]]:
+    """Return dtype and offset of each number, by its path."""
+    return run.dtype.fields or {}
+
 
 def concatenate(tables: Sequence[Table]) -> Table:
-    """Stack tables of the same columns."""
+    """Stack tables of the same fields."""
     if len(tables) == 1:
         return tables[0]
-    columns = {
-        path: _concatenate_columns([table.columns[path] for table in tables], tables)
-        for path in tables[0].columns
-    }
-    return Table(sum(table.rows for table in tables), columns)
+    offsets = np.cumsum([0, *(table.rows for table in tables)]).tolist()
+    return Table(
+        offsets[-1],
+        tuple(
+            _concatenated_rows(parts)
+            for parts in zip(*(table.runs for table in tables), strict=True)
+        ),
+        {
+            path: _concatenated([table.columns[path] for table in tables], offsets)
+            for path in tables[0].columns
+        },
+    )
 
 
-def _concatenate_columns(parts: Sequence[Column], tables: Iterable[Table]) -> Column:
-    first = parts[0]
-    if isinstance(first, Texts):
-        texts = [part for part in parts if isinstance(part, Texts)]
-        start = np.concatenate([part.start for part in texts])
-        return Texts(first.buffer, start, np.concatenate([part.length for part in texts]))
-    if isinstance(first, Nested):
-        nested = [part for part in parts if isinstance(part, Nested)]
-        offsets = np.cumsum([0, *(table.rows for table in tables)])
-        parents = [part.parent + offset for part, offset in zip(nested, offsets, strict=False)]
-        return Nested(np.concatenate(parents), concatenate([part.table for part in nested]))
-    return np.concatenate([part for part in parts if isinstance(part, np.ndarray)])
+def _concatenated_rows(parts: Sequence[Rows]) -> Rows:
+    if not parts[0].itemsize:
+        return np.zeros(sum(len(part) for part in parts), parts[0].dtype)
+    # As plain bytes: numpy copies structured rows field by field.
+    plain = f"V{parts[0].itemsize}"
+    return np.concatenate([part.view(plain) for part in parts]).view(parts[0].dtype)
+
+
+def _concatenated(parts: Sequence[Any], offsets: Sequence[int]) -> Texts | Nested:
+    """Stack columns of one kind; the offsets are those of their tables' first rows."""
+    if isinstance(parts[0], Texts):
+        start = np.concatenate([part.start for part in parts])
+        return Texts(parts[0].buffer, start, np.concatenate([part.length for part in parts]))
+    parents = [part.parent + row for part, row in zip(parts, offsets, strict=False)]
+    return Nested(np.concatenate(parents), concatenate([part.table for part in parts]))

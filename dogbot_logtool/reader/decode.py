@@ -6,6 +6,7 @@ checked against the bytes that are there before it is used; a message that fails
 leaves its neighbours alone.
 """
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Final
 
@@ -15,22 +16,21 @@ from numpy.typing import NDArray
 from dogbot_logtool.core.arrays import Flags, Ints
 from dogbot_logtool.reader.columns import (
     Bytes,
-    Column,
     Nested,
+    Rows,
     Table,
     Texts,
     concatenate,
     gather,
 )
-from dogbot_logtool.reader.layout import ArrayStep, Layout, Leaf, Run, Step, TextStep
+from dogbot_logtool.reader.layout import ArrayStep, Layout, Run, Step, TextStep
 
 MAX_VARIABLE_ELEMENTS: Final = 20_000
 """A message with a longer array of elements of varying size counts as malformed: each position
 costs a round, so a hostile array could otherwise take hours."""
 _CDR_HEADER: Final = 4
 _CDR_PADDING: Final = 3
-_LEAF_GAP: Final = 64
-"""Wanted numbers closer than this many bytes are gathered together."""
+_NO_ELEMENTS: Final = Nested(np.empty(0, np.int64), Table(0, (), {}))
 
 
 @dataclass(frozen=True, slots=True)
@@ -108,18 +108,19 @@ class _Walk:
         """Decode whole messages: the table has a row each, void where the flag is false."""
         self._sound = np.ones(len(start), np.bool_)
         origin = start + _CDR_HEADER if self._cdr else start
-        cursors = _Cursors(origin.copy(), end, origin, np.arange(len(start)))
+        cursors = _Cursors(origin, end, origin, np.arange(len(start)))
         table = self._rows(self._layout.steps, cursors)
         left_over = end - cursors.position
         self._fail(cursors, (left_over < 0) | (left_over > (_CDR_PADDING if self._cdr else 0)))
         return table, self._sound
 
     def _rows(self, steps: tuple[Step, ...], cursors: _Cursors) -> Table:
-        columns: dict[str, Column] = {}
+        runs: list[Rows] = []
+        columns: dict[str, Texts | Nested] = {}
         for step in steps:
             match step:
                 case Run():
-                    columns.update(self._run(step, cursors))
+                    runs.extend(self._run(step, cursors))
                 case TextStep():
                     texts = self._text(step, cursors)
                     if step.wanted:
@@ -128,50 +129,32 @@ class _Walk:
                     nested = self._array(step, cursors)
                     if step.wanted:
                         columns[step.path] = nested
-        return Table(len(cursors.position), columns)
+        return Table(len(cursors.position), tuple(runs), columns)
 
-    def _run(self, run: Run, cursors: _Cursors) -> dict[str, Column]:
+    def _run(self, run: Run, cursors: _Cursors) -> Iterator[Rows]:
         self._align(cursors, run.alignment)
         self._require(cursors, run.size)
-        position = cursors.position
+        start = cursors.position
+        cursors.position = start + run.size
         if run.size > len(self._buffer):
             # Every row has failed, so the table will be thrown away: it need not have its rows.
-            position = position[:0]
-        columns = self._leaves(run.leaves, position)
-        cursors.position += run.size
-        return columns
+            start = start[:0]
+        return self._numbers(run, start)
 
-    def _leaves(self, leaves: tuple[Leaf, ...], position: Ints) -> dict[str, Column]:
-        columns: dict[str, Column] = {
-            leaf.path: np.empty((len(position), 0), self._order + leaf.dtype)
-            for leaf in leaves
-            if leaf.length == 0
-        }
-        for group in _leaf_groups(leaves):
-            first = group[0].offset
-            dtype = np.dtype(
-                {
-                    "names": [leaf.path for leaf in group],
-                    "formats": [self._format(leaf) for leaf in group],
-                    "offsets": [leaf.offset - first for leaf in group],
-                }
-            )
-            if len(position):
-                records = gather(self._buffer, position + first, dtype.itemsize).view(dtype)
+    def _numbers(self, run: Run, start: Ints) -> Iterator[Rows]:
+        """Yield the numbers of a run that are wanted, those near each other together."""
+        for group in run.groups:
+            dtype = group.dtype(self._order)
+            if not dtype.itemsize:
+                yield np.zeros(len(start), dtype)
             else:
-                records = np.empty(0, dtype)
-            columns.update({leaf.path: records[leaf.path] for leaf in group})
-        return columns
-
-    def _format(self, leaf: Leaf) -> str:
-        number = self._order + leaf.dtype
-        return number if leaf.length is None else f"({leaf.length},){number}"
+                yield self._gather(start + group.offset, dtype.itemsize).view(dtype)
 
     def _text(self, step: TextStep, cursors: _Cursors) -> Texts:
         length = self._counts(cursors, step.alignment)
         self._limit(cursors, length, 1)
-        start = cursors.position.copy()
-        cursors.position += length
+        start = cursors.position
+        cursors.position = start + length
         if self._cdr:
             # The recorded length includes the terminator, which must be there.
             present = np.flatnonzero(length > 0)
@@ -204,18 +187,23 @@ class _Walk:
             filled = np.flatnonzero(count)
             aligned = cursors.pick(filled)
             self._align(aligned, run.alignment)
+            cursors.position = cursors.position.copy()
             cursors.position[filled] = aligned.position
-        stride = run.size + -run.size % run.alignment
+        padding = -run.size % run.alignment
+        stride = run.size + padding
         self._limit(cursors, count, stride, last=run.size)
-        taken = count if wanted else np.zeros_like(count)
-        parent = np.repeat(np.arange(len(count)), taken)
-        # Elements are numbered through all rows; a row's first stands at the row's position.
-        origin = cursors.position - (np.cumsum(taken) - taken) * stride
-        columns = self._leaves(
-            run.leaves, np.repeat(origin, taken) + np.arange(len(parent)) * stride
-        )
-        cursors.position += count * stride - (count > 0) * (stride - run.size)
-        return Nested(parent, Table(len(parent), columns))
+        start, size = cursors.position, count * stride
+        cursors.position = start + size
+        if padding:
+            # None behind the last one.
+            cursors.position -= (count > 0) * padding
+        if not wanted:
+            return _NO_ELEMENTS
+        parent = np.repeat(np.arange(len(count)), count)
+        # Elements are numbered through all rows; a row's first stands at the row's start.
+        origin = start - (np.cumsum(size) - size)
+        elements = self._numbers(run, origin[parent] + np.arange(len(parent)) * stride)
+        return Nested(parent, Table(len(parent), tuple(elements), {}))
 
     def _uneven_elements(self, steps: tuple[Step, ...], count: Ints, cursors: _Cursors) -> Nested:
         """Elements of varying size: all messages' first ones, all second ones, and so on."""
@@ -223,6 +211,8 @@ class _Walk:
         self._void_failed(count, cursors)
         parents: list[Ints] = []
         tables: list[Table] = []
+        # What was read before keeps its places.
+        cursors.position = cursors.position.copy()
         for index in range(int(count.max(initial=0))):
             rows = np.flatnonzero(count > index)
             elements = cursors.pick(rows)
@@ -239,20 +229,21 @@ class _Walk:
         self._align(cursors, alignment)
         self._require(cursors, 4)
         count = self._gather(cursors.position, 4).view(self._order + "u4").astype(np.int64)
-        cursors.position += 4
+        cursors.position = cursors.position + 4
         self._void_failed(count, cursors)
         return count
 
     def _align(self, cursors: _Cursors, alignment: int) -> None:
         if alignment > 1:
-            cursors.position += (cursors.origin - cursors.position) & (alignment - 1)
+            position = cursors.position
+            cursors.position = position + ((cursors.origin - position) & (alignment - 1))
 
     def _require(self, cursors: _Cursors, size: int) -> None:
         """Fail messages that have fewer bytes left, and send their cursors to a safe place."""
         short = cursors.position + size > cursors.limit
         if short.any():
             self._fail(cursors, short)
-            cursors.position[short] = 0
+            cursors.position = np.where(short, 0, cursors.position)
 
     def _limit(self, cursors: _Cursors, count: Ints, size: int, last: int | None = None) -> None:
         """Fail messages that claim more elements than their bytes can hold; void the count."""
@@ -278,17 +269,3 @@ class _Walk:
             # Nothing is this long: every message has failed, and what it holds is void.
             return np.zeros(len(start), f"V{size}")
         return gather(self._buffer, start, size)
-
-
-def _leaf_groups(leaves: tuple[Leaf, ...]) -> list[list[Leaf]]:
-    """Group leaves that lie near each other."""
-    groups: list[list[Leaf]] = []
-    end = -_LEAF_GAP - 1
-    for leaf in leaves:
-        if leaf.length == 0:
-            continue
-        if leaf.offset - end > _LEAF_GAP:
-            groups.append([])
-        groups[-1].append(leaf)
-        end = leaf.offset + int(leaf.dtype[1:]) * (1 if leaf.length is None else leaf.length)
-    return groups

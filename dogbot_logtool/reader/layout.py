@@ -6,9 +6,12 @@ in alignment (CDR aligns every number to its own width, counted from the end of 
 encapsulation header) and in the strings' terminator.
 """
 
-from collections.abc import Collection
+from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Final, Literal
+
+import numpy as np
 
 from dogbot_logtool.reader.definition import (
     FieldType,
@@ -24,6 +27,8 @@ Serialisation = Literal["ros1", "cdr"]
 ELEMENT: Final = "value"
 """Name of the column that holds the elements of an array of numbers or strings."""
 _CDR_ORIGIN_ALIGNMENT: Final = 8
+_LEAF_GAP: Final = 64
+"""Bytes; wanted numbers that are not further apart are fetched together."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -36,6 +41,30 @@ class Leaf:
     length: int | None
     """Elements of a fixed array, None for a single number."""
 
+    @property
+    def end(self) -> int:
+        """First byte after it, in its run."""
+        return self.offset + int(self.dtype[1:]) * (1 if self.length is None else self.length)
+
+    def format(self, order: str) -> str:
+        """Return the form that a dtype of the byte order has for it."""
+        number = order + self.dtype
+        return number if self.length is None else f"({self.length},){number}"
+
+
+@dataclass(frozen=True, slots=True)
+class LeafGroup:
+    """Wanted numbers that stand near each other, and are fetched together."""
+
+    offset: int
+    """Of the first, in its run."""
+    size: int
+    leaves: tuple[Leaf, ...]
+
+    def dtype(self, order: str) -> np.dtype[np.void]:
+        """Return the dtype of the group's bytes, with a field a path; the order is a dtype's."""
+        return _group_dtype(self, order)
+
 
 @dataclass(frozen=True, slots=True)
 class Run:
@@ -43,7 +72,7 @@ class Run:
 
     alignment: int
     size: int
-    leaves: tuple[Leaf, ...]
+    groups: tuple[LeafGroup, ...]
 
 
 @dataclass(frozen=True, slots=True)
@@ -167,7 +196,7 @@ class _Compiler:
 
     def _close_run(self) -> None:
         if self._size or self._leaves:
-            self._steps.append(Run(self._alignment, self._size, tuple(self._leaves)))
+            self._steps.append(Run(self._alignment, self._size, tuple(_groups(self._leaves))))
         self._leaves, self._size, self._alignment, self._modulus = [], 0, 1, None
 
     def _close_run_aligned_to(self, alignment: int) -> int:
@@ -191,3 +220,27 @@ class _Compiler:
             return None
         inside = f"{path}."
         return [want.removeprefix(inside) for want in self._wanted if want.startswith(inside)]
+
+
+def _groups(leaves: Sequence[Leaf]) -> Iterator[LeafGroup]:
+    """Group leaves, which stand in their order, where they lie near each other."""
+    group: list[Leaf] = []
+    for leaf in leaves:
+        if group and leaf.offset - group[-1].end > _LEAF_GAP:
+            yield LeafGroup(group[0].offset, group[-1].end - group[0].offset, tuple(group))
+            group = []
+        group.append(leaf)
+    if group:
+        yield LeafGroup(group[0].offset, group[-1].end - group[0].offset, tuple(group))
+
+
+@lru_cache(maxsize=256)
+def _group_dtype(group: LeafGroup, order: str) -> np.dtype[np.void]:
+    return np.dtype(
+        {
+            "names": [leaf.path for leaf in group.leaves],
+            "formats": [leaf.format(order) for leaf in group.leaves],
+            "offsets": [leaf.offset - group.offset for leaf in group.leaves],
+            "itemsize": group.size,
+        }
+    )

@@ -16,7 +16,7 @@ from rosbags.typesys import get_types_from_msg
 from rosbags.typesys.store import Typestore
 
 from dogbot_logtool.errors import DefinitionError
-from dogbot_logtool.reader.columns import Nested, Table, Texts
+from dogbot_logtool.reader.columns import Table, Texts
 from dogbot_logtool.reader.decode import MAX_VARIABLE_ELEMENTS, Decoded, decode
 from dogbot_logtool.reader.definition import parse_definition
 from dogbot_logtool.reader.layout import Layout, Serialisation, compile_layout
@@ -423,15 +423,16 @@ def dotted_paths(definition: Definition, name: str, prefix: str) -> Iterator[str
 
 def flat(table: Table, prefix: str = "") -> Iterator[tuple[str, object]]:
     """Every column by its whole path; an array is a column of parents, named with ``[]``."""
+    for name in (name for run in table.runs for name in run.dtype.names or ()):
+        yield prefix + name, table.numbers(name).tobytes()
     for name, column in table.columns.items():
         path = prefix + name
-        if isinstance(column, Nested):
-            yield f"{path}[]", column.parent.tolist()
-            yield from flat(column.table, f"{path}.")
-        elif isinstance(column, Texts):
+        if isinstance(column, Texts):
             yield path, [column.text(row) for row in range(table.rows)]
         else:
-            yield path, column.tobytes()
+            nested = table.nested(name)
+            yield f"{path}[]", nested.parent.tolist()
+            yield from flat(nested.table, f"{path}.")
 
 
 def is_wanted(path: str, wanted: Sequence[str]) -> bool:
@@ -450,7 +451,8 @@ def test_no_messages_give_an_empty_table_with_every_column() -> None:
 
     assert decoded.sound.tolist() == []
     assert decoded.table.rows == 0
-    assert set(decoded.table.columns) == {"a", "b", "c", "d"}
+    assert set(decoded.table.columns) == {"b", "c", "d"}
+    assert decoded.table.numbers("a").shape == (0,)
     assert set(decoded.table.nested("c").table.columns) == {"x"}
 
 

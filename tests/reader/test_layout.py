@@ -1,7 +1,9 @@
 """Layouts are short, and CDR's alignment is what a person works out by hand."""
 
+from dataclasses import replace
 from typing import Final
 
+import numpy as np
 from rosbags.typesys import Stores, get_typestore
 
 from dogbot_logtool.reader.definition import parse_definition
@@ -9,6 +11,7 @@ from dogbot_logtool.reader.layout import (
     ArrayStep,
     Layout,
     Leaf,
+    LeafGroup,
     Run,
     Serialisation,
     Step,
@@ -44,7 +47,13 @@ def odometry(serialisation: Serialisation, wanted: tuple[str, ...] | None = None
 
 def offsets(step: Step) -> dict[str, int]:
     assert isinstance(step, Run)
-    return {leaf.path: leaf.offset for leaf in step.leaves}
+    return {leaf.path: leaf.offset for group in step.groups for leaf in group.leaves}
+
+
+def run(alignment: int, size: int, *leaves: Leaf) -> Run:
+    """A run whose leaves are near each other."""
+    first, last = leaves[0], leaves[-1]
+    return Run(alignment, size, (LeafGroup(first.offset, last.end - first.offset, leaves),))
 
 
 def array(step: Step) -> ArrayStep:
@@ -61,20 +70,30 @@ def test_ros1_fields_of_fixed_width_make_one_run_without_gaps() -> None:
     )
 
     assert layout.steps == (
-        Run(
-            alignment=1,
-            size=1 + 8 + 9 + 6 + 8,
-            leaves=(
-                Leaf("a", 0, "u1", None),
-                Leaf("b", 1, "f8", None),
-                Leaf("c.x", 9, "u1", None),
-                Leaf("c.y", 10, "i8", None),
-                Leaf("d", 18, "u2", 3),
-                Leaf("e.sec", 24, "u4", None),
-                Leaf("e.nanosec", 28, "u4", None),
-            ),
+        run(
+            1,
+            1 + 8 + 9 + 6 + 8,
+            Leaf("a", 0, "u1", None),
+            Leaf("b", 1, "f8", None),
+            Leaf("c.x", 9, "u1", None),
+            Leaf("c.y", 10, "i8", None),
+            Leaf("d", 18, "u2", 3),
+            Leaf("e.sec", 24, "u4", None),
+            Leaf("e.nanosec", 28, "u4", None),
         ),
     )
+
+
+def test_numbers_far_from_each_other_are_fetched_apart() -> None:
+    near, far = Leaf("a", 0, "u4", None), Leaf("b", 4 + 64, "u4", None)
+    (step,) = layout_of("uint32 a\nuint8[64] x\nuint32 b", "ros1", ("a", "b")).steps
+    assert step == run(1, 72, near, far)
+
+    far = replace(far, offset=4 + 65)
+    (step,) = layout_of("uint32 a\nuint8[65] x\nuint32 b", "ros1", ("a", "b")).steps
+    assert step == Run(1, 73, (LeafGroup(0, 4, (near,)), LeafGroup(69, 4, (far,))))
+    assert isinstance(step, Run)
+    assert step.groups[1].dtype(">") == np.dtype([("b", ">u4")])
 
 
 def test_a_ros1_odometry_is_four_steps() -> None:
@@ -144,7 +163,7 @@ def test_arrays_know_the_fewest_bytes_of_an_element() -> None:
     assert [step.smallest_element for step in steps] == [4, 4, 2 + 4 + 4]
     assert [step.length for step in steps] == [None, None, 2]
     assert steps[0].element == (TextStep("value", wanted=True, alignment=1),)
-    assert steps[1].element == (Run(1, 4, (Leaf("value", 0, "f4", None),)),)
+    assert steps[1].element == (run(1, 4, Leaf("value", 0, "f4", None)),)
 
 
 # --- CDR --------------------------------------------------------------------------------------
@@ -181,7 +200,7 @@ def test_cdr_string_lengths_are_aligned_statically_where_the_place_is_known() ->
     assert isinstance(first, Run)
     assert first.size == 4  # a and three bytes of padding
     assert text == TextStep("b", wanted=True, alignment=1)
-    assert second == Run(1, 1, (Leaf("c", 0, "u1", None),))
+    assert second == run(1, 1, Leaf("c", 0, "u1", None))
 
 
 def test_cdr_after_a_string_everything_is_aligned_when_it_is_read() -> None:
@@ -189,9 +208,9 @@ def test_cdr_after_a_string_everything_is_aligned_when_it_is_read() -> None:
 
     # Where b stands is not known, so c needs its own alignment, and so does d; e is known by d.
     assert steps == [
-        Run(1, 1, (Leaf("b", 0, "u1", None),)),
-        Run(2, 2, (Leaf("c", 0, "u2", None),)),
-        Run(4, 8, (Leaf("d", 0, "f4", None), Leaf("e", 4, "u2", None))),
+        run(1, 1, Leaf("b", 0, "u1", None)),
+        run(2, 2, Leaf("c", 0, "u2", None)),
+        run(4, 8, Leaf("d", 0, "f4", None), Leaf("e", 4, "u2", None)),
         TextStep("f", wanted=True, alignment=1),
     ]
 
@@ -202,11 +221,9 @@ def test_cdr_elements_are_aligned_each() -> None:
     _, pairs, numbers = layout.steps
 
     assert array(pairs).alignment == 1  # its count stands at 4
-    assert array(pairs).element == (
-        Run(8, 9, (Leaf("x", 0, "f8", None), Leaf("y", 8, "u1", None))),
-    )
+    assert array(pairs).element == (run(8, 9, Leaf("x", 0, "f8", None), Leaf("y", 8, "u1", None)),)
     assert array(numbers).alignment == 4
-    assert array(numbers).element == (Run(8, 8, (Leaf("value", 0, "f8", None),)),)
+    assert array(numbers).element == (run(8, 8, Leaf("value", 0, "f8", None)),)
 
 
 def test_cdr_elements_that_begin_with_a_narrow_number_are_of_uneven_size() -> None:
@@ -214,8 +231,8 @@ def test_cdr_elements_that_begin_with_a_narrow_number_are_of_uneven_size() -> No
 
     # x follows the last element at once: how far y lies from it depends on the place.
     assert array(layout.steps[0]).element == (
-        Run(1, 1, (Leaf("x", 0, "u1", None),)),
-        Run(8, 8, (Leaf("y", 0, "f8", None),)),
+        run(1, 1, Leaf("x", 0, "u1", None)),
+        run(8, 8, Leaf("y", 0, "f8", None)),
     )
 
 

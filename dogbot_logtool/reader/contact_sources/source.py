@@ -190,10 +190,9 @@ def fixed_numbers(table: Table, path: str) -> Floats:
     Raises:
         DefinitionError: the recorded definition says that it is something else.
     """
-    column = table.columns.get(path)
-    if not isinstance(column, np.ndarray) or column.ndim != 2:
+    if not table.is_fixed_array(path):
         raise DefinitionError(f"the recorded field {path!r} is no array of a fixed length")
-    return column.astype(np.float64)
+    return table.numbers(path).astype(np.float64)
 
 
 def by_element(nested: Nested, values: Floats, rows: int, elements: int) -> Floats:
