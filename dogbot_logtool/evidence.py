@@ -73,8 +73,8 @@ def look_into(log: Log, selection: Selection) -> Evidence:
     """Look into chunks from the start to the end of a log."""
     look = _Look(selection)
     chosen = _spread(log, selection)
-    for chunk in chosen:
-        look.take(log.read((chunk,)))
+    for span in log.grouped(chosen):
+        look.take(log.read(span))
     return look.evidence(len(chosen), len(log.chunks))
 
 
@@ -124,8 +124,8 @@ class _Look:
                 self._see_stamps(read.messages.channel, stamps)
             if read.source.silent_in_swing:
                 for foot in np.unique(samples.foot).tolist():
-                    steps = np.diff(samples.log_time[samples.foot == foot])
-                    self._steps.setdefault(foot, []).append(steps[steps > 0])
+                    steps = _steps(samples.log_time[samples.foot == foot], _begins(batch))
+                    self._steps.setdefault(foot, []).append(steps)
         for messages in decode_transforms(batch, selection.transforms):
             for parent, child in frame_pairs(messages):
                 self._slashed.update(name for name in (parent, child) if name.startswith("/"))
@@ -186,6 +186,20 @@ def left_after(timings: list[StepTiming]) -> int | None:
     usual, half_a_step = float(np.median(lag)), float(np.median(step)) / 2.0
     regular = np.abs(lag - usual) < half_a_step
     return round(usual + half_a_step) if regular.mean() >= _REGULAR else None
+
+
+def _begins(batch: Batch) -> Ints:
+    """(c,) ns, log time of the first message of each chunk, ascending."""
+    first = [chunk.rows.start for chunk in batch.chunks if chunk.rows.start < chunk.rows.stop]
+    return np.sort(batch.messages.log_time[first])
+
+
+def _steps(log_time: Ints, begins: Ints) -> Ints:
+    """Return the times, ns, from message to message within chunks: what lies between is unseen."""
+    chunk = np.searchsorted(begins, log_time, side="right")
+    steps = np.diff(log_time)
+    seen: Ints = steps[(steps > 0) & (np.diff(chunk) == 0)]
+    return seen
 
 
 def _interval(steps: list[Ints]) -> int:
