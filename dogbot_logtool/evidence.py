@@ -7,25 +7,32 @@ for every command.
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Final
+from typing import Final, Literal
 
 import numpy as np
 
 from dogbot_logtool.core.arrays import Floats, Ints
 from dogbot_logtool.core.transform_buffer import TransformBuffer
 from dogbot_logtool.core.wrench_frame import (
+    WrenchFrame,
     WrenchFrameEvidence,
     alignment,
     judge_wrench_frame,
 )
+from dogbot_logtool.findings import Finding, note, warning
 from dogbot_logtool.reader.contact_sources.registry import read_contacts
 from dogbot_logtool.reader.contact_sources.source import StepTiming
 from dogbot_logtool.reader.frame_tracks import static_tracks
 from dogbot_logtool.reader.log import Batch, Chunk, Log
 from dogbot_logtool.reader.odometry import decode_odometry, odometry_frames
 from dogbot_logtool.reader.transforms import decode_transforms, frame_pairs, transform_columns
+from dogbot_logtool.robot import Robot
 from dogbot_logtool.selection import Selection
 
+WrenchFrameOption = Literal["auto", "world", "link"]
+"""What a user says of the wrenches; auto: by evidence."""
+DEFAULT_WORLD: Final = "world"
+DEFAULT_BASE: Final = "base_link"
 _LOOKS: Final = 8
 """Chunks that are looked at, besides those with static transforms."""
 _REGULAR: Final = 0.75
@@ -66,8 +73,8 @@ def look_into(log: Log, selection: Selection) -> Evidence:
     """Look into chunks from the start to the end of a log."""
     look = _Look(selection)
     chosen = _spread(log, selection)
-    for chunk in chosen:
-        look.take(log.read((chunk,)))
+    for span in log.grouped(chosen):
+        look.take(log.read(span))
     return look.evidence(len(chosen), len(log.chunks))
 
 
@@ -117,8 +124,8 @@ class _Look:
                 self._see_stamps(read.messages.channel, stamps)
             if read.source.silent_in_swing:
                 for foot in np.unique(samples.foot).tolist():
-                    steps = np.diff(samples.log_time[samples.foot == foot])
-                    self._steps.setdefault(foot, []).append(steps[steps > 0])
+                    steps = _steps(samples.log_time[samples.foot == foot], _begins(batch))
+                    self._steps.setdefault(foot, []).append(steps)
         for messages in decode_transforms(batch, selection.transforms):
             for parent, child in frame_pairs(messages):
                 self._slashed.update(name for name in (parent, child) if name.startswith("/"))
@@ -181,7 +188,75 @@ def left_after(timings: list[StepTiming]) -> int | None:
     return round(usual + half_a_step) if regular.mean() >= _REGULAR else None
 
 
+def _begins(batch: Batch) -> Ints:
+    """(c,) ns, log time of the first message of each chunk, ascending."""
+    first = [chunk.rows.start for chunk in batch.chunks if chunk.rows.start < chunk.rows.stop]
+    return np.sort(batch.messages.log_time[first])
+
+
+def _steps(log_time: Ints, begins: Ints) -> Ints:
+    """Return the times, ns, from message to message within chunks: what lies between is unseen."""
+    chunk = np.searchsorted(begins, log_time, side="right")
+    steps = np.diff(log_time)
+    seen: Ints = steps[(steps > 0) & (np.diff(chunk) == 0)]
+    return seen
+
+
 def _interval(steps: list[Ints]) -> int:
     """Return the median interval, ns."""
     known = np.concatenate(steps)
     return int(np.median(known)) if len(known) else _USUAL_INTERVAL_NS
+
+
+def frame_names(robot: Robot, evidence: Evidence) -> tuple[str, str]:
+    """Return the world's and the base's frame: the robot's, else the odometry's, else ROS'."""
+    return (
+        robot.world_frame or _frame(evidence.world_frames, DEFAULT_WORLD),
+        robot.base_frame or _frame(evidence.base_frames, DEFAULT_BASE),
+    )
+
+
+def _frame(recorded: tuple[str, ...], default: str) -> str:
+    names = [name.lstrip("/") for name in recorded if name.strip("/")]
+    return names[0] if names else default
+
+
+def evidence_findings(selection: Selection, evidence: Evidence) -> list[Finding]:
+    """Return what a user should know of what was seen."""
+    findings: list[Finding] = []
+    if evidence.zero_stamps:
+        used = {c.topic for c in (*selection.odometry, *selection.contacts)}
+        everywhere = evidence.zero_stamps >= used
+        topics = "everywhere" if everywhere else "on " + ", ".join(sorted(evidence.zero_stamps))
+        text = f"header stamps are zero {topics}: log time is used instead"
+        findings.append(warning("ZERO_STAMPS", text))
+    if evidence.slashed_frames:
+        frames = ", ".join(evidence.slashed_frames)
+        text = f"frame ids begin with a slash, which viewers of today do not accept: {frames}"
+        findings.append(warning("SLASHED_FRAMES", text))
+    feet = range(len(selection.robot.feet))
+    if any(selection.sources_of(foot) and selection.knows_force(foot) for foot in feet):
+        findings.append(_wrench_frame_finding(evidence))
+    if len(evidence.world_frames) > 1 or len(evidence.base_frames) > 1:
+        frames = ", ".join((*evidence.world_frames, *evidence.base_frames))
+        findings.append(warning("FRAMES_CHANGE", f"the odometry names several frames: {frames}"))
+    return findings
+
+
+def _wrench_frame_finding(evidence: Evidence) -> Finding:
+    seen = evidence.wrench_frame
+    if seen.frame is WrenchFrame.UNKNOWN:
+        text = (
+            f"the frame of the wrenches is not known ({seen.samples} loaded samples with normals "
+            "were seen): only magnitudes are used; --wrench-frame says which"
+        )
+        return warning("WRENCH_FRAME_UNKNOWN", text)
+    told = "(as their type promises)"
+    if seen.median_alignment is not None:
+        told = f"(median |F.n|/|F| is {seen.median_alignment:.3f} over {seen.samples} samples)"
+    if seen.frame is WrenchFrame.WORLD:
+        return note("WRENCH_FRAME_WORLD", f"wrenches are in the world frame {told}")
+    return note(
+        "WRENCH_FRAME_LINK",
+        f"wrenches are not in the world frame but in a link's {told}",
+    )

@@ -4,8 +4,8 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from dogbot_logtool.evidence import look_into
-from dogbot_logtool.plan import DEFAULT_BASE, DEFAULT_WORLD, ConvertOptions, make_plan
+from dogbot_logtool.evidence import DEFAULT_BASE, DEFAULT_WORLD, look_into
+from dogbot_logtool.plan import ConvertOptions, make_plan
 from dogbot_logtool.reader.opening import open_log
 from dogbot_logtool.report.foot_pens import foot_colour
 from dogbot_logtool.robot import load_robot

@@ -12,23 +12,18 @@ from dogbot_logtool.core.loads import body_weight_n
 from dogbot_logtool.core.silent_swing import MISSED_INTERVALS
 from dogbot_logtool.core.wrench_frame import WrenchFrame
 from dogbot_logtool.errors import LogError
-from dogbot_logtool.evidence import Evidence
+from dogbot_logtool.evidence import Evidence, WrenchFrameOption, evidence_findings, frame_names
 from dogbot_logtool.findings import Finding, note, warning
-from dogbot_logtool.printable import printable
 from dogbot_logtool.reader.log import Log
-from dogbot_logtool.robot import Robot
-from dogbot_logtool.selection import Selection, TopicOptions
+from dogbot_logtool.selection import Selection, TopicOptions, nothing_to_do, time_limits
 from dogbot_logtool.world_frames import WorldFrames, follow_frames
 from dogbot_logtool.writer.chunks import Compression
 from dogbot_logtool.writer.encoding import ArrowStyle, SupportStyle
 
 Style = Literal["classic", "pressure", "force"]
 EncodingName = Literal["foxglove", "ros1", "ros2"]
-WrenchFrameOption = Literal["auto", "world", "link"]
 TfOption = Literal["auto", "always", "never"]
 
-DEFAULT_WORLD: Final = "world"
-DEFAULT_BASE: Final = "base_link"
 _MOST_FEET: Final = 16
 """Feet of which support is drawn: the work grows with the cube of their number."""
 
@@ -146,70 +141,10 @@ def make_plan(log: Log, selection: Selection, evidence: Evidence, options: Conve
     )
 
 
-def frame_names(robot: Robot, evidence: Evidence) -> tuple[str, str]:
-    """Return the world's and the base's frame: the robot's, else the odometry's, else ROS'."""
-    return (
-        robot.world_frame or _frame(evidence.world_frames, DEFAULT_WORLD),
-        robot.base_frame or _frame(evidence.base_frames, DEFAULT_BASE),
-    )
-
-
-def time_limits(
-    log: Log, start_s: float | None, end_s: float | None
-) -> tuple[int | None, int | None]:
-    """Return log times, ns, for seconds since the log's start."""
-    start = log.start_time or 0
-    return (
-        None if start_s is None else start + round(start_s * 1e9),
-        None if end_s is None else start + round(end_s * 1e9),
-    )
-
-
 def without_tf(plan: Plan, parent: str) -> Plan:
     """Return the plan for a log whose own transforms turn out to place the base."""
     finding = _second_parent(plan.base_frame, [parent])
     return replace(plan, write_tf=False, findings=tuple(sorted((*plan.findings, finding))))
-
-
-def evidence_findings(selection: Selection, evidence: Evidence) -> list[Finding]:
-    """Return what a user should know of what was seen."""
-    findings: list[Finding] = []
-    if evidence.zero_stamps:
-        used = {c.topic for c in (*selection.odometry, *selection.contacts)}
-        everywhere = evidence.zero_stamps >= used
-        topics = "everywhere" if everywhere else "on " + ", ".join(sorted(evidence.zero_stamps))
-        text = f"header stamps are zero {topics}: log time is used instead"
-        findings.append(warning("ZERO_STAMPS", text))
-    if evidence.slashed_frames:
-        frames = ", ".join(evidence.slashed_frames)
-        text = f"frame ids begin with a slash, which viewers of today do not accept: {frames}"
-        findings.append(warning("SLASHED_FRAMES", text))
-    feet = range(len(selection.robot.feet))
-    if any(selection.sources_of(foot) and selection.knows_force(foot) for foot in feet):
-        findings.append(_wrench_frame_finding(evidence))
-    if len(evidence.world_frames) > 1 or len(evidence.base_frames) > 1:
-        frames = ", ".join((*evidence.world_frames, *evidence.base_frames))
-        findings.append(warning("FRAMES_CHANGE", f"the odometry names several frames: {frames}"))
-    return findings
-
-
-def _wrench_frame_finding(evidence: Evidence) -> Finding:
-    seen = evidence.wrench_frame
-    if seen.frame is WrenchFrame.UNKNOWN:
-        text = (
-            f"the frame of the wrenches is not known ({seen.samples} loaded samples with normals "
-            "were seen): only magnitudes are used; --wrench-frame says which"
-        )
-        return warning("WRENCH_FRAME_UNKNOWN", text)
-    told = "(as their type promises)"
-    if seen.median_alignment is not None:
-        told = f"(median |F.n|/|F| is {seen.median_alignment:.3f} over {seen.samples} samples)"
-    if seen.frame is WrenchFrame.WORLD:
-        return note("WRENCH_FRAME_WORLD", f"wrenches are in the world frame {told}")
-    return note(
-        "WRENCH_FRAME_LINK",
-        f"wrenches are not in the world frame but in a link's {told}",
-    )
 
 
 def _wrench_frame(evidence: Evidence, options: ConvertOptions) -> WrenchFrame:
@@ -345,22 +280,4 @@ def _hearings(
             works=foot in evidence.touching,
         )
         for foot in range(len(robot.feet))
-    )
-
-
-def _frame(recorded: tuple[str, ...], default: str) -> str:
-    names = [name.lstrip("/") for name in recorded if name.strip("/")]
-    return names[0] if names else default
-
-
-def nothing_to_do(log: Log) -> str:
-    """Return a sentence for a log that has nothing of use, with what it does have."""
-    found = sorted({(c.topic, c.type_name) for c in log.channels.values()})
-    listed = (
-        "".join(f"\n  {printable(topic)}  {printable(kind)}" for topic, kind in found) or " nothing"
-    )
-    return (
-        f"{log.source.path}: has neither nav_msgs/Odometry nor contact messages such as "
-        "gazebo_msgs/ContactsState that can be used (--odom-topic and --foot name topics). "
-        f"It has:{listed}"
     )

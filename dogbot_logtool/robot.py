@@ -1,7 +1,6 @@
 """What is known of a robot before its log is opened: feet, topics, frames, mass, thresholds."""
 
 from dataclasses import dataclass, replace
-from importlib import resources
 from pathlib import Path
 from typing import Final
 
@@ -11,6 +10,8 @@ from dogbot_logtool.toml_table import TomlFile, TomlTable
 AXES: Final = ("+x", "-x", "+y", "-y")
 """Body axes that can point forward."""
 GENERIC: Final = "generic"
+_KNOWN: Final = Path(__file__).with_name("robots")
+"""Directory of the robots that come with the program."""
 _PLACES: Final = (
     frozenset({"front", "middle", "back"}),
     frozenset({"left", "right", "centre"}),
@@ -82,8 +83,7 @@ class Robot:
 
 def known_robots() -> tuple[str, ...]:
     """Return the names of the robots that come with the program, sorted."""
-    folder = resources.files("dogbot_logtool") / "robots"
-    return tuple(sorted(file.name[:-5] for file in folder.iterdir() if file.name.endswith(".toml")))
+    return tuple(sorted(file.stem for file in _KNOWN.glob("*.toml")))
 
 
 def robot_toml(name: str) -> str:
@@ -97,8 +97,7 @@ def robot_toml(name: str) -> str:
             f"no robot is called {name!r}; known are {', '.join(known_robots())}. "
             "Another one is described in a TOML file: see 'dogbot-logtool robots dogbot'."
         )
-    file = resources.files("dogbot_logtool") / "robots" / f"{name}.toml"
-    return file.read_text(encoding="utf-8")
+    return (_KNOWN / f"{name}.toml").read_text(encoding="utf-8")
 
 
 def load_robot(name_or_file: str) -> Robot:

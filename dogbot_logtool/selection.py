@@ -1,4 +1,7 @@
-"""Which topics of a log are used for what: told by the robot's file, by options, or found."""
+"""What of a log is used: which topics for what, and which part of its time.
+
+Topics are told by the robot's file, by options, or found.
+"""
 
 import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -10,6 +13,7 @@ from dogbot_logtool.core.footfall import contact_rule
 from dogbot_logtool.core.loads import body_weight_n
 from dogbot_logtool.errors import CallError, DefinitionError
 from dogbot_logtool.findings import Finding, note, warning
+from dogbot_logtool.printable import printable
 from dogbot_logtool.reader.contact_sources.registry import SOURCES, check_contacts
 from dogbot_logtool.reader.contact_sources.source import ContactSource, FootChannels
 from dogbot_logtool.reader.log import Channel, Log
@@ -135,6 +139,30 @@ def select_topics(log: Log, options: TopicOptions) -> Selection:
     ]
     return Selection(
         robot, tuple(odometry), tuple(contacts), feet_of, tuple(transforms), tuple(findings)
+    )
+
+
+def time_limits(
+    log: Log, start_s: float | None, end_s: float | None
+) -> tuple[int | None, int | None]:
+    """Return log times, ns, for seconds since the log's start."""
+    start = log.start_time or 0
+    return (
+        None if start_s is None else start + round(start_s * 1e9),
+        None if end_s is None else start + round(end_s * 1e9),
+    )
+
+
+def nothing_to_do(log: Log) -> str:
+    """Return a sentence for a log that has nothing of use, with what it does have."""
+    found = sorted({(c.topic, c.type_name) for c in log.channels.values()})
+    listed = (
+        "".join(f"\n  {printable(topic)}  {printable(kind)}" for topic, kind in found) or " nothing"
+    )
+    return (
+        f"{log.source.path}: has neither nav_msgs/Odometry nor contact messages such as "
+        "gazebo_msgs/ContactsState that can be used (--odom-topic and --foot name topics). "
+        f"It has:{listed}"
     )
 
 

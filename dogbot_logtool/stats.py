@@ -18,16 +18,15 @@ from dogbot_logtool.core.silent_swing import SwingTeller
 from dogbot_logtool.core.walk_stats import Stats, StatsAccumulator
 from dogbot_logtool.core.wrench_frame import WrenchFrame
 from dogbot_logtool.errors import LogError
-from dogbot_logtool.evidence import Evidence, look_into
-from dogbot_logtool.findings import Finding
-from dogbot_logtool.parallel import Progress, in_order
-from dogbot_logtool.plan import (
+from dogbot_logtool.evidence import (
+    Evidence,
     WrenchFrameOption,
     evidence_findings,
     frame_names,
-    nothing_to_do,
-    time_limits,
+    look_into,
 )
+from dogbot_logtool.findings import Finding
+from dogbot_logtool.parallel import Progress, in_order
 from dogbot_logtool.reader.columns import Texts
 from dogbot_logtool.reader.contact_sources.registry import read_contacts
 from dogbot_logtool.reader.contact_sources.source import FootChannels
@@ -38,7 +37,13 @@ from dogbot_logtool.reader.odometry import decode_odometry, joined_odometry
 from dogbot_logtool.reader.opening import open_log
 from dogbot_logtool.report.stats_json import LogFacts
 from dogbot_logtool.robot import Robot
-from dogbot_logtool.selection import Selection, TopicOptions, select_topics
+from dogbot_logtool.selection import (
+    Selection,
+    TopicOptions,
+    nothing_to_do,
+    select_topics,
+    time_limits,
+)
 from dogbot_logtool.storage import Location, shown
 from dogbot_logtool.world_frames import (
     BatchFrames,

@@ -218,6 +218,36 @@ print(sorted(heavy & set(sys.modules)))
 
 
 @pytest.mark.parametrize(
+    ("words", "unneeded"),
+    [
+        (["convert", "--quiet", "-o", "out.mcap"], ["rich", "dogbot_logtool.core.walk_stats"]),
+        (["stats", "--json"], ["rich", "mcap", "dogbot_logtool.writer"]),
+    ],
+)
+def test_a_command_imports_only_what_it_needs(
+    tmp_path: Path, words: list[str], unneeded: list[str]
+) -> None:
+    """Imports are most of the time that a short log takes."""
+    script = """\
+import contextlib, sys
+from dogbot_logtool.cli import main
+with contextlib.suppress(SystemExit):
+    main()
+print(*sys.modules, file=sys.stderr)
+"""
+    done = subprocess.run(  # noqa: S603
+        [sys.executable, "-c", script, *words, str(TROT)],
+        cwd=tmp_path,
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    loaded = done.stderr.split()
+    assert "numpy" in loaded
+    assert [name for name in unneeded if name in loaded] == []
+
+
+@pytest.mark.parametrize(
     "words",
     [
         [],

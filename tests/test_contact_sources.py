@@ -181,6 +181,17 @@ def test_the_interval_of_a_silent_sensor_is_seen(tmp_path: Path) -> None:
     assert evidence.wrench_frame.frame == "world"
 
 
+def test_what_lies_between_the_chunks_that_are_looked_at_is_no_interval(tmp_path: Path) -> None:
+    path, walk = tmp_path / "walk.mcap", walks.Walk(2)
+    # Chunks of so few messages that a foot's interval is seen hardly once in each.
+    walks.write_mcap(path, walk, list(walk.messages("ros_gz_interfaces/msg/Contacts")), 4000)
+    log = open_log(path)
+    evidence = look_into(log, select_topics(log, TopicOptions(robot="generic")))
+    assert evidence.chunks_seen == 8 < len(log.chunks) / 10
+    log.close()
+    assert evidence.intervals == dict.fromkeys(range(4), walks.STEP)
+
+
 @pytest.mark.parametrize("name", ["unitree_go2", "generic"])
 def test_raw_counts_are_not_passed_off_as_newtons(tmp_path: Path, name: str) -> None:
     path = walks.write_walk(tmp_path, "unitree_go/msg/LowState", "mcap")

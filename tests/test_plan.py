@@ -9,9 +9,9 @@ import pytest
 
 from dogbot_logtool.core.wrench_frame import WrenchFrame, WrenchFrameEvidence
 from dogbot_logtool.errors import LogError
-from dogbot_logtool.evidence import Evidence, look_into
+from dogbot_logtool.evidence import Evidence, evidence_findings, look_into
 from dogbot_logtool.findings import Severity
-from dogbot_logtool.plan import ConvertOptions, Plan, evidence_findings, make_plan, without_tf
+from dogbot_logtool.plan import ConvertOptions, Plan, make_plan, without_tf
 from dogbot_logtool.reader.log import Log
 from dogbot_logtool.reader.opening import open_log
 from dogbot_logtool.selection import Selection, TopicOptions, select_topics

@@ -17,7 +17,8 @@ from dogbot_logtool.core.base_record import BaseRecorder
 from dogbot_logtool.core.clock import TimeSource
 from dogbot_logtool.core.foot_record import FootRecorder
 from dogbot_logtool.core.footfall import contact_rule
-from dogbot_logtool.core.stability import feet_down, margin_in_hull
+from dogbot_logtool.core.stability import feet_down
+from dogbot_logtool.core.support_polygon import margin_in_hull
 from dogbot_logtool.core.support_scene import margin_colour
 from dogbot_logtool.plan import ConvertOptions, EncodingName, Style
 from dogbot_logtool.reader.contact_sources.registry import read_contacts

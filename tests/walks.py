@@ -330,10 +330,10 @@ def _write_bag(path: Path, walk: Walk, entries: list[Entry]) -> None:
             writer.write(topics[entry.topic], entry.log_time, entry.data)
 
 
-def write_mcap(path: Path, walk: Walk, entries: list[Entry]) -> None:
+def write_mcap(path: Path, walk: Walk, entries: list[Entry], chunk_size: int = 1 << 20) -> None:
     """Write messages into an MCAP file."""
     with path.open("wb") as stream:
-        writer = McapWriter(stream)
+        writer = McapWriter(stream, chunk_size=chunk_size)
         writer.start(profile="ros2")
         channels: dict[str, int] = {}
         for topic, kind in {e.topic: e.kind for e in entries}.items():

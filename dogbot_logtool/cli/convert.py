@@ -1,6 +1,6 @@
 """The words of `convert`."""
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -19,6 +19,9 @@ from dogbot_logtool.cli.options import (
     wrench_frame_option,
 )
 from dogbot_logtool.cli.outcomes import Outcomes
+
+if TYPE_CHECKING:
+    from dogbot_logtool.convert import Conversion
 
 
 @click.command()
@@ -101,11 +104,7 @@ def convert(
     from dogbot_logtool.fleet.logs import find_logs  # noqa: PLC0415
     from dogbot_logtool.fleet.tasks import Convert, orders  # noqa: PLC0415
     from dogbot_logtool.plan import ConvertOptions  # noqa: PLC0415
-    from dogbot_logtool.report.console import diagnostics  # noqa: PLC0415
-    from dogbot_logtool.report.convert_report import (  # noqa: PLC0415
-        conversion_json,
-        print_conversion,
-    )
+    from dogbot_logtool.report.convert_json import conversion_json  # noqa: PLC0415
     from dogbot_logtool.storage import from_root, location  # noqa: PLC0415
     from dogbot_logtool.writer.output import targets  # noqa: PLC0415
 
@@ -118,11 +117,18 @@ def convert(
     engine = engine_for(len(pairs), jobs_or_cores(jobs), scheduler)
     chosen = ConvertOptions(topics=topics, jobs=engine.jobs, **options)
     work = orders(pairs, fleet.below, may_repeat=engine.may_repeat)
-    console = diagnostics()
     outcomes = Outcomes(quiet=quiet)
     outcomes.mention_left_out(fleet)
     for done in outcomes.of(engine, Convert(chosen), work, fleet.names):
         outcomes.add(conversion_json(done), done.exit_code)
         if not quiet:
-            print_conversion(console, done, verbose=verbose)
+            _print(done, verbose=verbose)
     outcomes.finish(as_json=as_json)
+
+
+def _print(done: "Conversion", *, verbose: bool) -> None:
+    """Print the summary of one log."""
+    from dogbot_logtool.report.console import diagnostics  # noqa: PLC0415 - rich costs 40 ms
+    from dogbot_logtool.report.convert_text import print_conversion  # noqa: PLC0415
+
+    print_conversion(diagnostics(), done, verbose=verbose)

@@ -20,7 +20,7 @@ from dogbot_logtool.core.clock import advancing
 from dogbot_logtool.core.contacts import Samples, no_samples
 from dogbot_logtool.core.footfall import ContactRule, contact_groups, schmitt
 from dogbot_logtool.core.silent_swing import LONGEST_SWING_S
-from dogbot_logtool.core.stability import NEAR_NS
+from dogbot_logtool.core.support_polygon import NEAR_NS
 
 TRAIL: Final = 3
 """Footfalls of each foot that are remembered."""

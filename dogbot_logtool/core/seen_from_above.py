@@ -8,7 +8,8 @@ import numpy as np
 from dogbot_logtool.core import timespans
 from dogbot_logtool.core.arrays import Floats, Ints
 from dogbot_logtool.core.foot_record import FootRecord
-from dogbot_logtool.core.stability import centre_of_pressure, feet_down
+from dogbot_logtool.core.stability import feet_down
+from dogbot_logtool.core.support_polygon import centre_of_pressure
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,8 +1,8 @@
 """What `/support` shows: support polygon, centre of pressure, ground projection, footfalls.
 
-Definitions are those of `stability.py`; the state of the feet is that of `footing.py`. What cannot
-be known is left out. Where a foot is silent, or stands at a place that is not told, nobody knows
-what the robot stands on: then there is neither polygon nor centre of pressure.
+Definitions are those of `support_polygon.py`; the state of the feet is that of `footing.py`. What
+cannot be known is left out. Where a foot is silent, or stands at a place that is not told, nobody
+knows what the robot stands on: then there is neither polygon nor centre of pressure.
 """
 
 from collections.abc import Sequence
@@ -14,7 +14,7 @@ import numpy as np
 from dogbot_logtool.core.arrays import Float32s, Floats, Ints, all_finite
 from dogbot_logtool.core.footing import TRAIL, Footing
 from dogbot_logtool.core.odometry import Odometry
-from dogbot_logtool.core.stability import Hulls, centre_of_pressure, hulls, margin_in
+from dogbot_logtool.core.support_polygon import Hulls, centre_of_pressure, hulls, margin_in
 
 SAFE_MARGIN_M: Final = 0.05
 """m, static margin from which the polygon has the colour of safety."""

@@ -9,15 +9,14 @@ from typing import TYPE_CHECKING, Final
 
 from dogbot_logtool import storage
 from dogbot_logtool.errors import CallError
-from dogbot_logtool.reader import bag_records, mcap_records, rosbag2
-from dogbot_logtool.reader.opening import SQLITE_MAGIC
+from dogbot_logtool.reader.signatures import BAG_MAGIC, MCAP_MAGIC, ROSBAG2_METADATA, SQLITE_MAGIC
 from dogbot_logtool.storage import Location
 
 if TYPE_CHECKING:
     from upath import UPath
 
 _SUFFIXES: Final = (".bag", ".mcap", ".db3")
-_MAGIC: Final = (bag_records.MAGIC, mcap_records.MAGIC, SQLITE_MAGIC)
+_MAGIC: Final = (BAG_MAGIC, MCAP_MAGIC, SQLITE_MAGIC)
 _OURS: Final = ".annotated.mcap"
 """What `convert` writes is not searched for: else a second run would annotate annotations."""
 _WILD: Final = re.compile(r"[*?\[]")
@@ -207,7 +206,7 @@ def _is_bag(names: Sequence[str], folder: str) -> bool:
     Where its metadata is lost, the recorder's way of naming files tells:
     ``<directory>_<number>.<suffix>``.
     """
-    if rosbag2.METADATA in names:
+    if ROSBAG2_METADATA in names:
         return True
     numbered = re.compile(re.escape(folder) + r"_\d+\.(db3|mcap)(\.zstd)?")
     return any(numbered.fullmatch(name) for name in names)

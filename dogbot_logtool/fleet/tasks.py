@@ -14,7 +14,6 @@ from typing import TYPE_CHECKING, Any, Final
 from dogbot_logtool import storage
 from dogbot_logtool.errors import LogtoolError
 from dogbot_logtool.fleet.engine import Tell
-from dogbot_logtool.report.stride_table import StrideTable
 from dogbot_logtool.storage import Location
 
 if TYPE_CHECKING:
@@ -23,6 +22,7 @@ if TYPE_CHECKING:
     from dogbot_logtool.info import LogInfo
     from dogbot_logtool.plan import ConvertOptions
     from dogbot_logtool.plot import PlotOptions
+    from dogbot_logtool.report.stride_table import StrideTable
     from dogbot_logtool.selection import TopicOptions
     from dogbot_logtool.stats import Measurement, StatsOptions
 
@@ -120,7 +120,7 @@ class Figures:
     summary: tuple[str, ...]
     """Its row among several logs."""
     json: dict[str, Any]
-    strides: StrideTable
+    strides: "StrideTable"
     robot: str
     exit_code: int
     whole: "Measurement | None" = None
@@ -132,7 +132,7 @@ class Figures:
 def figures_of(measured: "Measurement", *, whole: bool = False) -> Figures:
     """Return what is reported of a log, and the whole measurement if wanted."""
     from dogbot_logtool.report.stats_json import stats_json  # noqa: PLC0415
-    from dogbot_logtool.report.stats_text import summary_row  # noqa: PLC0415
+    from dogbot_logtool.report.stats_summary import summary_row  # noqa: PLC0415
     from dogbot_logtool.report.stride_table import stride_table  # noqa: PLC0415
 
     stats, facts = measured.stats, measured.facts

@@ -10,7 +10,6 @@ from dogbot_logtool.reader.bag_chunk import chunk_at
 from dogbot_logtool.reader.bag_format import INDEX_ENTRY_SIZE
 from dogbot_logtool.reader.bag_records import (
     HEAD_SIZE,
-    MAGIC,
     BagOp,
     Fields,
     MalformedRecord,
@@ -21,6 +20,7 @@ from dogbot_logtool.reader.bag_records import (
 )
 from dogbot_logtool.reader.log import Channel, Chunk, ChunkDamage, Contents, Loss, Schema
 from dogbot_logtool.reader.records import Heads
+from dogbot_logtool.reader.signatures import BAG_MAGIC
 from dogbot_logtool.reader.source import ByteSource
 
 _MOST_CONNECTIONS: Final = 1 << 16
@@ -114,13 +114,13 @@ def read_index(source: ByteSource, connections: Connections) -> tuple[Contents |
         what is wrong with it.
     """
     try:
-        header = record_in_file(source, len(MAGIC))
+        header = record_in_file(source, len(BAG_MAGIC))
         if header.fields.op() != BagOp.BAG_HEADER:
             raise MalformedRecord("the bag's header is missing")
         index_start = header.fields.u64("index_pos")
         if index_start == 0:
             what = "the bag has no index (its recording was not closed); it was read without"
-            return None, Loss(len(MAGIC), what)
+            return None, Loss(len(BAG_MAGIC), what)
         infos = _read_section(source, index_start, connections)
         if len(infos) != header.fields.u32("chunk_count"):
             raise MalformedRecord("it names another number of chunks than the bag's header")
@@ -129,7 +129,7 @@ def read_index(source: ByteSource, connections: Connections) -> tuple[Contents |
             raise MalformedRecord("it contradicts the chunks")
     except (MalformedRecord, ChunkDamage) as fault:
         what = f"the bag's index is damaged ({fault}); the bag was read without"
-        return None, Loss(len(MAGIC), what)
+        return None, Loss(len(BAG_MAGIC), what)
     return _contents(connections, chunks), None
 
 

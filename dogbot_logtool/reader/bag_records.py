@@ -13,7 +13,6 @@ from typing import Final
 from dogbot_logtool.reader.log import Channel, Schema
 from dogbot_logtool.reader.records import Readable
 
-MAGIC: Final = b"#ROSBAG V2.0\n"
 U32: Final = struct.Struct("<I")
 _TIME: Final = struct.Struct("<II")
 MAX_HEADER_SIZE: Final = 1 << 20

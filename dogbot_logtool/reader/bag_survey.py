@@ -8,7 +8,6 @@ from dogbot_logtool.reader.bag_chunk import check_bag_chunk, chunk_at, parse_bag
 from dogbot_logtool.reader.bag_format import BagFormat, is_sound
 from dogbot_logtool.reader.bag_index import Connections, chunk_info
 from dogbot_logtool.reader.bag_records import (
-    MAGIC,
     BagOp,
     MalformedRecord,
     record_at,
@@ -17,6 +16,7 @@ from dogbot_logtool.reader.bag_records import (
 from dogbot_logtool.reader.columns import Bytes
 from dogbot_logtool.reader.log import Chunk, ChunkContent, ChunkDamage, Contents, Loss
 from dogbot_logtool.reader.losses import Losses
+from dogbot_logtool.reader.signatures import BAG_MAGIC
 from dogbot_logtool.reader.source import ByteSource
 from dogbot_logtool.reader.survey import Stated, Survey
 
@@ -34,7 +34,7 @@ class BagSurvey(Survey):
 
     def contents(self, problem: Loss | None) -> Contents:
         """Walk the file."""
-        contents = self._contents(len(MAGIC), problem)
+        contents = self._contents(len(BAG_MAGIC), problem)
         channels = self._connections.channels
         return replace(
             contents,
@@ -56,7 +56,7 @@ class BagSurvey(Survey):
                 return self._bare(place, record.end)
             self._record(op, place, record.end)
         except (MalformedRecord, ChunkDamage):
-            if self._source.read(place, len(MAGIC)) == MAGIC:
+            if self._source.read(place, len(BAG_MAGIC)) == BAG_MAGIC:
                 return self._end(place)
             return self._passed_zeros(place)
         return record.end

@@ -15,12 +15,12 @@ from dogbot_logtool.reader.log import Messages
 from dogbot_logtool.reader.mcap_records import (
     CHUNK_HEAD,
     LARGEST_PADDING,
-    MAGIC,
     RECORD_HEAD,
     WHOLE_SMALL_RECORD,
     decode_record,
 )
 from dogbot_logtool.reader.records import Readable, Records, blank_messages
+from dogbot_logtool.reader.signatures import MCAP_MAGIC
 
 MESSAGE_HEAD: Final = np.dtype(
     [
@@ -151,7 +151,7 @@ class McapFormat:
         head = source.read(place, min(RECORD_HEAD.size + 64, end - place))
         if len(head) < RECORD_HEAD.size:
             # The end of the file cuts it off, or it is the end of a chunk.
-            return not head or 1 <= head[0] <= LARGEST_OPCODE or MAGIC.startswith(head)
+            return not head or 1 <= head[0] <= LARGEST_OPCODE or MCAP_MAGIC.startswith(head)
         opcode, length = RECORD_HEAD.unpack_from(head)
         if opcode == Opcode.CHUNK:
             return _is_chunk(head[RECORD_HEAD.size :], length)
@@ -160,7 +160,7 @@ class McapFormat:
             # A following record that the end cuts off says nothing against those before it.
             return opcode in _SHORTEST and more < _MOST_FOLLOWING
         if opcode == Opcode.FOOTER:
-            return source.read(following, len(MAGIC)) == MAGIC
+            return source.read(following, len(MCAP_MAGIC)) == MCAP_MAGIC
         if not self.has_sound_content(source, place + RECORD_HEAD.size, opcode, length):
             return False
         return following == end or not more or self._sound(source, following, end, more - 1)

@@ -10,7 +10,6 @@ from mcap.exceptions import EndOfFile, McapError
 
 from dogbot_logtool.reader.log import Channel, Schema
 
-MAGIC: Final = b"\x89MCAP0\r\n"
 RECORD_HEAD: Final = struct.Struct("<BQ")
 """Opcode and length of the content, before every record."""
 CHUNK_HEAD: Final = struct.Struct("<QQQII")

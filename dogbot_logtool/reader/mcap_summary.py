@@ -13,13 +13,13 @@ from dogbot_logtool.reader.log import Chunk, Contents, Extra, Loss, Schema
 from dogbot_logtool.reader.mcap_data_crc import DATA_END_SIZE, check_data
 from dogbot_logtool.reader.mcap_records import (
     CHUNK_HEAD,
-    MAGIC,
     RECORD_HEAD,
     channel_of,
     decode_record,
     schema_of,
 )
 from dogbot_logtool.reader.records import Heads
+from dogbot_logtool.reader.signatures import MCAP_MAGIC
 from dogbot_logtool.reader.source import ByteSource
 
 _FOOTER_SIZE: Final = RECORD_HEAD.size + 20
@@ -73,9 +73,9 @@ class _Summary:
 
 def _read_section(source: ByteSource) -> tuple[_Summary | None, Loss | None]:
     """Read the summary section; a loss says why there is none that can be trusted."""
-    footer_offset = source.size - len(MAGIC) - _FOOTER_SIZE
-    tail = source.read(footer_offset, _FOOTER_SIZE + len(MAGIC))
-    if len(tail) < _FOOTER_SIZE + len(MAGIC) or not tail.endswith(MAGIC):
+    footer_offset = source.size - len(MCAP_MAGIC) - _FOOTER_SIZE
+    tail = source.read(footer_offset, _FOOTER_SIZE + len(MCAP_MAGIC))
+    if len(tail) < _FOOTER_SIZE + len(MCAP_MAGIC) or not tail.endswith(MCAP_MAGIC):
         return None, Loss(source.size, "the file has no end mark: its recording was cut off")
     opcode, length = RECORD_HEAD.unpack_from(tail)
     footer = decode_record(records.Footer, tail[RECORD_HEAD.size : _FOOTER_SIZE])
@@ -187,7 +187,7 @@ def _chunks_are_there(source: ByteSource, chunks: Sequence[Chunk], summary: _Sum
     A chunk whose own header is damaged is there nevertheless if a checksum vouches for the
     summary.
     """
-    place = len(MAGIC)
+    place = len(MCAP_MAGIC)
     places = [chunk.offset for chunk in chunks]
     heads = None if summary.verified else Heads(source, places, RECORD_HEAD.size)
     for chunk in chunks:

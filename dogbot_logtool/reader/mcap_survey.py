@@ -22,11 +22,11 @@ from dogbot_logtool.reader.mcap_data_crc import check_data
 from dogbot_logtool.reader.mcap_descriptions import Descriptions
 from dogbot_logtool.reader.mcap_format import FIRST_PRIVATE_OPCODE, McapFormat
 from dogbot_logtool.reader.mcap_records import (
-    MAGIC,
     RECORD_HEAD,
     decode_record,
 )
 from dogbot_logtool.reader.mcap_summary import indexed_chunk
+from dogbot_logtool.reader.signatures import MCAP_MAGIC
 from dogbot_logtool.reader.source import ByteSource
 from dogbot_logtool.reader.survey import Stated, Survey
 
@@ -46,7 +46,7 @@ class McapSurvey(Survey):
 
     def contents(self, problem: Loss | None) -> Contents:
         """Walk the file."""
-        contents = self._contents(len(MAGIC), problem)
+        contents = self._contents(len(MCAP_MAGIC), problem)
         channels = self._descriptions.channels_by_id()
         self._compare_statistics(contents.counts)
         self._check_data()
@@ -62,7 +62,7 @@ class McapSurvey(Survey):
         size = self._source.size
         head = self._source.read(place, RECORD_HEAD.size)
         if len(head) < RECORD_HEAD.size:
-            return size if head == MAGIC else None
+            return size if head == MCAP_MAGIC else None
         opcode, length = RECORD_HEAD.unpack(head)
         content = place + RECORD_HEAD.size
         end: int = content + length
@@ -88,9 +88,9 @@ class McapSurvey(Survey):
         match opcode:
             case Opcode.MESSAGE:
                 return self._bare(place, end)
-            case Opcode.FOOTER if self._source.read(end, len(MAGIC)) == MAGIC:
+            case Opcode.FOOTER if self._source.read(end, len(MCAP_MAGIC)) == MCAP_MAGIC:
                 self._closed = True
-                return self._end(end + len(MAGIC))
+                return self._end(end + len(MCAP_MAGIC))
             case Opcode.SCHEMA | Opcode.CHANNEL:
                 body = self._source.read(content, end - content)
                 self._descriptions.take(opcode, body, verified=False)

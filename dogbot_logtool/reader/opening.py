@@ -8,9 +8,8 @@ from typing import TYPE_CHECKING, Final, TypeVar
 
 from dogbot_logtool import storage
 from dogbot_logtool.errors import LogError
-from dogbot_logtool.reader import bag_records, mcap_records
 from dogbot_logtool.reader.log import Log, Loss
-from dogbot_logtool.reader.packed_messages import ZSTD_MAGIC
+from dogbot_logtool.reader.signatures import BAG_MAGIC, MCAP_MAGIC, SQLITE_MAGIC, ZSTD_MAGIC
 from dogbot_logtool.reader.source import ByteSource
 from dogbot_logtool.storage import Location
 
@@ -19,7 +18,6 @@ if TYPE_CHECKING:
 
 OpenedLog = TypeVar("OpenedLog", bound=Log)
 
-SQLITE_MAGIC: Final = b"SQLite format 3\0"
 _MOST_DAMAGED_BYTES: Final = 2
 _KNOWN_BUT_UNREAD: Final = {
     b"#ROSBAG V1": "a bag of an older format than 2.0; 'rosbag fix' or 'rosbag migrate' updates it",
@@ -88,14 +86,14 @@ def _open_source(source: ByteSource, distribution: str, *, packed: bool) -> Log:
         source.close()
         return log
     known = any(magic.startswith(start) for start in _KNOWN_BUT_UNREAD)
-    if not known and _resembles(magic, mcap_records.MAGIC):
+    if not known and _resembles(magic, MCAP_MAGIC):
         from dogbot_logtool.reader.mcap_log import open_mcap  # noqa: PLC0415
 
-        return _noting_damage(open_mcap(source), magic, mcap_records.MAGIC)
-    if not known and _resembles(magic, bag_records.MAGIC):
+        return _noting_damage(open_mcap(source), magic, MCAP_MAGIC)
+    if not known and _resembles(magic, BAG_MAGIC):
         from dogbot_logtool.reader.bag_log import open_bag  # noqa: PLC0415
 
-        return _noting_damage(open_bag(source), magic, bag_records.MAGIC)
+        return _noting_damage(open_bag(source), magic, BAG_MAGIC)
     raise LogError(f"{storage.shown(source.path)}: {_what_it_is(magic)}")
 
 

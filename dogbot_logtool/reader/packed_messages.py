@@ -9,9 +9,8 @@ import zstandard
 from dogbot_logtool.core.arrays import Flags
 from dogbot_logtool.reader.columns import Bytes, gather
 from dogbot_logtool.reader.log import Batch, Loss, Messages
+from dogbot_logtool.reader.signatures import ZSTD_MAGIC
 
-ZSTD_MAGIC: Final = b"\x28\xb5\x2f\xfd"
-"""No CDR message begins like it."""
 _BUDGET: Final = 64 << 20
 _MAX_RATIO: Final = 40
 """A batch must not swell to more than this times its size, or `_BUDGET`."""

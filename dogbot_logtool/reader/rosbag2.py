@@ -9,9 +9,9 @@ from typing import Any, Final, Protocol
 from dogbot_logtool.errors import CallError, LogError
 from dogbot_logtool.reader.joined_log import JoinedLog
 from dogbot_logtool.reader.log import Log, Loss
+from dogbot_logtool.reader.signatures import ROSBAG2_METADATA
 from dogbot_logtool.storage import Location, content, files_in, shown
 
-METADATA: Final = "metadata.yaml"
 _LARGEST_METADATA: Final = 8 << 20
 _SUFFIXES: Final = (".db3", ".mcap")
 _PACKED: Final = ".zstd"
@@ -51,14 +51,14 @@ def open_rosbag2(path: Location, open_file: OpenFile) -> Log:
         except (LogError, CallError) as error:
             losses.append(Loss(0, f"a file of the bag was left out: {error}", 0, None))
     if not logs:
-        told = losses[0].what if losses else f"{METADATA} names no files"
+        told = losses[0].what if losses else f"{ROSBAG2_METADATA} names no files"
         raise LogError(f"{shown(path)}: nothing of this ROS 2 bag can be read: {told}")
     return JoinedLog(path, logs, losses)
 
 
 def _read_metadata(folder: Location) -> _Bag | None:
     """Return what metadata tells; None if there is none that can be read."""
-    document = _document(folder / METADATA)
+    document = _document(folder / ROSBAG2_METADATA)
     information = document.get("rosbag2_bagfile_information")
     information = information if isinstance(information, dict) else {}
     names = information.get("relative_file_paths")
@@ -70,7 +70,7 @@ def _read_metadata(folder: Location) -> _Bag | None:
     for name in names:
         file = _present(present, str(name))
         if file is None:
-            what = f"{METADATA} names {Path(str(name)).name}, which is not there"
+            what = f"{ROSBAG2_METADATA} names {Path(str(name)).name}, which is not there"
             losses.append(Loss(0, what, 0, None))
         elif file not in files:
             files.append(file)
@@ -110,7 +110,7 @@ def _without_metadata(folder: Location) -> _Bag:
     if not found:
         raise CallError(f"{shown(folder)}: is a directory, not a log file, and holds no ROS 2 bag")
     ordered = sorted(found, key=_by_number)
-    what = f"there is no {METADATA} that can be read; the files were taken by their names"
+    what = f"there is no {ROSBAG2_METADATA} that can be read; the files were taken by their names"
     return _Bag(_one_storage(ordered), "", (Loss(0, what, 0, 0),))
 
 

@@ -2,13 +2,14 @@
 
 import os
 import sys
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 
 from rich.console import Console
 from rich.text import Text
 
 from dogbot_logtool.findings import Finding, Severity
 from dogbot_logtool.printable import printable
+from dogbot_logtool.reader.log import Loss, lost_messages
 
 _COLOURS = {Severity.ERROR: "red", Severity.WARNING: "yellow", Severity.NOTE: "cyan"}
 _LABELS = {Severity.ERROR: "error", Severity.WARNING: "warning", Severity.NOTE: "note"}
@@ -16,6 +17,8 @@ _LABELS = {Severity.ERROR: "error", Severity.WARNING: "warning", Severity.NOTE: 
 
 _PIPE_WIDTH = 120
 """Columns of output that is not read on a terminal."""
+_TOLD = 10
+"""Places of damage that are listed one by one."""
 
 
 class _QuietlyClosed(Console):
@@ -42,6 +45,20 @@ def print_findings(console: Console, findings: Iterable[Finding]) -> None:
     for finding in sorted(findings):
         label = Text(f"{_LABELS[finding.severity]:>7}  ", style=_COLOURS[finding.severity])
         console.print(Text.assemble(label, printable(finding.text)), soft_wrap=True)
+
+
+def print_damage(console: Console, losses: Sequence[Loss]) -> None:
+    """Print what was lost, and where."""
+    for loss in losses[:_TOLD]:
+        line = Text.assemble(Text(" damage  ", style="red"), printable(loss.what))
+        console.print(line, soft_wrap=True)
+    if len(losses) > _TOLD:
+        console.print(f" damage  and {len(losses) - _TOLD} more places")
+    if losses:
+        messages = lost_messages(losses)
+        count = "an unknown number of" if messages is None else f"{messages:,}"
+        size = sum(loss.bytes for loss in losses)
+        console.print(f"   lost  {count} messages, {size:,} bytes", soft_wrap=True)
 
 
 def human_size(size: int) -> str:

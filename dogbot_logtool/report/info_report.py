@@ -10,8 +10,8 @@ from rich.text import Text
 
 from dogbot_logtool.info import LogInfo
 from dogbot_logtool.printable import printable
-from dogbot_logtool.report.console import human_size, print_findings
-from dogbot_logtool.report.damage import damage_json, print_damage
+from dogbot_logtool.report.console import human_size, print_damage, print_findings
+from dogbot_logtool.report.damage import damage_json
 from dogbot_logtool.report.frames_json import frames_json
 from dogbot_logtool.report.frames_text import print_frame_names, print_frames
 from dogbot_logtool.storage import shown

@@ -4,7 +4,7 @@ import json
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cache
-from importlib import resources
+from pathlib import Path
 from typing import Any, Final, Protocol
 
 from dogbot_logtool import __version__
@@ -61,7 +61,7 @@ class LogFacts:
 @cache
 def stats_schema() -> Json:
     """Return the JSON Schema of `stats_json`."""
-    file = resources.files("dogbot_logtool") / "report" / "stats.schema.json"
+    file = Path(__file__).with_name("stats.schema.json")
     schema: Json = json.loads(file.read_text(encoding="utf-8"))
     return schema
 

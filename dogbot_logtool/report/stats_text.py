@@ -2,7 +2,6 @@
 
 from collections import Counter
 from collections.abc import Mapping, Sequence
-from pathlib import Path
 from typing import Final
 
 from rich.console import Console, Group, RenderableType
@@ -15,7 +14,6 @@ from dogbot_logtool.core.gait import STAND
 from dogbot_logtool.core.load_figures import grouped_shares
 from dogbot_logtool.core.remarks import remarks
 from dogbot_logtool.core.walk_stats import Stats
-from dogbot_logtool.printable import printable
 from dogbot_logtool.report.foot_pens import short_names
 from dogbot_logtool.report.gait_diagram import (
     ASCII,
@@ -319,22 +317,6 @@ def print_summary(console: Console, rows: Sequence[Sequence[str]]) -> None:
     for row in rows:
         table.add_row(*row)
     console.print(table, highlight=False)
-
-
-def summary_row(stats: Stats, log: LogFacts) -> tuple[str, ...]:
-    """Return the row of a log among several."""
-    main = stats.main
-    base = stats.base
-    warnings = sum(not one.code.startswith("N_") for one in (*remarks(stats), *log.findings))
-    return (
-        printable(Path(log.path).name),
-        NOTHING if main is None or main.gait.name is None else gait_name(main).lower(),
-        decimal(main.duty_factor if main else None, 3),
-        decimal(main.stride_frequency_hz if main else None, 3),
-        decimal(base.forward_speed_mps if base else None, 3),
-        decimal(stats.loads.vertical_impulse_over_weight, 4),
-        str(warnings),
-    )
 
 
 def _median(value: Aggregate | None, decimals: int) -> str:

@@ -13,7 +13,7 @@ from dogbot_logtool.core.contacts import Samples
 from dogbot_logtool.core.footfall import ContactRule
 from dogbot_logtool.core.footing import Hearing, follow_feet, nothing_heard
 from dogbot_logtool.core.odometry import Odometry
-from dogbot_logtool.core.stability import hulls
+from dogbot_logtool.core.support_polygon import hulls
 from dogbot_logtool.core.support_scene import (
     BARELY_STABLE,
     NO_MARGIN,

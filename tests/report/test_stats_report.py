@@ -20,7 +20,8 @@ from dogbot_logtool.core.wrench_frame import WrenchFrame
 from dogbot_logtool.report.gait_diagram import ASCII, default_window, gait_diagram
 from dogbot_logtool.report.stats_csv import write_strides, write_summary
 from dogbot_logtool.report.stats_json import LogFacts, several_logs, stats_json, stats_schema
-from dogbot_logtool.report.stats_text import print_report, print_summary, summary_row, verdict
+from dogbot_logtool.report.stats_summary import summary_row
+from dogbot_logtool.report.stats_text import print_report, print_summary, verdict
 from dogbot_logtool.report.stride_table import stride_table
 
 START = 1_700_000_000_000_000_000

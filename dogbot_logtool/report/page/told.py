@@ -8,8 +8,8 @@ from rich.text import Text
 from dogbot_logtool import __version__
 from dogbot_logtool.page import Page
 from dogbot_logtool.printable import printable
-from dogbot_logtool.report.console import human_size
-from dogbot_logtool.report.damage import damage_json, print_damage
+from dogbot_logtool.report.console import human_size, print_damage
+from dogbot_logtool.report.damage import damage_json
 from dogbot_logtool.report.page.summary import findings, trust
 from dogbot_logtool.report.verdict import headline
 from dogbot_logtool.storage import shown

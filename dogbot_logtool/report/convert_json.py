@@ -1,16 +1,11 @@
-"""The summary of `convert` for people and for scripts."""
+"""The summary of `convert` for scripts."""
 
 from dataclasses import asdict
 from typing import Any
 
-from rich.console import Console
-from rich.text import Text
-
 from dogbot_logtool import __version__
 from dogbot_logtool.convert import Conversion
-from dogbot_logtool.printable import printable
-from dogbot_logtool.report.console import print_findings
-from dogbot_logtool.report.damage import damage_json, print_damage
+from dogbot_logtool.report.damage import damage_json
 from dogbot_logtool.storage import shown
 
 
@@ -39,16 +34,3 @@ def conversion_json(done: Conversion) -> dict[str, Any]:
         ],
         "damage": damage_json(done.losses),
     }
-
-
-def print_conversion(console: Console, done: Conversion, *, verbose: bool) -> None:
-    """Print what was done."""
-    added = sum(done.annotations.values())
-    name = printable(shown(done.target))
-    line = f": {done.copied:,} recorded messages and {added:,} annotations"
-    console.print(Text.assemble(Text(name, style="bold"), line), soft_wrap=True)
-    if verbose:
-        for topic, count in done.annotations.items():
-            console.print(f"         {count:>9,}  {printable(topic)}", soft_wrap=True)
-    print_findings(console, done.findings)
-    print_damage(console, done.losses)

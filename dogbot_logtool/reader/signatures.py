@@ -1,0 +1,13 @@
+"""What logs are recognised by: a file's first bytes, or the name of a ROS 2 bag's metadata.
+
+They stand apart from the code of the containers, so that telling which one it is loads none.
+"""
+
+from typing import Final
+
+BAG_MAGIC: Final = b"#ROSBAG V2.0\n"
+MCAP_MAGIC: Final = b"\x89MCAP0\r\n"
+SQLITE_MAGIC: Final = b"SQLite format 3\0"
+ZSTD_MAGIC: Final = b"\x28\xb5\x2f\xfd"
+"""Also before messages that a recorder compressed one by one: no CDR message begins like it."""
+ROSBAG2_METADATA: Final = "metadata.yaml"

@@ -1,0 +1,26 @@
+"""The figures of a log among several: a row of a few."""
+
+from pathlib import Path
+
+from dogbot_logtool.core.remarks import remarks
+from dogbot_logtool.core.walk_stats import Stats
+from dogbot_logtool.printable import printable
+from dogbot_logtool.report.numbers import NOTHING, decimal
+from dogbot_logtool.report.stats_json import LogFacts
+from dogbot_logtool.report.verdict import gait_name
+
+
+def summary_row(stats: Stats, log: LogFacts) -> tuple[str, ...]:
+    """Return the row of a log among several."""
+    main = stats.main
+    base = stats.base
+    warnings = sum(not one.code.startswith("N_") for one in (*remarks(stats), *log.findings))
+    return (
+        printable(Path(log.path).name),
+        NOTHING if main is None or main.gait.name is None else gait_name(main).lower(),
+        decimal(main.duty_factor if main else None, 3),
+        decimal(main.stride_frequency_hz if main else None, 3),
+        decimal(base.forward_speed_mps if base else None, 3),
+        decimal(stats.loads.vertical_impulse_over_weight, 4),
+        str(warnings),
+    )
