@@ -47,6 +47,9 @@ def _stop(_signal: int, _frame: FrameType | None) -> NoReturn:
 def main() -> NoReturn:
     """Run the command line; every failure ends as a sentence and an exit code."""
     signal.signal(signal.SIGTERM, _stop)
+    # numpy's linear algebra, which we do not use, starts threads that burn 0.1 s of every core, and
+    # a process with threads is ill copied.
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     try:
         cli.main(standalone_mode=False)
     except click.exceptions.Abort:
