@@ -14,7 +14,7 @@ from dogbot_logtool.core.contacts import Samples
 from dogbot_logtool.core.curves import CurveDetail, LoadCurveRecorder, LoadCurves
 from dogbot_logtool.core.footfall import (
     ContactRule,
-    DecidedStance,
+    DecidedStances,
     FootSignal,
     StanceFinder,
     foot_signal,
@@ -22,7 +22,7 @@ from dogbot_logtool.core.footfall import (
 from dogbot_logtool.core.stances import (
     LONGEST_STANCE_S,
     Cut,
-    StanceRow,
+    StanceFigures,
     Stances,
     stances_from_rows,
 )
@@ -113,7 +113,7 @@ class FootRecorder:
         self._intervals = IntervalHistogram()
         self._finder = StanceFinder(rule)
         self._track = TrackRecorder()
-        self._stances = GrowingTable(2 + len(StanceRow._fields))
+        self._stances = GrowingTable(2 + len(StanceFigures._fields))
         self._start: int | None = None
         self._end: int | None = None
         self._messages = self._not_finite = self._not_advancing = 0
@@ -194,13 +194,10 @@ class FootRecorder:
         self._loaded += int(signal.contact.sum())
         self._repeated += int(equal.sum())
 
-    def _found(self, stances: list[DecidedStance]) -> None:
-        if stances and self._start is not None:
-            rows = [
-                (stance.touchdown - self._start, stance.liftoff - self._start, *stance.figures)
-                for stance in stances
-            ]
-            self._stances.append(np.array(rows, np.float64))
+    def _found(self, stances: DecidedStances) -> None:
+        if self._start is not None:
+            since = (time - self._start for time in (stances.touchdown, stances.liftoff))
+            self._stances.append(np.column_stack([*since, stances.figures]))
 
     def _all_stances(self, gaps: Ints) -> Stances:
         """Stack the stances and say of each what cuts it."""

@@ -23,10 +23,9 @@ from dogbot_logtool.core.arrays import Flags, Floats, Ints, norms
 from dogbot_logtool.core.contacts import Samples
 from dogbot_logtool.core.stances import (
     LONGEST_STANCE_S,
-    NOT_REDUCED,
-    StanceRow,
+    StanceFigures,
     StanceSamples,
-    reduce_stance,
+    reduce_stances,
 )
 from dogbot_logtool.core.track import SILENCE_NS
 
@@ -171,14 +170,20 @@ def contact_groups(
 
 
 @dataclass(frozen=True, slots=True)
-class DecidedStance:
-    """A stance after debouncing."""
+class DecidedStances:
+    """Stances after debouncing, in order."""
 
-    touchdown: int
-    """ns, the first sample in contact."""
-    liftoff: int
-    """ns, the first sample after it that is not; the last sample where the log ends in it."""
-    figures: StanceRow
+    touchdown: Ints
+    """(n,) ns, the first sample in contact."""
+    liftoff: Ints
+    """(n,) ns, the first sample after it that is not; the last sample where the log ends in it."""
+    figures: Floats
+    """(n, k) in the order of `StanceFigures`; NaN where a stance is too long to be a step's."""
+
+
+def _no_stances() -> DecidedStances:
+    times = np.empty(0, np.int64)
+    return DecidedStances(times, times, np.empty((0, len(StanceFigures._fields))))
 
 
 class StanceFinder:
@@ -196,10 +201,10 @@ class StanceFinder:
         """The last row so far."""
         return None if self._open is None else self._open.rows(-1)
 
-    def add(self, signal: FootSignal) -> list[DecidedStance]:
+    def add(self, signal: FootSignal) -> DecidedStances:
         """Take in more rows; return the stances that no later row can change."""
         if len(signal) == 0:
-            return []
+            return _no_stances()
         signal = signal if self._open is None else self._open.then(signal)
         starts, ends = self._groups(signal)
         undecided = len(starts) > 0 and not self._is_over(signal, int(ends[-1]))
@@ -211,13 +216,13 @@ class StanceFinder:
             self._open = signal.rows(-1)
         return found
 
-    def finish(self) -> list[DecidedStance]:
+    def finish(self) -> DecidedStances:
         """End the log: what is open stays as it is."""
         if self._open is None:
-            return []
+            return _no_stances()
         starts, ends = self._groups(self._open)
         if not len(starts) or self._is_over(self._open, int(ends[-1])):
-            return []
+            return _no_stances()
         return self._stances(self._open, starts, ends, may_be_brief=True)
 
     def _groups(self, signal: FootSignal) -> tuple[Ints, Ints]:
@@ -232,24 +237,29 @@ class StanceFinder:
 
     def _stances(
         self, signal: FootSignal, starts: Ints, ends: Ints, *, may_be_brief: bool = False
-    ) -> list[DecidedStance]:
+    ) -> DecidedStances:
         """Drop the groups that are too short, reduce the others."""
-        found = []
-        for start, end in zip(starts.tolist(), ends.tolist(), strict=True):
-            touchdown = int(signal.time[start])
-            liftoff = int(signal.time[min(end, len(signal) - 1)])
-            if self._standing_since is not None and start == 0:
-                touchdown, self._standing_since = self._standing_since, None
-            self.filled_swings += _rises(signal.contact[start:end])
-            brief = liftoff - touchdown < self._debounce_ns
-            if brief and not signal.silent_before[start] and not may_be_brief:
-                self.dropped_stances += 1
-                continue
-            figures = NOT_REDUCED
-            if 0 < liftoff - touchdown <= LONGEST_STANCE_S * 1e9:
-                figures = reduce_stance(_stance_samples(signal, start, end))
-            found.append(DecidedStance(touchdown, liftoff, figures))
-        return found
+        if not len(starts):
+            return _no_stances()
+        self.filled_swings += _runs(signal.contact[: ends[-1]]) - len(starts)
+        # Where the log ends in a stance, its last sample ends it.
+        ends = np.minimum(ends, len(signal) - 1)
+        touchdown, liftoff = signal.time[starts], signal.time[ends]
+        if self._standing_since is not None and starts[0] == 0:
+            touchdown[0], self._standing_since = self._standing_since, None
+        if not may_be_brief:
+            brief = (liftoff - touchdown < self._debounce_ns) & ~signal.silent_before[starts]
+            self.dropped_stances += int(brief.sum())
+            starts, ends, touchdown, liftoff = (
+                rows[~brief] for rows in (starts, ends, touchdown, liftoff)
+            )
+        duration = liftoff - touchdown
+        steps = (duration > 0) & (duration <= LONGEST_STANCE_S * 1e9)
+        figures = np.full((len(starts), len(StanceFigures._fields)), np.nan)
+        if steps.any():
+            samples = _stance_samples(signal, starts[steps], ends[steps])
+            figures[steps] = np.stack(reduce_stances(samples), axis=1)
+        return DecidedStances(touchdown, liftoff, figures)
 
     def _kept_of_open(self, signal: FootSignal, start: int) -> FootSignal:
         """Keep the open stance and the row before it; of one that never ends, only its tail."""
@@ -269,13 +279,34 @@ def _rises(contact: Flags) -> int:
     return int((contact[1:] & ~contact[:-1]).sum())
 
 
-def _stance_samples(signal: FootSignal, start: int, end: int) -> StanceSamples:
-    rows = signal.rows(max(start - 1, 0), end + 1)
+def _runs(contact: Flags) -> int:
+    """Number of runs of contact."""
+    return _rises(contact) + int(contact[0])
+
+
+def _stance_samples(signal: FootSignal, starts: Ints, ends: Ints) -> StanceSamples:
+    """Lay stances end to end.
+
+    Args:
+        signal: samples of a foot.
+        starts: (k,) rows of touchdowns.
+        ends: (k,) rows that end the stances.
+    """
+    counts = ends - starts + 2
+    behind = np.cumsum(counts)
+    stance = np.repeat(np.arange(len(starts)), counts)
+    rows = np.arange(len(stance)) + (ends + 1 - behind)[stance]
+    np.maximum(rows, 0, out=rows)
+    touchdown = behind - counts + 1
     return StanceSamples(
-        time=(rows.time - signal.time[start]) / 1e9,
-        force=rows.force,
-        vertical=rows.vertical,
-        x=rows.point[:, 0],
-        y=rows.point[:, 1],
-        friction=rows.friction,
+        first=touchdown - (starts > 0),
+        touchdown=touchdown,
+        end=behind - 1,
+        stance=stance,
+        time=(signal.time[rows] - signal.time[starts][stance]) / 1e9,
+        force=signal.force[rows],
+        vertical=signal.vertical[rows],
+        x=signal.point[rows, 0],
+        y=signal.point[rows, 1],
+        friction=signal.friction[rows],
     )

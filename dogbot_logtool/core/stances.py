@@ -32,12 +32,24 @@ class Cut(IntEnum):
 
 
 class StanceSamples(NamedTuple):
-    """The samples of a stance, of the one before it, and of the one that ends it."""
+    """The samples of k stances, stance after stance, n in all.
 
+    Each stance has the sample before it, its own, and the one that ends it. Where the log begins
+    in the stance, its first sample stands in for the one before.
+    """
+
+    first: Ints
+    """(k,) the last row before touchdown, or that of touchdown where nothing is known before it."""
+    touchdown: Ints
+    """(k,) the first row in contact."""
+    end: Ints
+    """(k,) the first row out of contact."""
+    stance: Ints
+    """(n,) the stance that each row belongs to."""
     time: Floats
-    """(n,) s since touchdown."""
+    """(n,) s since the stance's touchdown."""
     force: Floats
-    """(n,) N, magnitude."""
+    """(n,) N, magnitude; never higher before touchdown than after it."""
     vertical: Floats
     """(n,) N, vertical part; NaN where its direction is not known."""
     x: Floats
@@ -47,28 +59,28 @@ class StanceSamples(NamedTuple):
     """(n,) tangential over normal force; NaN where not known or hardly loaded."""
 
 
-class StanceRow(NamedTuple):
-    """Figures of one stance; NaN where one cannot be known."""
+class StanceFigures(NamedTuple):
+    """Figures of k stances, (k,) each; NaN where one cannot be known."""
 
-    peak_n: float
+    peak_n: Floats
     """N, highest |F|."""
-    mean_n: float
+    mean_n: Floats
     """N, mean of |F| over the samples."""
-    peak_samples: float
+    peak_samples: Floats
     """Number of samples that equal the peak."""
-    spread_n: float
+    spread_n: Floats
     """N, highest minus lowest |F|."""
-    peak_vertical_n: float
-    mean_vertical_n: float
-    vertical_impulse_ns: float
+    peak_vertical_n: Floats
+    mean_vertical_n: Floats
+    vertical_impulse_ns: Floats
     """N s, trapezoid from the last sample before touchdown to the first after lift-off."""
-    loading_rate_nps: float
-    """N/s; see `loading_rate`."""
-    impact_ratio: float
+    loading_rate_nps: Floats
+    """N/s; see `_loading_rates`."""
+    impact_ratio: Floats
     """Highest |F| in the first 50 ms over the stance's median."""
-    contact_travel_m: float
+    contact_travel_m: Floats
     """m, horizontal distance of the contact points at 10 % and 90 % of the stance."""
-    friction_use: float
+    friction_use: Floats
     """95th percentile of tangential over normal force."""
 
 
@@ -83,7 +95,7 @@ class Stances:
     cut: NDArray[np.int8]
     """(n,) `Cut`."""
     peak_n: Floats
-    """(n,) as in `StanceRow`, like all that follow."""
+    """(n,) as in `StanceFigures`, like all that follow."""
     mean_n: Floats
     peak_samples: Floats
     spread_n: Floats
@@ -108,65 +120,121 @@ class Stances:
         return duration
 
 
-NOT_REDUCED: Final = StanceRow(*(float("nan"),) * len(StanceRow._fields))
-"""A stance that is too long to be a step's."""
-
-
 def stances_from_rows(touchdown: Ints, liftoff: Ints, cut: Ints, rows: Floats) -> Stances:
-    """Make columns of (n, k) rows in the order of `StanceRow`."""
+    """Make columns of (n, k) rows in the order of `StanceFigures`."""
     names = [field.name for field in fields(Stances)][3:]
-    if names != list(StanceRow._fields):
-        raise TypeError("Stances and StanceRow must have the same figures")
+    if names != list(StanceFigures._fields):
+        raise TypeError("Stances and StanceFigures must have the same figures")
     return Stances(touchdown, liftoff, cut.astype(np.int8), *rows.T)
 
 
-def reduce_stance(samples: StanceSamples) -> StanceRow:
-    """Reduce the samples of one stance to its figures.
+@np.errstate(over="ignore", divide="ignore", invalid="ignore")
+def reduce_stances(samples: StanceSamples) -> StanceFigures:
+    """Reduce the samples of stances, at least one, to their figures.
 
-    Args:
-        samples: the last sample is the first out of contact; the first one is the last before
-            touchdown if its time is below 0.
+    Forces may be anything finite: what overflows is infinite, and no warning.
     """
-    first = int(samples.time[0] < 0.0)
-    stance = slice(first, -1)
-    time, force, vertical = samples.time[stance], samples.force[stance], samples.vertical[stance]
-    ordered = np.sort(force)
-    peak = float(ordered[-1])
-    median = quantile(ordered, 0.5)
-    impact = float(force[time <= IMPACT_S].max())
-    friction = samples.friction[stance]
-    friction = np.sort(friction[np.isfinite(friction)])
-    return StanceRow(
+    begin, end = samples.touchdown, samples.end
+    force, vertical = samples.force, samples.vertical
+    ordered = _sorted(force, begin, end)
+    peak = ordered[end - 1]
+    peak_from = _first_where(ordered == peak[samples.stance], begin)
+    impact_end = np.minimum(_first_where(samples.time > IMPACT_S, begin), end)
+    impact, median = _highest(force, begin, impact_end), quantiles(ordered, begin, end, 0.5)
+    return StanceFigures(
         peak_n=peak,
-        mean_n=float(force.mean()),
-        peak_samples=float((force == peak).sum()),
-        spread_n=peak - float(ordered[0]),
-        peak_vertical_n=float(vertical.max()),
-        mean_vertical_n=float(vertical.mean()),
-        vertical_impulse_ns=trapezoid(samples.vertical, samples.time),
-        loading_rate_nps=loading_rate(samples.time[:-1], samples.force[:-1]),
-        impact_ratio=impact / median if median > 0.0 else float("nan"),
-        contact_travel_m=contact_travel(
-            time, samples.x[stance], samples.y[stance], float(samples.time[-1])
-        ),
-        friction_use=quantile(friction, 0.95) if len(friction) else float("nan"),
+        mean_n=_sums(force, begin, end) / (end - begin),
+        peak_samples=(end - peak_from).astype(np.float64),
+        spread_n=peak - ordered[begin],
+        peak_vertical_n=_highest(vertical, begin, end),
+        mean_vertical_n=_sums(vertical, begin, end) / (end - begin),
+        vertical_impulse_ns=trapezoids(vertical, samples.time, samples.first),
+        loading_rate_nps=_loading_rates(samples, peak),
+        impact_ratio=np.where(median > 0.0, impact / median, np.nan),
+        contact_travel_m=_contact_travels(samples),
+        friction_use=_friction_use(samples),
     )
 
 
-def trapezoid(values: Floats, time: Floats) -> float:
-    """Integrate over real sample times: sum of (v[i] + v[i+1]) / 2 * (t[i+1] - t[i])."""
-    return float(((values[1:] + values[:-1]) * np.diff(time)).sum() / 2.0)
+def _sorted(values: Floats, begin: Ints, end: Ints) -> Floats:
+    """(n,) with the values of each run in ascending order."""
+    ordered = values.copy()
+    for first, last in zip(begin.tolist(), end.tolist(), strict=True):
+        ordered[first:last].sort()
+    return ordered
 
 
-def quantile(ordered: Floats, share: float) -> float:
-    """Quantile of sorted values, interpolated linearly between neighbours."""
-    place = share * (len(ordered) - 1)
-    below = int(place)
-    above = min(below + 1, len(ordered) - 1)
-    return float(ordered[below] + (ordered[above] - ordered[below]) * (place - below))
+def _first_where(flags: Flags, start: Ints) -> Ints:
+    """(k,) the first row that is flagged, at or after each start; n: there is none."""
+    rows = np.append(np.flatnonzero(flags), len(flags))
+    found: Ints = rows[np.searchsorted(rows, start)]
+    return found
 
 
-def loading_rate(time: Floats, force: Floats) -> float:
+def _highest(values: Floats, begin: Ints, end: Ints) -> Floats:
+    """(k,) maxima of runs, each of which ends before the last row; NaN where one is."""
+    highest: Floats = np.maximum.reduceat(values, np.stack([begin, end], axis=1).ravel())[::2]
+    return highest
+
+
+def _sums(values: Floats, begin: Ints, end: Ints) -> Floats:
+    """(k,) sums of runs that have a row before and after them.
+
+    numpy adds up pairwise what follows a run's first row: a zero there makes that the whole run,
+    as if it stood alone.
+    """
+    led = values.copy()
+    led[begin - 1] = 0.0
+    sums: Floats = np.add.reduceat(led, np.stack([begin - 1, end], axis=1).ravel())[::2]
+    return sums
+
+
+def trapezoids(values: Floats, time: Floats, first: Ints) -> Floats:
+    """Integrate over real sample times: sums of (v[i] + v[i+1]) / 2 * (t[i+1] - t[i]).
+
+    Args:
+        values: (n,) any unit.
+        time: (n,) s.
+        first: (k,) the first row of each run; it ends before the next one's.
+
+    Returns:
+        (k,) unit of the values times s.
+    """
+    area = np.zeros(len(values))
+    area[1:] = (values[1:] + values[:-1]) * np.diff(time)
+    area[first] = 0.0
+    integrals: Floats = np.add.reduceat(area, first) / 2.0
+    return integrals
+
+
+def quantiles(ordered: Floats, begin: Ints, end: Ints, share: float) -> Floats:
+    """Quantile of each run of sorted values, interpolated linearly between neighbours.
+
+    Args:
+        ordered: (n,) any unit, each run in ascending order.
+        begin: (k,) first row of each run.
+        end: (k,) row after its last.
+        share: 0.5 for the median.
+    """
+    place = share * (end - begin - 1)
+    below = begin + place.astype(np.int64)
+    above = np.minimum(below + 1, end - 1)
+    between: Floats = ordered[below] + (ordered[above] - ordered[below]) * (place - (below - begin))
+    return between
+
+
+def _friction_use(samples: StanceSamples) -> Floats:
+    """(k,) 95th percentile of the friction that is known, NaN where none is."""
+    rows = np.flatnonzero(np.isfinite(samples.friction))
+    begin, end = np.searchsorted(rows, samples.touchdown), np.searchsorted(rows, samples.end)
+    use = np.full(len(begin), np.nan)
+    known = end > begin
+    ordered = _sorted(samples.friction[rows], begin, end)
+    use[known] = quantiles(ordered, begin[known], end[known], 0.95)
+    return use
+
+
+def _loading_rates(samples: StanceSamples, peak: Floats) -> Floats:
     """Return how fast the load rises, N/s: the slope between 20 % and 80 % of the first peak.
 
     The first peak is the first local maximum of |F| of at least half the stance's peak. The rise
@@ -176,45 +244,62 @@ def loading_rate(time: Floats, force: Floats) -> float:
     2006, Med. Sci. Sports Exerc. 38:323).
 
     Args:
-        time: (n,) s.
-        force: (n,) N, from the last sample before touchdown to the last in contact.
+        samples: of k stances.
+        peak: (k,) N, the highest |F| of each.
     """
-    if len(force) < 3:
-        return float("nan")
-    higher = (force[1:-1] >= FIRST_PEAK * force.max()) & (force[1:-1] >= force[2:])
-    top = int(np.argmax(higher)) + 1 if higher.any() else len(force) - 1
+    force, first, last = samples.force, samples.first, samples.end - 1
+    higher = force >= (FIRST_PEAK * peak)[samples.stance]
+    higher[:-1] &= force[:-1] >= force[1:]
+    top = np.minimum(_first_where(higher, first + 1), last)
     low, high = RISE_FROM * force[top], RISE_TO * force[top]
-    above_low = int(np.argmax(force[: top + 1] >= low))
-    above_high = int(np.argmax(force[: top + 1] >= high))
-    if above_low in (0, above_high):
-        return float("nan")
-    rise_s = _crossing(time, force, above_high, high) - _crossing(time, force, above_low, low)
-    return float((high - low) / rise_s)
+    above_low = _first_where(force >= low[samples.stance], first)
+    above_high = _first_where(force >= high[samples.stance], first)
+    known = (last - first >= 2) & (above_low > first) & (above_low < above_high)
+    rise_s = _crossings(samples, above_high[known], high[known])
+    rise_s -= _crossings(samples, above_low[known], low[known])
+    rate = np.full(len(first), np.nan)
+    rate[known] = (high - low)[known] / rise_s
+    return rate
 
 
-def _crossing(time: Floats, force: Floats, after: int, level: float) -> float:
-    """Time at which the force reaches a level between a sample and the one before it."""
-    rise = force[after] - force[after - 1]
-    share = (level - force[after - 1]) / rise
-    return float(time[after - 1] + share * (time[after] - time[after - 1]))
+def _crossings(samples: StanceSamples, after: Ints, level: Floats) -> Floats:
+    """Times at which the force reaches a level between a sample and the one before it."""
+    time, force, before = samples.time, samples.force, after - 1
+    share = (level - force[before]) / (force[after] - force[before])
+    crossing: Floats = time[before] + share * (time[after] - time[before])
+    return crossing
 
 
-def contact_travel(time: Floats, x: Floats, y: Floats, duration: float) -> float:
+def _contact_travels(samples: StanceSamples) -> Floats:
     """Return the net horizontal travel of the contact point, m, from 10 % to 90 % of a stance.
 
     A round foot that rolls moves its contact point without slipping, so this is not slip yet.
     NaN when no samples with a contact point surround both instants.
-
-    Args:
-        time: (n,) s since touchdown.
-        x: (n,) m, NaN where there is no contact point; also `y`.
-        y: (n,) m.
-        duration: s, of the stance.
     """
-    known = np.isfinite(x) & np.isfinite(y)
-    at = np.array([0.1, 0.9]) * duration
-    time = time[known]
-    if len(time) < 2 or time[0] > at[0] or time[-1] < at[1]:
-        return float("nan")
-    along_x, along_y = np.interp(at, time, x[known]), np.interp(at, time, y[known])
-    return float(np.hypot(along_x[1] - along_x[0], along_y[1] - along_y[0]))
+    rows = np.flatnonzero(np.isfinite(samples.x) & np.isfinite(samples.y))
+    begin, end = np.searchsorted(rows, samples.touchdown), np.searchsorted(rows, samples.end)
+    duration = samples.time[samples.end]
+    tenth, nine_tenths = 0.1 * duration, 0.9 * duration
+    known = end - begin >= 2
+    known[known] = samples.time[rows[begin[known]]] <= tenth[known]
+    known[known] = samples.time[rows[end[known] - 1]] >= nine_tenths[known]
+
+    time, stance = samples.time[rows], samples.stance[rows]
+    x, y = samples.x[rows], samples.y[rows]
+    places = []
+    for at in (tenth, nine_tenths):
+        later = _first_where(time > at[stance], begin)[known]
+        around = later - 1, np.minimum(later, end[known] - 1)
+        places.append([_interpolated(at[known], time, values, around) for values in (x, y)])
+    (x_early, y_early), (x_late, y_late) = places
+    travel = np.full(len(begin), np.nan)
+    travel[known] = np.hypot(x_late - x_early, y_late - y_early)
+    return travel
+
+
+def _interpolated(at: Floats, time: Floats, values: Floats, around: tuple[Ints, Ints]) -> Floats:
+    """(k,) values at times between two rows each, or at the time of the first of them."""
+    before, after = around
+    since = at - time[before]
+    slope = (values[after] - values[before]) / (time[after] - time[before])
+    return np.where(since == 0.0, values[before], slope * since + values[before])
