@@ -103,7 +103,7 @@ class IntervalHistogram:
         Args:
             intervals: (n,) ns; only those above 0 are counted.
         """
-        counted = intervals[intervals > 0]
+        counted = intervals if int(intervals.min(initial=0)) > 0 else intervals[intervals > 0]
         if len(counted) == 0:
             return
         bins = _interval_bin(counted)
@@ -111,8 +111,10 @@ class IntervalHistogram:
         bins -= lowest
         counts = np.bincount(bins)
         sums = np.zeros(len(counts), np.int64)
-        # In two halves, because bincount adds up floats: each half's sum stays exact.
-        for shift, part in ((0, counted & 0xFFFFFF), (24, counted >> 24)):
+        # bincount adds up floats: those of long intervals would only stay exact in two halves.
+        exact = int(counted.max()) * len(counted) <= 1 << 53
+        halves = ((0, counted),) if exact else ((0, counted & 0xFFFFFF), (24, counted >> 24))
+        for shift, part in halves:
             sums += np.bincount(bins, weights=part).astype(np.int64) << shift
         filled = np.flatnonzero(counts)
         self._merge(filled + lowest, counts[filled], sums[filled])

@@ -32,6 +32,24 @@ def norms(vectors: Floats) -> Floats:
     return length
 
 
+def dots(first: Floats, second: Floats) -> Floats:
+    """Scalar products, row by row, added up left to right.
+
+    Column by column: numpy reduces short rows ten times slower.
+
+    Args:
+        first: (n, 3).
+        second: (n, 3).
+
+    Returns:
+        (n,).
+    """
+    product: Floats = first[:, 0] * second[:, 0]
+    product += first[:, 1] * second[:, 1]
+    product += first[:, 2] * second[:, 2]
+    return product
+
+
 def sum_by_group(values: Floats, group: Ints, groups: int) -> Floats:
     """Sum rows that share a group number, in the order in which they stand.
 

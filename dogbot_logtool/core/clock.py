@@ -62,8 +62,8 @@ class StampWatch:
             return
         if (stamps == 0).any():
             raise UnusableStamps(f"header stamps of {self._topic} are zero")
-        first = stamps[0] if self._previous is None else self._previous
-        if (np.diff(stamps, prepend=first) < 0).any():
+        back = self._previous is not None and int(stamps[0]) < self._previous
+        if back or (stamps[1:] < stamps[:-1]).any():
             raise UnusableStamps(f"header stamps of {self._topic} go backwards")
         self._previous = int(stamps[-1])
 

@@ -82,24 +82,21 @@ class Samples:
         """(n,) ns, header stamp, or log time where the stamp is zero."""
         return header_time(self.stamp, self.log_time)
 
-    @property
-    def finite(self) -> Flags:
-        """(n,) whether the force is a finite number; the others are invalid samples."""
-        finite: Flags = np.isfinite(norms(self.force))
-        return finite
-
     def pick(self, rows: Flags | Ints) -> "Samples":
         """Return the chosen rows (a mask or row numbers)."""
+        if rows.dtype == np.bool_:
+            rows = np.flatnonzero(rows)
+        # Of vectors, `take` picks rows four times as fast as an index does.
         return Samples(
-            self.foot[rows],
-            self.log_time[rows],
-            self.stamp[rows],
-            self.in_contact[rows],
-            self.force[rows],
-            self.in_world[rows],
-            self.points[rows],
-            self.position[rows],
-            self.normal[rows],
+            self.foot.take(rows),
+            self.log_time.take(rows),
+            self.stamp.take(rows),
+            self.in_contact.take(rows),
+            self.force.take(rows, axis=0),
+            self.in_world.take(rows),
+            self.points.take(rows),
+            self.position.take(rows, axis=0),
+            self.normal.take(rows, axis=0),
         )
 
 

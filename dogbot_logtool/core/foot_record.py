@@ -7,7 +7,7 @@ import numpy as np
 
 from dogbot_logtool.core import timespans
 from dogbot_logtool.core.aggregates import IntervalHistogram
-from dogbot_logtool.core.arrays import Flags, Ints
+from dogbot_logtool.core.arrays import Flags, Ints, norms
 from dogbot_logtool.core.blocks import BLOCK_ROWS, Blocks, GrowingTable
 from dogbot_logtool.core.clock import TimeSource, advancing
 from dogbot_logtool.core.contacts import Samples
@@ -155,20 +155,25 @@ class FootRecorder:
         if not self._has_force:
             touch = np.where(samples.in_contact, _TOUCH_N, 0.0)
             samples = replace(samples, force=touch[:, None] * np.array([0.0, 0.0, 1.0]))
-        time = self._clock.of(samples)
-        finite = samples.finite
+        time, force = self._clock.of(samples), norms(samples.force)
+        finite = np.isfinite(force)
         usable = self._usable(time, finite)
         self._messages += len(time)
         self._not_finite += int((~finite).sum())
         self._not_advancing += int((finite & ~usable).sum())
         if not usable.all():
-            samples, time = samples.pick(usable), time[usable]
+            samples, time, force = samples.pick(usable), time[usable], force[usable]
         if len(time) == 0:
             return
 
         previous = self._finder.last
         signal = foot_signal(
-            samples, time, self._rule, force_in_world=self._force_in_world, previous=previous
+            samples,
+            time,
+            force,
+            self._rule,
+            force_in_world=self._force_in_world,
+            previous=previous,
         )
         if self._start is None:
             self._start = int(time[0])
@@ -189,10 +194,12 @@ class FootRecorder:
         return usable
 
     def _count_repeats(self, signal: FootSignal, previous: FootSignal | None) -> None:
-        rows = signal if previous is None else previous.then(signal)
-        equal = (rows.force[1:] == rows.force[:-1]) & rows.contact[1:] & rows.contact[:-1]
-        self._loaded += int(signal.contact.sum())
+        force, contact = signal.force, signal.contact
+        equal = (force[1:] == force[:-1]) & contact[1:] & contact[:-1]
+        self._loaded += int(contact.sum())
         self._repeated += int(equal.sum())
+        if previous is not None and previous.contact[0] and contact[0]:
+            self._repeated += int(previous.force[0] == force[0])
 
     def _found(self, stances: DecidedStances) -> None:
         if self._start is not None:

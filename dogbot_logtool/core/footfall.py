@@ -19,7 +19,7 @@ from typing import Any
 
 import numpy as np
 
-from dogbot_logtool.core.arrays import Flags, Floats, Ints, norms
+from dogbot_logtool.core.arrays import Flags, Floats, Ints, dots
 from dogbot_logtool.core.contacts import Samples
 from dogbot_logtool.core.stances import (
     LONGEST_STANCE_S,
@@ -90,6 +90,7 @@ class FootSignal:
 def foot_signal(
     samples: Samples,
     time: Ints,
+    force: Floats,
     rule: ContactRule,
     *,
     force_in_world: bool,
@@ -100,14 +101,14 @@ def foot_signal(
     Args:
         samples: (n) samples of one foot.
         time: (n,) ns, strictly increasing.
+        force: (n,) N, |F|.
         rule: thresholds.
         force_in_world: whether the wrenches are in the world frame.
         previous: the last row before these, None at the log's start.
     """
-    force = norms(samples.force)
     known = samples.in_world | force_in_world | (force == 0.0)
-    normal = (samples.force * samples.normal).sum(axis=1)
-    with np.errstate(invalid="ignore", divide="ignore"):
+    with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
+        normal = dots(samples.force, samples.normal)
         tangential = np.sqrt(np.maximum(force * force - normal * normal, 0.0))
         friction = np.where(known & (force >= rule.on_n), tangential / np.abs(normal), np.nan)
     before = np.diff(time, prepend=time[:1] if previous is None else previous.time)

@@ -51,7 +51,8 @@ class FootTrack:
         return float((at[1::2] - at[0::2]).sum())
 
 
-# Columns of the rows that `TrackRecorder` works on. Times are ns since the first sample.
+# Columns of the row that `TrackRecorder` remembers; the contact point follows. Times are ns since
+# the first sample.
 _TIME, _FORCE, _VERTICAL = 0, 1, 2
 _KEPT_COLUMNS: Final = 7
 
@@ -82,49 +83,57 @@ class TrackRecorder:
             return
         origin = self._origin if self._origin is not None else int(time[0])
         self._origin = origin
-        new = np.column_stack([(time - origin).astype(np.float64), force, vertical, point])
-        rows = np.concatenate([self._last, new])
         carried = len(self._last)
+        previous = origin + int(self._last[0, _TIME]) if carried else None
+        chosen = first_at_each_tick(time, TRACK_RATE_HZ, previous)
+        since = np.concatenate([self._last[:, _TIME], (time - origin).astype(np.float64)])
+        force = np.concatenate([self._last[:, _FORCE], force])
+        vertical = np.concatenate([self._last[:, _VERTICAL], vertical])
+        self._find_unknown(since, vertical)
 
-        force_total, vertical_total, silent = self._integrate(rows)
-        self._find_unknown(rows, carried)
-        kept = np.zeros(len(rows), np.bool_)
-        previous = None if carried == 0 else origin + int(self._last[0, _TIME])
-        kept[carried:] = first_at_each_tick(time, TRACK_RATE_HZ, previous)
-        # Both sides of a silence, since totals are interpolated between the rows kept.
-        kept[1:] |= silent
-        kept[:-1] |= silent
-        if carried and self._last_is_kept:
-            kept[0] = False
-        table = np.column_stack([rows[:, _TIME], force_total, vertical_total, rows[:, _VERTICAL:]])
-        self._kept.append(table[kept])
-        self._last, self._last_is_kept = rows[-1:].copy(), bool(kept[-1])
+        step = np.diff(since)
+        silent: Flags = step > SILENCE_NS
+        # Both sides of a silence are kept, since totals are interpolated between the rows kept.
+        if carried and silent[0]:
+            self._keep_last()
+        chosen[1 - carried :] |= silent
+        chosen[:-1] |= silent[carried:]
+        force_total, lost_force = self._integrated(force, step, silent, self._totals[0])
+        vertical_total, lost_vertical = self._integrated(vertical, step, silent, self._totals[1])
+        edges = since[:-1][silent], since[1:][silent]
+        self._silences.append(np.column_stack([*edges, lost_force, lost_vertical]))
+
+        rows = np.flatnonzero(chosen) + carried
+        columns = since[rows], force_total[rows], vertical_total[rows], vertical[rows]
+        self._kept.append(np.column_stack([*columns, point[chosen]]))
+        self._last = np.column_stack([since[-1:], force[-1:], vertical[-1:], point[-1:]])
+        self._last_is_kept = bool(chosen[-1])
         self._totals = float(force_total[-1]), float(vertical_total[-1])
 
-    def _integrate(self, rows: Floats) -> tuple[Floats, Floats, Flags]:
-        """Running totals of |F| and of the vertical force at each row, and which steps are silent.
+    def _integrated(
+        self, value: Floats, step: Floats, silent: Flags, before: float
+    ) -> tuple[Floats, Floats]:
+        """Running totals at each row, and what each silence would add.
 
         A silence adds nothing here: whether it is a gap is known when the log has ended.
         """
-        step = np.diff(rows[:, _TIME])
-        silent: Flags = step > SILENCE_NS
-        totals = []
-        parts = []
-        for column, before in ((_FORCE, self._totals[0]), (_VERTICAL, self._totals[1])):
-            value = rows[:, column]
-            part = np.nan_to_num((value[1:] + value[:-1]) * step / 2e9)
-            parts.append(part[silent])
-            part[silent] = 0.0
-            totals.append(np.cumsum(np.concatenate([[before], part])))
-        edges = [rows[:-1, _TIME][silent], rows[1:, _TIME][silent]]
-        self._silences.append(np.stack([*edges, *parts], axis=1))
-        return totals[0], totals[1], silent
+        part = np.nan_to_num((value[1:] + value[:-1]) * step / 2e9, copy=False)
+        lost = part[silent]
+        part[silent] = 0.0
+        return np.cumsum(np.concatenate([[before], part])), lost
 
-    def _find_unknown(self, rows: Floats, carried: int) -> None:
+    def _keep_last(self) -> None:
+        """Keep the last row, unless it is."""
+        if not self._last_is_kept:
+            self._kept.append(
+                np.column_stack([self._last[:, :1], [self._totals], self._last[:, _VERTICAL:]])
+            )
+        self._last_is_kept = True
+
+    def _find_unknown(self, time: Floats, vertical: Floats) -> None:
         """Note the spans from the last known vertical force to the next known one."""
-        time = rows[:, _TIME]
-        unknown = np.isnan(rows[:, _VERTICAL])
-        if carried == 0 and unknown[0]:
+        unknown = np.isnan(vertical)
+        if len(self._last) == 0 and unknown[0]:
             self._unknown_since = float(time[0])
         starts = time[:-1][unknown[1:] & ~unknown[:-1]]
         ends = time[1:][unknown[:-1] & ~unknown[1:]]
@@ -146,11 +155,7 @@ class TrackRecorder:
         Args:
             longest_interval_ns: a silence up to this long is no gap: the sensor is merely slow.
         """
-        if len(self._last) and not self._last_is_kept:
-            self._kept.append(
-                np.column_stack([self._last[:, :1], [self._totals], self._last[:, _VERTICAL:]])
-            )
-            self._last_is_kept = True
+        self._keep_last()
         unknown = self._unknown.stacked()
         if self._unknown_since is not None:
             tail = [[self._unknown_since, float(self._last[0, _TIME])]]

@@ -3,7 +3,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from dogbot_logtool.core.arrays import all_finite, rows_by_group, stable_order
+from dogbot_logtool.core.arrays import all_finite, dots, rows_by_group, stable_order
 
 
 @pytest.mark.parametrize("highest", [0, 5, (1 << 16) - 1, 1 << 16, 1 << 40])
@@ -34,3 +34,8 @@ def test_a_row_is_finite_when_all_its_numbers_are() -> None:
 
     np.testing.assert_array_equal(all_finite(vectors), [True, False, False])
     assert not len(all_finite(np.empty((0, 3))))
+
+
+def test_scalar_products_are_added_up_row_by_row() -> None:
+    first, second = np.array([[1.0, 2.0, 3.0], [0.0, 0.0, 1e200]]), np.array([[4.0, -5.0, 6.0]] * 2)
+    assert dots(first, second).tolist() == [12.0, 6e200]
