@@ -53,7 +53,11 @@ class FootRecord:
     median_interval_s: float | None
     gaps: Ints
     """(g, 2) ns, silences that end what is known: last sample before, first one after."""
+    known: Ints
+    """(k, 2) ns, the time about which this foot's sensor says something."""
     stances: Stances
+    in_contact: Ints
+    """(c, 2) ns, the time that is known to be in contact."""
     filled_swings: int
     dropped_stances: int
     track: FootTrack
@@ -61,19 +65,6 @@ class FootRecord:
     """Whether forces are known at all, not only contact."""
     curves: LoadCurves | None = None
     """Load over time; None unless asked for, and where forces are not known."""
-
-    @property
-    def known(self) -> Ints:
-        """(k, 2) ns, the time about which this foot's sensor says something."""
-        if self.start is None or self.end is None:
-            return timespans.no_spans()
-        return timespans.subtract(np.array([[self.start, self.end]], np.int64), self.gaps)
-
-    @property
-    def in_contact(self) -> Ints:
-        """(c, 2) ns, the time that is known to be in contact."""
-        spans = np.stack([self.stances.touchdown, self.stances.liftoff], axis=1)
-        return timespans.intersect([spans, self.known])
 
     @property
     def contact_fraction(self) -> float | None:
@@ -133,6 +124,9 @@ class FootRecorder:
         longest = max(float(SILENCE_NS), GAP_INTERVALS * (median or 0.0))
         silences = self._track.silences()
         gaps = silences[silences[:, 1] - silences[:, 0] > longest]
+        known = self._known(gaps)
+        stances = self._all_stances(gaps)
+        contacts = np.stack([stances.touchdown, stances.liftoff], axis=1)
         return FootRecord(
             messages=self._messages,
             not_finite=self._not_finite,
@@ -143,7 +137,9 @@ class FootRecorder:
             end=self._end,
             median_interval_s=None if median is None else median / 1e9,
             gaps=gaps,
-            stances=self._all_stances(gaps),
+            known=known,
+            stances=stances,
+            in_contact=timespans.intersect([contacts, known]),
             filled_swings=self._finder.filled_swings,
             dropped_stances=self._finder.dropped_stances,
             track=self._track.finish(longest),
@@ -205,6 +201,12 @@ class FootRecorder:
         if self._start is not None:
             since = (time - self._start for time in (stances.touchdown, stances.liftoff))
             self._stances.append(np.column_stack([*since, stances.figures]))
+
+    def _known(self, gaps: Ints) -> Ints:
+        """Return the time from the first to the last usable sample, without the gaps."""
+        if self._start is None or self._end is None:
+            return timespans.no_spans()
+        return timespans.subtract(np.array([[self._start, self._end]], np.int64), gaps)
 
     def _all_stances(self, gaps: Ints) -> Stances:
         """Stack the stances and say of each what cuts it."""

@@ -140,7 +140,7 @@ def _runs(distances: Floats, walked: Strides, standing: Ints) -> list[tuple[int,
             runs.append((first, stride))
             first, label, odd = stride, nearest[stride], 0
             continue
-        typical = float(np.median(period[first : stride - odd][-_RECENT:]))
+        typical = _median(period[first : stride - odd][-_RECENT:])
         stays = _keeps(label, nearest[stride], known[stride], period[stride], typical)
         odd = 0 if stays else odd + 1
         if odd >= LASTING and _agree(stride, nearest, period):
@@ -156,6 +156,13 @@ def _runs(distances: Floats, walked: Strides, standing: Ints) -> list[tuple[int,
 
 _RECENT: Final = 9
 """Strides that a stride's period is compared with."""
+
+
+def _median(values: Sequence[float]) -> float:
+    """Return the median of a few values; numpy takes longer to begin than to end with them."""
+    ordered = sorted(values)
+    middle = len(ordered) // 2
+    return (ordered[middle] + ordered[~middle]) / 2.0
 
 
 def _keeps(label: int, nearest: int, distance: Floats, period: float, typical: float) -> bool:
