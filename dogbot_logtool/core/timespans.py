@@ -50,7 +50,7 @@ def covered(spans: Ints, edges: Ints) -> Floats:
 
 def intersect(spans: Sequence[Ints]) -> Ints:
     """Return the time that lies in all of the given spans; nothing of nothing."""
-    if not spans:
+    if not spans or any(len(each) == 0 for each in spans):
         return no_spans()
     edges = np.unique(np.concatenate([each.ravel() for each in spans]))
     held = np.ones(max(0, len(edges) - 1), np.bool_)
