@@ -8,6 +8,7 @@ stood, none is needed.
 
 import fcntl
 import multiprocessing
+import pickle
 import signal
 import traceback
 from collections.abc import Generator, Iterable, Iterator, Sequence
@@ -41,7 +42,7 @@ def forked(
 
 def _received(results: "Connection[Any, Any]") -> Any:  # noqa: ANN401 - it was pickled
     try:
-        outcome = results.recv()
+        outcome = _receive(results)
     except EOFError as error:
         raise LogtoolError(
             "a process that worked on it died: perhaps for want of memory; try --jobs 1"
@@ -49,6 +50,27 @@ def _received(results: "Connection[Any, Any]") -> Any:  # noqa: ANN401 - it was 
     if isinstance(outcome, _Raised):
         raise outcome.error
     return outcome
+
+
+def _send(end: "Connection[Any, Any]", result: object) -> None:
+    """Send an object: its arrays as they lie, the rest pickled."""
+    arrays: list[pickle.PickleBuffer] = []
+    rest = pickle.dumps(result, protocol=5, buffer_callback=arrays.append)
+    pieces = [array.raw() for array in arrays]
+    end.send((rest, [len(piece) for piece in pieces]))
+    for piece in pieces:
+        if len(piece):
+            end.send_bytes(piece)
+
+
+def _receive(end: "Connection[Any, Any]") -> Any:  # noqa: ANN401 - it was pickled
+    """Receive what `_send` sent."""
+    rest, sizes = end.recv()
+    arrays = [bytearray(size) for size in sizes]
+    for array in arrays:
+        if array:
+            end.recv_bytes_into(array)
+    return pickle.loads(rest, buffers=arrays)  # noqa: S301 - a copy of this process made it
 
 
 @dataclass(frozen=True, slots=True)
@@ -151,7 +173,7 @@ def _serve(
             error.add_note(traceback.format_exc())
             outcome = _Raised(error)
         try:
-            ends.results.send(outcome)
+            _send(ends.results, outcome)
         except BrokenPipeError:
             return
         if isinstance(outcome, _Raised):
