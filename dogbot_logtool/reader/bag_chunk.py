@@ -1,6 +1,5 @@
 """One chunk of a ROS 1 bag: its header, and the messages in it."""
 
-from collections.abc import Mapping
 from dataclasses import replace
 from typing import Final
 
@@ -15,9 +14,6 @@ from dogbot_logtool.reader.log import Chunk, ChunkContent, ChunkDamage, Loss
 from dogbot_logtool.reader.records import Index, Readable
 
 INDEX_ENTRY: Final = np.dtype([("seconds", "<u4"), ("nanoseconds", "<u4"), ("offset", "<u4")])
-UNKNOWN_CHANNEL: Final = -1
-"""Channel of messages whose connection is nowhere described."""
-_FORMAT: Final = BagFormat()
 
 
 def chunk_at(source: Readable, place: int) -> Chunk:
@@ -55,7 +51,9 @@ def check_bag_chunk(chunk: Chunk, file_size: int) -> None:
         raise ChunkDamage("it reaches beyond the end of the file")
 
 
-def parse_bag_chunk(chunk: Chunk, stored: memoryview, target: Bytes) -> ChunkContent:
+def parse_bag_chunk(
+    chunk: Chunk, stored: memoryview, target: Bytes, fmt: BagFormat
+) -> ChunkContent:
     """Decompress a chunk and find its messages; their channels are the connections' numbers.
 
     Raises:
@@ -71,13 +69,15 @@ def parse_bag_chunk(chunk: Chunk, stored: memoryview, target: Bytes) -> ChunkCon
     except ChunkDamage as damage:
         raise ChunkDamage(str(damage), promised) from damage
     if size == len(target):
-        return read_content(_FORMAT, target, index, chunk, verified=False)
-    return _cut_content(target[:size], chunk, promised)
+        return read_content(fmt, target, index, chunk, verified=False)
+    return _cut_content(target[:size], chunk, promised, fmt)
 
 
-def _cut_content(records: Bytes, chunk: Chunk, promised: int | None) -> ChunkContent:
+def _cut_content(
+    records: Bytes, chunk: Chunk, promised: int | None, fmt: BagFormat
+) -> ChunkContent:
     """Find the messages in the part of a chunk that could be decompressed."""
-    content = read_content(_FORMAT, records, None, replace(chunk, counts=None), verified=False)
+    content = read_content(fmt, records, None, replace(chunk, counts=None), verified=False)
     # A last record that is cut off is no other damage, and has no number of messages lost.
     losses = [loss for loss in content.losses if loss.messages is not None]
     found = len(content.messages) + sum(loss.messages or 0 for loss in losses)
@@ -85,18 +85,6 @@ def _cut_content(records: Bytes, chunk: Chunk, promised: int | None) -> ChunkCon
     what = f"the last {chunk.size - len(records)} bytes in the chunk at byte {chunk.offset} are "
     losses.append(Loss(chunk.offset, what + "damaged or cut off", 0, lost))
     return replace(content, losses=tuple(losses))
-
-
-def with_channels(content: ChunkContent, channel_ids: Mapping[int, int]) -> ChunkContent:
-    """Replace the numbers of the connections by channel ids."""
-    connection = content.messages.channel
-    channel = np.full(len(connection), UNKNOWN_CHANNEL, np.int64)
-    if channel_ids:
-        numbers = np.array(sorted(channel_ids), np.int64)
-        ids = np.array([channel_ids[number] for number in numbers.tolist()], np.int64)
-        place = np.minimum(np.searchsorted(numbers, connection), len(numbers) - 1)
-        channel = np.where(numbers[place] == connection, ids[place], UNKNOWN_CHANNEL)
-    return replace(content, messages=replace(content.messages, channel=channel))
 
 
 def _index(behind: memoryview) -> Index | None:
@@ -120,13 +108,10 @@ def _index(behind: memoryview) -> Index | None:
     if not parts:
         return None
     entries = np.frombuffer(b"".join(parts), INDEX_ENTRY)
-    group = np.repeat(np.arange(len(parts)), [len(part) // INDEX_ENTRY.itemsize for part in parts])
-    order = np.argsort(entries["offset"], kind="stable")
-    entries, group = entries[order], group[order]
-    return Index(
+    return Index.merged(
         entries["offset"].astype(np.int64),
-        np.array(connections, np.int64)[group],
         nanoseconds(entries),
-        group,
+        connections,
+        [len(part) // INDEX_ENTRY.itemsize for part in parts],
         complete=place == len(behind),
     )
