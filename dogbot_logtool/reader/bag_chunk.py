@@ -1,12 +1,19 @@
 """One chunk of a ROS 1 bag: its header, and the messages in it."""
 
 from dataclasses import replace
+from functools import lru_cache
 from typing import Final
 
 import numpy as np
 
 from dogbot_logtool.reader.bag_format import BagFormat, nanoseconds
-from dogbot_logtool.reader.bag_records import BagOp, MalformedRecord, record_at, record_in_file
+from dogbot_logtool.reader.bag_records import (
+    BagOp,
+    Fields,
+    MalformedRecord,
+    record_bounds,
+    record_in_file,
+)
 from dogbot_logtool.reader.chunk_content import read_content
 from dogbot_logtool.reader.columns import Bytes
 from dogbot_logtool.reader.compression import check_claimed_size, decompress_into
@@ -14,6 +21,8 @@ from dogbot_logtool.reader.log import Chunk, ChunkContent, ChunkDamage, Loss
 from dogbot_logtool.reader.records import Index, Readable
 
 INDEX_ENTRY: Final = np.dtype([("seconds", "<u4"), ("nanoseconds", "<u4"), ("offset", "<u4")])
+_RECURRING_SIZE: Final = 64
+"""Headers of index records are mostly shorter, and come again behind every chunk."""
 
 
 def chunk_at(source: Readable, place: int) -> Chunk:
@@ -94,24 +103,40 @@ def _index(behind: memoryview) -> Index | None:
     place = 0
     while place < len(behind):
         try:
-            record = record_at(behind, place, len(behind))
-            if record.fields.op() != BagOp.INDEX:
-                break
-            connection = record.fields.u32("conn")
+            header_end, end = record_bounds(behind, place, len(behind))
+            header = bytes(behind[place + 4 : header_end])
+            recurs = len(header) <= _RECURRING_SIZE
+            connection = (_recurring_connection if recurs else _indexed_connection)(header)
         except MalformedRecord:
             break
-        if (record.end - record.data) % INDEX_ENTRY.itemsize:
+        entries = behind[header_end + 4 : end]
+        if len(entries) % INDEX_ENTRY.itemsize:
             break
-        parts.append(behind[record.data : record.end])
+        parts.append(entries)
         connections.append(connection)
-        place = record.end
+        place = end
     if not parts:
         return None
-    entries = np.frombuffer(b"".join(parts), INDEX_ENTRY)
+    table = np.frombuffer(b"".join(parts), INDEX_ENTRY)
     return Index.merged(
-        entries["offset"].astype(np.int64),
-        nanoseconds(entries),
+        table["offset"].astype(np.int64),
+        nanoseconds(table),
         connections,
         [len(part) // INDEX_ENTRY.itemsize for part in parts],
         complete=place == len(behind),
     )
+
+
+def _indexed_connection(header: bytes) -> int:
+    """Return the connection whose messages an index record names.
+
+    Raises:
+        MalformedRecord: it is no index record.
+    """
+    fields = Fields(header)
+    if fields.op() != BagOp.INDEX:
+        raise MalformedRecord("it is a record of another kind")
+    return fields.u32("conn")
+
+
+_recurring_connection: Final = lru_cache(maxsize=1024)(_indexed_connection)

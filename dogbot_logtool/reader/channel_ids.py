@@ -29,4 +29,6 @@ class ChannelIds:
             (n,), `UNKNOWN_CHANNEL` where nothing describes the channel.
         """
         place = np.searchsorted(self._numbers[:-1], numbers)
-        return np.where(self._numbers[place] == numbers, self._ids[place], UNKNOWN_CHANNEL)
+        ids: Ints = self._ids[place]
+        ids[self._numbers[place] != numbers] = UNKNOWN_CHANNEL
+        return ids

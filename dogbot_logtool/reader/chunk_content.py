@@ -35,7 +35,7 @@ def read_content(
     others = found.others
     return ChunkContent(
         messages=judge.messages.pick(judge.keep) if not judge.keep.all() else judge.messages,
-        others=np.stack([others.op, others.place, others.messages.end], axis=1),
+        others=np.array([others.op, others.place, others.messages.end]).T,
         losses=tuple(judge.losses),
         indexed=index is not None and indexed and index.complete,
     )
