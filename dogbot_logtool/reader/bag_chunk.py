@@ -1,13 +1,19 @@
 """One chunk of a ROS 1 bag: its header, and the messages in it."""
 
-from collections.abc import Mapping
 from dataclasses import replace
+from functools import lru_cache
 from typing import Final
 
 import numpy as np
 
 from dogbot_logtool.reader.bag_format import BagFormat, nanoseconds
-from dogbot_logtool.reader.bag_records import BagOp, MalformedRecord, record_at, record_in_file
+from dogbot_logtool.reader.bag_records import (
+    BagOp,
+    Fields,
+    MalformedRecord,
+    record_bounds,
+    record_in_file,
+)
 from dogbot_logtool.reader.chunk_content import read_content
 from dogbot_logtool.reader.columns import Bytes
 from dogbot_logtool.reader.compression import check_claimed_size, decompress_into
@@ -15,9 +21,8 @@ from dogbot_logtool.reader.log import Chunk, ChunkContent, ChunkDamage, Loss
 from dogbot_logtool.reader.records import Index, Readable
 
 INDEX_ENTRY: Final = np.dtype([("seconds", "<u4"), ("nanoseconds", "<u4"), ("offset", "<u4")])
-UNKNOWN_CHANNEL: Final = -1
-"""Channel of messages whose connection is nowhere described."""
-_FORMAT: Final = BagFormat()
+_RECURRING_SIZE: Final = 64
+"""Headers of index records are mostly shorter, and come again behind every chunk."""
 
 
 def chunk_at(source: Readable, place: int) -> Chunk:
@@ -55,7 +60,9 @@ def check_bag_chunk(chunk: Chunk, file_size: int) -> None:
         raise ChunkDamage("it reaches beyond the end of the file")
 
 
-def parse_bag_chunk(chunk: Chunk, stored: memoryview, target: Bytes) -> ChunkContent:
+def parse_bag_chunk(
+    chunk: Chunk, stored: memoryview, target: Bytes, fmt: BagFormat
+) -> ChunkContent:
     """Decompress a chunk and find its messages; their channels are the connections' numbers.
 
     Raises:
@@ -71,13 +78,15 @@ def parse_bag_chunk(chunk: Chunk, stored: memoryview, target: Bytes) -> ChunkCon
     except ChunkDamage as damage:
         raise ChunkDamage(str(damage), promised) from damage
     if size == len(target):
-        return read_content(_FORMAT, target, index, chunk, verified=False)
-    return _cut_content(target[:size], chunk, promised)
+        return read_content(fmt, target, index, chunk, verified=False)
+    return _cut_content(target[:size], chunk, promised, fmt)
 
 
-def _cut_content(records: Bytes, chunk: Chunk, promised: int | None) -> ChunkContent:
+def _cut_content(
+    records: Bytes, chunk: Chunk, promised: int | None, fmt: BagFormat
+) -> ChunkContent:
     """Find the messages in the part of a chunk that could be decompressed."""
-    content = read_content(_FORMAT, records, None, replace(chunk, counts=None), verified=False)
+    content = read_content(fmt, records, None, replace(chunk, counts=None), verified=False)
     # A last record that is cut off is no other damage, and has no number of messages lost.
     losses = [loss for loss in content.losses if loss.messages is not None]
     found = len(content.messages) + sum(loss.messages or 0 for loss in losses)
@@ -87,18 +96,6 @@ def _cut_content(records: Bytes, chunk: Chunk, promised: int | None) -> ChunkCon
     return replace(content, losses=tuple(losses))
 
 
-def with_channels(content: ChunkContent, channel_ids: Mapping[int, int]) -> ChunkContent:
-    """Replace the numbers of the connections by channel ids."""
-    connection = content.messages.channel
-    channel = np.full(len(connection), UNKNOWN_CHANNEL, np.int64)
-    if channel_ids:
-        numbers = np.array(sorted(channel_ids), np.int64)
-        ids = np.array([channel_ids[number] for number in numbers.tolist()], np.int64)
-        place = np.minimum(np.searchsorted(numbers, connection), len(numbers) - 1)
-        channel = np.where(numbers[place] == connection, ids[place], UNKNOWN_CHANNEL)
-    return replace(content, messages=replace(content.messages, channel=channel))
-
-
 def _index(behind: memoryview) -> Index | None:
     """Return what the index records behind a chunk name, None if there are none to be read."""
     parts: list[memoryview] = []
@@ -106,27 +103,40 @@ def _index(behind: memoryview) -> Index | None:
     place = 0
     while place < len(behind):
         try:
-            record = record_at(behind, place, len(behind))
-            if record.fields.op() != BagOp.INDEX:
-                break
-            connection = record.fields.u32("conn")
+            header_end, end = record_bounds(behind, place, len(behind))
+            header = bytes(behind[place + 4 : header_end])
+            recurs = len(header) <= _RECURRING_SIZE
+            connection = (_recurring_connection if recurs else _indexed_connection)(header)
         except MalformedRecord:
             break
-        if (record.end - record.data) % INDEX_ENTRY.itemsize:
+        entries = behind[header_end + 4 : end]
+        if len(entries) % INDEX_ENTRY.itemsize:
             break
-        parts.append(behind[record.data : record.end])
+        parts.append(entries)
         connections.append(connection)
-        place = record.end
+        place = end
     if not parts:
         return None
-    entries = np.frombuffer(b"".join(parts), INDEX_ENTRY)
-    group = np.repeat(np.arange(len(parts)), [len(part) // INDEX_ENTRY.itemsize for part in parts])
-    order = np.argsort(entries["offset"], kind="stable")
-    entries, group = entries[order], group[order]
-    return Index(
-        entries["offset"].astype(np.int64),
-        np.array(connections, np.int64)[group],
-        nanoseconds(entries),
-        group,
+    table = np.frombuffer(b"".join(parts), INDEX_ENTRY)
+    return Index.merged(
+        table["offset"].astype(np.int64),
+        nanoseconds(table),
+        connections,
+        [len(part) // INDEX_ENTRY.itemsize for part in parts],
         complete=place == len(behind),
     )
+
+
+def _indexed_connection(header: bytes) -> int:
+    """Return the connection whose messages an index record names.
+
+    Raises:
+        MalformedRecord: it is no index record.
+    """
+    fields = Fields(header)
+    if fields.op() != BagOp.INDEX:
+        raise MalformedRecord("it is a record of another kind")
+    return fields.u32("conn")
+
+
+_recurring_connection: Final = lru_cache(maxsize=1024)(_indexed_connection)

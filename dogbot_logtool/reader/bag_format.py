@@ -17,7 +17,7 @@ from dogbot_logtool.reader.bag_records import (
     record_at,
     record_in_file,
 )
-from dogbot_logtool.reader.columns import Bytes, gather, gather_bytes
+from dogbot_logtool.reader.columns import Bytes, gather, gather_bytes, rows_like
 from dogbot_logtool.reader.message_table import Messages
 from dogbot_logtool.reader.records import Readable, Records, blank_messages
 
@@ -38,6 +38,10 @@ class BagFormat:
     """How bags write records; see `RecordFormat`."""
 
     message = int(BagOp.MESSAGE)
+
+    def __init__(self) -> None:
+        self._usual: _Template | None = None
+        """The header of the messages that were found last."""
 
     def chain(self, data: memoryview, place: int, end: int, limit: int) -> list[int]:
         """See `RecordFormat.chain`."""
@@ -77,20 +81,21 @@ class BagFormat:
 
     def heads(self, records: Bytes, offset: Ints) -> Records | None:
         """See `RecordFormat.heads`."""
-        if offset[0] < 0 or offset[-1] + 8 > len(records):
+        if offset[0] < 0:
             return None
-        template = _template(records, int(offset[0]))
-        if template is None or offset[-1] + 8 + template.size > len(records):
+        values = _values(records, offset, self._usual)
+        if values is None:
+            self._usual = _template(records, int(offset[0]))
+            values = _values(records, offset, self._usual)
+        if values is None:
             return None
-        heads = gather_bytes(records, offset, 8 + template.size)
-        values = heads.view(template.values)[:, 0]
-        start = offset + heads.shape[1]
+        start = offset + values.itemsize
         end = start + values["data_size"]
-        if not template.matches(heads).all() or (end > len(records)).any():
+        if end.max() > len(records):
             return None
         time = nanoseconds(values)
         channel = values["connection"].astype(np.int64)
-        messages = Messages(channel, time, time, np.zeros_like(time), start, end)
+        messages = Messages(channel, time, time, np.zeros(len(time), np.int64), start, end)
         return Records(np.full(len(offset), self.message, np.int64), offset, messages)
 
     def candidates(self, window: bytes) -> Iterator[int]:
@@ -167,16 +172,15 @@ class _Template:
     size: int
     """Bytes of the header."""
     head: Bytes
-    """(8 + size,) the header between the lengths of header and data."""
-    constant: Flags
-    """(8 + size,) which of those bytes do not differ from message to message."""
+    """(8 + size,) the header between the lengths of header and data; zero where `constant` is."""
+    constant: Bytes
+    """(8 + size,) 0 for the bytes that differ from message to message, 255 for all others."""
     values: np.dtype[np.void]
-    """Those that do."""
+    """Those that differ."""
 
     def matches(self, heads: Bytes) -> Flags:
         """Tell which rows, (n, 8 + size), are such a head."""
-        alike: Flags = (heads[:, self.constant] == self.head[self.constant]).all(axis=1)
-        return alike
+        return rows_like(heads & self.constant, self.head)
 
 
 def _template(records: Bytes, place: int) -> _Template | None:
@@ -186,6 +190,14 @@ def _template(records: Bytes, place: int) -> _Template | None:
     except MalformedRecord:
         return None
     return _template_of(records, place, record)
+
+
+def _values(records: Bytes, offset: Ints, template: _Template | None) -> NDArray[np.void] | None:
+    """Return the values in the headers at some places, None if any is not like the template."""
+    if template is None or offset[-1] + 8 + template.size > len(records):
+        return None
+    heads = gather_bytes(records, offset, 8 + template.size)
+    return heads.view(template.values)[:, 0] if template.matches(heads).all() else None
 
 
 def _template_of(records: Bytes, place: int, record: Record) -> _Template | None:
@@ -207,10 +219,10 @@ def _template_of(records: Bytes, place: int, record: Record) -> _Template | None
             "itemsize": 8 + size,
         }
     )
-    constant = np.ones(8 + size, np.bool_)
+    constant = np.full(8 + size, 255, np.uint8)
     for first in (connection, time, time + 4, 4 + size):
-        constant[first : first + 4] = False
-    return _Template(size, head, constant, values)
+        constant[first : first + 4] = 0
+    return _Template(size, head & constant, constant, values)
 
 
 def _value_places(header: bytes) -> tuple[int, int]:

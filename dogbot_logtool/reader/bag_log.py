@@ -2,10 +2,12 @@
 
 from dataclasses import replace
 
-from dogbot_logtool.reader.bag_chunk import check_bag_chunk, parse_bag_chunk, with_channels
+from dogbot_logtool.reader.bag_chunk import check_bag_chunk, parse_bag_chunk
+from dogbot_logtool.reader.bag_format import BagFormat
 from dogbot_logtool.reader.bag_index import Connections, read_index
 from dogbot_logtool.reader.bag_records import BagOp
 from dogbot_logtool.reader.bag_survey import BagSurvey
+from dogbot_logtool.reader.channel_ids import ChannelIds
 from dogbot_logtool.reader.columns import Bytes
 from dogbot_logtool.reader.log import Chunk, ChunkContent, Contents, Log
 from dogbot_logtool.reader.source import ByteSource
@@ -19,6 +21,8 @@ class BagLog(Log):
     def __init__(self, source: ByteSource, contents: Contents, connections: Connections) -> None:
         super().__init__(source, contents)
         self._connections = connections
+        self._channel_ids = ChannelIds(connections.channel_ids)
+        self._format = BagFormat()
 
     def check(self, chunk: Chunk) -> None:
         """See `Log.check`."""
@@ -26,14 +30,14 @@ class BagLog(Log):
 
     def parse(self, chunk: Chunk, stored: memoryview, target: Bytes) -> ChunkContent:
         """See `Log.parse`."""
-        content = parse_bag_chunk(chunk, stored, target)
+        content = parse_bag_chunk(chunk, stored, target, self._format)
         for op, place, end in content.others.tolist():
             record = target[place:end].tobytes() if op == BagOp.CONNECTION else b""
             loss = self._connections.contradiction(record, chunk.offset) if record else None
             if loss is not None:
                 content = replace(content, losses=(*content.losses, loss))
                 break
-        return with_channels(content, self._connections.channel_ids)
+        return content
 
 
 def open_bag(source: ByteSource) -> BagLog:

@@ -122,8 +122,8 @@ class Record:
     """First byte after the record."""
 
 
-def record_at(data: bytes | memoryview, place: int, end: int) -> Record:
-    """Read the header of a record in memory.
+def record_bounds(data: bytes | memoryview, place: int, end: int) -> tuple[int, int]:
+    """Return where a record in memory has the end of its header, and its own.
 
     Args:
         data: bytes that hold it.
@@ -143,6 +143,21 @@ def record_at(data: bytes | memoryview, place: int, end: int) -> Record:
     record_end = header_end + 4 + data_size
     if record_end > end:
         raise MalformedRecord("a record is cut off")
+    return header_end, record_end
+
+
+def record_at(data: bytes | memoryview, place: int, end: int) -> Record:
+    """Read the header of a record in memory.
+
+    Args:
+        data: bytes that hold it.
+        place: where it begins.
+        end: where it must end at the latest.
+
+    Raises:
+        MalformedRecord: there is no whole record.
+    """
+    header_end, record_end = record_bounds(data, place, end)
     return Record(Fields(data[place + 4 : header_end]), header_end + 4, record_end)
 
 

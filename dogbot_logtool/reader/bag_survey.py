@@ -27,7 +27,8 @@ class BagSurvey(Survey):
     """Finds chunks, bare messages and connections."""
 
     def __init__(self, source: ByteSource, connections: Connections) -> None:
-        super().__init__(source, BagFormat(), Losses())
+        self._bag_format = BagFormat()
+        super().__init__(source, self._bag_format, Losses())
         self._connections = connections
         self._outside: list[tuple[int, int]] = []
         """Places of connection records outside chunks."""
@@ -105,7 +106,7 @@ class BagSurvey(Survey):
             return
 
     def _parse(self, chunk: Chunk, stored: memoryview, target: Bytes) -> ChunkContent:
-        return parse_bag_chunk(chunk, stored, target)
+        return parse_bag_chunk(chunk, stored, target, self._bag_format)
 
     def _check(self, chunk: Chunk) -> None:
         check_bag_chunk(chunk, self._source.size)

@@ -35,7 +35,7 @@ def read_content(
     others = found.others
     return ChunkContent(
         messages=judge.messages.pick(judge.keep) if not judge.keep.all() else judge.messages,
-        others=np.stack([others.op, others.place, others.messages.end], axis=1),
+        others=np.array([others.op, others.place, others.messages.end]).T,
         losses=tuple(judge.losses),
         indexed=index is not None and indexed and index.complete,
     )
@@ -60,6 +60,8 @@ class _Judge:
         )
 
     def _leave_out(self, rows: Flags, what: str) -> None:
+        if not rows.any():
+            return
         rows = rows & self.keep
         count = int(rows.sum())
         if count:
@@ -113,16 +115,14 @@ class _Judge:
         limit = 2**63 - 1
         start, end = min(start, limit), min(end, limit)
         times = self.messages.log_time[self.keep]
+        if (int(times.min()), int(times.max())) == (start, end):
+            return
         outside = self.keep & ((self.messages.log_time < start) | (self.messages.log_time > end))
         mostly = 2 * int(outside.sum()) > len(times)
         if outside.any() and not believed and not mostly:
             what = "of times outside the range that is stated for it"
             self._leave_out(outside, what)
-        elif (
-            (int(times.min()), int(times.max())) != (start, end)
-            and self.keep.all()
-            and not self.found.gaps.count
-        ):
+        elif self.keep.all() and not self.found.gaps.count:
             what = f"the range of times stated for {self._name} is wrong"
             self.losses.append(Loss(self.chunk.offset, what))
 

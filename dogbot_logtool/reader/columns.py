@@ -87,7 +87,7 @@ class Texts:
             alike = left[self.length[left] == self.length[first]]
             if size := int(self.length[first]):
                 texts = gather_bytes(self.buffer, self.start[alike], size)
-                alike = alike[_like_first(texts)]
+                alike = alike[rows_like(texts, texts[0])]
             code[alike] = len(rows)
             rows.append(int(first))
             left = left[code[left] < 0] if len(alike) < len(left) else left[:0]
@@ -101,12 +101,12 @@ class Texts:
         return code, rows
 
 
-def _like_first(rows: Bytes) -> Flags:
-    """(n,) which rows of a matrix equal its first one."""
-    if rows.tobytes() == rows[0].tobytes() * len(rows):
+def rows_like(rows: Bytes, row: Bytes) -> Flags:
+    """(n,) which rows of a matrix, (n, k), equal a row, (k,)."""
+    if rows.tobytes() == row.tobytes() * len(rows):
         # Much the fastest comparison there is, and mostly the answer.
         return np.ones(len(rows), np.bool_)
-    alike: Flags = (rows == rows[0]).all(axis=1)
+    alike: Flags = (rows == row).all(axis=1)
     return alike
 
 

@@ -10,8 +10,10 @@ from typing import Final
 import numpy as np
 
 from dogbot_logtool.core.arrays import Ints
+from dogbot_logtool.reader.channel_ids import UNKNOWN_CHANNEL, ChannelIds
 from dogbot_logtool.reader.columns import Bytes
 from dogbot_logtool.reader.definition import short_type_name
+from dogbot_logtool.reader.loss import Loss, lost_messages
 from dogbot_logtool.reader.message_table import Messages, concatenate_messages
 from dogbot_logtool.reader.source import ByteSource
 
@@ -82,26 +84,6 @@ class Channel:
     def type_name(self) -> str:
         """``package/Name`` whatever the spelling in the log; empty without a schema."""
         return short_type_name(self.schema.name) if self.schema else ""
-
-
-@dataclass(frozen=True, slots=True)
-class Loss:
-    """Damage that was found: what could not be read, and where."""
-
-    offset: int
-    """Byte in the file."""
-    what: str
-    """A sentence without the file's name."""
-    bytes: int = 0
-    """Bytes of the file that gave nothing."""
-    messages: int | None = 0
-    """Messages known to be lost; None when their number is not known."""
-
-
-def lost_messages(losses: Sequence[Loss]) -> int | None:
-    """Return how many messages are known to be lost; None when it cannot be known."""
-    known = [loss.messages for loss in losses if loss.messages is not None]
-    return sum(known) if len(known) == len(losses) else None
 
 
 @dataclass(frozen=True, slots=True)
@@ -204,7 +186,7 @@ class ChunkContent:
     """What a container's own code finds in a decompressed chunk."""
 
     messages: Messages
-    """Places relative to the chunk's first byte."""
+    """Channels as numbered in the records, places relative to the chunk's first byte."""
     others: Ints
     """(k, 3) records that are no messages: kind, first byte, and end."""
     losses: tuple[Loss, ...] = ()
@@ -280,6 +262,7 @@ class Log(ABC):
         self.profile = contents.profile
         self.extras = contents.extras
         self.losses = contents.losses
+        self._channel_ids = ChannelIds({number: number for number in contents.channels})
 
     @property
     def compressions(self) -> tuple[str, ...]:
@@ -337,8 +320,8 @@ class Log(ABC):
                 self.check(chunk)
             except ChunkDamage as damage:
                 losses.append(left_out(chunk, damage))
-                continue
-            sound.append(chunk)
+            else:
+                sound.append(chunk)
         places = [(chunk.offset, chunk.index_end - chunk.offset) for chunk in sound]
         stored = [memoryview(data) for data in self.source.read_many(places)]
 
@@ -359,8 +342,7 @@ class Log(ABC):
             whole = chunk.is_record and not found and content.indexed == has_index
             loaded.append(LoadedChunk(chunk, data, base, rows, whole, content.indexed))
             parts.append(messages.shifted(base))
-            if not chunk.surveyed:
-                losses.extend(found)
+            losses.extend(() if chunk.surveyed else found)
             base, row = base + chunk.size, rows.stop
         return Batch(buffer, concatenate_messages(parts), tuple(loaded), tuple(losses))
 
@@ -386,9 +368,10 @@ class Log(ABC):
         """
 
     def _described(self, chunk: Chunk, content: ChunkContent) -> tuple[Messages, list[Loss]]:
-        """Leave out messages of channels that are nowhere described."""
+        """Give messages the ids of their channels; leave out those that are nowhere described."""
         messages, losses = content.messages, list(content.losses)
-        known = np.isin(messages.channel, list(self.channels))
+        messages = replace(messages, channel=self._channel_ids.of(messages.channel))
+        known = messages.channel != UNKNOWN_CHANNEL
         if not known.all():
             strange = messages.pick(~known)
             size = int((strange.end - strange.start).sum())

@@ -7,9 +7,7 @@ from typing import Final
 
 import numpy as np
 from mcap.opcode import Opcode
-from numpy.typing import NDArray
 
-from dogbot_logtool.core.arrays import Ints
 from dogbot_logtool.reader.chunk_content import read_content
 from dogbot_logtool.reader.columns import Bytes
 from dogbot_logtool.reader.compression import check_claimed_size, decompress_into
@@ -134,9 +132,8 @@ def _header_of(chunk: Chunk, stored: memoryview) -> tuple[int, tuple[Loss, ...]]
 
 def _index(behind: memoryview) -> Index | None:
     """Return what the message index behind a chunk names, None if there is none to be read."""
-    parts: list[NDArray[np.void]] = []
-    channels: list[Ints] = []
-    groups: list[Ints] = []
+    parts: list[memoryview] = []
+    channels: list[int] = []
     place = whole = 0
     while place + RECORD_HEAD.size <= len(behind):
         opcode, length = RECORD_HEAD.unpack_from(behind, place)
@@ -147,21 +144,17 @@ def _index(behind: memoryview) -> Index | None:
         if size > length - _INDEX_HEAD.size or size % INDEX_ENTRY.itemsize:
             break
         start = place + _INDEX_HEAD.size
-        entries = np.frombuffer(behind[start : start + size], INDEX_ENTRY)
-        groups.append(np.full(len(entries), len(parts), np.int64))
-        parts.append(entries)
-        channels.append(np.full(len(entries), channel, np.int64))
+        parts.append(behind[start : start + size])
+        channels.append(channel)
         whole = place = place + length
     if not parts:
         return None
-    entries = np.concatenate(parts)
-    # Offsets beyond 2^63 become negative, and are no place of a message either.
-    offset = entries["offset"].astype(np.int64)
-    order = np.argsort(offset, kind="stable")
-    return Index(
-        offset[order],
-        np.concatenate(channels)[order],
-        entries["log_time"][order],
-        np.concatenate(groups)[order],
+    entries = np.frombuffer(b"".join(parts), INDEX_ENTRY)
+    return Index.merged(
+        # Offsets beyond 2^63 become negative, and are no place of a message either.
+        entries["offset"].astype(np.int64),
+        entries["log_time"],
+        channels,
+        [len(part) // INDEX_ENTRY.itemsize for part in parts],
         complete=whole == len(behind),
     )

@@ -127,7 +127,7 @@ class McapFormat:
 
     def heads(self, records: Bytes, offset: Ints) -> Records | None:
         """See `RecordFormat.heads`."""
-        if offset[0] < 0 or offset[-1] + MESSAGE_HEAD.itemsize > len(records):
+        if offset[0] < 0 or offset[-1] > len(records) - MESSAGE_HEAD.itemsize:
             return None
         found = _message_records(records, offset)
         messages = found.messages

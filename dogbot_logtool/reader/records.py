@@ -106,6 +106,30 @@ class Index:
     complete: bool
     """Nothing but index records was there."""
 
+    @classmethod
+    def merged(
+        cls,
+        offset: Ints,
+        log_time: Ints,
+        channels: Sequence[int],
+        counts: Sequence[int],
+        *,
+        complete: bool,
+    ) -> "Index":
+        """Merge index records.
+
+        Args:
+            offset: (n,) what they name, one record's entries after the other's.
+            log_time: (n,) ns, likewise.
+            channels: of each record.
+            counts: number of entries of each record.
+            complete: nothing but index records was there.
+        """
+        order = np.argsort(offset, kind="stable")
+        group = np.repeat(np.arange(len(counts)), counts)[order]
+        channel = np.array(channels, np.int64)[group]
+        return cls(offset[order], channel, log_time[order], group, complete)
+
 
 class RecordFormat(Protocol):
     """How a container writes records."""

@@ -74,7 +74,7 @@ class Survey(ABC):
 
     @abstractmethod
     def _parse(self, chunk: Chunk, stored: memoryview, target: Bytes) -> ChunkContent:
-        """See `Log.parse`; channels as numbered in the records."""
+        """See `Log.parse`."""
 
     @abstractmethod
     def _check(self, chunk: Chunk) -> None:

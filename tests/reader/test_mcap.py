@@ -286,6 +286,17 @@ def test_a_wrong_message_index_is_said_and_not_believed(tmp_path: Path) -> None:
     assert [chunk.whole for chunk in reading.chunks] == [True, False, True]
 
 
+@pytest.mark.parametrize("offset", [10**6, 2**63 - 1, 2**63, 2**64 - 1])
+def test_a_message_index_that_points_out_of_its_chunk(tmp_path: Path, offset: int) -> None:
+    mcap = small_mcap()
+    mcap.data_crc = False
+    data = bytearray(mcap.build())
+    struct.pack_into("<Q", data, mcap.chunk_ends[1] + 9 + 6 + 8, offset)
+    reading = read_bytes(tmp_path, bytes(data))
+    assert_all_there(reading, mcap)
+    assert "is wrong; it was read without" in reading.sentences
+
+
 def test_messages_of_channels_that_are_nowhere_described(tmp_path: Path) -> None:
     mcap = small_mcap()
     data = mcap.build()
