@@ -9,7 +9,7 @@ import numpy as np
 from mcap import records
 from numpy.typing import NDArray
 
-from dogbot_logtool.core.arrays import Floats, Ints, stable_order
+from dogbot_logtool.core.arrays import Floats, Ints, rows_by_group, stable_order
 from dogbot_logtool.core.arrows import Arrows
 from dogbot_logtool.core.loads import Loads
 from dogbot_logtool.core.odometry import Transforms
@@ -153,11 +153,13 @@ class Annotations:
         for arrows in columns.arrows:
             # All messages of an encoding write times alike, so they are put in form only once.
             stamps = self._load.stamps("stamp", arrows.stamp)
-            for foot, (arrow, removal) in enumerate(self._arrows):
-                of_foot = np.flatnonzero(arrows.foot == foot)
-                shown = arrows.shown[of_foot]
-                parts.append(_shown(arrow, arrows, stamps, of_foot[shown]))
-                parts.append(_removed(removal, arrows, stamps, of_foot[~shown]))
+            for group, rows in rows_by_group(2 * arrows.foot + ~arrows.shown):
+                arrow, removal = self._arrows[group // 2]
+                parts.append(
+                    _removed(removal, arrows, stamps, rows)
+                    if group % 2
+                    else _shown(arrow, arrows, stamps, rows)
+                )
         parts.extend(_loads(self._load_channels, self._load, loads) for loads in columns.loads)
         if self._support is not None and columns.support is not None:
             parts.extend(self._support.outgoing(columns.support))
