@@ -3,8 +3,14 @@
 from collections.abc import Iterator
 
 from dogbot_logtool.reader.log import Batch, LoadedChunk, Messages
-from dogbot_logtool.writer.chunks import Compression, FinishedChunk, finish_chunks, indexed_chunk
-from dogbot_logtool.writer.outgoing import MESSAGE_HEAD, recorded
+from dogbot_logtool.writer.chunks import (
+    Compression,
+    FinishedChunk,
+    chunk_rows,
+    finish_chunk,
+    indexed_chunk,
+)
+from dogbot_logtool.writer.outgoing import MESSAGE_HEAD, record_bounds, recorded
 
 
 def copied_chunks(
@@ -35,16 +41,19 @@ def _laid_out_anew(
     if not rows:
         return
     messages = batch.messages.pick(slice(rows[0].start, rows[-1].stop))
-    outgoing = recorded(
-        messages.channel,
-        messages.sequence,
-        messages.log_time,
-        messages.publish_time,
-        batch.buffer,
-        messages.start,
-        messages.end,
-    )
-    yield from finish_chunks(outgoing, compression or "zstd")
+    # Chunk by chunk: so much stays in the processor's cache until it is compressed.
+    for of_chunk in chunk_rows(record_bounds(messages.end - messages.start)):
+        part = messages.pick(of_chunk)
+        outgoing = recorded(
+            part.channel,
+            part.sequence,
+            part.log_time,
+            part.publish_time,
+            batch.buffer,
+            part.start,
+            part.end,
+        )
+        yield finish_chunk(outgoing, compression or "zstd")
 
 
 def _verbatim(messages: Messages, loaded: LoadedChunk) -> FinishedChunk:

@@ -97,10 +97,10 @@ def _at_ticks(poses: Odometry, previous_time: int | None, rate_hz: float) -> Odo
 def _arrows(read: ContactsRead, samples: Samples, plan: Plan) -> tuple[Arrows, ArrowCounts]:
     feet = range(len(plan.selection.robot.feet))
     known = [foot for foot in feet if plan.selection.knows_force(foot)]
-    if not np.isin(known, np.unique(samples.foot)).any():
-        return no_arrows(), ArrowCounts()
     if len(known) < len(feet):
         samples = samples.pick(np.isin(samples.foot, known))
+    if not len(samples.foot):
+        return no_arrows(), ArrowCounts()
     newtons_per_metre = plan.selection.robot.newtons_per_metre
     match plan.options.style:
         case "classic":

@@ -9,7 +9,7 @@ import numpy as np
 from mcap import records
 from numpy.typing import NDArray
 
-from dogbot_logtool.core.arrays import Floats, Ints, stable_order
+from dogbot_logtool.core.arrays import Floats, Ints, rows_by_group, stable_order
 from dogbot_logtool.core.arrows import Arrows
 from dogbot_logtool.core.loads import Loads
 from dogbot_logtool.core.odometry import Transforms
@@ -22,7 +22,12 @@ from dogbot_logtool.writer.encoding import (
     MessageType,
     SupportStyle,
 )
-from dogbot_logtool.writer.outgoing import Outgoing, in_time_order, stamped
+from dogbot_logtool.writer.outgoing import (
+    Outgoing,
+    in_time_order,
+    record_template,
+    write_log_time,
+)
 from dogbot_logtool.writer.support import SupportStamper
 from dogbot_logtool.writer.template import Stamps, Template
 
@@ -98,19 +103,17 @@ class Annotations:
         self._ids = channel_ids
         self._schema_ids = schema_ids
         self._resolve = resolve_topic
-        self._tf: tuple[int, Template] | None = None
+        self._tf: Template | None = None
         if with_tf:
             channel = self._declare(TF_TOPIC, encoding.transform_type)
-            self._tf = channel, encoding.transform(world_frame, base_frame)
-        self._arrows = [
-            (
-                self._declare(arrow_topic(foot), encoding.arrow_type),
-                encoding.arrow(foot, world_frame, style),
-                encoding.removal(foot, world_frame),
-            )
-            for foot in feet
-        ]
-        self._load = encoding.load()
+            self._tf = record_template(encoding.transform(world_frame, base_frame), channel)
+        self._arrows: list[tuple[Template, Template]] = []
+        for foot in feet:
+            channel = self._declare(arrow_topic(foot), encoding.arrow_type)
+            arrow = record_template(encoding.arrow(foot, world_frame, style), channel)
+            removal = record_template(encoding.removal(foot, world_frame), channel)
+            self._arrows.append((arrow, removal))
+        self._load = record_template(encoding.load(), 0)
         load_channels = [self._declare(load_topic(foot), encoding.load_type) for foot in feet]
         self._load_channels = np.array(load_channels, np.int64)
         self._support: SupportStamper | None = None
@@ -144,72 +147,69 @@ class Annotations:
 
     def outgoing(self, columns: AnnotationColumns) -> Outgoing:
         """Stamp out the messages of a batch, in the order of their log times."""
-        parts: list[Outgoing] = []
+        parts: list[NDArray[np.void]] = []
         if self._tf is not None:
-            parts.append(_transforms(*self._tf, columns.transforms))
+            parts.append(_transforms(self._tf, columns.transforms))
         for arrows in columns.arrows:
             # All messages of an encoding write times alike, so they are put in form only once.
             stamps = self._load.stamps("stamp", arrows.stamp)
-            for foot, (channel, arrow, removal) in enumerate(self._arrows):
-                of_foot = np.flatnonzero(arrows.foot == foot)
-                shown = arrows.shown[of_foot]
-                parts.append(_shown(channel, arrow, arrows, stamps, of_foot[shown]))
-                parts.append(_removed(channel, removal, arrows, stamps, of_foot[~shown]))
+            for group, rows in rows_by_group(2 * arrows.foot + ~arrows.shown):
+                arrow, removal = self._arrows[group // 2]
+                parts.append(
+                    _removed(removal, arrows, stamps, rows)
+                    if group % 2
+                    else _shown(arrow, arrows, stamps, rows)
+                )
         parts.extend(_loads(self._load_channels, self._load, loads) for loads in columns.loads)
         if self._support is not None and columns.support is not None:
             parts.extend(self._support.outgoing(columns.support))
-        return in_time_order(parts) if parts else stamped(0, *_nothing())
+        return in_time_order(parts)
 
 
-def _nothing() -> tuple[Ints, NDArray[np.void]]:
-    return np.empty(0, np.int64), np.empty(0, "V1")
+def _transforms(template: Template, transforms: Transforms) -> NDArray[np.void]:
+    records = template.copies(len(transforms.log_time))
+    write_log_time(records, transforms.log_time)
+    template.write_time(records, "stamp", transforms.stamp)
+    _write_pose(records, transforms.translation, transforms.rotation)
+    return records
 
 
-def _transforms(channel: int, template: Template, transforms: Transforms) -> Outgoing:
-    messages = template.copies(len(transforms.log_time))
-    template.write_time(messages, "stamp", transforms.stamp)
-    _write_pose(messages, transforms.translation, transforms.rotation)
-    return stamped(channel, transforms.log_time, messages)
-
-
-def _shown(
-    channel: int, template: Template, arrows: Arrows, stamps: Stamps, rows: Ints
-) -> Outgoing:
-    messages = template.copies(len(rows))
-    template.write_stamps(messages, "stamp", stamps.pick(rows))
-    _write_pose(messages, arrows.position[rows], arrows.orientation[rows])
+def _shown(template: Template, arrows: Arrows, stamps: Stamps, rows: Ints) -> NDArray[np.void]:
+    records = _removed(template, arrows, stamps, rows)
+    _write_pose(records, arrows.position.take(rows, 0), arrows.orientation.take(rows, 0))
     length = arrows.length[rows]
     if "length" in template.kinds:
-        messages["length"] = length
+        records["length"] = length
     else:
-        messages["shaft"] = SHAFT_SHARE * length
-        messages["head"] = (1.0 - SHAFT_SHARE) * length
-    for part, column in zip("rgba", arrows.colour[rows].T, strict=True):
-        messages[part] = column
-    return stamped(channel, arrows.log_time[rows], messages)
+        records["shaft"] = SHAFT_SHARE * length
+        records["head"] = (1.0 - SHAFT_SHARE) * length
+    for part, column in zip("rgba", arrows.colour.take(rows, 0).T, strict=True):
+        records[part] = column
+    return records
 
 
-def _removed(
-    channel: int, template: Template, arrows: Arrows, stamps: Stamps, rows: Ints
-) -> Outgoing:
-    messages = template.copies(len(rows))
-    template.write_stamps(messages, "stamp", stamps.pick(rows))
-    return stamped(channel, arrows.log_time[rows], messages)
+def _removed(template: Template, arrows: Arrows, stamps: Stamps, rows: Ints) -> NDArray[np.void]:
+    records = template.copies(len(rows))
+    write_log_time(records, arrows.log_time[rows])
+    template.write_stamps(records, "stamp", stamps.pick(rows))
+    return records
 
 
-def _loads(channels: Ints, template: Template, loads: Loads) -> Outgoing:
+def _loads(channels: Ints, template: Template, loads: Loads) -> NDArray[np.void]:
     """Return the loads of all feet, which have their channels, foot by foot."""
     rows = stable_order(loads.foot)
-    messages = template.copies(len(rows))
-    template.write_time(messages, "stamp", loads.stamp[rows])
-    messages["in_contact"] = loads.in_contact[rows]
-    messages["force"] = loads.force[rows]
-    messages["force_bw"] = loads.body_weights[rows]
-    return stamped(channels[loads.foot[rows]], loads.log_time[rows], messages)
+    records = template.copies(len(rows))
+    records["channel"] = channels[loads.foot[rows]]
+    write_log_time(records, loads.log_time[rows])
+    template.write_time(records, "stamp", loads.stamp[rows])
+    records["in_contact"] = loads.in_contact[rows]
+    records["force"] = loads.force[rows]
+    records["force_bw"] = loads.body_weights[rows]
+    return records
 
 
-def _write_pose(messages: NDArray[np.void], position: Floats, orientation: Floats) -> None:
+def _write_pose(records: NDArray[np.void], position: Floats, orientation: Floats) -> None:
     for axis, column in zip("xyz", position.T, strict=True):
-        messages[axis] = column
+        records[axis] = column
     for axis, column in zip("xyzw", orientation.T, strict=True):
-        messages[f"q{axis}"] = column
+        records[f"q{axis}"] = column

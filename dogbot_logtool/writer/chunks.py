@@ -15,7 +15,7 @@ from mcap.data_stream import RecordBuilder
 from mcap.opcode import Opcode
 
 from dogbot_logtool.core.arrays import Ints, stable_order
-from dogbot_logtool.writer.outgoing import Bytes, Outgoing, lay_out
+from dogbot_logtool.writer.outgoing import Bytes, Outgoing
 
 Compression = Literal["zstd", "lz4", "none"]
 COMPRESSIONS: Final[tuple[Compression, ...]] = ("zstd", "lz4", "none")
@@ -59,38 +59,29 @@ class FinishedChunk:
 
 
 def finish_chunks(messages: Outgoing, compression: Compression) -> Iterator[FinishedChunk]:
-    """Lay out messages, cut them into chunks and compress those."""
-    if not len(messages.channel):
-        return
-    data, bounds = lay_out(messages)
-    first = 0
-    while first < len(messages.channel):
+    """Cut messages into chunks and compress those."""
+    for rows in chunk_rows(messages.bounds):
+        yield finish_chunk(messages.part(rows), compression)
+
+
+def chunk_rows(bounds: Ints) -> Iterator[slice]:
+    """Yield the rows of each chunk's messages.
+
+    Args:
+        bounds: (n + 1,) where each message's record begins and the last one ends.
+    """
+    first, count = 0, len(bounds) - 1
+    while first < count:
         last = int(np.searchsorted(bounds, bounds[first] + CHUNK_SIZE, "left"))
-        last = min(max(last, first + 1), len(messages.channel))
-        begin = int(bounds[first])
-        yield finish_chunk(
-            data[begin : int(bounds[last])],
-            messages.channel[first:last],
-            messages.log_time[first:last],
-            bounds[first:last] - begin,
-            compression,
-        )
+        last = min(max(last, first + 1), count)
+        yield slice(first, last)
         first = last
 
 
-def finish_chunk(
-    data: Bytes, channel: Ints, log_time: Ints, offset: Ints, compression: Compression
-) -> FinishedChunk:
-    """Compress one chunk and index it.
-
-    Args:
-        data: the records of its messages.
-        channel: (n,) channel ids.
-        log_time: (n,) ns.
-        offset: (n,) where each message's record begins in the data.
-        compression: of the chunk.
-    """
-    start, end = _range(log_time)
+def finish_chunk(messages: Outgoing, compression: Compression) -> FinishedChunk:
+    """Compress the messages of one chunk and index them."""
+    data = messages.data
+    start, end = _range(messages.log_time)
     compressed = _compress(data, compression)
     name = "" if compression == "none" else compression
     builder = RecordBuilder()
@@ -102,7 +93,15 @@ def finish_chunk(
         uncompressed_crc=zlib.crc32(data.data),
         uncompressed_size=len(data),
     ).write(builder)
-    return indexed_chunk(builder.end(), channel, log_time, offset, name, len(compressed), len(data))
+    return indexed_chunk(
+        builder.end(),
+        messages.channel,
+        messages.log_time,
+        messages.bounds[:-1],
+        name,
+        len(compressed),
+        len(data),
+    )
 
 
 def indexed_chunk(

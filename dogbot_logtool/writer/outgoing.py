@@ -1,14 +1,14 @@
-"""Messages on their way out: heads as columns, payloads in groups of equal size."""
+"""Messages on their way out, as the MCAP records that carry them."""
 
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
-from itertools import pairwise
-from typing import Final
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
-from dogbot_logtool.core.arrays import Ints, stable_order
+from dogbot_logtool.core.arrays import Ints
+from dogbot_logtool.writer.template import Template
 
 Bytes = NDArray[np.uint8]
 MESSAGE_OPCODE: Final = 0x05
@@ -24,117 +24,47 @@ MESSAGE_HEAD: Final = np.dtype(
 )
 """An MCAP message record up to its payload."""
 _RECORD_HEAD_SIZE: Final = 9
-_FEW: Final = 4
-"""Groups of up to so many messages are copied one by one."""
-
-
-@dataclass(frozen=True, slots=True)
-class Payloads:
-    """Payloads of one size."""
-
-    rows: Ints
-    """(k,) the messages they belong to."""
-    data: NDArray[np.void]
-    """(m,) of dtype ``V<size>``: the payloads, or windows that begin at each byte of a buffer."""
-    at: Ints | None = None
-    """(k,) which of the data they are; None: all, in order."""
+_VARYING: Final = ("channel", "log_time", "publish_time")
+"""What the heads of stamped-out records differ in."""
+_PIECES: Final = (256, 16, 1)
+"""Widths, bytes, of the pieces in which payloads are copied."""
 
 
 @dataclass(frozen=True, slots=True)
 class Outgoing:
-    """Messages to be written, in any order."""
+    """Message records, one after the other."""
 
+    data: Bytes
+    """(b,) the records."""
+    bounds: Ints
+    """(n + 1,) where each record begins and the last one ends."""
     channel: Ints
     """(n,) channel ids of the output."""
-    sequence: Ints
     log_time: Ints
     """(n,) ns."""
-    publish_time: Ints
-    """(n,) ns."""
-    size: Ints
-    """(n,) bytes of each payload."""
-    payloads: Sequence[Payloads]
+
+    def part(self, rows: slice) -> "Outgoing":
+        """Return some neighbouring messages."""
+        bounds = self.bounds[rows.start : rows.stop + 1]
+        first = int(bounds[0])
+        return Outgoing(
+            self.data[first : int(bounds[-1])],
+            bounds - first,
+            self.channel[rows],
+            self.log_time[rows],
+        )
 
 
-def stamped(channel: int | Ints, log_time: Ints, records: NDArray[np.void]) -> Outgoing:
-    """Return stamped-out messages of one size.
+def record_bounds(size: Ints) -> Ints:
+    """Return where the records of messages begin, one after the other, and the last one ends.
 
     Args:
-        channel: id of their channel, or (n,) of the channel of each.
-        log_time: (n,) ns; the publish time is the same.
-        records: (n,) messages.
-    """
-    count, size = len(log_time), records.dtype.itemsize
-    return Outgoing(
-        channel=np.full(count, channel, np.int64),
-        sequence=np.zeros(count, np.int64),
-        log_time=log_time,
-        publish_time=log_time,
-        size=np.full(count, size, np.int64),
-        payloads=[Payloads(np.arange(count), records.view(f"V{size}"))] if count else [],
-    )
-
-
-def in_time_order(parts: Sequence[Outgoing]) -> Outgoing:
-    """Merge messages by log time; at equal times the earlier part comes first."""
-    log_time = np.concatenate([part.log_time for part in parts])
-    order = np.argsort(log_time, kind="stable")
-    place = np.empty(len(order), np.int64)
-    place[order] = np.arange(len(order))
-    payloads: list[Payloads] = []
-    first = 0
-    for part in parts:
-        places = place[first : first + len(part.log_time)]
-        payloads.extend(replace(group, rows=places[group.rows]) for group in part.payloads)
-        first += len(part.log_time)
-    return Outgoing(
-        channel=np.concatenate([part.channel for part in parts])[order],
-        sequence=np.concatenate([part.sequence for part in parts])[order],
-        log_time=log_time[order],
-        publish_time=np.concatenate([part.publish_time for part in parts])[order],
-        size=np.concatenate([part.size for part in parts])[order],
-        payloads=payloads,
-    )
-
-
-def lay_out(messages: Outgoing) -> tuple[Bytes, Ints]:
-    """Write the messages as MCAP records, one after the other.
+        size: (n,) bytes of each payload.
 
     Returns:
-        the bytes, and (n + 1,) where each record begins and the last one ends.
+        (n + 1,) bytes.
     """
-    ends = np.cumsum(messages.size + MESSAGE_HEAD.itemsize)
-    bounds = np.concatenate([[0], ends])
-    records = np.empty(int(bounds[-1]), np.uint8)
-    head = np.empty(len(messages.channel), MESSAGE_HEAD)
-    head["opcode"] = MESSAGE_OPCODE
-    head["length"] = messages.size + (MESSAGE_HEAD.itemsize - _RECORD_HEAD_SIZE)
-    head["channel"] = messages.channel
-    head["sequence"] = messages.sequence
-    head["log_time"] = messages.log_time
-    head["publish_time"] = messages.publish_time
-    _scatter(records, bounds[:-1], head.view(f"V{MESSAGE_HEAD.itemsize}"))
-    payload_place = bounds[:-1] + MESSAGE_HEAD.itemsize
-    for group in messages.payloads:
-        # Recorded payloads are fetched only here, a size at a time, while they are in the cache.
-        data = group.data if group.at is None else group.data[group.at]
-        _scatter(records, payload_place[group.rows], data)
-    return records, bounds
-
-
-def _scatter(target: Bytes, place: Ints, data: NDArray[np.void]) -> None:
-    """Write pieces of one size to their places, in one call through an overlapping view."""
-    size = data.dtype.itemsize
-    if not len(place) or not size:
-        return
-    if len(place) <= _FEW:
-        for start, piece in zip(place.tolist(), data, strict=True):
-            target[start : start + size] = np.frombuffer(piece.tobytes(), np.uint8)
-        return
-    windows: NDArray[np.void] = np.ndarray(
-        (len(target) - size + 1,), f"V{size}", target.data, 0, (1,)
-    )
-    windows[place] = data
+    return _bounds(size + MESSAGE_HEAD.itemsize)
 
 
 def recorded(
@@ -146,7 +76,7 @@ def recorded(
     start: Ints,
     end: Ints,
 ) -> Outgoing:
-    """Return recorded messages, payloads byte for byte.
+    """Lay out recorded messages, payloads byte for byte.
 
     Args:
         channel: (n,) channel ids of the output.
@@ -158,16 +88,116 @@ def recorded(
         end: (n,) first byte after it.
     """
     size = end - start
-    if not len(size):
-        return Outgoing(channel, sequence, log_time, publish_time, size, [])
-    order = stable_order(size)
-    in_order, begin = size[order], start[order]
-    changes = np.flatnonzero(in_order[1:] != in_order[:-1]) + 1
-    payloads: list[Payloads] = []
-    for first, last in pairwise([0, *changes.tolist(), len(order)]):
-        if length := int(in_order[first]):
-            windows: NDArray[np.void] = np.ndarray(
-                (len(buffer) - length + 1,), f"V{length}", buffer.data, 0, (1,)
-            )
-            payloads.append(Payloads(order[first:last], windows, begin[first:last]))
-    return Outgoing(channel, sequence, log_time, publish_time, size, payloads)
+    bounds = record_bounds(size)
+    data = np.empty(int(bounds[-1]), np.uint8)
+    head = np.empty(len(size), MESSAGE_HEAD)
+    head["opcode"] = MESSAGE_OPCODE
+    head["length"] = size + (MESSAGE_HEAD.itemsize - _RECORD_HEAD_SIZE)
+    head["channel"] = channel
+    head["sequence"] = sequence
+    head["log_time"] = log_time
+    head["publish_time"] = publish_time
+    _scatter(data, bounds[:-1], head)
+    _copy(buffer, start, data, bounds[:-1] + MESSAGE_HEAD.itemsize, size)
+    return Outgoing(data, bounds, channel, log_time)
+
+
+def record_template(message: Template, channel: int) -> Template:
+    """Return a template of the records that carry a message; `write_log_time` completes them.
+
+    Args:
+        message: template of the payload.
+        channel: id of the channel, unless it is written into ``channel``.
+    """
+    head = np.zeros((), MESSAGE_HEAD)
+    head["opcode"] = MESSAGE_OPCODE
+    head["length"] = message.size + (MESSAGE_HEAD.itemsize - _RECORD_HEAD_SIZE)
+    head["channel"] = channel
+    varying = [field for field in _fields(MESSAGE_HEAD, 0) if field[0] in _VARYING]
+    numbers = _fields(message.dtype, MESSAGE_HEAD.itemsize)
+    names, formats, offsets = zip(*varying, *numbers, strict=True)
+    dtype = np.dtype(
+        {
+            "names": names,
+            "formats": formats,
+            "offsets": offsets,
+            "itemsize": MESSAGE_HEAD.itemsize + message.size,
+        }
+    )
+    return Template(head.tobytes() + message.message, dtype, message.kinds)
+
+
+def _fields(dtype: "np.dtype[np.void]", first: int) -> list[tuple[str, Any, int]]:
+    """Return name, format and place of a message's numbers where the message begins at `first`."""
+    fields: Mapping[str, tuple[Any, ...]] = dtype.fields or {}
+    return [(name, field[0], first + field[1]) for name, field in fields.items()]
+
+
+def write_log_time(records: NDArray[np.void], log_time: Ints) -> None:
+    """Write log times, ns, into stamped-out records; the publish times are the same."""
+    records["log_time"] = log_time
+    records["publish_time"] = log_time
+
+
+def in_time_order(parts: Sequence[NDArray[np.void]]) -> Outgoing:
+    """Lay out stamped-out records by log time; at equal times the earlier part comes first.
+
+    Args:
+        parts: copies of record templates, each (k,).
+    """
+    counts = [len(part) for part in parts]
+    sizes = [part.dtype.itemsize for part in parts]
+    log_time = _joined(parts, "log_time")
+    order = np.argsort(log_time, kind="stable")
+    bounds = _bounds(np.repeat(np.array(sizes, np.int64), counts)[order])
+    place = np.empty(len(order), np.int64)
+    place[order] = bounds[:-1]
+    data = np.empty(int(bounds[-1]), np.uint8)
+    first = 0
+    for part in parts:
+        _scatter(data, place[first : first + len(part)], part)
+        first += len(part)
+    return Outgoing(data, bounds, _joined(parts, "channel")[order], log_time[order])
+
+
+def _joined(parts: Sequence[NDArray[np.void]], field: str) -> Ints:
+    return np.concatenate([np.empty(0, np.int64), *(part[field] for part in parts)])
+
+
+def _bounds(size: Ints) -> Ints:
+    bounds = np.zeros(len(size) + 1, np.int64)
+    np.cumsum(size, out=bounds[1:])
+    return bounds
+
+
+def _copy(source: Bytes, start: Ints, target: Bytes, place: Ints, size: Ints) -> None:
+    """Copy payloads, each in pieces of the greatest width that is not above its size.
+
+    The last piece of a payload ends where the payload does, over a part of the one before.
+    """
+    left = size > 0
+    for width in _PIECES:
+        rows = np.flatnonzero(left & (size >= width))
+        left[rows] = False
+        if not len(rows):
+            continue
+        begin = start[rows]
+        pieces = -(-size[rows] // width)
+        last = np.cumsum(pieces) - 1
+        at = np.repeat(begin - (last + 1 - pieces) * width, pieces)
+        at += np.arange(0, len(at) * width, width)
+        at[last] = begin + size[rows] - width
+        shift = np.repeat(place[rows] - begin, pieces)
+        _scatter(target, at + shift, _windows(source, width)[at])
+
+
+def _scatter(target: Bytes, place: Ints, data: NDArray[np.void]) -> None:
+    """Write pieces of one size to their places."""
+    if len(place):
+        width = data.dtype.itemsize
+        _windows(target, width)[place] = data.view(f"V{width}")
+
+
+def _windows(data: Bytes, width: int) -> NDArray[np.void]:
+    """Return a view of the pieces that begin at each byte."""
+    return np.ndarray((len(data) - width + 1,), f"V{width}", data.data, 0, (1,))

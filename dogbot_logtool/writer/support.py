@@ -4,6 +4,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from dogbot_logtool.core.arrays import Floats, Ints
 from dogbot_logtool.core.support_scene import SupportScene
@@ -13,7 +14,7 @@ from dogbot_logtool.writer.encoding import (
     SupportStyle,
     support_points,
 )
-from dogbot_logtool.writer.outgoing import Outgoing, stamped
+from dogbot_logtool.writer.outgoing import record_template, write_log_time
 from dogbot_logtool.writer.template import Stretch, Template
 
 
@@ -38,8 +39,8 @@ class SupportStamper:
         self._style = style
         self._forms: dict[SupportShape, _Form] = {}
 
-    def outgoing(self, scene: SupportScene) -> Iterator[Outgoing]:
-        """Yield the messages of a scene."""
+    def outgoing(self, scene: SupportScene) -> Iterator[NDArray[np.void]]:
+        """Yield the records of a scene, those of one size at a time."""
         columns = (
             scene.outline,
             scene.pressure[:, None],
@@ -49,21 +50,23 @@ class SupportStamper:
         for shape, rows in _shapes(columns):
             form = self._form(shape)
             template = form.template
-            messages = template.copies(len(rows))
+            records = template.copies(len(rows))
             for name in form.stamps:
-                template.write_time(messages, name, scene.stamp[rows])
+                template.write_time(records, name, scene.stamp[rows])
             for stretch, column in zip(form.stretches, columns, strict=True):
                 if stretch is not None:
-                    stretch.of(messages)[:] = column[rows, : stretch.shape[0]]
+                    stretch.of(records)[:] = column[rows, : stretch.shape[0]]
             if shape.line_points:
                 for part, parts in zip("rgba", scene.colour[rows].T, strict=True):
-                    messages[part] = parts
-            yield stamped(self._channel, scene.log_time[rows], messages)
+                    records[part] = parts
+            write_log_time(records, scene.log_time[rows])
+            yield records
 
     def _form(self, shape: SupportShape) -> _Form:
         # Two threads may learn the same; no harm is done.
         if shape not in self._forms:
-            template = self._encoding.support(shape, self._frame, self._style)
+            message = self._encoding.support(shape, self._frame, self._style)
+            template = record_template(message, self._channel)
             points = support_points(shape)
             kinds = points.line, points.pressure, points.projection, points.footfalls
             self._forms[shape] = _Form(

@@ -119,7 +119,9 @@ class Template:
 
     def stamps(self, name: str, time: Ints) -> Stamps:
         """Return times, ns, as the numbers ``name.sec`` and ``name.nanosec`` write them."""
-        seconds, nanoseconds = np.divmod(time, 1_000_000_000)
+        # numpy divides by a constant several times faster than it takes the remainder.
+        seconds = time // 1_000_000_000
+        nanoseconds = time - seconds * 1_000_000_000
         if self.kinds[f"{name}.sec"] is Kind.VARINT:
             return Stamps(varints(seconds), varints(nanoseconds))
         return Stamps(seconds, nanoseconds)
@@ -190,8 +192,9 @@ def varints(values: Ints) -> NDArray[np.void]:
     """
     bits = values.view(np.uint64)
     short = not len(bits) or int(bits.max()) < 1 << (7 * _VARINT_SHORT)
+    # In every group but the last the highest bit is set, whatever is shifted into it.
     written = np.full((len(bits), _VARINT_WIDTH), 0x80, np.uint8)
     for group in range(_VARINT_SHORT if short else _VARINT_WIDTH - 1):
-        written[:, group] |= (bits >> np.uint64(7 * group) & np.uint64(0x7F)).astype(np.uint8)
+        written[:, group] |= (bits >> np.uint64(7 * group)).astype(np.uint8)
     written[:, -1] = bits >> np.uint64(63)
     return written.view(f"V{_VARINT_WIDTH}")[:, 0]

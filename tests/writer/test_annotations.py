@@ -27,7 +27,6 @@ from dogbot_logtool.writer.annotations import (
 from dogbot_logtool.writer.encoding import ArrowStyle, Encoding, MessageType
 from dogbot_logtool.writer.foxglove import FoxgloveEncoding
 from dogbot_logtool.writer.mcap_writer import McapWriter
-from dogbot_logtool.writer.outgoing import lay_out
 from dogbot_logtool.writer.ros1 import Ros1Encoding
 from dogbot_logtool.writer.ros2 import Ros2Encoding
 
@@ -75,8 +74,8 @@ def test_channels(encoding: Encoding) -> None:
 def test_without_tf_and_feet_there_is_nothing() -> None:
     annotations = declared(ENCODINGS[0], (), with_tf=False)
     assert (annotations.schemas, annotations.channels) == ([], [])
-    laid, _ = lay_out(annotations.outgoing(AnnotationColumns(no_transforms(), [], [])))
-    assert laid.tobytes() == b""
+    outgoing = annotations.outgoing(AnnotationColumns(no_transforms(), [], []))
+    assert outgoing.data.tobytes() == b""
 
 
 @pytest.mark.parametrize("used", [{1, 2, 3}, {65535}, {40, 65535, 1}, set(range(1, 65500))])
@@ -151,7 +150,7 @@ def loads(foot: list[int], times: list[int]) -> Loads:
 
 
 def messages_of(annotations: Annotations, columns: AnnotationColumns) -> list[tuple[str, Any]]:
-    laid, _ = lay_out(annotations.outgoing(columns))
+    laid = annotations.outgoing(columns).data
     stream = BytesIO(laid.tobytes())
     topics = annotations.topics()
     found: list[tuple[str, Any]] = []

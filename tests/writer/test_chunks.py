@@ -21,7 +21,8 @@ from dogbot_logtool.writer.chunks import (
     finish_chunk,
     finish_chunks,
 )
-from dogbot_logtool.writer.outgoing import Outgoing, in_time_order, lay_out, recorded, stamped
+from dogbot_logtool.writer.outgoing import Outgoing, in_time_order, recorded
+from tests.writer.stamping import stamped
 
 COMPRESSIONS: tuple[Compression, ...] = get_args(Compression)
 HEAD = 9
@@ -138,6 +139,5 @@ def test_the_same_messages_give_the_same_bytes(compression: Compression) -> None
 
 def test_the_checksum_is_of_the_plain_bytes() -> None:
     messages = outgoing([7], [1], [b"payload" * 100])
-    data, bounds = lay_out(messages)
-    chunk = finish_chunk(data, messages.channel, messages.log_time, bounds[:-1], "zstd")
-    assert parse(chunk).uncompressed_crc == zlib.crc32(data.tobytes())
+    chunk = finish_chunk(messages, "zstd")
+    assert parse(chunk).uncompressed_crc == zlib.crc32(messages.data.tobytes())

@@ -16,7 +16,8 @@ from mcap.stream_reader import StreamReader
 from dogbot_logtool import __version__
 from dogbot_logtool.writer.chunks import Compression, finish_chunks
 from dogbot_logtool.writer.mcap_writer import MAGIC, McapWriter, metadata_record
-from dogbot_logtool.writer.outgoing import in_time_order, stamped
+from dogbot_logtool.writer.outgoing import in_time_order
+from tests.writer.stamping import stamped
 
 COMPRESSIONS: tuple[Compression, ...] = get_args(Compression)
 SCHEMAS = [records.Schema(1, b"text", "ros1msg", "a/B"), records.Schema(7, b"", "", "empty")]
@@ -226,7 +227,8 @@ def test_a_message_at_time_zero_starts_the_file() -> None:
     writer.add_channel(CHANNELS[1])
     for times in ([5, 6], [0], [7]):
         payload = np.zeros(len(times), "V1")
-        for chunk in finish_chunks(stamped(4, np.array(times, np.int64), payload), "none"):
+        records_ = stamped(4, np.array(times, np.int64), payload)
+        for chunk in finish_chunks(in_time_order([records_]), "none"):
             writer.add_chunk(chunk)
     writer.finish()
     summary = make_reader(BytesIO(sink.getvalue())).get_summary()

@@ -3,12 +3,15 @@
 from dataclasses import dataclass
 
 import numpy as np
+import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from mcap import records
 from mcap.data_stream import RecordBuilder
+from numpy.typing import NDArray
 
-from dogbot_logtool.writer.outgoing import Outgoing, in_time_order, lay_out, recorded, stamped
+from dogbot_logtool.writer.outgoing import Outgoing, in_time_order, recorded
+from tests.writer.stamping import stamped
 
 
 @dataclass(frozen=True, slots=True)
@@ -20,15 +23,19 @@ class Sent:
     data: bytes
 
 
+# Payloads are copied in pieces: short ones, and lengths about multiples of the widths.
+PAYLOADS = st.one_of(
+    st.binary(max_size=40),
+    st.integers(0, 3).map(lambda size: b"abc"[:size]),
+    st.integers(200, 1100).map(lambda size: bytes(place % 251 for place in range(size))),
+)
 SENT = st.builds(
     Sent,
     channel=st.integers(0, 2**16 - 1),
     sequence=st.integers(0, 2**32 - 1),
     log_time=st.integers(0, 2**63 - 1),
     publish_time=st.integers(0, 2**63 - 1),
-    data=st.one_of(
-        st.binary(max_size=40), st.integers(0, 3).map(lambda n: b"abc"[:n]), st.just(bytes(2000))
-    ),
+    data=PAYLOADS,
 )
 
 
@@ -54,7 +61,7 @@ def one_by_one(messages: list[Sent]) -> tuple[bytes, list[int]]:
     return data, bounds
 
 
-def columns_of(messages: list[Sent], order: list[int]) -> Outgoing:
+def recorded_of(messages: list[Sent], order: list[int]) -> Outgoing:
     """Return messages as a reader gives them: payloads anywhere in a buffer."""
     places: dict[int, int] = {}
     buffer = b"head"
@@ -77,10 +84,10 @@ def columns_of(messages: list[Sent], order: list[int]) -> Outgoing:
 @given(st.data(), st.lists(SENT, max_size=40))
 def test_recorded_messages(data: st.DataObject, messages: list[Sent]) -> None:
     order = data.draw(st.permutations(range(len(messages))))
-    laid, bounds = lay_out(columns_of(messages, order))
+    outgoing = recorded_of(messages, order)
     wanted, wanted_bounds = one_by_one(messages)
-    assert laid.tobytes() == wanted
-    assert bounds.tolist() == wanted_bounds
+    assert outgoing.data.tobytes() == wanted
+    assert outgoing.bounds.tolist() == wanted_bounds
 
 
 @given(
@@ -98,31 +105,39 @@ def test_stamped_messages_of_many_channels_merge_by_time(
     parts: list[tuple[int, int, list[int]]],
 ) -> None:
     rng = np.random.default_rng(1)
-    outgoing: list[Outgoing] = []
+    stamped_out: list[NDArray[np.void]] = []
     messages: list[Sent] = []
     for channel, size, times in parts:
         payload = rng.integers(0, 256, (len(times), size), np.uint8)
-        outgoing.append(stamped(channel, ints(times), payload.view(f"V{size}").reshape(-1)))
+        stamped_out.append(stamped(channel, ints(times), payload.view(f"V{size}").reshape(-1)))
         messages.extend(
             Sent(channel, 0, time, time, row.tobytes())
             for time, row in zip(times, payload, strict=True)
         )
-    merged = in_time_order(outgoing)
-    laid, _ = lay_out(merged)
+    merged = in_time_order(stamped_out)
     # Python's sort is stable, so at equal times the earlier part comes first here too.
-    wanted, _ = one_by_one(sorted(messages, key=lambda message: message.log_time))
-    assert laid.tobytes() == wanted
+    messages.sort(key=lambda message: message.log_time)
+    wanted, bounds = one_by_one(messages)
+    assert merged.data.tobytes() == wanted
+    assert merged.bounds.tolist() == bounds
+    assert merged.channel.tolist() == [message.channel for message in messages]
+    assert merged.log_time.tolist() == [message.log_time for message in messages]
 
 
-@given(st.lists(SENT, max_size=20), st.lists(SENT, max_size=20))
-def test_recorded_messages_merge_by_time(first: list[Sent], second: list[Sent]) -> None:
-    parts = [columns_of(part, list(range(len(part)))) for part in (first, second)]
-    laid, _ = lay_out(in_time_order(parts))
-    merged = sorted([*first, *second], key=lambda message: message.log_time)
-    assert laid.tobytes() == one_by_one(merged)[0]
+@given(st.lists(SENT, min_size=1, max_size=12), st.data())
+def test_a_part_stands_for_itself(messages: list[Sent], data: st.DataObject) -> None:
+    first = data.draw(st.integers(0, len(messages)))
+    last = data.draw(st.integers(first, len(messages)))
+    part = recorded_of(messages, list(range(len(messages)))).part(slice(first, last))
+    wanted, bounds = one_by_one(messages[first:last])
+    assert part.data.tobytes() == wanted
+    assert part.bounds.tolist() == bounds
+    assert part.channel.tolist() == [message.channel for message in messages[first:last]]
+    assert part.log_time.tolist() == [message.log_time for message in messages[first:last]]
 
 
-def test_nothing() -> None:
-    laid, bounds = lay_out(stamped(1, ints([]), np.empty(0, "V7")))
-    assert laid.tobytes() == b""
-    assert bounds.tolist() == [0]
+@pytest.mark.parametrize("parts", [[], [stamped(1, ints([]), np.empty(0, "V7"))]])
+def test_nothing(parts: list[NDArray[np.void]]) -> None:
+    nothing = in_time_order(parts)
+    assert nothing.data.tobytes() == b""
+    assert nothing.bounds.tolist() == [0]

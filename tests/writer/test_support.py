@@ -15,6 +15,7 @@ from dogbot_logtool.core.arrays import Floats
 from dogbot_logtool.core.support_scene import SupportScene
 from dogbot_logtool.writer.encoding import Encoding, SupportStyle
 from dogbot_logtool.writer.foxglove import FoxgloveEncoding
+from dogbot_logtool.writer.outgoing import MESSAGE_HEAD
 from dogbot_logtool.writer.ros1 import Ros1Encoding
 from dogbot_logtool.writer.ros2 import Ros2Encoding
 from dogbot_logtool.writer.support import SupportStamper
@@ -53,12 +54,10 @@ def scene_of(counts: list[tuple[int, bool, bool, int]]) -> SupportScene:
 def stamped(encoding: Encoding, scene: SupportScene) -> list[bytes]:
     """Return the payloads in the order of time."""
     found: dict[int, bytes] = {}
-    for outgoing in SupportStamper(9, encoding, "world", STYLE).outgoing(scene):
-        assert set(outgoing.channel.tolist()) == {9}
-        (group,) = outgoing.payloads
-        assert group.at is None
-        for row, data in zip(group.rows.tolist(), group.data, strict=True):
-            found[int(outgoing.log_time[row])] = data.tobytes()
+    for stamped_out in SupportStamper(9, encoding, "world", STYLE).outgoing(scene):
+        assert set(stamped_out["channel"].tolist()) == {9}
+        for time, record in zip(stamped_out["log_time"].tolist(), stamped_out, strict=True):
+            found[time] = record.tobytes()[MESSAGE_HEAD.itemsize :]
     assert sorted(found) == scene.log_time.tolist()
     return [found[time] for time in sorted(found)]
 
