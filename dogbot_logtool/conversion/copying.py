@@ -2,6 +2,8 @@
 
 from collections.abc import Iterator
 
+import numpy as np
+
 from dogbot_logtool.reader.log import Batch, LoadedChunk, Messages
 from dogbot_logtool.writer.chunks import (
     Compression,
@@ -61,7 +63,7 @@ def _verbatim(messages: Messages, loaded: LoadedChunk) -> FinishedChunk:
     chunk = loaded.chunk
     rows = messages.pick(loaded.rows)
     return indexed_chunk(
-        bytes(loaded.stored[: chunk.end - chunk.offset]),
+        np.frombuffer(loaded.stored[: chunk.end - chunk.offset], np.uint8),
         rows.channel,
         rows.log_time,
         rows.start - MESSAGE_HEAD.itemsize - loaded.base,

@@ -42,8 +42,8 @@ _CODECS: Final = _Codecs()
 class FinishedChunk:
     """A chunk record and its message index records, ready to be written."""
 
-    record: bytes
-    """The whole chunk record."""
+    record: Bytes
+    """The whole chunk record; an array, which can be sent as it lies."""
     index: bytes
     """The message index records that follow it."""
     index_offsets: Mapping[int, int]
@@ -94,7 +94,7 @@ def finish_chunk(messages: Outgoing, compression: Compression) -> FinishedChunk:
         uncompressed_size=len(data),
     ).write(builder)
     return indexed_chunk(
-        builder.end(),
+        np.frombuffer(builder.end(), np.uint8),
         messages.channel,
         messages.log_time,
         messages.bounds[:-1],
@@ -105,7 +105,7 @@ def finish_chunk(messages: Outgoing, compression: Compression) -> FinishedChunk:
 
 
 def indexed_chunk(
-    record: bytes,
+    record: Bytes,
     channel: Ints,
     log_time: Ints,
     offset: Ints,

@@ -57,7 +57,7 @@ class McapWriter:
     def add_chunk(self, chunk: FinishedChunk) -> None:
         """Write a chunk with its message index."""
         offset = self._place
-        self._write(chunk.record)
+        self._write(chunk.record.data)
         index_start = self._place
         self._write(chunk.index)
         index = records.ChunkIndex(
