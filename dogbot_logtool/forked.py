@@ -31,10 +31,15 @@ def forked(
 ) -> Generator[Result, None, None]:
     """Yield `work(item, baton)` for every item, in order; see `dogbot_logtool.parallel.relayed`.
 
+    Args:
+        work: what is done to an item.
+        items: at least as many as `jobs`.
+        jobs: at least two, since a process cannot hand on a large baton to itself.
+        first: the baton of the first item.
+
     Raises:
         LogtoolError: a process died.
     """
-    jobs = min(jobs, len(items))
     with _crew(work, items, jobs, first) as results:
         for number in range(len(items)):
             yield _received(results[number % jobs])

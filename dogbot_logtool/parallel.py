@@ -70,12 +70,15 @@ def relayed(
         LogtoolError: a process died.
     """
     _keep_freed_memory()
-    if jobs == 1:
-        return one_by_one(work, items, first)
-    if forks and _can_fork():
+    if jobs > 1 and forks and _can_fork():
         from dogbot_logtool.forked import forked  # noqa: PLC0415 - takes time, and may not be
 
-        return forked(work, list(items), jobs, first)
+        items = list(items)
+        jobs = min(jobs, len(items))
+        if jobs > 1:
+            return forked(work, items, jobs, first)
+    if jobs <= 1:
+        return one_by_one(work, items, first)
     return _threaded(work, items, jobs, first)
 
 

@@ -53,14 +53,15 @@ def test_batons_pass_from_each_item_to_the_next(
 
 @every_way
 @pytest.mark.parametrize("jobs", [2, 3])
-def test_large_batons_and_results_get_through(*, forks: bool, jobs: int) -> None:
+@pytest.mark.parametrize("items", [1, 2, 3, 8])
+def test_large_batons_and_results_get_through(*, forks: bool, items: int, jobs: int) -> None:
     def work(item: int, baton: Baton[np.ndarray]) -> np.ndarray:
         state = baton.take()
         baton.pass_on(state + 1)
         return state + item
 
     first = np.zeros(1 << 20)
-    for number, result in enumerate(relayed(work, range(8), jobs, first, forks=forks)):
+    for number, result in enumerate(relayed(work, range(items), jobs, first, forks=forks)):
         assert (result == 2 * number).all()
 
 
