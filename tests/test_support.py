@@ -279,7 +279,7 @@ def test_it_does_not_matter_where_batches_end(folder: Path, tmp_path: Path) -> N
     for number, one in enumerate(read_log(TROT)):
         entries.append(Entry(one.topic, one.type_name, one.log_time, one.data))
         if number % 500 == 77:
-            entries.append(Entry("/filler", TEXT_TYPE, one.log_time, text("-" * 3_000_000)))
+            entries.append(Entry("/filler", TEXT_TYPE, one.log_time, text("-" * 6_000_000)))
     log = write_ros1_mcap(tmp_path / "log.mcap", entries, chunk_size=1 << 20)
     opened = open_log(log)
     assert len(list(opened.spans())) > 10

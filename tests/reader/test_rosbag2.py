@@ -15,6 +15,7 @@ from dogbot_logtool.compare import CompareOptions, compare
 from dogbot_logtool.errors import CallError, LogError, LogtoolError
 from dogbot_logtool.reader.contact_sources.registry import read_contacts
 from dogbot_logtool.reader.contact_sources.source import FootChannels
+from dogbot_logtool.reader.log import BATCH_SIZE
 from dogbot_logtool.reader.mcap_extras import read_extra
 from dogbot_logtool.reader.opening import open_log
 from dogbot_logtool.robot import Foot
@@ -247,12 +248,12 @@ def test_a_type_that_nobody_knows_is_still_a_topic(tmp_path: Path) -> None:
 
 def test_large_logs_are_read_in_batches(tmp_path: Path) -> None:
     data = ENTRIES[0].data + bytes(300_000)
-    entries = [Entry("/odom", "nav_msgs/msg/Odometry", time, data) for time in range(1, 41)]
+    entries = [Entry("/odom", "nav_msgs/msg/Odometry", time, data) for time in range(1, 81)]
     log = open_log(write(tmp_path / "bag", entries=entries))
     spans = list(log.spans())
     sizes = [len(log.read(span).buffer) for span in spans]
     assert len(spans) > 2
-    assert max(sizes) < 8 << 20
+    assert max(sizes) < BATCH_SIZE + (2 << 20)
     assert sum(len(log.read(span).messages) for span in log.spans(start=11, end=20)) >= 10
     log.close()
 
