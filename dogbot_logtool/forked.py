@@ -130,44 +130,92 @@ def _crew(
     work: RelayWork[Item, State, Result], items: Sequence[Item], jobs: int, first: State
 ) -> Iterator[list["Connection[Any, Any]"]]:
     """Start the workers; yield the ends from which their results come."""
-    batons = [_FORK.Pipe(duplex=False) for _ in range(jobs)]
-    results = [_FORK.Pipe(duplex=False) for _ in range(jobs)]
-    for _, end in results:
-        # The system may allow less; then more switches from process to process are paid.
-        with suppress(OSError):
-            fcntl.fcntl(end.fileno(), fcntl.F_SETPIPE_SZ, _RESULT_SIZE)
-    all_ends = [end for pipe in (*batons, *results) for end in pipe]
+    pipes = _Pipes()
     crew: list[ForkProcess] = []
-    for number in range(jobs):
-        ends = _Ends(batons[number][0], batons[(number + 1) % jobs][1], results[number][1])
-
-        def serve(number: int = number, ends: _Ends = ends) -> None:
-            # A pipe ends only when nobody holds its other end.
-            _close([end for end in all_ends if end not in set(ends)])
-            _serve(work, items[number::jobs], ends, [] if number else [first])
-
-        crew.append(_FORK.Process(target=serve, daemon=True))
     try:
-        for process in crew:
-            process.start()
-        sources = [source for source, _ in results]
-        _close([end for end in all_ends if end not in sources])
-        yield sources
+        try:
+            for number, ends in enumerate(pipes.ring(jobs)):
+                given = [] if number else [first]
+                crew.append(_started(work, items[number::jobs], ends, given, pipes))
+        except OSError as error:
+            raise LogtoolError(
+                f"{jobs} processes cannot be started: {error.strerror}; try fewer --jobs"
+            ) from error
+        pipes.close_all_but(pipes.results)
+        yield pipes.results
     finally:
         for process in crew:
             process.kill()
         for process in crew:
             process.join()
-        _close(source for source, _ in results)
+        pipes.close_all_but([])
+
+
+class _Pipes:
+    """All ends of all pipes between workers, and from them to here."""
+
+    def __init__(self) -> None:
+        self.results: list[Connection[Any, Any]] = []
+        """Where results arrive, by worker."""
+        self._ends: list[Connection[Any, Any]] = []
+
+    def ring(self, jobs: int) -> list[_Ends]:
+        """Return the ends of each worker: it takes batons from the one before it."""
+        batons = [self._pipe() for _ in range(jobs)]
+        results = [self._pipe() for _ in range(jobs)]
+        for arrive, leave in results:
+            self.results.append(arrive)
+            # The system may allow less; then more switches from process to process are paid.
+            with suppress(OSError):
+                fcntl.fcntl(leave.fileno(), fcntl.F_SETPIPE_SZ, _RESULT_SIZE)
+        return [
+            _Ends(batons[number][0], batons[(number + 1) % jobs][1], results[number][1])
+            for number in range(jobs)
+        ]
+
+    def _pipe(self) -> tuple["Connection[Any, Any]", "Connection[Any, Any]"]:
+        pipe = _FORK.Pipe(duplex=False)
+        self._ends.extend(pipe)
+        return pipe
+
+    def close_all_but(self, kept: Iterable["Connection[Any, Any]"]) -> None:
+        """Close ends: a pipe is over only when nobody holds its other end."""
+        kept = set(kept)
+        for end in self._ends:
+            if end not in kept:
+                end.close()
+
+
+def _started(
+    work: RelayWork[Item, State, Result],
+    items: Sequence[Item],
+    ends: _Ends,
+    given: list[State],
+    pipes: _Pipes,
+) -> ForkProcess:
+    """Start a worker."""
+    signals = signal.pthread_sigmask(signal.SIG_BLOCK, (signal.SIGINT, signal.SIGTERM))
+
+    def serve() -> None:
+        # Ctrl-C reaches all processes; only the first one decides, and ends the others.
+        signal.signal(signal.SIGINT, signal.SIG_IGN)
+        signal.signal(signal.SIGTERM, signal.SIG_DFL)
+        signal.pthread_sigmask(signal.SIG_SETMASK, signals)
+        pipes.close_all_but(ends)
+        _serve(work, items, ends, given)
+
+    try:
+        process = _FORK.Process(target=serve, daemon=True)
+        process.start()
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, signals)
+    return process
 
 
 def _serve(
     work: RelayWork[Item, State, Result], items: Sequence[Item], ends: _Ends, given: list[State]
 ) -> None:
     """Work on some items; runs in a copy of the process."""
-    # Ctrl-C reaches all processes; only the first one decides, and ends the others.
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
-    signal.signal(signal.SIGTERM, signal.SIG_DFL)
     baton = _Piped(ends, given)
     for item in items:
         try:
@@ -183,8 +231,3 @@ def _serve(
             return
         if isinstance(outcome, _Raised):
             return
-
-
-def _close(ends: Iterable["Connection[Any, Any]"]) -> None:
-    for end in ends:
-        end.close()

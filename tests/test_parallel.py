@@ -3,11 +3,13 @@
 import multiprocessing
 import os
 import signal
+import subprocess
 import sys
 import threading
 import time
 from collections.abc import Iterator
 from contextlib import closing
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -203,6 +205,55 @@ def test_an_interruption_ends_all_processes() -> None:
             os.kill(process.pid or 0, signal.SIGINT)
         assert len(multiprocessing.active_children()) >= 2
     assert_nobody_is_left()
+
+
+@pytest.mark.skipif(True not in FORKS, reason="processes are not forked here")
+def test_no_process_outlives_the_first_one() -> None:
+    script = """
+import os, time
+from dogbot_logtool.parallel import relayed
+
+def work(item, baton):
+    state = baton.take()
+    baton.pass_on(state)
+    time.sleep(0.01)
+    return bytes(1 << 20), os.getpid()
+
+for _, worker in relayed(work, range(10_000), 3, 0, forks=True):
+    print(worker, flush=True)
+"""
+    with subprocess.Popen(  # noqa: S603
+        [sys.executable, "-c", script], stdout=subprocess.PIPE, text=True
+    ) as process:
+        assert process.stdout is not None
+        workers = {int(next(process.stdout)) for _ in range(6)}
+        process.kill()
+    assert len(workers) == 3
+    deadline = time.monotonic() + 30.0
+    while any(Path(f"/proc/{worker}").exists() for worker in workers):
+        assert time.monotonic() < deadline
+        time.sleep(0.01)
+
+
+@pytest.mark.skipif(True not in FORKS, reason="processes are not forked here")
+def test_processes_that_cannot_be_started_are_told() -> None:
+    script = """
+import resource
+from dogbot_logtool.errors import LogtoolError
+from dogbot_logtool.parallel import in_order
+
+resource.setrlimit(resource.RLIMIT_NOFILE, (20, 20))
+try:
+    list(in_order(str, range(100), 50, forks=True))
+except LogtoolError as error:
+    print(error)
+"""
+    done = subprocess.run(  # noqa: S603
+        [sys.executable, "-c", script], capture_output=True, text=True, check=True
+    )
+    assert done.stdout == (
+        "50 processes cannot be started: Too many open files; try fewer --jobs\n"
+    )
 
 
 @every_way
