@@ -1,18 +1,14 @@
 """`dogbot-logtool stats`: which gait, how loaded, and can the recording be trusted."""
 
 from collections import Counter
-from collections.abc import Callable, Generator, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Generator, Iterable, Sequence
+from contextlib import closing
 from dataclasses import dataclass, field, replace
 from functools import partial
 from typing import Final, Literal
 
-import numpy as np
-
-from dogbot_logtool.core.arrays import Ints, rows_by_group
 from dogbot_logtool.core.clock import TimeSource, UnusableStamps
-from dogbot_logtool.core.contacts import Samples
 from dogbot_logtool.core.curves import CurveDetail
-from dogbot_logtool.core.odometry import Odometry
 from dogbot_logtool.core.settings import FootPlace, StatsSettings
 from dogbot_logtool.core.silent_swing import SwingTeller
 from dogbot_logtool.core.walk_stats import Stats, StatsAccumulator
@@ -26,14 +22,10 @@ from dogbot_logtool.evidence import (
     look_into,
 )
 from dogbot_logtool.findings import Finding
+from dogbot_logtool.measuring import BatchMeasurer, MeasuredBatch
 from dogbot_logtool.parallel import Progress, in_order
-from dogbot_logtool.reader.columns import Texts
-from dogbot_logtool.reader.contact_sources.registry import read_contacts
-from dogbot_logtool.reader.contact_sources.source import FootChannels
-from dogbot_logtool.reader.log import Batch, Log, Loss, Span, lost_messages
+from dogbot_logtool.reader.log import Log, Loss, Span, lost_messages
 from dogbot_logtool.reader.losses import undecodable
-from dogbot_logtool.reader.messages import DecodedMessages
-from dogbot_logtool.reader.odometry import decode_odometry, joined_odometry
 from dogbot_logtool.reader.opening import open_log
 from dogbot_logtool.report.stats_json import LogFacts
 from dogbot_logtool.robot import Robot
@@ -45,13 +37,7 @@ from dogbot_logtool.selection import (
     time_limits,
 )
 from dogbot_logtool.storage import Location, shown
-from dogbot_logtool.world_frames import (
-    BatchFrames,
-    StreamedFrames,
-    WorldFrames,
-    follow_frames,
-    read_frames,
-)
+from dogbot_logtool.world_frames import StreamedFrames, WorldFrames, follow_frames
 
 TimeSourceOption = Literal["header", "log"]
 _FRAMES: Final = {"world": WrenchFrame.WORLD, "link": WrenchFrame.LINK}
@@ -89,47 +75,6 @@ class Measurement:
     def exit_code(self) -> int:
         """0: done; 3: done, but the log was damaged."""
         return 3 if self.losses else 0
-
-
-@dataclass(frozen=True, slots=True)
-class _Times:
-    """Times of a topic's messages in a batch, for its quality."""
-
-    topic: str
-    log_time: Ints
-    stamp: Ints | None
-    frame_ids: tuple[str, ...]
-
-
-@dataclass(frozen=True, slots=True)
-class MeasuredBatch:
-    """What a batch holds of use."""
-
-    samples: Sequence[Samples]
-    odometry: Odometry
-    frames: BatchFrames | None
-    """What it tells of the links; None where no force must be turned into the world."""
-    times: Sequence[_Times]
-    malformed: Mapping[int, int]
-    losses: Sequence[Loss]
-    messages: int
-    stored_size: int
-
-
-@dataclass(frozen=True, slots=True)
-class BatchMeasurer:
-    """Reads batches; called in several threads or processes at once."""
-
-    selection: Selection
-    feet: FootChannels
-    frames: WorldFrames | None
-    """What turns forces into the world; None where none must be."""
-    limits: tuple[int | None, int | None]
-    """ns, log times from which and up to which messages are taken; None: no limit."""
-
-    def __call__(self, log: Log, span: Span) -> MeasuredBatch:
-        """Read and decode one batch."""
-        return _measure_batch(log, self.selection, self.feet, span, self.limits, self.frames)
 
 
 BatchSource = Callable[[Log, BatchMeasurer, Iterable[Span]], Generator[MeasuredBatch, None, None]]
@@ -212,56 +157,88 @@ def _pass(
     batches: BatchSource | None,
 ) -> Measurement:
     """Read the log once, feeding all messages to the figures in order."""
-    start, end = time_limits(log, options.start_s, options.end_s)
-    accumulator = StatsAccumulator(settings, options.curves)
-    losses = list(log.losses)
-    malformed: Counter[int] = Counter()
-    messages = done = 0
-    total = sum(chunk.data_size for chunk in log.chunks)
-
+    limits = time_limits(log, options.start_s, options.end_s)
     frames = _frames(selection, evidence, settings)
-    forces = StreamedFrames(frames) if frames else None
-    swings = SwingTeller(
-        evidence.intervals,
-        log.start_time if start is None else None,
-        log.end_time if end is None else None,
-    )
     feet = replace(
         selection.foot_channels(settings.contact_on_n, settings.contact_off_n),
         left_after_ns=evidence.left_after_ns,
     )
+    measurer = BatchMeasurer(selection, feet, frames, limits)
+    feed = _Feed(
+        StatsAccumulator(settings, options.curves),
+        _swings(log, evidence, limits),
+        StreamedFrames(frames) if frames else None,
+        list(log.losses),
+    )
+    done, total = 0, sum(chunk.data_size for chunk in log.chunks)
+    with closing(_measured(log, measurer, options.jobs, batches)) as measured:
+        for batch in measured:
+            feed.take(batch)
+            done += batch.stored_size
+            if progress is not None:
+                progress(done, total)
+    return feed.finish(log, selection, evidence)
 
-    measurer = BatchMeasurer(selection, feet, frames, (start, end))
-    spans = log.spans(start, end)
-    if batches is None:
-        measured = in_order(partial(measurer, log), spans, options.jobs, forks=log.can_fork)
-    else:
-        measured = batches(log, measurer, spans)
-    for batch in measured:
-        accumulator.add_odometry(batch.odometry)
-        ready = swings.add(batch.samples)
-        if forces is not None and batch.frames is not None:
-            ready = forces.add(ready, batch.frames)
+
+def _measured(
+    log: Log, measurer: BatchMeasurer, jobs: int, batches: BatchSource | None
+) -> Generator[MeasuredBatch, None, None]:
+    """Read all batches, here or by who else does it."""
+    spans = log.spans(*measurer.limits)
+    if batches is not None:
+        return batches(log, measurer, spans)
+    return in_order(partial(measurer, log), spans, jobs, forks=log.can_fork)
+
+
+def _swings(log: Log, evidence: Evidence, limits: tuple[int | None, int | None]) -> SwingTeller:
+    """Return what tells the swings of silent sensors, up to the log's ends if all of it is read."""
+    start, end = limits
+    return SwingTeller(
+        evidence.intervals,
+        log.start_time if start is None else None,
+        log.end_time if end is None else None,
+    )
+
+
+@dataclass(slots=True)
+class _Feed:
+    """Hands batches, in their order, to the figures."""
+
+    accumulator: StatsAccumulator
+    swings: SwingTeller
+    forces: StreamedFrames | None
+    losses: list[Loss]
+    malformed: Counter[int] = field(default_factory=Counter)
+    messages: int = 0
+
+    def take(self, batch: MeasuredBatch) -> None:
+        """Take the next batch."""
+        self.accumulator.add_odometry(batch.odometry)
+        ready = self.swings.add(batch.samples)
+        if self.forces is not None and batch.frames is not None:
+            ready = self.forces.add(ready, batch.frames)
         for samples in ready:
-            accumulator.add_contacts(samples)
+            self.accumulator.add_contacts(samples)
         for times in batch.times:
-            accumulator.add_message_times(times.topic, times.log_time, times.stamp, times.frame_ids)
-        losses.extend(batch.losses)
-        malformed.update(batch.malformed)
-        messages += batch.messages
-        done += batch.stored_size
-        if progress is not None:
-            progress(done, total)
-    for samples in swings.finish():
-        accumulator.add_contacts(samples)
-    losses.extend(undecodable(log.channels, malformed))
-    # The figures have a finding of their own for each topic's stamps.
-    seen = [f for f in evidence_findings(selection, evidence) if f.code != "W_ZERO_STAMPS"]
-    findings = [*selection.findings, *seen]
-    if forces is not None:
-        findings.extend(forces.findings())
-    facts = _facts(log, selection.robot.name, findings, messages, losses)
-    return Measurement(accumulator.finish(), facts, tuple(losses))
+            self.accumulator.add_message_times(
+                times.topic, times.log_time, times.stamp, times.frame_ids
+            )
+        self.losses.extend(batch.losses)
+        self.malformed.update(batch.malformed)
+        self.messages += batch.messages
+
+    def finish(self, log: Log, selection: Selection, evidence: Evidence) -> Measurement:
+        """End the log."""
+        for samples in self.swings.finish():
+            self.accumulator.add_contacts(samples)
+        losses = [*self.losses, *undecodable(log.channels, self.malformed)]
+        # The figures have a finding of their own for each topic's stamps.
+        seen = [f for f in evidence_findings(selection, evidence) if f.code != "W_ZERO_STAMPS"]
+        findings = [*selection.findings, *seen]
+        if self.forces is not None:
+            findings.extend(self.forces.findings())
+        facts = _facts(log, selection.robot.name, findings, self.messages, losses)
+        return Measurement(self.accumulator.finish(), facts, tuple(losses))
 
 
 def _frames(
@@ -282,73 +259,6 @@ def _frames(
         turn_forces=settings.wrench_frame is WrenchFrame.LINK,
         place_sensors=False,
     )
-
-
-def _measure_batch(
-    log: Log,
-    selection: Selection,
-    feet: FootChannels,
-    span: Span,
-    limits: tuple[int | None, int | None],
-    frames: WorldFrames | None,
-) -> MeasuredBatch:
-    batch = log.read(span).cropped(*limits)
-    decoded = decode_odometry(batch, selection.odometry)
-    odometry = joined_odometry(decoded)
-    contacts = read_contacts(batch, selection.contacts, feet)
-    samples = [read.felt.samples for read in contacts]
-    with_header = [read.messages for read in contacts if read.source.has_header]
-    stamped: dict[str, _Times] = {}
-    for messages in (*decoded, *with_header):
-        stamped.update(_stamped_times(log, messages))
-    return MeasuredBatch(
-        samples=samples,
-        odometry=odometry,
-        frames=(
-            read_frames(log, selection, frames, span, batch, odometry, samples, limits)
-            if frames is not None
-            else None
-        ),
-        times=list((_log_times(log, batch) | stamped).values()),
-        malformed={
-            channel: count
-            for messages in (*decoded, *(read.messages for read in contacts))
-            for channel, count in messages.malformed.items()
-        },
-        losses=batch.losses,
-        messages=len(batch.messages),
-        stored_size=sum(chunk.data_size for chunk in span),
-    )
-
-
-def _log_times(log: Log, batch: Batch) -> dict[str, _Times]:
-    """Return the log times of every topic in a batch."""
-    log_time = batch.messages.log_time
-    return {
-        topic: _Times(topic, log_time[rows], None, ())
-        for topic, rows in _by_topic(log, batch.messages.channel)
-    }
-
-
-def _stamped_times(log: Log, messages: DecodedMessages) -> dict[str, _Times]:
-    """Return log times, stamps and frames of the topics of decoded messages."""
-    stamp = messages.table.nanoseconds("header.stamp")
-    frame = messages.table.texts("header.frame_id")
-    topics = {}
-    for topic, rows in _by_topic(log, messages.channel):
-        _, frames = Texts(frame.buffer, frame.start[rows], frame.length[rows]).encode()
-        topics[topic] = _Times(topic, messages.log_time[rows], stamp[rows], frames)
-    return topics
-
-
-def _by_topic(log: Log, channel: Ints) -> Iterator[tuple[str, Ints]]:
-    """Yield each topic, whoever sends on it, with the rows of its messages in their order."""
-    topics = sorted({each.topic for each in log.channels.values()})
-    number = {topic: row for row, topic in enumerate(topics)}
-    ids = sorted(log.channels)
-    numbers = np.array([number[log.channels[each].topic] for each in ids], np.int64)
-    for row, rows in rows_by_group(numbers[np.searchsorted(ids, channel)]):
-        yield topics[row], rows
 
 
 def _facts(

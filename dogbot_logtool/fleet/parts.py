@@ -24,8 +24,8 @@ if TYPE_CHECKING:
     from dogbot_logtool.batches import ConvertedBatch
     from dogbot_logtool.conversion.carried import Carried
     from dogbot_logtool.conversion.reading import Extract
+    from dogbot_logtool.measuring import BatchMeasurer, MeasuredBatch
     from dogbot_logtool.plan import Plan
-    from dogbot_logtool.stats import BatchMeasurer, MeasuredBatch
     from dogbot_logtool.writer.annotations import Annotations
 
 PART_SIZE: Final = 16 << 20
