@@ -1,7 +1,9 @@
 """The command line: exit codes, what goes to stdout and stderr, signals, start-up."""
 
+import contextlib
 import json
 import os
+import pty
 import resource
 import signal
 import struct
@@ -13,6 +15,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+import pyte
 import pytest
 from mcap.reader import make_reader
 from mcap.writer import CompressionType
@@ -759,6 +762,42 @@ def test_no_progress_bar_where_there_is_no_terminal(tmp_path: Path) -> None:
     assert done.code == 0
     assert "\x1b" not in done.err
     assert "\r" not in done.err
+
+
+@pytest.mark.parametrize("logs", [[TROT], [TROT, TROUBLED]])
+@pytest.mark.parametrize("command", ["convert", "stats"])
+def test_a_terminal_shows_in_the_end_what_a_pipe_gets(
+    tmp_path: Path, command: str, logs: list[Path]
+) -> None:
+    output = ["-o", "./", "--overwrite"] if command == "convert" else []
+    words = [sys.executable, "-m", "dogbot_logtool", command, *map(str, logs), *output]
+    size = {"COLUMNS": "160", "LINES": "60", "TERM": "xterm"}
+    done = subprocess.run(  # noqa: S603
+        words,
+        cwd=tmp_path,
+        env=os.environ | size,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+        text=True,
+        check=True,
+    )
+    process, terminal = pty.fork()
+    if not process:
+        os.chdir(tmp_path)
+        os.execve(sys.executable, words, os.environ | size)  # noqa: S606
+    shown = b""
+    with contextlib.suppress(OSError):
+        while data := os.read(terminal, 1 << 16):
+            shown += data
+    os.close(terminal)
+    assert os.waitstatus_to_exitcode(os.waitpid(process, 0)[1]) == 0
+
+    screen = pyte.Screen(160, 60)
+    pyte.Stream(screen).feed(shown.decode())
+    assert b"\x1b[2K" in shown, "no progress was shown"
+    assert [line.rstrip() for line in screen.display if line.strip()] == [
+        line.rstrip() for line in done.stdout.splitlines() if line.strip()
+    ]
 
 
 @pytest.mark.parametrize("command", ["info", "convert", "layout"])

@@ -3,6 +3,8 @@
 import os
 import sys
 from collections.abc import Iterable, Sequence
+from functools import lru_cache
+from typing import IO
 
 from rich.console import Console
 from rich.text import Text
@@ -36,8 +38,17 @@ def results() -> Console:
 
 
 def diagnostics() -> Console:
-    """Return the console for progress, warnings and summaries (stderr)."""
-    return Console(file=sys.stderr, highlight=False, markup=False, emoji=False)
+    """Return the console for progress, warnings and summaries (stderr).
+
+    It is one and the same, so that what is printed while bars are shown stands above them.
+    """
+    # While bars are shown, stderr itself is a proxy for their console.
+    return _diagnostics(getattr(sys.stderr, "rich_proxied_file", sys.stderr))
+
+
+@lru_cache(maxsize=1)
+def _diagnostics(file: IO[str]) -> Console:
+    return Console(file=file, highlight=False, markup=False, emoji=False)
 
 
 def print_findings(console: Console, findings: Iterable[Finding]) -> None:
