@@ -23,7 +23,7 @@ from dogbot_logtool.reader.losses import undecodable
 from dogbot_logtool.reader.mcap_extras import read_extra
 from dogbot_logtool.reader.opening import open_log
 from dogbot_logtool.selection import select_topics
-from dogbot_logtool.storage import Location, file_name
+from dogbot_logtool.storage import Location, file_name, shown
 from dogbot_logtool.world_frames import frame_findings
 from dogbot_logtool.writer.annotations import Annotations
 from dogbot_logtool.writer.mcap_writer import McapWriter, metadata_record
@@ -212,7 +212,7 @@ def _account_for_damage(log: Log, plan: Plan, tally: _Tally) -> None:
     if tally.losses and plan.options.strict:
         first = tally.losses[0]
         raise LogError(
-            f"{log.source.path}: is damaged, and --strict refuses that: {first.what}"
+            f"{shown(log.source.path)}: is damaged, and --strict refuses that: {first.what}"
             + (f" (and {len(tally.losses) - 1} more)" if len(tally.losses) > 1 else "")
         )
 

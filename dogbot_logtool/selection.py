@@ -20,6 +20,7 @@ from dogbot_logtool.reader.log import Channel, Log
 from dogbot_logtool.reader.odometry import ODOMETRY_TYPE, check_odometry
 from dogbot_logtool.reader.transforms import TRANSFORM_TYPES, check_transforms, is_static
 from dogbot_logtool.robot import GENERIC, Foot, Robot, known_robots, load_robot
+from dogbot_logtool.storage import shown
 
 _PLACE_WORDS: Final[Mapping[str, tuple[str, ...]]] = {
     "front": ("front", "fore"),
@@ -160,7 +161,7 @@ def nothing_to_do(log: Log) -> str:
         "".join(f"\n  {printable(topic)}  {printable(kind)}" for topic, kind in found) or " nothing"
     )
     return (
-        f"{log.source.path}: has neither nav_msgs/Odometry nor contact messages such as "
+        f"{shown(log.source.path)}: has neither nav_msgs/Odometry nor contact messages such as "
         "gazebo_msgs/ContactsState that can be used (--odom-topic and --foot name topics). "
         f"It has:{listed}"
     )
@@ -198,12 +199,12 @@ def _require(log: Log, option: str, topic: str, wanted: AbstractSet[str]) -> Non
     if not types:
         listed = ", ".join(_topics_of_type(log, wanted)) or "none"
         raise CallError(
-            f"{log.source.path}: {option}: the log has no topic {topic}; of type {names} "
+            f"{shown(log.source.path)}: {option}: the log has no topic {topic}; of type {names} "
             f"it has: {listed}"
         )
     if not types & wanted:
         raise CallError(
-            f"{log.source.path}: {option}: {topic} is of type {', '.join(sorted(types))}, "
+            f"{shown(log.source.path)}: {option}: {topic} is of type {', '.join(sorted(types))}, "
             f"not {names}"
         )
 
