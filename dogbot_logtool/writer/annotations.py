@@ -156,7 +156,7 @@ class Annotations:
             for group, rows in rows_by_group(2 * arrows.foot + ~arrows.shown):
                 arrow, removal = self._arrows[group // 2]
                 parts.append(
-                    _removed(removal, arrows, stamps, rows)
+                    _timed(removal, arrows, stamps, rows)
                     if group % 2
                     else _shown(arrow, arrows, stamps, rows)
                 )
@@ -175,7 +175,7 @@ def _transforms(template: Template, transforms: Transforms) -> NDArray[np.void]:
 
 
 def _shown(template: Template, arrows: Arrows, stamps: Stamps, rows: Ints) -> NDArray[np.void]:
-    records = _removed(template, arrows, stamps, rows)
+    records = _timed(template, arrows, stamps, rows)
     _write_pose(records, arrows.position.take(rows, 0), arrows.orientation.take(rows, 0))
     length = arrows.length[rows]
     if "length" in template.kinds:
@@ -188,7 +188,8 @@ def _shown(template: Template, arrows: Arrows, stamps: Stamps, rows: Ints) -> ND
     return records
 
 
-def _removed(template: Template, arrows: Arrows, stamps: Stamps, rows: Ints) -> NDArray[np.void]:
+def _timed(template: Template, arrows: Arrows, stamps: Stamps, rows: Ints) -> NDArray[np.void]:
+    """Return records of some arrows with their times, which is all that a removal tells."""
     records = template.copies(len(rows))
     write_log_time(records, arrows.log_time[rows])
     template.write_stamps(records, "stamp", stamps.pick(rows))
