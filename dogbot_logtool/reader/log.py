@@ -13,7 +13,7 @@ from dogbot_logtool.core.arrays import Ints
 from dogbot_logtool.reader.channel_ids import UNKNOWN_CHANNEL, ChannelIds
 from dogbot_logtool.reader.columns import Bytes
 from dogbot_logtool.reader.definition import short_type_name
-from dogbot_logtool.reader.loss import Loss, lost_messages
+from dogbot_logtool.reader.losses import Loss, lost_messages
 from dogbot_logtool.reader.message_table import Messages, concatenate_messages
 from dogbot_logtool.reader.source import ByteSource
 

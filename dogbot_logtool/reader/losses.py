@@ -1,16 +1,38 @@
-"""Losses: a list that stays short however many places are damaged, and undecodable messages."""
+"""What is said of damage."""
 
-from collections.abc import Mapping
-from typing import Final
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Final
 
-from dogbot_logtool.reader.log import Channel, Loss
+if TYPE_CHECKING:
+    from dogbot_logtool.reader.log import Channel
 
 _MOST: Final = 200
 """Losses told one by one; more are summed up."""
 
 
+@dataclass(frozen=True, slots=True)
+class Loss:
+    """Damage that was found: what could not be read, and where."""
+
+    offset: int
+    """Byte in the file."""
+    what: str
+    """A sentence without the file's name."""
+    bytes: int = 0
+    """Bytes of the file that gave nothing."""
+    messages: int | None = 0
+    """Messages known to be lost; None when their number is not known."""
+
+
+def lost_messages(losses: Sequence[Loss]) -> int | None:
+    """Return how many messages are known to be lost; None when it cannot be known."""
+    known = [loss.messages for loss in losses if loss.messages is not None]
+    return sum(known) if len(known) == len(losses) else None
+
+
 class Losses:
-    """Losses in the order in which they were found."""
+    """Losses in the order in which they were found; told in few, however many there are."""
 
     def __init__(self) -> None:
         self._told: list[Loss] = []
@@ -38,7 +60,7 @@ class Losses:
 
 
 def undecodable(
-    channels: Mapping[int, Channel], malformed: Mapping[int, int], consequence: str = ""
+    channels: Mapping[int, "Channel"], malformed: Mapping[int, int], consequence: str = ""
 ) -> list[Loss]:
     """Return the loss of messages that could not be decoded.
 
