@@ -4,7 +4,7 @@ Phases say how the feet are coordinated; the duty factor is a separate finding (
 are down for more than half of the stride is a trot all the same).
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import combinations, permutations
 from typing import Final
@@ -248,8 +248,3 @@ def diagonality(phases: Sequence[float]) -> float | None:
     if abs(mean) < 1e-6:
         return None
     return float(np.angle(mean) / (2.0 * np.pi) % 1.0)
-
-
-def order_of_touchdowns(phases: Mapping[str, float]) -> tuple[str, ...]:
-    """Return the feet in the order in which they touch down in a reference stride."""
-    return tuple(sorted(phases, key=lambda foot: phases[foot]))

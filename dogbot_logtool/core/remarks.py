@@ -17,8 +17,6 @@ from dogbot_logtool.core.walk_stats import Stats
 
 WEIGHT_TOLERANCE: Final = 0.05
 """By how much the vertical impulse may miss the weight before that is said."""
-OFTEN: Final = 0.01
-"""Share of messages from which a fault is worth a warning."""
 SOME_S: Final = 0.1
 """s, time from which a lack is worth a warning."""
 WALKED_M: Final = 0.5

@@ -66,7 +66,6 @@ class Survey(ABC):
         """Damage was passed over; whatever bare messages follow may be within a chunk."""
         self._doubtful: set[int] = set()
         """Offsets of runs of messages that may be a damaged chunk's."""
-        self._described_bytes = 0
 
     @abstractmethod
     def _step(self, place: int) -> int | None:

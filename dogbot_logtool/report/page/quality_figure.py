@@ -96,13 +96,11 @@ def _lines(stats: Stats) -> list[_Line]:
     if len(stats.fallen):
         lines.append(_Line("robot lies on the ground", timespans.no_spans(), stats.fallen))
     shown = {line.name for line in lines}
-    for topic in stats.topics:
-        if topic.topic not in shown and topic.longest_gaps and _on_same_clock(stats, topic):
-            gaps = [
-                (each.start, each.start + round(each.length_s * 1e9)) for each in topic.longest_gaps
-            ]
-            ordered = np.array(sorted(gaps), np.int64)
-            lines.append(_Line(topic.topic, _extent(topic.first, topic.last), ordered))
+    lines.extend(
+        _Line(topic.topic, _extent(topic.first, topic.last), _gaps(topic))
+        for topic in stats.topics
+        if topic.topic not in shown and topic.longest_gaps and _on_same_clock(stats, topic)
+    )
     unique = {(line.name, line.gaps.tobytes()): line for line in lines}
     return list(unique.values())[:MOST_TOPICS]
 
