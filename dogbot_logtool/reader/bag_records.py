@@ -147,16 +147,7 @@ def record_bounds(data: bytes | memoryview, place: int, end: int) -> tuple[int, 
 
 
 def record_at(data: bytes | memoryview, place: int, end: int) -> Record:
-    """Read the header of a record in memory.
-
-    Args:
-        data: bytes that hold it.
-        place: where it begins.
-        end: where it must end at the latest.
-
-    Raises:
-        MalformedRecord: there is no whole record.
-    """
+    """Read the header of a record in memory; arguments and errors are those of `record_bounds`."""
     header_end, record_end = record_bounds(data, place, end)
     return Record(Fields(data[place + 4 : header_end]), header_end + 4, record_end)
 
