@@ -8,15 +8,17 @@ stood, none is needed.
 
 import fcntl
 import multiprocessing
+import os
 import pickle
 import signal
 import traceback
 from collections.abc import Generator, Iterable, Iterator, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
-from multiprocessing.connection import Connection
 from multiprocessing.context import ForkProcess
-from typing import Any, Final, Generic
+from typing import Any, BinaryIO, Final, Generic
+
+import numpy as np
 
 from dogbot_logtool.errors import LogtoolError
 from dogbot_logtool.parallel import Item, RelayWork, Result, State
@@ -45,10 +47,10 @@ def forked(
             yield _received(results[number % jobs])
 
 
-def _received(results: "Connection[Any, Any]") -> Any:  # noqa: ANN401 - it was pickled
+def _received(results: BinaryIO) -> Any:  # noqa: ANN401 - it was pickled
     try:
         outcome = _receive(results)
-    except EOFError as error:
+    except _NeighbourDied as error:
         raise LogtoolError(
             "a process that worked on it died: perhaps for want of memory; try --jobs 1"
         ) from error
@@ -57,25 +59,36 @@ def _received(results: "Connection[Any, Any]") -> Any:  # noqa: ANN401 - it was 
     return outcome
 
 
-def _send(end: "Connection[Any, Any]", result: object) -> None:
+class _NeighbourDied(Exception):  # noqa: N818 - it never leaves this module
+    """Who was to send something is no more."""
+
+
+def _send(end: BinaryIO, thing: object) -> None:
     """Send an object: its arrays as they lie, the rest pickled."""
     arrays: list[pickle.PickleBuffer] = []
-    rest = pickle.dumps(result, protocol=5, buffer_callback=arrays.append)
+    rest = pickle.dumps(thing, protocol=5, buffer_callback=arrays.append)
     pieces = [array.raw() for array in arrays]
-    end.send((rest, [len(piece) for piece in pieces]))
+    pickle.dump((rest, [len(piece) for piece in pieces]), end)
     for piece in pieces:
-        if len(piece):
-            end.send_bytes(piece)
+        end.write(piece)
+    end.flush()
 
 
-def _receive(end: "Connection[Any, Any]") -> Any:  # noqa: ANN401 - it was pickled
-    """Receive what `_send` sent."""
-    rest, sizes = end.recv()
-    arrays = [bytearray(size) for size in sizes]
+def _receive(end: BinaryIO) -> Any:  # noqa: ANN401 - it was pickled
+    """Receive what `_send` sent, each array straight into its place.
+
+    Raises:
+        _NeighbourDied: it was not sent, or not to its end.
+    """
+    try:
+        rest, sizes = pickle.load(end)  # noqa: S301 - a copy of this process made it
+    except (EOFError, pickle.UnpicklingError) as error:
+        raise _NeighbourDied from error
+    arrays = [np.empty(size, np.uint8) for size in sizes]
     for array in arrays:
-        if array:
-            end.recv_bytes_into(array)
-    return pickle.loads(rest, buffers=arrays)  # noqa: S301 - a copy of this process made it
+        if end.readinto(array.data) < len(array):  # type: ignore[attr-defined]
+            raise _NeighbourDied
+    return pickle.loads(rest, buffers=arrays)  # noqa: S301 - as above
 
 
 @dataclass(frozen=True, slots=True)
@@ -89,16 +102,12 @@ class _Raised:
 class _Ends:
     """A worker's ends of its pipes."""
 
-    batons_in: "Connection[Any, Any]"
-    batons_out: "Connection[Any, Any]"
-    results: "Connection[Any, Any]"
+    batons_in: BinaryIO
+    batons_out: BinaryIO
+    results: BinaryIO
 
-    def __iter__(self) -> Iterator["Connection[Any, Any]"]:
+    def __iter__(self) -> Iterator[BinaryIO]:
         return iter((self.batons_in, self.batons_out, self.results))
-
-
-class _NeighbourDied(Exception):  # noqa: N818 - it never leaves this module
-    """Who was to hand the baton on is no more."""
 
 
 class _Piped(Generic[State]):
@@ -112,23 +121,20 @@ class _Piped(Generic[State]):
         """See `Baton.take`."""
         if self._given:
             return self._given.pop()
-        try:
-            state: State = self._ends.batons_in.recv()
-        except EOFError as error:
-            raise _NeighbourDied from error
+        state: State = _receive(self._ends.batons_in)
         return state
 
     def pass_on(self, state: State) -> None:
         """See `Baton.pass_on`."""
         # Behind the last item nobody waits.
         with suppress(BrokenPipeError):
-            self._ends.batons_out.send(state)
+            _send(self._ends.batons_out, state)
 
 
 @contextmanager
 def _crew(
     work: RelayWork[Item, State, Result], items: Sequence[Item], jobs: int, first: State
-) -> Iterator[list["Connection[Any, Any]"]]:
+) -> Iterator[list[BinaryIO]]:
     """Start the workers; yield the ends from which their results come."""
     pipes = _Pipes()
     crew: list[ForkProcess] = []
@@ -155,9 +161,9 @@ class _Pipes:
     """All ends of all pipes between workers, and from them to here."""
 
     def __init__(self) -> None:
-        self.results: list[Connection[Any, Any]] = []
+        self.results: list[BinaryIO] = []
         """Where results arrive, by worker."""
-        self._ends: list[Connection[Any, Any]] = []
+        self._ends: list[BinaryIO] = []
 
     def ring(self, jobs: int) -> list[_Ends]:
         """Return the ends of each worker: it takes batons from the one before it."""
@@ -173,12 +179,13 @@ class _Pipes:
             for number in range(jobs)
         ]
 
-    def _pipe(self) -> tuple["Connection[Any, Any]", "Connection[Any, Any]"]:
-        pipe = _FORK.Pipe(duplex=False)
+    def _pipe(self) -> tuple[BinaryIO, BinaryIO]:
+        arrive, leave = os.pipe()
+        pipe = open(arrive, "rb"), open(leave, "wb")  # noqa: SIM115, PTH123 - closed below
         self._ends.extend(pipe)
         return pipe
 
-    def close_all_but(self, kept: Iterable["Connection[Any, Any]"]) -> None:
+    def close_all_but(self, kept: Iterable[BinaryIO]) -> None:
         """Close ends: a pipe is over only when nobody holds its other end."""
         kept = set(kept)
         for end in self._ends:
