@@ -44,7 +44,7 @@ class FinishedChunk:
 
     record: Bytes
     """The whole chunk record; an array, which can be sent as it lies."""
-    index: bytes
+    index: Bytes
     """The message index records that follow it."""
     index_offsets: Mapping[int, int]
     """Where each channel's message index record begins in `index`."""
@@ -134,7 +134,7 @@ def indexed_chunk(
     start, end = _range(log_time)
     return FinishedChunk(
         record=record,
-        index=b"".join(pieces),
+        index=np.frombuffer(b"".join(pieces), np.uint8),
         index_offsets=index_offsets,
         counts=counts,
         start_time=start,

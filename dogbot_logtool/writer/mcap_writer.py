@@ -59,7 +59,7 @@ class McapWriter:
         offset = self._place
         self._write(chunk.record.data)
         index_start = self._place
-        self._write(chunk.index)
+        self._write(chunk.index.data)
         index = records.ChunkIndex(
             chunk_length=len(chunk.record),
             chunk_start_offset=offset,
