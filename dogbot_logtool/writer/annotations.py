@@ -150,8 +150,8 @@ class Annotations:
         parts: list[NDArray[np.void]] = []
         if self._tf is not None:
             parts.append(_transforms(self._tf, columns.transforms))
+        # All messages of an encoding write times alike, so they are put in form only once.
         for arrows in columns.arrows:
-            # All messages of an encoding write times alike, so they are put in form only once.
             stamps = self._load.stamps("stamp", arrows.stamp)
             for group, rows in rows_by_group(2 * arrows.foot + ~arrows.shown):
                 arrow, removal = self._arrows[group // 2]
@@ -162,7 +162,8 @@ class Annotations:
                 )
         parts.extend(_loads(self._load_channels, self._load, loads) for loads in columns.loads)
         if self._support is not None and columns.support is not None:
-            parts.extend(self._support.outgoing(columns.support))
+            stamps = self._load.stamps("stamp", columns.support.stamp)
+            parts.extend(self._support.outgoing(columns.support, stamps))
         return in_time_order(parts)
 
 

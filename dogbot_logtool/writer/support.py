@@ -15,7 +15,7 @@ from dogbot_logtool.writer.encoding import (
     support_points,
 )
 from dogbot_logtool.writer.outgoing import record_template, write_log_time
-from dogbot_logtool.writer.template import Stretch, Template
+from dogbot_logtool.writer.template import Stamps, Stretch, Template
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,8 +39,13 @@ class SupportStamper:
         self._style = style
         self._forms: dict[SupportShape, _Form] = {}
 
-    def outgoing(self, scene: SupportScene) -> Iterator[NDArray[np.void]]:
-        """Yield the records of a scene, those of one size at a time."""
+    def outgoing(self, scene: SupportScene, stamps: Stamps) -> Iterator[NDArray[np.void]]:
+        """Yield the records of a scene, those of one size at a time.
+
+        Args:
+            scene: (n,) times.
+            stamps: the same times as messages of the encoding write them.
+        """
         columns = (
             scene.outline,
             scene.pressure[:, None],
@@ -51,8 +56,9 @@ class SupportStamper:
             form = self._form(shape)
             template = form.template
             records = template.copies(len(rows))
+            picked = stamps.pick(rows)
             for name in form.stamps:
-                template.write_time(records, name, scene.stamp[rows])
+                template.write_stamps(records, name, picked)
             for stretch, column in zip(form.stretches, columns, strict=True):
                 if stretch is not None:
                     stretch.of(records)[:] = column[rows, : stretch.shape[0]]

@@ -54,7 +54,8 @@ def scene_of(counts: list[tuple[int, bool, bool, int]]) -> SupportScene:
 def stamped(encoding: Encoding, scene: SupportScene) -> list[bytes]:
     """Return the payloads in the order of time."""
     found: dict[int, bytes] = {}
-    for stamped_out in SupportStamper(9, encoding, "world", STYLE).outgoing(scene):
+    stamper = SupportStamper(9, encoding, "world", STYLE)
+    for stamped_out in stamper.outgoing(scene, encoding.load().stamps("stamp", scene.stamp)):
         assert set(stamped_out["channel"].tolist()) == {9}
         for time, record in zip(stamped_out["log_time"].tolist(), stamped_out, strict=True):
             found[time] = record.tobytes()[MESSAGE_HEAD.itemsize :]
