@@ -12,7 +12,7 @@ from dogbot_logtool.core.link_frames import FrameCounts
 from dogbot_logtool.parallel import Baton
 from dogbot_logtool.plan import Plan
 from dogbot_logtool.reader.log import Batch, Log, Loss, Span
-from dogbot_logtool.reader.transforms import decode_transforms, frame_pairs
+from dogbot_logtool.reader.transforms import frame_pairs
 from dogbot_logtool.writer.annotations import Annotations
 from dogbot_logtool.writer.chunks import FinishedChunk, finish_chunks
 
@@ -105,7 +105,7 @@ class BatchConverter:
             ),
             malformed=read.malformed,
             losses=read.batch.losses,
-            other_parent=self._other_parent(read.batch),
+            other_parent=self._other_parent(read),
             stored_size=read.stored_size,
         )
 
@@ -117,11 +117,11 @@ class BatchConverter:
             copied_chunks(batch, options.compression, as_they_stand=self._log.copies_chunks)
         )
 
-    def _other_parent(self, batch: Batch) -> str | None:
+    def _other_parent(self, read: ReadBatch) -> str | None:
         plan = self._plan
-        if not plan.write_tf or not plan.options.copy or plan.options.tf == "always":
+        if not plan.base_may_have_parent:
             return None
-        for messages in decode_transforms(batch, plan.selection.transforms):
+        for messages in read.transforms:
             for parent, child in sorted(frame_pairs(messages)):
                 names = parent.lstrip("/"), child.lstrip("/")
                 if names[1] == plan.base_frame and names[0] != plan.world_frame:

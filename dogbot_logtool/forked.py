@@ -69,8 +69,7 @@ def _send(end: BinaryIO, thing: object) -> None:
     rest = pickle.dumps(thing, protocol=5, buffer_callback=arrays.append)
     pieces = [array.raw() for array in arrays]
     pickle.dump((rest, [len(piece) for piece in pieces]), end)
-    for piece in pieces:
-        end.write(piece)
+    end.writelines(pieces)
     end.flush()
 
 

@@ -14,8 +14,9 @@ from dogbot_logtool.reader.contact_sources.source import FootChannels
 from dogbot_logtool.reader.log import Batch, Log, Loss, Span
 from dogbot_logtool.reader.messages import DecodedMessages
 from dogbot_logtool.reader.odometry import decode_odometry, joined_odometry
+from dogbot_logtool.reader.transforms import decode_transforms
 from dogbot_logtool.selection import Selection
-from dogbot_logtool.world_frames import BatchFrames, WorldFrames, read_frames
+from dogbot_logtool.world_frames import BatchFrames, WorldFrames, look_around
 
 
 @dataclass(frozen=True, slots=True)
@@ -61,6 +62,14 @@ class BatchMeasurer:
         odometry = joined_odometry(decoded)
         contacts = read_contacts(batch, self.selection.contacts, self.feet)
         samples = [read.felt.samples for read in contacts]
+        transforms: Sequence[DecodedMessages] = ()
+        frames = None
+        if self.frames is not None:
+            transforms = decode_transforms(batch, self.selection.transforms)
+            own = self.frames.tracks(transforms, odometry)
+            frames = look_around(
+                log, self.selection, self.frames, span, batch, own, samples, self.limits
+            )
         with_header = [read.messages for read in contacts if read.source.has_header]
         stamped: dict[str, MessageTimes] = {}
         for messages in (*decoded, *with_header):
@@ -68,17 +77,11 @@ class BatchMeasurer:
         return MeasuredBatch(
             samples=samples,
             odometry=odometry,
-            frames=(
-                read_frames(
-                    log, self.selection, self.frames, span, batch, odometry, samples, self.limits
-                )
-                if self.frames is not None
-                else None
-            ),
+            frames=frames,
             times=list((_log_times(log, batch) | stamped).values()),
             malformed={
                 channel: count
-                for messages in (*decoded, *(read.messages for read in contacts))
+                for messages in (*decoded, *(read.messages for read in contacts), *transforms)
                 for channel, count in messages.malformed.items()
             },
             losses=batch.losses,

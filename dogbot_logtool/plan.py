@@ -86,6 +86,11 @@ class Plan:
         """ns, log times from which and up to which messages are taken; None: no limit."""
         return self.start_time, self.end_time
 
+    @property
+    def base_may_have_parent(self) -> bool:
+        """Whether transforms that are copied may yet turn out to place the base, against ours."""
+        return self.write_tf and self.options.copy and self.options.tf != "always"
+
 
 def make_plan(log: Log, selection: Selection, evidence: Evidence, options: ConvertOptions) -> Plan:
     """Decide what to do.

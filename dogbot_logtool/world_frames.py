@@ -29,6 +29,7 @@ from dogbot_logtool.evidence import Evidence
 from dogbot_logtool.findings import Finding, note, warning
 from dogbot_logtool.reader.frame_tracks import moving_tracks
 from dogbot_logtool.reader.log import Batch, Chunk, Log, Span
+from dogbot_logtool.reader.messages import DecodedMessages
 from dogbot_logtool.reader.odometry import decode_odometry, joined_odometry
 from dogbot_logtool.reader.transforms import decode_transforms, transform_columns
 from dogbot_logtool.selection import Selection
@@ -53,13 +54,12 @@ class WorldFrames:
     statics: TransformBuffer
     clock: TimeSource
 
-    def tracks(self, batch: Batch, selection: Selection, poses: Odometry) -> TransformBuffer:
+    def tracks(self, transforms: Sequence[DecodedMessages], poses: Odometry) -> TransformBuffer:
         """Return what a batch tells of the frames that are needed.
 
         Args:
-            batch: what was read.
-            selection: the channels of transforms.
-            poses: the batch's odometry.
+            transforms: the batch's transform messages.
+            poses: its odometry.
         """
         tracks = TransformBuffer()
         if self.odometry_places_base:
@@ -67,7 +67,7 @@ class WorldFrames:
             time = self.clock.of(poses)
             track = frame_track(self.world, time, poses.log_time, poses.position, poses.orientation)
             tracks = TransformBuffer({self.base: track} if track else {})
-        for messages in decode_transforms(batch, selection.transforms):
+        for messages in transforms:
             recorded = transform_columns(messages)
             tracks = tracks.then(moving_tracks(recorded, self.moving, self.clock))
         return tracks
@@ -194,17 +194,17 @@ class BatchFrames:
         return known if self.end is None else known.tail(self.end)
 
 
-def read_frames(
+def look_around(
     log: Log,
     selection: Selection,
     frames: WorldFrames,
     span: Span,
     batch: Batch,
-    poses: Odometry,
+    own: TransformBuffer,
     samples: Sequence[Samples],
     limits: tuple[int | None, int | None],
 ) -> BatchFrames:
-    """Read what places the feet of a batch, and look ahead as far as its samples may need it.
+    """Look ahead of a batch, as far as its samples may need it, for what places the feet.
 
     Args:
         log: the log.
@@ -212,11 +212,10 @@ def read_frames(
         frames: what is wanted.
         span: the batch's chunks.
         batch: what was read of them.
-        poses: its odometry.
+        own: what it tells of the frames itself.
         samples: what feet felt in it.
         limits: ns, log times before and after which messages are left out; None: no limit.
     """
-    own = frames.tracks(batch, selection, poses)
     ahead = TransformBuffer()
     felt = [each for each in samples if len(each.log_time)]
     if felt:
@@ -226,8 +225,9 @@ def read_frames(
             if frames.tell_until(own.then(ahead), latest):
                 break
             later = log.read((chunk,)).cropped(*limits)
-            poses_ahead = joined_odometry(decode_odometry(later, selection.odometry))
-            ahead = ahead.then(frames.tracks(later, selection, poses_ahead))
+            poses = joined_odometry(decode_odometry(later, selection.odometry))
+            transforms = decode_transforms(later, selection.transforms)
+            ahead = ahead.then(frames.tracks(transforms, poses))
     log_time = batch.messages.log_time
     return BatchFrames(own, ahead, int(log_time.max()) if len(log_time) else None)
 

@@ -1384,6 +1384,22 @@ def test_a_malformed_message_costs_one_message(tmp_path: Path, kind: str) -> Non
     assert not (tmp_path / "strict.mcap").exists()
 
 
+def test_transforms_that_cannot_be_decoded_are_told(tmp_path: Path) -> None:
+    """They might have given the base a parent."""
+    sent = [10 * S + index * 20_000_000 for index in range(50)]
+    frames = [Entry("/tf", TF_TYPE, time, transform(time, "base_link", "leg")) for time in sent]
+    frames[30] = replace(frames[30], data=frames[30].data[:-1])
+    entries = sorted([*small_walk(), *frames], key=lambda entry: entry.log_time)
+    log = write_bag(tmp_path / "log.bag", entries)
+    conversion = convert(log, tmp_path / "out.mcap", ConvertOptions())
+    assert conversion.copied == len(entries)
+    (loss,) = conversion.losses
+    assert loss.messages == 1
+    assert "/tf" in loss.what
+    unused = convert(log, tmp_path / "never.mcap", ConvertOptions(tf="never"))
+    assert not unused.losses
+
+
 def test_a_chunk_whose_checksum_fails_is_left_out(tmp_path: Path) -> None:
     log = write_ros1_mcap(
         tmp_path / "log.mcap", small_walk(), compression=CompressionType.NONE, chunk_size=40_000

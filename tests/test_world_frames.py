@@ -3,8 +3,9 @@
 import json
 from collections import defaultdict
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 import pytest
@@ -162,6 +163,26 @@ def test_stats_take_forces_but_no_places_from_frames(tmp_path: Path) -> None:
         assert peak == pytest.approx(walks.FORCES[leg][:, 2].max())
         assert got["feet"][leg]["slip_m"] is None
     assert got["stability"] is None or got["stability"].get("static_margin_m") is None
+
+
+@pytest.mark.parametrize("style", ["pressure", "force"])
+def test_transforms_that_cannot_be_decoded_are_told(
+    tmp_path: Path, style: Literal["pressure", "force"]
+) -> None:
+    """Here places come from frames, so that /tf is read whatever the style."""
+    walk = SwingingSensors(2)
+    frames = list(walk.frames())
+    for broken in (7, len(frames) // 2):
+        frames[broken] = replace(frames[broken], data=frames[broken].data[:-2])
+    entries = sorted([*frames, *walk.messages(WRENCHES)], key=lambda entry: entry.log_time)
+    log = tmp_path / "walk.mcap"
+    walks.write_mcap(log, walk, entries)
+    options = TopicOptions(robot=str(walks.robot_file(tmp_path, WRENCHES)))
+    done, _ = converted(log, tmp_path, style=style, topics=options)
+    measured = measure(log, StatsOptions(options))
+    for (loss,) in (done.losses, measured.losses):
+        assert loss.messages == 2
+        assert "/tf" in loss.what
 
 
 def test_a_robot_s_file_names_frame_and_point_of_feet_that_only_count(tmp_path: Path) -> None:

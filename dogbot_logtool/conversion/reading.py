@@ -9,8 +9,10 @@ from dogbot_logtool.core.transform_buffer import TransformBuffer
 from dogbot_logtool.plan import Plan
 from dogbot_logtool.reader.contact_sources.registry import ContactsRead, read_contacts
 from dogbot_logtool.reader.log import Batch, Log, Span
+from dogbot_logtool.reader.messages import DecodedMessages
 from dogbot_logtool.reader.odometry import decode_odometry, joined_odometry
-from dogbot_logtool.world_frames import BatchFrames, Placed, read_frames
+from dogbot_logtool.reader.transforms import decode_transforms
+from dogbot_logtool.world_frames import BatchFrames, Placed, look_around
 
 
 @dataclass(frozen=True, slots=True)
@@ -48,6 +50,8 @@ class ReadBatch:
     bad_poses: int
     """Odometry messages with a zero quaternion or a number that is not finite."""
     contacts: tuple[ContactsRead, ...]
+    transforms: tuple[DecodedMessages, ...]
+    """The log's own transforms, where they matter."""
     frames: BatchFrames | None
     """What places feet in the world; None where that is not needed."""
     malformed: Mapping[int, int]
@@ -77,19 +81,25 @@ def read_batch(log: Log, plan: Plan, span: Span) -> ReadBatch:
     feet = replace(selection.foot_channels(), normals=plan.options.style == "force")
     contacts = read_contacts(batch, selection.contacts, feet)
     samples = [read.felt.samples for read in contacts]
+    transforms = (
+        decode_transforms(batch, selection.transforms)
+        if plan.frames is not None or plan.base_may_have_parent
+        else []
+    )
+    frames = None
+    if plan.frames is not None:
+        own = plan.frames.tracks(transforms, poses)
+        frames = look_around(log, selection, plan.frames, span, batch, own, samples, plan.limits)
     return ReadBatch(
         batch=batch,
         poses=poses,
         bad_poses=len(odometry.log_time) - len(poses.log_time),
         contacts=tuple(contacts),
-        frames=(
-            read_frames(log, selection, plan.frames, span, batch, poses, samples, plan.limits)
-            if plan.frames is not None
-            else None
-        ),
+        transforms=tuple(transforms),
+        frames=frames,
         malformed={
             channel: count
-            for messages in (*decoded, *(read.messages for read in contacts))
+            for messages in (*decoded, *(read.messages for read in contacts), *transforms)
             for channel, count in messages.malformed.items()
         },
         stored_size=sum(chunk.data_size for chunk in span),

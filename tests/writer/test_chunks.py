@@ -41,7 +41,9 @@ def parse_index(chunk: FinishedChunk) -> dict[int, records.MessageIndex]:
     found: dict[int, records.MessageIndex] = {}
     for channel, place in chunk.index_offsets.items():
         assert chunk.index[place] == Opcode.MESSAGE_INDEX
-        index = records.MessageIndex.read(ReadDataStream(BytesIO(chunk.index[place + HEAD :])))
+        index = records.MessageIndex.read(
+            ReadDataStream(BytesIO(chunk.index[place + HEAD :].tobytes()))
+        )
         assert index.channel_id == channel
         found[channel] = index
     sizes = [
@@ -134,7 +136,10 @@ def test_no_messages_give_no_chunk() -> None:
 def test_the_same_messages_give_the_same_bytes(compression: Compression) -> None:
     messages = outgoing([1, 2, 1], [5, 4, 3], [b"one" * 50, b"", b"three"])
     first, second = (
-        [(bytes(chunk.record), bytes(chunk.index)) for chunk in finish_chunks(messages, compression)]
+        [
+            (bytes(chunk.record), bytes(chunk.index))
+            for chunk in finish_chunks(messages, compression)
+        ]
         for _ in range(2)
     )
     assert first == second
