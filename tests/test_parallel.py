@@ -7,7 +7,7 @@ import subprocess
 import sys
 import threading
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import closing
 from pathlib import Path
 
@@ -189,6 +189,28 @@ def test_a_process_that_dies_is_told(jobs: int) -> None:
     results = relayed(work, range(20), jobs, 0, forks=True)
     with pytest.raises(LogtoolError, match=r"a process that worked on it died: .*--jobs 1"):
         list(results)
+    assert_nobody_is_left()
+
+
+@pytest.mark.skipif(True not in FORKS, reason="processes are not forked here")
+@pytest.mark.parametrize("kind", [np.zeros, bytes], ids=["array", "pickled"])
+def test_a_process_that_dies_while_it_sends_is_told(kind: Callable[[int], object]) -> None:
+    second = multiprocessing.get_context("fork").Value("i", 0)
+
+    def work(item: int) -> object:
+        if item == 1:
+            second.value = os.getpid()
+        return kind(item * (8 << 20))
+
+    with closing(in_order(work, range(4), 2, forks=True)) as results:
+        next(results)
+        while not second.value:
+            time.sleep(0.01)
+        # It soon waits for somebody to take what a pipe cannot hold.
+        time.sleep(0.3)
+        os.kill(second.value, signal.SIGKILL)
+        with pytest.raises(LogtoolError, match=r"a process that worked on it died"):
+            next(results)
     assert_nobody_is_left()
 
 
