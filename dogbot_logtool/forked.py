@@ -6,30 +6,31 @@ results here. They read the log, compute and answer: of the threads that were co
 stood, none is needed.
 """
 
-import fcntl
 import multiprocessing
 import os
-import pickle
 import signal
 import traceback
 from collections.abc import Generator, Iterable, Iterator, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
+from itertools import chain
 from multiprocessing.context import ForkProcess
 from typing import Any, BinaryIO, Final, Generic
 
-import numpy as np
-
 from dogbot_logtool.errors import LogtoolError
 from dogbot_logtool.parallel import Item, RelayWork, Result, State
+from dogbot_logtool.transport import NeighbourDied, Tray, receive, send
 
 _FORK: Final = multiprocessing.get_context("fork")
-_RESULT_SIZE: Final = 1 << 20
-"""Bytes that a worker can send before anybody takes them: about what comes of a batch."""
 
 
 def forked(
-    work: RelayWork[Item, State, Result], items: Sequence[Item], jobs: int, first: State
+    work: RelayWork[Item, State, Result],
+    items: Sequence[Item],
+    jobs: int,
+    first: State,
+    *,
+    lent: bool,
 ) -> Generator[Result, None, None]:
     """Yield `work(item, baton)` for every item, in order; see `dogbot_logtool.parallel.relayed`.
 
@@ -38,56 +39,28 @@ def forked(
         items: at least as many as `jobs`.
         jobs: at least two, since a process cannot hand on a large baton to itself.
         first: the baton of the first item.
+        lent: arrays of a result need not outlast the next one.
 
     Raises:
         LogtoolError: a process died.
     """
-    with _crew(work, items, jobs, first) as results:
+    with _crew(work, items, jobs, first) as desks:
         for number in range(len(items)):
-            yield _received(results[number % jobs])
+            desk = desks[number % jobs]
+            yield _received(desk, lent=lent)
+            desk.clear()
 
 
-def _received(results: BinaryIO) -> Any:  # noqa: ANN401 - it was pickled
+def _received(desk: "_Desk", *, lent: bool) -> Any:  # noqa: ANN401 - it was pickled
     try:
-        outcome = _receive(results)
-    except _NeighbourDied as error:
+        outcome = receive(desk.results, desk.tray, lent=lent)
+    except NeighbourDied as error:
         raise LogtoolError(
             "a process that worked on it died: perhaps for want of memory; try --jobs 1"
         ) from error
     if isinstance(outcome, _Raised):
         raise outcome.error
     return outcome
-
-
-class _NeighbourDied(Exception):  # noqa: N818 - it never leaves this module
-    """Who was to send something is no more."""
-
-
-def _send(end: BinaryIO, thing: object) -> None:
-    """Send an object: its arrays as they lie, the rest pickled."""
-    arrays: list[pickle.PickleBuffer] = []
-    rest = pickle.dumps(thing, protocol=5, buffer_callback=arrays.append)
-    pieces = [array.raw() for array in arrays]
-    pickle.dump((rest, [len(piece) for piece in pieces]), end)
-    end.writelines(pieces)
-    end.flush()
-
-
-def _receive(end: BinaryIO) -> Any:  # noqa: ANN401 - it was pickled
-    """Receive what `_send` sent, each array straight into its place.
-
-    Raises:
-        _NeighbourDied: it was not sent, or not to its end.
-    """
-    try:
-        rest, sizes = pickle.load(end)  # noqa: S301 - a copy of this process made it
-    except (EOFError, pickle.UnpicklingError) as error:
-        raise _NeighbourDied from error
-    arrays = [np.empty(size, np.uint8) for size in sizes]
-    for array in arrays:
-        if end.readinto(array.data) < len(array):  # type: ignore[attr-defined]
-            raise _NeighbourDied
-    return pickle.loads(rest, buffers=arrays)  # noqa: S301 - as above
 
 
 @dataclass(frozen=True, slots=True)
@@ -98,15 +71,37 @@ class _Raised:
 
 
 @dataclass(frozen=True, slots=True)
+class _Desk:
+    """Where the results of a worker arrive."""
+
+    results: BinaryIO
+    taken: BinaryIO
+    """Leads to the worker."""
+    tray: Tray
+
+    def clear(self) -> None:
+        """Let the worker use its tray for another result."""
+        # Behind its last item it is gone.
+        with suppress(BrokenPipeError):
+            os.write(self.taken.fileno(), b".")
+
+    def __iter__(self) -> Iterator[BinaryIO]:
+        return iter((self.results, self.taken))
+
+
+@dataclass(frozen=True, slots=True)
 class _Ends:
-    """A worker's ends of its pipes."""
+    """A worker's ends of its pipes, and its tray."""
 
     batons_in: BinaryIO
     batons_out: BinaryIO
     results: BinaryIO
+    taken: BinaryIO
+    """Tells that the tray is free."""
+    tray: Tray
 
     def __iter__(self) -> Iterator[BinaryIO]:
-        return iter((self.batons_in, self.batons_out, self.results))
+        return iter((self.batons_in, self.batons_out, self.results, self.taken))
 
 
 class _Piped(Generic[State]):
@@ -120,34 +115,35 @@ class _Piped(Generic[State]):
         """See `Baton.take`."""
         if self._given:
             return self._given.pop()
-        state: State = _receive(self._ends.batons_in)
+        state: State = receive(self._ends.batons_in)
         return state
 
     def pass_on(self, state: State) -> None:
         """See `Baton.pass_on`."""
         # Behind the last item nobody waits.
         with suppress(BrokenPipeError):
-            _send(self._ends.batons_out, state)
+            send(self._ends.batons_out, state)
 
 
 @contextmanager
 def _crew(
     work: RelayWork[Item, State, Result], items: Sequence[Item], jobs: int, first: State
-) -> Iterator[list[BinaryIO]]:
-    """Start the workers; yield the ends from which their results come."""
+) -> Iterator[list[_Desk]]:
+    """Start the workers; yield where their results arrive."""
     pipes = _Pipes()
     crew: list[ForkProcess] = []
     try:
         try:
-            for number, ends in enumerate(pipes.ring(jobs)):
+            desks, ends_of = pipes.ring(jobs)
+            for number, ends in enumerate(ends_of):
                 given = [] if number else [first]
                 crew.append(_started(work, items[number::jobs], ends, given, pipes))
         except OSError as error:
             raise LogtoolError(
                 f"{jobs} processes cannot be started: {error.strerror}; try fewer --jobs"
             ) from error
-        pipes.close_all_but(pipes.results)
-        yield pipes.results
+        pipes.close_all_but(chain(*desks))
+        yield desks
     finally:
         for process in crew:
             process.kill()
@@ -157,26 +153,26 @@ def _crew(
 
 
 class _Pipes:
-    """All ends of all pipes between workers, and from them to here."""
+    """All ends of all pipes between workers, and between them and here."""
 
     def __init__(self) -> None:
-        self.results: list[BinaryIO] = []
-        """Where results arrive, by worker."""
         self._ends: list[BinaryIO] = []
 
-    def ring(self, jobs: int) -> list[_Ends]:
-        """Return the ends of each worker: it takes batons from the one before it."""
+    def ring(self, jobs: int) -> tuple[list[_Desk], list[_Ends]]:
+        """Connect workers: each takes batons from the one before it.
+
+        Returns:
+            this process's ends, and the workers'.
+        """
         batons = [self._pipe() for _ in range(jobs)]
-        results = [self._pipe() for _ in range(jobs)]
-        for arrive, leave in results:
-            self.results.append(arrive)
-            # The system may allow less; then more switches from process to process are paid.
-            with suppress(OSError):
-                fcntl.fcntl(leave.fileno(), fcntl.F_SETPIPE_SZ, _RESULT_SIZE)
-        return [
-            _Ends(batons[number][0], batons[(number + 1) % jobs][1], results[number][1])
-            for number in range(jobs)
-        ]
+        desks: list[_Desk] = []
+        workers: list[_Ends] = []
+        for number in range(jobs):
+            results, taken, tray = self._pipe(), self._pipe(), Tray()
+            desks.append(_Desk(results[0], taken[1], tray))
+            batons_in, batons_out = batons[number][0], batons[(number + 1) % jobs][1]
+            workers.append(_Ends(batons_in, batons_out, results[1], taken[0], tray))
+        return desks, workers
 
     def _pipe(self) -> tuple[BinaryIO, BinaryIO]:
         arrive, leave = os.pipe()
@@ -223,16 +219,18 @@ def _serve(
 ) -> None:
     """Work on some items; runs in a copy of the process."""
     baton = _Piped(ends, given)
-    for item in items:
+    for number, item in enumerate(items):
         try:
             outcome: Result | _Raised = work(item, baton)
-        except _NeighbourDied:
+        except NeighbourDied:
             return
         except Exception as error:  # noqa: BLE001 - it is raised where the result is wanted
             error.add_note(traceback.format_exc())
             outcome = _Raised(error)
+        if number and not ends.taken.read(1):
+            return
         try:
-            _send(ends.results, outcome)
+            send(ends.results, outcome, ends.tray)
         except BrokenPipeError:
             return
         if isinstance(outcome, _Raised):
