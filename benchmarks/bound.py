@@ -1,60 +1,51 @@
 """The least that `convert` could take: decompress what it reads, compress and CRC what it writes.
 
-The codecs, levels and threads are those of `convert`, and compressors are used again. Each piece is
-brought into the processor's cache before its clock starts, as it is there when `convert` comes to
-it; the threads are taken to share the work evenly. Chunks that an MCAP input hands on as they are
-cost nothing here.
+The codecs and levels are those of `convert`, in as many processes, and all memory is used again.
+Each piece is brought into the processor's cache before its clock starts, as it is there when
+`convert` comes to it; the processes are taken to share the work evenly. Chunks that an MCAP input
+hands on as they are cost nothing here. Neither does the rest of a process: starting Python, reading
+and writing files.
 
-    python benchmarks/bound.py codecs IN OUT JOBS
-    python benchmarks/bound.py process IN OUT JOBS
-
-print seconds, and seconds of processor time: of the codecs alone, or with what no process is
-without that does it in Python, to start with numpy and the codecs, and to read the input's chunks.
-To find these chunks and to write anything is left out of both.
+    python benchmarks/bound.py IN OUT JOBS      prints seconds, and seconds of processor time
 """
 
-import subprocess
 import sys
-import threading
 import time
 import zlib
-from collections.abc import Callable
-from concurrent.futures import ThreadPoolExecutor
+from collections.abc import Callable, Iterator
+from functools import partial
 from pathlib import Path
 
 import numpy as np
 import zstandard
 
+from dogbot_logtool.parallel import in_order
 from dogbot_logtool.reader.compression import decompress_into
-from dogbot_logtool.reader.log import Log
+from dogbot_logtool.reader.log import Chunk, Log
 from dogbot_logtool.reader.opening import open_log
 from dogbot_logtool.writer.chunks import ZSTD_LEVEL
 
-Chunk = tuple[bytes, int, str]
-"""Stored bytes, size when decompressed, compression."""
+_ZSTD = zstandard.ZstdCompressor(level=ZSTD_LEVEL)
 
 
-def stored_chunks(log: Log) -> list[Chunk]:
-    """Read all chunks as they are stored."""
-    return [
-        (log.source.read(chunk.data_offset, chunk.data_size), chunk.size, chunk.compression)
-        for chunk in log.chunks
-    ]
+class _Room:
+    """Memory that is used again and again."""
 
-
-class _Codecs(threading.local):
     def __init__(self) -> None:
-        self.zstd = zstandard.ZstdCompressor(level=ZSTD_LEVEL)
-        self.target = np.empty(0, np.uint8)
+        self._bytes = np.empty(0, np.uint8)
 
-    def room(self, size: int) -> np.ndarray:
-        """Return memory that was used before, as an allocator would."""
-        if len(self.target) < size:
-            self.target = np.zeros(size, np.uint8)
-        return self.target[:size]
+    def of(self, size: int) -> np.ndarray:
+        if len(self._bytes) < size:
+            self._bytes = np.zeros(size, np.uint8)
+        return self._bytes[:size]
 
 
-_CODECS = _Codecs()
+_ROOM = _Room()
+
+
+def stored(log: Log, chunk: Chunk) -> bytes:
+    """Read a chunk as it is stored."""
+    return log.source.read(chunk.data_offset, chunk.data_size)
 
 
 def timed(work: Callable[[], object]) -> float:
@@ -64,45 +55,39 @@ def timed(work: Callable[[], object]) -> float:
     return time.perf_counter() - start
 
 
-def read(chunk: Chunk) -> float:
+def read(log: Log, chunk: Chunk) -> float:
     """Do what reading a chunk costs at least; return the seconds."""
-    data, size, compression = chunk
-    hot, target = memoryview(bytes(bytearray(data))), _CODECS.room(size)
-    return timed(lambda: decompress_into(target, hot, compression))
+    data, target = memoryview(stored(log, chunk)), _ROOM.of(chunk.size)
+    return timed(lambda: decompress_into(target, data, chunk.compression))
 
 
-def write(chunk: Chunk) -> float:
+def write(log: Log, chunk: Chunk) -> float:
     """Do what writing a chunk costs at least; return the seconds."""
-    data, size, compression = chunk
-    content = _CODECS.room(size)
-    decompress_into(content, memoryview(data), compression)
+    content = _ROOM.of(chunk.size)
+    decompress_into(content, memoryview(stored(log, chunk)), chunk.compression)
 
     def pack() -> None:
         zlib.crc32(content.data)
-        _CODECS.zstd.compress(content.data)
+        _ZSTD.compress(content.data)
 
     return timed(pack)
 
 
-def start_python() -> None:
-    """Start a process that could do it, and let it end."""
-    libraries = "import numpy, zstandard, lz4.block, lz4.frame, xxhash"
-    subprocess.run([sys.executable, "-c", libraries], check=True)
+def packed_anew(source: Log, target: Log) -> Iterator[Chunk]:
+    """Yield the chunks of the output that are none of the input's."""
+    handed_on = {zlib.crc32(stored(source, chunk)) for chunk in source.chunks}
+    for chunk in target.chunks:
+        if zlib.crc32(stored(target, chunk)) not in handed_on:
+            yield chunk
 
 
-def main(what: str, source: Path, target: Path, jobs: int) -> None:
+def main(source: Log, target: Log, jobs: int) -> None:
     """Measure."""
-    log = open_log(source)
-    inputs = stored_chunks(log)
-    handed_on = {data for data, _, _ in inputs}
-    outputs = [chunk for chunk in stored_chunks(open_log(target)) if chunk[0] not in handed_on]
-    with ThreadPoolExecutor(jobs) as pool:
-        codecs = sum(pool.map(read, inputs)) + sum(pool.map(write, outputs))
-    besides = 0.0
-    if what == "process":
-        besides = timed(start_python) + timed(lambda: stored_chunks(log))
-    print(f"{besides + codecs / jobs:.4f} {besides + codecs:.4f}")
+    seconds = sum(in_order(partial(read, source), source.chunks, jobs, forks=True))
+    anew = list(packed_anew(source, target))
+    seconds += sum(in_order(partial(write, target), anew, jobs, forks=True))
+    print(f"{seconds / jobs:.4f} {seconds:.4f}")
 
 
 if __name__ == "__main__":
-    main(sys.argv[1], Path(sys.argv[2]), Path(sys.argv[3]), int(sys.argv[4]))
+    main(open_log(Path(sys.argv[1])), open_log(Path(sys.argv[2])), int(sys.argv[3]))

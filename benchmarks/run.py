@@ -44,7 +44,6 @@ _ENVIRONMENT: Final = {
 }
 """What is installed is compiled once; a checkout must not be compiled anew at every start."""
 BOUND: Final = "bound: the codecs alone"
-BOUND_PROCESS: Final = "bound: a process with the codecs alone"
 LIBRARIES: Final = "libraries, message by message"
 FORCES: Final = "rosbags, forces alone"
 
@@ -139,7 +138,7 @@ def measure(task: Task, repeats: int) -> list[Result]:
                 times_ours=round(seconds / ours, 2),
             )
         )
-        print(f"{task.name:34} {name:38} {seconds:8.3f} s  {results[-1].times_ours:7.2f} x")
+        print(f"{task.name:34} {name:34} {seconds:8.3f} s  {results[-1].times_ours:7.2f} x")
     return results
 
 
@@ -179,8 +178,7 @@ def convert_task(log: Path, out: Path, jobs: int, *, everything: bool = False) -
     words: list[str | Path] = ["convert", log, "-o", ours, "-q", "--jobs", str(jobs)]
     contenders = [
         Contender(f"{OURS} --jobs {jobs}", tool(*words), ours, processes=jobs > 1),
-        Contender(BOUND, script("bound.py", "codecs", log, ours, str(jobs))),
-        Contender(BOUND_PROCESS, script("bound.py", "process", log, ours, str(jobs))),
+        Contender(BOUND, script("bound.py", log, ours, str(jobs))),
     ]
     if everything:
         copy = "bag2mcap" if log.suffix == ".bag" else "compress"
@@ -281,9 +279,7 @@ def ratios(results: Sequence[Result]) -> dict[str, float]:
         "rosbags / ours, stats of the 10 min bag": seconds["stats 600.bag", FORCES]
         / seconds["stats 600.bag", OURS],
         "pymcap-cli / ours, 10 min bag": copying / convert("600.bag"),
-        "ours / bound, codecs alone, 10 min bag": convert("600.bag") / convert("600.bag", BOUND),
-        "ours / bound, as a process, 10 min bag": convert("600.bag")
-        / convert("600.bag", BOUND_PROCESS),
+        "ours / bound, 10 min bag": convert("600.bag") / convert("600.bag", BOUND),
         "10 min / 1 min": convert("600.bag") / convert("60.bag"),
         "10 min / 1 min, without the time of a 1 s log": (convert("600.bag") - start)
         / (convert("60.bag") - start),

@@ -165,7 +165,8 @@ def _keep_freed_memory() -> None:
 
     glibc hands memory that is freed back to the system, above a threshold that follows the largest
     block freed so far. Where that stays small, every batch pays for all its pages anew: up to a
-    sixth of the time. So a block of the largest size that counts is freed once; its pages are never
-    touched. Other allocators do not care.
+    sixth of the time. So a block of nearly the largest size that counts is freed once; its pages
+    are never touched. Other allocators do not care.
     """
-    np.empty(_LARGEST_THRESHOLD - mmap.PAGESIZE, np.uint8)
+    # The block's own head counts, too, and all is rounded up to pages.
+    np.empty(_LARGEST_THRESHOLD - 2 * mmap.PAGESIZE, np.uint8)
