@@ -133,7 +133,7 @@ class LoadedChunk:
 
     chunk: Chunk
     stored: memoryview
-    """Its bytes as they stand in the file."""
+    """Its bytes as they stand in the file, where the log copies chunks; else none."""
     base: int
     """Where its decompressed bytes begin in the batch's buffer."""
     rows: slice
@@ -142,7 +142,7 @@ class LoadedChunk:
     """Nothing in it was damaged, so that its bytes may be copied as they stand, and those of its
     index if it is `indexed`."""
     indexed: bool = False
-    """An index that truthfully names all its messages follows it in `stored`, from `chunk.end`."""
+    """An index that truthfully names all its messages follows it in the file."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -340,7 +340,8 @@ class Log(ABC):
             rows = slice(row, row + len(messages))
             has_index = len(data) > chunk.end - chunk.offset
             whole = chunk.is_record and not found and content.indexed == has_index
-            loaded.append(LoadedChunk(chunk, data, base, rows, whole, content.indexed))
+            kept = data if self.copies_chunks else memoryview(b"")
+            loaded.append(LoadedChunk(chunk, kept, base, rows, whole, content.indexed))
             parts.append(messages.shifted(base))
             losses.extend(() if chunk.surveyed else found)
             base, row = base + chunk.size, rows.stop
