@@ -9,9 +9,9 @@ from collections.abc import Sequence
 from typing import Any, BinaryIO, Final
 
 import numpy as np
-from numpy.typing import NDArray
 
-Bytes = NDArray[np.uint8]
+from dogbot_logtool.core.arrays import Bytes
+
 _TRAY_SIZE: Final = 16 << 20
 """Bytes of a worker's shared memory: several times what comes of a batch, mostly."""
 _ALIGNMENT: Final = 64

@@ -13,8 +13,7 @@ from typing import Final
 
 import numpy as np
 
-from dogbot_logtool.core.arrays import Floats, Ints
-from dogbot_logtool.reader.columns import Bytes
+from dogbot_logtool.core.arrays import Bytes, Floats, Ints
 from dogbot_logtool.reader.log import (
     Batch,
     Chunk,

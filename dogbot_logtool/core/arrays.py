@@ -12,6 +12,7 @@ Float32s = NDArray[np.float32]
 Ints = NDArray[np.int64]
 """int64: times in nanoseconds, or row numbers."""
 Flags = NDArray[np.bool_]
+Bytes = NDArray[np.uint8]
 
 
 def norms(vectors: Floats) -> Floats:

@@ -6,6 +6,7 @@ from typing import Final
 
 import numpy as np
 
+from dogbot_logtool.core.arrays import Bytes
 from dogbot_logtool.reader.bag_format import BagFormat, nanoseconds
 from dogbot_logtool.reader.bag_records import (
     BagOp,
@@ -15,7 +16,6 @@ from dogbot_logtool.reader.bag_records import (
     record_in_file,
 )
 from dogbot_logtool.reader.chunk_content import read_content
-from dogbot_logtool.reader.columns import Bytes
 from dogbot_logtool.reader.compression import check_claimed_size, decompress_into
 from dogbot_logtool.reader.log import Chunk, ChunkContent, ChunkDamage, Loss
 from dogbot_logtool.reader.records import Index, Readable

@@ -8,7 +8,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from dogbot_logtool.core.arrays import Flags, Ints
+from dogbot_logtool.core.arrays import Bytes, Flags, Ints
 from dogbot_logtool.reader.bag_records import (
     U32,
     BagOp,
@@ -17,7 +17,7 @@ from dogbot_logtool.reader.bag_records import (
     record_at,
     record_in_file,
 )
-from dogbot_logtool.reader.columns import Bytes, gather, gather_bytes, rows_like
+from dogbot_logtool.reader.columns import gather, gather_bytes, rows_like
 from dogbot_logtool.reader.message_table import Messages
 from dogbot_logtool.reader.records import Readable, Records, blank_messages
 

@@ -2,13 +2,13 @@
 
 from dataclasses import replace
 
+from dogbot_logtool.core.arrays import Bytes
 from dogbot_logtool.reader.bag_chunk import check_bag_chunk, parse_bag_chunk
 from dogbot_logtool.reader.bag_format import BagFormat
 from dogbot_logtool.reader.bag_index import Connections, read_index
 from dogbot_logtool.reader.bag_records import BagOp
 from dogbot_logtool.reader.bag_survey import BagSurvey
 from dogbot_logtool.reader.channel_ids import ChannelIds
-from dogbot_logtool.reader.columns import Bytes
 from dogbot_logtool.reader.log import Chunk, ChunkContent, Contents, Log
 from dogbot_logtool.reader.source import ByteSource
 

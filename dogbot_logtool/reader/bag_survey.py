@@ -4,6 +4,7 @@ from collections.abc import Mapping
 from dataclasses import replace
 from typing import Final
 
+from dogbot_logtool.core.arrays import Bytes
 from dogbot_logtool.reader.bag_chunk import check_bag_chunk, chunk_at, parse_bag_chunk
 from dogbot_logtool.reader.bag_format import BagFormat, is_sound
 from dogbot_logtool.reader.bag_index import Connections, chunk_info
@@ -13,7 +14,6 @@ from dogbot_logtool.reader.bag_records import (
     record_at,
     record_in_file,
 )
-from dogbot_logtool.reader.columns import Bytes
 from dogbot_logtool.reader.log import Chunk, ChunkContent, ChunkDamage, Contents, Loss
 from dogbot_logtool.reader.losses import Losses
 from dogbot_logtool.reader.signatures import BAG_MAGIC

@@ -4,8 +4,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from dogbot_logtool.core.arrays import Flags, Ints
-from dogbot_logtool.reader.columns import Bytes
+from dogbot_logtool.core.arrays import Bytes, Flags, Ints
 from dogbot_logtool.reader.log import Chunk, ChunkContent, Loss, Messages
 from dogbot_logtool.reader.records import Found, Index, RecordFormat, find_all, find_indexed
 

@@ -10,9 +10,8 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from dogbot_logtool.core.arrays import Flags, Floats, Ints
+from dogbot_logtool.core.arrays import Bytes, Flags, Floats, Ints
 
-Bytes = NDArray[np.uint8]
 _DOUBLE: Final = np.dtype("<f8")
 _ROUNDS: Final = 64
 """Different strings from which sorting all is faster than taking out one after another."""

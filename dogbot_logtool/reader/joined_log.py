@@ -5,8 +5,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from dogbot_logtool.core.arrays import Ints
-from dogbot_logtool.reader.columns import Bytes
+from dogbot_logtool.core.arrays import Bytes, Ints
 from dogbot_logtool.reader.log import (
     Batch,
     Channel,

@@ -9,9 +9,8 @@ from typing import Final
 
 import numpy as np
 
-from dogbot_logtool.core.arrays import Ints
+from dogbot_logtool.core.arrays import Bytes, Ints
 from dogbot_logtool.reader.channel_ids import UNKNOWN_CHANNEL, ChannelIds
-from dogbot_logtool.reader.columns import Bytes
 from dogbot_logtool.reader.definition import short_type_name
 from dogbot_logtool.reader.losses import Loss, lost_messages
 from dogbot_logtool.reader.message_table import Messages, concatenate_messages

@@ -8,8 +8,8 @@ from typing import Final
 import numpy as np
 from mcap.opcode import Opcode
 
+from dogbot_logtool.core.arrays import Bytes
 from dogbot_logtool.reader.chunk_content import read_content
-from dogbot_logtool.reader.columns import Bytes
 from dogbot_logtool.reader.compression import check_claimed_size, decompress_into
 from dogbot_logtool.reader.log import Chunk, ChunkContent, ChunkDamage, Loss
 from dogbot_logtool.reader.mcap_format import McapFormat

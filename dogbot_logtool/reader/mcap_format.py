@@ -9,8 +9,8 @@ import numpy as np
 from mcap import records
 from mcap.opcode import Opcode
 
-from dogbot_logtool.core.arrays import Ints
-from dogbot_logtool.reader.columns import Bytes, gather
+from dogbot_logtool.core.arrays import Bytes, Ints
+from dogbot_logtool.reader.columns import gather
 from dogbot_logtool.reader.log import Messages
 from dogbot_logtool.reader.mcap_records import (
     CHUNK_HEAD,

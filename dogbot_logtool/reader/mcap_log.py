@@ -6,7 +6,7 @@ from typing import Final
 from mcap import records
 from mcap.opcode import Opcode
 
-from dogbot_logtool.reader.columns import Bytes
+from dogbot_logtool.core.arrays import Bytes
 from dogbot_logtool.reader.log import Chunk, ChunkContent, Contents, Log, Loss
 from dogbot_logtool.reader.mcap_chunk import check_chunk, parse_chunk
 from dogbot_logtool.reader.mcap_format import McapFormat

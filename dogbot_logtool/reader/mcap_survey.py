@@ -6,7 +6,7 @@ from dataclasses import replace
 from mcap import records
 from mcap.opcode import Opcode
 
-from dogbot_logtool.reader.columns import Bytes
+from dogbot_logtool.core.arrays import Bytes
 from dogbot_logtool.reader.log import (
     Chunk,
     ChunkContent,

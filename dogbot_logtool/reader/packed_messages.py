@@ -6,8 +6,8 @@ from typing import Final
 import numpy as np
 import zstandard
 
-from dogbot_logtool.core.arrays import Flags
-from dogbot_logtool.reader.columns import Bytes, gather
+from dogbot_logtool.core.arrays import Bytes, Flags
+from dogbot_logtool.reader.columns import gather
 from dogbot_logtool.reader.log import Batch, Loss, Messages
 from dogbot_logtool.reader.signatures import ZSTD_MAGIC
 

@@ -11,8 +11,7 @@ from typing import Final, Protocol
 
 import numpy as np
 
-from dogbot_logtool.core.arrays import Flags, Ints
-from dogbot_logtool.reader.columns import Bytes
+from dogbot_logtool.core.arrays import Bytes, Flags, Ints
 from dogbot_logtool.reader.message_table import Messages, concatenate_messages
 from dogbot_logtool.reader.source import ByteSource
 

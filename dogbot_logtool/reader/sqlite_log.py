@@ -10,9 +10,8 @@ from urllib.parse import quote
 
 import numpy as np
 
-from dogbot_logtool.core.arrays import Ints
+from dogbot_logtool.core.arrays import Bytes, Ints
 from dogbot_logtool.errors import LogError
-from dogbot_logtool.reader.columns import Bytes
 from dogbot_logtool.reader.log import (
     Batch,
     Chunk,

@@ -7,8 +7,7 @@ from typing import Final
 
 import numpy as np
 
-from dogbot_logtool.core.arrays import Ints
-from dogbot_logtool.reader.columns import Bytes
+from dogbot_logtool.core.arrays import Bytes, Ints
 from dogbot_logtool.reader.log import (
     Chunk,
     ChunkContent,

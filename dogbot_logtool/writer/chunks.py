@@ -14,8 +14,8 @@ from mcap import records
 from mcap.data_stream import RecordBuilder
 from mcap.opcode import Opcode
 
-from dogbot_logtool.core.arrays import Ints, stable_order
-from dogbot_logtool.writer.outgoing import Bytes, Outgoing
+from dogbot_logtool.core.arrays import Bytes, Ints, stable_order
+from dogbot_logtool.writer.outgoing import Outgoing
 
 Compression = Literal["zstd", "lz4", "none"]
 COMPRESSIONS: Final[tuple[Compression, ...]] = ("zstd", "lz4", "none")

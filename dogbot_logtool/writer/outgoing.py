@@ -7,10 +7,9 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from dogbot_logtool.core.arrays import Ints
+from dogbot_logtool.core.arrays import Bytes, Ints
 from dogbot_logtool.writer.template import Template
 
-Bytes = NDArray[np.uint8]
 MESSAGE_OPCODE: Final = 0x05
 MESSAGE_HEAD: Final = np.dtype(
     [

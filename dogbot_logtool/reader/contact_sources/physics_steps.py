@@ -8,8 +8,8 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from dogbot_logtool.core.arrays import Flags, Ints
-from dogbot_logtool.reader.columns import Bytes, Texts, gather_bytes
+from dogbot_logtool.core.arrays import Bytes, Flags, Ints
+from dogbot_logtool.reader.columns import Texts, gather_bytes
 from dogbot_logtool.reader.contact_sources.source import StepTiming
 
 _INFO_TAIL: Final = 48
