@@ -184,6 +184,7 @@ def convert_batches(
         plan.options.jobs,
         Carried.nothing(plan),
         forks=log.can_fork,
+        # Chunks are written before the next batch is asked for.
         lent=True,
     )
 

@@ -227,6 +227,7 @@ def _serve(
         except Exception as error:  # noqa: BLE001 - it is raised where the result is wanted
             error.add_note(traceback.format_exc())
             outcome = _Raised(error)
+        # On the tray still lies its last result, until that is taken or nobody is left to take it.
         if number and not ends.taken.read(1):
             return
         try:

@@ -10,6 +10,7 @@ from dogbot_logtool.parallel import Progress, in_order
 from dogbot_logtool.reader.foxglove_transforms import FOXGLOVE_TYPES, foxglove_transforms
 from dogbot_logtool.reader.log import Channel, Log, Loss, Span
 from dogbot_logtool.reader.losses import undecodable
+from dogbot_logtool.reader.messages import malformed_in
 from dogbot_logtool.reader.transforms import decode_transforms, is_static, transform_columns
 
 
@@ -107,12 +108,10 @@ def _read_batch(
     batch = log.read(span)
     decoded = decode_transforms(batch, ros_channels)
     of_foxglove, malformed = foxglove_transforms(batch, foxglove)
-    for messages in decoded:
-        malformed.update(messages.malformed)
     parts = [transform_columns(messages) for messages in decoded]
     return _ReadBatch(
         transforms=concatenate_transforms([of_foxglove, *parts]),
-        malformed=malformed,
+        malformed=malformed | malformed_in(decoded),
         losses=batch.losses,
         stored_size=sum(chunk.data_size for chunk in span),
     )

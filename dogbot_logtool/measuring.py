@@ -12,7 +12,7 @@ from dogbot_logtool.reader.columns import Texts
 from dogbot_logtool.reader.contact_sources.registry import read_contacts
 from dogbot_logtool.reader.contact_sources.source import FootChannels
 from dogbot_logtool.reader.log import Batch, Log, Loss, Span
-from dogbot_logtool.reader.messages import DecodedMessages
+from dogbot_logtool.reader.messages import DecodedMessages, malformed_in
 from dogbot_logtool.reader.odometry import decode_odometry, joined_odometry
 from dogbot_logtool.reader.transforms import decode_transforms
 from dogbot_logtool.selection import Selection
@@ -79,11 +79,7 @@ class BatchMeasurer:
             odometry=odometry,
             frames=frames,
             times=list((_log_times(log, batch) | stamped).values()),
-            malformed={
-                channel: count
-                for messages in (*decoded, *(read.messages for read in contacts), *transforms)
-                for channel, count in messages.malformed.items()
-            },
+            malformed=malformed_in([*decoded, *(read.messages for read in contacts), *transforms]),
             losses=batch.losses,
             messages=len(batch.messages),
             stored_size=sum(chunk.data_size for chunk in span),

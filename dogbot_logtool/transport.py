@@ -15,6 +15,7 @@ from dogbot_logtool.core.arrays import Bytes
 _TRAY_SIZE: Final = 16 << 20
 """Bytes of a worker's shared memory: several times what comes of a batch, mostly."""
 _ALIGNMENT: Final = 64
+"""Bytes; numbers of any type may begin where a piece does."""
 
 
 class NeighbourDied(Exception):  # noqa: N818 - an end, not an error

@@ -9,7 +9,7 @@ from dogbot_logtool.core.transform_buffer import TransformBuffer
 from dogbot_logtool.plan import Plan
 from dogbot_logtool.reader.contact_sources.registry import ContactsRead, read_contacts
 from dogbot_logtool.reader.log import Batch, Log, Span
-from dogbot_logtool.reader.messages import DecodedMessages
+from dogbot_logtool.reader.messages import DecodedMessages, malformed_in
 from dogbot_logtool.reader.odometry import decode_odometry, joined_odometry
 from dogbot_logtool.reader.transforms import decode_transforms
 from dogbot_logtool.world_frames import BatchFrames, Placed, look_around
@@ -97,10 +97,6 @@ def read_batch(log: Log, plan: Plan, span: Span) -> ReadBatch:
         contacts=tuple(contacts),
         transforms=tuple(transforms),
         frames=frames,
-        malformed={
-            channel: count
-            for messages in (*decoded, *(read.messages for read in contacts), *transforms)
-            for channel, count in messages.malformed.items()
-        },
+        malformed=malformed_in([*decoded, *(read.messages for read in contacts), *transforms]),
         stored_size=sum(chunk.data_size for chunk in span),
     )

@@ -1,6 +1,6 @@
 """From the messages of a batch to decoded tables: all channels of one definition in one go."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 
@@ -51,6 +51,15 @@ def decode_channels(
         by_layout.setdefault(id(layout), (layout, []))[1].append(channel.id)
     decoded = [_decode(batch, layout, ids) for layout, ids in by_layout.values()]
     return [messages for messages in decoded if messages is not None]
+
+
+def malformed_in(decoded: Iterable[DecodedMessages]) -> dict[int, int]:
+    """Return the number of messages that could not be decoded, by channel id.
+
+    Args:
+        decoded: messages of different channels.
+    """
+    return {channel: count for messages in decoded for channel, count in messages.malformed.items()}
 
 
 def _decode(batch: Batch, layout: Layout, ids: list[int]) -> DecodedMessages | None:
