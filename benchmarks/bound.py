@@ -23,9 +23,9 @@ from dogbot_logtool.parallel import in_order
 from dogbot_logtool.reader.compression import decompress_into
 from dogbot_logtool.reader.log import Chunk, Log
 from dogbot_logtool.reader.opening import open_log
-from dogbot_logtool.writer.chunks import ZSTD_LEVEL
+from dogbot_logtool.writer.chunks import ZSTD
 
-_ZSTD = zstandard.ZstdCompressor(level=ZSTD_LEVEL)
+_CODEC = zstandard.ZstdCompressor(compression_params=ZSTD)
 
 
 class _Room:
@@ -68,7 +68,7 @@ def write(log: Log, chunk: Chunk) -> float:
 
     def pack() -> None:
         zlib.crc32(content.data)
-        _ZSTD.compress(content.data)
+        _CODEC.compress(content.data)
 
     return timed(pack)
 
