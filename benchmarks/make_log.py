@@ -1,9 +1,9 @@
 """Writes the logs that the benchmarks read, as a fast Gazebo simulation records them.
 
 Four feet at 500 Hz, each message of 0 to 4 states of 1 to 4 contact points with names and `info`
-of real length, and odometry at 100 Hz. One second is serialised by rosbags; the log is that second
-over and over with new times. A second is longer than the window of either codec, so the repetition
-does not make it compress better.
+of real length, and odometry at 100 Hz. Eight seconds are serialised by rosbags; the log is those
+over and over with new times. They are longer than a codec looks back, in the log (a second is) and
+in what is made of each foot, so the repetition makes nothing compress better.
 
 Forces, torques, depths and heights are noise to the last bit, as a physics engine's are; normals
 are upright and a standing foot's points stay where they are. It compresses by 3.8 (lz4) and 4.3
@@ -51,6 +51,7 @@ _CORNERS: Final = (
     (0.1613, 0.4411, -1.9e-5),
 )
 """m, where a foot's contact points stay."""
+_DIFFERENT_SECONDS: Final = 8
 _STATES: Final = (0.55, 0.2, 0.15, 0.1)
 """Shares of messages with 1 to 4 states."""
 _POINTS: Final = (0.4, 0.3, 0.15, 0.15)
@@ -103,8 +104,7 @@ def _state(foot: str, points: int, load: float, noise: np.random.Generator) -> A
     )
 
 
-def _one_second() -> list[Message]:
-    noise = np.random.default_rng(1)
+def _one_second(noise: np.random.Generator) -> list[Message]:
     second: list[Message] = []
     for number, foot in enumerate(FEET):
         for sample in range(500):
@@ -144,25 +144,29 @@ def _odometry(sample: int, noise: np.random.Generator) -> bytes:
     return bytes(_STORE.serialize_ros1(message, ODOMETRY))
 
 
-def _repeated(second: list[Message], seconds: int) -> Iterator[Message]:
+def _repeated(different: list[list[Message]], seconds: int) -> Iterator[Message]:
     """Yield log time (ns), topic and payload of every message."""
     for number in range(seconds):
         now = START_S + number
         step = b"time:%d." % now
-        for time, topic, payload in second:
+        for time, topic, payload in different[number % len(different)]:
             stamped = payload[:4] + struct.pack("<II", now, time) + payload[12:]
             yield now * 10**9 + time, topic, stamped.replace(_FIRST_STEP, step)
 
 
 def _messages(seconds: int, encoding: str) -> Iterator[Message]:
-    second = _one_second()
+    noise = np.random.default_rng(1)
+    different = [_one_second(noise) for _ in range(min(_DIFFERENT_SECONDS, seconds))]
     if encoding == "cdr":
         # Without Header.seq, and with the encapsulation's four bytes, stamps stay where they are.
-        second = [
-            (time, topic, bytes(_ROS2_STORE.ros1_to_cdr(payload, _TOPICS[topic])))
-            for time, topic, payload in second
+        different = [
+            [
+                (time, topic, bytes(_ROS2_STORE.ros1_to_cdr(payload, _TOPICS[topic])))
+                for time, topic, payload in second
+            ]
+            for second in different
         ]
-    return _repeated(second, seconds)
+    return _repeated(different, seconds)
 
 
 def write_bag(path: Path, seconds: int, compression: str) -> None:
