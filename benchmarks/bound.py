@@ -11,13 +11,13 @@ and writing files.
 
 import sys
 import time
-import zlib
 from collections.abc import Callable, Iterator
 from functools import partial
 from pathlib import Path
 
 import numpy as np
 import zstandard
+from zlib_ng.zlib_ng import crc32
 
 from dogbot_logtool.parallel import in_order
 from dogbot_logtool.reader.compression import decompress_into
@@ -67,7 +67,7 @@ def write(log: Log, chunk: Chunk) -> float:
     decompress_into(content, memoryview(stored(log, chunk)), chunk.compression)
 
     def pack() -> None:
-        zlib.crc32(content.data)
+        crc32(content.data)
         _CODEC.compress(content.data)
 
     return timed(pack)
@@ -75,9 +75,9 @@ def write(log: Log, chunk: Chunk) -> float:
 
 def packed_anew(source: Log, target: Log) -> Iterator[Chunk]:
     """Yield the chunks of the output that are none of the input's."""
-    handed_on = {zlib.crc32(stored(source, chunk)) for chunk in source.chunks}
+    handed_on = {crc32(stored(source, chunk)) for chunk in source.chunks}
     for chunk in target.chunks:
-        if zlib.crc32(stored(target, chunk)) not in handed_on:
+        if crc32(stored(target, chunk)) not in handed_on:
             yield chunk
 
 

@@ -1,12 +1,12 @@
 """One MCAP chunk: its header, its checksum, and the messages in it."""
 
 import struct
-import zlib
 from dataclasses import replace
 from typing import Final
 
 import numpy as np
 from mcap.opcode import Opcode
+from zlib_ng.zlib_ng import crc32
 
 from dogbot_logtool.core.arrays import Bytes
 from dogbot_logtool.reader.chunk_content import read_content
@@ -98,7 +98,7 @@ def parse_chunk(chunk: Chunk, stored: memoryview, target: Bytes, fmt: McapFormat
         size = decompress_into(target, data, chunk.compression)
         if size < len(target):
             raise ChunkDamage("it is cut off")
-        if crc and zlib.crc32(target.data) != crc:
+        if crc and crc32(target.data) != crc:
             raise ChunkDamage("its checksum does not hold")
         if contradictions and not crc:
             raise ChunkDamage("its header is damaged, and it has no checksum")

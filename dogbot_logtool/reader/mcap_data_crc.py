@@ -1,10 +1,10 @@
 """The checksum over an MCAP file's whole data section."""
 
 import struct
-import zlib
 from typing import Final
 
 from mcap.opcode import Opcode
+from zlib_ng.zlib_ng import crc32
 
 from dogbot_logtool.reader.log import Loss
 from dogbot_logtool.reader.mcap_records import RECORD_HEAD
@@ -34,7 +34,7 @@ def check_data(source: ByteSource, data_end: int, *, thorough: bool) -> Loss | N
         return None
     crc = 0
     for place in range(0, data_end, _PIECE):
-        crc = zlib.crc32(source.read(place, min(_PIECE, data_end - place)), crc)
+        crc = crc32(source.read(place, min(_PIECE, data_end - place)), crc)
     if crc == expected:
         return None
     return Loss(data_end, "the checksum over all of the log's data does not hold")

@@ -1,9 +1,8 @@
 """Attachments and metadata records of an MCAP, to be copied as they are."""
 
-import zlib
-
 from mcap import records
 from mcap.opcode import Opcode
+from zlib_ng.zlib_ng import crc32
 
 from dogbot_logtool.reader.log import Extra
 from dogbot_logtool.reader.mcap_records import RECORD_HEAD, decode_record
@@ -25,5 +24,5 @@ def read_extra(
         return None if metadata is None else (record, metadata)
     attachment = decode_record(records.Attachment, body, padding=0)
     crc = int.from_bytes(record[-4:], "little")
-    sound = crc in {0, zlib.crc32(body[:-4])}
+    sound = crc in {0, crc32(body[:-4])}
     return None if attachment is None or not sound else (record, attachment)

@@ -1,13 +1,13 @@
 """What an MCAP file's summary section tells, if there is a sound and complete one."""
 
 import struct
-import zlib
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Final
 
 from mcap import records
 from mcap.opcode import Opcode
+from zlib_ng.zlib_ng import crc32
 
 from dogbot_logtool.reader.log import Chunk, Contents, Extra, Loss, Schema
 from dogbot_logtool.reader.mcap_data_crc import DATA_END_SIZE, check_data
@@ -86,7 +86,7 @@ def _read_section(source: ByteSource) -> tuple[_Summary | None, Loss | None]:
     if size < 0 or size > max(_UNSUSPICIOUS_SIZE, source.size // _LARGEST_SHARE):
         return None, damaged
     section = source.read(footer.summary_start, size)
-    crc = zlib.crc32(section + tail[: _FOOTER_SIZE - 4])
+    crc = crc32(section + tail[: _FOOTER_SIZE - 4])
     if footer.summary_crc and crc != footer.summary_crc:
         return None, damaged
     if not footer.summary_start:

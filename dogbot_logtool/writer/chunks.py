@@ -2,7 +2,6 @@
 
 import struct
 import threading
-import zlib
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Final, Literal
@@ -13,6 +12,7 @@ import zstandard
 from mcap import records
 from mcap.data_stream import RecordBuilder
 from mcap.opcode import Opcode
+from zlib_ng.zlib_ng import crc32
 
 from dogbot_logtool.core.arrays import Bytes, Ints, stable_order
 from dogbot_logtool.writer.outgoing import Outgoing
@@ -92,7 +92,7 @@ def finish_chunk(messages: Outgoing, compression: Compression) -> FinishedChunk:
         data=compressed,
         message_end_time=end,
         message_start_time=start,
-        uncompressed_crc=zlib.crc32(data.data),
+        uncompressed_crc=crc32(data.data),
         uncompressed_size=len(data),
     ).write(builder)
     return indexed_chunk(

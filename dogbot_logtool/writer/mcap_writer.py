@@ -1,12 +1,12 @@
 """The output file: chunks as they come, then a complete summary."""
 
-import zlib
 from collections.abc import Mapping
 from typing import Protocol
 
 from mcap import records
 from mcap.data_stream import RecordBuilder
 from mcap.opcode import Opcode
+from zlib_ng.zlib_ng import crc32
 
 from dogbot_logtool import __version__
 from dogbot_logtool.writer.chunks import FinishedChunk
@@ -159,7 +159,7 @@ class McapWriter:
 
     def _write(self, data: bytes | memoryview) -> None:
         self._sink.write(data)
-        self._crc = zlib.crc32(data, self._crc)
+        self._crc = crc32(data, self._crc)
         self._place += len(data)
 
 
