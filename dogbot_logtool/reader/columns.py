@@ -68,12 +68,16 @@ class Texts:
         code, rows = self.alike()
         return code, tuple(self.text(row) for row in rows)
 
-    def alike(self) -> tuple[Ints, list[int]]:
+    def alike(self, kind: Ints | None = None) -> tuple[Ints, list[int]]:
         """Number the different strings, as bytes.
 
         Strings on the path are nearly always constant, or take few values, so each round
         settles all rows that equal the first unsettled one. After some rounds the rest is sorted,
         since a log may also name every row differently.
+
+        Args:
+            kind: (n,) small numbers, not negative; only strings of one kind are compared, and
+                those of different kinds get different numbers.
 
         Returns:
             code (n,), and for each code a row that has it.
@@ -81,17 +85,21 @@ class Texts:
         code = np.full(len(self.start), -1, np.int64)
         rows: list[int] = []
         left = np.arange(len(self.start))
+        sort = self.length
+        if kind is not None:
+            sort = sort * (int(kind.max(initial=0)) + 1) + kind
         while len(left) and len(rows) < _ROUNDS:
             first = left[0]
-            alike = left[self.length[left] == self.length[first]]
+            alike = left[sort[left] == sort[first]]
             if size := int(self.length[first]):
                 texts = gather_bytes(self.buffer, self.start[alike], size)
                 alike = alike[rows_like(texts, texts[0])]
             code[alike] = len(rows)
             rows.append(int(first))
             left = left[code[left] < 0] if len(alike) < len(left) else left[:0]
-        for size in np.unique(self.length[left]).tolist():
-            alike = left[self.length[left] == size]
+        for one in np.unique(sort[left]).tolist():
+            alike = left[sort[left] == one]
+            size = int(self.length[alike[0]])
             # Texts without a byte are all alike.
             whole = gather(self.buffer, self.start[alike], size) if size else alike * 0
             _, first_rows, inverse = np.unique(whole, return_index=True, return_inverse=True)

@@ -30,17 +30,14 @@ def foot_sides(
         (s,) as in `Contacts.foot_side`.
     """
     # Few pairs of names make few cases: each is judged once, and looked up. Whatever stands between
-    # two names, their lengths for one, can only make more pairs of them.
+    # two names, their lengths for one, can only make more pairs of them. Each foot has its own.
     start = np.minimum(first_names.start, second_names.start)
     end = np.maximum(first_names.end, second_names.end)
-    pair, rows = Texts(first_names.buffer, start, end - start).alike()
-    case = foot * len(rows) + pair
-    sides: NDArray[np.int8] = np.zeros(len(feet) * len(rows), np.int8)
-    for one in np.flatnonzero(np.bincount(case)).tolist():
-        which, number = divmod(one, len(rows))
-        names = first_names.text(rows[number]), second_names.text(rows[number])
-        sides[one] = _side(feet[which], *names)
-    side: NDArray[np.int8] = sides[case]
+    pair, rows = Texts(first_names.buffer, start, end - start).alike(foot)
+    sides = [
+        _side(feet[int(foot[row])], first_names.text(row), second_names.text(row)) for row in rows
+    ]
+    side: NDArray[np.int8] = np.array(sides, np.int8)[pair]
     return side
 
 
