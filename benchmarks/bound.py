@@ -19,7 +19,7 @@ import numpy as np
 import zstandard
 from zlib_ng.zlib_ng import crc32
 
-from dogbot_logtool.parallel import in_order
+from dogbot_logtool.parallel.relay import in_order
 from dogbot_logtool.reader.compression import decompress_into
 from dogbot_logtool.reader.log import Chunk, Log
 from dogbot_logtool.reader.opening import open_log

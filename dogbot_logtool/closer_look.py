@@ -9,7 +9,7 @@ import numpy as np
 from dogbot_logtool.core.arrays import Ints
 from dogbot_logtool.core.curves import Curve, CurveDetail, LoadCurves
 from dogbot_logtool.errors import LogError
-from dogbot_logtool.parallel import Progress
+from dogbot_logtool.parallel.relay import Progress
 from dogbot_logtool.stats import Measurement, StatsOptions, TimeSourceOption, measure
 from dogbot_logtool.storage import Location
 

@@ -9,13 +9,13 @@ from typing import BinaryIO, Final
 from mcap import records
 
 from dogbot_logtool import __version__
-from dogbot_logtool.batches import BatchConverter, ConvertedBatch, Counts
+from dogbot_logtool.conversion.batch import BatchConverter, ConvertedBatch, Counts
 from dogbot_logtool.conversion.carried import Carried
 from dogbot_logtool.conversion.channels import annotations_of
 from dogbot_logtool.errors import LogError
 from dogbot_logtool.evidence import look_into
 from dogbot_logtool.findings import Finding, note, warning
-from dogbot_logtool.parallel import Progress, relayed
+from dogbot_logtool.parallel.relay import Progress, relayed
 from dogbot_logtool.plan import ConvertOptions, Plan, make_plan, without_tf
 from dogbot_logtool.printable import printable
 from dogbot_logtool.reader.log import Log, Loss, lost_messages

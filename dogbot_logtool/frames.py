@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 from dogbot_logtool.core.frame_edges import FrameEdge, FrameRecorder, RecordedFrames
 from dogbot_logtool.core.recorded_transforms import RecordedTransforms, concatenate_transforms
-from dogbot_logtool.parallel import Progress, in_order
+from dogbot_logtool.parallel.relay import Progress, in_order
 from dogbot_logtool.reader.foxglove_transforms import FOXGLOVE_TYPES, foxglove_transforms
 from dogbot_logtool.reader.log import Channel, Log, Loss, Span
 from dogbot_logtool.reader.losses import undecodable

@@ -7,7 +7,7 @@ from dogbot_logtool.evidence import Evidence, evidence_findings, look_into
 from dogbot_logtool.findings import Finding
 from dogbot_logtool.frame_findings import frame_findings
 from dogbot_logtool.frames import Frames, read_frames
-from dogbot_logtool.parallel import Progress
+from dogbot_logtool.parallel.relay import Progress
 from dogbot_logtool.plan import ConvertOptions, make_plan
 from dogbot_logtool.reader.log import Log, Loss
 from dogbot_logtool.reader.opening import open_log

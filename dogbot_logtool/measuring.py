@@ -5,18 +5,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from dogbot_logtool.batch_reader import BatchReader
 from dogbot_logtool.core.arrays import Ints, rows_by_group
 from dogbot_logtool.core.contacts import Samples
 from dogbot_logtool.core.odometry import Odometry
 from dogbot_logtool.reader.columns import Texts
-from dogbot_logtool.reader.contact_sources.registry import read_contacts
-from dogbot_logtool.reader.contact_sources.source import FootChannels
 from dogbot_logtool.reader.log import Batch, Log, Loss, Span
-from dogbot_logtool.reader.messages import DecodedMessages, malformed_in
-from dogbot_logtool.reader.odometry import decode_odometry, joined_odometry
-from dogbot_logtool.reader.transforms import decode_transforms
-from dogbot_logtool.selection import Selection
-from dogbot_logtool.world_frames import BatchFrames, WorldFrames, look_around
+from dogbot_logtool.reader.messages import DecodedMessages
+from dogbot_logtool.world_frames import BatchFrames
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,43 +42,26 @@ class MeasuredBatch:
 
 @dataclass(frozen=True, slots=True)
 class BatchMeasurer:
-    """Reads batches; called in several threads or processes at once."""
+    """Measures batches; called in several threads or processes at once."""
 
-    selection: Selection
-    feet: FootChannels
-    frames: WorldFrames | None
-    """What turns forces into the world; None where none must be."""
-    limits: tuple[int | None, int | None]
-    """ns, log times from which and up to which messages are taken; None: no limit."""
+    reader: BatchReader
 
     def __call__(self, log: Log, span: Span) -> MeasuredBatch:
         """Read and decode one batch."""
-        batch = log.read(span).cropped(*self.limits)
-        decoded = decode_odometry(batch, self.selection.odometry)
-        odometry = joined_odometry(decoded)
-        contacts = read_contacts(batch, self.selection.contacts, self.feet)
-        samples = [read.felt.samples for read in contacts]
-        transforms: Sequence[DecodedMessages] = ()
-        frames = None
-        if self.frames is not None:
-            transforms = decode_transforms(batch, self.selection.transforms)
-            own = self.frames.tracks(transforms, odometry)
-            frames = look_around(
-                log, self.selection, self.frames, span, batch, own, samples, self.limits
-            )
-        with_header = [read.messages for read in contacts if read.source.has_header]
+        columns = self.reader.read(log, span)
+        with_header = [read.messages for read in columns.contacts if read.source.has_header]
         stamped: dict[str, MessageTimes] = {}
-        for messages in (*decoded, *with_header):
+        for messages in (*columns.odometry_messages, *with_header):
             stamped.update(_stamped_times(log, messages))
         return MeasuredBatch(
-            samples=samples,
-            odometry=odometry,
-            frames=frames,
-            times=list((_log_times(log, batch) | stamped).values()),
-            malformed=malformed_in([*decoded, *(read.messages for read in contacts), *transforms]),
-            losses=batch.losses,
-            messages=len(batch.messages),
-            stored_size=sum(chunk.data_size for chunk in span),
+            samples=columns.samples,
+            odometry=columns.odometry,
+            frames=columns.frames,
+            times=list((_log_times(log, columns.batch) | stamped).values()),
+            malformed=columns.malformed,
+            losses=columns.batch.losses,
+            messages=len(columns.batch.messages),
+            stored_size=columns.stored_size,
         )
 
 

@@ -8,7 +8,7 @@ from typing import Final
 from dogbot_logtool.closer_look import with_detail
 from dogbot_logtool.core.curves import CurveDetail
 from dogbot_logtool.errors import LogtoolError
-from dogbot_logtool.parallel import Progress
+from dogbot_logtool.parallel.relay import Progress
 from dogbot_logtool.report.gait_diagram import default_window
 from dogbot_logtool.report.page.render import IndexRow, Place, index, index_row, page
 from dogbot_logtool.stats import Measurement, StatsOptions, measure

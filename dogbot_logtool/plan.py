@@ -4,6 +4,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from typing import Final, Literal
 
+from dogbot_logtool.batch_reader import BatchReader
 from dogbot_logtool.core.arrows import CLASSIC_DIAMETER_M, LIFETIME_S
 from dogbot_logtool.core.clock import TimeSource
 from dogbot_logtool.core.footfall import contact_rule
@@ -85,6 +86,19 @@ class Plan:
     def limits(self) -> tuple[int | None, int | None]:
         """ns, log times from which and up to which messages are taken; None: no limit."""
         return self.start_time, self.end_time
+
+    @property
+    def reader(self) -> BatchReader:
+        """What reads the log's batches."""
+        # Only arrows along the force may have to stand along a normal instead.
+        feet = replace(self.selection.foot_channels(), normals=self.options.style == "force")
+        return BatchReader(
+            self.selection,
+            feet,
+            self.frames,
+            self.limits,
+            reads_transforms=self.base_may_have_parent,
+        )
 
     @property
     def base_may_have_parent(self) -> bool:

@@ -6,7 +6,7 @@ from pathlib import Path
 
 from dogbot_logtool.closer_look import load_curves_within
 from dogbot_logtool.errors import CallError
-from dogbot_logtool.parallel import Progress
+from dogbot_logtool.parallel.relay import Progress
 from dogbot_logtool.report.gait_diagram import default_window
 from dogbot_logtool.report.gait_figure import (
     FORMATS,

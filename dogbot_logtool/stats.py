@@ -7,6 +7,7 @@ from dataclasses import dataclass, field, replace
 from functools import partial
 from typing import Final, Literal
 
+from dogbot_logtool.batch_reader import BatchReader
 from dogbot_logtool.core.clock import TimeSource, UnusableStamps
 from dogbot_logtool.core.curves import CurveDetail
 from dogbot_logtool.core.settings import FootPlace, StatsSettings
@@ -23,7 +24,7 @@ from dogbot_logtool.evidence import (
 )
 from dogbot_logtool.findings import Finding
 from dogbot_logtool.measuring import BatchMeasurer, MeasuredBatch
-from dogbot_logtool.parallel import Progress, in_order
+from dogbot_logtool.parallel.relay import Progress, in_order
 from dogbot_logtool.reader.log import Log, Loss, Span, lost_messages
 from dogbot_logtool.reader.losses import undecodable
 from dogbot_logtool.reader.opening import open_log
@@ -163,7 +164,7 @@ def _pass(
         selection.foot_channels(settings.contact_on_n, settings.contact_off_n),
         left_after_ns=evidence.left_after_ns,
     )
-    measurer = BatchMeasurer(selection, feet, frames, limits)
+    measurer = BatchMeasurer(BatchReader(selection, feet, frames, limits))
     feed = _Feed(
         StatsAccumulator(settings, options.curves),
         _swings(log, evidence, limits),
@@ -184,7 +185,7 @@ def _measured(
     log: Log, measurer: BatchMeasurer, jobs: int, batches: BatchSource | None
 ) -> Generator[MeasuredBatch, None, None]:
     """Read all batches, here or by who else does it."""
-    spans = log.spans(*measurer.limits)
+    spans = log.spans(*measurer.reader.limits)
     if batches is not None:
         return batches(log, measurer, spans)
     return in_order(partial(measurer, log), spans, jobs, forks=log.can_fork)

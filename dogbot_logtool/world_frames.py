@@ -7,8 +7,6 @@ what came before, and looks a little ahead. What is found does not depend on whe
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from itertools import islice
-from typing import Final
 
 from dogbot_logtool.core.clock import TimeSource
 from dogbot_logtool.core.contacts import Samples
@@ -20,7 +18,6 @@ from dogbot_logtool.core.link_frames import (
 )
 from dogbot_logtool.core.odometry import Odometry, usable_poses
 from dogbot_logtool.core.transform_buffer import (
-    LONGEST_DELAY_S,
     TransformBuffer,
     chain_of_frames,
     frame_track,
@@ -28,14 +25,9 @@ from dogbot_logtool.core.transform_buffer import (
 from dogbot_logtool.evidence import Evidence
 from dogbot_logtool.findings import Finding, note, warning
 from dogbot_logtool.reader.frame_tracks import moving_tracks
-from dogbot_logtool.reader.log import Batch, Chunk, Log, Span
 from dogbot_logtool.reader.messages import DecodedMessages
-from dogbot_logtool.reader.odometry import decode_odometry, joined_odometry
-from dogbot_logtool.reader.transforms import decode_transforms, transform_columns
+from dogbot_logtool.reader.transforms import transform_columns
 from dogbot_logtool.selection import Selection
-
-_MOST_CHUNKS_AHEAD: Final = 256
-"""Where chunks do not say when they begin, no more are looked into."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -194,44 +186,6 @@ class BatchFrames:
         return known if self.end is None else known.tail(self.end)
 
 
-def look_around(
-    log: Log,
-    selection: Selection,
-    frames: WorldFrames,
-    span: Span,
-    batch: Batch,
-    own: TransformBuffer,
-    samples: Sequence[Samples],
-    limits: tuple[int | None, int | None],
-) -> BatchFrames:
-    """Look ahead of a batch, as far as its samples may need it, for what places the feet.
-
-    Args:
-        log: the log.
-        selection: the channels of odometry and transforms.
-        frames: what is wanted.
-        span: the batch's chunks.
-        batch: what was read of them.
-        own: what it tells of the frames itself.
-        samples: what feet felt in it.
-        limits: ns, log times before and after which messages are left out; None: no limit.
-    """
-    ahead = TransformBuffer()
-    felt = [each for each in samples if len(each.log_time)]
-    if felt:
-        latest = max(int(frames.clock.of(each).max()) for each in felt)
-        until = max(int(each.log_time.max()) for each in felt) + round(LONGEST_DELAY_S * 1e9)
-        for chunk in _chunks_ahead(log, selection, span, until):
-            if frames.tell_until(own.then(ahead), latest):
-                break
-            later = log.read((chunk,)).cropped(*limits)
-            poses = joined_odometry(decode_odometry(later, selection.odometry))
-            transforms = decode_transforms(later, selection.transforms)
-            ahead = ahead.then(frames.tracks(transforms, poses))
-    log_time = batch.messages.log_time
-    return BatchFrames(own, ahead, int(log_time.max()) if len(log_time) else None)
-
-
 class StreamedFrames:
     """Places the samples of a log that streams past, batch by batch and in order."""
 
@@ -250,16 +204,6 @@ class StreamedFrames:
     def findings(self) -> Iterator[Finding]:
         """Say how often the frames told what was asked of them."""
         return frame_findings(self._frames, self._counts)
-
-
-def _chunks_ahead(log: Log, selection: Selection, span: Span, until: int) -> Iterator[Chunk]:
-    """Yield the chunks after a batch that may tell of frames, up to a log time, ns."""
-    wanted = {c.id for c in (*selection.odometry, *selection.transforms)}
-    for chunk in islice(log.after(span), _MOST_CHUNKS_AHEAD):
-        if chunk.start_time is not None and chunk.start_time > until:
-            break
-        if chunk.counts is None or not wanted.isdisjoint(chunk.counts):
-            yield chunk
 
 
 def frame_findings(frames: WorldFrames, counts: FrameCounts) -> Iterator[Finding]:

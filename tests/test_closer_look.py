@@ -27,7 +27,7 @@ def test_the_highest_point_of_a_curve_is_the_highest_peak() -> None:
         assert curves.force is not None
         assert foot.peak_force_n is not None
         assert len(curves.force.high) <= 16
-        assert curves.force.high.max() == foot.record.stances.peak_n.max()
+        assert curves.force.high.max() == foot.record.stances.figures.peak_n.max()
 
 
 @pytest.mark.parametrize("bins", [16, 100_000])

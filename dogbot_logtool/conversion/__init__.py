@@ -1,1 +1,1 @@
-"""The steps of `batches.py`: what is read of a batch, what passes between, what is drawn."""
+"""What `convert` does with one batch: the way through it, and each step."""

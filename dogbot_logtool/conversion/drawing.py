@@ -57,7 +57,7 @@ def draw(
     arrows: list[Arrows] = []
     loads: list[Loads] = []
     skipped = ArrowCounts()
-    for contacts, in_world in zip(read.contacts, placed, strict=True):
+    for contacts, in_world in zip(read.columns.contacts, placed, strict=True):
         samples = contacts.felt.samples
         felt = _with_swings(contacts, samples, carried, plan)
         loads.append(foot_loads(felt, plan.body_weight_n))

@@ -98,7 +98,7 @@ def foot_figures(
     stances = cut_by_fall(record.stances, fallen)
     strides, discarded = strides_of(stances, record.gaps, fallen)
     length = stride_lengths(base, strides.touchdown, strides.end)
-    slip = np.maximum(stances.contact_travel_m - foot_rolling_m, 0.0)
+    slip = np.maximum(stances.figures.contact_travel_m - foot_rolling_m, 0.0)
     whole = stances.whole
     return FootFigures(
         name=name,
@@ -120,16 +120,16 @@ def foot_figures(
         stride_frequency_hz=strides.frequency_hz,
         duty_factor=aggregate(strides.duty_factor),
         stride_length_m=aggregate(length),
-        peak_force_n=aggregate(stances.peak_n[whole]),
-        mean_force_n=aggregate(stances.mean_n[whole]),
-        peak_vertical_force_n=aggregate(stances.peak_vertical_n[whole]),
-        mean_vertical_force_n=aggregate(stances.mean_vertical_n[whole]),
+        peak_force_n=aggregate(stances.figures.peak_n[whole]),
+        mean_force_n=aggregate(stances.figures.mean_n[whole]),
+        peak_vertical_force_n=aggregate(stances.figures.peak_vertical_n[whole]),
+        mean_vertical_force_n=aggregate(stances.figures.mean_vertical_n[whole]),
         vertical_impulse_ns=None if is_dead else vertical_impulse_ns(record),
-        loading_rate_nps=aggregate(stances.loading_rate_nps[whole]),
-        impact_ratio=aggregate(stances.impact_ratio[whole]),
-        contact_travel_m=aggregate(stances.contact_travel_m[whole]),
+        loading_rate_nps=aggregate(stances.figures.loading_rate_nps[whole]),
+        impact_ratio=aggregate(stances.figures.impact_ratio[whole]),
+        contact_travel_m=aggregate(stances.figures.contact_travel_m[whole]),
         slip_distance_m=aggregate(slip[whole]),
-        friction_use=aggregate(stances.friction_use[whole]),
+        friction_use=aggregate(stances.figures.friction_use[whole]),
     )
 
 

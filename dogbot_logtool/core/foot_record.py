@@ -24,7 +24,6 @@ from dogbot_logtool.core.stances import (
     Cut,
     StanceFigures,
     Stances,
-    stances_from_rows,
 )
 from dogbot_logtool.core.track import SILENCE_NS, FootTrack, TrackRecorder
 
@@ -221,4 +220,4 @@ class FootRecorder:
             cut[-1:] = Cut.LOG_END
         cut[touchdown == start] = Cut.LOG_START
         figures = rows[:, 2:] if self._has_force else np.full_like(rows[:, 2:], np.nan)
-        return stances_from_rows(touchdown, liftoff, cut, figures)
+        return Stances(touchdown, liftoff, cut.astype(np.int8), StanceFigures(*figures.T))

@@ -141,7 +141,7 @@ def is_stuck(foot: FootRecord) -> bool:
 def is_saturated(foot: FootRecord) -> bool:
     """Tell whether several stances end in the same flat top: the sensor's limit, it seems."""
     stances = foot.stances
-    peak, flat = stances.peak_n, stances.peak_samples
+    peak, flat = stances.figures.peak_n, stances.figures.peak_samples
     known = np.isfinite(peak)
     if not known.any() or is_stuck(foot):
         return False

@@ -1,6 +1,6 @@
 """One stance, reduced to the figures that are reported of it."""
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from enum import IntEnum
 from typing import Final, NamedTuple
 
@@ -94,18 +94,8 @@ class Stances:
     """(n,) ns, first sample out of contact; where the stance is cut there, the last known."""
     cut: NDArray[np.int8]
     """(n,) `Cut`."""
-    peak_n: Floats
-    """(n,) as in `StanceFigures`, like all that follow."""
-    mean_n: Floats
-    peak_samples: Floats
-    spread_n: Floats
-    peak_vertical_n: Floats
-    mean_vertical_n: Floats
-    vertical_impulse_ns: Floats
-    loading_rate_nps: Floats
-    impact_ratio: Floats
-    contact_travel_m: Floats
-    friction_use: Floats
+    figures: StanceFigures
+    """(n,) each."""
 
     @property
     def whole(self) -> Flags:
@@ -118,14 +108,6 @@ class Stances:
         """(n,) s, lift-off minus touchdown."""
         duration: Floats = (self.liftoff - self.touchdown) / 1e9
         return duration
-
-
-def stances_from_rows(touchdown: Ints, liftoff: Ints, cut: Ints, rows: Floats) -> Stances:
-    """Make columns of (n, k) rows in the order of `StanceFigures`."""
-    names = [field.name for field in fields(Stances)][3:]
-    if names != list(StanceFigures._fields):
-        raise TypeError("Stances and StanceFigures must have the same figures")
-    return Stances(touchdown, liftoff, cut.astype(np.int8), *rows.T)
 
 
 @np.errstate(over="ignore", divide="ignore", invalid="ignore")

@@ -1,7 +1,7 @@
 """Strides: from each touchdown of a foot to its next one."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
@@ -76,9 +76,7 @@ def cut_by_fall(stances: Stances, fallen: Ints) -> Stances:
     """
     cut = stances.cut.copy()
     cut[timespans.touches(fallen, stances.touchdown, stances.liftoff) & stances.whole] = Cut.FALL
-    columns = [getattr(stances, name) for name in stances.__dataclass_fields__]
-    columns[2] = cut
-    return Stances(*columns)
+    return replace(stances, cut=cut)
 
 
 def strides_of(stances: Stances, gaps: Ints, fallen: Ints) -> tuple[Strides, dict[str, int]]:

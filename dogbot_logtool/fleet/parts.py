@@ -21,7 +21,7 @@ from dogbot_logtool.reader.opening import open_log
 from dogbot_logtool.storage import Location, shown
 
 if TYPE_CHECKING:
-    from dogbot_logtool.batches import ConvertedBatch
+    from dogbot_logtool.conversion.batch import ConvertedBatch
     from dogbot_logtool.conversion.carried import Carried
     from dogbot_logtool.conversion.reading import Extract
     from dogbot_logtool.measuring import BatchMeasurer, MeasuredBatch
@@ -230,9 +230,9 @@ class _Converting:
     plan: "Plan"
 
     def __call__(self, log: Log, spans: Sequence[Span], given: "Carried") -> list["ConvertedBatch"]:
-        from dogbot_logtool.batches import BatchConverter  # noqa: PLC0415
+        from dogbot_logtool.conversion.batch import BatchConverter  # noqa: PLC0415
         from dogbot_logtool.conversion.channels import annotations_of  # noqa: PLC0415
-        from dogbot_logtool.parallel import one_by_one  # noqa: PLC0415
+        from dogbot_logtool.parallel.relay import one_by_one  # noqa: PLC0415
 
         annotations, _ = annotations_of(log, self.plan)
         convert = BatchConverter(log, self.plan, annotations)

@@ -35,8 +35,8 @@ def stride_table(stats: Stats) -> StrideTable:
                 "swing_s": strides.swing_s,
                 "duty_factor": strides.duty_factor,
                 "length_m": foot.length_m,
-                "peak_force_n": stances.peak_n[row],
-                "vertical_impulse_ns": stances.vertical_impulse_ns[row],
+                "peak_force_n": stances.figures.peak_n[row],
+                "vertical_impulse_ns": stances.figures.vertical_impulse_ns[row],
                 "slip_m": foot.slip_m[row],
             }
         )

@@ -167,7 +167,7 @@ def test_duplicates_and_steps_back_are_left_out_and_counted() -> None:
     torn = record(samples(force).pick(order))
     assert torn.not_advancing == 4
     assert torn.stances.touchdown.tolist() == sound.stances.touchdown.tolist()
-    assert torn.stances.mean_n.tolist() == sound.stances.mean_n.tolist()
+    assert torn.stances.figures.mean_n.tolist() == sound.stances.figures.mean_n.tolist()
 
 
 def test_zero_stamps_are_left_out_when_stamps_are_forced() -> None:
@@ -189,20 +189,20 @@ def test_what_is_not_finite_is_left_out_and_counted() -> None:
     given.force[8, 0] = np.nan
     result = record(given)
     assert result.not_finite == 1
-    assert result.stances.peak_n.tolist() == [50.0]
+    assert result.stances.figures.peak_n.tolist() == [50.0]
 
 
 def test_link_frame_forces_have_no_vertical_part() -> None:
     result = record(samples(signal((5, 0), (10, 50), (5, 0))), world=False)
-    assert result.stances.peak_n.tolist() == [50.0]
-    assert np.isnan(result.stances.peak_vertical_n).all()
+    assert result.stances.figures.peak_n.tolist() == [50.0]
+    assert np.isnan(result.stances.figures.peak_vertical_n).all()
     assert in_ms(result.track.vertical_unknown.ravel()) == [20, 75]
 
 
 def test_forces_read_off_the_ground_are_in_the_world_anyway() -> None:
     given = samples(signal((5, 0), (10, 50), (5, 0)))
     given.in_world[:] = True
-    assert record(given, world=False).stances.peak_vertical_n.tolist() == [50.0]
+    assert record(given, world=False).stances.figures.peak_vertical_n.tolist() == [50.0]
 
 
 def test_a_foot_that_stands_is_not_reduced_but_is_in_contact() -> None:
@@ -210,7 +210,7 @@ def test_a_foot_that_stands_is_not_reduced_but_is_in_contact() -> None:
     assert in_ms(result.stances.touchdown) == [500]
     assert in_ms(result.stances.liftoff) == [20_500]
     assert result.stances.cut.tolist() == [Cut.STANDING]
-    assert np.isnan(result.stances.peak_n).all()
+    assert np.isnan(result.stances.figures.peak_n).all()
     assert result.track.vertical_within(result.known) == pytest.approx(1000.0)
 
 

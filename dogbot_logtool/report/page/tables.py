@@ -90,7 +90,7 @@ def _stride_rows(
         (strides.swing_s, 3),
         (strides.duty_factor, 3),
         (figures.length_m, 3),
-        (figures.stances.peak_n[stance], 1),
+        (figures.stances.figures.peak_n[stance], 1),
         (figures.slip_m[stance] * 1e3, 1),
     )
     segment = _segment_of(stats, strides.touchdown + (strides.end - strides.touchdown) // 2)

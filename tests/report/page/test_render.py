@@ -104,7 +104,7 @@ def test_figures_agree_with_the_stats() -> None:
     shown = drawings(page(stats, facts, [], 0))
     for foot in stats.feet:
         force = numbers(trace(shown["loads"], f"{foot.name} |F|")["y"])
-        assert np.nanmax(force) == np.float32(foot.record.stances.peak_n.max())
+        assert np.nanmax(force) == np.float32(foot.record.stances.figures.peak_n.max())
         footfalls = numbers(trace(shown["ground"], foot.name)["x"])
         assert len(footfalls) == len(foot.record.stances.touchdown)
         bars = [each for each in shown["gait"]["data"] if each["name"] == foot.name]

@@ -1,4 +1,4 @@
-"""What `convert` does with one batch: read, decode, compute, stamp out, compress."""
+"""One batch on its way to finished chunks: read, compute, stamp out, copy, compress."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -9,7 +9,7 @@ from dogbot_logtool.conversion.drawing import Drawn, draw
 from dogbot_logtool.conversion.reading import ReadBatch, read_batch
 from dogbot_logtool.core.arrows import ArrowCounts
 from dogbot_logtool.core.link_frames import FrameCounts
-from dogbot_logtool.parallel import Baton
+from dogbot_logtool.parallel.relay import Baton
 from dogbot_logtool.plan import Plan
 from dogbot_logtool.reader.log import Batch, Log, Loss, Span
 from dogbot_logtool.reader.transforms import frame_pairs
@@ -84,29 +84,29 @@ class BatchConverter:
         return self._converted(read, drawn, placed.counts)
 
     def _converted(self, read: ReadBatch, drawn: Drawn, frames: FrameCounts) -> ConvertedBatch:
-        support = drawn.columns.support
+        contacts, support = read.columns.contacts, drawn.columns.support
         return ConvertedBatch(
             chunks=(
-                *self._copied(read.batch),
+                *self._copied(read.columns.batch),
                 *finish_chunks(
                     self._annotations.outgoing(drawn.columns),
                     self._plan.options.compression or "zstd",
                 ),
             ),
             counts=Counts(
-                messages=len(read.batch.messages),
+                messages=len(read.columns.batch.messages),
                 arrows=drawn.skipped,
                 bad_poses=read.bad_poses,
-                untimed_messages=sum(each.felt.untimed_messages for each in read.contacts),
-                foreign_states=sum(each.felt.foreign_states for each in read.contacts),
+                untimed_messages=sum(each.felt.untimed_messages for each in contacts),
+                foreign_states=sum(each.felt.foreign_states for each in contacts),
                 frames=frames,
                 support_unknown=support.unknown if support else 0,
                 support_unweighed=support.unweighed if support else 0,
             ),
-            malformed=read.malformed,
-            losses=read.batch.losses,
+            malformed=read.columns.malformed,
+            losses=read.columns.batch.losses,
             other_parent=self._other_parent(read),
-            stored_size=read.stored_size,
+            stored_size=read.columns.stored_size,
         )
 
     def _copied(self, batch: Batch) -> tuple[FinishedChunk, ...]:
@@ -121,7 +121,7 @@ class BatchConverter:
         plan = self._plan
         if not plan.base_may_have_parent:
             return None
-        for messages in read.transforms:
+        for messages in read.columns.transforms:
             for parent, child in sorted(frame_pairs(messages)):
                 names = parent.lstrip("/"), child.lstrip("/")
                 if names[1] == plan.base_frame and names[0] != plan.world_frame:

@@ -19,7 +19,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from dogbot_logtool.errors import LogError, LogtoolError
-from dogbot_logtool.parallel import Baton, in_order, one_by_one, relayed
+from dogbot_logtool.parallel.relay import Baton, in_order, one_by_one, relayed
 
 FORKS = [False, *([True] if sys.platform == "linux" else [])]
 every_way = pytest.mark.parametrize("forks", FORKS)
@@ -233,7 +233,7 @@ def test_an_interruption_ends_all_processes() -> None:
 def test_no_process_outlives_the_first_one() -> None:
     script = """
 import os, time
-from dogbot_logtool.parallel import relayed
+from dogbot_logtool.parallel.relay import relayed
 
 def work(item, baton):
     state = baton.take()
@@ -262,7 +262,7 @@ def test_processes_that_cannot_be_started_are_told() -> None:
     script = """
 import resource
 from dogbot_logtool.errors import LogtoolError
-from dogbot_logtool.parallel import in_order
+from dogbot_logtool.parallel.relay import in_order
 
 resource.setrlimit(resource.RLIMIT_NOFILE, (20, 20))
 try:
@@ -282,7 +282,7 @@ except LogtoolError as error:
 def test_memory_that_is_freed_is_used_again() -> None:
     script = """
 import resource
-from dogbot_logtool.parallel import in_order
+from dogbot_logtool.parallel.relay import in_order
 
 def two_blocks(_):
     first, second = bytes(790_000), bytes(790_000)

@@ -18,8 +18,8 @@ from multiprocessing.context import ForkProcess
 from typing import Any, BinaryIO, Final, Generic
 
 from dogbot_logtool.errors import LogtoolError
-from dogbot_logtool.parallel import Item, RelayWork, Result, State
-from dogbot_logtool.transport import NeighbourDied, Tray, receive, send
+from dogbot_logtool.parallel.relay import Item, RelayWork, Result, State
+from dogbot_logtool.parallel.transport import NeighbourDied, Tray, receive, send
 
 _FORK: Final = multiprocessing.get_context("fork")
 
@@ -32,7 +32,7 @@ def forked(
     *,
     lent: bool,
 ) -> Generator[Result, None, None]:
-    """Yield `work(item, baton)` for every item, in order; see `dogbot_logtool.parallel.relayed`.
+    """Yield `work(item, baton)` for every item, in order; see `relay.relayed`.
 
     Args:
         work: what is done to an item.

@@ -11,7 +11,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from dogbot_logtool.transport import NeighbourDied, Tray, receive, send
+from dogbot_logtool.parallel.transport import NeighbourDied, Tray, receive, send
 
 MIB = 1 << 20
 trays = pytest.mark.parametrize("with_tray", [False, True])

@@ -73,7 +73,7 @@ def relayed(
     """
     _keep_freed_memory()
     if jobs > 1 and forks and _can_fork():
-        from dogbot_logtool.forked import forked  # noqa: PLC0415 - takes time, and may not be
+        from dogbot_logtool.parallel.forked import forked  # noqa: PLC0415 - takes time, and may not be
 
         items = list(items)
         jobs = min(jobs, len(items))

@@ -1,0 +1,130 @@
+"""A batch of a log as columns of what the robot did and felt: `convert` and `stats` begin here."""
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from itertools import islice
+from typing import Final
+
+from dogbot_logtool.core.contacts import Samples
+from dogbot_logtool.core.odometry import Odometry
+from dogbot_logtool.core.transform_buffer import LONGEST_DELAY_S, TransformBuffer
+from dogbot_logtool.reader.contact_sources.registry import ContactsRead, read_contacts
+from dogbot_logtool.reader.contact_sources.source import FootChannels
+from dogbot_logtool.reader.log import Batch, Chunk, Log, Span
+from dogbot_logtool.reader.messages import DecodedMessages, malformed_in
+from dogbot_logtool.reader.odometry import decode_odometry, joined_odometry
+from dogbot_logtool.reader.transforms import decode_transforms
+from dogbot_logtool.selection import Selection
+from dogbot_logtool.world_frames import BatchFrames, WorldFrames
+
+_MOST_CHUNKS_AHEAD: Final = 256
+"""Where chunks do not say when they begin, no more are looked into."""
+
+
+@dataclass(frozen=True, slots=True)
+class BatchColumns:
+    """A batch and its columns. It knows nothing of other batches, but for the frames ahead."""
+
+    batch: Batch
+    odometry_messages: tuple[DecodedMessages, ...]
+    odometry: Odometry
+    """The same as columns, also poses that cannot be used."""
+    contacts: tuple[ContactsRead, ...]
+    transforms: tuple[DecodedMessages, ...]
+    """The log's own transforms, where they matter."""
+    frames: BatchFrames | None
+    """What places feet in the world; None where that is not needed."""
+    stored_size: int
+    """Bytes of the file that it was read from."""
+
+    @property
+    def samples(self) -> tuple[Samples, ...]:
+        """Of each sort of contact messages."""
+        return tuple(read.felt.samples for read in self.contacts)
+
+    @property
+    def malformed(self) -> Mapping[int, int]:
+        """Messages that could not be decoded, by channel id."""
+        contacts = [read.messages for read in self.contacts]
+        return malformed_in([*self.odometry_messages, *contacts, *self.transforms])
+
+
+@dataclass(frozen=True, slots=True)
+class BatchReader:
+    """Reads and decodes batches; called in several threads or processes at once."""
+
+    selection: Selection
+    feet: FootChannels
+    frames: WorldFrames | None
+    """What turns forces into the world and places sensors; None where that is not needed."""
+    limits: tuple[int | None, int | None]
+    """ns, log times from which and up to which messages are taken; None: no limit."""
+    reads_transforms: bool = False
+    """Whether the log's own transforms matter even where feet do not need them."""
+
+    def read(self, log: Log, span: Span) -> BatchColumns:
+        """Read and decode one batch."""
+        selection = self.selection
+        batch = log.read(span).cropped(*self.limits)
+        decoded = decode_odometry(batch, selection.odometry)
+        odometry = joined_odometry(decoded)
+        contacts = read_contacts(batch, selection.contacts, self.feet)
+        transforms: Sequence[DecodedMessages] = ()
+        if self.reads_transforms or self.frames is not None:
+            transforms = decode_transforms(batch, selection.transforms)
+        frames = None
+        if self.frames is not None:
+            own = self.frames.tracks(transforms, odometry)
+            felt = [read.felt.samples for read in contacts if len(read.felt.samples.log_time)]
+            ahead = self._frames_ahead(self.frames, log, span, own, felt)
+            log_time = batch.messages.log_time
+            frames = BatchFrames(own, ahead, int(log_time.max()) if len(log_time) else None)
+        return BatchColumns(
+            batch=batch,
+            odometry_messages=tuple(decoded),
+            odometry=odometry,
+            contacts=tuple(contacts),
+            transforms=tuple(transforms),
+            frames=frames,
+            stored_size=sum(chunk.data_size for chunk in span),
+        )
+
+    def _frames_ahead(
+        self,
+        frames: WorldFrames,
+        log: Log,
+        span: Span,
+        own: TransformBuffer,
+        felt: Sequence[Samples],
+    ) -> TransformBuffer:
+        """Look ahead of a batch, as far as its samples may need it, for what places the feet.
+
+        Args:
+            frames: what is wanted.
+            log: the log.
+            span: the batch's chunks.
+            own: what it tells of the frames itself.
+            felt: what feet felt in it, none of it empty.
+        """
+        ahead = TransformBuffer()
+        if not felt:
+            return ahead
+        latest = max(int(frames.clock.of(each).max()) for each in felt)
+        until = max(int(each.log_time.max()) for each in felt) + round(LONGEST_DELAY_S * 1e9)
+        for chunk in self._chunks_ahead(log, span, until):
+            if frames.tell_until(own.then(ahead), latest):
+                break
+            later = log.read((chunk,)).cropped(*self.limits)
+            poses = joined_odometry(decode_odometry(later, self.selection.odometry))
+            transforms = decode_transforms(later, self.selection.transforms)
+            ahead = ahead.then(frames.tracks(transforms, poses))
+        return ahead
+
+    def _chunks_ahead(self, log: Log, span: Span, until: int) -> Iterator[Chunk]:
+        """Yield the chunks after a batch that may tell of frames, up to a log time, ns."""
+        wanted = {c.id for c in (*self.selection.odometry, *self.selection.transforms)}
+        for chunk in islice(log.after(span), _MOST_CHUNKS_AHEAD):
+            if chunk.start_time is not None and chunk.start_time > until:
+                break
+            if chunk.counts is None or not wanted.isdisjoint(chunk.counts):
+                yield chunk

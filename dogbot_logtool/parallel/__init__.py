@@ -1,0 +1,1 @@
+"""Several batches at once, in processes or threads, with results in order."""
