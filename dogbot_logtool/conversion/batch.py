@@ -1,7 +1,7 @@
 """One batch on its way to finished chunks: read, compute, stamp out, copy, compress."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 from dogbot_logtool.conversion.carried import Carried
 from dogbot_logtool.conversion.copying import copied_chunks
@@ -74,6 +74,12 @@ class BatchConverter:
 
     def __call__(self, span: Span, baton: Baton[Carried]) -> ConvertedBatch:
         """Convert one batch."""
+        # What was decoded is let go of before the copies take their memory.
+        batch, annotated = self._annotated(span, baton)
+        return replace(annotated, chunks=(*self._copied(batch), *annotated.chunks))
+
+    def _annotated(self, span: Span, baton: Baton[Carried]) -> tuple[Batch, ConvertedBatch]:
+        """Read a batch; return it, and what it becomes without the recorded messages."""
         read = read_batch(self._log, self._plan, span)
         carried = baton.take()
         extract = read.extract
@@ -81,28 +87,13 @@ class BatchConverter:
         footings = carried.footings(placed.samples, self._plan)
         baton.pass_on(carried.past(extract, footings))
         drawn = draw(read, placed.samples, footings, carried, self._plan)
-        return self._converted(read, drawn, placed.counts)
-
-    def _converted(self, read: ReadBatch, drawn: Drawn, frames: FrameCounts) -> ConvertedBatch:
-        contacts, support = read.columns.contacts, drawn.columns.support
-        return ConvertedBatch(
-            chunks=(
-                *self._copied(read.columns.batch),
-                *finish_chunks(
-                    self._annotations.outgoing(drawn.columns),
-                    self._plan.options.compression or "zstd",
-                ),
+        stamped_out = self._annotations.outgoing(drawn.columns)
+        compression = self._plan.options.compression or "zstd"
+        return read.columns.batch, ConvertedBatch(
+            chunks=tuple(
+                chunk for messages in stamped_out for chunk in finish_chunks(messages, compression)
             ),
-            counts=Counts(
-                messages=len(read.columns.batch.messages),
-                arrows=drawn.skipped,
-                bad_poses=read.bad_poses,
-                untimed_messages=sum(each.felt.untimed_messages for each in contacts),
-                foreign_states=sum(each.felt.foreign_states for each in contacts),
-                frames=frames,
-                support_unknown=support.unknown if support else 0,
-                support_unweighed=support.unweighed if support else 0,
-            ),
+            counts=_counts(read, drawn, placed.counts),
             malformed=read.columns.malformed,
             losses=read.columns.batch.losses,
             other_parent=self._other_parent(read),
@@ -127,3 +118,17 @@ class BatchConverter:
                 if names[1] == plan.base_frame and names[0] != plan.world_frame:
                     return names[0]
         return None
+
+
+def _counts(read: ReadBatch, drawn: Drawn, frames: FrameCounts) -> Counts:
+    contacts, support = read.columns.contacts, drawn.columns.support
+    return Counts(
+        messages=len(read.columns.batch.messages),
+        arrows=drawn.skipped,
+        bad_poses=read.bad_poses,
+        untimed_messages=sum(each.felt.untimed_messages for each in contacts),
+        foreign_states=sum(each.felt.foreign_states for each in contacts),
+        frames=frames,
+        support_unknown=support.unknown if support else 0,
+        support_unweighed=support.unweighed if support else 0,
+    )

@@ -1,5 +1,6 @@
 """One chunk of a ROS 1 bag: its header, and the messages in it."""
 
+import sys
 from dataclasses import replace
 from functools import lru_cache
 from typing import Final
@@ -33,7 +34,8 @@ def chunk_at(source: Readable, place: int) -> Chunk:
     """
     try:
         record = record_in_file(source, place)
-        compression, size = record.fields.text("compression"), record.fields.u32("size")
+        compression = sys.intern(record.fields.text("compression"))
+        size = record.fields.u32("size")
     except MalformedRecord as fault:
         raise ChunkDamage(f"its header is damaged ({fault})") from fault
     chunk = Chunk(

@@ -205,6 +205,8 @@ def _chunks(
     ends = [*(info.offset for info in infos[1:]), index_start][: len(infos)]
     chunks: list[Chunk] = []
     heads = Heads(source, [info.offset for info in infos], HEAD_SIZE)
+    # Chunks are much alike: equal counts are kept once, which is a third of an hour's index.
+    shared: dict[tuple[tuple[int, int], ...], Mapping[int, int]] = {}
     for info, end in zip(infos, ends, strict=True):
         chunk = chunk_at(heads, info.offset)
         if (
@@ -219,7 +221,7 @@ def _chunks(
                 index_end=end,
                 start_time=info.start_time,
                 end_time=info.end_time,
-                counts=counts,
+                counts=shared.setdefault(tuple(sorted(counts.items())), counts),
             )
         )
     return chunks

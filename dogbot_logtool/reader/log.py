@@ -41,6 +41,8 @@ BATCH_SIZE: Final = 8 << 20
 """Bytes of decompressed chunks from which a batch is full: large enough to make the cost of a
 numpy call small, and yet each process that works on one takes some 40 MB."""
 
+_ROUND_SIZE: Final = 1 << 20
+
 
 class ChunkDamage(Exception):  # noqa: N818 - it never reaches a user; `Loss` does
     """A chunk cannot be used; the text says why."""
@@ -324,7 +326,9 @@ class Log(ABC):
         places = [(chunk.offset, chunk.index_end - chunk.offset) for chunk in sound]
         stored = [memoryview(data) for data in self.source.read_many(places)]
 
-        buffer = np.empty(sum(chunk.size for chunk in sound), np.uint8)
+        size = sum(chunk.size for chunk in sound)
+        # Of sizes that recur, the allocator uses memory again; each process then holds less.
+        buffer = np.empty(size + -size % _ROUND_SIZE, np.uint8)[:size]
         loaded: list[LoadedChunk] = []
         parts: list[Messages] = []
         base = row = 0

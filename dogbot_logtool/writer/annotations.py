@@ -9,7 +9,7 @@ import numpy as np
 from mcap import records
 from numpy.typing import NDArray
 
-from dogbot_logtool.core.arrays import Floats, Ints, rows_by_group, stable_order
+from dogbot_logtool.core.arrays import Floats, Ints, rows_by_group
 from dogbot_logtool.core.arrows import Arrows
 from dogbot_logtool.core.loads import Loads
 from dogbot_logtool.core.odometry import Transforms
@@ -24,7 +24,7 @@ from dogbot_logtool.writer.encoding import (
 )
 from dogbot_logtool.writer.outgoing import (
     Outgoing,
-    in_time_order,
+    by_channel,
     record_template,
     write_log_time,
 )
@@ -113,9 +113,11 @@ class Annotations:
             arrow = record_template(encoding.arrow(foot, world_frame, style), channel)
             removal = record_template(encoding.removal(foot, world_frame), channel)
             self._arrows.append((arrow, removal))
-        self._load = record_template(encoding.load(), 0)
-        load_channels = [self._declare(load_topic(foot), encoding.load_type) for foot in feet]
-        self._load_channels = np.array(load_channels, np.int64)
+        self._load = encoding.load()
+        self._loads = [
+            record_template(self._load, self._declare(load_topic(foot), encoding.load_type))
+            for foot in feet
+        ]
         self._support: SupportStamper | None = None
         if support_style is not None:
             channel = self._declare(SUPPORT_TOPIC, encoding.support_type)
@@ -145,26 +147,29 @@ class Annotations:
         """Return the topic of every annotation channel."""
         return {channel.id: channel.topic for channel in self.channels}
 
-    def outgoing(self, columns: AnnotationColumns) -> Outgoing:
-        """Stamp out the messages of a batch, in the order of their log times."""
-        parts: list[NDArray[np.void]] = []
+    def outgoing(self, columns: AnnotationColumns) -> Iterator[Outgoing]:
+        """Stamp out the messages of a batch; see `by_channel`."""
+        return by_channel(self._parts(columns))
+
+    def _parts(self, columns: AnnotationColumns) -> Iterator[NDArray[np.void]]:
+        """Yield the records of a batch, channel by channel."""
         if self._tf is not None:
-            parts.append(_transforms(self._tf, columns.transforms))
+            yield _transforms(self._tf, columns.transforms)
         # All messages of an encoding write times alike, so they are put in form only once.
         for arrows in columns.arrows:
             stamps = self._load.stamps("stamp", arrows.stamp)
             for group, rows in rows_by_group(2 * arrows.foot + ~arrows.shown):
                 arrow, removal = self._arrows[group // 2]
-                parts.append(
-                    _timed(removal, arrows, stamps, rows)
-                    if group % 2
-                    else _shown(arrow, arrows, stamps, rows)
-                )
-        parts.extend(_loads(self._load_channels, self._load, loads) for loads in columns.loads)
+                if group % 2:
+                    yield _timed(removal, arrows, stamps, rows)
+                else:
+                    yield _shown(arrow, arrows, stamps, rows)
+        for loads in columns.loads:
+            for foot, rows in rows_by_group(loads.foot):
+                yield _loads(self._loads[foot], loads, rows)
         if self._support is not None and columns.support is not None:
             stamps = self._load.stamps("stamp", columns.support.stamp)
-            parts.extend(self._support.outgoing(columns.support, stamps))
-        return in_time_order(parts)
+            yield from self._support.outgoing(columns.support, stamps)
 
 
 def _transforms(template: Template, transforms: Transforms) -> NDArray[np.void]:
@@ -197,11 +202,8 @@ def _timed(template: Template, arrows: Arrows, stamps: Stamps, rows: Ints) -> ND
     return records
 
 
-def _loads(channels: Ints, template: Template, loads: Loads) -> NDArray[np.void]:
-    """Return the loads of all feet, which have their channels, foot by foot."""
-    rows = stable_order(loads.foot)
+def _loads(template: Template, loads: Loads, rows: Ints) -> NDArray[np.void]:
     records = template.copies(len(rows))
-    records["channel"] = channels[loads.foot[rows]]
     write_log_time(records, loads.log_time[rows])
     template.write_time(records, "stamp", loads.stamp[rows])
     records["in_contact"] = loads.in_contact[rows]

@@ -1,4 +1,3 @@
-from dataclasses import fields
 from random import Random
 
 import numpy as np
@@ -8,8 +7,6 @@ from hypothesis import strategies as st
 
 from dogbot_logtool.core.arrays import Floats, Ints
 from dogbot_logtool.core.stances import (
-    StanceFigures,
-    Stances,
     StanceSamples,
     quantiles,
     reduce_stances,
@@ -64,10 +61,6 @@ def figures(samples: StanceSamples) -> dict[str, float]:
 def loading_rate(force: Floats, step: float) -> float:
     """Of a load that ends with the last one given."""
     return figures(stance(np.append(force, 0.0), step))["loading_rate_nps"]
-
-
-def test_columns_and_rows_of_figures_agree() -> None:
-    assert [each.name for each in fields(Stances)][3:] == list(StanceFigures._fields)
 
 
 def test_a_half_sine_has_its_closed_form_figures() -> None:

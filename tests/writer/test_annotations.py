@@ -74,8 +74,7 @@ def test_channels(encoding: Encoding) -> None:
 def test_without_tf_and_feet_there_is_nothing() -> None:
     annotations = declared(ENCODINGS[0], (), with_tf=False)
     assert (annotations.schemas, annotations.channels) == ([], [])
-    outgoing = annotations.outgoing(AnnotationColumns(no_transforms(), [], []))
-    assert outgoing.data.tobytes() == b""
+    assert list(annotations.outgoing(AnnotationColumns(no_transforms(), [], []))) == []
 
 
 @pytest.mark.parametrize("used", [{1, 2, 3}, {65535}, {40, 65535, 1}, set(range(1, 65500))])
@@ -150,8 +149,8 @@ def loads(foot: list[int], times: list[int]) -> Loads:
 
 
 def messages_of(annotations: Annotations, columns: AnnotationColumns) -> list[tuple[str, Any]]:
-    laid = annotations.outgoing(columns).data
-    stream = BytesIO(laid.tobytes())
+    laid = b"".join(group.data.tobytes() for group in annotations.outgoing(columns))
+    stream = BytesIO(laid)
     topics = annotations.topics()
     found: list[tuple[str, Any]] = []
     while stream.tell() < len(laid):

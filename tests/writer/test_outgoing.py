@@ -4,13 +4,13 @@ from dataclasses import dataclass
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 from mcap import records
 from mcap.data_stream import RecordBuilder
 from numpy.typing import NDArray
 
-from dogbot_logtool.writer.outgoing import Outgoing, in_time_order, recorded
+from dogbot_logtool.writer.outgoing import Outgoing, by_channel, in_time_order, recorded
 from tests.writer.stamping import stamped
 
 
@@ -122,6 +122,45 @@ def test_stamped_messages_of_many_channels_merge_by_time(
     assert merged.bounds.tolist() == bounds
     assert merged.channel.tolist() == [message.channel for message in messages]
     assert merged.log_time.tolist() == [message.log_time for message in messages]
+
+
+@given(
+    st.lists(
+        st.tuples(
+            st.sampled_from([1, 1000, 32 << 10]),
+            st.lists(st.integers(0, 70), min_size=1, max_size=3),
+        ),
+        max_size=5,
+    )
+)
+@example([(32 << 10, [1, 1]), (32 << 10, [1]), (1, [3, 0])])
+def test_channels_with_many_messages_go_by_themselves(
+    channels: list[tuple[int, list[int]]],
+) -> None:
+    parts: list[NDArray[np.void]] = []
+    many: list[list[Sent]] = []
+    few: list[Sent] = []
+    rng = np.random.default_rng(1)
+    for channel, (size, counts) in enumerate(channels):
+        sent: list[Sent] = []
+        for count in counts:
+            times = rng.integers(0, 99, count).tolist()
+            payload = bytes([len(parts) + 1]) * size
+            parts.append(stamped(channel, ints(times), np.full(len(times), payload, f"V{size}")))
+            sent += [Sent(channel, 0, time, time, payload) for time in times]
+        if sum(31 + len(message.data) for message in sent) >= 64 << 10:
+            many.append(sent)
+        else:
+            few += sent
+    groups = list(by_channel(iter(parts)))
+    for group, messages in zip(groups, [*many, *([few] if few else [])], strict=True):
+        # Stable, as above.
+        messages.sort(key=lambda message: message.log_time)
+        data, bounds = one_by_one(messages)
+        assert group.data.tobytes() == data
+        assert group.bounds.tolist() == bounds
+        assert group.channel.tolist() == [message.channel for message in messages]
+        assert group.log_time.tolist() == [message.log_time for message in messages]
 
 
 @given(st.lists(SENT, min_size=1, max_size=12), st.data())
