@@ -6,6 +6,7 @@ results here. They read the log, compute and answer: of the threads that were co
 stood, none is needed.
 """
 
+import gc
 import multiprocessing
 import os
 import signal
@@ -132,6 +133,9 @@ def _crew(
     """Start the workers; yield where their results arrive."""
     pipes = _Pipes()
     crew: list[ForkProcess] = []
+    # A garbage collection writes to all that it looks at: each process would get its own pages of
+    # what was there before, an index of an hour for one.
+    gc.freeze()
     try:
         try:
             desks, ends_of = pipes.ring(jobs)
@@ -150,6 +154,7 @@ def _crew(
         for process in crew:
             process.join()
         pipes.close_all_but([])
+        gc.unfreeze()
 
 
 class _Pipes:

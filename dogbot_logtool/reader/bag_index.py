@@ -18,6 +18,7 @@ from dogbot_logtool.reader.bag_records import (
     record_at,
     record_in_file,
 )
+from dogbot_logtool.reader.chunk_counts import SharedCounts
 from dogbot_logtool.reader.log import Channel, Chunk, ChunkDamage, Contents, Loss, Schema
 from dogbot_logtool.reader.records import Heads
 from dogbot_logtool.reader.signatures import BAG_MAGIC
@@ -205,8 +206,7 @@ def _chunks(
     ends = [*(info.offset for info in infos[1:]), index_start][: len(infos)]
     chunks: list[Chunk] = []
     heads = Heads(source, [info.offset for info in infos], HEAD_SIZE)
-    # Chunks are much alike: equal counts are kept once, which is a third of an hour's index.
-    shared: dict[tuple[tuple[int, int], ...], Mapping[int, int]] = {}
+    shared = SharedCounts()
     for info, end in zip(infos, ends, strict=True):
         chunk = chunk_at(heads, info.offset)
         if (
@@ -221,7 +221,7 @@ def _chunks(
                 index_end=end,
                 start_time=info.start_time,
                 end_time=info.end_time,
-                counts=shared.setdefault(tuple(sorted(counts.items())), counts),
+                counts=shared.of(counts),
             )
         )
     return chunks

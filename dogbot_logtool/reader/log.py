@@ -37,7 +37,7 @@ __all__ = [
     "undescribed",
 ]
 
-BATCH_SIZE: Final = 8 << 20
+BATCH_SIZE: Final = 15 << 19
 """Bytes of decompressed chunks from which a batch is full: large enough to make the cost of a
 numpy call small, and yet each process that works on one takes some 40 MB."""
 

@@ -1,6 +1,7 @@
 """What an MCAP file's summary section tells, if there is a sound and complete one."""
 
 import struct
+import sys
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Final
@@ -9,6 +10,7 @@ from mcap import records
 from mcap.opcode import Opcode
 from zlib_ng.zlib_ng import crc32
 
+from dogbot_logtool.reader.chunk_counts import SharedCounts
 from dogbot_logtool.reader.log import Chunk, Contents, Extra, Loss, Schema
 from dogbot_logtool.reader.mcap_data_crc import DATA_END_SIZE, check_data
 from dogbot_logtool.reader.mcap_records import (
@@ -67,8 +69,9 @@ class _Summary:
     statistics: records.Statistics | None = None
     schemas: dict[int, Schema] = field(default_factory=dict)
     channels: dict[int, records.Channel] = field(default_factory=dict)
-    chunks: list[records.ChunkIndex] = field(default_factory=list)
+    chunks: list[Chunk] = field(default_factory=list)
     extras: list[Extra] = field(default_factory=list)
+    counts: SharedCounts = field(default_factory=SharedCounts)
 
 
 def _read_section(source: ByteSource) -> tuple[_Summary | None, Loss | None]:
@@ -126,7 +129,7 @@ def _take(opcode: int, body: bytes, summary: _Summary) -> bool:
         case Opcode.CHUNK_INDEX:
             if (index := decode_record(records.ChunkIndex, body)) is None:
                 return False
-            summary.chunks.append(index)
+            summary.chunks.append(indexed_chunk(index, summary.counts))
         case Opcode.ATTACHMENT_INDEX | Opcode.METADATA_INDEX:
             if len(body) < 16:
                 return False
@@ -156,7 +159,7 @@ def _contents(source: ByteSource, summary: _Summary) -> Contents | None:
     """Return what a complete summary tells, or None where it is not true."""
     statistics = summary.statistics
     assert statistics is not None  # noqa: S101 - it is complete
-    chunks = sorted(map(indexed_chunk, summary.chunks), key=lambda chunk: chunk.offset)
+    chunks = sorted(summary.chunks, key=lambda chunk: chunk.offset)
     extras = sorted(summary.extras, key=lambda extra: extra.offset)
     channels = {c.id: channel_of(c, summary.schemas) for c in summary.channels.values()}
     counted = [chunk.messages for chunk in chunks if chunk.messages is not None]
@@ -227,7 +230,7 @@ def _only_small_records(source: ByteSource, place: int, end: int) -> bool:
     return place == end
 
 
-def indexed_chunk(index: records.ChunkIndex) -> Chunk:
+def indexed_chunk(index: records.ChunkIndex, shared: SharedCounts) -> Chunk:
     """Return the chunk that an index describes."""
     end = index.chunk_start_offset + index.chunk_length
     index_end = end + index.message_index_length
@@ -236,10 +239,12 @@ def indexed_chunk(index: records.ChunkIndex) -> Chunk:
         # Each message index record is 15 bytes and 16 for every message.
         places = sorted((place, channel) for channel, place in index.message_index_offsets.items())
         ends = [place for place, _ in places[1:]] + [index_end]
-        counts = {
-            channel: max(end - place - 15, 0) // 16
-            for (place, channel), end in zip(places, ends, strict=True)
-        }
+        counts = shared.of(
+            {
+                channel: max(end - place - 15, 0) // 16
+                for (place, channel), end in zip(places, ends, strict=True)
+            }
+        )
     head = RECORD_HEAD.size + CHUNK_HEAD.size + len(index.compression.encode()) + 8
     return Chunk(
         offset=index.chunk_start_offset,
@@ -247,7 +252,7 @@ def indexed_chunk(index: records.ChunkIndex) -> Chunk:
         data_size=index.compressed_size,
         end=end,
         index_end=index_end,
-        compression=index.compression,
+        compression=sys.intern(index.compression),
         size=index.uncompressed_size,
         start_time=index.message_start_time,
         end_time=index.message_end_time,

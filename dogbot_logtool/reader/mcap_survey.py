@@ -7,6 +7,7 @@ from mcap import records
 from mcap.opcode import Opcode
 
 from dogbot_logtool.core.arrays import Bytes
+from dogbot_logtool.reader.chunk_counts import SharedCounts
 from dogbot_logtool.reader.log import (
     Chunk,
     ChunkContent,
@@ -41,6 +42,7 @@ class McapSurvey(Survey):
         self._extras: list[Extra] = []
         self._statistics: records.Statistics | None = None
         self._data_end: int | None = None
+        self._shared = SharedCounts()
         self._closed = False
         """There is a footer, so that the recording was closed properly."""
 
@@ -111,7 +113,7 @@ class McapSurvey(Survey):
         if opcode == Opcode.STATISTICS:
             self._statistics = decode_record(records.Statistics, body)
         elif (index := decode_record(records.ChunkIndex, body)) is not None:
-            chunk = indexed_chunk(index)
+            chunk = indexed_chunk(index, self._shared)
             self._stated[chunk.offset] = Stated(chunk.start_time, chunk.end_time, chunk.counts)
 
     def _chunk_record(self, place: int) -> int | None:

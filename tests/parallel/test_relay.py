@@ -1,5 +1,6 @@
 """Results in order, errors from where they arise, no more work in flight than is wanted."""
 
+import gc
 import mmap
 import multiprocessing
 import os
@@ -161,6 +162,7 @@ def test_work_stops_when_no_one_takes_results(tmp_path: Path, *, forks: bool, jo
 def assert_nobody_is_left() -> None:
     assert not multiprocessing.active_children()
     assert not [t for t in threading.enumerate() if t.name.startswith("batch")]
+    assert gc.get_freeze_count() == 0
 
 
 def test_one_job_works_in_this_thread() -> None:
@@ -175,6 +177,12 @@ def test_items_are_shared_out_among_copies_of_this_process() -> None:
     assert len(set(workers)) == 3
     assert os.getpid() not in workers
     assert workers[:3] == workers[3:]
+
+
+@pytest.mark.skipif(True not in FORKS, reason="processes are not forked here")
+def test_copies_collect_no_garbage_of_this_process() -> None:
+    assert all(in_order(lambda _: gc.get_freeze_count(), range(4), 2, forks=True))
+    assert_nobody_is_left()
 
 
 @pytest.mark.skipif(True not in FORKS, reason="processes are not forked here")
