@@ -24,8 +24,8 @@ MESSAGE_HEAD: Final = np.dtype(
 )
 """An MCAP message record up to its payload."""
 _RECORD_HEAD_SIZE: Final = 9
-_VARYING: Final = ("channel", "log_time", "publish_time")
-"""What the heads of stamped-out records differ in."""
+_USED: Final = ("channel", "log_time", "publish_time")
+"""What is read from the heads of stamped-out records, or written into them."""
 _MANY: Final = 64 << 10
 """Bytes of messages that are worth a chunk of their own."""
 _PIECES: Final = (256, 16, 1)
@@ -109,13 +109,13 @@ def record_template(message: Template, channel: int) -> Template:
 
     Args:
         message: template of the payload.
-        channel: id of the channel, unless it is written into ``channel``.
+        channel: id of the channel.
     """
     head = np.zeros((), MESSAGE_HEAD)
     head["opcode"] = MESSAGE_OPCODE
     head["length"] = message.size + (MESSAGE_HEAD.itemsize - _RECORD_HEAD_SIZE)
     head["channel"] = channel
-    varying = [field for field in _fields(MESSAGE_HEAD, 0) if field[0] in _VARYING]
+    varying = [field for field in _fields(MESSAGE_HEAD, 0) if field[0] in _USED]
     numbers = _fields(message.dtype, MESSAGE_HEAD.itemsize)
     names, formats, offsets = zip(*varying, *numbers, strict=True)
     dtype = np.dtype(
