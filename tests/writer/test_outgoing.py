@@ -61,6 +61,14 @@ def one_by_one(messages: list[Sent]) -> tuple[bytes, list[int]]:
     return data, bounds
 
 
+def assert_laid_out(outgoing: Outgoing, messages: list[Sent]) -> None:
+    data, bounds = one_by_one(messages)
+    assert outgoing.data.tobytes() == data
+    assert outgoing.bounds.tolist() == bounds
+    assert outgoing.channel.tolist() == [message.channel for message in messages]
+    assert outgoing.log_time.tolist() == [message.log_time for message in messages]
+
+
 def recorded_of(messages: list[Sent], order: list[int]) -> Outgoing:
     """Return messages as a reader gives them: payloads anywhere in a buffer."""
     places: dict[int, int] = {}
@@ -85,9 +93,7 @@ def recorded_of(messages: list[Sent], order: list[int]) -> Outgoing:
 def test_recorded_messages(data: st.DataObject, messages: list[Sent]) -> None:
     order = data.draw(st.permutations(range(len(messages))))
     outgoing = recorded_of(messages, order)
-    wanted, wanted_bounds = one_by_one(messages)
-    assert outgoing.data.tobytes() == wanted
-    assert outgoing.bounds.tolist() == wanted_bounds
+    assert_laid_out(outgoing, messages)
 
 
 @given(
@@ -116,12 +122,7 @@ def test_stamped_messages_of_many_channels_merge_by_time(
         )
     merged = in_time_order(stamped_out)
     # Python's sort is stable, so at equal times the earlier part comes first here too.
-    messages.sort(key=lambda message: message.log_time)
-    wanted, bounds = one_by_one(messages)
-    assert merged.data.tobytes() == wanted
-    assert merged.bounds.tolist() == bounds
-    assert merged.channel.tolist() == [message.channel for message in messages]
-    assert merged.log_time.tolist() == [message.log_time for message in messages]
+    assert_laid_out(merged, sorted(messages, key=lambda message: message.log_time))
 
 
 @given(
@@ -155,12 +156,7 @@ def test_channels_with_many_messages_go_by_themselves(
     groups = list(by_channel(iter(parts)))
     for group, messages in zip(groups, [*many, *([few] if few else [])], strict=True):
         # Stable, as above.
-        messages.sort(key=lambda message: message.log_time)
-        data, bounds = one_by_one(messages)
-        assert group.data.tobytes() == data
-        assert group.bounds.tolist() == bounds
-        assert group.channel.tolist() == [message.channel for message in messages]
-        assert group.log_time.tolist() == [message.log_time for message in messages]
+        assert_laid_out(group, sorted(messages, key=lambda message: message.log_time))
 
 
 @given(st.lists(SENT, min_size=1, max_size=12), st.data())
@@ -168,11 +164,7 @@ def test_a_part_stands_for_itself(messages: list[Sent], data: st.DataObject) -> 
     first = data.draw(st.integers(0, len(messages)))
     last = data.draw(st.integers(first, len(messages)))
     part = recorded_of(messages, list(range(len(messages)))).part(slice(first, last))
-    wanted, bounds = one_by_one(messages[first:last])
-    assert part.data.tobytes() == wanted
-    assert part.bounds.tolist() == bounds
-    assert part.channel.tolist() == [message.channel for message in messages[first:last]]
-    assert part.log_time.tolist() == [message.log_time for message in messages[first:last]]
+    assert_laid_out(part, messages[first:last])
 
 
 @pytest.mark.parametrize("parts", [[], [stamped(1, ints([]), np.empty(0, "V7"))]])
