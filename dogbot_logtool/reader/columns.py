@@ -85,20 +85,20 @@ class Texts:
         code = np.full(len(self.start), -1, np.int64)
         rows: list[int] = []
         left = np.arange(len(self.start))
-        sort = self.length
+        key = self.length
         if kind is not None:
-            sort = sort * (int(kind.max(initial=0)) + 1) + kind
+            key = key * (int(kind.max(initial=0)) + 1) + kind
         while len(left) and len(rows) < _ROUNDS:
             first = left[0]
-            alike = left[sort[left] == sort[first]]
+            alike = left[key[left] == key[first]]
             if size := int(self.length[first]):
                 texts = gather_bytes(self.buffer, self.start[alike], size)
                 alike = alike[rows_like(texts, texts[0])]
             code[alike] = len(rows)
             rows.append(int(first))
             left = left[code[left] < 0] if len(alike) < len(left) else left[:0]
-        for one in np.unique(sort[left]).tolist():
-            alike = left[sort[left] == one]
+        for one in np.unique(key[left]).tolist():
+            alike = left[key[left] == one]
             size = int(self.length[alike[0]])
             # Texts without a byte are all alike.
             whole = gather(self.buffer, self.start[alike], size) if size else alike * 0

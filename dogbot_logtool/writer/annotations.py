@@ -165,8 +165,9 @@ class Annotations:
                 else:
                     yield _shown(arrow, arrows, stamps, rows)
         for loads in columns.loads:
+            stamps = self._load.stamps("stamp", loads.stamp)
             for foot, rows in rows_by_group(loads.foot):
-                yield _loads(self._loads[foot], loads, rows)
+                yield _loaded(self._loads[foot], loads, stamps, rows)
         if self._support is not None and columns.support is not None:
             stamps = self._load.stamps("stamp", columns.support.stamp)
             yield from self._support.outgoing(columns.support, stamps)
@@ -194,18 +195,18 @@ def _shown(template: Template, arrows: Arrows, stamps: Stamps, rows: Ints) -> ND
     return records
 
 
-def _timed(template: Template, arrows: Arrows, stamps: Stamps, rows: Ints) -> NDArray[np.void]:
-    """Return records of some arrows with their times, which is all that a removal tells."""
+def _timed(
+    template: Template, columns: Arrows | Loads, stamps: Stamps, rows: Ints
+) -> NDArray[np.void]:
+    """Return records of some rows with their times, which is all that a removal tells."""
     records = template.copies(len(rows))
-    write_log_time(records, arrows.log_time[rows])
+    write_log_time(records, columns.log_time[rows])
     template.write_stamps(records, "stamp", stamps.pick(rows))
     return records
 
 
-def _loads(template: Template, loads: Loads, rows: Ints) -> NDArray[np.void]:
-    records = template.copies(len(rows))
-    write_log_time(records, loads.log_time[rows])
-    template.write_time(records, "stamp", loads.stamp[rows])
+def _loaded(template: Template, loads: Loads, stamps: Stamps, rows: Ints) -> NDArray[np.void]:
+    records = _timed(template, loads, stamps, rows)
     records["in_contact"] = loads.in_contact[rows]
     records["force"] = loads.force[rows]
     records["force_bw"] = loads.body_weights[rows]

@@ -115,9 +115,9 @@ def record_template(message: Template, channel: int) -> Template:
     head["opcode"] = MESSAGE_OPCODE
     head["length"] = message.size + (MESSAGE_HEAD.itemsize - _RECORD_HEAD_SIZE)
     head["channel"] = channel
-    varying = [field for field in _fields(MESSAGE_HEAD, 0) if field[0] in _USED]
+    used = [field for field in _fields(MESSAGE_HEAD, 0) if field[0] in _USED]
     numbers = _fields(message.dtype, MESSAGE_HEAD.itemsize)
-    names, formats, offsets = zip(*varying, *numbers, strict=True)
+    names, formats, offsets = zip(*used, *numbers, strict=True)
     dtype = np.dtype(
         {
             "names": names,
@@ -148,8 +148,9 @@ def by_channel(parts: Iterable[NDArray[np.void]]) -> Iterator[Outgoing]:
     passes over the chunks of the others.
 
     Args:
-        parts: copies of record templates, each (k,) and of one channel; those of a channel stand
-            together. They are asked for as they are needed, so that only few are in memory.
+        parts: copies of record templates, each (k,) and of one channel. They are asked for as
+            they are needed, so that only few are in memory; so those of a channel that do not
+            stand together make several groups.
     """
     few: list[NDArray[np.void]] = []
     for _, same in groupby(filter(len, parts), lambda part: int(part["channel"][0])):
