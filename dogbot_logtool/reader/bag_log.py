@@ -22,6 +22,8 @@ class BagLog(Log):
         super().__init__(source, contents)
         self._connections = connections
         self._channel_ids = ChannelIds(connections.channel_ids)
+        self._numbers = {number: each for each, number in connections.channel_ids.items()}
+        """Connection numbers by channel id."""
         self._format = BagFormat()
 
     def check(self, chunk: Chunk) -> None:
@@ -30,7 +32,8 @@ class BagLog(Log):
 
     def parse(self, chunk: Chunk, stored: memoryview, target: Bytes) -> ChunkContent:
         """See `Log.parse`."""
-        content = parse_bag_chunk(chunk, stored, target, self._format)
+        counts = chunk.counts and {self._numbers[each]: n for each, n in chunk.counts.items()}
+        content = parse_bag_chunk(replace(chunk, counts=counts), stored, target, self._format)
         for op, place, end in content.others.tolist():
             record = target[place:end].tobytes() if op == BagOp.CONNECTION else b""
             loss = self._connections.contradiction(record, chunk.offset) if record else None

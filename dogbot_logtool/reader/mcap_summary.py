@@ -2,6 +2,7 @@
 
 import struct
 import sys
+from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Final
@@ -13,9 +14,11 @@ from zlib_ng.zlib_ng import crc32
 from dogbot_logtool.reader.chunk_counts import SharedCounts
 from dogbot_logtool.reader.log import Chunk, Contents, Extra, Loss, Schema
 from dogbot_logtool.reader.mcap_data_crc import DATA_END_SIZE, check_data
+from dogbot_logtool.reader.mcap_descriptions import DESCRIBING, DescriptionCheck
 from dogbot_logtool.reader.mcap_records import (
     CHUNK_HEAD,
     RECORD_HEAD,
+    WHOLE_SMALL_RECORD,
     channel_of,
     decode_record,
     schema_of,
@@ -29,6 +32,9 @@ _LARGEST_TIME: Final = 2**63 - 1
 _UNSUSPICIOUS_SIZE: Final = 64 << 20
 _LARGEST_SHARE: Final = 4
 """A larger summary than `_UNSUSPICIOUS_SIZE` must not be more than this part of the file."""
+SUMMARY_CONTRADICTS: Final = (
+    "the summary contradicts itself or the chunks; the log was read without"
+)
 _MOST_RECORDS_BETWEEN: Final = 100_000
 _BETWEEN: Final = (
     Opcode.HEADER,
@@ -56,8 +62,7 @@ def read_summary(source: ByteSource) -> tuple[Contents | None, Loss | None]:
         return None, None
     contents = _contents(source, summary)
     if contents is None:
-        what = "the summary contradicts itself or the chunks; the log was read without"
-        return None, Loss(summary.offset, what)
+        return None, Loss(summary.offset, SUMMARY_CONTRADICTS)
     return contents, None
 
 
@@ -72,6 +77,8 @@ class _Summary:
     chunks: list[Chunk] = field(default_factory=list)
     extras: list[Extra] = field(default_factory=list)
     counts: SharedCounts = field(default_factory=SharedCounts)
+    contradicts_itself: bool = False
+    """It describes an id in two ways."""
 
 
 def _read_section(source: ByteSource) -> tuple[_Summary | None, Loss | None]:
@@ -118,11 +125,13 @@ def _take(opcode: int, body: bytes, summary: _Summary) -> bool:
         case Opcode.SCHEMA:
             if (schema := decode_record(records.Schema, body)) is None:
                 return False
-            summary.schemas.setdefault(schema.id, schema_of(schema))
+            known = summary.schemas.setdefault(schema.id, schema_of(schema))
+            summary.contradicts_itself |= known != schema_of(schema)
         case Opcode.CHANNEL:
             if (channel := decode_record(records.Channel, body)) is None:
                 return False
-            summary.channels.setdefault(channel.id, channel)
+            first = summary.channels.setdefault(channel.id, channel)
+            summary.contradicts_itself |= first != channel
         case Opcode.STATISTICS:
             summary.statistics = decode_record(records.Statistics, body)
             return summary.statistics is not None
@@ -162,12 +171,12 @@ def _contents(source: ByteSource, summary: _Summary) -> Contents | None:
     chunks = sorted(summary.chunks, key=lambda chunk: chunk.offset)
     extras = sorted(summary.extras, key=lambda extra: extra.offset)
     channels = {c.id: channel_of(c, summary.schemas) for c in summary.channels.values()}
-    counted = [chunk.messages for chunk in chunks if chunk.messages is not None]
     true = (
-        (len(counted) < len(chunks) or sum(counted) == statistics.message_count)
+        not summary.contradicts_itself
         and sum(statistics.channel_message_counts.values()) == statistics.message_count
+        and _chunk_indexes_agree(chunks, statistics)
         and all(e.offset > 0 and e.offset + e.size <= summary.offset for e in extras)
-        and _chunks_are_there(source, chunks, summary)
+        and _chunks_are_there(source, chunks, summary, DescriptionCheck(channels))
     )
     if not true:
         return None
@@ -184,7 +193,27 @@ def _contents(source: ByteSource, summary: _Summary) -> Contents | None:
     )
 
 
-def _chunks_are_there(source: ByteSource, chunks: Sequence[Chunk], summary: _Summary) -> bool:
+def _chunk_indexes_agree(chunks: Sequence[Chunk], statistics: records.Statistics) -> bool:
+    """Tell whether the chunk indexes give the statistics, as far as they tell of messages."""
+    counts: Counter[int] = Counter()
+    filled: list[Chunk] = []
+    for chunk in chunks:
+        if chunk.counts is None:
+            return True
+        counts.update(chunk.counts)
+        if chunk.messages:
+            filled.append(chunk)
+    if counts != Counter(statistics.channel_message_counts):
+        return False
+    start = min((chunk.start_time for chunk in filled if chunk.start_time is not None), default=0)
+    end = max((chunk.end_time for chunk in filled if chunk.end_time is not None), default=0)
+    stated = statistics.message_start_time, statistics.message_end_time
+    return not filled or (start, end) == stated
+
+
+def _chunks_are_there(
+    source: ByteSource, chunks: Sequence[Chunk], summary: _Summary, check: DescriptionCheck
+) -> bool:
     """Tell whether chunks and known other records tile the data section.
 
     A chunk whose own header is damaged is there nevertheless if a checksum vouches for the
@@ -194,7 +223,7 @@ def _chunks_are_there(source: ByteSource, chunks: Sequence[Chunk], summary: _Sum
     places = [chunk.offset for chunk in chunks]
     heads = None if summary.verified else Heads(source, places, RECORD_HEAD.size)
     for chunk in chunks:
-        if not _only_small_records(source, place, chunk.offset):
+        if not _only_small_records(source, place, chunk.offset, check):
             return False
         if chunk.index_end < chunk.end:
             return False
@@ -203,7 +232,7 @@ def _chunks_are_there(source: ByteSource, chunks: Sequence[Chunk], summary: _Sum
         if chunk.data_offset + chunk.data_size > chunk.end:
             return False
         place = chunk.index_end
-    return _only_small_records(source, place, summary.offset)
+    return _only_small_records(source, place, summary.offset, check)
 
 
 def _begins(heads: Heads, chunk: Chunk) -> bool:
@@ -215,8 +244,11 @@ def _begins(heads: Heads, chunk: Chunk) -> bool:
     return bool(opcode == Opcode.CHUNK and chunk.offset + RECORD_HEAD.size + length == chunk.end)
 
 
-def _only_small_records(source: ByteSource, place: int, end: int) -> bool:
-    """Tell whether records that are neither chunks nor messages lead from one place to another."""
+def _only_small_records(source: ByteSource, place: int, end: int, check: DescriptionCheck) -> bool:
+    """Tell whether records that are neither chunks nor messages lead from one place to another.
+
+    Schemas and channels among them must be those of the summary.
+    """
     for _ in range(_MOST_RECORDS_BETWEEN):
         if place >= end:
             break
@@ -226,6 +258,11 @@ def _only_small_records(source: ByteSource, place: int, end: int) -> bool:
         opcode, length = RECORD_HEAD.unpack(head)
         if opcode not in _BETWEEN and opcode <= max(Opcode):
             return False
+        if opcode in DESCRIBING:
+            if length > WHOLE_SMALL_RECORD:
+                return False
+            if not check.agrees(opcode, source.read(place + RECORD_HEAD.size, length)):
+                return False
         place += RECORD_HEAD.size + length
     return place == end
 
