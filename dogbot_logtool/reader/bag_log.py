@@ -34,13 +34,15 @@ class BagLog(Log):
         """See `Log.parse`."""
         counts = chunk.counts and {self._numbers[each]: n for each, n in chunk.counts.items()}
         content = parse_bag_chunk(replace(chunk, counts=counts), stored, target, self._format)
-        for op, place, end in content.others.tolist():
-            record = target[place:end].tobytes() if op == BagOp.CONNECTION else b""
-            loss = self._connections.contradiction(record, chunk.offset) if record else None
-            if loss is not None:
-                content = replace(content, losses=(*content.losses, loss))
-                break
-        return content
+        found = {
+            self._connections.contradiction(target[place:end].tobytes(), chunk.offset): None
+            for op, place, end in content.others.tolist()
+            if op == BagOp.CONNECTION
+        }
+        contradictions = [loss for loss in found if loss is not None]
+        if not contradictions:
+            return content
+        return replace(content, losses=(*content.losses, *contradictions))
 
 
 def open_bag(source: ByteSource) -> BagLog:

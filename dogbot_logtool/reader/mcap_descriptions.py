@@ -1,7 +1,7 @@
 """The schemas and channels of an MCAP file, and those that contradict them.
 
-The format wants an id to mean the same throughout a file. Where two records of one id differ, the
-data is believed before the summary, and what a checksum covers before what none does.
+The format wants all records of one id to be identical. Where they differ, the data is believed
+before the summary, and what a checksum covers before what none does.
 """
 
 from collections.abc import Iterator, Mapping
@@ -86,9 +86,9 @@ class Descriptions:
             self._chosen[key] = found
             if isinstance(record, records.Channel):
                 self.channels[record.id] = record
-            if known is not None and not _same(known.record, record):
+            if known is not None and known.record != record:
                 self._other[key] = known
-        elif not _same(known.record, record):
+        elif known.record != record:
             self._other.setdefault(key, found)
 
     def channels_by_id(self) -> dict[int, Channel]:
@@ -117,7 +117,7 @@ class DescriptionCheck:
                 id=channel.id,
                 topic=channel.topic,
                 message_encoding=channel.message_encoding,
-                metadata={},
+                metadata=dict(channel.metadata),
                 schema_id=schema.id if schema else 0,
             )
             if schema is not None:
@@ -159,7 +159,7 @@ class DescriptionCheck:
             return None
         record = decode_description(opcode, body)
         known = None if record is None else self._known.get((opcode, record.id))
-        if record is None or known is None or _same(known, record):
+        if record is None or known is None or known == record:
             self._agreed[key] = digest
             return None
         return record
@@ -172,19 +172,19 @@ def decode_description(opcode: int, body: bytes) -> _Description | None:
     return decode_record(records.Channel, body)
 
 
-def _deciding(record: _Description) -> dict[str, object]:
-    """Return what decides how messages are read; a channel's metadata does not."""
+def _facts(record: _Description) -> dict[str, object]:
+    """Return all that a record says besides its id and its name."""
     if isinstance(record, records.Channel):
-        return {"encoding": record.message_encoding, "schema": record.schema_id}
+        return {
+            "encoding": record.message_encoding,
+            "schema": record.schema_id,
+            "metadata": record.metadata,
+        }
     return {"encoding": record.encoding, "definition": record.data}
 
 
 def _name(record: _Description) -> str:
     return record.topic if isinstance(record, records.Channel) else record.name
-
-
-def _same(one: _Description, other: _Description) -> bool:
-    return one == other or (_name(one) == _name(other) and _deciding(one) == _deciding(other))
 
 
 def contradiction(chosen: _Description, other: _Description, offset: int) -> Loss:
@@ -198,7 +198,7 @@ def contradiction(chosen: _Description, other: _Description, offset: int) -> Los
     kind = "channel" if isinstance(chosen, records.Channel) else "schema"
     texts = [_name(chosen), _name(other)]
     if texts[0] == texts[1]:
-        facts = zip(_deciding(chosen).items(), _deciding(other).values(), strict=True)
+        facts = zip(_facts(chosen).items(), _facts(other).values(), strict=True)
         key, values = next((key, (one, two)) for (key, one), two in facts if one != two)
         texts = [
             f"{text} with {key} {_shown(value)}" for text, value in zip(texts, values, strict=True)

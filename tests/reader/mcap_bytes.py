@@ -203,3 +203,10 @@ def small_mcap(compression: str = "zstd", chunks: int = 3, each: int = 4) -> Mca
         for chunk in range(chunks)
     ]
     return McapBytes(messages, compression=compression)
+
+
+def resealed(data: bytes, mcap: McapBytes) -> bytes:
+    """Return the file with the right checksum over its summary."""
+    end = len(data) - len(MAGIC) - 4
+    crc = zlib.crc32(data[mcap.summary_start : end])
+    return data[:end] + struct.pack("<I", crc) + MAGIC

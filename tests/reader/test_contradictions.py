@@ -6,15 +6,17 @@ from pathlib import Path
 
 import pytest
 
-from tests.reader.bag_bytes import BagBytes, Connection, small_bag
+from tests.reader.bag_bytes import CODECS as BAG_CODECS
+from tests.reader.bag_bytes import Connection, small_bag
 from tests.reader.mcap_bytes import (
     CODECS,
     McapBytes,
     channel,
+    resealed,
     schema,
     small_mcap,
 )
-from tests.reader.reading import Read, Reading, read_bytes, written_bag, written_mcap
+from tests.reader.reading import Reading, read_bytes, written_bag, written_mcap
 
 DESCRIBED = schema(1) + channel(1, "/left") + channel(2, "/right")
 SWAPPED = schema(1) + channel(1, "/right") + channel(2, "/left")
@@ -112,9 +114,7 @@ def test_a_channel_that_the_summary_leaves_out(tmp_path: Path, *, message_index:
 
 
 @pytest.mark.parametrize("stated", [{1: 5, 2: 7}, {1: 12}, {1: 6, 2: 900}, {1: 6, 2: 6, 3: 1}])
-def test_wrong_statistics_are_said_and_not_repeated(
-    tmp_path: Path, stated: dict[int, int]
-) -> None:
+def test_wrong_statistics_are_said_and_not_repeated(tmp_path: Path, stated: dict[int, int]) -> None:
     mcap = small_mcap()
     mcap.stated_counts = stated
     reading = read_bytes(tmp_path, mcap.build())
@@ -142,13 +142,7 @@ def test_message_counts_that_hold_only_in_sum(tmp_path: Path) -> None:
     )
 
 
-def resealed(data: bytes, mcap: McapBytes) -> bytes:
-    from tests.reader.test_mcap import resealed as reseal
-
-    return reseal(data, mcap)
-
-
-@pytest.mark.parametrize("shift", [-10**9, 10**9])
+@pytest.mark.parametrize("shift", [-(10**9), 10**9])
 @pytest.mark.parametrize("field", ["start", "end"])
 def test_wrong_times_in_the_statistics(tmp_path: Path, shift: int, field: str) -> None:
     mcap = small_mcap()
@@ -163,8 +157,56 @@ def test_wrong_times_in_the_statistics(tmp_path: Path, shift: int, field: str) -
     assert reading.losses
 
 
-def bag_with(connections: list[Connection], index: list[Connection]) -> BagBytes:
-    raise NotImplementedError
+BAG_DESCRIBED = [Connection(0, "/left"), Connection(1, "/right")]
 
 
-_ = (Read, small_bag, written_bag, bag_with)
+@pytest.mark.parametrize("compression", BAG_CODECS)
+def test_connections_swapped_in_a_bags_index(tmp_path: Path, compression: str) -> None:
+    bag = small_bag(compression)
+    bag.in_index_section = [Connection(0, "/right"), Connection(1, "/left")]
+    reading = read_bytes(tmp_path, bag.build())
+    place = bag.chunk_starts[0]
+    assert reading.sentences == "; ".join(
+        f"connection {number} is described in two ways: as {one} of type std_msgs/String and, at "
+        f"byte {place}, as {other} of type std_msgs/String; the former was used"
+        for number, one, other in ((0, "/right", "/left"), (1, "/left", "/right"))
+    )
+
+
+@pytest.mark.parametrize(
+    "connection",
+    [
+        Connection(0, "/other"),
+        Connection(0, "/left", "std_msgs/Empty"),
+        Connection(0, "/left", definition="string data\nbool more\n"),
+    ],
+)
+@pytest.mark.parametrize("indexed", [False, True])
+def test_a_connection_that_changes_in_mid_file(
+    tmp_path: Path, connection: Connection, *, indexed: bool
+) -> None:
+    bag = small_bag()
+    bag.described_later = {2: connection.record()}
+    bag.indexed = indexed
+    reading = read_bytes(tmp_path, bag.build())
+    assert list(reading.messages) == written_bag(bag)
+    assert "connection 0 is described in two ways: as /left of type" in reading.sentences
+    if indexed:
+        bag = small_bag()
+        bag.in_index_section = [*BAG_DESCRIBED, connection]
+        reading = read_bytes(tmp_path, bag.build())
+        assert list(reading.messages) == written_bag(bag)
+        assert "it describes a connection in two ways" in reading.sentences
+
+
+def test_message_counts_of_a_bag_that_hold_only_in_sum(tmp_path: Path) -> None:
+    bag = small_bag(chunks=2, each=3)
+    data = bag.build()
+    for right, wrong in (((0, 2, 1, 1), (0, 1, 1, 2)), ((1, 2, 0, 1), (1, 1, 0, 2))):
+        stated = struct.pack("<4I", *right)
+        assert data.count(stated) == 1
+        data = data.replace(stated, struct.pack("<4I", *wrong))
+    reading = read_bytes(tmp_path, data)
+    assert list(reading.messages) == written_bag(bag)
+    what = f"the chunk at byte {bag.chunk_starts[0]} holds 2 messages of channel 0 where the log's"
+    assert what in reading.sentences
