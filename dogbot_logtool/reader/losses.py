@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final
 
 if TYPE_CHECKING:
-    from dogbot_logtool.reader.log import Channel
+    from dogbot_logtool.reader.log import Channel, Log
 
 _MOST: Final = 200
 """Losses told one by one; more are summed up."""
@@ -72,6 +72,23 @@ def differing_counts(
     name = channels[first].topic[:_LONGEST_NAME] if first in channels else f"channel {first}"
     text = f"{stated.get(first, 0)} messages of {name}, but {found.get(first, 0)} were found"
     return text + (f" (and {len(wrong) - 1} more wrong counts)" if len(wrong) > 1 else "")
+
+
+def wrong_statistics(log: "Log", found: Mapping[int, int], losses: Sequence[Loss]) -> list[Loss]:
+    """Compare a log's counts with its messages, after all of them were read.
+
+    Args:
+        log: the log. Counts that stand in its chunks' indexes were compared chunk by chunk.
+        found: messages by channel id.
+        losses: messages that are known to be missing explain a difference.
+    """
+    compared = all(chunk.counts is not None for chunk in log.chunks)
+    what = (
+        ""
+        if compared or lost_messages(losses) != 0
+        else (differing_counts(log.channels, log.counts, found))
+    )
+    return [Loss(0, f"the log's statistics count {what}")] if what else []
 
 
 class Losses:
