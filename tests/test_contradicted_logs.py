@@ -144,5 +144,5 @@ def test_wrong_statistics_without_an_index_are_said_by_those_that_read_all(
     assert "the log's statistics count" in str(found)
     code, found = run_json("convert", path, "-o", tmp_path / "out.mcap")
     assert code == 3
-    assert FEET[0] in str(found["damage"])
+    assert "the log's statistics count" in str(found["damage"])
     assert run("stats", path, "--end", "2").returncode == 0

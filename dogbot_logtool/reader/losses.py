@@ -71,7 +71,9 @@ def differing_counts(
     first = wrong[0]
     name = channels[first].topic[:_LONGEST_NAME] if first in channels else f"channel {first}"
     text = f"{stated.get(first, 0)} messages of {name}, but {found.get(first, 0)} were found"
-    return text + (f" (and {len(wrong) - 1} more wrong counts)" if len(wrong) > 1 else "")
+    if len(wrong) > 1:
+        text += f" ({len(wrong) - 1} more wrong)"
+    return text
 
 
 def wrong_statistics(log: "Log", found: Mapping[int, int], losses: Sequence[Loss]) -> list[Loss]:

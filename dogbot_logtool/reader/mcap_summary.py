@@ -181,13 +181,14 @@ def _contents(source: ByteSource, summary: _Summary) -> Contents | None:
     if not true:
         return None
     empty = statistics.message_count == 0
+    start, end = _time_range(chunks, statistics)
     loss = check_data(source, summary.offset - DATA_END_SIZE, thorough=False)
     return Contents(
         channels=channels,
         chunks=chunks,
         counts={**dict.fromkeys(channels, 0), **statistics.channel_message_counts},
-        start_time=None if empty else statistics.message_start_time,
-        end_time=None if empty else statistics.message_end_time,
+        start_time=None if empty else start,
+        end_time=None if empty else end,
         extras=extras,
         losses=() if loss is None else (loss,),
     )
@@ -196,19 +197,25 @@ def _contents(source: ByteSource, summary: _Summary) -> Contents | None:
 def _chunk_indexes_agree(chunks: Sequence[Chunk], statistics: records.Statistics) -> bool:
     """Tell whether the chunk indexes give the statistics, as far as they tell of messages."""
     counts: Counter[int] = Counter()
-    filled: list[Chunk] = []
     for chunk in chunks:
         if chunk.counts is None:
             return True
         counts.update(chunk.counts)
-        if chunk.messages:
-            filled.append(chunk)
     if counts != Counter(statistics.channel_message_counts):
         return False
-    start = min((chunk.start_time for chunk in filled if chunk.start_time is not None), default=0)
-    end = max((chunk.end_time for chunk in filled if chunk.end_time is not None), default=0)
-    stated = statistics.message_start_time, statistics.message_end_time
-    return not filled or (start, end) == stated
+    start, end = _time_range(chunks, statistics)
+    # A time of 0 is left out of the statistics by a writer that takes it for none.
+    return start in {0, statistics.message_start_time} and end == statistics.message_end_time
+
+
+def _time_range(chunks: Sequence[Chunk], statistics: records.Statistics) -> tuple[int, int]:
+    """Return the log times of the first and the last message, by the chunk indexes if they tell."""
+    filled = [chunk for chunk in chunks if chunk.messages]
+    starts = [chunk.start_time for chunk in filled if chunk.start_time is not None]
+    ends = [chunk.end_time for chunk in filled if chunk.end_time is not None]
+    if not starts or not ends or len(filled) < len(chunks):
+        return statistics.message_start_time, statistics.message_end_time
+    return min(starts), max(ends)
 
 
 def _chunks_are_there(
