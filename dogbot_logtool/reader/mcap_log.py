@@ -10,7 +10,7 @@ from mcap.opcode import Opcode
 from dogbot_logtool.core.arrays import Bytes
 from dogbot_logtool.reader.channel_ids import UNKNOWN_CHANNEL
 from dogbot_logtool.reader.log import Chunk, ChunkContent, ChunkDamage, Contents, Log, Loss
-from dogbot_logtool.reader.mcap_chunk import check_chunk, parse_chunk
+from dogbot_logtool.reader.mcap_chunk import check_chunk, chunk_at, parse_chunk
 from dogbot_logtool.reader.mcap_descriptions import DescriptionCheck
 from dogbot_logtool.reader.mcap_format import McapFormat
 from dogbot_logtool.reader.mcap_records import RECORD_HEAD, decode_record
@@ -47,6 +47,21 @@ class McapLog(Log):
             return content
         found = self._descriptions.contradictions(target, content.others, chunk.offset)
         return replace(content, losses=(*content.losses, *found)) if found else content
+
+    def _overlaps(self, chunk: Chunk, start: int | None, end: int | None) -> bool:
+        """See `Log._overlaps`: a chunk is left out only if its own header says so, too.
+
+        Headers in a store are not fetched for that.
+        """
+        if super()._overlaps(chunk, start, end):
+            return True
+        if chunk.surveyed or not self.source.has_cheap_seeks:
+            return False
+        try:
+            own = chunk_at(self.source, chunk.offset)
+        except ChunkDamage:
+            return True
+        return super()._overlaps(own, start, end)
 
     def contradicts_summary(self) -> bool:
         """Tell whether the first messages of a channel are described otherwise in their chunk.

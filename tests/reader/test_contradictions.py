@@ -6,6 +6,7 @@ from pathlib import Path
 
 import pytest
 
+from dogbot_logtool.reader.opening import open_log
 from tests.reader.bag_bytes import CODECS as BAG_CODECS
 from tests.reader.bag_bytes import Connection, small_bag
 from tests.reader.mcap_bytes import (
@@ -155,6 +156,22 @@ def test_wrong_times_in_the_statistics(tmp_path: Path, shift: int, field: str) -
     )
     assert reading.times == (min(times), max(times))
     assert reading.losses
+
+
+def test_a_time_span_has_all_its_messages_whatever_the_chunk_index_says(tmp_path: Path) -> None:
+    mcap = small_mcap()
+    data = mcap.build()
+    times = [message.log_time for message in mcap.chunks[1]]
+    at = data.rindex(struct.pack("<QQ", times[0], times[-1]))
+    assert at > mcap.summary_start
+    wrong = struct.pack("<QQ", times[0] - 30_000_000, times[-1] - 40_000_000)
+    path = tmp_path / "log.mcap"
+    path.write_bytes(resealed(data[:at] + wrong + data[at + 16 :], mcap))
+    log = open_log(path)
+    batches = [log.read(span).cropped(times[0], times[-1]) for span in log.spans(*times[::3])]
+    log.close()
+    assert [each for batch in batches for each in batch.messages.log_time.tolist()] == times
+    assert [loss.offset for batch in batches for loss in batch.losses]
 
 
 BAG_DESCRIBED = [Connection(0, "/left"), Connection(1, "/right")]
