@@ -171,12 +171,13 @@ def _contents(source: ByteSource, summary: _Summary) -> Contents | None:
     chunks = sorted(summary.chunks, key=lambda chunk: chunk.offset)
     extras = sorted(summary.extras, key=lambda extra: extra.offset)
     channels = {c.id: channel_of(c, summary.schemas) for c in summary.channels.values()}
+    between = _RecordsBetween(source, DescriptionCheck(channels))
     true = (
         not summary.contradicts_itself
         and sum(statistics.channel_message_counts.values()) == statistics.message_count
         and _chunk_indexes_agree(chunks, statistics)
-        and all(e.offset > 0 and e.offset + e.size <= summary.offset for e in extras)
-        and _chunks_are_there(source, chunks, summary, DescriptionCheck(channels))
+        and _chunks_are_there(source, chunks, summary, between)
+        and between.extras == [extra.offset for extra in extras]
     )
     if not true:
         return None
@@ -219,7 +220,7 @@ def _time_range(chunks: Sequence[Chunk], statistics: records.Statistics) -> tupl
 
 
 def _chunks_are_there(
-    source: ByteSource, chunks: Sequence[Chunk], summary: _Summary, check: DescriptionCheck
+    source: ByteSource, chunks: Sequence[Chunk], summary: _Summary, between: "_RecordsBetween"
 ) -> bool:
     """Tell whether chunks and known other records tile the data section.
 
@@ -230,7 +231,7 @@ def _chunks_are_there(
     places = [chunk.offset for chunk in chunks]
     heads = None if summary.verified else Heads(source, places, RECORD_HEAD.size)
     for chunk in chunks:
-        if not _only_small_records(source, place, chunk.offset, check):
+        if not between.lead(place, chunk.offset):
             return False
         if chunk.index_end < chunk.end:
             return False
@@ -239,7 +240,7 @@ def _chunks_are_there(
         if chunk.data_offset + chunk.data_size > chunk.end:
             return False
         place = chunk.index_end
-    return _only_small_records(source, place, summary.offset, check)
+    return between.lead(place, summary.offset)
 
 
 def _begins(heads: Heads, chunk: Chunk) -> bool:
@@ -251,27 +252,36 @@ def _begins(heads: Heads, chunk: Chunk) -> bool:
     return bool(opcode == Opcode.CHUNK and chunk.offset + RECORD_HEAD.size + length == chunk.end)
 
 
-def _only_small_records(source: ByteSource, place: int, end: int, check: DescriptionCheck) -> bool:
-    """Tell whether records that are neither chunks nor messages lead from one place to another.
+@dataclass(slots=True)
+class _RecordsBetween:
+    """Follows the records between chunks; schemas and channels must be those of the summary."""
 
-    Schemas and channels among them must be those of the summary.
-    """
-    for _ in range(_MOST_RECORDS_BETWEEN):
-        if place >= end:
-            break
-        head = source.read(place, RECORD_HEAD.size)
-        if len(head) < RECORD_HEAD.size:
-            return False
-        opcode, length = RECORD_HEAD.unpack(head)
-        if opcode not in _BETWEEN and opcode <= max(Opcode):
-            return False
-        if opcode in DESCRIBING:
-            if length > WHOLE_SMALL_RECORD:
+    source: ByteSource
+    descriptions: DescriptionCheck
+    extras: list[int] = field(default_factory=list)
+    """Where attachments and metadata records were found."""
+
+    def lead(self, place: int, end: int) -> bool:
+        """Tell whether records, none of them chunks or messages, lead from one place to another."""
+        for _ in range(_MOST_RECORDS_BETWEEN):
+            if place >= end:
+                break
+            head = self.source.read(place, RECORD_HEAD.size)
+            if len(head) < RECORD_HEAD.size:
                 return False
-            if not check.agrees(opcode, source.read(place + RECORD_HEAD.size, length)):
+            opcode, length = RECORD_HEAD.unpack(head)
+            if not self._fits(opcode, place, length):
                 return False
-        place += RECORD_HEAD.size + length
-    return place == end
+            place += RECORD_HEAD.size + length
+        return place == end
+
+    def _fits(self, opcode: int, place: int, length: int) -> bool:
+        if opcode in {Opcode.ATTACHMENT, Opcode.METADATA}:
+            self.extras.append(place)
+        elif opcode in DESCRIBING:
+            body = self.source.read(place + RECORD_HEAD.size, min(length, WHOLE_SMALL_RECORD))
+            return self.descriptions.agrees(opcode, body)
+        return opcode in _BETWEEN or opcode > max(Opcode)
 
 
 def indexed_chunk(index: records.ChunkIndex, shared: SharedCounts) -> Chunk:

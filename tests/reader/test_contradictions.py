@@ -12,6 +12,7 @@ from tests.reader.bag_bytes import Connection, small_bag
 from tests.reader.mcap_bytes import (
     CODECS,
     McapBytes,
+    attachment,
     channel,
     resealed,
     schema,
@@ -172,6 +173,17 @@ def test_a_time_span_has_all_its_messages_whatever_the_chunk_index_says(tmp_path
     log.close()
     assert [each for batch in batches for each in batch.messages.log_time.tolist()] == times
     assert [loss.offset for batch in batches for loss in batch.losses]
+
+
+def test_an_attachment_that_the_summary_does_not_name(tmp_path: Path) -> None:
+    extra = attachment("notes", b"muddy ground")
+    mcap = small_mcap()
+    mcap.between = {1: extra}
+    data = mcap.build()
+    reading = read_bytes(tmp_path, data)
+    assert [data[e.offset : e.offset + e.size] for e in reading.extras] == [extra]
+    assert list(reading.messages) == written_mcap(mcap)
+    assert "the summary contradicts itself or the chunks" in reading.sentences
 
 
 BAG_DESCRIBED = [Connection(0, "/left"), Connection(1, "/right")]
