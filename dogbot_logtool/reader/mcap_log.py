@@ -90,10 +90,12 @@ class McapLog(Log):
         for chunk in self.chunks:
             if not missing or len(first) == _MOST_FIRST_CHUNKS:
                 break
-            if chunk.counts is None or not missing.isdisjoint(chunk.counts):
-                missing -= missing if chunk.counts is None else chunk.counts.keys()
-                if chunk.size <= _LARGEST_FIRST_CHUNK:
-                    first.append(chunk)
+            # Without an index, the first chunk is as good a guess as any.
+            counts = dict.fromkeys(missing, 1) if chunk.counts is None else chunk.counts
+            found = {number for number in missing if counts.get(number)}
+            if found and chunk.size <= _LARGEST_FIRST_CHUNK:
+                first.append(chunk)
+            missing -= found
         return first
 
 
