@@ -19,7 +19,7 @@ from dogbot_logtool.parallel.relay import Progress, relayed
 from dogbot_logtool.plan import ConvertOptions, Plan, make_plan, without_tf
 from dogbot_logtool.printable import printable
 from dogbot_logtool.reader.log import Log, Loss, lost_messages
-from dogbot_logtool.reader.losses import undecodable
+from dogbot_logtool.reader.losses import undecodable, wrong_statistics
 from dogbot_logtool.reader.mcap_extras import read_extra
 from dogbot_logtool.reader.opening import open_log
 from dogbot_logtool.selection import select_topics
@@ -50,6 +50,7 @@ class _Tally:
     counts: Counts = field(default_factory=Counts)
     by_channel: Counter[int] = field(default_factory=Counter)
     malformed: Counter[int] = field(default_factory=Counter)
+    recorded: Counter[int] = field(default_factory=Counter)
     losses: list[Loss] = field(default_factory=list)
     moved_topics: Mapping[str, str] = field(default_factory=dict)
 
@@ -57,6 +58,7 @@ class _Tally:
         self.counts += batch.counts
         self.losses.extend(batch.losses)
         self.malformed.update(batch.malformed)
+        self.recorded.update(batch.recorded)
         for chunk in batch.chunks:
             self.by_channel.update(chunk.counts)
 
@@ -69,6 +71,8 @@ class Conversion:
     target: Location
     container: str
     plan: Plan
+    messages: int
+    """Recorded messages that were read."""
     copied: int
     """Recorded messages in the output."""
     annotations: Mapping[str, int]
@@ -209,6 +213,8 @@ def _account_for_damage(log: Log, plan: Plan, tally: _Tally) -> None:
     Raises:
         LogError: there is damage, and the user asked for it to be an error.
     """
+    if plan.limits == (None, None):
+        tally.losses.extend(wrong_statistics(log, tally.recorded, tally.losses))
     consequence = ": copied, but not annotated"
     tally.losses.extend(undecodable(log.channels, tally.malformed, consequence))
     if tally.losses and plan.options.strict:
@@ -260,6 +266,7 @@ def _conversion(
         target=target,
         container=log.container,
         plan=plan,
+        messages=tally.recorded.total(),
         copied=copied,
         annotations=ours,
         counts=tally.counts,

@@ -36,7 +36,8 @@ class MeasuredBatch:
     times: Sequence[MessageTimes]
     malformed: Mapping[int, int]
     losses: Sequence[Loss]
-    messages: int
+    counts: Mapping[int, int]
+    """Messages by channel id."""
     stored_size: int
 
 
@@ -60,7 +61,7 @@ class BatchMeasurer:
             times=list((_log_times(log, columns.batch) | stamped).values()),
             malformed=columns.malformed,
             losses=columns.batch.losses,
-            messages=len(columns.batch.messages),
+            counts=columns.batch.counts,
             stored_size=columns.stored_size,
         )
 

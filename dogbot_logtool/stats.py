@@ -26,7 +26,7 @@ from dogbot_logtool.findings import Finding
 from dogbot_logtool.measuring import BatchMeasurer, MeasuredBatch
 from dogbot_logtool.parallel.relay import Progress, in_order
 from dogbot_logtool.reader.log import Log, Loss, Span, lost_messages
-from dogbot_logtool.reader.losses import undecodable
+from dogbot_logtool.reader.losses import undecodable, wrong_statistics
 from dogbot_logtool.reader.opening import open_log
 from dogbot_logtool.report.stats_json import LogFacts
 from dogbot_logtool.robot import Robot
@@ -178,6 +178,8 @@ def _pass(
             done += batch.stored_size
             if progress is not None:
                 progress(done, total)
+    if limits == (None, None):
+        feed.losses.extend(wrong_statistics(log, feed.counts, feed.losses))
     return feed.finish(log, selection, evidence)
 
 
@@ -210,7 +212,7 @@ class _Feed:
     forces: StreamedFrames | None
     losses: list[Loss]
     malformed: Counter[int] = field(default_factory=Counter)
-    messages: int = 0
+    counts: Counter[int] = field(default_factory=Counter)
 
     def take(self, batch: MeasuredBatch) -> None:
         """Take the next batch."""
@@ -226,7 +228,7 @@ class _Feed:
             )
         self.losses.extend(batch.losses)
         self.malformed.update(batch.malformed)
-        self.messages += batch.messages
+        self.counts.update(batch.counts)
 
     def finish(self, log: Log, selection: Selection, evidence: Evidence) -> Measurement:
         """End the log."""
@@ -238,7 +240,7 @@ class _Feed:
         findings = [*selection.findings, *seen]
         if self.forces is not None:
             findings.extend(self.forces.findings())
-        facts = _facts(log, selection.robot.name, findings, self.messages, losses)
+        facts = _facts(log, selection.robot.name, findings, self.counts.total(), losses)
         return Measurement(self.accumulator.finish(), facts, tuple(losses))
 
 

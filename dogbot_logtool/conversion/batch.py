@@ -21,8 +21,6 @@ from dogbot_logtool.writer.chunks import FinishedChunk, finish_chunks
 class Counts:
     """What happened to the messages of a batch, or of the whole log."""
 
-    messages: int = 0
-    """Recorded messages that were read."""
     arrows: ArrowCounts = field(default_factory=ArrowCounts)
     bad_poses: int = 0
     """Odometry messages with a zero quaternion or a number that is not finite."""
@@ -38,7 +36,6 @@ class Counts:
 
     def __add__(self, other: "Counts") -> "Counts":
         return Counts(
-            self.messages + other.messages,
             self.arrows + other.arrows,
             self.bad_poses + other.bad_poses,
             self.untimed_messages + other.untimed_messages,
@@ -57,6 +54,8 @@ class ConvertedBatch:
     counts: Counts
     malformed: Mapping[int, int]
     """Messages that could not be decoded, by channel id."""
+    recorded: Mapping[int, int]
+    """Messages that were read, by channel id."""
     losses: tuple[Loss, ...]
     other_parent: str | None
     """A parent other than ours that the log's own transforms give the base, if any."""
@@ -95,6 +94,7 @@ class BatchConverter:
             ),
             counts=_counts(read, drawn, placed.counts),
             malformed=read.columns.malformed,
+            recorded=read.columns.batch.counts,
             losses=read.columns.batch.losses,
             other_parent=self._other_parent(read),
             stored_size=read.columns.stored_size,
@@ -123,7 +123,6 @@ class BatchConverter:
 def _counts(read: ReadBatch, drawn: Drawn, frames: FrameCounts) -> Counts:
     contacts, support = read.columns.contacts, drawn.columns.support
     return Counts(
-        messages=len(read.columns.batch.messages),
         arrows=drawn.skipped,
         bad_poses=read.bad_poses,
         untimed_messages=sum(each.felt.untimed_messages for each in contacts),

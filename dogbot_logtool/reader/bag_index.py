@@ -20,6 +20,7 @@ from dogbot_logtool.reader.bag_records import (
 )
 from dogbot_logtool.reader.chunk_counts import SharedCounts
 from dogbot_logtool.reader.log import Channel, Chunk, ChunkDamage, Contents, Loss, Schema
+from dogbot_logtool.reader.losses import described_twice
 from dogbot_logtool.reader.records import Heads
 from dogbot_logtool.reader.signatures import BAG_MAGIC
 from dogbot_logtool.reader.source import ByteSource
@@ -74,17 +75,22 @@ class Connections:
         """
         try:
             found = record_at(record, 0, len(record))
-            number = self.channel_ids.get(found.fields.u32("conn"))
+            connection = found.fields.u32("conn")
+            number = self.channel_ids.get(connection)
             if number is None:
                 return None
             content = memoryview(record)[found.data : found.end]
             described = connection_channel(number, found.fields, content, {})
-        except MalformedRecord:
-            described = None
-        if described is not None and _same(described, self.channels[described.id]):
+        except MalformedRecord as fault:
+            what = f"a connection's description in the chunk at byte {offset} is damaged ({fault})"
+            return Loss(offset, what)
+        known = self.channels[number]
+        if _same(described, known):
             return None
-        what = f"a connection is described in another way in the chunk at byte {offset}"
-        return Loss(offset, what)
+        one, other = (f"{each.topic} of type {each.type_name}" for each in (known, described))
+        if one == other:
+            other += " with another definition or header"
+        return described_twice(f"connection {connection}", one, other, offset)
 
 
 def _same(one: Channel, other: Channel) -> bool:
@@ -163,6 +169,8 @@ def _read_section(source: ByteSource, start: int, connections: Connections) -> l
         op = record.fields.op()
         if op == BagOp.CONNECTION:
             connections.add(record.fields, memoryview(section)[record.data : record.end])
+            if connections.contradiction(section[place : record.end], start + place) is not None:
+                raise MalformedRecord("it describes a connection in two ways")
         elif op == BagOp.CHUNK_INFO:
             infos.append(chunk_info(record, section))
         else:

@@ -22,6 +22,8 @@ class BagLog(Log):
         super().__init__(source, contents)
         self._connections = connections
         self._channel_ids = ChannelIds(connections.channel_ids)
+        self._numbers = {number: each for each, number in connections.channel_ids.items()}
+        """Connection numbers by channel id."""
         self._format = BagFormat()
 
     def check(self, chunk: Chunk) -> None:
@@ -30,14 +32,17 @@ class BagLog(Log):
 
     def parse(self, chunk: Chunk, stored: memoryview, target: Bytes) -> ChunkContent:
         """See `Log.parse`."""
-        content = parse_bag_chunk(chunk, stored, target, self._format)
-        for op, place, end in content.others.tolist():
-            record = target[place:end].tobytes() if op == BagOp.CONNECTION else b""
-            loss = self._connections.contradiction(record, chunk.offset) if record else None
-            if loss is not None:
-                content = replace(content, losses=(*content.losses, loss))
-                break
-        return content
+        counts = chunk.counts and {self._numbers[each]: n for each, n in chunk.counts.items()}
+        content = parse_bag_chunk(replace(chunk, counts=counts), stored, target, self._format)
+        found = {
+            self._connections.contradiction(target[place:end].tobytes(), chunk.offset): None
+            for op, place, end in content.others.tolist()
+            if op == BagOp.CONNECTION
+        }
+        contradictions = [loss for loss in found if loss is not None]
+        if not contradictions:
+            return content
+        return replace(content, losses=(*content.losses, *contradictions))
 
 
 def open_bag(source: ByteSource) -> BagLog:

@@ -1,5 +1,6 @@
 """Which of the records found in a chunk are believed, and what is said of the rest."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -18,7 +19,7 @@ def read_content(
         fmt: how its records are written.
         records: (n,) uint8, the chunk.
         index: what the index behind it names, if there is one.
-        chunk: what is known of it.
+        chunk: what is known of it; its counts are by channel as numbered in the records.
         verified: its checksum holds, so that its records are true whatever an index says.
     """
     found = None if index is None else find_indexed(fmt, records, index)
@@ -30,7 +31,7 @@ def read_content(
         judge.compare_index(found.messages.place, verified=verified)
     judge.compare_times(believed=verified or indexed)
     judge.leave_out_far_future()
-    judge.count()
+    judge.count(index.counts if index is not None and indexed else None)
     others = found.others
     return ChunkContent(
         messages=judge.messages.pick(judge.keep) if not judge.keep.all() else judge.messages,
@@ -129,8 +130,12 @@ class _Judge:
         """Leave out messages whose unsigned log times do not fit 64 bits with a sign."""
         self._leave_out(self.messages.log_time < 0, "of times after the year 2262")
 
-    def count(self) -> None:
-        """Account for the bytes that are no records, and for messages that an index promises."""
+    def count(self, counts: Mapping[int, int] | None) -> None:
+        """Account for the bytes that are no records, and for messages that an index promises.
+
+        Args:
+            counts: messages by channel, if an index that is true tells.
+        """
         gaps, chunk = self.found.gaps, self.chunk
         promised = chunk.messages
         if promised is None and self.index is not None:
@@ -141,9 +146,24 @@ class _Judge:
             what = f"{self._name} holds {gaps.bytes} bytes{places} that are no record"
             offset = chunk.offset if chunk.is_compressed else chunk.data_offset + gaps.first
             self.losses.append(Loss(offset, what, gaps.bytes, lost))
-        elif chunk.messages is not None and chunk.messages != len(self.messages):
-            what = (
-                f"{self._name} holds {len(self.messages)} messages where the log's index "
-                f"names {chunk.messages}"
-            )
-            self.losses.append(Loss(chunk.offset, what))
+        elif chunk.counts is not None:
+            self._compare_counts(chunk.counts, counts)
+
+    def _compare_counts(self, stated: Mapping[int, int], counts: Mapping[int, int] | None) -> None:
+        """Say where the log's index names other numbers of messages."""
+        found, of_channel = len(self.messages), ""
+        promised = sum(stated.values())
+        if found == promised:
+            counts = counts or _count(self.messages.channel)
+            wrong = [n for n in sorted({*stated, *counts}) if stated.get(n, 0) != counts.get(n, 0)]
+            if not wrong:
+                return
+            found, promised = counts.get(wrong[0], 0), stated.get(wrong[0], 0)
+            of_channel = f" of channel {wrong[0]}"
+        what = f"{self._name} holds {found} messages{of_channel} where the log's index names "
+        self.losses.append(Loss(self.chunk.offset, what + str(promised)))
+
+
+def _count(channel: Ints) -> dict[int, int]:
+    numbers, counts = np.unique(channel, return_counts=True)
+    return dict(zip(numbers.tolist(), counts.tolist(), strict=True))

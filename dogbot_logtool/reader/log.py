@@ -156,6 +156,13 @@ class Batch:
     chunks: tuple[LoadedChunk, ...]
     losses: tuple[Loss, ...] = ()
 
+    @property
+    def counts(self) -> dict[int, int]:
+        """Messages by channel id."""
+        counts = np.bincount(self.messages.channel)
+        found = np.flatnonzero(counts)
+        return dict(zip(found.tolist(), counts[found].tolist(), strict=True))
+
     def cropped(self, start: int | None, end: int | None) -> "Batch":
         """Leave out messages recorded before the start or after the end, ns; None: no limit."""
         if start is None and end is None:
@@ -277,11 +284,13 @@ class Log(ABC):
             start: ns; chunks that end before are left out.
             end: ns; chunks that begin later are left out.
         """
-        yield from self.grouped(
-            chunk
-            for chunk in self.chunks
-            if not (start is not None and chunk.end_time is not None and chunk.end_time < start)
-            and not (end is not None and chunk.start_time is not None and chunk.start_time > end)
+        yield from self.grouped(chunk for chunk in self.chunks if self._overlaps(chunk, start, end))
+
+    def _overlaps(self, chunk: Chunk, start: int | None, end: int | None) -> bool:
+        """Tell whether a chunk may hold messages of a time span."""
+        return not (
+            (start is not None and chunk.end_time is not None and chunk.end_time < start)
+            or (end is not None and chunk.start_time is not None and chunk.start_time > end)
         )
 
     def grouped(self, chunks: Iterable[Chunk]) -> Iterator[Span]:

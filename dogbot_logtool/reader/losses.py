@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final
 
 if TYPE_CHECKING:
-    from dogbot_logtool.reader.log import Channel
+    from dogbot_logtool.reader.log import Channel, Log
 
 _MOST: Final = 200
 """Losses told one by one; more are summed up."""
@@ -25,10 +25,72 @@ class Loss:
     """Messages known to be lost; None when their number is not known."""
 
 
+_LONGEST_NAME: Final = 200
+
+
+def described_twice(what: str, chosen: str, other: str, offset: int) -> Loss:
+    """Say that a log describes something in two ways.
+
+    Args:
+        what: a channel, schema or connection with its number.
+        chosen: as what it is read.
+        other: as what it is described as well.
+        offset: byte in the file, of the chunk if that stands in one.
+    """
+    one, two = chosen[:_LONGEST_NAME], other[:_LONGEST_NAME]
+    text = f"{what} is described in two ways: as {one} and, at byte {offset}, as {two}"
+    return Loss(offset, f"{text}; the former was used")
+
+
 def lost_messages(losses: Sequence[Loss]) -> int | None:
     """Return how many messages are known to be lost; None when it cannot be known."""
     known = [loss.messages for loss in losses if loss.messages is not None]
     return sum(known) if len(known) == len(losses) else None
+
+
+def differing_counts(
+    channels: Mapping[int, "Channel"], stated: Mapping[int, int], found: Mapping[int, int]
+) -> str:
+    """Return what to say of stated counts of messages that differ from those found.
+
+    Args:
+        channels: by id.
+        stated: messages by channel id.
+        found: likewise.
+
+    Returns:
+        "5 messages of /left, but 6 were found"; empty where all are right.
+    """
+    wrong = [
+        number
+        for number in sorted({*stated, *found})
+        if stated.get(number, 0) != found.get(number, 0)
+    ]
+    if not wrong:
+        return ""
+    first = wrong[0]
+    name = channels[first].topic[:_LONGEST_NAME] if first in channels else f"channel {first}"
+    text = f"{stated.get(first, 0)} messages of {name}, but {found.get(first, 0)} were found"
+    if len(wrong) > 1:
+        text += f" ({len(wrong) - 1} more wrong)"
+    return text
+
+
+def wrong_statistics(log: "Log", found: Mapping[int, int], losses: Sequence[Loss]) -> list[Loss]:
+    """Compare a log's counts with its messages, after all of them were read.
+
+    Args:
+        log: the log. Counts that stand in its chunks' indexes were compared chunk by chunk.
+        found: messages by channel id.
+        losses: messages that are known to be missing explain a difference.
+    """
+    compared = all(chunk.counts is not None for chunk in log.chunks)
+    what = (
+        ""
+        if compared or lost_messages(losses) != 0
+        else (differing_counts(log.channels, log.counts, found))
+    )
+    return [Loss(0, f"the log's statistics count {what}")] if what else []
 
 
 class Losses:

@@ -2,6 +2,7 @@
 
 import struct
 import sys
+from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Final
@@ -13,9 +14,11 @@ from zlib_ng.zlib_ng import crc32
 from dogbot_logtool.reader.chunk_counts import SharedCounts
 from dogbot_logtool.reader.log import Chunk, Contents, Extra, Loss, Schema
 from dogbot_logtool.reader.mcap_data_crc import DATA_END_SIZE, check_data
+from dogbot_logtool.reader.mcap_descriptions import DESCRIBING, DescriptionCheck
 from dogbot_logtool.reader.mcap_records import (
     CHUNK_HEAD,
     RECORD_HEAD,
+    WHOLE_SMALL_RECORD,
     channel_of,
     decode_record,
     schema_of,
@@ -29,6 +32,9 @@ _LARGEST_TIME: Final = 2**63 - 1
 _UNSUSPICIOUS_SIZE: Final = 64 << 20
 _LARGEST_SHARE: Final = 4
 """A larger summary than `_UNSUSPICIOUS_SIZE` must not be more than this part of the file."""
+SUMMARY_CONTRADICTS: Final = (
+    "the summary contradicts itself or the chunks; the log was read without"
+)
 _MOST_RECORDS_BETWEEN: Final = 100_000
 _BETWEEN: Final = (
     Opcode.HEADER,
@@ -56,8 +62,7 @@ def read_summary(source: ByteSource) -> tuple[Contents | None, Loss | None]:
         return None, None
     contents = _contents(source, summary)
     if contents is None:
-        what = "the summary contradicts itself or the chunks; the log was read without"
-        return None, Loss(summary.offset, what)
+        return None, Loss(summary.offset, SUMMARY_CONTRADICTS)
     return contents, None
 
 
@@ -72,6 +77,8 @@ class _Summary:
     chunks: list[Chunk] = field(default_factory=list)
     extras: list[Extra] = field(default_factory=list)
     counts: SharedCounts = field(default_factory=SharedCounts)
+    contradicts_itself: bool = False
+    """It describes an id in two ways."""
 
 
 def _read_section(source: ByteSource) -> tuple[_Summary | None, Loss | None]:
@@ -118,11 +125,13 @@ def _take(opcode: int, body: bytes, summary: _Summary) -> bool:
         case Opcode.SCHEMA:
             if (schema := decode_record(records.Schema, body)) is None:
                 return False
-            summary.schemas.setdefault(schema.id, schema_of(schema))
+            known = summary.schemas.setdefault(schema.id, schema_of(schema))
+            summary.contradicts_itself |= known != schema_of(schema)
         case Opcode.CHANNEL:
             if (channel := decode_record(records.Channel, body)) is None:
                 return False
-            summary.channels.setdefault(channel.id, channel)
+            first = summary.channels.setdefault(channel.id, channel)
+            summary.contradicts_itself |= first != channel
         case Opcode.STATISTICS:
             summary.statistics = decode_record(records.Statistics, body)
             return summary.statistics is not None
@@ -162,29 +171,57 @@ def _contents(source: ByteSource, summary: _Summary) -> Contents | None:
     chunks = sorted(summary.chunks, key=lambda chunk: chunk.offset)
     extras = sorted(summary.extras, key=lambda extra: extra.offset)
     channels = {c.id: channel_of(c, summary.schemas) for c in summary.channels.values()}
-    counted = [chunk.messages for chunk in chunks if chunk.messages is not None]
+    between = _RecordsBetween(source, DescriptionCheck(channels))
     true = (
-        (len(counted) < len(chunks) or sum(counted) == statistics.message_count)
+        not summary.contradicts_itself
         and sum(statistics.channel_message_counts.values()) == statistics.message_count
-        and all(e.offset > 0 and e.offset + e.size <= summary.offset for e in extras)
-        and _chunks_are_there(source, chunks, summary)
+        and _chunk_indexes_agree(chunks, statistics)
+        and _chunks_are_there(source, chunks, summary, between)
+        and between.extras == [extra.offset for extra in extras]
     )
     if not true:
         return None
     empty = statistics.message_count == 0
+    start, end = _time_range(chunks, statistics)
     loss = check_data(source, summary.offset - DATA_END_SIZE, thorough=False)
     return Contents(
         channels=channels,
         chunks=chunks,
         counts={**dict.fromkeys(channels, 0), **statistics.channel_message_counts},
-        start_time=None if empty else statistics.message_start_time,
-        end_time=None if empty else statistics.message_end_time,
+        start_time=None if empty else start,
+        end_time=None if empty else end,
         extras=extras,
         losses=() if loss is None else (loss,),
     )
 
 
-def _chunks_are_there(source: ByteSource, chunks: Sequence[Chunk], summary: _Summary) -> bool:
+def _chunk_indexes_agree(chunks: Sequence[Chunk], statistics: records.Statistics) -> bool:
+    """Tell whether the chunk indexes give the statistics, as far as they tell of messages."""
+    counts: Counter[int] = Counter()
+    for chunk in chunks:
+        if chunk.counts is None:
+            return True
+        counts.update(chunk.counts)
+    if counts != Counter(statistics.channel_message_counts):
+        return False
+    start, end = _time_range(chunks, statistics)
+    # A time of 0 is left out of the statistics by a writer that takes it for none.
+    return start in {0, statistics.message_start_time} and end == statistics.message_end_time
+
+
+def _time_range(chunks: Sequence[Chunk], statistics: records.Statistics) -> tuple[int, int]:
+    """Return the log times of the first and the last message, by the chunk indexes if they tell."""
+    filled = [chunk for chunk in chunks if chunk.messages]
+    starts = [chunk.start_time for chunk in filled if chunk.start_time is not None]
+    ends = [chunk.end_time for chunk in filled if chunk.end_time is not None]
+    if not starts or not ends or len(filled) < len(chunks):
+        return statistics.message_start_time, statistics.message_end_time
+    return min(starts), max(ends)
+
+
+def _chunks_are_there(
+    source: ByteSource, chunks: Sequence[Chunk], summary: _Summary, between: "_RecordsBetween"
+) -> bool:
     """Tell whether chunks and known other records tile the data section.
 
     A chunk whose own header is damaged is there nevertheless if a checksum vouches for the
@@ -194,7 +231,7 @@ def _chunks_are_there(source: ByteSource, chunks: Sequence[Chunk], summary: _Sum
     places = [chunk.offset for chunk in chunks]
     heads = None if summary.verified else Heads(source, places, RECORD_HEAD.size)
     for chunk in chunks:
-        if not _only_small_records(source, place, chunk.offset):
+        if not between.lead(place, chunk.offset):
             return False
         if chunk.index_end < chunk.end:
             return False
@@ -203,7 +240,7 @@ def _chunks_are_there(source: ByteSource, chunks: Sequence[Chunk], summary: _Sum
         if chunk.data_offset + chunk.data_size > chunk.end:
             return False
         place = chunk.index_end
-    return _only_small_records(source, place, summary.offset)
+    return between.lead(place, summary.offset)
 
 
 def _begins(heads: Heads, chunk: Chunk) -> bool:
@@ -215,19 +252,36 @@ def _begins(heads: Heads, chunk: Chunk) -> bool:
     return bool(opcode == Opcode.CHUNK and chunk.offset + RECORD_HEAD.size + length == chunk.end)
 
 
-def _only_small_records(source: ByteSource, place: int, end: int) -> bool:
-    """Tell whether records that are neither chunks nor messages lead from one place to another."""
-    for _ in range(_MOST_RECORDS_BETWEEN):
-        if place >= end:
-            break
-        head = source.read(place, RECORD_HEAD.size)
-        if len(head) < RECORD_HEAD.size:
-            return False
-        opcode, length = RECORD_HEAD.unpack(head)
-        if opcode not in _BETWEEN and opcode <= max(Opcode):
-            return False
-        place += RECORD_HEAD.size + length
-    return place == end
+@dataclass(slots=True)
+class _RecordsBetween:
+    """Follows the records between chunks; schemas and channels must be those of the summary."""
+
+    source: ByteSource
+    descriptions: DescriptionCheck
+    extras: list[int] = field(default_factory=list)
+    """Where attachments and metadata records were found."""
+
+    def lead(self, place: int, end: int) -> bool:
+        """Tell whether records, none of them chunks or messages, lead from one place to another."""
+        for _ in range(_MOST_RECORDS_BETWEEN):
+            if place >= end:
+                break
+            head = self.source.read(place, RECORD_HEAD.size)
+            if len(head) < RECORD_HEAD.size:
+                return False
+            opcode, length = RECORD_HEAD.unpack(head)
+            if not self._fits(opcode, place, length):
+                return False
+            place += RECORD_HEAD.size + length
+        return place == end
+
+    def _fits(self, opcode: int, place: int, length: int) -> bool:
+        if opcode in {Opcode.ATTACHMENT, Opcode.METADATA}:
+            self.extras.append(place)
+        elif opcode in DESCRIBING:
+            body = self.source.read(place + RECORD_HEAD.size, min(length, WHOLE_SMALL_RECORD))
+            return self.descriptions.agrees(opcode, body)
+        return opcode in _BETWEEN or opcode > max(Opcode)
 
 
 def indexed_chunk(index: records.ChunkIndex, shared: SharedCounts) -> Chunk:

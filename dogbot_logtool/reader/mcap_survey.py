@@ -9,6 +9,7 @@ from mcap.opcode import Opcode
 from dogbot_logtool.core.arrays import Bytes
 from dogbot_logtool.reader.chunk_counts import SharedCounts
 from dogbot_logtool.reader.log import (
+    Channel,
     Chunk,
     ChunkContent,
     ChunkDamage,
@@ -17,10 +18,10 @@ from dogbot_logtool.reader.log import (
     Loss,
     lost_messages,
 )
-from dogbot_logtool.reader.losses import Losses
+from dogbot_logtool.reader.losses import Losses, differing_counts
 from dogbot_logtool.reader.mcap_chunk import check_chunk, chunk_at, parse_chunk
 from dogbot_logtool.reader.mcap_data_crc import check_data
-from dogbot_logtool.reader.mcap_descriptions import Descriptions
+from dogbot_logtool.reader.mcap_descriptions import DESCRIBING, Descriptions, Trust
 from dogbot_logtool.reader.mcap_format import FIRST_PRIVATE_OPCODE, McapFormat
 from dogbot_logtool.reader.mcap_records import (
     RECORD_HEAD,
@@ -36,9 +37,9 @@ class McapSurvey(Survey):
     """Finds chunks, bare messages, descriptions and extra records."""
 
     def __init__(self, source: ByteSource) -> None:
-        self._descriptions = Descriptions(losses := Losses())
+        self._descriptions = Descriptions()
         self._mcap_format = McapFormat(self._descriptions.channels)
-        super().__init__(source, self._mcap_format, losses)
+        super().__init__(source, self._mcap_format, Losses())
         self._extras: list[Extra] = []
         self._statistics: records.Statistics | None = None
         self._data_end: int | None = None
@@ -50,7 +51,9 @@ class McapSurvey(Survey):
         """Walk the file."""
         contents = self._contents(len(MCAP_MAGIC), problem)
         channels = self._descriptions.channels_by_id()
-        self._compare_statistics(contents.counts)
+        for loss in self._descriptions.contradictions():
+            self._losses.add(loss)
+        self._compare_statistics(contents.counts, channels)
         self._check_data()
         return replace(
             contents,
@@ -95,7 +98,8 @@ class McapSurvey(Survey):
                 return self._end(end + len(MCAP_MAGIC))
             case Opcode.SCHEMA | Opcode.CHANNEL:
                 body = self._source.read(content, end - content)
-                self._descriptions.take(opcode, body, verified=False)
+                trust = Trust.DATA if self._data_end is None else Trust.SUMMARY
+                self._descriptions.add(opcode, body, place, trust)
             case Opcode.STATISTICS | Opcode.CHUNK_INDEX:
                 self._state(opcode, self._source.read(content, end - content))
             case Opcode.MESSAGE_INDEX:
@@ -130,22 +134,28 @@ class McapSurvey(Survey):
         check_chunk(chunk, self._source.size)
 
     def _describe(self, op: int, record: Bytes, chunk: Chunk) -> None:
-        if op in {Opcode.SCHEMA, Opcode.CHANNEL}:
+        if op in DESCRIBING:
             body = record[RECORD_HEAD.size :].tobytes()
-            self._descriptions.take(op, body, verified=bool(chunk.crc))
+            trust = Trust.VERIFIED if chunk.crc else Trust.DATA
+            self._descriptions.add(op, body, chunk.offset, trust)
 
     def _settle_ids(self) -> Mapping[int, int]:
         return {number: number for number in self._descriptions.channels}
 
-    def _compare_statistics(self, counts: Mapping[int, int]) -> None:
+    def _compare_statistics(
+        self, counts: Mapping[int, int], channels: Mapping[int, Channel]
+    ) -> None:
         statistics = self._statistics
-        found = sum(counts.values())
-        if statistics is None or statistics.message_count == found:
+        if statistics is None:
             return
-        known_lost = lost_messages(self._losses.told())
-        explained = known_lost is None or statistics.message_count <= found + known_lost
-        what = f"the summary counts {statistics.message_count} messages, but {found} were found"
-        self._losses.add(Loss(0, what, 0, 0 if explained else None))
+        stated, found = statistics.message_count, sum(counts.values())
+        if stated != found:
+            known_lost = lost_messages(self._losses.told())
+            explained = known_lost is None or stated <= found + known_lost
+            what = f"the summary counts {stated} messages, but {found} were found"
+            self._losses.add(Loss(0, what, 0, 0 if explained else None))
+        elif what := differing_counts(channels, statistics.channel_message_counts, counts):
+            self._losses.add(Loss(0, f"the summary counts {what}"))
 
     def _check_data(self) -> None:
         if self._data_end is not None:

@@ -5,7 +5,8 @@ records tile the bytes, so that nothing is missing. Otherwise the records are fo
 another; behind a damaged one the search goes on at the next sound one.
 """
 
-from collections.abc import Iterator, Sequence
+from collections import Counter
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Final, Protocol
 
@@ -102,6 +103,8 @@ class Index:
     """(n,) ns."""
     group: Ints
     """(n,) which index record named it."""
+    counts: Mapping[int, int]
+    """Messages by channel, as numbered in the records."""
     complete: bool
     """Nothing but index records was there."""
 
@@ -124,10 +127,13 @@ class Index:
             counts: number of entries of each record.
             complete: nothing but index records was there.
         """
+        by_channel: Counter[int] = Counter()
+        for number, count in zip(channels, counts, strict=True):
+            by_channel[number] += count
         order = np.argsort(offset, kind="stable")
         group = np.repeat(np.arange(len(counts)), counts)[order]
         channel = np.array(channels, np.int64)[group]
-        return cls(offset[order], channel, log_time[order], group, complete)
+        return cls(offset[order], channel, log_time[order], group, by_channel, complete)
 
 
 class RecordFormat(Protocol):

@@ -28,6 +28,7 @@ class RemoteSource(ByteSource):
 
     can_fork = False
     """Stores are asked by threads of their own, which copies of this process have not."""
+    has_cheap_seeks = False
     cheap_size = 1 << 20
 
     def __init__(self, place: "UPath", facts: storage.Facts) -> None:

@@ -18,6 +18,8 @@ class ByteSource:
     """What users call it."""
     can_fork: bool = True
     """Whether copies of this process may read it, too."""
+    has_cheap_seeks: bool = True
+    """Whether many small reads all over the file take hardly any time."""
     cheap_size: int = 64 << 20
     """Bytes that are read without a second thought; a disk takes some 20 ms for them."""
 

@@ -26,7 +26,7 @@ def conversion_json(done: Conversion) -> dict[str, Any]:
             "feet": {foot.name: foot.topic for foot in robot.feet},
         },
         "frames": {"world": plan.world_frame, "base": plan.base_frame},
-        "messages": {"read": done.counts.messages, "copied": done.copied},
+        "messages": {"read": done.messages, "copied": done.copied},
         "annotations": dict(done.annotations),
         "skipped": {**asdict(done.counts.arrows), "bad_poses": done.counts.bad_poses},
         "findings": [

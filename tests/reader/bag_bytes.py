@@ -91,6 +91,10 @@ class BagBytes:
     """The first chunk holds the connection records."""
     in_index: bool = True
     """The index section holds them."""
+    in_index_section: Sequence[Connection] | None = None
+    """The connections that the index section describes instead of the true ones."""
+    described_later: Mapping[int, bytes] = field(default_factory=dict)
+    """More connection records at the start of a chunk, by its number."""
     zeros: int = 0
     """Zero bytes before the index section."""
     indexed: bool = True
@@ -120,7 +124,8 @@ class BagBytes:
         index = b""
         if self.indexed:
             if self.in_index:
-                index += b"".join(connection.record() for connection in self.connections)
+                described = self.in_index_section or self.connections
+                index += b"".join(connection.record() for connection in described)
             index += b"".join(infos)
         return MAGIC + head + body + index
 
@@ -128,6 +133,7 @@ class BagBytes:
         inner = b""
         if self.in_chunks and len(self.chunk_starts) == 1:
             inner = b"".join(connection.record() for connection in self.connections)
+        inner += self.described_later.get(len(self.chunk_starts) - 1, b"")
         offsets: list[int] = []
         ends: list[int] = []
         for message in messages:

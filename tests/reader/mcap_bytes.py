@@ -83,6 +83,14 @@ class McapBytes:
     message_index: bool = True
     repeated: bool = True
     """The summary repeats schemas and channels."""
+    described_in_summary: bytes | None = None
+    """The schemas and channels that the summary has instead of the data's."""
+    described_later: Mapping[int, bytes] = field(default_factory=dict)
+    """More schemas and channels at the start of a chunk, by its number."""
+    between: Mapping[int, bytes] = field(default_factory=dict)
+    """Records in front of a chunk, by its number."""
+    stated_counts: Mapping[int, int] | None = None
+    """Messages by channel that the statistics tell instead of the true ones."""
     extras: Sequence[bytes] = ()
     chunk_starts: list[int] = field(default_factory=list)
     chunk_ends: list[int] = field(default_factory=list)
@@ -98,8 +106,10 @@ class McapBytes:
         if not self.chunked:
             body += described
         indexes: list[bytes] = []
-        for messages in self.chunks:
+        for row, messages in enumerate(self.chunks):
             inside = described if not self.chunk_starts else b""
+            inside += self.described_later.get(row, b"")
+            body += self.between.get(row, b"")
             self.chunk_starts.append(len(body))
             if self.chunked:
                 written, index = self._chunk(messages, inside, len(body))
@@ -147,6 +157,8 @@ class McapBytes:
         self.summary_start = place if self.summary else 0
         section = b""
         if self.summary:
+            if self.described_in_summary is not None:
+                described = self.described_in_summary
             section = (described if self.repeated else b"") + b"".join(indexes)
             if self.statistics:
                 section += self._statistics()
@@ -158,11 +170,12 @@ class McapBytes:
         counts: dict[int, int] = {}
         for message in messages:
             counts[message.channel] = counts.get(message.channel, 0) + 1
+        counts = dict(self.stated_counts or counts)
         times = [message.log_time for message in messages] or [0]
         kinds = [extra[0] for extra in self.extras]
         content = struct.pack(
             "<QHIIIIQQ",
-            len(messages),
+            sum(counts.values()),
             1,
             len(self.topics),
             kinds.count(ATTACHMENT),
@@ -190,3 +203,10 @@ def small_mcap(compression: str = "zstd", chunks: int = 3, each: int = 4) -> Mca
         for chunk in range(chunks)
     ]
     return McapBytes(messages, compression=compression)
+
+
+def resealed(data: bytes, mcap: McapBytes) -> bytes:
+    """Return the file with the right checksum over its summary."""
+    end = len(data) - len(MAGIC) - 4
+    crc = zlib.crc32(data[mcap.summary_start : end])
+    return data[:end] + struct.pack("<I", crc) + MAGIC

@@ -2,7 +2,6 @@
 
 import io
 import struct
-import zlib
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -13,7 +12,15 @@ from mcap.writer import CompressionType, IndexType
 from mcap.writer import Writer as McapWriter
 
 from tests.reader import mcap_bytes
-from tests.reader.mcap_bytes import CODECS, MAGIC, McapBytes, Message, record, small_mcap
+from tests.reader.mcap_bytes import (
+    CODECS,
+    MAGIC,
+    McapBytes,
+    Message,
+    record,
+    resealed,
+    small_mcap,
+)
 from tests.reader.reading import Read, Reading, read_bytes, written_mcap
 
 OPTIONS: dict[str, dict[str, Any]] = {
@@ -176,13 +183,6 @@ def test_a_payload_flipped_in_an_uncompressed_chunk_is_seen(tmp_path: Path) -> N
     reading = read_bytes(tmp_path, data)
     assert len(reading.messages) == 8
     assert reading.lost == 4
-
-
-def resealed(data: bytes, mcap: McapBytes) -> bytes:
-    """Return the file with the right checksum over its summary."""
-    end = len(data) - len(MAGIC) - 4
-    crc = zlib.crc32(data[mcap.summary_start : end])
-    return data[:end] + struct.pack("<I", crc) + MAGIC
 
 
 @pytest.mark.parametrize("shift", [-1, 1, 20, 1 << 40])

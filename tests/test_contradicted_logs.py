@@ -1,0 +1,148 @@
+"""What the commands make of a log whose summary is not true."""
+
+import io
+import json
+import struct
+import subprocess
+import sys
+import zlib
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+from mcap.reader import make_reader
+from mcap.writer import IndexType, Writer
+
+from tests.reader.mcap_bytes import CHANNEL, MAGIC, STATISTICS
+
+WALK = Path(__file__).parent.parent / "sample_logs" / "dogbot_walk.mcap"
+FEET = ("/dogbot/front_left_contactsensor_state", "/dogbot/front_right_contactsensor_state")
+
+
+def run(*words: object) -> "subprocess.CompletedProcess[str]":
+    return subprocess.run(  # noqa: S603
+        [sys.executable, "-m", "dogbot_logtool", *map(str, words)],
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+
+
+def run_json(*words: object) -> tuple[int, dict[str, Any]]:
+    result = run(*words, "--json")
+    found: dict[str, Any] = json.loads(result.stdout)
+    return result.returncode, found
+
+
+def with_summary(data: bytes, opcode: int, edit: Callable[[bytes], bytes]) -> bytes:
+    """Edit each record of a kind in the summary, in its place; the checksum holds again."""
+    footer = len(data) - len(MAGIC) - 29
+    (place,) = struct.unpack_from("<Q", data, footer + 9)
+    start, section = place, b""
+    while place < footer:
+        kind, length = struct.unpack_from("<BQ", data, place)
+        body = data[place + 9 : place + 9 + length]
+        new = edit(body) if kind == opcode else body
+        assert len(new) == length
+        section += data[place : place + 9] + new
+        place += 9 + length
+    section += data[footer : footer + 25]
+    return data[:start] + section + struct.pack("<I", zlib.crc32(section)) + MAGIC
+
+
+def swapped_feet(data: bytes) -> bytes:
+    """Give each of two feet's channels the number of the other one in the summary."""
+    summary = make_reader(io.BytesIO(data)).get_summary()
+    assert summary is not None
+    ids = {c.topic: struct.pack("<H", number) for number, c in summary.channels.items()}
+    other = dict(zip((ids[FEET[0]], ids[FEET[1]]), (ids[FEET[1]], ids[FEET[0]]), strict=True))
+    return with_summary(data, CHANNEL, lambda body: other.get(body[:2], body[:2]) + body[2:])
+
+
+def moved_counts(data: bytes) -> bytes:
+    """Count 100 messages of one foot as another one's in the statistics."""
+    summary = make_reader(io.BytesIO(data)).get_summary()
+    assert summary is not None
+    assert summary.statistics is not None
+    ids = {c.topic: number for number, c in summary.channels.items()}
+    counts = summary.statistics.channel_message_counts
+    for topic, by in zip(FEET, (100, -100), strict=True):
+        true = struct.pack("<HQ", ids[topic], counts[ids[topic]])
+        wrong = struct.pack("<HQ", ids[topic], counts[ids[topic]] + by)
+        data = with_summary(data, STATISTICS, _replacing(true, wrong))
+    return data
+
+
+def _replacing(old: bytes, new: bytes) -> Callable[[bytes], bytes]:
+    return lambda body: body.replace(old, new)
+
+
+@pytest.fixture(scope="module")
+def unindexed(tmp_path_factory: pytest.TempPathFactory) -> bytes:
+    """The walk without message indexes, so that only the statistics tell of counts."""
+    path = tmp_path_factory.mktemp("walk") / "walk.mcap"
+    with WALK.open("rb") as source, path.open("wb") as target:
+        reader = make_reader(source)
+        writer = Writer(target, index_types=IndexType.ALL & ~IndexType.MESSAGE)
+        writer.start(profile="ros1")
+        schemas: dict[int, int] = {}
+        channels: dict[int, int] = {}
+        for schema, channel, message in reader.iter_messages(log_time_order=False):
+            assert schema is not None
+            if schema.id not in schemas:
+                schemas[schema.id] = writer.register_schema(
+                    schema.name, schema.encoding, schema.data
+                )
+            if channel.id not in channels:
+                channels[channel.id] = writer.register_channel(
+                    channel.topic, channel.message_encoding, schemas[schema.id]
+                )
+            writer.add_message(
+                channels[channel.id], message.log_time, message.data, message.publish_time
+            )
+        writer.finish()
+    return path.read_bytes()
+
+
+@pytest.mark.parametrize("indexed", [True, False])
+def test_feet_swapped_in_the_summary_are_right_and_said(
+    tmp_path: Path, unindexed: bytes, *, indexed: bool
+) -> None:
+    sound = WALK.read_bytes() if indexed else unindexed
+    paths = tmp_path / "sound.mcap", tmp_path / "swapped.mcap"
+    for path, data in zip(paths, (sound, swapped_feet(sound)), strict=True):
+        path.write_bytes(data)
+    true, found = (run_json("stats", path) for path in paths)
+    assert (true[0], found[0]) == (0, 3)
+    assert true[1]["feet"] == found[1]["feet"]
+    for one, other in (FEET, FEET[::-1]):
+        assert f"is described in two ways: as {one} and, at byte " in str(found[1])
+        assert f"as {other}; the former was used" in str(found[1])
+    assert run("info", paths[1]).returncode == 3
+    assert run("convert", paths[1], "-o", tmp_path / "out.mcap").returncode == 3
+
+
+def test_wrong_statistics_are_said_by_info(tmp_path: Path) -> None:
+    path = tmp_path / "walk.mcap"
+    path.write_bytes(moved_counts(WALK.read_bytes()))
+    sound, found = run_json("info", WALK), run_json("info", path)
+    assert (sound[0], found[0]) == (0, 3)
+    assert found[1]["topics"] == sound[1]["topics"]
+    assert "the summary counts" in str(found[1]["damage"])
+
+
+def test_wrong_statistics_without_an_index_are_said_by_those_that_read_all(
+    tmp_path: Path, unindexed: bytes
+) -> None:
+    path = tmp_path / "walk.mcap"
+    path.write_bytes(unindexed)
+    assert run("stats", path).returncode == 0
+    path.write_bytes(moved_counts(unindexed))
+    code, found = run_json("stats", path)
+    assert code == 3
+    assert "the log's statistics count" in str(found)
+    code, found = run_json("convert", path, "-o", tmp_path / "out.mcap")
+    assert code == 3
+    assert "the log's statistics count" in str(found["damage"])
+    assert run("stats", path, "--end", "2").returncode == 0
