@@ -3,6 +3,7 @@
 import codecs
 import os
 import re
+import stat
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path, PurePath, PurePosixPath
@@ -64,9 +65,10 @@ class Fleet:
     @property
     def failures(self) -> list[tuple[str, str]]:
         """Name and sentence of each directory that could not be searched."""
+        names = [storage.shown(each.path) for each in self.unsearched]
         return [
-            (name := storage.shown(each.path), f"{name}: cannot be searched: {each.reason}")
-            for each in self.unsearched
+            (name, f"{name}: cannot be searched: {each.reason}")
+            for name, each in zip(names, self.unsearched, strict=True)
         ]
 
 
@@ -137,9 +139,9 @@ def _listed(place: Location, unsearched: list[Unsearched]) -> Iterator[Found]:
 def _lines(place: Location) -> list[str]:
     """Return the lines of a list: names of files may be any bytes, so these need not be UTF-8."""
     name = f"@{storage.shown(place)}"
-    if isinstance(place, Path) and place.exists() and not place.is_file():
-        raise CallError(f"{name}: is no regular file; save the list to one first")
     try:
+        if isinstance(place, Path) and not stat.S_ISREG(place.stat().st_mode):
+            raise CallError(f"{name}: is no regular file; save the list to one first")
         data = storage.content(place, _LARGEST_LIST)
     except OSError as error:
         raise CallError(f"{name}: cannot be read: {error.strerror}") from error
@@ -195,7 +197,7 @@ def _unique(found: Iterable[Found]) -> list[Found]:
     unique: dict[str, Found] = {}
     for one in sorted(found, key=_is_link):
         unique.setdefault(storage.identity(one.place), one)
-    return sorted(unique.values(), key=lambda one: one.place.parts)
+    return sorted(unique.values(), key=lambda one: list(one.place.parts))
 
 
 def _is_link(found: Found) -> bool:
@@ -205,13 +207,17 @@ def _is_link(found: Found) -> bool:
 
 
 def _in_store(place: "UPath") -> Iterator[Found]:
-    if _WILD.search(place.path) and place.protocol not in {"http", "https"}:
-        names = sorted(storage.asked(place, lambda: list(place.fs.glob(place.path))))
-        if not names:
-            raise CallError(f"{storage.shown(place)}: no object has such a name")
-        for name in names:
-            yield from _in_store(_like(place, name))
+    if not _WILD.search(place.path) or place.protocol in {"http", "https"}:
+        yield from _object(place)
         return
+    names = sorted(storage.asked(place, lambda: list(place.fs.glob(place.path))))
+    if not names and not storage.asked(place, lambda: place.fs.exists(place.path)):
+        raise CallError(f"{storage.shown(place)}: no object has such a name")
+    for name in names or [place.path]:
+        yield from _object(_like(place, name))
+
+
+def _object(place: "UPath") -> Iterator[Found]:
     if not _ends_like_a_log(place.name) and storage.is_folder(place):
         yield from _searched_in_store(place)
     else:

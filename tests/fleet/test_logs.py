@@ -88,6 +88,8 @@ def test_a_list_names_logs(folder: Path) -> None:
         names("@odd.txt")
     with pytest.raises(CallError, match="cannot be read"):
         names("@absent.txt")
+    with pytest.raises(CallError, match="cannot be read: File name too long"):
+        names("@" + "x" * 5000)
 
 
 def test_a_list_may_come_from_any_editor(folder: Path) -> None:
@@ -161,6 +163,17 @@ def test_a_store_is_searched_alike(folder: Path) -> None:
     assert len(names(f"memory://{folder.name}/run/*.bag")) == 1
     with pytest.raises(CallError, match="no object has such a name"):
         names(f"memory://{folder.name}/*.nothing")
+
+
+def test_an_object_may_have_the_name_of_a_pattern(tmp_path: Path) -> None:
+    root = UPath(f"memory://{tmp_path.name}")
+    for name in ("a*.bag", "ab.bag", "c[1].bag"):
+        root.fs.pipe_file((root / name).path, b"x")
+    assert [name.rpartition("/")[2] for name in names(f"{root}/a*.bag", f"{root}/c[1].bag")] == [
+        "a*.bag",
+        "ab.bag",
+        "c[1].bag",
+    ]
 
 
 def test_urls_are_told_from_paths() -> None:
