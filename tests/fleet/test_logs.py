@@ -309,3 +309,20 @@ def test_a_url_is_told_by_its_query_and_not_by_its_credentials() -> None:
 
 def test_a_name_that_is_not_utf_8_is_shown_as_utf_8() -> None:
     assert shown(Path(os.fsdecode(b"a\xff\xc3\xa9"))) == "a\\xff\xe9"
+
+
+@pytest.mark.parametrize("words", [("info",), ("stats",), ("convert",), ("compare", "other.bag")])
+def test_json_names_files_in_utf_8(tmp_path: Path, words: tuple[str, ...]) -> None:
+    name = os.fsdecode(b"\xff.bag")
+    shutil.copy(TROUBLED, tmp_path / name)
+    shutil.copy(TROUBLED, tmp_path / "other.bag")
+    command, *others = words
+    done = called(command, "--json", name, *others, cwd=tmp_path)
+    assert done.returncode == 0
+    assert '"\\\\xff.bag"' in done.stdout
+    assert "\\ud" not in done.stdout
+    (tmp_path / name).write_bytes(b"nothing of the kind")
+    if command != "compare":
+        failed = called(command, "--json", name, *others, cwd=tmp_path)
+        assert failed.returncode in (1, 2)
+        assert "\\ud" not in failed.stdout
