@@ -3,6 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
+from dogbot_logtool.core.quality import mean_rate_hz
 from dogbot_logtool.evidence import Evidence, evidence_findings, look_into
 from dogbot_logtool.findings import Finding
 from dogbot_logtool.frame_findings import frame_findings
@@ -24,7 +25,8 @@ class TopicInfo:
     encoding: str
     messages: int
     rate_hz: float | None
-    """Messages a second over the log's duration; None for a log of no duration."""
+    """Messages a second over the log's duration; None where there are too few of them, or the log
+    is too short, for a rate."""
     senders: int
     use: str
     """What it is used for: ``odometry``, ``foot front_left``, ``frames``, or nothing."""
@@ -97,9 +99,9 @@ def describe(
         findings, added = _outlook(log, selection, evidence)
         if frames is not None:
             findings += frame_findings(frames, added)
-        duration = None
+        duration_ns = None
         if log.start_time is not None and log.end_time is not None:
-            duration = (log.end_time - log.start_time) / 1e9
+            duration_ns = log.end_time - log.start_time
         return LogInfo(
             path=path,
             size=log.source.size,
@@ -107,10 +109,10 @@ def describe(
             profile=log.profile,
             compressions=log.compressions,
             start_time=log.start_time,
-            duration_s=duration,
+            duration_s=None if duration_ns is None else duration_ns / 1e9,
             messages=sum(log.counts.values()),
             chunks=len(log.chunks),
-            topics=_topics(log, selection, duration, frames),
+            topics=_topics(log, selection, duration_ns or 0, frames),
             robot=selection.robot.name,
             parents=evidence.parents if frames is None else frames.parents(),
             added_transform=added,
@@ -143,7 +145,7 @@ def _outlook(
 
 
 def _topics(
-    log: Log, selection: Selection, duration_s: float | None, frames: Frames | None
+    log: Log, selection: Selection, duration_ns: int, frames: Frames | None
 ) -> tuple[TopicInfo, ...]:
     uses = {channel.id: "odometry" for channel in selection.odometry}
     uses |= {channel.id: "frames" for channel in selection.transforms}
@@ -161,7 +163,7 @@ def _topics(
             type_name=type_name,
             encoding=encoding,
             messages=(count := sum(log.counts.get(number, 0) for number in ids)),
-            rate_hz=count / duration_s if duration_s else None,
+            rate_hz=mean_rate_hz(count, duration_ns),
             senders=len(ids),
             use=uses.get(ids[0], ""),
         )

@@ -1,18 +1,17 @@
 """`dogbot-logtool report`: one self-contained HTML page a log, and an index of several."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Final
 
 from dogbot_logtool.closer_look import with_detail
 from dogbot_logtool.core.curves import CurveDetail
-from dogbot_logtool.errors import LogtoolError
 from dogbot_logtool.parallel.relay import Progress
 from dogbot_logtool.report.gait_diagram import default_window
 from dogbot_logtool.report.page.render import IndexRow, Place, index, index_row, page
 from dogbot_logtool.stats import Measurement, StatsOptions, measure
-from dogbot_logtool.storage import Location, file_name, is_folder, version
+from dogbot_logtool.storage import Location, file_name, is_folder, shown, version
 from dogbot_logtool.writer.output import refuse_bad_target, targets, whole_file
 
 DETAIL: Final = CurveDetail()
@@ -54,7 +53,7 @@ class Reports:
         self._targets = dict(targets(logs, output, ".report.html"))
         self._options = replace(options, curves=DETAIL)
         self._overwrite = overwrite
-        self._rows: list[IndexRow] = []
+        self._rows: dict[Location, IndexRow] = {}
         self._index: Location | None = None
         if len(logs) > 1:
             self._index = (output or Path()) / "index.html"
@@ -72,25 +71,32 @@ class Reports:
             LogtoolError: the log cannot be used, or the page not be written.
         """
         target = self._targets[source]
-        try:
-            refuse_bad_target(target, source, overwrite=self._overwrite)
-            measured = measure(source, self._options, progress)
-            typical = default_window(measured.stats)
-            measured = with_detail(source, self._options, measured, typical, progress)
-            html = _page_of(source, measured)
-            with whole_file(target, overwrite=self._overwrite) as file:
-                file.write(html)
-        except LogtoolError as error:
-            self._rows.append(IndexRow(file_name(source), error=str(error)))
-            raise
-        self._rows.append(index_row(measured.stats, measured.facts, target.name))
+        refuse_bad_target(target, source, overwrite=self._overwrite)
+        measured = measure(source, self._options, progress)
+        typical = default_window(measured.stats)
+        measured = with_detail(source, self._options, measured, typical, progress)
+        html = _page_of(source, measured)
+        with whole_file(target, overwrite=self._overwrite) as file:
+            file.write(html)
+        self._rows[source] = index_row(measured.stats, measured.facts, file_name(target))
         return Page(source, target, len(html), measured)
 
-    def finish(self) -> None:
-        """Write the index of several logs; one that has no page is in it with the reason."""
-        if self._index is not None:
-            with whole_file(self._index, overwrite=self._overwrite) as file:
-                file.write(index(self._rows))
+    def finish(self, failures: Mapping[str, str]) -> None:
+        """Write the index of several logs, a row for each.
+
+        Args:
+            failures: why a log has no page, by the log's name as it is shown.
+        """
+        if self._index is None:
+            return
+        rows = [self._rows.get(log) or _row_without_page(log, failures) for log in self._targets]
+        with whole_file(self._index, overwrite=self._overwrite) as file:
+            file.write(index(rows))
+
+
+def _row_without_page(log: Location, failures: Mapping[str, str]) -> IndexRow:
+    error = failures.get(shown(log), "no page was written")
+    return IndexRow(file_name(log), error=error.removeprefix(f"{shown(log)}: "))
 
 
 def _page_of(source: Location, measured: Measurement) -> bytes:

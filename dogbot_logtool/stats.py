@@ -131,6 +131,7 @@ def _settings(
                 foot.topic,
                 foot.place,
                 has_force=selection.knows_force(index),
+                silent_in_swing=index in evidence.intervals,
             )
             for index, foot in enumerate(robot.feet)
         ),

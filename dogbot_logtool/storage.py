@@ -4,6 +4,7 @@ fsspec comes with the extra `fleet` and is imported only when a URL is met.
 """
 
 import logging
+import os
 import re
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -35,6 +36,7 @@ LONGEST_WAIT_S: Final = 10.0
 ANSWER_WITHIN_S = 120.0
 """A request that takes longer has stalled."""
 _URL: Final = re.compile(r"[A-Za-z][A-Za-z0-9+.-]*://")
+_CREDENTIALS: Final = re.compile(r"(?<=://)[^/?#]*@")
 _HOPELESS: Final = (FileNotFoundError, PermissionError, IsADirectoryError, FileExistsError)
 
 
@@ -68,13 +70,29 @@ def from_root(place: Location) -> Location:
     return place.absolute() if isinstance(place, Path) else place
 
 
+def identity(place: Location) -> str:
+    """Return what is equal for all names of one log, and for no other.
+
+    It is the real path, whatever the spelling and the links, or the whole URL but for user and
+    password. A query may hold other secrets: print `shown`, never this.
+    """
+    return (
+        os.path.realpath(place) if isinstance(place, Path) else _CREDENTIALS.sub("", str(place), 1)
+    )
+
+
 def shown(place: Location | str) -> str:
     """Return a place as it may be printed: a URL without passwords and signatures."""
     text = str(place)
     if not _URL.match(text):
-        return text
+        return valid_unicode(text)
     parts = urlsplit(text)
     return urlunsplit((parts.scheme, parts.netloc.rpartition("@")[2], parts.path, "", ""))
+
+
+def valid_unicode(text: str) -> str:
+    r"""Return text with the bytes of a file's name that are not UTF-8 as ``\xff`` and so on."""
+    return text.encode("utf-8", "surrogateescape").decode("utf-8", "backslashreplace")
 
 
 def file_name(place: Location) -> str:

@@ -9,6 +9,7 @@ from mcap.reader import make_reader
 from mcap_ros2.decoder import DecoderFactory
 
 from dogbot_logtool.convert import convert
+from dogbot_logtool.core.remarks import remarks
 from dogbot_logtool.evidence import look_into
 from dogbot_logtool.info import describe
 from dogbot_logtool.plan import ConvertOptions, Style
@@ -297,3 +298,26 @@ def test_a_force_sensor_s_frame_is_turned_into_the_world(tmp_path: Path) -> None
         assert got["feet"][leg]["peak_vertical_force_n"]["mean"] == pytest.approx(vertical.max())
         impulse = got["feet"][leg]["vertical_impulse_ns"]
         assert impulse == pytest.approx(np.trapezoid(vertical, times), rel=1e-9)
+
+
+def test_swings_of_sensors_that_are_silent_in_swing_are_no_gaps(tmp_path: Path) -> None:
+    """But a silence that no swing lasts is one, and only of its own topic."""
+    kind, walk = "ros_gz_interfaces/msg/Contacts", walks.Walk(2)
+    entries = list(walk.messages(kind))
+    walks.write_mcap(tmp_path / "whole.mcap", walk, entries)
+    topics = {walks.foot_topic(kind, leg) for leg in walks.LEGS}
+    stats = measure(tmp_path / "whole.mcap", StatsOptions()).stats
+    assert {topic.topic: topic.gaps for topic in stats.topics if topic.topic in topics} == (
+        dict.fromkeys(topics, 0)
+    )
+    assert not [each for each in remarks(stats) if each.code == "W_GAPS"]
+
+    silent = walks.foot_topic(kind, walks.LEGS[0])
+    start, end = walks.START + 1_000_000_000, walks.START + 4_800_000_000
+    kept = [e for e in entries if e.topic != silent or not start < e.log_time < end]
+    walks.write_mcap(tmp_path / "gap.mcap", walk, kept)
+    stats = measure(tmp_path / "gap.mcap", StatsOptions()).stats
+    found = {topic.topic: topic for topic in stats.topics if topic.gaps}
+    assert list(found) == [silent]
+    assert found[silent].gaps == 1
+    assert found[silent].longest_gaps[0].length_s == pytest.approx(3.8, abs=0.5)

@@ -46,7 +46,8 @@ def test_counts_times_and_types(log: Path) -> None:
     duration_s = (told["last_log_time_ns"] - told["first_log_time_ns"]) / 1e9
     assert info.duration_s == pytest.approx(duration_s, abs=1e-9)
     for topic in info.topics:
-        assert topic.rate_hz == pytest.approx(topic.messages / duration_s)
+        rate = None if topic.messages < 10 else pytest.approx(topic.messages / duration_s)
+        assert topic.rate_hz == rate
         assert topic.senders == 1
     assert info.size == log.stat().st_size
     assert (info.exit_code, info.losses) == (0, ())

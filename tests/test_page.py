@@ -1,5 +1,7 @@
 """`report`: pages on disk, the index, and what is refused."""
 
+import os
+import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -37,11 +39,32 @@ def test_several_logs_have_an_index_even_if_one_fails(tmp_path: Path) -> None:
     reports.write(TROT)
     with pytest.raises(LogError):
         reports.write(bad)
-    reports.finish()
+    reports.finish({str(bad): f"{bad}: is damaged"})
     assert names(out) == ["dogbot_trot.report.html", "index.html"]
     index = (out / "index.html").read_text()
     assert 'href="dogbot_trot.report.html"' in index
-    assert "bad.bag" in index
+    assert '<th scope="row">bad.bag</th>' in index
+    assert "✖ is damaged</td>" in index
+
+
+def test_the_index_leads_to_pages_of_any_name(tmp_path: Path) -> None:
+    """Names may be any bytes; a log that cannot be used stands in the index with the reason."""
+    shutil.copy(TROUBLED, Path(os.fsdecode(bytes(tmp_path) + b"/<\xff>.bag")))
+    (tmp_path / "bad.bag").write_bytes(b"nothing of the kind")
+    done = subprocess.run(
+        [sys.executable, "-m", "dogbot_logtool", "report", "."],
+        cwd=tmp_path,
+        env={**os.environ, "PYTHONPATH": str(SAMPLE_LOGS.parent)},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert done.returncode == 1
+    assert "Traceback" not in done.stderr
+    index = (tmp_path / "index.html").read_text()
+    assert '<a href="%3C%FF%3E.report.html">&lt;\\xff&gt;.bag</a>' in index
+    assert '<th scope="row">bad.bag</th>' in index
+    assert "is neither a ROS 1 bag" in index
 
 
 def test_a_damaged_log_has_a_page_and_another_exit_code(tmp_path: Path) -> None:

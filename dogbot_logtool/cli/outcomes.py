@@ -9,6 +9,7 @@ import click
 
 from dogbot_logtool.errors import LogtoolError
 from dogbot_logtool.printable import printable
+from dogbot_logtool.storage import valid_unicode
 
 if TYPE_CHECKING:
     from dogbot_logtool.fleet.engine import Engine, Work
@@ -56,8 +57,7 @@ class Outcomes:
                 if not isinstance(outcome, Failure):
                     yield outcome
                     continue
-                self._failed.append((name, outcome.sentence))
-                self.add({"input": name, "error": outcome.sentence}, outcome.exit_code)
+                self._add_failure(name, outcome.sentence, outcome.exit_code)
 
     def add(self, result: dict[str, Any], exit_code: int) -> None:
         """Take the result of a log."""
@@ -71,8 +71,20 @@ class Outcomes:
         if logs:
             self._note(f"{len(logs)} logs are there already, unchanged")
 
+    def _add_failure(self, name: str, sentence: str, exit_code: int) -> None:
+        sentence = valid_unicode(sentence)
+        self._failed.append((name, sentence))
+        self.add({"input": name, "error": sentence}, exit_code)
+
+    @property
+    def failures(self) -> list[tuple[str, str]]:
+        """Names of the logs and directories that could not be used, and why."""
+        return self._failed
+
     def mention_left_out(self, fleet: "Fleet") -> None:
-        """Say which files in searched directories were not taken for logs."""
+        """Say which annotated logs were left out; directories that cannot be read are failures."""
+        for name, sentence in fleet.failures:
+            self._add_failure(name, sentence, LogtoolError.exit_code)
         if fleet.left_out:
             self._note(f"{fleet.left_out} annotated logs were left out; a glob names them, too")
 

@@ -81,5 +81,5 @@ def report(
         outcomes.add(page_json(done), done.exit_code)
         if not quiet:
             print_page(console, done, verbose=verbose)
-    reports.finish()
+    reports.finish(dict(outcomes.failures))
     outcomes.finish(as_json=as_json)

@@ -28,6 +28,7 @@ from dogbot_logtool.errors import CallError
 
 if TYPE_CHECKING:
     from dogbot_logtool.fleet.tasks import Figures
+    from dogbot_logtool.storage import Location
 
 
 @click.command()
@@ -113,7 +114,7 @@ def stats(
     outcomes = Outcomes(quiet=quiet)
     outcomes.mention_left_out(fleet)
     items: Sequence[object] = fleet.places
-    dataset = None
+    dataset = todo = None
     if parquet is not None:
         from dogbot_logtool.fleet.dataset import Keep, dataset_at  # noqa: PLC0415
 
@@ -136,6 +137,8 @@ def stats(
         write_strides(sys.stdout, [(done.json["log"]["path"], done.strides) for done in measured])
     elif not as_json and measured and dataset is None:
         _print(measured, window=shown, verbose=verbose)
+    if todo is not None and dataset is not None and not quiet:
+        _print_kept(dataset.root, measured, todo.unchanged, len(outcomes.failures))
     outcomes.finish(as_json=as_json)
 
 
@@ -149,6 +152,21 @@ def _print(measured: "list[Figures]", *, window: tuple[float, float] | None, ver
         print_report(results(), one.stats, one.facts, window=window, verbose=verbose)
     else:
         print_summary(results(), [done.summary for done in measured])
+
+
+def _print_kept(
+    root: "Location",
+    measured: "list[Figures]",
+    unchanged: Sequence[tuple[str, int]],
+    failed: int,
+) -> None:
+    """Print what was written to a dataset: on stderr, since the result itself is in the dataset."""
+    from dogbot_logtool.report.console import diagnostics  # noqa: PLC0415 - rich costs 40 ms
+    from dogbot_logtool.report.dataset_text import print_kept  # noqa: PLC0415
+    from dogbot_logtool.storage import shown  # noqa: PLC0415
+
+    kept = [done.json for done in measured]
+    print_kept(diagnostics(), shown(root), kept, unchanged, failed)
 
 
 def _parse_window(window: str | None) -> tuple[float, float] | None:

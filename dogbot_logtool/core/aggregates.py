@@ -150,14 +150,17 @@ class IntervalHistogram:
         held = int(np.searchsorted(np.cumsum(self._counts), rank))
         return float(self._sums[held] / self._counts[held])
 
-    def longer_than(self, interval: float) -> tuple[int, int]:
-        """Return the number and the sum, ns, of intervals longer than one (to 0.2 %)."""
-        last = int(_interval_bin(np.array([max(1, round(interval))], np.int64))[0])
-        longer = self._bins > last
-        return int(self._counts[longer].sum()), int(self._sums[longer].sum())
+    def longer_than(self, interval: float) -> "IntervalHistogram":
+        """Return the intervals that are longer than one (to 0.2 %)."""
+        last = int(_interval_bin(np.array([max(1.0, interval)]))[0])
+        longer, part = self._bins > last, IntervalHistogram()
+        part._bins = self._bins[longer]
+        part._counts = self._counts[longer]
+        part._sums = self._sums[longer]
+        return part
 
 
-def _interval_bin(intervals: Ints) -> Ints:
+def _interval_bin(intervals: Ints | Floats) -> Ints:
     """(n,) bin of each interval above 0: the exponent and leading digits of its float64 form."""
     bits = intervals.astype(np.float64).view(np.int64)
     bins: Ints = (bits >> (52 - _SUB_BINS)) - _EXPONENT_BIAS

@@ -11,14 +11,11 @@ from dogbot_logtool.core.arrays import Floats, Ints
 from dogbot_logtool.core.blocks import BLOCK_ROWS, Blocks, GrowingTable
 from dogbot_logtool.core.clock import TimeSource, advancing
 from dogbot_logtool.core.odometry import Odometry, first_at_each_tick, usable_poses
+from dogbot_logtool.core.quality import SILENCE_NS, steady_rhythm
 from dogbot_logtool.core.rotations import normalised, roll_pitch_yaw, rotate
 
 POSE_RATE_HZ: Final = 100.0
 """A day at this rate is half a gigabyte."""
-SILENCE_NS: Final = 50_000_000
-"""ns: a shorter interval between poses is never a gap."""
-GAP_INTERVALS: Final = 5.0
-"""A gap is longer than this many median intervals, and than `SILENCE_NS`."""
 LOOKUP_S: Final = 0.1
 """A pose further from a time than this does not tell where the base was."""
 
@@ -129,9 +126,7 @@ class BaseRecorder:
             self._add_block(block)
         table = self._poses.stacked()
         time = table[:, 0].astype(np.int64) + (self._origin or 0)
-        median = self._intervals.percentile(50.0)
-        longest = max(float(SILENCE_NS), GAP_INTERVALS * (median or 0.0))
-        broken = np.flatnonzero(np.diff(time) > longest)
+        broken = np.flatnonzero(np.diff(time) > steady_rhythm(self._intervals).gap_ns)
         return BaseRecord(
             messages=self._messages,
             not_usable=self._not_usable,

@@ -19,16 +19,15 @@ from dogbot_logtool.core.footfall import (
     StanceFinder,
     foot_signal,
 )
+from dogbot_logtool.core.quality import steady_rhythm
 from dogbot_logtool.core.stances import (
     LONGEST_STANCE_S,
     Cut,
     StanceFigures,
     Stances,
 )
-from dogbot_logtool.core.track import SILENCE_NS, FootTrack, TrackRecorder
+from dogbot_logtool.core.track import FootTrack, TrackRecorder
 
-GAP_INTERVALS: Final = 5.0
-"""A gap is longer than this many median intervals, and than `SILENCE_NS`."""
 _TOUCH_N: Final = 1.0
 """Stands for the force of a contact whose force is not known; no figure shows it."""
 
@@ -120,7 +119,7 @@ class FootRecorder:
             self._add_block(block)
         self._found(self._finder.finish())
         median = self._intervals.percentile(50.0)
-        longest = max(float(SILENCE_NS), GAP_INTERVALS * (median or 0.0))
+        longest = steady_rhythm(self._intervals).gap_ns
         silences = self._track.silences()
         gaps = silences[silences[:, 1] - silences[:, 0] > longest]
         known = self._known(gaps)

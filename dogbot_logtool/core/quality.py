@@ -1,6 +1,6 @@
 """Can a recording be trusted? What the times of each topic's messages say."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
@@ -14,13 +14,84 @@ from dogbot_logtool.core.odometry import first_at_each_tick
 SILENCE_NS: Final = 50_000_000
 """ns: a shorter interval is never a gap."""
 GAP_INTERVALS: Final = 5.0
-"""A gap is longer than this many median intervals, and than `SILENCE_NS`."""
+"""A gap is longer than this many usual intervals, and than `SILENCE_NS`."""
+FEWEST: Final = 10
+"""Messages or intervals from which a rate, or what is usual, means something."""
+_FAR_QUARTILES: Final = 10.0
+"""Intervals whose quartiles are further apart are of two kinds: within bursts and between them."""
 LONGEST_SHOWN: Final = 5
 """Gaps that are reported with their place."""
 OFFSET_RATE_HZ: Final = 1.0
 """Rate at which the offset of the two clocks is looked at."""
 SHORTEST_DRIFT_S: Final = 5.0
 """A drift is not measured over less."""
+
+
+@dataclass(frozen=True, slots=True)
+class Rhythm:
+    """How a topic's messages follow one another."""
+
+    usual_ns: float | None
+    """ns: the next message is usually there after this time; None where nothing is usual."""
+    in_bursts: bool = False
+    """Whether most of the time lies between bursts of messages."""
+
+    @property
+    def gap_ns(self) -> float:
+        """ns: a longer interval is a gap; infinite where nothing is usual."""
+        if self.usual_ns is None:
+            return float("inf")
+        return max(float(SILENCE_NS), GAP_INTERVALS * self.usual_ns)
+
+
+def rhythm(intervals: IntervalHistogram) -> Rhythm:
+    """Find how a topic's messages follow one another.
+
+    A usual interval is the 95th percentile, or median + 2 x interquartile range if that is less:
+    a few gaps do not move the latter, and Poisson's irregular intervals are not beyond it. Where
+    longer silences fill over half of the time and are many, messages come in bursts, and the
+    usual interval is that of these silences. Where they are few, and the messages between them
+    irregular or there for less than 50 ms, messages come on events, of which none is late.
+    """
+    if intervals.count < FEWEST:
+        return Rhythm(None)
+    low, median, high = _quartiles(intervals)
+    within = low if high > _FAR_QUARTILES * low else median
+    silences = intervals.longer_than(max(float(SILENCE_NS), GAP_INTERVALS * within))
+    if 2 * silences.total > intervals.total:
+        if silences.count >= FEWEST:
+            return Rhythm(_usual(silences), in_bursts=True)
+        run_ns = (intervals.total - silences.total) / (silences.count + 1)
+        if high - low > median or run_ns < SILENCE_NS:
+            return Rhythm(None)
+    return Rhythm(_usual(intervals))
+
+
+def steady_rhythm(intervals: IntervalHistogram) -> Rhythm:
+    """Find the rhythm of a sensor that is sampled steadily, so that even a few messages tell it."""
+    found = rhythm(intervals)
+    return found if found.usual_ns is not None else Rhythm(intervals.percentile(50.0) or 0.0)
+
+
+def _usual(intervals: IntervalHistogram) -> float:
+    low, median, high = _quartiles(intervals)
+    return min(intervals.percentile(95.0) or 0.0, median + 2.0 * (high - low))
+
+
+def _quartiles(intervals: IntervalHistogram) -> tuple[float, float, float]:
+    low, median, high = (intervals.percentile(percent) or 0.0 for percent in (25.0, 50.0, 75.0))
+    return low, median, high
+
+
+def mean_rate_hz(number: int, span_ns: int) -> float | None:
+    """Return messages a second; None for fewer than `FEWEST`, or all within 50 ms.
+
+    Args:
+        number: of messages, or of intervals between them.
+        span_ns: ns, the time in which they were recorded.
+    """
+    known = number + 1 >= FEWEST and span_ns >= SILENCE_NS
+    return number * 1e9 / span_ns if known else None
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,13 +115,14 @@ class TopicQuality:
     """ns, the earliest time. Also `last`, the latest."""
     last: int
     rate_hz: float | None
-    """1/s, (messages - 1) / (last - first)."""
+    """1/s, (messages - 1) / (last - first); None where that means nothing: see `mean_rate_hz`."""
     median_rate_hz: float | None
-    """1/s, 1 / median interval."""
+    """1/s, 1 / median interval; in bursts, messages over the time without gaps; None where no
+    interval is usual."""
     interval_s: dict[str, float] | None
     """s, the 50th, 95th and 99th percentile and the longest interval."""
     gaps: int
-    """Silences longer than max(5 x median interval, 50 ms)."""
+    """Silences longer than max(5 x usual interval, 50 ms): see `rhythm`."""
     gaps_total_s: float
     longest_gaps: tuple[Gap, ...]
     duplicate_stamps: int | None
@@ -166,9 +238,8 @@ class TopicWatch:
         usable = self._stamped and self._header.zeros == 0
         used = clock if usable else TimeSource.LOG
         times = self._header if used is TimeSource.HEADER else self._log
-        median = times.histogram.percentile(50.0)
-        threshold = max(float(SILENCE_NS), GAP_INTERVALS * (median or 0.0))
-        number, gaps_total = times.histogram.longer_than(threshold)
+        found = rhythm(times.histogram)
+        gaps = times.histogram.longer_than(found.gap_ns)
         span = times.last - times.first
         offset, drift = self._offset() if usable else (None, None)
         return TopicQuality(
@@ -177,12 +248,12 @@ class TopicWatch:
             clock=used,
             first=times.first,
             last=times.last,
-            rate_hz=(self._messages - 1) * 1e9 / span if span > 0 else None,
-            median_rate_hz=1e9 / median if median else None,
+            rate_hz=mean_rate_hz(self._messages - 1, span),
+            median_rate_hz=_usual_rate_hz(times.histogram, found, self._messages - 1, span),
             interval_s=_percentiles(times),
-            gaps=number,
-            gaps_total_s=gaps_total / 1e9,
-            longest_gaps=tuple(gap for gap in times.gaps if gap.length_s * 1e9 > threshold),
+            gaps=gaps.count,
+            gaps_total_s=gaps.total / 1e9,
+            longest_gaps=tuple(gap for gap in times.gaps if gap.length_s * 1e9 > found.gap_ns),
             duplicate_stamps=self._header.duplicates if self._stamped else None,
             backward_stamps=self._header.backwards if self._stamped else None,
             zero_stamps=self._header.zeros if self._stamped else None,
@@ -200,6 +271,35 @@ class TopicWatch:
         table = self._offsets.stacked()
         offset = float(np.median(table[:, 1]) + self._origins[1]) / 1e9
         return offset, _slope_ppm(table[:, 0] - table[:, 1], table[:, 1])
+
+
+def with_gaps(topic: TopicQuality, spans: Ints) -> TopicQuality:
+    """Return a topic's timing with gaps that are known better than from its messages' times.
+
+    Args:
+        topic: the timing.
+        spans: (g, 2) ns, the gaps.
+    """
+    lengths = spans[:, 1] - spans[:, 0]
+    longest = np.argsort(-lengths, kind="stable")[:LONGEST_SHOWN].tolist()
+    return replace(
+        topic,
+        gaps=len(spans),
+        gaps_total_s=int(lengths.sum()) / 1e9,
+        longest_gaps=tuple(Gap(int(spans[row, 0]), int(lengths[row]) / 1e9) for row in longest),
+    )
+
+
+def _usual_rate_hz(
+    intervals: IntervalHistogram, found: Rhythm, number: int, span: int
+) -> float | None:
+    if found.usual_ns is None:
+        return None
+    if found.in_bursts:
+        gaps = intervals.longer_than(found.gap_ns)
+        return mean_rate_hz(number - gaps.count, span - gaps.total)
+    median = intervals.percentile(50.0)
+    return 1e9 / median if median else None
 
 
 def _percentiles(times: _Clock) -> dict[str, float] | None:

@@ -18,6 +18,8 @@ class FootPlace:
     place: Place | None = None
     has_force: bool = True
     """Whether its sensor tells a force, not only whether the foot touches."""
+    silent_in_swing: bool = False
+    """Whether its sensor sends no messages while the foot is in the air."""
 
 
 @dataclass(frozen=True, slots=True)

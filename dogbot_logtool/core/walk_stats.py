@@ -33,7 +33,7 @@ from dogbot_logtool.core.foot_record import FootRecord, FootRecorder
 from dogbot_logtool.core.gait import quadruped
 from dogbot_logtool.core.load_figures import LoadFigures, dead_feet, load_figures
 from dogbot_logtool.core.odometry import Odometry
-from dogbot_logtool.core.quality import TopicQuality, TopicWatch
+from dogbot_logtool.core.quality import TopicQuality, TopicWatch, with_gaps
 from dogbot_logtool.core.segments import Segment, find_segments, main_segment, stands
 from dogbot_logtool.core.settings import StatsSettings
 from dogbot_logtool.core.stability import Stability, stability
@@ -179,12 +179,27 @@ class StatsAccumulator:
             loads=replace(loads, share_of=None, shares=None) if any(dead) else loads,
             stability=None if any(dead) else self._stability(records, base, loads),
             fallen=fallen,
-            topics=tuple(watch.finish(settings.clock) for _, watch in sorted(self._topics.items())),
+            topics=self._topic_qualities(records),
             overlap_s=timespans.total(overlap(records, base)) / 1e9,
             contact_without_pose_s=tuple(
                 contact_time_without_pose_s(record, base) for record in records
             ),
         )
+
+    def _topic_qualities(self, records: Sequence[FootRecord]) -> tuple[TopicQuality, ...]:
+        """Return the timing of all topics; a swing is no gap of a sensor that is silent in swing.
+
+        Such a topic has a gap where none of its feet is known to swing or to stand.
+        """
+        found = {name: watch.finish(self._settings.clock) for name, watch in self._topics.items()}
+        gaps: dict[str, list[Ints]] = {}
+        for foot, record in zip(self._settings.feet, records, strict=True):
+            if foot.silent_in_swing and record.start is not None:
+                gaps.setdefault(foot.topic, []).append(record.gaps)
+        for topic, spans in gaps.items():
+            if topic in found:
+                found[topic] = with_gaps(found[topic], timespans.intersect(spans))
+        return tuple(quality for _, quality in sorted(found.items()))
 
     def _stability(
         self, records: Sequence[FootRecord], base: BaseRecord, loads: LoadFigures

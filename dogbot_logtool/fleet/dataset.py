@@ -3,8 +3,9 @@
     logs/robot=dogbot/month=2026-11/<log>.parquet        one row a log
     strides/robot=dogbot/month=2026-11/<log>.parquet     one row a stride of a foot
 
-Each log has a file of its own in both, named after it, that is replaced as a whole: workers write
-them without asking each other, and whatever is written twice is there once. `log_id` changes with
+Each log has a file of its own in both, named by a hash of its real path or its whole URL, that is
+replaced as a whole: workers write them without asking each other, and whatever is written twice is
+there once. The column `log` has no query of a URL, since it may hold secrets. `log_id` changes with
 the log and the settings; tables joined on it never mix old and new. A log's strides are written
 before its row of `logs`, and that row is what a later run looks for.
 """
@@ -12,16 +13,17 @@ before its row of `logs`, and that row is what a later run looks for.
 import hashlib
 import io
 import json
+import os
 from collections.abc import Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import asdict, dataclass, replace
 from datetime import UTC, datetime
-from pathlib import Path
+from pathlib import Path, PurePosixPath
 from typing import TYPE_CHECKING, Any, Final
 from urllib.parse import quote
 
 from dogbot_logtool import __version__, storage
-from dogbot_logtool.errors import ExtraMissingError, LogtoolError, StoreError
+from dogbot_logtool.errors import CallError, ExtraMissingError, LogtoolError, StoreError
 from dogbot_logtool.fleet.engine import Tell
 from dogbot_logtool.fleet.logs import Fleet, Found
 from dogbot_logtool.fleet.tasks import Figures, Measure
@@ -45,7 +47,6 @@ _SIMULATED_BEFORE_S: Final = 1_000_000_000
 """Log times before this are simulation time, not dates."""
 _NEVER_S: Final = 1e11
 _ASKED_AT_ONCE: Final = 16
-_PARTITIONS: Final = pa.schema([("robot", pa.string()), ("month", pa.string())])
 _LOGS: Final = pa.schema(
     [
         ("log", pa.string()),
@@ -97,7 +98,9 @@ class State:
     """A log as it is now."""
 
     name: str
-    """Its whole path, or URL."""
+    """Its whole path, or URL without query; as it may be shown."""
+    key: str
+    """Names its files; two logs never have the same."""
     size: int
     """Bytes."""
     version: str
@@ -112,6 +115,7 @@ class Kept:
 
     log_id: str
     partition: str
+    """Directories below that of the table, such as ``robot=dogbot/month=2026-11``."""
     damaged: bool
 
 
@@ -163,7 +167,7 @@ class Dataset:
         logs: list[Found] = []
         unchanged: list[tuple[str, int]] = []
         for log, state in zip(fleet.logs, states, strict=True):
-            old = kept.get(state.name)
+            old = kept.get(state.key)
             if old is not None and old.log_id == state.log_id and state.version:
                 unchanged.append((storage.shown(log.place), 3 if old.damaged else 0))
             else:
@@ -178,7 +182,7 @@ class Dataset:
             LogtoolError: it cannot be written.
         """
         partition = _partition(figures.robot, _month(figures.json["log"]["start_s"]))
-        file = f"{hashlib.sha256(entry.state.name.encode()).hexdigest()[:24]}.parquet"
+        file = f"{entry.state.key}.parquet"
         strides = pa.table(_stride_columns(figures, entry.state), _STRIDES)
         logs = pa.Table.from_pylist([self._log_row(figures, entry.state)], _LOGS)
         for table, rows in (("strides", strides), ("logs", logs)):
@@ -202,28 +206,30 @@ class Dataset:
         if filesystem is not None:
             filesystem.invalidate_cache()
         try:
-            table = ds.dataset(
-                path,
-                pa.unify_schemas([_LOGS, _PARTITIONS]),
-                format="parquet",
-                filesystem=filesystem,
-                partitioning=ds.partitioning(_PARTITIONS, flavor="hive"),
-            ).to_table(["log", "log_id", "damaged", "robot", "month"])
+            dataset = ds.dataset(path, _LOGS, format="parquet", filesystem=filesystem)
+            table = dataset.to_table(["log_id", "damaged", "__filename"])
         except (OSError, pa.ArrowInvalid) as error:
             raise LogtoolError(f"{storage.shown(folder)}: cannot be read: {error}") from error
         for row in table.to_pylist():
-            partition = _partition(row["robot"], row["month"])
-            yield row["log"], Kept(row["log_id"], partition, bool(row["damaged"]))
+            file = PurePosixPath(Path(row["__filename"]).as_posix())
+            partition = f"{file.parts[-3]}/{file.parts[-2]}"
+            yield file.stem, Kept(row["log_id"], partition, bool(row["damaged"]))
 
     def _state(self, place: Location) -> State:
-        name = storage.shown(storage.from_root(place))
+        identity = os.fsencode(storage.identity(place))
         try:
             size, version = storage.version(place)
         except (LogtoolError, OSError):
             # Whoever opens it will say what is wrong.
             size, version = 0, ""
-        told = "\n".join((name, str(size), version, self.settings_sha256))
-        return State(name, size, version, hashlib.sha256(told.encode()).hexdigest()[:32])
+        told = "\n".join((str(size), version, self.settings_sha256)).encode()
+        return State(
+            name=storage.shown(storage.from_root(place)),
+            key=hashlib.sha256(identity).hexdigest()[:24],
+            size=size,
+            version=version,
+            log_id=hashlib.sha256(identity + b"\n" + told).hexdigest()[:32],
+        )
 
     def _write(self, target: Location, rows: pa.Table) -> None:
         told = {"schema_version": SCHEMA_VERSION, "version": __version__, "settings": self.settings}
@@ -290,13 +296,27 @@ class Keep:
 
 
 def dataset_at(place: Location, options: "StatsOptions") -> Dataset:
-    """Return the dataset at a place, for figures with some options."""
+    """Return the dataset at a place, for figures with some options.
+
+    Raises:
+        CallError: no dataset can be there.
+    """
+    if isinstance(place, Path):
+        _refuse_bad_root(place)
     told = asdict(replace(options, jobs=1))
     robot = options.topics.robot
     if robot is not None and robot.endswith(".toml"):
         # The file may change while its name does not.
         told["robot_file"] = storage.content(Path(robot), 1 << 20)
     return Dataset(place, json.dumps(told, sort_keys=True, default=repr))
+
+
+def _refuse_bad_root(place: Path) -> None:
+    name = storage.shown(place)
+    if name != str(place):
+        raise CallError(f"--parquet {name}: its name must be UTF-8, which all readers of it need")
+    if place.exists() and not place.is_dir():
+        raise CallError(f"--parquet {name}: is no directory")
 
 
 def _date(start_s: float | None) -> datetime | None:

@@ -1,5 +1,6 @@
 """ROS 2 bags in SQLite (.db3): rows become messages, runs of rows become chunks."""
 
+import os
 import sqlite3
 import threading
 from collections.abc import Iterator
@@ -166,7 +167,7 @@ def open_sqlite(source: ByteSource, distribution: str = "") -> SqliteLog:
 def _connect(source: ByteSource) -> tuple[sqlite3.Connection, list[Loss]]:
     """Open the database for reading only, with its write-ahead log if there is one."""
     path = Path(str(source.path))
-    name = quote(str(path.resolve()))
+    name = quote(os.fsencode(path.resolve()))
     journal = path.with_name(path.name + "-wal")
     problems: list[Loss] = []
     for access in ("mode=ro", "mode=ro&immutable=1") if journal.exists() else ("immutable=1",):

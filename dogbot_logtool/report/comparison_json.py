@@ -5,6 +5,7 @@ from typing import Any, Final
 
 from dogbot_logtool import __version__
 from dogbot_logtool.comparison.outcome import Comparison, Difference, FileLoss, Tally
+from dogbot_logtool.storage import shown
 
 SCHEMA: Final = "dogbot-logtool/compare/1"
 """Changes when a field goes or changes its meaning; new fields may come."""
@@ -20,8 +21,8 @@ def comparison_document(comparison: Comparison) -> dict[str, Any]:
     return {
         "schema": SCHEMA,
         "tool": {"name": "dogbot-logtool", "version": __version__},
-        "expected": str(comparison.expected),
-        "actual": str(comparison.actual),
+        "expected": shown(comparison.expected),
+        "actual": shown(comparison.actual),
         "same": comparison.same,
         "exit_code": comparison.exit_code,
         "verdict": comparison.verdict,
@@ -69,7 +70,7 @@ def _difference(difference: Difference) -> dict[str, Any]:
 
 def _loss(found: FileLoss) -> dict[str, Any]:
     return {
-        "file": str(found.path),
+        "file": shown(found.path),
         "offset": found.loss.offset,
         "what": found.loss.what,
         "bytes": found.loss.bytes,

@@ -63,7 +63,9 @@ def test_percentiles_of_random_intervals_are_within_two_per_mille() -> None:
 def test_long_intervals_are_counted_and_added_up() -> None:
     histogram = IntervalHistogram()
     histogram.add(np.array([10, 10, 10, 1000, 2000], np.int64) * 1_000_000)
-    assert histogram.longer_than(50e6) == (2, 3_000_000_000)
+    longer = histogram.longer_than(50e6)
+    assert (longer.count, longer.total) == (2, 3_000_000_000)
+    assert histogram.longer_than(float("inf")).count == 0
 
 
 @given(st.lists(st.integers(1, 10**18), min_size=1, max_size=30))

@@ -1,5 +1,6 @@
 """ROS 2 bags as rosbags writes them, and as recorders and their crashes leave them."""
 
+import os
 import shutil
 import sqlite3
 from pathlib import Path
@@ -366,3 +367,11 @@ def test_rosbags_agrees(tmp_path: Path) -> None:
     with Rosbag2Reader(bag) as reader:
         theirs = [Read(c.topic, time, bytes(data)) for c, time, data in reader.messages()]
     assert sorted(read_file(bag).messages) == sorted(theirs)
+
+
+@pytest.mark.parametrize("name", [b"\xff.db3", b"a b%41?mode=rw#.db3"])
+def test_a_database_may_have_any_name(tmp_path: Path, name: bytes) -> None:
+    whole = write(tmp_path / "whole")
+    path = Path(os.fsdecode(bytes(tmp_path) + b"/" + name))
+    shutil.copy(database(whole), path)
+    assert list(read_file(path).messages) == expected()

@@ -8,11 +8,13 @@ everything else, the network included.
 import base64
 import hashlib
 import json
+import os
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 from typing import Any, Final
+from urllib.parse import quote
 
 import plotly.io
 from jinja2 import Environment, StrictUndefined
@@ -74,7 +76,7 @@ class IndexRow:
 
     name: str
     page: str = ""
-    """File name of its page; empty: there is none, and `error` says why."""
+    """Relative URL of its page; empty: there is none, and `error` says why."""
     verdict: str = ""
     cells: tuple[str, ...] = ()
     """The numbers of `INDEX_COLUMNS`."""
@@ -158,7 +160,9 @@ def index_row(stats: Stats, log: LogFacts, page_name: str) -> IndexRow:
         decimal(stats.loads.vertical_impulse_over_weight, 3),
     )
     name = Path(log.path).name
-    return IndexRow(name, page_name, headline(stats), cells, trust(stats, log))
+    # The name of a file may be any bytes.
+    address = quote(os.fsencode(page_name), safe="")
+    return IndexRow(name, address, headline(stats), cells, trust(stats, log))
 
 
 def index(rows: Sequence[IndexRow]) -> bytes:

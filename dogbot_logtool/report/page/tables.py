@@ -243,5 +243,6 @@ def topic_table(stats: Stats, log: LogFacts) -> Table:
     return Table(
         ("topic", "messages", "Hz", "usual Hz", "gaps", "gaps s", "longest s", "log - stamp s"),
         rows,
-        f"{words} Usual: 1 over the median interval. Gap: over 5 usual intervals and 50 ms.",
+        f"{words} Usual: 1 over the median interval; in bursts, messages over the time without "
+        "gaps. Gap: over 5 usual intervals and 50 ms.",
     )
