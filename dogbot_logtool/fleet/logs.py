@@ -9,7 +9,13 @@ from typing import TYPE_CHECKING, Final
 
 from dogbot_logtool import storage
 from dogbot_logtool.errors import CallError
-from dogbot_logtool.reader.signatures import BAG_MAGIC, MCAP_MAGIC, ROSBAG2_METADATA, SQLITE_MAGIC
+from dogbot_logtool.reader.signatures import (
+    ANNOTATED,
+    BAG_MAGIC,
+    MCAP_MAGIC,
+    ROSBAG2_METADATA,
+    SQLITE_MAGIC,
+)
 from dogbot_logtool.storage import Location
 
 if TYPE_CHECKING:
@@ -17,8 +23,6 @@ if TYPE_CHECKING:
 
 _SUFFIXES: Final = (".bag", ".mcap", ".db3")
 _MAGIC: Final = (BAG_MAGIC, MCAP_MAGIC, SQLITE_MAGIC)
-_OURS: Final = ".annotated.mcap"
-"""What `convert` writes is not searched for: else a second run would annotate annotations."""
 _WILD: Final = re.compile(r"[*?\[]")
 _LARGEST_LIST: Final = 256 << 20
 
@@ -77,7 +81,7 @@ def find_logs(words: Iterable[str], *, for_workers: bool = False) -> Fleet:
     left_out = 0
     for word in words:
         for one in _named(word):
-            if one.searched and one.place.name.endswith(_OURS):
+            if one.searched and one.place.name.endswith(ANNOTATED):
                 left_out += 1
                 continue
             place = storage.from_root(one.place) if for_workers else one.place
