@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import Final
 
 from dogbot_logtool.errors import CallError
-from dogbot_logtool.toml_table import TomlFile, TomlTable
+from dogbot_logtool.toml_table import TomlFile, TomlTable, read_toml
 
 AXES: Final = ("+x", "-x", "+y", "-y")
 """Body axes that can point forward."""
@@ -108,11 +108,7 @@ def load_robot(name_or_file: str) -> Robot:
     """
     if not name_or_file.endswith(".toml"):
         return parse_robot(robot_toml(name_or_file), name_or_file)
-    try:
-        text = Path(name_or_file).read_text(encoding="utf-8")
-    except (OSError, UnicodeDecodeError) as error:
-        raise CallError(f"{name_or_file}: cannot be read as a robot's file: {error}") from error
-    return parse_robot(text, name_or_file)
+    return parse_robot(read_toml(Path(name_or_file), "a robot's file"), name_or_file)
 
 
 def parse_robot(text: str, source: str) -> Robot:

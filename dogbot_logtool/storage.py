@@ -3,13 +3,15 @@
 fsspec comes with the extra `fleet` and is imported only when a URL is met.
 """
 
+import errno
 import logging
 import os
 import re
+import stat
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Final, TypeVar
+from typing import TYPE_CHECKING, BinaryIO, Final, TypeVar
 from urllib.parse import unquote, urlsplit, urlunsplit
 
 from dogbot_logtool.errors import CallError, ExtraMissingError, StoreError
@@ -37,6 +39,13 @@ ANSWER_WITHIN_S = 120.0
 """A request that takes longer has stalled."""
 _URL: Final = re.compile(r"[A-Za-z][A-Za-z0-9+.-]*://")
 _CREDENTIALS: Final = re.compile(r"(?<=://)[^/?#]*@")
+_KINDS: Final = {
+    stat.S_IFDIR: "a directory",
+    stat.S_IFIFO: "a named pipe",
+    stat.S_IFSOCK: "a socket",
+    stat.S_IFCHR: "a device",
+    stat.S_IFBLK: "a device",
+}
 _HOPELESS: Final = (FileNotFoundError, PermissionError, IsADirectoryError, FileExistsError)
 
 
@@ -154,16 +163,56 @@ def files_in(folder: Location) -> list[Location]:
     return [folder / name for name in sorted(names) if name]
 
 
+def open_file(path: Path) -> BinaryIO:
+    """Open a regular file of a disk for reading.
+
+    Pipes and devices are refused, because they may block or never end.
+
+    Raises:
+        CallError: it does not exist, may not be read, or is not a regular file.
+    """
+    try:
+        # A device may react to being opened, so its kind is looked up before; and again after,
+        # because the name may by then stand for something else.
+        _refuse_special(path, path.stat().st_mode)
+        flags = os.O_RDONLY | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_BINARY", 0)
+        file = os.fdopen(os.open(path, flags), "rb")
+    except FileNotFoundError as error:
+        raise CallError(f"{path}: no such file") from error
+    except OSError as error:
+        if error.errno == errno.ENXIO:
+            raise CallError(f"{path}: is not a regular file") from error
+        raise CallError(f"{path}: cannot be opened: {error.strerror}") from error
+    except ValueError as error:
+        raise CallError(f"{path}: cannot be opened: {error}") from error
+    try:
+        _refuse_special(path, os.fstat(file.fileno()).st_mode)
+    except CallError:
+        file.close()
+        raise
+    return file
+
+
+def _refuse_special(path: Path, mode: int) -> None:
+    if stat.S_ISREG(mode):
+        return
+    kind = _KINDS.get(stat.S_IFMT(mode), "of another kind")
+    remedy = "" if stat.S_ISDIR(mode) else "; save its content to a file first"
+    raise CallError(f"{path}: is {kind}, not a regular file{remedy}")
+
+
 def content(place: Location, most: int) -> bytes | None:
     """Return all bytes of a file; None if there are more than `most`.
 
     Raises:
-        CallError: there is no such file.
+        CallError: there is no such file, or it is not a regular one.
         StoreError: the store fails.
         OSError: the disk fails.
     """
     if isinstance(place, Path):
-        return place.read_bytes() if place.stat().st_size <= most else None
+        with open_file(place) as file:
+            size = os.fstat(file.fileno()).st_size
+            return file.read(size) if size <= most else None
     if (facts(place).size or 0) > most:
         return None
     return bytes(asked(place, lambda: place.fs.cat_file(place.path)))

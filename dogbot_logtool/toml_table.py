@@ -1,10 +1,82 @@
 """TOML tables whose every fault is told by key and line."""
 
+import re
 import tomllib
+from bisect import bisect_left
 from collections.abc import Sequence
-from typing import Any
+from pathlib import Path
+from typing import Any, Final
 
 from dogbot_logtool.errors import CallError
+from dogbot_logtool.storage import content
+
+_LARGEST: Final = 256 << 10
+"""Bytes; a file that a person wrote has some thousands."""
+_LONGEST_VALUE: Final = 60
+"""Characters of a value that a sentence shows."""
+_LONG_KEY: Final = re.compile(
+    r"""(?<![\w"'-])(?:(?:"[^"\n]*"|'[^'\n]*'|[\w-]+)[ \t]*\.[ \t]*){16}"""
+)
+"""A key of so many parts takes the parser's time and memory by their square."""
+_TOKEN: Final = re.compile(
+    r"""\"{3}(?:\\.|[^\\])*?\"{3,5}|'{3}.*?'{3,5}|"(?:\\.|[^"\\\n])*"|'[^'\n]*'|#[^\n]*|[][{}\n]""",
+    re.DOTALL,
+)
+"""All that matters for where the statements of a valid file end."""
+
+
+def read_toml(path: Path, what: str) -> str:
+    """Read the text of a file that a person wrote.
+
+    Args:
+        path: the file.
+        what: what it should be: ``"a robot's file"``.
+
+    Raises:
+        CallError: it cannot be read, or is not such a file.
+    """
+    try:
+        data = content(path, _LARGEST)
+        if data is None:
+            raise CallError(f"{path}: is larger than {_LARGEST >> 10} kB, so it is not {what}")
+        return data.decode("utf-8-sig")
+    except OSError as error:
+        raise CallError(f"{path}: cannot be read as {what}: {error.strerror}") from error
+    except UnicodeDecodeError as error:
+        raise CallError(f"{path}: cannot be read as {what}: {error}") from error
+
+
+def parse_toml(text: str, source: str) -> dict[str, Any]:
+    """Parse TOML.
+
+    Args:
+        text: the TOML.
+        source: what to call it in errors.
+
+    Raises:
+        CallError: it is not TOML; the sentence gives line and column.
+    """
+    if (key := _LONG_KEY.search(text)) is not None:
+        line = text.count("\n", 0, key.start()) + 1
+        raise CallError(f"{source}, line {line}: a key has more than 16 parts")
+    try:
+        return tomllib.loads(text)
+    except tomllib.TOMLDecodeError as error:
+        raise CallError(f"{source}: not valid TOML: {error}") from error
+    except RecursionError as error:
+        raise CallError(f"{source}: not valid TOML: its values are nested too deeply") from error
+    except ValueError as error:
+        # Python converts no more than 4,300 digits.
+        raise CallError(f"{source}: not valid TOML: a number has too many digits") from error
+
+
+def shortened(value: object) -> str:
+    """Return a value as a sentence shows it."""
+    try:
+        text = repr(value)
+    except (ValueError, RecursionError):
+        return "too long to show"
+    return text if len(text) <= _LONGEST_VALUE else f"{text[:_LONGEST_VALUE]}..."
 
 
 class TomlFile:
@@ -20,12 +92,9 @@ class TomlFile:
         Raises:
             CallError: it is no TOML; the sentence gives line and column.
         """
-        self._lines = text.splitlines()
+        self._text = text
         self._source = source
-        try:
-            self.values = tomllib.loads(text)
-        except (tomllib.TOMLDecodeError, RecursionError) as error:
-            raise CallError(f"{source}: not valid TOML: {error}") from error
+        self.values = parse_toml(text, source)
 
     def fault(self, keys: Sequence[str], text: str) -> CallError:
         """Return the error of a key.
@@ -41,42 +110,39 @@ class TomlFile:
     def _line_of(self, keys: Sequence[str]) -> int | None:
         """Return the first line of what defines a key; None: nothing does.
 
-        The parser keeps no lines, so it is asked: what defines a key ends with the first line up
-        to which the file is valid TOML that has the key, and begins after the last line up to
-        which it is valid without. Once there, a key stays, so both are found by halving.
+        The parser keeps no lines. But a file cut off behind any of its statements is valid, and
+        once a key stands in it, it stays; so the statement is found by halving.
         """
-        without, having = 0, len(self._lines)
-        if not self._has(having, keys):
+        if not _has(self.values, keys):
             return None
-        while having - without > 1:
-            middle = (without + having) // 2
-            # Halfway may be inside a value of several lines.
-            valid = next((n for n in range(middle, having) if self._parsed(n) is not None), having)
-            if valid == having:
-                earlier = range(middle - 1, without, -1)
-                valid = next((n for n in earlier if self._parsed(n) is not None), without)
-                if valid == without:
-                    break
-            if self._has(valid, keys):
-                having = valid
-            else:
-                without = valid
-        return without + 1
+        ends = _statement_ends(self._text)
+        number = bisect_left(
+            ends, 1, key=lambda end: int(_has(tomllib.loads(self._text[:end]), keys))
+        )
+        start = ends[number - 1] if number else 0
+        return self._text.count("\n", 0, start) + 1
 
-    def _parsed(self, lines: int) -> dict[str, Any] | None:
-        """Return what the first lines hold; None where they break off inside a value."""
-        try:
-            return tomllib.loads("\n".join(self._lines[:lines]))
-        except tomllib.TOMLDecodeError:
-            return None
 
-    def _has(self, lines: int, keys: Sequence[str]) -> bool:
-        value: Any = self._parsed(lines)
-        for key in keys:
-            if not isinstance(value, dict) or key not in value:
-                return False
-            value = value[key]
-        return True
+def _statement_ends(text: str) -> list[int]:
+    """Return where the statements of valid TOML end; blank lines and remarks count as such."""
+    ends: list[int] = []
+    depth = 0
+    for token in _TOKEN.finditer(text):
+        if token[0] in "[{":
+            depth += 1
+        elif token[0] in "]}":
+            depth -= 1
+        elif token[0] == "\n" and not depth:
+            ends.append(token.end())
+    return [*ends, len(text)]
+
+
+def _has(value: Any, keys: Sequence[str]) -> bool:  # noqa: ANN401 - any TOML value
+    for key in keys:
+        if not isinstance(value, dict) or key not in value:
+            return False
+        value = value[key]
+    return True
 
 
 class TomlTable:
@@ -190,7 +256,7 @@ class TomlTable:
             raise self.fault(key, f"the key {self.path(key)} is not known. {hint}")
 
     def _wrong(self, key: str, value: object, wanted: str) -> CallError:
-        return self.fault(key, f"{self.path(key)} is {value!r}; it must be {wanted}")
+        return self.fault(key, f"{self.path(key)} is {shortened(value)}; it must be {wanted}")
 
 
 def _is_number(value: object) -> bool:

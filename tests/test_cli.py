@@ -805,4 +805,4 @@ def test_a_fifo_is_refused_with_a_sentence(shell: Shell, command: str) -> None:
     os.mkfifo(shell.folder / "fifo")
     done = shell(command, "fifo")
     assert done.code == 2
-    assert "is not a plain file" in done.err
+    assert "not a regular file" in done.err

@@ -9,6 +9,7 @@ from dogbot_logtool.comparison.fields import Findings, Tree, compare_fields
 from dogbot_logtool.comparison.outcome import Comparison, Differences, Kind, Tally
 from dogbot_logtool.comparison.tolerances import FieldRules, Rules
 from dogbot_logtool.errors import CallError, LogError
+from dogbot_logtool.storage import content, open_file
 
 _OWN_VERSION: Final = "tool.version"
 _WHOLE: Final = "(document)"
@@ -21,15 +22,10 @@ def looks_like_json(path: Path) -> bool:
     Raises:
         CallError: there is no such file, or it cannot be opened.
     """
-    try:
-        with path.open("rb") as file:
-            return file.read(64).removeprefix(b"\xef\xbb\xbf").lstrip()[:1] in {b"{", b"["}
-    except FileNotFoundError as error:
-        raise CallError(f"{path}: no such file") from error
-    except IsADirectoryError:
+    if path.is_dir():
         return False
-    except OSError as error:
-        raise CallError(f"{path}: cannot be opened: {error.strerror}") from error
+    with open_file(path) as file:
+        return file.read(64).removeprefix(b"\xef\xbb\xbf").lstrip()[:1] in {b"{", b"["}
 
 
 def compare_json(expected: Path, actual: Path, rules: Rules, max_differences: int) -> Comparison:
@@ -77,12 +73,15 @@ def _compare_part(
 
 def _load(path: Path) -> Tree:
     try:
-        if path.stat().st_size > _LARGEST:
+        data = content(path, _LARGEST)
+        if data is None:
             raise LogError(f"{path}: is larger than any statistics are")
-        return json.loads(path.read_bytes())
+        return json.loads(data)
     except OSError as error:
         raise CallError(f"{path}: cannot be read: {error.strerror}") from error
     except RecursionError as error:
         raise LogError(f"{path}: is nested too deeply") from error
-    except ValueError as error:
+    except (json.JSONDecodeError, UnicodeDecodeError) as error:
         raise LogError(f"{path}: is not JSON: {error}") from error
+    except ValueError as error:
+        raise LogError(f"{path}: holds a number of too many digits") from error

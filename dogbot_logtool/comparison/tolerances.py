@@ -4,8 +4,7 @@ A field is named by its path without positions: ``entities.arrows.pose.position.
 of ``TOPIC``, ``FIELD`` and ``TOPIC:FIELD``; ``*`` also stands for dots and slashes.
 """
 
-import math
-import tomllib
+import sys
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from fnmatch import fnmatchcase
@@ -13,6 +12,7 @@ from pathlib import Path
 from typing import Any, Final
 
 from dogbot_logtool.errors import CallError
+from dogbot_logtool.toml_table import parse_toml, read_toml, shortened
 
 _DEFAULT: Final = "default"
 
@@ -120,14 +120,7 @@ def load_rules(
 
 
 def _load(path: Path) -> tuple[Tolerance, tuple[Quantity, ...]]:
-    try:
-        document = tomllib.loads(path.read_text(encoding="utf-8"))
-    except FileNotFoundError as error:
-        raise CallError(f"{path}: no such file") from error
-    except (OSError, UnicodeDecodeError) as error:
-        raise CallError(f"{path}: cannot be read as a tolerance file: {error}") from error
-    except tomllib.TOMLDecodeError as error:
-        raise CallError(f"{path}: not valid TOML: {error}") from error
+    document = parse_toml(read_toml(path, "a tolerance file"), str(path))
     default = Tolerance()
     quantities: list[Quantity] = []
     for name, table in document.items():
@@ -159,7 +152,7 @@ def _quantity(where: str, name: str, table: Mapping[str, Any]) -> Quantity:
 
 def _checked(value: object, where: str) -> float:
     if isinstance(value, bool) or not isinstance(value, int | float):
-        raise CallError(f"{where} is {value!r}; it must be a number")
-    if not (value >= 0 and math.isfinite(value)):
-        raise CallError(f"{where} is {value!r}; it must be a finite number, 0 or more")
+        raise CallError(f"{where} is {shortened(value)}; it must be a number")
+    if not 0 <= value <= sys.float_info.max:
+        raise CallError(f"{where} is {shortened(value)}; it must be a finite number, 0 or more")
     return float(value)

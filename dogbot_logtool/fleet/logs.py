@@ -12,7 +12,13 @@ from typing import TYPE_CHECKING, Final
 from dogbot_logtool import storage
 from dogbot_logtool.errors import CallError, LogtoolError
 from dogbot_logtool.fleet.search import Unsearched, matches, walk
-from dogbot_logtool.reader.signatures import BAG_MAGIC, MCAP_MAGIC, ROSBAG2_METADATA, SQLITE_MAGIC
+from dogbot_logtool.reader.signatures import (
+    ANNOTATED,
+    BAG_MAGIC,
+    MCAP_MAGIC,
+    ROSBAG2_METADATA,
+    SQLITE_MAGIC,
+)
 from dogbot_logtool.storage import Location
 
 if TYPE_CHECKING:
@@ -20,8 +26,6 @@ if TYPE_CHECKING:
 
 _SUFFIXES: Final = (".bag", ".mcap", ".db3")
 _MAGIC: Final = (BAG_MAGIC, MCAP_MAGIC, SQLITE_MAGIC)
-_OURS: Final = ".annotated.mcap"
-"""What `convert` writes is not searched for: else a second run would annotate annotations."""
 _WILD: Final = re.compile(r"[*?\[]")
 _LARGEST_LIST: Final = 256 << 20
 
@@ -94,7 +98,7 @@ def find_logs(words: Iterable[str], *, for_workers: bool = False) -> Fleet:
     left_out = 0
     for word in words:
         for one in _named(word, unsearched):
-            if one.searched and one.place.name.endswith(_OURS):
+            if one.searched and one.place.name.endswith(ANNOTATED):
                 left_out += 1
                 continue
             place = storage.from_root(one.place) if for_workers else one.place

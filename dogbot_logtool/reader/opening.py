@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Final, TypeVar
 
 from dogbot_logtool import storage
 from dogbot_logtool.errors import LogError
+from dogbot_logtool.reader import not_a_log
 from dogbot_logtool.reader.log import Log, Loss
 from dogbot_logtool.reader.signatures import BAG_MAGIC, MCAP_MAGIC, SQLITE_MAGIC, ZSTD_MAGIC
 from dogbot_logtool.reader.source import ByteSource
@@ -19,10 +20,6 @@ if TYPE_CHECKING:
 OpenedLog = TypeVar("OpenedLog", bound=Log)
 
 _MOST_DAMAGED_BYTES: Final = 2
-_KNOWN_BUT_UNREAD: Final = {
-    b"#ROSBAG V1": "a bag of an older format than 2.0; 'rosbag fix' or 'rosbag migrate' updates it",
-    b"\x1f\x8b": "a gzip-compressed file; decompress it first ('gunzip')",
-}
 
 
 def open_log(path: Location) -> Log:
@@ -85,7 +82,9 @@ def _open_source(source: ByteSource, distribution: str, *, packed: bool) -> Log:
         log = open_zstd(source, lambda inner: _open_file(inner, distribution, packed=False))
         source.close()
         return log
-    known = any(magic.startswith(start) for start in _KNOWN_BUT_UNREAD)
+    if (what := not_a_log.changed_line_ends(magic)) is not None:
+        raise LogError(f"{storage.shown(source.path)}: {what}")
+    known = not_a_log.is_known(magic)
     if not known and _resembles(magic, MCAP_MAGIC):
         from dogbot_logtool.reader.mcap_log import open_mcap  # noqa: PLC0415
 
@@ -94,7 +93,7 @@ def _open_source(source: ByteSource, distribution: str, *, packed: bool) -> Log:
         from dogbot_logtool.reader.bag_log import open_bag  # noqa: PLC0415
 
         return _noting_damage(open_bag(source), magic, BAG_MAGIC)
-    raise LogError(f"{storage.shown(source.path)}: {_what_it_is(magic)}")
+    raise LogError(f"{storage.shown(source.path)}: {not_a_log.describe(source)}")
 
 
 def _resembles(magic: bytes, expected: bytes) -> bool:
@@ -108,15 +107,3 @@ def _noting_damage(log: OpenedLog, magic: bytes, expected: bytes) -> OpenedLog:
     if not magic.startswith(expected):
         log.losses = (Loss(0, "the file's first bytes are damaged"), *log.losses)
     return log
-
-
-def _what_it_is(magic: bytes) -> str:
-    if not magic:
-        return "is empty"
-    for start, what in _KNOWN_BUT_UNREAD.items():
-        if magic.startswith(start):
-            return f"is {what}"
-    return (
-        "is neither a ROS 1 bag (#ROSBAG V2.0) nor an MCAP file nor a file of a ROS 2 bag: "
-        "its first bytes are none of theirs"
-    )

@@ -1,18 +1,18 @@
 """ROS 2 bags: a directory of files, and a metadata.yaml that names them."""
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Final, Protocol
+from typing import Final, Protocol
 
 from dogbot_logtool.errors import CallError, LogError
 from dogbot_logtool.reader.joined_log import JoinedLog
-from dogbot_logtool.reader.log import Log, Loss
-from dogbot_logtool.reader.signatures import ROSBAG2_METADATA
-from dogbot_logtool.storage import Location, content, files_in, shown
+from dogbot_logtool.reader.log import Log, Loss, lost_messages
+from dogbot_logtool.reader.rosbag2_metadata import Metadata, UnusableMetadata, read_metadata
+from dogbot_logtool.reader.signatures import ANNOTATED, ROSBAG2_METADATA
+from dogbot_logtool.storage import Location, files_in, shown
 
-_LARGEST_METADATA: Final = 8 << 20
 _SUFFIXES: Final = (".db3", ".mcap")
 _PACKED: Final = ".zstd"
 
@@ -26,11 +26,13 @@ class OpenFile(Protocol):
 
 @dataclass(frozen=True, slots=True)
 class _Bag:
-    """What a bag's metadata tells. Counts and types are taken from the files themselves."""
+    """The files of a bag."""
 
     files: tuple[Location, ...]
     distribution: str
     losses: tuple[Loss, ...]
+    messages: int | None = None
+    """As many as metadata promises; None if it does not tell."""
 
 
 def open_rosbag2(path: Location, open_file: OpenFile) -> Log:
@@ -42,7 +44,7 @@ def open_rosbag2(path: Location, open_file: OpenFile) -> Log:
         CallError: there are no log files in it.
         LogError: none of its files can be read.
     """
-    bag = _read_metadata(path) or _without_metadata(path)
+    bag = _find_files(path)
     logs: list[Log] = []
     losses = list(bag.losses)
     for file in bag.files:
@@ -53,43 +55,51 @@ def open_rosbag2(path: Location, open_file: OpenFile) -> Log:
     if not logs:
         told = losses[0].what if losses else f"{ROSBAG2_METADATA} names no files"
         raise LogError(f"{shown(path)}: nothing of this ROS 2 bag can be read: {told}")
+    if bag.messages is not None:
+        losses.extend(_compare_count(bag.messages, logs, losses))
     return JoinedLog(path, logs, losses)
 
 
-def _read_metadata(folder: Location) -> _Bag | None:
-    """Return what metadata tells; None if there is none that can be read."""
-    document = _document(folder / ROSBAG2_METADATA)
-    information = document.get("rosbag2_bagfile_information")
-    information = information if isinstance(information, dict) else {}
-    names = information.get("relative_file_paths")
-    if not isinstance(names, list):
-        return None
-    present = {file.name: file for file in files_in(folder)}
-    files: list[Location] = []
-    losses: list[Loss] = []
-    for name in names:
-        file = _present(present, str(name))
-        if file is None:
-            what = f"{ROSBAG2_METADATA} names {Path(str(name)).name}, which is not there"
-            losses.append(Loss(0, what, 0, None))
-        elif file not in files:
-            files.append(file)
-    return _Bag(tuple(files), str(information.get("ros_distro") or ""), tuple(losses))
-
-
-def _document(path: Location) -> dict[str, Any]:
-    # Imported late: only directories need it.
-    from ruamel.yaml import YAML  # noqa: PLC0415
-    from ruamel.yaml.error import YAMLError  # noqa: PLC0415
-
+def _find_files(folder: Location) -> _Bag:
     try:
-        data = content(path, _LARGEST_METADATA)
-        if data is None:
-            return {}
-        document = YAML(typ="safe").load(data.decode("utf-8"))
-    except (OSError, CallError, UnicodeDecodeError, YAMLError, ValueError, RecursionError):
-        return {}
-    return document if isinstance(document, dict) else {}
+        return _named_files(folder, read_metadata(folder))
+    except UnusableMetadata as error:
+        return _numbered_files(folder, str(error))
+
+
+def _named_files(folder: Location, metadata: Metadata) -> _Bag:
+    """Return the files that metadata names; say which are missing, and which it does not name."""
+    present = {file.name: file for file in files_in(folder)}
+    files: dict[str, Location] = {}
+    losses: list[Loss] = []
+    for name in metadata.files:
+        file = _present(present, name)
+        if file is None:
+            base = Path(name).name
+            what = f"{ROSBAG2_METADATA} names {base}, which is not there"
+            losses.append(Loss(0, what, 0, metadata.messages_by_file.get(base)))
+        else:
+            files[file.name] = file
+    named = {name.removesuffix(_PACKED) for name in files}
+    for name, file in present.items():
+        if _is_log(file) and name.removesuffix(_PACKED) not in named:
+            what = f"{ROSBAG2_METADATA} does not name {name}, so it was left out"
+            losses.append(Loss(0, what, 0, None))
+    return _Bag(tuple(files.values()), metadata.distribution, tuple(losses), metadata.messages)
+
+
+def _compare_count(promised: int, logs: Sequence[Log], losses: Sequence[Loss]) -> Iterator[Loss]:
+    """Say where the files hold other than the promised number of messages.
+
+    Messages that other losses explain are not counted twice.
+    """
+    found = sum(sum(log.counts.values()) for log in logs)
+    if promised == found:
+        return
+    known = lost_messages([*losses, *(loss for log in logs for loss in log.losses)])
+    missing = 0 if known is None else max(promised - found - known, 0)
+    what = f"{ROSBAG2_METADATA} counts {promised} messages, but {found} were found"
+    yield Loss(0, what, 0, missing)
 
 
 def _present(files: Mapping[str, Location], name: str) -> Location | None:
@@ -104,19 +114,19 @@ def _present(files: Mapping[str, Location], name: str) -> Location | None:
     return None
 
 
-def _without_metadata(folder: Location) -> _Bag:
+def _numbered_files(folder: Location, reason: str) -> _Bag:
     """Take all log files in the order of their numbers."""
     found: list[Location] = [file for file in files_in(folder) if _is_log(file)]
     if not found:
         raise CallError(f"{shown(folder)}: is a directory, not a log file, and holds no ROS 2 bag")
     ordered = sorted(found, key=_by_number)
-    what = f"there is no {ROSBAG2_METADATA} that can be read; the files were taken by their names"
+    what = f"{ROSBAG2_METADATA} cannot be used ({reason}); the files were taken by their names"
     return _Bag(_one_storage(ordered), "", (Loss(0, what, 0, 0),))
 
 
 def _is_log(file: Location) -> bool:
     name = file.name.removesuffix(_PACKED)
-    return name.endswith(_SUFFIXES)
+    return name.endswith(_SUFFIXES) and not name.endswith(ANNOTATED)
 
 
 def _by_number(file: Location) -> tuple[list[int], str]:

@@ -1,13 +1,13 @@
 """The bytes of a log file, read by place: safe to share among threads, never grows with the log."""
 
 import os
-import stat
 from collections.abc import Sequence
 from pathlib import Path
 from types import TracebackType
 from typing import Self
 
-from dogbot_logtool.errors import CallError, LogError
+from dogbot_logtool import storage
+from dogbot_logtool.errors import LogError
 from dogbot_logtool.storage import Location
 
 
@@ -27,23 +27,11 @@ class ByteSource:
         """Open a file.
 
         Raises:
-            CallError: it does not exist, may not be read, or is not a plain file.
+            CallError: it does not exist, may not be read, or is not a regular file.
         """
         self.path = path
-        try:
-            mode = path.stat().st_mode
-            if stat.S_ISDIR(mode):
-                raise CallError(f"{path}: is a directory, not a log file")
-            if not stat.S_ISREG(mode):
-                raise CallError(
-                    f"{path}: is not a plain file; a log is read from many places at once, "
-                    "so save the stream to a file first"
-                )
-            self._descriptor = os.open(path, os.O_RDONLY | getattr(os, "O_BINARY", 0))
-        except FileNotFoundError as error:
-            raise CallError(f"{path}: no such file") from error
-        except OSError as error:
-            raise CallError(f"{path}: cannot be opened: {error.strerror}") from error
+        self._file = storage.open_file(path)
+        self._descriptor = self._file.fileno()
         self.size = os.fstat(self._descriptor).st_size
 
     def read(self, offset: int, size: int) -> bytes:
@@ -80,7 +68,7 @@ class ByteSource:
 
     def close(self) -> None:
         """Close the file."""
-        os.close(self._descriptor)
+        self._file.close()
 
     def __enter__(self) -> Self:
         return self

@@ -1,13 +1,9 @@
 """ROS 2 bags in SQLite (.db3): rows become messages, runs of rows become chunks."""
 
-import os
 import sqlite3
-import threading
 from collections.abc import Iterator
-from itertools import pairwise
-from pathlib import Path
+from itertools import islice, pairwise
 from typing import Final
-from urllib.parse import quote
 
 import numpy as np
 
@@ -28,7 +24,13 @@ from dogbot_logtool.reader.log import (
 )
 from dogbot_logtool.reader.packed_messages import unpacked
 from dogbot_logtool.reader.source import ByteSource
+from dogbot_logtool.reader.sqlite_database import (
+    Database,
+    PagesSharedError,
+    open_database,
+)
 from dogbot_logtool.reader.sqlite_topics import Topics, check_tables, read_topics
+from dogbot_logtool.storage import Location
 
 _CHUNK_SIZE: Final = 1 << 20
 """Bytes of messages from which a chunk is full."""
@@ -95,46 +97,88 @@ class SqliteLog(Log):
 class _Rows:
     """The rows of the table of messages; safe to share among threads."""
 
-    def __init__(self, database: sqlite3.Connection) -> None:
+    def __init__(self, database: Database, path: Location) -> None:
+        """Take a database.
+
+        Raises:
+            LogError: its rows have no numbers.
+        """
         self._database = database
-        self._lock = threading.Lock()
+        self._key = _row_number(database, path)
 
     def survey(self) -> Iterator[Ints]:
-        """Yield (n, 4) row id, topic id, time in ns, and size of messages, in file order."""
-        with self._lock:
-            cursor = self._database.execute(
-                "SELECT rowid, topic_id, timestamp, length(data) FROM messages "  # noqa: S608
-                f"WHERE {_SOUND} ORDER BY rowid"
-            )
-            while rows := cursor.fetchmany(_ROWS_AT_ONCE):
-                yield np.array(rows, np.int64)
+        """Yield (n, 4) row number, topic id, time in ns, and size of messages, in file order.
+
+        Raises:
+            sqlite3.Error: the database is damaged.
+        """
+        query = (
+            f"SELECT {self._key}, topic_id, timestamp, length(data) FROM messages "  # noqa: S608
+            f"WHERE {_SOUND} ORDER BY {self._key}"
+        )
+        rows = self._database.each(query)
+        last: int | None = None
+        size = 0
+        while found := list(islice(rows, _ROWS_AT_ONCE)):
+            table = np.array(found, np.int64)
+            size += int(table[:, 3].sum())
+            sound = _ascending(table[:, 0], last) if size <= self._database.size else 0
+            if sound:
+                yield table[:sound]
+            if sound < len(table):
+                raise PagesSharedError
+            last = int(table[-1, 0])
 
     def unsound(self) -> int:
         """Return the number of rows that are no messages."""
-        with self._lock:
-            query = f"SELECT count(*) FROM messages WHERE NOT ({_SOUND})"  # noqa: S608
-            return int(self._database.execute(query).fetchone()[0])
+        query = f"SELECT count(*) FROM messages WHERE NOT ({_SOUND})"  # noqa: S608
+        return int(self._database.rows(query)[0][0])
 
     def read(self, chunk: Chunk, topics: Topics) -> tuple[Messages, bytes]:
         """Return the messages of a chunk and their bytes."""
-        with self._lock:
-            rows = self._database.execute(
-                "SELECT topic_id, timestamp, data FROM messages "  # noqa: S608
-                f"WHERE rowid BETWEEN ? AND ? AND {_SOUND} ORDER BY rowid",
-                (chunk.data_offset, chunk.end),
-            ).fetchall()
-        channel = topics.channel_of(np.array([row[0] for row in rows], np.int64))
-        time = np.array([row[1] for row in rows], np.int64)
-        sizes = np.array([len(row[2]) for row in rows], np.int64)
+        query = (
+            f"SELECT {self._key}, topic_id, timestamp, data FROM messages "  # noqa: S608
+            f"WHERE {self._key} BETWEEN ? AND ? AND {_SOUND} ORDER BY {self._key}"
+        )
+        rows = self._database.rows(query, (chunk.data_offset, chunk.end))
+        if _ascending(np.array([row[0] for row in rows], np.int64), None) < len(rows):
+            raise PagesSharedError
+        channel = topics.channel_of(np.array([row[1] for row in rows], np.int64))
+        time = np.array([row[2] for row in rows], np.int64)
+        sizes = np.array([len(row[3]) for row in rows], np.int64)
         ends = np.cumsum(sizes)
         none = np.zeros(len(rows), np.int64)
         messages = Messages(channel, time, time, none, ends - sizes, ends)
-        data = b"".join([row[2] for row in rows])
+        data = b"".join([row[3] for row in rows])
         return messages.pick(channel > 0), data
 
     def close(self) -> None:
-        with self._lock:
-            self._database.close()
+        self._database.close()
+
+
+def _row_number(database: Database, path: Location) -> str:
+    """Return SQLite's name for the number of a row that no column of the table has taken.
+
+    Raises:
+        LogError: there is none.
+    """
+    taken = database.columns("messages")
+    for name in ("rowid", "_rowid_", "oid"):
+        if name not in taken:
+            try:
+                database.rows(f"SELECT {name} FROM messages LIMIT 0")  # noqa: S608
+            except sqlite3.OperationalError:
+                break
+            return name
+    raise LogError(f"{path}: is no ROS 2 bag: the rows of its table 'messages' have no numbers")
+
+
+def _ascending(numbers: Ints, last: int | None) -> int:
+    """Return how many numbers, from the first on, are each larger than the one before."""
+    if len(numbers) and last is not None and numbers[0] <= last:
+        return 0
+    falls = np.flatnonzero(np.diff(numbers) <= 0)
+    return int(falls[0]) + 1 if len(falls) else len(numbers)
 
 
 def open_sqlite(source: ByteSource, distribution: str = "") -> SqliteLog:
@@ -150,10 +194,10 @@ def open_sqlite(source: ByteSource, distribution: str = "") -> SqliteLog:
     """
     database = None
     try:
-        database, losses = _connect(source)
-        check_tables(database, str(source.path))
+        database, losses = open_database(source)
+        check_tables(database, source.path)
         topics = read_topics(database, distribution)
-        rows = _Rows(database)
+        rows = _Rows(database, source.path)
         contents = _contents(rows, topics, losses)
         return SqliteLog(source, contents, rows, topics)
     except BaseException as error:
@@ -162,32 +206,6 @@ def open_sqlite(source: ByteSource, distribution: str = "") -> SqliteLog:
         if isinstance(error, sqlite3.Error | UnicodeDecodeError | OverflowError):
             raise LogError(f"{source.path}: its database cannot be read: {error}") from error
         raise
-
-
-def _connect(source: ByteSource) -> tuple[sqlite3.Connection, list[Loss]]:
-    """Open the database for reading only, with its write-ahead log if there is one."""
-    path = Path(str(source.path))
-    name = quote(os.fsencode(path.resolve()))
-    journal = path.with_name(path.name + "-wal")
-    problems: list[Loss] = []
-    for access in ("mode=ro", "mode=ro&immutable=1") if journal.exists() else ("immutable=1",):
-        database = sqlite3.connect(f"file:{name}?{access}", uri=True, check_same_thread=False)
-        database.text_factory = _text
-        try:
-            database.execute("PRAGMA trusted_schema = OFF")
-            database.execute("PRAGMA query_only = ON")
-            database.execute("SELECT count(*) FROM sqlite_master").fetchone()
-        except sqlite3.Error as error:
-            database.close()
-            what = f"the write-ahead log beside it cannot be read ({error})"
-            problems.append(Loss(0, what, 0, None))
-            continue
-        return database, problems if access != "mode=ro" else []
-    raise LogError(f"{source.path}: is a damaged SQLite database")
-
-
-def _text(data: bytes) -> str:
-    return data.decode("utf-8", "replace")
 
 
 def _contents(rows: _Rows, topics: Topics, losses: list[Loss]) -> Contents:

@@ -1,6 +1,5 @@
 """The tables of a .db3 file that tell what its messages are."""
 
-import sqlite3
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Final
@@ -11,6 +10,8 @@ from dogbot_logtool.core.arrays import Ints
 from dogbot_logtool.errors import LogError
 from dogbot_logtool.reader.known_definitions import known_definition, long_type_name
 from dogbot_logtool.reader.log import Channel, Schema
+from dogbot_logtool.reader.sqlite_database import Database
+from dogbot_logtool.storage import Location
 
 _MOST_TOPICS: Final = 0xFFFF
 """Channel ids of an MCAP."""
@@ -38,41 +39,38 @@ class Topics:
         return np.where(self.ids[place] == topic, self.numbers[place], 0)
 
 
-def check_tables(database: sqlite3.Connection, path: str) -> None:
+def check_tables(database: Database, path: Location) -> None:
     """Check that the tables are a ROS 2 bag's, and plain: nothing that computes its rows.
 
     Raises:
         LogError: they are not.
     """
     for table, needed in _COLUMNS.items():
-        row = database.execute(
-            "SELECT sql FROM sqlite_master WHERE type = 'table' AND name = ?", (table,)
-        ).fetchone()
-        if row is None or not str(row[0]).lstrip().upper().startswith("CREATE TABLE"):
+        columns = database.columns(table)
+        if not columns:
             raise LogError(f"{path}: is a SQLite database, but no ROS 2 bag: no table {table!r}")
-        # Hidden columns are computed ones.
-        columns = database.execute(f"PRAGMA table_xinfo({table})").fetchall()
-        plain = {str(column[1]) for column in columns if column[6] == 0}
-        if not needed <= plain:
-            missing = min(needed - plain)
+        if not needed <= columns:
+            missing = min(needed - columns)
             raise LogError(f"{path}: is no ROS 2 bag: its table {table!r} has no {missing!r}")
 
 
-def read_topics(database: sqlite3.Connection, distribution: str) -> Topics:
+def read_topics(database: Database, distribution: str) -> Topics:
     """Read the topics, and find the definitions of their types: the log's own go first."""
     recorded = _recorded_definitions(database)
     distribution = _distribution(database) or distribution
     # Columns that the first recorders did not write yet.
     later = {"serialization_format": "'cdr'", "offered_qos_profiles": "''"}
+    present = database.columns("topics")
     columns = ", ".join(
-        column if _has_column(database, "topics", column) else default
+        f"coalesce({column}, {default})" if column in present else default
         for column, default in later.items()
     )
-    rows = database.execute(
+    rows = database.rows(
         f"SELECT id, name, type, {columns} FROM topics "  # noqa: S608
-        "WHERE typeof(id) = 'integer' ORDER BY id LIMIT ?",
+        "WHERE typeof(id) = 'integer' AND typeof(name) = 'text' AND typeof(type) = 'text' "
+        "ORDER BY id LIMIT ?",
         (_MOST_TOPICS,),
-    ).fetchall()
+    )
     schemas: dict[str, Schema] = {}
     channels: dict[int, Channel] = {}
     for number, (_, name, type_name, serialisation, profiles) in enumerate(rows, start=1):
@@ -91,12 +89,12 @@ def _known(kind: str, distribution: str) -> tuple[str, str]:
     return ("", "") if text is None else ("ros2msg", text)
 
 
-def _recorded_definitions(database: sqlite3.Connection) -> dict[str, tuple[str, str]]:
+def _recorded_definitions(database: Database) -> dict[str, tuple[str, str]]:
     """Return encoding and text by type, as newer recorders write them."""
     needed = ("topic_type", "encoding", "encoded_message_definition")
-    if not all(_has_column(database, "message_definitions", column) for column in needed):
+    if not database.columns("message_definitions").issuperset(needed):
         return {}
-    rows = database.execute(f"SELECT {', '.join(needed)} FROM message_definitions").fetchall()  # noqa: S608
+    rows = database.rows(f"SELECT {', '.join(needed)} FROM message_definitions")  # noqa: S608
     return {
         long_type_name(str(kind)): (str(encoding), str(text))
         for kind, encoding, text in rows
@@ -104,17 +102,8 @@ def _recorded_definitions(database: sqlite3.Connection) -> dict[str, tuple[str, 
     }
 
 
-def _distribution(database: sqlite3.Connection) -> str:
-    if not _has_column(database, "schema", "ros_distro"):
+def _distribution(database: Database) -> str:
+    if "ros_distro" not in database.columns("schema"):
         return ""
-    row = database.execute("SELECT ros_distro FROM schema LIMIT 1").fetchone()
-    return str(row[0]) if row else ""
-
-
-def _has_column(database: sqlite3.Connection, table: str, column: str) -> bool:
-    """Tell whether a plain table has a plain column."""
-    query = "SELECT count(*) FROM sqlite_master WHERE type = 'table' AND name = ?"
-    if not database.execute(query, (table,)).fetchone()[0]:
-        return False
-    columns = database.execute(f"PRAGMA table_xinfo({table})").fetchall()
-    return any(row[1] == column and row[6] == 0 for row in columns)
+    rows = database.rows("SELECT ros_distro FROM schema WHERE typeof(ros_distro) = 'text' LIMIT 1")
+    return str(rows[0][0]) if rows else ""

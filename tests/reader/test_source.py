@@ -35,7 +35,7 @@ def test_a_folder_is_a_wrong_call(tmp_path: Path) -> None:
 def test_a_pipe_is_a_wrong_call(tmp_path: Path) -> None:
     path = tmp_path / "pipe"
     os.mkfifo(path)
-    with pytest.raises(CallError, match="not a plain file"):
+    with pytest.raises(CallError, match="not a regular file"):
         ByteSource(path)
 
 

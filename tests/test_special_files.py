@@ -1,0 +1,166 @@
+"""Files that are no regular ones, and small ones that take their parser's time or memory."""
+
+import os
+import socket
+import subprocess
+import sys
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from dogbot_logtool.comparison.tolerances import load_rules
+from dogbot_logtool.errors import CallError
+from dogbot_logtool.robot import load_robot
+from tests.reader.mcap_bytes import small_mcap
+
+MOST_SECONDS = 30
+
+
+def run(*words: str | Path) -> subprocess.CompletedProcess[str]:
+    return subprocess.run(  # noqa: S603 - our own interpreter
+        [sys.executable, "-m", "dogbot_logtool", *map(str, words)],
+        capture_output=True,
+        text=True,
+        timeout=MOST_SECONDS,
+        check=False,
+        stdin=subprocess.DEVNULL,
+        cwd=Path(__file__).parents[1],
+    )
+
+
+def pipe(folder: Path) -> Path:
+    path = folder / "pipe.toml"
+    os.mkfifo(path)
+    return path
+
+
+def device(folder: Path) -> Path:
+    path = folder / "device.toml"
+    path.symlink_to("/dev/zero")
+    return path
+
+
+def directory(folder: Path) -> Path:
+    path = folder / "directory.toml"
+    path.mkdir()
+    return path
+
+
+def listening(folder: Path) -> Path:
+    path = folder / "s.toml"
+    previous = Path.cwd()
+    # The name of a socket may be no longer than a hundred bytes.
+    os.chdir(folder)
+    try:
+        with socket.socket(socket.AF_UNIX) as end:
+            end.bind(path.name)
+    finally:
+        os.chdir(previous)
+    return path
+
+
+SPECIAL: dict[str, Callable[[Path], Path]] = {
+    "a named pipe": pipe,
+    "a device": device,
+    "a socket": listening,
+    "a directory": directory,
+}
+
+
+@pytest.mark.parametrize("kind", SPECIAL)
+def test_files_that_are_not_regular_are_refused(tmp_path: Path, kind: str) -> None:
+    path = SPECIAL[kind](tmp_path)
+    log = tmp_path / "walk.mcap"
+    log.write_bytes(small_mcap().build())
+    calls: list[tuple[str | Path, ...]] = [
+        ("info", "--robot", path, log),
+        ("compare", "--tolerances", path, log, log),
+    ]
+    if kind != "a directory":
+        calls += [("info", path), ("compare", log, path)]
+    for call in calls:
+        done = run(*call)
+        assert done.returncode == 2, done.stderr
+        assert f"{path}: is {kind}, not a regular file" in done.stderr.replace("\n", "")
+
+
+@pytest.mark.parametrize(
+    ("text", "says"),
+    [
+        ("mass_kg = [\n" + "1,\n" * 5000 + "]\n", "line 2: mass_kg is [1, 1"),
+        ("strange = [\n" + "1,\n" * 5000 + "]\n", "line 2: the key strange is not known"),
+        ("strange = '''\n" + '"""[\n' * 5000 + "'''\n", "line 2: the key strange is not known"),
+        ("\n" * 20_000 + "strange = 1", "line 20002: the key strange is not known"),
+        ("mass_kg = " + "9" * 5000, "too many digits"),
+        ("mass_kg = " + "9" * 4000, "line 2: mass_kg is 9999"),
+        ("mass_kg = 0x" + "f" * 90_000, "line 2: mass_kg is too long to show"),
+        ("mass_kg = 1e999", "line 2: mass_kg is inf"),
+        ("mass_kg = " + "[" * 50_000 + "]" * 50_000, "nested too deeply"),
+        ("mass_kg = " + "{a=" * 50_000, "nested too deeply"),
+        ("a." * 50_000 + "b = 1", "line 2: a key has more than 16 parts"),
+        ("[" + "'a' . " * 20_000 + "b]", "line 2: a key has more than 16 parts"),
+        ("a" * 200_000 + " = 1", "line 2: the key aaa"),
+        ("#" * 300_000, "larger than 256 kB"),
+    ],
+)
+def test_hostile_toml_is_refused_at_once(tmp_path: Path, text: str, says: str) -> None:
+    path = tmp_path / "robot.toml"
+    path.write_text("name = 'x'\n" + text)
+    done = run("info", "--robot", path, _log(tmp_path))
+    assert done.returncode == 2, done.stderr
+    assert says in done.stderr
+    assert "Traceback" not in done.stderr
+
+
+def _log(folder: Path) -> Path:
+    path = folder / "walk.mcap"
+    path.write_bytes(small_mcap().build())
+    return path
+
+
+def test_a_byte_order_mark_does_not_matter(tmp_path: Path) -> None:
+    path = tmp_path / "robot.toml"
+    path.write_text("name = 'from Windows'\r\nmass_kg = 12.0\r\n", encoding="utf-8-sig")
+    assert load_robot(str(path)).name == "from Windows"
+
+
+@pytest.mark.parametrize(
+    ("text", "says"),
+    [
+        ("atol = " + "9" * 5000, "too many digits"),
+        ("atol = " + "9" * 400, "must be a finite number"),
+        ("x = " + "[" * 50_000, "nested too deeply"),
+    ],
+)
+def test_hostile_tolerances_are_refused(tmp_path: Path, text: str, says: str) -> None:
+    path = tmp_path / "tolerances.toml"
+    path.write_text("[default]\n" + text)
+    with pytest.raises(CallError, match=says):
+        load_rules(None, None, path, (), ())
+
+
+@pytest.mark.parametrize(
+    ("text", "says"),
+    [
+        ('{"a": ' + "9" * 5000 + "}", "a number of too many digits"),
+        ("[" * 100_000, "nested too deeply"),
+        ('{"a":' * 5000 + "1" + "}" * 5000, "nested too deeply"),
+    ],
+)
+def test_hostile_json_is_refused(tmp_path: Path, text: str, says: str) -> None:
+    path = tmp_path / "stats.json"
+    path.write_text(text)
+    done = run("compare", path, path)
+    assert done.returncode == 2
+    assert says in done.stderr
+
+
+def test_huge_numbers_are_compared(tmp_path: Path) -> None:
+    one, other = tmp_path / "one.json", tmp_path / "other.json"
+    one.write_text('{"a": ' + "9" * 4000 + "}")
+    other.write_text('{"a": 1' + "9" * 4000 + "}")
+    for options in ((), ("--rtol", "0.1", "--atol", "1")):
+        done = run("compare", *options, one, other)
+        assert done.returncode == 1, done.stderr
+        assert "Traceback" not in done.stderr
