@@ -158,7 +158,8 @@ class Table:
         fields = _fields(run)
         first = fields[names[0]][1]
         in_a_row = [(_DOUBLE, first + _DOUBLE.itemsize * row) for row in range(len(names))]
-        if [fields.get(name) for name in names] == in_a_row:
+        # A view of no rows has no bytes for its offset to lie in.
+        if len(run) and [fields.get(name) for name in names] == in_a_row:
             place, strides = run.view(np.uint8).data, (run.itemsize, _DOUBLE.itemsize)
             shape = len(run), len(names)
             return np.ascontiguousarray(np.ndarray(shape, _DOUBLE, place, first, strides))
