@@ -145,11 +145,6 @@ class Table:
         """Return a column of numbers, (n,) or (n, k)."""
         return self._run(path)[path]
 
-    def is_fixed_array(self, path: str) -> bool:
-        """Tell whether there is a fixed array of numbers of this path."""
-        found = (run[path] for run in self.runs if path in _fields(run))
-        return any(numbers.ndim == 2 for numbers in found)
-
     def vectors(self, path: str, components: str) -> Floats:
         """Return (n, k) float64 from the fields ``path.x``, ``path.y`` ... of a struct."""
         prefix = f"{path}." if path else ""

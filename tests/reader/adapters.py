@@ -159,14 +159,13 @@ def feet() -> FootChannels:
     return FootChannels(one, {1: (0, 1, 2, 3)}, release_n=2.0, left_after_ns=1)
 
 
-def check(of: Channel) -> None:
-    """Check a channel's definition."""
+def check(of: Channel) -> str:
+    """Check a channel's definition; see `check_channel`."""
     if of.type_name == ODOMETRY_TYPE:
-        check_odometry(of)
-    elif of.type_name in TRANSFORM_TYPES:
-        check_transforms(of)
-    else:
-        check_contacts(of)
+        return check_odometry(of)
+    if of.type_name in TRANSFORM_TYPES:
+        return check_transforms(of)
+    return check_contacts(of)
 
 
 def read(of: Channel, given: Batch) -> Outcome:
