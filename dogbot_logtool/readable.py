@@ -8,6 +8,7 @@ from dogbot_logtool.errors import DefinitionError
 from dogbot_logtool.findings import Finding, error, note, warning
 from dogbot_logtool.listing import listed
 from dogbot_logtool.reader.contact_sources.registry import SOURCES, check_contacts
+from dogbot_logtool.reader.foxglove_transforms import FOXGLOVE_TYPES
 from dogbot_logtool.reader.log import Channel
 from dogbot_logtool.reader.messages import SERIALISATIONS
 from dogbot_logtool.reader.odometry import ODOMETRY_TYPE, check_odometry
@@ -81,7 +82,7 @@ def _about(topics: Collection[str], text: str, say: "partial[Finding]") -> Findi
 
 def other_encodings(channels: Mapping[int, Channel]) -> str:
     """Return a sentence on the topics that are in no encoding that is read; empty: none are."""
-    others = {c.topic: c.message_encoding for c in channels.values() if not _is_ros(c)}
+    others = {c.topic: c.message_encoding for c in channels.values() if not _is_read(c)}
     if not others:
         return ""
     topics = {channel.topic for channel in channels.values()}
@@ -93,8 +94,8 @@ def other_encodings(channels: Mapping[int, Channel]) -> str:
     )
 
 
-def _is_ros(channel: Channel) -> bool:
-    return channel.message_encoding in SERIALISATIONS
+def _is_read(channel: Channel) -> bool:
+    return channel.message_encoding in SERIALISATIONS or channel.type_name in FOXGLOVE_TYPES
 
 
 def reasons(findings: Iterable[Finding]) -> str:

@@ -151,7 +151,7 @@ def select_topics(log: Log, options: TopicOptions) -> Selection:
     ]
     unreadable = list(unreadable_findings(log.channels.values(), odometry, contacts))
     if not (odometry or contacts or unreadable) and (others := other_encodings(log.channels)):
-        unreadable.append(warning("UNREADABLE", others))
+        unreadable.append(note("UNREADABLE", others))
     findings.extend(unreadable)
     findings.extend(own_definition_findings([*odometry, *contacts, *transforms]))
     return Selection(
