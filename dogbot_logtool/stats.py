@@ -10,6 +10,7 @@ from typing import Final, Literal
 from dogbot_logtool.batch_reader import BatchReader
 from dogbot_logtool.core.clock import TimeSource, UnusableStamps
 from dogbot_logtool.core.curves import CurveDetail
+from dogbot_logtool.core.plausible import IMPLAUSIBLE
 from dogbot_logtool.core.settings import FootPlace, StatsSettings
 from dogbot_logtool.core.silent_swing import SwingTeller
 from dogbot_logtool.core.walk_stats import Stats, StatsAccumulator
@@ -22,7 +23,7 @@ from dogbot_logtool.evidence import (
     frame_names,
     look_into,
 )
-from dogbot_logtool.findings import Finding
+from dogbot_logtool.findings import Finding, warning
 from dogbot_logtool.measuring import BatchMeasurer, MeasuredBatch
 from dogbot_logtool.parallel.relay import Progress, in_order
 from dogbot_logtool.reader.log import Log, Loss, Span, lost_messages
@@ -210,6 +211,7 @@ class _Feed:
     forces: StreamedFrames | None
     losses: list[Loss]
     malformed: Counter[int] = field(default_factory=Counter)
+    implausible: int = 0
     messages: int = 0
 
     def take(self, batch: MeasuredBatch) -> None:
@@ -226,6 +228,7 @@ class _Feed:
             )
         self.losses.extend(batch.losses)
         self.malformed.update(batch.malformed)
+        self.implausible += batch.implausible
         self.messages += batch.messages
 
     def finish(self, log: Log, selection: Selection, evidence: Evidence) -> Measurement:
@@ -236,6 +239,8 @@ class _Feed:
         # The figures have a finding of their own for each topic's stamps.
         seen = [f for f in evidence_findings(selection, evidence) if f.code != "W_ZERO_STAMPS"]
         findings = [*selection.findings, *seen]
+        if self.implausible:
+            findings.append(warning("IMPLAUSIBLE", f"{self.implausible:,} {IMPLAUSIBLE}"))
         if self.forces is not None:
             findings.extend(self.forces.findings())
         facts = _facts(log, selection.robot.name, findings, self.messages, losses)

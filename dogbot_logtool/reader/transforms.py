@@ -5,6 +5,7 @@ from typing import Final
 
 import numpy as np
 
+from dogbot_logtool.core.plausible import plausible_translations
 from dogbot_logtool.core.recorded_transforms import RecordedTransforms
 from dogbot_logtool.reader.fields import table, text, time, vector
 from dogbot_logtool.reader.log import Batch, Channel
@@ -54,7 +55,7 @@ def transform_columns(messages: DecodedMessages) -> RecordedTransforms:
         parents=parents,
         child=child[order],
         children=children,
-        translation=each.vectors("transform.translation", "xyz")[order],
+        translation=plausible_translations(each.vectors("transform.translation", "xyz"))[order],
         rotation=each.vectors("transform.rotation", "xyzw")[order],
     )
 

@@ -1,9 +1,10 @@
 """All contact sources, and the seam through which every command reads them."""
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Final
 
+from dogbot_logtool.core.plausible import plausible_samples
 from dogbot_logtool.reader.contact_sources import (
     champ,
     gazebo,
@@ -72,4 +73,7 @@ def _read(batch: Batch, channels: Sequence[Channel], feet: FootChannels) -> Iter
         of_type = [channel for channel in channels if channel.type_name == type_name]
         fields = source.fields if feet.normals else without(source.fields, source.normals)
         for messages in decode_channels(batch, of_type, fields):
-            yield ContactsRead(source, messages, source.read(messages, feet), feet)
+            felt = source.read(messages, feet)
+            samples, implausible = plausible_samples(felt.samples)
+            felt = replace(felt, samples=samples, implausible=implausible)
+            yield ContactsRead(source, messages, felt, feet)

@@ -51,6 +51,8 @@ class Felt:
     """Messages of several states whose `info` tells no time: read as one physics step."""
     foreign_states: int = 0
     """States of pairs in which not exactly one body is the foot."""
+    implausible: int = 0
+    """Samples with numbers that no robot reaches; those are NaN."""
 
 
 ToForce = Callable[[Foot, Floats], Floats]
