@@ -7,6 +7,7 @@ from typing import Final
 
 from dogbot_logtool.core.contacts import Samples
 from dogbot_logtool.core.odometry import Odometry
+from dogbot_logtool.core.plausible import plausible_odometry
 from dogbot_logtool.core.transform_buffer import LONGEST_DELAY_S, TransformBuffer
 from dogbot_logtool.reader.contact_sources.registry import ContactsRead, read_contacts
 from dogbot_logtool.reader.contact_sources.source import FootChannels
@@ -34,6 +35,8 @@ class BatchColumns:
     """The log's own transforms, where they matter."""
     frames: BatchFrames | None
     """What places feet in the world; None where that is not needed."""
+    implausible: int
+    """Poses and contact samples with numbers that no robot reaches; those are NaN."""
     stored_size: int
     """Bytes of the file that it was read from."""
 
@@ -67,7 +70,7 @@ class BatchReader:
         selection = self.selection
         batch = log.read(span).cropped(*self.limits)
         decoded = decode_odometry(batch, selection.odometry)
-        odometry = joined_odometry(decoded)
+        odometry, implausible = plausible_odometry(joined_odometry(decoded))
         contacts = read_contacts(batch, selection.contacts, self.feet)
         transforms: Sequence[DecodedMessages] = ()
         if self.reads_transforms or self.frames is not None:
@@ -86,6 +89,7 @@ class BatchReader:
             contacts=tuple(contacts),
             transforms=tuple(transforms),
             frames=frames,
+            implausible=implausible + sum(read.felt.implausible for read in contacts),
             stored_size=sum(chunk.data_size for chunk in span),
         )
 
@@ -115,7 +119,8 @@ class BatchReader:
             if frames.tell_until(own.then(ahead), latest):
                 break
             later = log.read((chunk,)).cropped(*self.limits)
-            poses = joined_odometry(decode_odometry(later, self.selection.odometry))
+            decoded = decode_odometry(later, self.selection.odometry)
+            poses, _ = plausible_odometry(joined_odometry(decoded))
             transforms = decode_transforms(later, self.selection.transforms)
             ahead = ahead.then(frames.tracks(transforms, poses))
         return ahead

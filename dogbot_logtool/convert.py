@@ -12,6 +12,7 @@ from dogbot_logtool import __version__
 from dogbot_logtool.conversion.batch import BatchConverter, ConvertedBatch, Counts
 from dogbot_logtool.conversion.carried import Carried
 from dogbot_logtool.conversion.channels import annotations_of
+from dogbot_logtool.core.plausible import IMPLAUSIBLE
 from dogbot_logtool.errors import LogError
 from dogbot_logtool.evidence import look_into
 from dogbot_logtool.findings import Finding, note, warning
@@ -287,6 +288,7 @@ def _findings(plan: Plan, tally: _Tally) -> Iterator[Finding]:
     untimed = 0 if plan.options.style == "classic" else counts.untimed_messages
     for count, say, code, text in (
         (counts.bad_poses, warning, "BAD_POSES", "poses not written for NaN or a zero quaternion"),
+        (counts.implausible, warning, "IMPLAUSIBLE", IMPLAUSIBLE),
         (arrows.not_finite, warning, "NOT_FINITE", "contacts not drawn for NaN or infinity"),
         (arrows.no_position, warning, "NO_POSITION", "contacts not drawn for want of a point"),
         (arrows.no_direction, warning, "NO_DIRECTION", "contacts not drawn for want of a normal"),

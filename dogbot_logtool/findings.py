@@ -28,6 +28,11 @@ class Finding:
     """The topic, if it is about one."""
 
 
+def error(code: str, text: str, where: str = "") -> Finding:
+    """Return an error; the code is given without its letter."""
+    return Finding(Severity.ERROR, f"E_{code}", text, where)
+
+
 def warning(code: str, text: str, where: str = "") -> Finding:
     """Return a warning; the code is given without its letter."""
     return Finding(Severity.WARNING, f"W_{code}", text, where)

@@ -7,6 +7,7 @@ from dogbot_logtool.core import frame_tree
 from dogbot_logtool.core.frame_edges import MOST_EDGES, FrameEdge
 from dogbot_logtool.findings import Finding, note, warning
 from dogbot_logtool.frames import Frames
+from dogbot_logtool.listing import listed
 
 _NAMED: Final = 5
 """Frames that a finding names."""
@@ -37,7 +38,7 @@ def _shape_findings(
         path = " -> ".join([*loop[:_NAMED], *more, loop[0]])
         yield warning("FRAME_LOOP", f"frames form a loop, so none of them has a place: {path}")
     for second in frame_tree.second_parents(edges):
-        parents = _listed(second.parents)
+        parents = listed(second.parents, _NAMED)
         if second.at_once:
             text = f"{second.child} has several parents at once, which break the tree: {parents}"
             yield warning("SECOND_PARENT", text)
@@ -46,7 +47,8 @@ def _shape_findings(
     trees = frame_tree.trees(pairs)
     if len(trees) > 1:
         tops = [next(iter(_roots_in(tree, pairs)), tree[0]) for tree in trees]
-        text = f"the frames are in {len(trees)} trees that nothing connects, below {_listed(tops)}"
+        below = listed(tops, _NAMED)
+        text = f"the frames are in {len(trees)} trees that nothing connects, below {below}"
         yield warning("SEVERAL_TREES", text)
     both = [edge for edge in edges if 0 < edge.static < edge.transforms]
     if both:
@@ -115,10 +117,4 @@ def _unread_findings(frames: Frames) -> Iterable[Finding]:
 
 
 def _edges(edges: Sequence[FrameEdge]) -> str:
-    return _listed([f"{edge.parent} -> {edge.child}" for edge in edges])
-
-
-def _listed(names: Sequence[str]) -> str:
-    """Return some names, and how many more there are."""
-    more = f" and {len(names) - _NAMED} more" if len(names) > _NAMED else ""
-    return ", ".join(names[:_NAMED]) + more
+    return listed([f"{edge.parent} -> {edge.child}" for edge in edges], _NAMED)

@@ -35,6 +35,8 @@ class MeasuredBatch:
     """What it tells of the links; None where no force must be turned into the world."""
     times: Sequence[MessageTimes]
     malformed: Mapping[int, int]
+    implausible: int
+    """Poses and contact samples with numbers that no robot reaches."""
     losses: Sequence[Loss]
     counts: Mapping[int, int]
     """Messages by channel id."""
@@ -60,6 +62,7 @@ class BatchMeasurer:
             frames=columns.frames,
             times=list((_log_times(log, columns.batch) | stamped).values()),
             malformed=columns.malformed,
+            implausible=columns.implausible,
             losses=columns.batch.losses,
             counts=columns.batch.counts,
             stored_size=columns.stored_size,

@@ -4,21 +4,29 @@ Topics are told by the robot's file, by options, or found.
 """
 
 import re
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from collections.abc import Set as AbstractSet
 from dataclasses import dataclass, replace
 from typing import Final
 
 from dogbot_logtool.core.footfall import contact_rule
 from dogbot_logtool.core.loads import body_weight_n
-from dogbot_logtool.errors import CallError, DefinitionError
+from dogbot_logtool.errors import CallError, LogError
 from dogbot_logtool.findings import Finding, note, warning
+from dogbot_logtool.listing import MOST, listed
 from dogbot_logtool.printable import printable
-from dogbot_logtool.reader.contact_sources.registry import SOURCES, check_contacts
+from dogbot_logtool.readable import (
+    other_encodings,
+    own_definition_findings,
+    reasons,
+    unreadable_findings,
+    why_unreadable,
+)
+from dogbot_logtool.reader.contact_sources.registry import SOURCES
 from dogbot_logtool.reader.contact_sources.source import ContactSource, FootChannels
 from dogbot_logtool.reader.log import Channel, Log
-from dogbot_logtool.reader.odometry import ODOMETRY_TYPE, check_odometry
-from dogbot_logtool.reader.transforms import TRANSFORM_TYPES, check_transforms, is_static
+from dogbot_logtool.reader.odometry import ODOMETRY_TYPE
+from dogbot_logtool.reader.transforms import TRANSFORM_TYPES, is_static
 from dogbot_logtool.robot import GENERIC, Foot, Robot, known_robots, load_robot
 from dogbot_logtool.storage import shown
 
@@ -47,6 +55,8 @@ _PLACE_LETTERS: Final = {
     "hr": ("back", "right"),
     "rr": ("back", "right"),
 }
+_LIKELY_WORDS: Final = ("odom", "contact", "foot", "feet", "force", "wrench", "pose", "leg")
+"""Words in topics and types that may tell of the base or the feet."""
 _PLACE_ORDER: Final = ("front", "middle", "back", "left", "right")
 
 
@@ -119,6 +129,7 @@ def select_topics(log: Log, options: TopicOptions) -> Selection:
 
     Raises:
         CallError: an option names a topic that the log does not have, or one of a wrong type.
+        LogError: an option names a topic that cannot be decoded.
     """
     findings: list[Finding] = []
     robot = _choose_robot(log, options, findings)
@@ -129,15 +140,20 @@ def select_topics(log: Log, options: TopicOptions) -> Selection:
     feet_of: dict[int, tuple[int, ...]] = {}
     for topic in dict.fromkeys(foot.topic for foot in robot.feet):
         feet = tuple(index for index, foot in enumerate(robot.feet) if foot.topic == topic)
-        for channel in _readable(log, topic, SOURCES.keys(), check_contacts, findings):
+        for channel in _readable(log, topic, SOURCES.keys()):
             contacts.append(channel)
             feet_of[channel.id] = feet
     findings.extend(_source_findings(contacts, robot))
     transforms = [
         channel
         for topic in sorted({c.topic for c in log.channels.values()})
-        for channel in _readable(log, topic, TRANSFORM_TYPES, check_transforms, findings)
+        for channel in _readable(log, topic, TRANSFORM_TYPES)
     ]
+    unreadable = list(unreadable_findings(log.channels.values(), odometry, contacts))
+    if not (odometry or contacts or unreadable) and (others := other_encodings(log.channels)):
+        unreadable.append(note("UNREADABLE", others))
+    findings.extend(unreadable)
+    findings.extend(own_definition_findings([*odometry, *contacts, *transforms]))
     return Selection(
         robot, tuple(odometry), tuple(contacts), feet_of, tuple(transforms), tuple(findings)
     )
@@ -154,17 +170,31 @@ def time_limits(
     )
 
 
-def nothing_to_do(log: Log) -> str:
-    """Return a sentence for a log that has nothing of use, with what it does have."""
-    found = sorted({(c.topic, c.type_name) for c in log.channels.values()})
-    listed = (
-        "".join(f"\n  {printable(topic)}  {printable(kind)}" for topic, kind in found) or " nothing"
-    )
+def nothing_to_do(log: Log, findings: Sequence[Finding]) -> str:
+    """Return a sentence for a log that has nothing of use: why, or else what it does have.
+
+    Args:
+        log: the log.
+        findings: what selecting topics brought up.
+    """
+    path = shown(log.source.path)
+    if because := reasons(findings):
+        return f"{path}: has no odometry and no contact messages that can be read: {because}"
+    found = sorted({(c.topic, c.type_name) for c in log.channels.values()}, key=_unlikely)
+    lines = [f"\n  {printable(topic)}  {printable(kind)}" for topic, kind in found[:MOST]]
+    if len(found) > MOST:
+        lines.append(f"\n  and {len(found) - MOST:,} more; `dogbot-logtool info` lists them")
     return (
-        f"{shown(log.source.path)}: has neither nav_msgs/Odometry nor contact messages such as "
+        f"{path}: has neither nav_msgs/Odometry nor contact messages such as "
         "gazebo_msgs/ContactsState that can be used (--odom-topic and --foot name topics). "
-        f"It has:{listed}"
+        f"It has:{''.join(lines) or ' nothing'}"
     )
+
+
+def _unlikely(topic: tuple[str, str]) -> tuple[bool, tuple[str, str]]:
+    """Return what sorts topics, given with their types: likely ones first, then by name."""
+    name = " ".join(topic).lower()
+    return not any(word in name for word in _LIKELY_WORDS), topic
 
 
 def _choose_robot(log: Log, options: TopicOptions, findings: list[Finding]) -> Robot:
@@ -197,27 +227,33 @@ def _require(log: Log, option: str, topic: str, wanted: AbstractSet[str]) -> Non
     types = {c.type_name for c in log.channels.values() if c.topic == topic}
     names = " or ".join(wanted)
     if not types:
-        listed = ", ".join(_topics_of_type(log, wanted)) or "none"
+        offered = listed(_topics_of_type(log, wanted)) or "none"
         raise CallError(
             f"{shown(log.source.path)}: {option}: the log has no topic {topic}; of type {names} "
-            f"it has: {listed}"
+            f"it has: {offered}"
         )
     if not types & wanted:
         raise CallError(
             f"{shown(log.source.path)}: {option}: {topic} is of type {', '.join(sorted(types))}, "
             f"not {names}"
         )
+    if not _readable(log, topic, wanted):
+        of_topic = [c for c in log.channels.values() if c.topic == topic and c.type_name in wanted]
+        reason = why_unreadable(of_topic[0])
+        raise LogError(f"{shown(log.source.path)}: {option}: {topic} cannot be read: {reason}")
 
 
 def _choose_odometry(log: Log, robot: Robot, findings: list[Finding]) -> list[Channel]:
     topic = robot.odometry_topic
     if topic is not None:
-        channels = _readable(log, topic, {ODOMETRY_TYPE}, check_odometry, findings)
+        channels = _readable(log, topic, {ODOMETRY_TYPE})
         if channels:
             return channels
     topics = _topics_of_type(log, {ODOMETRY_TYPE})
     if not topics:
-        text = "there is no odometry: no /tf and no figures of the base's motion"
+        found = any(channel.type_name == ODOMETRY_TYPE for channel in log.channels.values())
+        none = "no odometry can be read" if found else "there is no odometry"
+        text = f"{none}: no /tf and no figures of the base's motion"
         findings.append(warning("NO_ODOMETRY", text))
         return []
     # The one that is heard most often is most likely the one to follow.
@@ -226,27 +262,29 @@ def _choose_odometry(log: Log, robot: Robot, findings: list[Finding]) -> list[Ch
     text = f"odometry is taken from {chosen}, found by its type"
     text += f"; there are also {rest} (--odom-topic chooses)" if rest else ""
     findings.append(note("ODOMETRY_FOUND", text, chosen))
-    return _readable(log, chosen, {ODOMETRY_TYPE}, check_odometry, findings)
+    return _readable(log, chosen, {ODOMETRY_TYPE})
 
 
 def _find_feet(log: Log, robot: Robot, findings: list[Finding]) -> Robot:
     topics = _topics_of_type(log, SOURCES.keys())
+    recorded = {c.topic for c in log.channels.values() if c.type_name in SOURCES}
     present = [foot for foot in robot.feet if foot.topic in topics]
     if present:
         robot = replace(
             robot, feet=tuple(_with_element(log, foot, findings) for foot in robot.feet)
         )
         for foot in robot.feet:
-            if foot.topic not in topics:
+            if foot.topic not in recorded:
                 text = f"foot {foot.name} has no messages: there is no topic {foot.topic}"
                 findings.append(warning("FOOT_MISSING", text, foot.topic))
         return robot
     feet = _feet_by_type(log)
     if not feet:
-        findings.append(warning("NO_FEET", "there are no contact topics: no arrows, no gait"))
+        none = "no contact topics can be read" if recorded else "there are no contact topics"
+        findings.append(warning("NO_FEET", f"{none}: no arrows, no gait"))
         return replace(robot, feet=())
-    listed = ", ".join(f"{foot.name} = {foot.topic}" for foot in feet)
-    findings.append(note("FEET_FOUND", f"feet are found by type and name: {listed}"))
+    found = ", ".join(f"{foot.name} = {foot.topic}" for foot in feet)
+    findings.append(note("FEET_FOUND", f"feet are found by type and name: {found}"))
     return replace(robot, feet=tuple(feet))
 
 
@@ -356,27 +394,19 @@ def _says(words: str, place: str) -> bool:
 
 
 def _topics_of_type(log: Log, types: AbstractSet[str]) -> list[str]:
-    return sorted({c.topic for c in log.channels.values() if c.type_name in types})
+    """Return the topics of some types that can be decoded."""
+    of_type = [channel for channel in log.channels.values() if channel.type_name in types]
+    return sorted({channel.topic for channel in of_type if not why_unreadable(channel)})
 
 
 def _count(log: Log, topic: str) -> int:
     return sum(log.counts.get(c.id, 0) for c in log.channels.values() if c.topic == topic)
 
 
-def _readable(
-    log: Log,
-    topic: str,
-    types: AbstractSet[str],
-    check: Callable[[Channel], object],
-    findings: list[Finding],
-) -> list[Channel]:
-    """Return the channels of a topic whose definitions can be read."""
-    readable: list[Channel] = []
-    for channel in log.channels.values():
-        if channel.topic == topic and channel.type_name in types:
-            try:
-                check(channel)
-                readable.append(channel)
-            except DefinitionError as error:
-                findings.append(warning("UNREADABLE", f"{error}; it is not used", topic))
-    return readable
+def _readable(log: Log, topic: str, types: AbstractSet[str]) -> list[Channel]:
+    """Return the channels of a topic that can be decoded."""
+    return [
+        channel
+        for channel in log.channels.values()
+        if channel.topic == topic and channel.type_name in types and not why_unreadable(channel)
+    ]

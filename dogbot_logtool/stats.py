@@ -10,6 +10,7 @@ from typing import Final, Literal
 from dogbot_logtool.batch_reader import BatchReader
 from dogbot_logtool.core.clock import TimeSource, UnusableStamps
 from dogbot_logtool.core.curves import CurveDetail
+from dogbot_logtool.core.plausible import IMPLAUSIBLE
 from dogbot_logtool.core.settings import FootPlace, StatsSettings
 from dogbot_logtool.core.silent_swing import SwingTeller
 from dogbot_logtool.core.walk_stats import Stats, StatsAccumulator
@@ -22,7 +23,7 @@ from dogbot_logtool.evidence import (
     frame_names,
     look_into,
 )
-from dogbot_logtool.findings import Finding
+from dogbot_logtool.findings import Finding, warning
 from dogbot_logtool.measuring import BatchMeasurer, MeasuredBatch
 from dogbot_logtool.parallel.relay import Progress, in_order
 from dogbot_logtool.reader.log import Log, Loss, Span, lost_messages
@@ -104,7 +105,7 @@ def measure(
     try:
         selection = select_topics(log, options.topics)
         if not selection.odometry and not selection.contacts:
-            raise LogError(nothing_to_do(log))
+            raise LogError(nothing_to_do(log, selection.findings))
         evidence = look_into(log, selection)
         try:
             settings = _settings(selection, evidence, options)
@@ -214,6 +215,7 @@ class _Feed:
     losses: list[Loss]
     malformed: Counter[int] = field(default_factory=Counter)
     counts: Counter[int] = field(default_factory=Counter)
+    implausible: int = 0
 
     def take(self, batch: MeasuredBatch) -> None:
         """Take the next batch."""
@@ -230,6 +232,7 @@ class _Feed:
         self.losses.extend(batch.losses)
         self.malformed.update(batch.malformed)
         self.counts.update(batch.counts)
+        self.implausible += batch.implausible
 
     def finish(self, log: Log, selection: Selection, evidence: Evidence) -> Measurement:
         """End the log."""
@@ -239,6 +242,8 @@ class _Feed:
         # The figures have a finding of their own for each topic's stamps.
         seen = [f for f in evidence_findings(selection, evidence) if f.code != "W_ZERO_STAMPS"]
         findings = [*selection.findings, *seen]
+        if self.implausible:
+            findings.append(warning("IMPLAUSIBLE", f"{self.implausible:,} {IMPLAUSIBLE}"))
         if self.forces is not None:
             findings.extend(self.forces.findings())
         facts = _facts(log, selection.robot.name, findings, self.counts.total(), losses)

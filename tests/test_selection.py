@@ -224,15 +224,20 @@ def test_what_cannot_be_decoded_is_not_used(opened: Opener) -> None:
     found: list[Channel] = [
         ("/dogbot/odom", ODOMETRY, b"string nonsense", "ros1", 1),
         ("/good/odom", ODOMETRY, definition(ODOMETRY), "ros1", 1),
-        ("/foot_a", CONTACTS, b"%%%", "ros1", 1),
+        ("/foot_a", CONTACTS, b"string header", "ros1", 1),
         ("/foot_b", CONTACTS, definition(CONTACTS), "json", 1),
-        ("/tf", TF, b"", "ros1", 1),
+        ("/tf", TF, b"string[] transforms", "ros1", 1),
     ]
     selection = select_topics(opened(found), TopicOptions(robot="dogbot"))
     assert [channel.topic for channel in selection.odometry] == ["/good/odom"]
     assert (selection.contacts, selection.transforms) == ((), ())
-    unreadable = {f.where for f in selection.findings if f.code == "W_UNREADABLE"}
-    assert unreadable == {"/dogbot/odom", "/foot_a", "/foot_b", "/tf"}
+    unreadable = {(f.code, f.where) for f in selection.findings if "UNREADABLE" in f.code}
+    assert unreadable == {
+        ("W_UNREADABLE", "/dogbot/odom"),
+        ("E_UNREADABLE", "/foot_a"),
+        ("E_UNREADABLE", "/foot_b"),
+        ("W_UNREADABLE", "/tf"),
+    }
 
 
 def test_several_senders_of_a_topic_are_all_used(opened: Opener) -> None:

@@ -24,6 +24,8 @@ class Counts:
     arrows: ArrowCounts = field(default_factory=ArrowCounts)
     bad_poses: int = 0
     """Odometry messages with a zero quaternion or a number that is not finite."""
+    implausible: int = 0
+    """Poses and contact samples with numbers that no robot reaches."""
     untimed_messages: int = 0
     """Contact messages of several states that tell no time of their physics step."""
     foreign_states: int = 0
@@ -38,6 +40,7 @@ class Counts:
         return Counts(
             self.arrows + other.arrows,
             self.bad_poses + other.bad_poses,
+            self.implausible + other.implausible,
             self.untimed_messages + other.untimed_messages,
             self.foreign_states + other.foreign_states,
             self.frames + other.frames,
@@ -125,6 +128,7 @@ def _counts(read: ReadBatch, drawn: Drawn, frames: FrameCounts) -> Counts:
     return Counts(
         arrows=drawn.skipped,
         bad_poses=read.bad_poses,
+        implausible=read.columns.implausible,
         untimed_messages=sum(each.felt.untimed_messages for each in contacts),
         foreign_states=sum(each.felt.foreign_states for each in contacts),
         frames=frames,

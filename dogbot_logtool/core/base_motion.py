@@ -12,6 +12,8 @@ from dogbot_logtool.core.loads import GRAVITY_MPS2
 
 FORWARD_ANGLES: Final = {"+x": 0.0, "+y": np.pi / 2.0, "-x": np.pi, "-y": -np.pi / 2.0}
 """rad from the body's x axis to the axis that points forward."""
+LOWEST_M: Final = 1e-3
+"""m, lowest mean height of a base that has a Froude number."""
 _CHUNK: Final = 1_000_000
 """Poses that are worked on at once, to spare memory."""
 FEWEST_TWISTS: Final = 20
@@ -44,7 +46,7 @@ class BaseMotion:
     roll_rad: Aggregate | None
     pitch_rad: Aggregate | None
     froude: float | None
-    """v^2 / (g h), v the mean speed and h the mean height (Alexander 1984); None if h <= 0."""
+    """v^2 / (g h), v the mean speed and h the mean height (Alexander 1984); None below 1 mm."""
     twist_frame: str | None
     """``world``, ``body`` or ``ambiguous``; None with too few velocities."""
 
@@ -116,8 +118,8 @@ def along_heading(vector: Floats, heading: Floats) -> tuple[Floats, Floats]:
 
 
 def froude_number(speed_mps: float | None, height_m: float | None) -> float | None:
-    """Return v^2 / (g h); None without a speed or a height above ground."""
-    if speed_mps is None or height_m is None or height_m <= 0.0:
+    """Return v^2 / (g h); None without a speed, or a height above the ground."""
+    if speed_mps is None or height_m is None or height_m < LOWEST_M:
         return None
     return speed_mps**2 / (GRAVITY_MPS2 * height_m)
 

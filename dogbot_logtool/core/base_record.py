@@ -198,7 +198,8 @@ def twist_fit(odometry: Odometry, clock: TimeSource) -> TwistFit:
     """
     time = clock.of(odometry)
     step = np.diff(time) / 1e9
-    world = odometry.linear_velocity
+    recorded = odometry.linear_velocity
+    world = np.where(np.isfinite(recorded), recorded, np.nan)
     body = rotate(normalised(odometry.orientation), world)
     world, body = (world[1:] + world[:-1]) / 2.0, (body[1:] + body[:-1]) / 2.0
     rate = np.diff(odometry.position, axis=0) / step[:, None]

@@ -211,5 +211,8 @@ def _mean_normal(contacts: Contacts, turned: Flags) -> Floats:
         contacts.state_message[state],
         len(contacts.log_time),
     )
+    length = norms(total)
+    # Of numbers whose squares overflow, no direction is known.
+    length[~np.isfinite(length)] = np.nan
     with np.errstate(invalid="ignore", divide="ignore"):
-        return total / norms(total)[:, None]
+        return total / length[:, None]

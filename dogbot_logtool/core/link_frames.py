@@ -69,7 +69,8 @@ def forces_in_world(
             continue
         poses = _poses(samples.pick(rows), link, buffer, world, clock)
         known = poses.known
-        force[rows[known]] = rotate(poses.rotation[known], force[rows[known]])
+        with np.errstate(invalid="ignore"):
+            force[rows[known]] = rotate(poses.rotation[known], force[rows[known]])
         in_world[rows[known]] = True
         turned = int(known.sum())
         counts += FrameCounts(turned=turned, not_turned=len(rows) - turned)

@@ -183,7 +183,7 @@ def _base(stats: Stats) -> Iterator[Remark]:
         text = "too few finite velocities between poses to tell the twist's frame"
         yield Remark("N_TWIST_UNKNOWN", text, "base.twist_frame")
     if base.froude is None:
-        text = "the base's mean height is not above 0 in the world: no Froude number"
+        text = "the base's mean height is below 1 mm in the world: no Froude number"
         yield Remark("N_NO_FROUDE", text, "base.froude")
     yield from _heading(stats, base)
     speed = _fastest_step_mps(stats)

@@ -145,11 +145,6 @@ class Table:
         """Return a column of numbers, (n,) or (n, k)."""
         return self._run(path)[path]
 
-    def is_fixed_array(self, path: str) -> bool:
-        """Tell whether there is a fixed array of numbers of this path."""
-        found = (run[path] for run in self.runs if path in _fields(run))
-        return any(numbers.ndim == 2 for numbers in found)
-
     def vectors(self, path: str, components: str) -> Floats:
         """Return (n, k) float64 from the fields ``path.x``, ``path.y`` ... of a struct."""
         prefix = f"{path}." if path else ""
@@ -158,7 +153,8 @@ class Table:
         fields = _fields(run)
         first = fields[names[0]][1]
         in_a_row = [(_DOUBLE, first + _DOUBLE.itemsize * row) for row in range(len(names))]
-        if [fields.get(name) for name in names] == in_a_row:
+        # A view of no rows has no bytes for its offset to lie in.
+        if len(run) and [fields.get(name) for name in names] == in_a_row:
             place, strides = run.view(np.uint8).data, (run.itemsize, _DOUBLE.itemsize)
             shape = len(run), len(names)
             return np.ascontiguousarray(np.ndarray(shape, _DOUBLE, place, first, strides))

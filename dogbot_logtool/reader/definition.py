@@ -5,8 +5,9 @@ decoder can compile, with every hostile shape (self-reference, absurd depth or s
 """
 
 import re
+from collections import Counter
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import lru_cache
 from typing import TYPE_CHECKING, Final
 
@@ -30,6 +31,10 @@ _PARSER_FAILURES: Final = (
 )
 _NESTED_PARENTHESES: Final = re.compile(r"\([^()]*\(")
 """The IDL parser's time grows fiftyfold with every level of these."""
+_IDL_STRING: Final = re.compile(r'"(?:[^"\\]|\\.)*"')
+"""Comments in annotations, mostly: no type needs them, and they may hold anything."""
+_IDL_SECTION: Final = re.compile(r"^(?:=+|IDL: .*|#include .*)\r?$", re.MULTILINE)
+"""What recorders write between the files of a definition, and includes: all is in the log."""
 
 _DTYPES: Final = {
     "bool": "u1",
@@ -55,6 +60,8 @@ class Primitive:
 
     dtype: str
     """numpy's name without byte order: ``f8``, ``u4`` ..."""
+    name: str = field(default="", compare=False)
+    """What the definition calls it: ``float64``, ``bool`` ... Some names are one dtype."""
 
     @property
     def size(self) -> int:
@@ -148,6 +155,7 @@ def _parse_text(
 
     try:
         if schema_encoding == "ros2idl":
+            text = _IDL_SECTION.sub("", _IDL_STRING.sub('""', text))
             if _NESTED_PARENTHESES.search(text):
                 raise DefinitionError(f"the definition of {type_name} has nested parentheses")
             parsed = get_types_from_idl(text)
@@ -182,12 +190,16 @@ class _TreeBuilder:
             if name in self._clocks:
                 return self._clocks[name]
             raise DefinitionError(f"the definition of {name} is missing from the log")
-        fields = [field for field in self._types[name] if field[0] != _EMPTY_MESSAGE_FIELD]
+        fields = [each for each in self._types[name] if each[0] != _EMPTY_MESSAGE_FIELD]
+        names = Counter(each[0] for each in fields)
+        twice = next((each for each, count in names.items() if count > 1), None)
+        if twice is not None:
+            raise DefinitionError(f"the definition of {name} has the field {twice!r} twice")
         self._fields += len(fields)
         if self._fields > _MAX_FIELDS:
             raise DefinitionError(f"a definition has more than {_MAX_FIELDS} fields")
         below = (*parents, name)
-        built = tuple((field, self._type(desc, below)) for field, desc in fields)
+        built = tuple((each, self._type(desc, below)) for each, desc in fields)
         if not built and not self._is_ros1:
             # An empty message takes one byte in CDR, and none in ROS 1.
             built = ((_EMPTY_MESSAGE_FIELD, Primitive("u1")),)
@@ -215,10 +227,10 @@ class _TreeBuilder:
         if name == "string":
             return Text()
         if name == "byte" and self._is_ros1:
-            return Primitive("i1")
+            return Primitive("i1", name)
         if name not in _DTYPES:
             raise DefinitionError(f"fields of type {name} are not read")
-        return Primitive(_DTYPES[name])
+        return Primitive(_DTYPES[name], name)
 
 
 def fixed_size(field_type: FieldType) -> int | None:
@@ -249,14 +261,16 @@ def smallest_size(field_type: FieldType) -> int:
             return 4
 
 
-def has_field(field_type: FieldType, path: str) -> bool:
-    """Tell whether a dotted path leads to a field, through arrays as well."""
-    name, _, rest = path.partition(".")
+def type_text(field_type: FieldType) -> str:
+    """Return a type as a definition spells it: ``float64[3]``, ``geometry_msgs/Point[]``."""
     match field_type:
-        case Struct(_, fields):
-            inner = dict(fields).get(name)
-            return inner is not None and (not rest or has_field(inner, rest))
-        case FixedArray(element) | VariableArray(element):
-            return has_field(element, path)
-        case _:
-            return False
+        case Primitive(dtype, name):
+            return name or dtype
+        case Text():
+            return "string"
+        case FixedArray(element, length):
+            return f"{type_text(element)}[{length}]"
+        case VariableArray(element):
+            return f"{type_text(element)}[]"
+        case Struct(name):
+            return short_type_name(name)

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
+from dogbot_logtool.core.plausible import plausible_translations
 from dogbot_logtool.core.recorded_transforms import RecordedTransforms
 from dogbot_logtool.reader.log import Batch, Channel
 
@@ -59,7 +60,7 @@ class _Rows:
             parents=names,
             child=np.array(self.child, np.int64),
             children=names,
-            translation=pose[:, :3],
+            translation=plausible_translations(pose[:, :3]),
             rotation=pose[:, 3:],
         )
 

@@ -1,9 +1,10 @@
-"""Definitions of message types for logs that do not record them, as ROS 2 bags of old do not."""
+"""Definitions of message types for logs that do not record them, as old ROS 2 bags do not."""
 
 from functools import lru_cache
 from typing import TYPE_CHECKING, Final
 
 from dogbot_logtool.reader.definition import short_type_name
+from dogbot_logtool.reader.layout import Serialisation
 
 if TYPE_CHECKING:
     from rosbags.typesys.store import Typestore
@@ -22,6 +23,12 @@ _SHIPPED: Final = {
     "gazebo_msgs/msg/ContactsState": """
         std_msgs/Header header
         gazebo_msgs/ContactState[] states
+    """,
+    "tf2_msgs/msg/TFMessage": """
+        geometry_msgs/TransformStamped[] transforms
+    """,
+    "tf/msg/tfMessage": """
+        geometry_msgs/TransformStamped[] transforms
     """,
     "ros_gz_interfaces/msg/Entity": """
         uint64 id
@@ -141,34 +148,41 @@ def long_type_name(name: str) -> str:
     return f"{package}/msg/{message}" if package and "/" not in package else name
 
 
-def known_definition(type_name: str, distribution: str) -> str | None:
-    """Return the definition of a ROS 2 type with all that it depends on.
+def known_definition(
+    type_name: str, distribution: str = "", serialisation: Serialisation = "cdr"
+) -> str | None:
+    """Return the definition of a type with all that it depends on.
 
     Args:
         type_name: ``nav_msgs/msg/Odometry``.
         distribution: name of the ROS 2 distribution that recorded the log; empty: not known.
+        serialisation: of ROS 1 or of ROS 2.
 
     Returns:
-        the text as ``ros2msg``; None when nobody knows the type.
+        the text as ``ros1msg`` or ``ros2msg``; None for a type that is not known.
     """
     from rosbags.typesys import TypesysError  # noqa: PLC0415 - takes long to import
 
-    store = _store(distribution)
+    is_ros1 = serialisation == "ros1"
+    store = _store("ros1" if is_ros1 else distribution)
     name = long_type_name(type_name)
     if name not in store.fielddefs:
         return None
     try:
-        return store.generate_msgdef(name, ros_version=2)[0]
+        return store.generate_msgdef(name, ros_version=1 if is_ros1 else 2)[0]
     except (TypesysError, KeyError):
         return None
 
 
 @lru_cache(maxsize=4)
 def _store(distribution: str) -> "Typestore":
+    """Return rosbags' types of a ROS 2 distribution, or of ROS 1, with those that it lacks."""
     from rosbags.typesys import Stores, get_types_from_msg, get_typestore  # noqa: PLC0415
 
     named = {store.name.rpartition("_")[2].lower(): store for store in Stores}
+    named["ros1"] = Stores.ROS1_NOETIC
     store = get_typestore(named.get(distribution.lower(), Stores.ROS2_HUMBLE))
     for name, text in _SHIPPED.items():
-        store.register(get_types_from_msg(text, name))
+        if name not in store.fielddefs:
+            store.register(get_types_from_msg(text, name))
     return store

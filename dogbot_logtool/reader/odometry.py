@@ -4,33 +4,30 @@ from collections.abc import Sequence
 from typing import Final
 
 from dogbot_logtool.core.odometry import Odometry, concatenate_odometry
+from dogbot_logtool.reader.fields import text, time, vector
 from dogbot_logtool.reader.log import Batch, Channel
-from dogbot_logtool.reader.messages import DecodedMessages, decode_channels, layout_of
+from dogbot_logtool.reader.messages import DecodedMessages, check_channel, decode_channels
 
 ODOMETRY_TYPE: Final = "nav_msgs/Odometry"
-_WANTED: Final = (
-    "header.stamp",
-    "header.frame_id",
-    "child_frame_id",
-    "pose.pose.position",
-    "pose.pose.orientation",
-    "twist.twist.linear",
-    "twist.twist.angular",
+_FIELDS: Final = (
+    time("header.stamp"),
+    text("header.frame_id"),
+    text("child_frame_id"),
+    *vector("pose.pose.position"),
+    *vector("pose.pose.orientation", "xyzw"),
+    *vector("twist.twist.linear"),
+    *vector("twist.twist.angular"),
 )
 
 
-def check_odometry(channel: Channel) -> None:
-    """Check that a channel's messages can be decoded.
-
-    Raises:
-        DefinitionError: its definition is damaged, or lacks a field that is needed.
-    """
-    layout_of(channel, _WANTED)
+def check_odometry(channel: Channel) -> str:
+    """Check that a channel's messages can be decoded; see `check_channel`."""
+    return check_channel(channel, _FIELDS)
 
 
 def decode_odometry(batch: Batch, channels: Sequence[Channel]) -> list[DecodedMessages]:
     """Decode the odometry messages of a batch; see `decode_channels`."""
-    return decode_channels(batch, channels, _WANTED)
+    return decode_channels(batch, channels, _FIELDS)
 
 
 def odometry_columns(messages: DecodedMessages) -> Odometry:

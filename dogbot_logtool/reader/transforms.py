@@ -5,16 +5,22 @@ from typing import Final
 
 import numpy as np
 
+from dogbot_logtool.core.plausible import plausible_translations
 from dogbot_logtool.core.recorded_transforms import RecordedTransforms
+from dogbot_logtool.reader.fields import table, text, time, vector
 from dogbot_logtool.reader.log import Batch, Channel
-from dogbot_logtool.reader.messages import DecodedMessages, decode_channels, layout_of
+from dogbot_logtool.reader.messages import DecodedMessages, check_channel, decode_channels
 
 TRANSFORM_TYPES: Final = frozenset({"tf2_msgs/TFMessage", "tf/tfMessage"})
-_WANTED: Final = (
-    "transforms.header.stamp",
-    "transforms.header.frame_id",
-    "transforms.child_frame_id",
-    "transforms.transform",
+_FIELDS: Final = (
+    table(
+        "transforms",
+        time("header.stamp"),
+        text("header.frame_id"),
+        text("child_frame_id"),
+        *vector("transform.translation"),
+        *vector("transform.rotation", "xyzw"),
+    ),
 )
 
 
@@ -23,45 +29,41 @@ def is_static(channel: Channel) -> bool:
     return channel.topic.endswith("tf_static")
 
 
-def check_transforms(channel: Channel) -> None:
-    """Check that a channel's messages can be decoded.
-
-    Raises:
-        DefinitionError: its definition is damaged, or lacks a field that is needed.
-    """
-    layout_of(channel, _WANTED)
+def check_transforms(channel: Channel) -> str:
+    """Check that a channel's messages can be decoded; see `check_channel`."""
+    return check_channel(channel, _FIELDS)
 
 
 def decode_transforms(batch: Batch, channels: Sequence[Channel]) -> list[DecodedMessages]:
     """Decode the transform messages of a batch; see `decode_channels`."""
-    return decode_channels(batch, channels, _WANTED)
+    return decode_channels(batch, channels, _FIELDS)
 
 
 def transform_columns(messages: DecodedMessages) -> RecordedTransforms:
     """Return the columns of decoded transform messages."""
     nested = messages.table.nested("transforms")
     order = np.argsort(nested.parent, kind="stable")
-    table = nested.table
-    parent, parents = table.texts("header.frame_id").encode()
-    child, children = table.texts("child_frame_id").encode()
+    each = nested.table
+    parent, parents = each.texts("header.frame_id").encode()
+    child, children = each.texts("child_frame_id").encode()
     message = nested.parent[order]
     return RecordedTransforms(
         channel=messages.channel[message],
         log_time=messages.log_time[message],
-        stamp=table.nanoseconds("header.stamp")[order],
+        stamp=each.nanoseconds("header.stamp")[order],
         parent=parent[order],
         parents=parents,
         child=child[order],
         children=children,
-        translation=table.vectors("transform.translation", "xyz")[order],
-        rotation=table.vectors("transform.rotation", "xyzw")[order],
+        translation=plausible_translations(each.vectors("transform.translation", "xyz"))[order],
+        rotation=each.vectors("transform.rotation", "xyzw")[order],
     )
 
 
 def frame_pairs(messages: DecodedMessages) -> set[tuple[str, str]]:
     """Return the different (parent, child) pairs of frames, as recorded."""
-    table = messages.table.nested("transforms").table
-    parent, parents = table.texts("header.frame_id").encode()
-    child, children = table.texts("child_frame_id").encode()
+    each = messages.table.nested("transforms").table
+    parent, parents = each.texts("header.frame_id").encode()
+    child, children = each.texts("child_frame_id").encode()
     pairs = np.unique(parent * max(len(children), 1) + child).tolist()
     return {(parents[pair // len(children)], children[pair % len(children)]) for pair in pairs}

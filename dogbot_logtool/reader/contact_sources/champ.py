@@ -13,6 +13,7 @@ from dogbot_logtool.reader.contact_sources.source import (
     each_foot,
     only_contact,
 )
+from dogbot_logtool.reader.fields import numbers, text, time
 from dogbot_logtool.reader.layout import ELEMENT
 from dogbot_logtool.reader.messages import DecodedMessages
 
@@ -30,7 +31,7 @@ def contacts_felt(messages: DecodedMessages, feet: FootChannels) -> Felt:
 
 SOURCE: Final = ContactSource(
     type_name="champ_msgs/ContactsStamped",
-    wanted=("header.stamp", "header.frame_id", "contacts"),
+    fields=(time("header.stamp"), text("header.frame_id"), numbers("contacts")),
     read=contacts_felt,
     elements=_LEGS,
     frame=WrenchFrame.UNKNOWN,

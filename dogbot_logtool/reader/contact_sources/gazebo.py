@@ -19,16 +19,20 @@ from dogbot_logtool.reader.contact_sources.source import (
     FootChannels,
     vectors_inside,
 )
+from dogbot_logtool.reader.fields import table, text, time, vector
 from dogbot_logtool.reader.messages import DecodedMessages
 
-_WANTED: Final = (
-    "header.stamp",
-    "header.frame_id",
-    "contacts.collision1.name",
-    "contacts.collision2.name",
-    "contacts.positions",
-    "contacts.normals",
-    "contacts.wrenches.body_1_wrench.force",
+_FIELDS: Final = (
+    time("header.stamp"),
+    text("header.frame_id"),
+    table(
+        "contacts",
+        text("collision1.name"),
+        text("collision2.name"),
+        table("positions", *vector("")),
+        table("normals", *vector("")),
+        table("wrenches", *vector("body_1_wrench.force")),
+    ),
 )
 
 
@@ -64,8 +68,8 @@ def contacts_felt(messages: DecodedMessages, feet: FootChannels) -> Felt:
 
 SOURCE: Final = ContactSource(
     type_name="ros_gz_interfaces/Contacts",
-    wanted=_WANTED,
-    normals=("contacts.normals",),
+    fields=_FIELDS,
+    normals="contacts.normals",
     read=contacts_felt,
     frame=WrenchFrame.WORLD,
     silent_in_swing=True,

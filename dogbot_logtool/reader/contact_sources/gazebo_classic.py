@@ -26,32 +26,35 @@ from dogbot_logtool.reader.contact_sources.source import (
     StepTiming,
     vectors_inside,
 )
+from dogbot_logtool.reader.fields import table, text, time, vector
 from dogbot_logtool.reader.messages import DecodedMessages
 
-_WANTED: Final = (
-    "header.stamp",
-    "header.frame_id",
-    "states.info",
-    "states.collision1_name",
-    "states.collision2_name",
-    "states.wrenches.force",
-    "states.total_wrench.force",
-    "states.contact_positions",
-    "states.contact_normals",
+_FIELDS: Final = (
+    time("header.stamp"),
+    text("header.frame_id"),
+    table(
+        "states",
+        text("info"),
+        text("collision1_name"),
+        text("collision2_name"),
+        table("wrenches", *vector("force")),
+        *vector("total_wrench.force"),
+        table("contact_positions", *vector("")),
+        table("contact_normals", *vector("")),
+    ),
 )
 
 
 def contacts_felt(messages: DecodedMessages, feet: FootChannels) -> Felt:
     """Reduce messages to samples; see `ContactSource.read`."""
-    table = messages.table
-    states = table.nested("states")
+    states = messages.table.nested("states")
     point_state, point = vectors_inside(states.table, "contact_positions")
     wrenches = states.table.nested("wrenches")
     normal_state, normal = vectors_inside(states.table, "contact_normals")
     foot = feet.single(messages.channel)
-    stamp = table.nanoseconds("header.stamp")
+    stamp = messages.table.nanoseconds("header.stamp")
     info = states.table.texts("info")
-    newest, untimed = newest_step(info, states.parent, table.rows)
+    newest, untimed = newest_step(info, states.parent, messages.table.rows)
     if feet.left_after_ns is not None:
         left = newest_lag(info, states.parent, stamp) > feet.left_after_ns
         newest &= ~left[states.parent]
@@ -110,8 +113,8 @@ def step_timing(messages: DecodedMessages) -> StepTiming:
 
 SOURCE: Final = ContactSource(
     type_name="gazebo_msgs/ContactsState",
-    wanted=_WANTED,
-    normals=("states.contact_normals",),
+    fields=_FIELDS,
+    normals="states.contact_normals",
     read=contacts_felt,
     links=foot_links,
     timing=step_timing,

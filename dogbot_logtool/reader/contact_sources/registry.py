@@ -1,9 +1,10 @@
 """All contact sources, and the seam through which every command reads them."""
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Final
 
+from dogbot_logtool.core.plausible import plausible_samples
 from dogbot_logtool.reader.contact_sources import (
     champ,
     gazebo,
@@ -19,8 +20,9 @@ from dogbot_logtool.reader.contact_sources.source import (
     FootLinks,
     StepTiming,
 )
+from dogbot_logtool.reader.fields import without
 from dogbot_logtool.reader.log import Batch, Channel
-from dogbot_logtool.reader.messages import DecodedMessages, decode_channels, layout_of
+from dogbot_logtool.reader.messages import DecodedMessages, check_channel, decode_channels
 
 _SOURCES: Final = (
     gazebo_classic.SOURCE,
@@ -54,13 +56,9 @@ class ContactsRead:
         return self.source.timing(self.messages)
 
 
-def check_contacts(channel: Channel) -> None:
-    """Check that a channel's messages can be decoded.
-
-    Raises:
-        DefinitionError: its definition is damaged, or lacks a field that is needed.
-    """
-    layout_of(channel, SOURCES[channel.type_name].wanted)
+def check_contacts(channel: Channel) -> str:
+    """Check that a channel's messages can be decoded; see `check_channel`."""
+    return check_channel(channel, SOURCES[channel.type_name].fields)
 
 
 def read_contacts(
@@ -73,7 +71,9 @@ def read_contacts(
 def _read(batch: Batch, channels: Sequence[Channel], feet: FootChannels) -> Iterator[ContactsRead]:
     for type_name, source in SOURCES.items():
         of_type = [channel for channel in channels if channel.type_name == type_name]
-        left_out = () if feet.normals else source.normals
-        wanted = tuple(path for path in source.wanted if path not in left_out)
-        for messages in decode_channels(batch, of_type, wanted) if of_type else ():
-            yield ContactsRead(source, messages, source.read(messages, feet), feet)
+        fields = source.fields if feet.normals else without(source.fields, source.normals)
+        for messages in decode_channels(batch, of_type, fields):
+            felt = source.read(messages, feet)
+            samples, implausible = plausible_samples(felt.samples)
+            felt = replace(felt, samples=samples, implausible=implausible)
+            yield ContactsRead(source, messages, felt, feet)

@@ -9,8 +9,8 @@ from dogbot_logtool.core.arrays import Floats, Ints, norms
 from dogbot_logtool.core.blocks import concatenated
 from dogbot_logtool.core.contacts import Contacts, Samples
 from dogbot_logtool.core.wrench_frame import WrenchFrame
-from dogbot_logtool.errors import DefinitionError
 from dogbot_logtool.reader.columns import Nested, Table
+from dogbot_logtool.reader.fields import Fields
 from dogbot_logtool.reader.messages import DecodedMessages
 from dogbot_logtool.robot import Foot
 
@@ -51,6 +51,8 @@ class Felt:
     """Messages of several states whose `info` tells no time: read as one physics step."""
     foreign_states: int = 0
     """States of pairs in which not exactly one body is the foot."""
+    implausible: int = 0
+    """Samples with numbers that no robot reaches; those are NaN."""
 
 
 ToForce = Callable[[Foot, Floats], Floats]
@@ -87,12 +89,12 @@ class ContactSource:
 
     type_name: str
     """``package/Name``."""
-    wanted: tuple[str, ...]
-    """Fields that are decoded; see `compile_layout`."""
+    fields: Fields
+    """What is read of each message."""
     read: Callable[[DecodedMessages, FootChannels], Felt]
     """Reduces decoded messages to samples."""
-    normals: tuple[str, ...] = ()
-    """Those of the wanted fields that are decoded only for who asks for contact normals."""
+    normals: str = ""
+    """Path of the field that is decoded only where contact normals are asked for."""
     links: Callable[[DecodedMessages, FootChannels], FootLinks] = no_links
     timing: Callable[[DecodedMessages], StepTiming] = no_steps
     elements: tuple[str, ...] = ()
@@ -182,17 +184,6 @@ def only_contact(foot: Foot, touches: Floats) -> Floats:
     """Return NaN, an unknown force, where a foot touches, and 0 where not; (n,) N."""
     del foot
     return np.where(touches > 0.0, np.nan, 0.0)
-
-
-def fixed_numbers(table: Table, path: str) -> Floats:
-    """Return (n, k) float64 of a fixed array of numbers.
-
-    Raises:
-        DefinitionError: the recorded definition says that it is something else.
-    """
-    if not table.is_fixed_array(path):
-        raise DefinitionError(f"the recorded field {path!r} is no array of a fixed length")
-    return table.numbers(path).astype(np.float64)
 
 
 def by_element(nested: Nested, values: Floats, rows: int, elements: int) -> Floats:

@@ -13,6 +13,7 @@ from dogbot_logtool.reader.contact_sources.source import (
     each_foot,
     only_contact,
 )
+from dogbot_logtool.reader.fields import number, table
 from dogbot_logtool.reader.messages import DecodedMessages
 
 _LEGS: Final = ("front_left", "front_right", "back_left", "back_right")
@@ -32,7 +33,7 @@ def states_felt(messages: DecodedMessages, feet: FootChannels) -> Felt:
 
 SOURCE: Final = ContactSource(
     type_name="spot_msgs/FootStateArray",
-    wanted=("states.contact",),
+    fields=(table("states", number("contact")),),
     read=states_felt,
     elements=_LEGS,
     frame=WrenchFrame.UNKNOWN,

@@ -17,8 +17,8 @@ from dogbot_logtool.reader.contact_sources.source import (
     Felt,
     FootChannels,
     each_foot,
-    fixed_numbers,
 )
+from dogbot_logtool.reader.fields import fixed_numbers
 from dogbot_logtool.reader.messages import DecodedMessages
 from dogbot_logtool.robot import Foot
 
@@ -28,7 +28,7 @@ _LEGS: Final = ("front_right", "front_left", "back_right", "back_left")
 
 def _counts_felt(messages: DecodedMessages, feet: FootChannels, *, field: str) -> Felt:
     """Reduce messages to samples; see `ContactSource.read`."""
-    counts = fixed_numbers(messages.table, field)
+    counts = messages.table.numbers(field).astype(np.float64)
     on_counts = feet.contact_on_counts
 
     def newtons(foot: Foot, counts: Floats) -> Floats:
@@ -49,7 +49,7 @@ def _counts_felt(messages: DecodedMessages, feet: FootChannels, *, field: str) -
 def _source(type_name: str, field: str) -> ContactSource:
     return ContactSource(
         type_name=type_name,
-        wanted=(field,),
+        fields=(fixed_numbers(field, at_least=len(_LEGS)),),
         read=partial(_counts_felt, field=field),
         elements=_LEGS,
         frame=WrenchFrame.UNKNOWN,

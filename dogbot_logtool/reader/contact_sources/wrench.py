@@ -13,9 +13,10 @@ from dogbot_logtool.reader.contact_sources.source import (
     flat_samples,
     released,
 )
+from dogbot_logtool.reader.fields import text, time, vector
 from dogbot_logtool.reader.messages import DecodedMessages
 
-_WANTED: Final = ("header.stamp", "header.frame_id", "wrench.force")
+_FIELDS: Final = (time("header.stamp"), text("header.frame_id"), *vector("wrench.force"))
 
 
 def wrenches_felt(messages: DecodedMessages, feet: FootChannels) -> Felt:
@@ -40,7 +41,7 @@ def sensor_frames(messages: DecodedMessages, feet: FootChannels) -> FootLinks:
 
 SOURCE: Final = ContactSource(
     type_name="geometry_msgs/WrenchStamped",
-    wanted=_WANTED,
+    fields=_FIELDS,
     read=wrenches_felt,
     links=sensor_frames,
     frame=WrenchFrame.LINK,

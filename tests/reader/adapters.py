@@ -1,0 +1,211 @@
+"""Every adapter of the reader, with messages that it can be given."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from functools import cache
+from typing import Any, Final
+
+import numpy as np
+from foxglove_schemas_protobuf.FrameTransform_pb2 import FrameTransform
+from foxglove_schemas_protobuf.FrameTransforms_pb2 import FrameTransforms
+
+from dogbot_logtool.core.arrays import Ints
+from dogbot_logtool.reader.contact_sources.registry import SOURCES, check_contacts, read_contacts
+from dogbot_logtool.reader.contact_sources.source import FootChannels
+from dogbot_logtool.reader.foxglove_transforms import foxglove_transforms
+from dogbot_logtool.reader.log import Batch, Channel, Messages, Schema
+from dogbot_logtool.reader.messages import malformed_in
+from dogbot_logtool.reader.odometry import (
+    ODOMETRY_TYPE,
+    check_odometry,
+    decode_odometry,
+    joined_odometry,
+    odometry_frames,
+)
+from dogbot_logtool.reader.transforms import (
+    TRANSFORM_TYPES,
+    check_transforms,
+    decode_transforms,
+    frame_pairs,
+    transform_columns,
+)
+from dogbot_logtool.robot import Foot
+from tests import walks
+
+SAME_AS: Final = {
+    "go2_interfaces/LowState": "unitree_go/msg/LowState",
+    "ros2_unitree_legged_msgs/LowState": "unitree_go/msg/LowState",
+    "ros2_unitree_legged_msgs/HighState": "unitree_go/msg/SportModeState",
+    "tf/tfMessage": "tf2_msgs/msg/TFMessage",
+}
+"""Types of other drivers, with a type that has the same fields."""
+FOXGLOVE: Final = ("foxglove.FrameTransforms", "foxglove.FrameTransform")
+DECODED: Final = (ODOMETRY_TYPE, *sorted(TRANSFORM_TYPES), *SOURCES)
+"""Types whose definitions stand in the log."""
+ALL: Final = (*DECODED, *FOXGLOVE)
+STEP_NS: Final = 10_000_000
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What an adapter made of a batch."""
+
+    log_time: Ints
+    """(m,) ns, of the rows; an adapter that tells of several feet has a row for each."""
+    malformed: dict[int, int]
+
+
+@cache
+def walk() -> walks.Walk:
+    return walks.Walk(2)
+
+
+def definition(type_name: str) -> str:
+    """Return the definition of a type, with all that it depends on."""
+    return walk().definition(_known(type_name))
+
+
+def _known(type_name: str) -> str:
+    package, _, name = type_name.partition("/")
+    return SAME_AS.get(type_name, f"{package}/msg/{name}")
+
+
+@cache
+def payloads(type_name: str, count: int) -> tuple[bytes, ...]:
+    """Return sound messages; feet are in contact in some of them."""
+    if type_name in FOXGLOVE:
+        return tuple(_foxglove(type_name, number) for number in range(count))
+    kind = _known(type_name)
+    samples = range(20, 20 + count)
+    if type_name == ODOMETRY_TYPE:
+        return tuple(walk().odometry(sample) for sample in samples)
+    if type_name in TRANSFORM_TYPES:
+        return tuple(walk().bytes_of(kind, transforms(sample)) for sample in samples)
+    return tuple(
+        walk().bytes_of(kind, next(iter(walk().contacts(kind, sample)))[1]) for sample in samples
+    )
+
+
+def empty_payload(type_name: str) -> bytes | None:
+    """Return a sound message whose arrays are empty; None for a type without arrays."""
+    made, kind = walk(), _known(type_name)
+    if type_name == FOXGLOVE[0]:
+        return FrameTransforms().SerializeToString()
+    arrays = {
+        "tf2_msgs/msg/TFMessage": {"transforms": []},
+        "gazebo_msgs/msg/ContactsState": {"header": made.header(0, "world"), "states": []},
+        "ros_gz_interfaces/msg/Contacts": {"header": made.header(0, "world"), "contacts": []},
+        "spot_msgs/msg/FootStateArray": {"states": []},
+        "champ_msgs/msg/ContactsStamped": {
+            "header": made.header(0, "world"),
+            "contacts": np.empty(0, np.bool_),
+        },
+    }
+    return made.bytes_of(kind, made.make(kind, **arrays[kind])) if kind in arrays else None
+
+
+def transforms(sample: int) -> Any:
+    """Return a message of two transforms."""
+    made = walk()
+    transform = made.make(
+        "geometry_msgs/Transform",
+        translation=made.vector((0.1 * sample, 0.0, 0.0)),
+        rotation=made.make("geometry_msgs/Quaternion", x=0.0, y=0.0, z=0.0, w=1.0),
+    )
+    stamped = [
+        made.make(
+            "geometry_msgs/TransformStamped",
+            header=made.header(sample, "base"),
+            child_frame_id=f"leg_{leg}",
+            transform=transform,
+        )
+        for leg in range(2)
+    ]
+    return made.make("tf2_msgs/TFMessage", transforms=stamped)
+
+
+def _foxglove(type_name: str, number: int) -> bytes:
+    one = FrameTransform(parent_frame_id="base", child_frame_id="leg")
+    one.timestamp.nanos = number
+    if type_name == FOXGLOVE[1]:
+        return one.SerializeToString()
+    return FrameTransforms(transforms=[one]).SerializeToString()
+
+
+def channel(type_name: str, text: str | None = None, topic: str = "/topic") -> Channel:
+    """Return a channel of a type; the text is its definition, if not the usual one."""
+    if type_name in FOXGLOVE:
+        return Channel(1, topic, "protobuf", Schema(1, type_name, "protobuf", b""), {})
+    data = (definition(type_name) if text is None else text).encode()
+    return Channel(1, topic, "cdr", Schema(1, type_name, "ros2msg", data), {})
+
+
+def batch(messages: Sequence[bytes]) -> Batch:
+    """Return a batch of one channel's messages, recorded every 10 ms."""
+    sizes = np.array([len(data) for data in messages], np.int64)
+    end = np.cumsum(sizes)
+    count = len(messages)
+    log_time = walks.START + np.arange(count) * STEP_NS
+    columns = Messages(np.ones(count, np.int64), log_time, log_time, end, end - sizes, end)
+    return Batch(np.frombuffer(b"".join(messages), np.uint8), columns, ())
+
+
+def feet() -> FootChannels:
+    """Return four feet that channel 1 tells of."""
+    one = [
+        replace(Foot(leg, "/topic"), element=row, newtons_per_count=1.0)
+        for row, leg in enumerate(walks.LEGS)
+    ]
+    return FootChannels(one, {1: (0, 1, 2, 3)}, release_n=2.0, left_after_ns=1)
+
+
+def check(of: Channel) -> str:
+    """Check a channel's definition; see `check_channel`."""
+    if of.type_name == ODOMETRY_TYPE:
+        return check_odometry(of)
+    if of.type_name in TRANSFORM_TYPES:
+        return check_transforms(of)
+    return check_contacts(of)
+
+
+def read(of: Channel, given: Batch) -> Outcome:
+    """Decode a batch, and make all that the adapter can make of it."""
+    if of.type_name in FOXGLOVE:
+        recorded, malformed = foxglove_transforms(given, [of])
+        return Outcome(recorded.log_time, malformed)
+    if of.type_name == ODOMETRY_TYPE:
+        decoded = decode_odometry(given, [of])
+        for messages in decoded:
+            odometry_frames(messages)
+        return Outcome(joined_odometry(decoded).log_time, malformed_in(decoded))
+    if of.type_name in TRANSFORM_TYPES:
+        decoded = decode_transforms(given, [of])
+        for messages in decoded:
+            frame_pairs(messages)
+        return Outcome(
+            _times([transform_columns(m).log_time for m in decoded]), malformed_in(decoded)
+        )
+    found = read_contacts(given, [of], feet())
+    for each in found:
+        assert each.links is not None
+        assert each.timing is not None
+        if each.source.has_header:
+            each.messages.table.nanoseconds("header.stamp")
+    times = _times([each.felt.samples.log_time for each in found])
+    return Outcome(times, malformed_in(each.messages for each in found))
+
+
+def _times(parts: Sequence[Ints]) -> Ints:
+    return np.concatenate([np.empty(0, np.int64), *parts])
+
+
+Damage = Callable[[bytes], bytes]
+DAMAGES: Final[dict[str, Damage]] = {
+    "empty": lambda _: b"",
+    "one byte": lambda data: data[:1],
+    "cut": lambda data: data[: len(data) // 2],
+    "cut by one byte": lambda data: data[:-1],
+    "garbage": lambda data: b"\xff" * len(data),
+    "text": lambda data: (b'{"not": "a message"}' * (1 + len(data) // 20))[: len(data)],
+    "too long": lambda data: data + b"\x07" * 9,
+}
