@@ -4,14 +4,16 @@ import os
 import sys
 from collections.abc import Iterable, Sequence
 from functools import lru_cache
-from typing import IO
+from typing import TextIO
 
-from rich.console import Console
+from rich.console import Console, ConsoleOptions, RenderableType
+from rich.segment import Segment
 from rich.text import Text
 
 from dogbot_logtool.findings import Finding, Severity
-from dogbot_logtool.printable import printable
+from dogbot_logtool.printable import printable, printable_lines
 from dogbot_logtool.reader.log import Loss, lost_messages
+from dogbot_logtool.streams import styled
 
 _COLOURS = {Severity.ERROR: "red", Severity.WARNING: "yellow", Severity.NOTE: "cyan"}
 _LABELS = {Severity.ERROR: "error", Severity.WARNING: "warning", Severity.NOTE: "note"}
@@ -23,18 +25,27 @@ _TOLD = 10
 """Places of damage that are listed one by one."""
 
 
-class _QuietlyClosed(Console):
-    """Whoever closes the pipe has seen enough: that is no error."""
+class _PrintableConsole(Console):
+    """A console whose output holds no control characters but its own."""
 
-    def on_broken_pipe(self) -> None:
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-        raise SystemExit(0)
+    def render(
+        self, renderable: RenderableType, options: ConsoleOptions | None = None
+    ) -> Iterable[Segment]:
+        """See `Console.render`."""
+        for segment in super().render(renderable, options):
+            if segment.control or segment.text.isprintable():
+                yield segment
+            else:
+                yield segment._replace(text=printable_lines(segment.text))
 
 
 def results() -> Console:
     """Return the console for results (stdout)."""
+    if hasattr(sys.stdout, "rich_proxied_file"):
+        # Progress bars are shown on the same terminal; text has to appear above them.
+        return diagnostics()
     width = None if sys.stdout.isatty() or "COLUMNS" in os.environ else _PIPE_WIDTH
-    return _QuietlyClosed(highlight=False, markup=False, emoji=False, width=width)
+    return _console(styled(sys.stdout), width)
 
 
 def diagnostics() -> Console:
@@ -43,12 +54,16 @@ def diagnostics() -> Console:
     It is one and the same, so that what is printed while bars are shown stands above them.
     """
     # While bars are shown, stderr itself is a proxy for their console.
-    return _diagnostics(getattr(sys.stderr, "rich_proxied_file", sys.stderr))
+    return _diagnostics(styled(getattr(sys.stderr, "rich_proxied_file", sys.stderr)))
 
 
 @lru_cache(maxsize=1)
-def _diagnostics(file: IO[str]) -> Console:
-    return Console(file=file, highlight=False, markup=False, emoji=False)
+def _diagnostics(file: TextIO) -> Console:
+    return _console(file, None)
+
+
+def _console(file: TextIO, width: int | None) -> Console:
+    return _PrintableConsole(file=file, highlight=False, markup=False, emoji=False, width=width)
 
 
 def print_findings(console: Console, findings: Iterable[Finding]) -> None:
