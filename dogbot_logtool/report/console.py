@@ -13,12 +13,15 @@ from rich.text import Text
 from dogbot_logtool.findings import Finding, Severity
 from dogbot_logtool.printable import printable, printable_lines
 from dogbot_logtool.reader.log import Loss, lost_messages
+from dogbot_logtool.report.text_layout import Hanging
 from dogbot_logtool.streams import styled
 
 _COLOURS = {Severity.ERROR: "red", Severity.WARNING: "yellow", Severity.NOTE: "cyan"}
 _LABELS = {Severity.ERROR: "error", Severity.WARNING: "warning", Severity.NOTE: "note"}
 
 
+_LABEL = 9
+"""Columns of ``warning`` and the like, and of the blanks behind them."""
 _PIPE_WIDTH = 120
 """Columns of output that is not read on a terminal."""
 _TOLD = 10
@@ -63,28 +66,36 @@ def _diagnostics(file: TextIO) -> Console:
 
 
 def _console(file: TextIO, width: int | None) -> Console:
-    return _PrintableConsole(file=file, highlight=False, markup=False, emoji=False, width=width)
+    # Sentences that no terminal shows stay whole, for those who search them.
+    unlimited = not (file.isatty() or "COLUMNS" in os.environ)
+    return _PrintableConsole(
+        file=file, highlight=False, markup=False, emoji=False, width=width, soft_wrap=unlimited
+    )
+
+
+def print_sentence(console: Console, *parts: str | tuple[str, str] | Text, indent: int = 2) -> None:
+    """Print a sentence in parts, as they are or with a style; its further lines are indented."""
+    console.print(Hanging(Text.assemble(*parts), indent), crop=False)
 
 
 def print_findings(console: Console, findings: Iterable[Finding]) -> None:
     """Print findings, the worst first, a line each."""
     for finding in sorted(findings):
-        label = Text(f"{_LABELS[finding.severity]:>7}  ", style=_COLOURS[finding.severity])
-        console.print(Text.assemble(label, printable(finding.text)), soft_wrap=True)
+        label = f"{_LABELS[finding.severity]:>7}  ", _COLOURS[finding.severity]
+        print_sentence(console, label, printable(finding.text), indent=_LABEL)
 
 
 def print_damage(console: Console, losses: Sequence[Loss]) -> None:
     """Print what was lost, and where."""
     for loss in losses[:_TOLD]:
-        line = Text.assemble(Text(" damage  ", style="red"), printable(loss.what))
-        console.print(line, soft_wrap=True)
+        print_sentence(console, (" damage  ", "red"), printable(loss.what), indent=_LABEL)
     if len(losses) > _TOLD:
         console.print(f" damage  and {len(losses) - _TOLD} more places")
     if losses:
         messages = lost_messages(losses)
         count = "an unknown number of" if messages is None else f"{messages:,}"
         size = sum(loss.bytes for loss in losses)
-        console.print(f"   lost  {count} messages, {size:,} bytes", soft_wrap=True)
+        print_sentence(console, f"   lost  {count} messages, {size:,} bytes", indent=_LABEL)
 
 
 def human_size(size: int) -> str:
