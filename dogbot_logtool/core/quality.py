@@ -34,7 +34,7 @@ class Rhythm:
     usual_ns: float | None
     """ns: the next message is usually there after this time; None where nothing is usual."""
     in_bursts: bool = False
-    """Whether most of the time lies between bursts of messages."""
+    """Whether messages come in bursts, so that the median interval says nothing of their rate."""
 
     @property
     def gap_ns(self) -> float:
@@ -57,14 +57,16 @@ def rhythm(intervals: IntervalHistogram) -> Rhythm:
         return Rhythm(None)
     low, median, high = _quartiles(intervals)
     within = low if high > _FAR_QUARTILES * low else median
-    silences = intervals.longer_than(max(float(SILENCE_NS), GAP_INTERVALS * within))
+    breaks = intervals.longer_than(GAP_INTERVALS * within)
+    in_bursts = 2 * breaks.total > intervals.total
+    silences = breaks.longer_than(SILENCE_NS)
     if 2 * silences.total > intervals.total:
         if silences.count >= FEWEST:
-            return Rhythm(_usual(silences), in_bursts=True)
+            return Rhythm(_usual(silences), in_bursts)
         run_ns = (intervals.total - silences.total) / (silences.count + 1)
         if high - low > median or run_ns < SILENCE_NS:
             return Rhythm(None)
-    return Rhythm(_usual(intervals))
+    return Rhythm(_usual(intervals), in_bursts)
 
 
 def steady_rhythm(intervals: IntervalHistogram) -> Rhythm:
@@ -84,10 +86,10 @@ def _quartiles(intervals: IntervalHistogram) -> tuple[float, float, float]:
 
 
 def mean_rate_hz(number: int, span_ns: int) -> float | None:
-    """Return messages a second; None for fewer than `FEWEST`, or all within 50 ms.
+    """Return messages a second; None where they are too few, or all within 50 ms.
 
     Args:
-        number: of messages, or of intervals between them.
+        number: of messages, or of intervals between them: of `FEWEST` messages one less.
         span_ns: ns, the time in which they were recorded.
     """
     known = number + 1 >= FEWEST and span_ns >= SILENCE_NS
@@ -293,11 +295,10 @@ def with_gaps(topic: TopicQuality, spans: Ints) -> TopicQuality:
 def _usual_rate_hz(
     intervals: IntervalHistogram, found: Rhythm, number: int, span: int
 ) -> float | None:
-    if found.usual_ns is None:
-        return None
-    if found.in_bursts:
-        gaps = intervals.longer_than(found.gap_ns)
-        return mean_rate_hz(number - gaps.count, span - gaps.total)
+    gaps = intervals.longer_than(found.gap_ns)
+    rate_hz = mean_rate_hz(number - gaps.count, span - gaps.total)
+    if found.usual_ns is None or rate_hz is None or found.in_bursts:
+        return None if found.usual_ns is None else rate_hz
     median = intervals.percentile(50.0)
     return 1e9 / median if median else None
 

@@ -143,6 +143,19 @@ def test_a_rate_needs_messages_and_time() -> None:
     assert watched(steady(9), steady(9)).rate_hz is None
     assert watched(steady(10), steady(10)).rate_hz == pytest.approx(100.0)
     assert mean_rate_hz(1, 20_291) is None
+    nanoseconds = S + np.arange(200, dtype=np.int64) * 2
+    assert (watched(nanoseconds, nanoseconds).rate_hz) is None
+    assert (watched(nanoseconds, nanoseconds).median_rate_hz) is None
+
+
+def test_the_usual_rate_of_short_bursts_is_that_of_their_messages() -> None:
+    """They may follow one another so fast that no silence between them could be a gap."""
+    for size in (2, 4, 20):
+        number = np.arange(2401)
+        times = S + (number // size) * 20 * MS + (number % size) * 20_000
+        quality = watched(times, times)
+        assert quality.gaps == 0
+        assert quality.median_rate_hz == pytest.approx(size * 50.0, rel=0.01)
 
 
 @pytest.mark.parametrize("size", [2, 5, 40])
