@@ -24,6 +24,8 @@ from dogbot_logtool.reader.source import ByteSource
 _REGION_SIZE: Final = 1 << 20
 """Messages outside chunks are read in runs of about this many bytes."""
 _REGION_RECORDS: Final = 1 << 16
+_FIRST_RECORDS: Final = 16
+_READ_AT_ONCE: Final = 4 << 20
 _SHORTEST_HEAD: Final = 12
 """Fewer bytes at the end of the file are taken for a record that is cut off."""
 _LARGEST_PADDING: Final = 64
@@ -63,6 +65,8 @@ class Survey(ABC):
         """By offset of the chunk."""
         self._searched = False
         """Damage was passed over; whatever bare messages follow may be within a chunk."""
+        self._kept: tuple[int, bytes] = (0, b"")
+        """What was read last outside of chunks, and where it begins."""
         self._doubtful: set[int] = set()
         """Offsets of runs of messages that may be a damaged chunk's."""
 
@@ -161,16 +165,13 @@ class Survey(ABC):
             place: where the first begins.
             end: where it ends.
         """
-        window = np.frombuffer(self._source.read(place, max(_REGION_SIZE, end - place)), np.uint8)
-        bounds = self._format.chain(window.data, 0, len(window), _REGION_RECORDS)
-        found = self._format.decode(window, np.array(bounds, np.int64))
-        others = np.flatnonzero(found.op != self._format.message)
-        count = int(others[0]) if len(others) else len(found)
+        window = self._window(place, max(_REGION_SIZE, end - place))
+        count, bounds = self._messages_in(window)
         if not count:
             return None
         stop = bounds[count]
         following: int | None = place + stop
-        at_window_end = place + len(window) < self._source.size and count == len(found)
+        at_window_end = place + len(window) < self._source.size and count == len(bounds) - 1
         cut_off = self._source.size - place - stop < _SHORTEST_HEAD
         if not (at_window_end or cut_off or self._follows(place + stop)):
             before = bounds[count - 1]
@@ -182,6 +183,31 @@ class Survey(ABC):
             run = Chunk(place, place, stop, place + stop, place + stop, "", stop)
             self._chunks.append(run)
         return self._search(place + stop) if following is None else following
+
+    def _window(self, place: int, size: int) -> Bytes:
+        """Return bytes of the file; runs that follow each other share what was read."""
+        begin, kept = self._kept
+        if not (begin <= place and min(place + size, self._source.size) <= begin + len(kept)):
+            begin, kept = place, self._source.read(place, max(size, _READ_AT_ONCE))
+            self._kept = begin, kept
+        return np.frombuffer(memoryview(kept)[place - begin :][:size], np.uint8)
+
+    def _messages_in(self, window: Bytes) -> tuple[int, list[int]]:
+        """Return how many messages a window begins with, and where its records begin and end.
+
+        More and more records are looked at: where runs of messages are short, looking at all that
+        follows each of them would take the square of the time.
+        """
+        limit = _FIRST_RECORDS
+        while True:
+            bounds = self._format.chain(window.data, 0, len(window), limit)
+            found = self._format.decode(window, np.array(bounds, np.int64))
+            others = np.flatnonzero(found.op != self._format.message)
+            if len(others):
+                return int(others[0]), bounds
+            if len(found) < limit or limit == _REGION_RECORDS:
+                return len(found), bounds
+            limit = min(limit * 8, _REGION_RECORDS)
 
     def _look_into_chunks(self) -> tuple[list[Chunk], dict[int, int]]:
         """Read every chunk for its counts, times and descriptions.

@@ -7,6 +7,8 @@ from rich.text import Text
 from dogbot_logtool.comparison.outcome import Comparison, Tally
 from dogbot_logtool.printable import printable
 
+_MOST_ROWS = 1000
+"""Rows of the table; laying it out takes a millisecond each."""
 _STYLES = {"same": "green", "different": "bold red"}
 
 
@@ -19,6 +21,8 @@ def show_comparison(comparison: Comparison, console: Console) -> None:
         console.print(line, soft_wrap=True)
     if comparison.tallies:
         console.print(_table(comparison))
+    if (more := len(comparison.tallies) - _MOST_ROWS) > 0:
+        console.print(f"and {more:,} more rows, those that differ being listed first")
     for tally in comparison.tallies:
         if tally.note:
             note = f"{printable(tally.name)}: {printable(tally.note)}"
@@ -36,7 +40,10 @@ def _table(comparison: Comparison) -> Table:
     for heading in (comparison.unit, "equal", "within tolerance", "different", "missing", "extra"):
         table.add_column(heading, justify="right")
     table.add_column("largest |d|", justify="right")
-    for tally in comparison.tallies:
+    tallies = comparison.tallies
+    if len(tallies) > _MOST_ROWS:
+        tallies = sorted(tallies, key=lambda tally: tally.same)[:_MOST_ROWS]
+    for tally in tallies:
         table.add_row(*_cells(tally), style=None if tally.same else _STYLES["different"])
     return table
 

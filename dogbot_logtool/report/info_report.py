@@ -18,6 +18,8 @@ from dogbot_logtool.storage import shown
 
 _SIMULATED_BEFORE_S = 1_000_000_000
 """Log times before this are simulation time, not dates."""
+_MOST_TOPICS = 1000
+"""Rows of the table; laying it out takes a millisecond each."""
 _WIDE = 110
 """Columns from which types get a column of their own."""
 
@@ -60,6 +62,8 @@ def print_info(console: Console, info: LogInfo) -> None:
     console.print(Text(printable(shown(info.path)), style="bold"))
     console.print(_head(info))
     console.print(_topics(info, wide=console.width >= _WIDE))
+    if (more := len(info.topics) - _MOST_TOPICS) > 0:
+        console.print(f"  and {more:,} more topics; --json lists all")
     if info.frames is not None:
         print_frames(console, info, info.frames)
     elif info.parents or info.added_transform:
@@ -97,7 +101,7 @@ def _topics(info: LogInfo, *, wide: bool) -> Table:
     table.add_column("count", justify="right", no_wrap=True)
     table.add_column("Hz", justify="right", no_wrap=True)
     table.add_column("used as", no_wrap=True)
-    for topic in info.topics:
+    for topic in info.topics[:_MOST_TOPICS]:
         name = printable(topic.topic)
         if topic.senders > 1:
             name += f" ({topic.senders} senders)"
