@@ -61,6 +61,8 @@ class Survey(ABC):
         self._format = fmt
         self._losses = losses
         self._chunks: list[Chunk] = []
+        self._some_checked = False
+        """A chunk has a checksum."""
         self._stated: dict[int, Stated] = {}
         """By offset of the chunk."""
         self._searched = False
@@ -152,6 +154,7 @@ class Survey(ABC):
         size = chunk.size if chunk.is_compressed else data_size
         sized = replace(chunk, data_size=data_size, size=size, end=end, index_end=end)
         self._chunks.append(sized)
+        self._some_checked = self._some_checked or bool(chunk.crc)
         return end
 
     def _follows(self, place: int) -> bool:
@@ -215,13 +218,12 @@ class Survey(ABC):
         Returns:
             the chunks that can be used, and how many messages each channel has.
         """
-        some_checked = any(chunk.crc for chunk in self._chunks)
         looked: list[_Looked] = []
         behind_damage = False
         for chunk in self._chunks:
             # A damaged chunk may seem to end before its end, and messages to follow it.
             doubtful = behind_damage or chunk.offset in self._doubtful
-            if some_checked and doubtful and not chunk.is_record:
+            if self._some_checked and doubtful and not chunk.is_record:
                 what = (
                     f"the {chunk.size} bytes from byte {chunk.offset} on were left out: they "
                     "belong to a damaged chunk"
