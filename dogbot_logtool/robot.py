@@ -10,6 +10,8 @@ from dogbot_logtool.toml_table import TomlFile, TomlTable, read_toml
 AXES: Final = ("+x", "-x", "+y", "-y")
 """Body axes that can point forward."""
 GENERIC: Final = "generic"
+MOST_FEET: Final = 64
+"""A robot's file or a log that has more is a mistake, and takes the square of the time."""
 _KNOWN: Final = Path(__file__).with_name("robots")
 """Directory of the robots that come with the program."""
 _PLACES: Final = (
@@ -128,6 +130,8 @@ def parse_robot(text: str, source: str) -> Robot:
     arrows = table.section("arrows")
     contact = table.section("contact")
     feet = table.section("feet")
+    if len(feet.names) > MOST_FEET:
+        raise feet.fault("", f"there are {len(feet.names)} feet; there may be {MOST_FEET}")
     robot = Robot(
         name=table.text("name") or Path(source).stem,
         description=table.text("description") or "",

@@ -27,7 +27,7 @@ from dogbot_logtool.reader.contact_sources.source import ContactSource, FootChan
 from dogbot_logtool.reader.log import Channel, Log
 from dogbot_logtool.reader.odometry import ODOMETRY_TYPE
 from dogbot_logtool.reader.transforms import TRANSFORM_TYPES, is_static
-from dogbot_logtool.robot import GENERIC, Foot, Robot, known_robots, load_robot
+from dogbot_logtool.robot import GENERIC, MOST_FEET, Foot, Robot, known_robots, load_robot
 from dogbot_logtool.storage import shown
 
 _PLACE_WORDS: Final[Mapping[str, tuple[str, ...]]] = {
@@ -146,7 +146,7 @@ def select_topics(log: Log, options: TopicOptions) -> Selection:
     findings.extend(_source_findings(contacts, robot))
     transforms = [
         channel
-        for topic in sorted({c.topic for c in log.channels.values()})
+        for topic in sorted(log.channels_by_topic)
         for channel in _readable(log, topic, TRANSFORM_TYPES)
     ]
     unreadable = list(unreadable_findings(log.channels.values(), odometry, contacts))
@@ -279,6 +279,12 @@ def _find_feet(log: Log, robot: Robot, findings: list[Finding]) -> Robot:
                 findings.append(warning("FOOT_MISSING", text, foot.topic))
         return robot
     feet = _feet_by_type(log)
+    if len(feet) > MOST_FEET:
+        text = (
+            f"more than {MOST_FEET} topics hold contact messages; which are the feet's is not known"
+        )
+        findings.append(warning("NO_FEET", f"{text} (--foot says it): no arrows, no gait"))
+        return replace(robot, feet=())
     if not feet:
         none = "no contact topics can be read" if recorded else "there are no contact topics"
         findings.append(warning("NO_FEET", f"{none}: no arrows, no gait"))
@@ -302,7 +308,7 @@ def _feet_by_type(log: Log) -> list[Foot]:
         if source.anything:
             topics = [topic for topic in topics if _place(topic) is not None]
         if topics:
-            return _feet_by_name(topics)
+            return _feet_by_name(topics[: MOST_FEET + 1])
     return []
 
 
@@ -400,13 +406,13 @@ def _topics_of_type(log: Log, types: AbstractSet[str]) -> list[str]:
 
 
 def _count(log: Log, topic: str) -> int:
-    return sum(log.counts.get(c.id, 0) for c in log.channels.values() if c.topic == topic)
+    return sum(log.counts.get(c.id, 0) for c in log.channels_by_topic.get(topic, ()))
 
 
 def _readable(log: Log, topic: str, types: AbstractSet[str]) -> list[Channel]:
     """Return the channels of a topic that can be decoded."""
     return [
         channel
-        for channel in log.channels.values()
-        if channel.topic == topic and channel.type_name in types and not why_unreadable(channel)
+        for channel in log.channels_by_topic.get(topic, ())
+        if channel.type_name in types and not why_unreadable(channel)
     ]

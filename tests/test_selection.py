@@ -211,7 +211,7 @@ def test_a_foot_of_the_robot_gets_another_topic(opened: Opener) -> None:
         (TopicOptions(foot_topics={"a": "/none"}), "--foot"),
         (TopicOptions(foot_topics={"a": "/dogbot/odom"}), "is of type nav_msgs/Odometry"),
         (TopicOptions(robot="unicorn"), "dogbot, generic"),
-        (TopicOptions(robot="unicorn.toml"), "cannot be read"),
+        (TopicOptions(robot="unicorn.toml"), "no such file"),
     ],
 )
 def test_options_that_do_not_fit(opened: Opener, options: TopicOptions, said: str) -> None:

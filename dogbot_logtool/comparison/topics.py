@@ -32,13 +32,10 @@ def find_topics(
 ) -> Sequence[Topic]:
     """Return the topics to compare, sorted, and note what differs in their descriptions."""
     logs = (expected, actual)
-    names = {channel.topic for log in logs for channel in log.channels.values()}
+    names = {name for log in logs for name in log.channels_by_topic}
     topics: list[Topic] = []
     for name in sorted(name for name in names if rules.takes(name)):
-        one, other = (
-            tuple(channel for channel in log.channels.values() if channel.topic == name)
-            for log in logs
-        )
+        one, other = (log.channels_by_topic.get(name, ()) for log in logs)
         types = dict.fromkeys(channel.type_name for channel in (*one, *other))
         tally = Tally(name, ", ".join(types))
         tally.only_in = "" if one and other else "expected" if one else "actual"

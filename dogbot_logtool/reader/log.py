@@ -4,6 +4,7 @@ from abc import ABC, abstractmethod
 from bisect import bisect_right
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from itertools import islice
 from typing import Final
 
@@ -276,6 +277,14 @@ class Log(ABC):
     def compressions(self) -> tuple[str, ...]:
         """Compressions of the chunks, sorted, ``none`` for the absence of one."""
         return tuple(sorted({chunk.compression or "none" for chunk in self.chunks}))
+
+    @cached_property
+    def channels_by_topic(self) -> Mapping[str, tuple[Channel, ...]]:
+        """The channels of each topic."""
+        found: dict[str, list[Channel]] = {}
+        for channel in self.channels.values():
+            found.setdefault(channel.topic, []).append(channel)
+        return {topic: tuple(channels) for topic, channels in found.items()}
 
     def spans(self, start: int | None = None, end: int | None = None) -> Iterator[Span]:
         """Group the chunks into batches, in file order.

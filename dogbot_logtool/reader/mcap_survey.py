@@ -86,7 +86,7 @@ class McapSurvey(Survey):
 
     def _is_no_message(self, content: int, length: int) -> bool:
         """Tell whether a record is of another kind than its opcode says, where that is likely."""
-        unlikely = self._data_end is not None or any(chunk.crc for chunk in self._chunks)
+        unlikely = self._data_end is not None or self._some_checked
         return unlikely and self._mcap_format.passes_for_another(self._source, content, length)
 
     def _record(self, opcode: int, place: int, content: int, end: int) -> int | None:

@@ -24,6 +24,8 @@ from dogbot_logtool.reader.source import ByteSource
 _REGION_SIZE: Final = 1 << 20
 """Messages outside chunks are read in runs of about this many bytes."""
 _REGION_RECORDS: Final = 1 << 16
+_FIRST_RECORDS: Final = 16
+_READ_AT_ONCE: Final = 4 << 20
 _SHORTEST_HEAD: Final = 12
 """Fewer bytes at the end of the file are taken for a record that is cut off."""
 _LARGEST_PADDING: Final = 64
@@ -59,10 +61,14 @@ class Survey(ABC):
         self._format = fmt
         self._losses = losses
         self._chunks: list[Chunk] = []
+        self._some_checked = False
+        """A chunk has a checksum."""
         self._stated: dict[int, Stated] = {}
         """By offset of the chunk."""
         self._searched = False
         """Damage was passed over; whatever bare messages follow may be within a chunk."""
+        self._kept: tuple[int, bytes] = (0, b"")
+        """What was read last outside of chunks, and where it begins."""
         self._doubtful: set[int] = set()
         """Offsets of runs of messages that may be a damaged chunk's."""
 
@@ -148,6 +154,7 @@ class Survey(ABC):
         size = chunk.size if chunk.is_compressed else data_size
         sized = replace(chunk, data_size=data_size, size=size, end=end, index_end=end)
         self._chunks.append(sized)
+        self._some_checked = self._some_checked or bool(chunk.crc)
         return end
 
     def _follows(self, place: int) -> bool:
@@ -161,16 +168,13 @@ class Survey(ABC):
             place: where the first begins.
             end: where it ends.
         """
-        window = np.frombuffer(self._source.read(place, max(_REGION_SIZE, end - place)), np.uint8)
-        bounds = self._format.chain(window.data, 0, len(window), _REGION_RECORDS)
-        found = self._format.decode(window, np.array(bounds, np.int64))
-        others = np.flatnonzero(found.op != self._format.message)
-        count = int(others[0]) if len(others) else len(found)
+        window = self._window(place, max(_REGION_SIZE, end - place))
+        count, bounds = self._messages_in(window)
         if not count:
             return None
         stop = bounds[count]
         following: int | None = place + stop
-        at_window_end = place + len(window) < self._source.size and count == len(found)
+        at_window_end = place + len(window) < self._source.size and count == len(bounds) - 1
         cut_off = self._source.size - place - stop < _SHORTEST_HEAD
         if not (at_window_end or cut_off or self._follows(place + stop)):
             before = bounds[count - 1]
@@ -183,19 +187,43 @@ class Survey(ABC):
             self._chunks.append(run)
         return self._search(place + stop) if following is None else following
 
+    def _window(self, place: int, size: int) -> Bytes:
+        """Return bytes of the file; runs that follow each other share what was read."""
+        begin, kept = self._kept
+        if not (begin <= place and min(place + size, self._source.size) <= begin + len(kept)):
+            begin, kept = place, self._source.read(place, max(size, _READ_AT_ONCE))
+            self._kept = begin, kept
+        return np.frombuffer(memoryview(kept)[place - begin :][:size], np.uint8)
+
+    def _messages_in(self, window: Bytes) -> tuple[int, list[int]]:
+        """Return how many messages a window begins with, and where its records begin and end.
+
+        More and more records are looked at: where runs of messages are short, looking at all that
+        follows each of them would take the square of the time.
+        """
+        limit = _FIRST_RECORDS
+        while True:
+            bounds = self._format.chain(window.data, 0, len(window), limit)
+            found = self._format.decode(window, np.array(bounds, np.int64))
+            others = np.flatnonzero(found.op != self._format.message)
+            if len(others):
+                return int(others[0]), bounds
+            if len(found) < limit or limit == _REGION_RECORDS:
+                return len(found), bounds
+            limit = min(limit * 8, _REGION_RECORDS)
+
     def _look_into_chunks(self) -> tuple[list[Chunk], dict[int, int]]:
         """Read every chunk for its counts, times and descriptions.
 
         Returns:
             the chunks that can be used, and how many messages each channel has.
         """
-        some_checked = any(chunk.crc for chunk in self._chunks)
         looked: list[_Looked] = []
         behind_damage = False
         for chunk in self._chunks:
             # A damaged chunk may seem to end before its end, and messages to follow it.
             doubtful = behind_damage or chunk.offset in self._doubtful
-            if some_checked and doubtful and not chunk.is_record:
+            if self._some_checked and doubtful and not chunk.is_record:
                 what = (
                     f"the {chunk.size} bytes from byte {chunk.offset} on were left out: they "
                     "belong to a damaged chunk"

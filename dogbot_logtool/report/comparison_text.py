@@ -7,6 +7,8 @@ from dogbot_logtool.printable import printable
 from dogbot_logtool.report.console import print_sentence
 from dogbot_logtool.report.text_layout import NameTable, Row
 
+_MOST_ROWS = 1000
+"""Rows of the table; laying it out takes a millisecond each."""
 _STYLES = {"same": "green", "different": "bold red"}
 
 
@@ -18,6 +20,8 @@ def show_comparison(comparison: Comparison, console: Console) -> None:
         print_sentence(console, (printable(f"{found.path}: {found.loss.what}"), "yellow"))
     if comparison.tallies:
         console.print(_table(comparison), crop=False)
+    if (more := len(comparison.tallies) - _MOST_ROWS) > 0:
+        print_sentence(console, f"and {more:,} more rows, those that differ being listed first")
     for tally in comparison.tallies:
         if tally.note:
             print_sentence(console, printable(f"{tally.name}: {tally.note}"))
@@ -31,7 +35,10 @@ def _table(comparison: Comparison) -> NameTable:
     # Plain ASCII columns: what is redirected into a file is read in a browser or mailed.
     unit = comparison.unit
     counts = (unit, "equal", "within tolerance", "different", "missing", "extra", "largest |d|")
-    rows = [_row(tally) for tally in comparison.tallies]
+    tallies = comparison.tallies
+    if len(tallies) > _MOST_ROWS:
+        tallies = sorted(tallies, key=lambda tally: tally.same)[:_MOST_ROWS]
+    rows = [_row(tally) for tally in tallies]
     return NameTable(("topic" if unit == "messages" else "part", *counts), rows)
 
 

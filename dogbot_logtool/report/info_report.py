@@ -17,6 +17,8 @@ from dogbot_logtool.storage import shown
 
 _SIMULATED_BEFORE_S = 1_000_000_000
 """Log times before this are simulation time, not dates."""
+_MOST_TOPICS = 1000
+"""Rows of the table; laying it out takes a millisecond each."""
 
 
 def info_json(info: LogInfo) -> dict[str, Any]:
@@ -58,6 +60,8 @@ def print_info(console: Console, info: LogInfo) -> None:
     for name, value in _head(info):
         print_sentence(console, f"  {name:<11}  {printable(value)}", indent=15)
     console.print(_topics(info, console.width), crop=False)
+    if (more := len(info.topics) - _MOST_TOPICS) > 0:
+        print_sentence(console, f"  and {more:,} more topics; --json lists all")
     if info.frames is not None:
         print_frames(console, info, info.frames)
     elif info.parents or info.added_transform:
@@ -92,7 +96,7 @@ def _topics(info: LogInfo, width: int) -> NameTable:
 
 def _topic_table(info: LogInfo, *, types_beside: bool) -> NameTable:
     rows = []
-    for topic in info.topics:
+    for topic in info.topics[:_MOST_TOPICS]:
         name = printable(topic.topic)
         if topic.senders > 1:
             name += f" ({topic.senders} senders)"
