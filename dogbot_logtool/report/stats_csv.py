@@ -62,4 +62,4 @@ def _summary_row(stats: Stats, log: LogFacts) -> list[str]:
 
 
 def _text(figure: float | None) -> str:
-    return "" if figure is None or np.isnan(figure) else f"{figure:.{_DIGITS}g}"
+    return "" if figure is None or not np.isfinite(figure) else f"{figure:.{_DIGITS}g}"
