@@ -1,11 +1,11 @@
 """The words of `layout`."""
 
-import json
 from pathlib import Path
 
 import click
 
 from dogbot_logtool.cli.options import overwrite_option, parse_topics, topic_options
+from dogbot_logtool.plain_json import to_json
 
 
 @click.command()
@@ -35,7 +35,7 @@ def layout(
     options = parse_topics(robot, odom_topic, feet, mass_kg)
     if output is not None:
         refuse_bad_target(output, log, overwrite=overwrite)
-    text = json.dumps(layout_for(log, options), indent=2) + "\n"
+    text = to_json(layout_for(log, options), indent=2) + "\n"
     if output is None:
         click.echo(text, nl=False)
         return

@@ -1,6 +1,5 @@
 """Results and exit code of one call over several logs: a bad log does not stop the rest."""
 
-import json
 import sys
 from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING, Any, Final, NoReturn, TypeVar
@@ -8,6 +7,7 @@ from typing import TYPE_CHECKING, Any, Final, NoReturn, TypeVar
 import click
 
 from dogbot_logtool.errors import LogtoolError
+from dogbot_logtool.plain_json import to_json
 from dogbot_logtool.printable import printable
 from dogbot_logtool.storage import valid_unicode
 
@@ -99,7 +99,7 @@ class Outcomes:
         """Print the results if wanted, one object for one log; exit: failure outranks damage."""
         if as_json:
             results = self._results
-            click.echo(json.dumps(results[0] if len(results) == 1 else results, indent=2))
+            click.echo(to_json(results[0] if len(results) == 1 else results, indent=2))
         if len(self._codes) == 1 and self._failed:
             say(self._failed[0][1])
         elif self._failed:

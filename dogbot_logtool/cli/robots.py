@@ -1,10 +1,9 @@
 """The words of `robots`."""
 
-import json
-
 import click
 
 from dogbot_logtool.cli.options import json_option
+from dogbot_logtool.plain_json import to_json
 
 
 @click.command()
@@ -19,7 +18,7 @@ def robots(name: str | None, *, as_json: bool) -> None:
         return
     known = {robot: load_robot(robot).description for robot in known_robots()}
     if as_json:
-        click.echo(json.dumps(known, indent=2))
+        click.echo(to_json(known, indent=2))
         return
     for robot, description in known.items():
         click.echo(f"{robot:<12}{description}")

@@ -27,6 +27,7 @@ from dogbot_logtool.errors import CallError, ExtraMissingError, LogtoolError, St
 from dogbot_logtool.fleet.engine import Tell
 from dogbot_logtool.fleet.logs import Fleet, Found
 from dogbot_logtool.fleet.tasks import Figures, Measure
+from dogbot_logtool.plain_json import to_json
 from dogbot_logtool.storage import Location
 from dogbot_logtool.writer.output import whole_file
 
@@ -270,7 +271,7 @@ class Dataset:
             "vertical_impulse_over_weight": said["forces"]["vertical_impulse_over_weight"],
             "mass_kg": said["settings"]["mass_kg"],
             "warnings": len(quality["findings"]),
-            "figures_json": json.dumps(said),
+            "figures_json": to_json(said),
             "log_size_bytes": state.size,
             "log_version": state.version,
             "settings_sha256": self.settings_sha256,

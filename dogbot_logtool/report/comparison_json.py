@@ -1,10 +1,10 @@
 """A comparison for programs: one JSON document."""
 
-import json
 from typing import Any, Final
 
 from dogbot_logtool import __version__
 from dogbot_logtool.comparison.outcome import Comparison, Difference, FileLoss, Tally
+from dogbot_logtool.plain_json import to_json
 from dogbot_logtool.storage import shown
 
 SCHEMA: Final = "dogbot-logtool/compare/1"
@@ -13,7 +13,7 @@ SCHEMA: Final = "dogbot-logtool/compare/1"
 
 def comparison_json(comparison: Comparison) -> str:
     """Return the document, indented, with a line break at its end."""
-    return json.dumps(comparison_document(comparison), indent=2, allow_nan=False) + "\n"
+    return to_json(comparison_document(comparison), indent=2) + "\n"
 
 
 def comparison_document(comparison: Comparison) -> dict[str, Any]:

@@ -70,4 +70,4 @@ def _word(text: str) -> str:
 
 
 def _text(figure: float | None) -> str:
-    return "" if figure is None or np.isnan(figure) else f"{figure:.{_DIGITS}g}"
+    return "" if figure is None or not np.isfinite(figure) else f"{figure:.{_DIGITS}g}"

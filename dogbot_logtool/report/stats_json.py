@@ -17,6 +17,8 @@ from dogbot_logtool.core.quality import TopicQuality
 from dogbot_logtool.core.remarks import remarks
 from dogbot_logtool.core.segments import Segment
 from dogbot_logtool.core.walk_stats import Stats
+from dogbot_logtool.listing import listed
+from dogbot_logtool.plain_json import not_finite, only_finite
 
 SCHEMA_VERSION: Final = 1
 """Grows with every change of meaning."""
@@ -67,7 +69,16 @@ def stats_schema() -> Json:
 
 
 def stats_json(stats: Stats, log: LogFacts) -> Json:
-    """Return all figures of one log as plain data."""
+    """Return all figures of one log as plain data; what is not known is None."""
+    document = _document(stats, log)
+    if overflowed := list(not_finite(document)):
+        text = f"figures that are too large for a number are null: {listed(overflowed)}"
+        document["notes"].append({"code": "N_OVERFLOW", "text": text, "where": ""})
+    finite: Json = only_finite(document)
+    return finite
+
+
+def _document(stats: Stats, log: LogFacts) -> Json:
     said = [*remarks(stats), *log.findings]
     warnings = [_said(each) for each in said if not each.code.startswith("N_")]
     notes = [_said(each) for each in said if each.code.startswith("N_")]

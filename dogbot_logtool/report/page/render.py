@@ -23,6 +23,7 @@ from plotly.offline import get_plotlyjs
 
 from dogbot_logtool import __version__
 from dogbot_logtool.core.walk_stats import Stats
+from dogbot_logtool.plain_json import to_json
 from dogbot_logtool.printable import printable
 from dogbot_logtool.report.foot_pens import foot_colour, short_names
 from dogbot_logtool.report.gait_diagram import default_window
@@ -215,7 +216,7 @@ def _drawing(drawing: Drawing) -> dict[str, Any]:
 
 def _json(value: object) -> Markup:
     """Return JSON that no HTML parser takes for markup."""
-    text = json.dumps(value, separators=(",", ":"), allow_nan=False)
+    text = to_json(value, compact=True)
     for character in "<>&\u2028\u2029":
         text = text.replace(character, f"\\u{ord(character):04x}")
     return Markup(text)  # noqa: S704 - nothing of markup is left in it
