@@ -3,15 +3,18 @@
 Topics are told by the robot's file, by options, or found.
 """
 
-import re
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from collections.abc import Set as AbstractSet
+import shlex
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Final
 
 from dogbot_logtool.core.footfall import contact_rule
 from dogbot_logtool.core.loads import body_weight_n
-from dogbot_logtool.errors import CallError, DefinitionError
+from dogbot_logtool.feet.selection import (
+    FootOffer,
+    assign_feet,
+    check_given_feet,
+    find_feet,
+)
 from dogbot_logtool.findings import Finding, note, warning
 from dogbot_logtool.printable import printable
 from dogbot_logtool.reader.contact_sources.registry import SOURCES, check_contacts
@@ -19,35 +22,15 @@ from dogbot_logtool.reader.contact_sources.source import ContactSource, FootChan
 from dogbot_logtool.reader.log import Channel, Log
 from dogbot_logtool.reader.odometry import ODOMETRY_TYPE, check_odometry
 from dogbot_logtool.reader.transforms import TRANSFORM_TYPES, check_transforms, is_static
-from dogbot_logtool.robot import GENERIC, Foot, Robot, known_robots, load_robot
+from dogbot_logtool.robot import GENERIC, Robot, known_robots, load_robot
 from dogbot_logtool.storage import shown
-
-_PLACE_WORDS: Final[Mapping[str, tuple[str, ...]]] = {
-    "front": ("front", "fore"),
-    "middle": ("middle", "mid"),
-    "back": ("back", "hind", "rear"),
-    "left": ("left",),
-    "right": ("right",),
-}
-_PLACE_LETTERS: Final = {
-    "lf": ("front", "left"),
-    "fl": ("front", "left"),
-    "rf": ("front", "right"),
-    "fr": ("front", "right"),
-    "lm": ("middle", "left"),
-    "ml": ("middle", "left"),
-    "rm": ("middle", "right"),
-    "mr": ("middle", "right"),
-    "lh": ("back", "left"),
-    "bl": ("back", "left"),
-    "hl": ("back", "left"),
-    "rl": ("back", "left"),
-    "rh": ("back", "right"),
-    "br": ("back", "right"),
-    "hr": ("back", "right"),
-    "rr": ("back", "right"),
-}
-_PLACE_ORDER: Final = ("front", "middle", "back", "left", "right")
+from dogbot_logtool.topics import (
+    channels_of,
+    most_frequent,
+    readable,
+    require_topic,
+    topics_of_type,
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -75,6 +58,8 @@ class Selection:
     transforms: tuple[Channel, ...]
     """The log's own ``/tf`` and ``/tf_static``."""
     findings: tuple[Finding, ...]
+    offered_feet: Finding | None = None
+    """Which topics may be feet, and how to say so, where none surely is; also in `findings`."""
 
     @property
     def static_transforms(self) -> frozenset[int]:
@@ -121,25 +106,31 @@ def select_topics(log: Log, options: TopicOptions) -> Selection:
         CallError: an option names a topic that the log does not have, or one of a wrong type.
     """
     findings: list[Finding] = []
-    robot = _choose_robot(log, options, findings)
-    robot = _apply_options(log, robot, options)
+    robot = _apply_options(log, _choose_robot(log, options, findings), options)
+    if options.robot is not None and robot.topics.isdisjoint(_usable_topics(log)):
+        findings.extend(_without_topics(robot))
     odometry = _choose_odometry(log, robot, findings)
-    robot = _find_feet(log, robot, findings)
+    robot, offer = find_feet(log, robot, findings)
+    offered = None if offer is None else _offered(log, options, offer)
+    findings.extend([offered] if offered else [])
     contacts: list[Channel] = []
     feet_of: dict[int, tuple[int, ...]] = {}
     for topic in dict.fromkeys(foot.topic for foot in robot.feet):
         feet = tuple(index for index, foot in enumerate(robot.feet) if foot.topic == topic)
-        for channel in _readable(log, topic, SOURCES.keys(), check_contacts, findings):
+        for channel in readable(channels_of(log, topic, SOURCES.keys()), check_contacts, findings):
             contacts.append(channel)
             feet_of[channel.id] = feet
     findings.extend(_source_findings(contacts, robot))
-    transforms = [
-        channel
-        for topic in sorted({c.topic for c in log.channels.values()})
-        for channel in _readable(log, topic, TRANSFORM_TYPES, check_transforms, findings)
-    ]
+    frames = (each for each in log.channels.values() if each.type_name in TRANSFORM_TYPES)
+    transforms = readable(sorted(frames, key=lambda one: one.topic), check_transforms, findings)
     return Selection(
-        robot, tuple(odometry), tuple(contacts), feet_of, tuple(transforms), tuple(findings)
+        robot,
+        tuple(odometry),
+        tuple(contacts),
+        feet_of,
+        tuple(transforms),
+        tuple(findings),
+        offered,
     )
 
 
@@ -154,8 +145,14 @@ def time_limits(
     )
 
 
-def nothing_to_do(log: Log) -> str:
+def nothing_to_do(log: Log, selection: Selection) -> str:
     """Return a sentence for a log that has nothing of use, with what it does have."""
+    if selection.offered_feet is not None:
+        offered = selection.offered_feet
+        return (
+            f"{shown(log.source.path)}: there is no nav_msgs/Odometry, and {offered.sentence}"
+            f"\n  {offered.command}"
+        )
     found = sorted({(c.topic, c.type_name) for c in log.channels.values()})
     listed = (
         "".join(f"\n  {printable(topic)}  {printable(kind)}" for topic, kind in found) or " nothing"
@@ -171,7 +168,7 @@ def _choose_robot(log: Log, options: TopicOptions, findings: list[Finding]) -> R
     if options.robot is not None:
         robot = load_robot(options.robot)
     else:
-        topics = {channel.topic for channel in log.channels.values()}
+        topics = _usable_topics(log)
         known = [load_robot(name) for name in known_robots()]
         robot = max(known, key=lambda one: (len(one.topics & topics), one.name == GENERIC))
         text = f"the robot is taken to be {robot.name!r}; --robot says otherwise"
@@ -179,108 +176,66 @@ def _choose_robot(log: Log, options: TopicOptions, findings: list[Finding]) -> R
     return robot.with_mass(options.mass_kg)
 
 
+def _usable_topics(log: Log) -> frozenset[str]:
+    """Return the topics with odometry or contacts: a name alone makes no robot known."""
+    return frozenset(topics_of_type(log, {ODOMETRY_TYPE, *SOURCES}))
+
+
+def _without_topics(robot: Robot) -> Iterator[Finding]:
+    """Say that the robot that the user named does not show in the log."""
+    if robot.topics:
+        text = (
+            f"the log has none of the topics of the robot {robot.name!r}: feet and odometry are "
+            "looked for by type and name, but its mass, axes and frames are used; check --robot"
+        )
+        yield warning("ROBOT_ABSENT", text)
+
+
 def _apply_options(log: Log, robot: Robot, options: TopicOptions) -> Robot:
     if options.odometry_topic is not None:
-        _require(log, "--odom-topic", options.odometry_topic, {ODOMETRY_TYPE})
+        require_topic(log, "--odom-topic", options.odometry_topic, {ODOMETRY_TYPE})
         robot = replace(robot, odometry_topic=options.odometry_topic)
     if options.foot_topics:
-        feet = {foot.name: foot for foot in robot.feet}
-        for name, topic in options.foot_topics.items():
-            _require(log, "--foot", topic, SOURCES.keys())
-            known = feet.get(name, Foot(name, topic, place=_place(name)))
-            feet[name] = replace(known, topic=topic)
-        robot = replace(robot, feet=tuple(feet.values()))
+        recorded = _usable_topics(log)
+        guessed = options.robot is None
+        robot = assign_feet(robot, options.foot_topics, recorded, guessed=guessed)
+        check_given_feet(log, robot, options.foot_topics)
     return robot
 
 
-def _require(log: Log, option: str, topic: str, wanted: AbstractSet[str]) -> None:
-    types = {c.type_name for c in log.channels.values() if c.topic == topic}
-    names = " or ".join(wanted)
-    if not types:
-        listed = ", ".join(_topics_of_type(log, wanted)) or "none"
-        raise CallError(
-            f"{shown(log.source.path)}: {option}: the log has no topic {topic}; of type {names} "
-            f"it has: {listed}"
-        )
-    if not types & wanted:
-        raise CallError(
-            f"{shown(log.source.path)}: {option}: {topic} is of type {', '.join(sorted(types))}, "
-            f"not {names}"
-        )
+def _offered(log: Log, options: TopicOptions, offer: FootOffer) -> Finding:
+    """Return a warning with the command that chooses the feet."""
+    words = ["dogbot-logtool", "stats", shown(log.source.path)]
+    if options.odometry_topic is not None:
+        words += ["--odom-topic", options.odometry_topic]
+    if options.mass_kg is not None:
+        words += ["--mass", f"{options.mass_kg:g}"]
+    command = f"{shlex.join(words)} {offer.options}"
+    text = (
+        f"feet may be among the topics, but their names do not tell surely: {offer.text}; "
+        f"no arrows, no gait, until --foot says which they are: {command}"
+    )
+    return replace(warning("FEET_UNSURE", text), command=command)
 
 
 def _choose_odometry(log: Log, robot: Robot, findings: list[Finding]) -> list[Channel]:
     topic = robot.odometry_topic
     if topic is not None:
-        channels = _readable(log, topic, {ODOMETRY_TYPE}, check_odometry, findings)
-        if channels:
-            return channels
-    topics = _topics_of_type(log, {ODOMETRY_TYPE})
+        own = readable(channels_of(log, topic, {ODOMETRY_TYPE}), check_odometry, findings)
+        if own:
+            return own
+    topics = topics_of_type(log, {ODOMETRY_TYPE})
     if not topics:
         text = "there is no odometry: no /tf and no figures of the base's motion"
         findings.append(warning("NO_ODOMETRY", text))
         return []
-    # The one that is heard most often is most likely the one to follow.
-    chosen = max(topics, key=lambda one: (_count(log, one), -len(one), one))
+    # The one with the most messages is most likely the one to follow.
+    chosen = most_frequent(log, topics)
     rest = ", ".join(one for one in topics if one != chosen)
     text = f"odometry is taken from {chosen}, found by its type"
     text += f"; there are also {rest} (--odom-topic chooses)" if rest else ""
     findings.append(note("ODOMETRY_FOUND", text, chosen))
-    return _readable(log, chosen, {ODOMETRY_TYPE}, check_odometry, findings)
-
-
-def _find_feet(log: Log, robot: Robot, findings: list[Finding]) -> Robot:
-    topics = _topics_of_type(log, SOURCES.keys())
-    present = [foot for foot in robot.feet if foot.topic in topics]
-    if present:
-        robot = replace(
-            robot, feet=tuple(_with_element(log, foot, findings) for foot in robot.feet)
-        )
-        for foot in robot.feet:
-            if foot.topic not in topics:
-                text = f"foot {foot.name} has no messages: there is no topic {foot.topic}"
-                findings.append(warning("FOOT_MISSING", text, foot.topic))
-        return robot
-    feet = _feet_by_type(log)
-    if not feet:
-        findings.append(warning("NO_FEET", "there are no contact topics: no arrows, no gait"))
-        return replace(robot, feet=())
-    listed = ", ".join(f"{foot.name} = {foot.topic}" for foot in feet)
-    findings.append(note("FEET_FOUND", f"feet are found by type and name: {listed}"))
-    return replace(robot, feet=tuple(feet))
-
-
-def _feet_by_type(log: Log) -> list[Foot]:
-    """Return the feet of the first type of contact messages that the log has."""
-    for name, source in SOURCES.items():
-        topics = _topics_of_type(log, {name})
-        if source.elements and topics:
-            # A robot often publishes its state twice, once at a lower rate.
-            topic = max(topics, key=lambda one: (_count(log, one), -len(one), one))
-            return [
-                Foot(leg, topic, place=_place(leg), element=element)
-                for element, leg in enumerate(source.elements)
-            ]
-        if source.anything:
-            topics = [topic for topic in topics if _place(topic) is not None]
-        if topics:
-            return _feet_by_name(topics)
-    return []
-
-
-def _with_element(log: Log, foot: Foot, findings: list[Finding]) -> Foot:
-    """Say which element is a foot's, where its messages tell of all feet and nobody said it."""
-    types = {c.type_name for c in log.channels.values() if c.topic == foot.topic}
-    elements = [SOURCES[name].elements for name in sorted(types & SOURCES.keys())]
-    if foot.element is not None or not elements or not elements[0]:
-        return foot
-    names = [foot.name, "_".join(foot.place or ()), "_".join(_place(foot.name) or ())]
-    for name in names:
-        if name in elements[0]:
-            return replace(foot, element=elements[0].index(name))
-    text = f"which element of {foot.topic} is {foot.name} is not known; the robot's file can tell"
-    findings.append(warning("ELEMENT_UNKNOWN", text, foot.topic))
-    return foot
+    return readable(channels_of(log, chosen, {ODOMETRY_TYPE}), check_odometry, findings)
 
 
 def _source_findings(contacts: Sequence[Channel], robot: Robot) -> list[Finding]:
@@ -313,70 +268,3 @@ def _not_calibrated(name: str, robot: Robot) -> Iterator[Finding]:
     else:
         text += f"; contact from {robot.contact_on_counts:g} counts above a foot's offset on"
     yield warning("NOT_CALIBRATED", text)
-
-
-def _feet_by_name(topics: Sequence[str]) -> list[Foot]:
-    """Name feet after the places that their topics tell, else after the topics."""
-    places = {topic: _place(topic) for topic in topics}
-    told = [place for place in places.values() if place is not None]
-    feet: list[Foot] = []
-    for topic, place in places.items():
-        if place is not None and told.count(place) == 1:
-            feet.append(Foot("_".join(place), topic, place=place))
-        else:
-            feet.append(Foot(re.sub(r"[^A-Za-z0-9]+", "_", topic).strip("_"), topic))
-    return sorted(feet, key=_foot_order)
-
-
-def _foot_order(foot: Foot) -> tuple[int, list[int], str]:
-    if foot.place is None:
-        return 1, [], foot.name
-    return 0, [_PLACE_ORDER.index(word) for word in foot.place if word in _PLACE_ORDER], foot.name
-
-
-def _place(name: str) -> tuple[str, str] | None:
-    """Return where a foot sits, from words or letters in a name."""
-    words = [word for word in re.split(r"[^a-z]+", _spaced(name)) if word]
-    for word in words:
-        if word in _PLACE_LETTERS:
-            return _PLACE_LETTERS[word]
-    joined = " ".join(words)
-    ends = [end for end in ("front", "middle", "back") if _says(joined, end)]
-    sides = [side for side in ("left", "right") if _says(joined, side)]
-    return (ends[0], sides[0]) if len(ends) == len(sides) == 1 else None
-
-
-def _spaced(name: str) -> str:
-    """Split camelCase, and lower."""
-    return re.sub(r"(?<=[a-z])(?=[A-Z])", " ", name).lower()
-
-
-def _says(words: str, place: str) -> bool:
-    return any(word in words for word in _PLACE_WORDS[place])
-
-
-def _topics_of_type(log: Log, types: AbstractSet[str]) -> list[str]:
-    return sorted({c.topic for c in log.channels.values() if c.type_name in types})
-
-
-def _count(log: Log, topic: str) -> int:
-    return sum(log.counts.get(c.id, 0) for c in log.channels.values() if c.topic == topic)
-
-
-def _readable(
-    log: Log,
-    topic: str,
-    types: AbstractSet[str],
-    check: Callable[[Channel], object],
-    findings: list[Finding],
-) -> list[Channel]:
-    """Return the channels of a topic whose definitions can be read."""
-    readable: list[Channel] = []
-    for channel in log.channels.values():
-        if channel.topic == topic and channel.type_name in types:
-            try:
-                check(channel)
-                readable.append(channel)
-            except DefinitionError as error:
-                findings.append(warning("UNREADABLE", f"{error}; it is not used", topic))
-    return readable

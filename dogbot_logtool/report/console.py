@@ -55,7 +55,9 @@ def print_findings(console: Console, findings: Iterable[Finding]) -> None:
     """Print findings, the worst first, a line each."""
     for finding in sorted(findings):
         label = Text(f"{_LABELS[finding.severity]:>7}  ", style=_COLOURS[finding.severity])
-        console.print(Text.assemble(label, printable(finding.text)), soft_wrap=True)
+        console.print(Text.assemble(label, printable(finding.sentence)), soft_wrap=True)
+        if finding.command:
+            console.print(Text(f"         {printable(finding.command)}"), soft_wrap=True)
 
 
 def print_damage(console: Console, losses: Sequence[Loss]) -> None:
