@@ -12,7 +12,8 @@ from dogbot_logtool.core.loads import body_weight_n
 from dogbot_logtool.feet.selection import (
     FootOffer,
     assign_feet,
-    check_given_feet,
+    check_feet_differ,
+    check_topics,
     find_feet,
 )
 from dogbot_logtool.findings import Finding, note, warning
@@ -196,10 +197,10 @@ def _apply_options(log: Log, robot: Robot, options: TopicOptions) -> Robot:
         require_topic(log, "--odom-topic", options.odometry_topic, {ODOMETRY_TYPE})
         robot = replace(robot, odometry_topic=options.odometry_topic)
     if options.foot_topics:
-        recorded = _usable_topics(log)
-        guessed = options.robot is None
-        robot = assign_feet(robot, options.foot_topics, recorded, guessed=guessed)
-        check_given_feet(log, robot, options.foot_topics)
+        given, guessed = options.foot_topics, options.robot is None
+        check_topics(log, given)
+        robot = assign_feet(robot, given, _usable_topics(log), guessed=guessed)
+        check_feet_differ(log, robot, given)
     return robot
 
 

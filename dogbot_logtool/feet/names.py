@@ -6,7 +6,7 @@ One name alone misleads: ``rl_controller`` is no left hind leg and the ``front``
 1. Every name is read in all ways that name a leg: as one of four or six legs (`LETTERS`, or an end
    and a side), as one of two (a side), as one of several that are numbered. The words that name the
    leg are replaced by a slot; where a name has several such words, as ``/left_leg/left_foot``, the
-   last ones are tried first, then more of them. The rest of the name is the template.
+   last one is tried first, then others and more of them. The rest of the name is the template.
 2. Names with the same template are siblings: they differ in nothing but the leg. Words that all of
    them share, such as a robot's or a controller's name, thereby stay in the template.
 3. A set of siblings is dropped if its template says that it is no foot (`PARTS`), or that its
@@ -27,6 +27,7 @@ from dogbot_logtool.feet.readings import (
     corners,
     describing_words,
     is_doubtful,
+    joined,
     named_part,
     numbers,
     readings_of,
@@ -153,7 +154,8 @@ def name_feet(topics: Iterable[str], *, contacts_only: bool) -> FootNames:
     """
     names = {topic: words_of(topic) for topic in sorted(set(topics))}
     sets = _without_parts(_sibling_sets(names))
-    ranked = sorted(filter(_may_be_feet, sets), key=_rank)
+    possible = [one for one in sets if _may_be_feet(one, contacts_only=contacts_only)]
+    ranked = sorted(possible, key=_rank)
     clear = [one for one in ranked if one.is_clear(contacts_only=contacts_only)]
     chosen = None
     if clear and (len(clear) == 1 or _rank(clear[0]) < _rank(clear[1])):
@@ -169,12 +171,11 @@ def _rank(one: FootSet) -> tuple[int, int]:
     return -one.part, -one.merit
 
 
-def _may_be_feet(one: FootSet) -> bool:
-    """Tell whether a set is worth offering: a left and a right something is not."""
-    if one.part == Part.UNKNOWN and one.kind == "sides":
-        return not one.doubtful and all(
-            word in NEUTRAL or word in MERITS or word.isdecimal() for word in one.words
-        )
+def _may_be_feet(one: FootSet, *, contacts_only: bool) -> bool:
+    """Tell whether a set is worth offering: forces of any left and right thing are not."""
+    if one.kind == "sides" and one.part == Part.UNKNOWN and not contacts_only:
+        said = one.words - NEUTRAL - MERITS.keys()
+        return not one.doubtful and not any(map(str.isalpha, said))
     return one.part > Part.NOT_A_FOOT and len(one.feet) <= _MOST_LEGS
 
 
@@ -189,10 +190,23 @@ def _sibling_sets(names: Mapping[str, Sequence[Word]]) -> list[FootSet]:
     for legs in found.values():
         # Two topics of one leg whose names differ in letter case only: none is the leg's.
         feet = [entries[0] for entries in legs.values() if len(entries) == 1]
-        if len(feet) > 1:
+        if len(feet) > 1 and _differ(feet, names):
             feet.sort(key=lambda entry: entry[0].order)
             sets.append(_foot_set(feet, names[feet[0][1]]))
     return sets
+
+
+def _differ(feet: Sequence[tuple[Reading, str]], names: Mapping[str, Sequence[Word]]) -> bool:
+    """Tell whether all words that name the legs belong to the legs.
+
+    If all legs have the same end or the same side, its word may be that of a robot or a controller:
+    it is a leg's only beside the other one, as in ``front_left`` and ``front_right``.
+    """
+    positions = [reading.position for reading, _ in feet if reading.position is not None]
+    if not positions or all(len(set(words)) > 1 for words in zip(*positions, strict=True)):
+        return True
+    reading, topic = feet[0]
+    return joined(names[topic], reading.slots)
 
 
 def _foot_set(feet: Sequence[tuple[Reading, str]], words: Sequence[Word]) -> FootSet:

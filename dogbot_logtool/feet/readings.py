@@ -70,8 +70,7 @@ def corners(words: Sequence[Word]) -> Iterator[Reading]:
     pairs = product(ends, {SIDES[word.text] for word in words if word.text in SIDES})
     for position in sorted(letters.union(pairs)):
         agreeing = [index for index, word in enumerate(words) if word.agrees(position)]
-        for count in range(1, min(len(agreeing), _MOST_SLOTS) + 1):
-            slots = frozenset(agreeing[-count:])
+        for slots in _runs(agreeing):
             if _tells_corner(words, slots) and not _one_foot(words, slots):
                 order = _ORDER.index(position[0]), _ORDER.index(position[1])
                 leg = "_".join(position)
@@ -79,6 +78,17 @@ def corners(words: Sequence[Word]) -> Iterator[Reading]:
                     Reading("corners", leg, position, order, scheme, slots)
                     for scheme in _schemes(words, slots)
                 )
+
+
+def _runs(indices: Sequence[int]) -> Iterator[frozenset[int]]:
+    """Return all runs of words that may name the leg, the last and shortest first.
+
+    What stands before and after a run may be the same words, shared by all siblings.
+    """
+    last = indices[-_MOST_SLOTS:]
+    for count in range(1, len(last) + 1):
+        for end in range(len(last), count - 1, -1):
+            yield frozenset(last[end - count : end])
 
 
 def _schemes(words: Sequence[Word], slots: frozenset[int]) -> list[str]:
@@ -115,12 +125,22 @@ def _tells_corner(words: Sequence[Word], slots: frozenset[int]) -> bool:
     return bool(ends) and any(text in SIDES for text in texts)
 
 
+def joined(words: Sequence[Word], slots: frozenset[int]) -> bool:
+    """Tell whether words that name one of four or six legs stand side by side."""
+    chosen = [(index, words[index]) for index in sorted(slots)]
+    return any(word.text in LETTERS for _, word in chosen) or any(
+        other_at == at + 1
+        and other.segment == word.segment
+        and (word.text in ENDS) != (other.text in ENDS)
+        for (at, word), (other_at, other) in pairwise(chosen)
+    )
+
+
 def sides(words: Sequence[Word]) -> Iterator[Reading]:
     """Read a name as that of one of two legs."""
     for number, side in enumerate(("left", "right")):
         agreeing = [index for index, word in enumerate(words) if SIDES.get(word.text) == side]
-        for count in range(1, min(len(agreeing), _MOST_SLOTS) + 1):
-            slots = frozenset(agreeing[-count:])
+        for slots in _runs(agreeing):
             if not _one_foot(words, slots):
                 # `l` and `left` never name the legs of one set.
                 lengths = "".join(str(min(len(words[index].text), 2)) for index in sorted(slots))

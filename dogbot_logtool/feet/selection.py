@@ -67,21 +67,30 @@ def assign_feet(
     return replace(robot, feet=tuple(feet.values()))
 
 
-def check_given_feet(log: Log, robot: Robot, topics: Mapping[str, str]) -> None:
-    """Check the topics that the user gave feet.
+def check_topics(log: Log, topics: Mapping[str, str]) -> None:
+    """Check that the log has the topics that the user gave feet.
 
     Raises:
-        CallError: the log does not have one, or one stands for two feet though it tells of one.
+        CallError: it lacks one, or one is of a wrong type.
     """
     for name, topic in topics.items():
         require_topic(log, f"--foot {name}", topic, SOURCES.keys())
+
+
+def check_feet_differ(log: Log, robot: Robot, topics: Mapping[str, str]) -> None:
+    """Check that no topic that the user gave stands for two feet, if it tells of one.
+
+    Raises:
+        CallError: one does.
+    """
+    for name, topic in topics.items():
         sharing = [foot.name for foot in robot.feet if foot.topic == topic]
         types = {c.type_name for c in log.channels.values() if c.topic == topic} & SOURCES.keys()
         single = sorted(each for each in types if not SOURCES[each].elements)
         if len(sharing) > 1 and single:
             raise CallError(
                 f"{shown(log.source.path)}: --foot {name}: {topic} would be the topic of "
-                f"{' and '.join(sharing)}; a message of type {single[0]} is about one foot"
+                f"{listed(sharing)}; a message of type {single[0]} is about one foot"
             )
 
 
@@ -94,12 +103,16 @@ def find_feet(log: Log, robot: Robot, findings: list[Finding]) -> tuple[Robot, F
             are replaced by those found.
         findings: is told what was found.
 
+    Raises:
+        CallError: two feet would be one element of a message.
+
     Returns:
         the robot with its feet, and other topics that may be feet if none surely are.
     """
     topics = topics_of_type(log, SOURCES.keys())
     if any(foot.topic in topics for foot in robot.feet):
         feet = tuple(_with_element(log, foot, findings) for foot in robot.feet)
+        _check_elements_differ(feet)
         for foot in feet:
             if foot.topic not in topics:
                 text = f"foot {foot.name} has no messages: there is no topic {foot.topic}"
@@ -121,6 +134,17 @@ def find_feet(log: Log, robot: Robot, findings: list[Finding]) -> tuple[Robot, F
     if not offered:
         findings.append(warning("NO_FEET", _without_feet(topics)))
     return replace(robot, feet=()), _offer(offered) if offered else None
+
+
+def _check_elements_differ(feet: Sequence[Foot]) -> None:
+    seen: dict[tuple[str, int], str] = {}
+    for foot in feet:
+        if foot.element is not None:
+            other = seen.setdefault((foot.topic, foot.element), foot.name)
+            if other != foot.name:
+                raise CallError(
+                    f"--foot {foot.name}: {other} is the same foot in the messages of {foot.topic}"
+                )
 
 
 def _feet_of_elements(elements: Sequence[str], topic: str) -> tuple[Foot, ...]:
