@@ -234,6 +234,10 @@ def _choose_odometry(log: Log, robot: Robot, findings: list[Finding]) -> list[Ch
     chosen = most_frequent(log, topics)
     rest = ", ".join(one for one in topics if one != chosen)
     text = f"odometry is taken from {chosen}, found by its type"
+    if topic is not None:
+        text += (
+            f", since the robot's {topic} {'cannot be used' if topic in topics else 'is missing'}"
+        )
     text += f"; there are also {rest} (--odom-topic chooses)" if rest else ""
     findings.append(note("ODOMETRY_FOUND", text, chosen))
     return readable(channels_of(log, chosen, {ODOMETRY_TYPE}), check_odometry, findings)

@@ -254,6 +254,11 @@ def test_a_robot_of_which_the_log_has_nothing(opened: Opener) -> None:
     topics = {"/odom": ODOMETRY, "/left_foot": CONTACTS, "/right_foot": CONTACTS}
     selection = select_topics(opened(channels(topics)), TopicOptions("dogbot"))
     assert feet(selection) == {"left": "/left_foot", "right": "/right_foot"}
+    told = {finding.code: finding.text for finding in selection.findings}
+    assert (
+        "/odom, found by its type, since the robot's /dogbot/odom is missing"
+        in (told["N_ODOMETRY_FOUND"])
+    )
     (finding,) = [f for f in selection.findings if f.code == "W_ROBOT_ABSENT"]
     assert "none of the topics of the robot 'dogbot'" in finding.text
     named = TopicOptions("dogbot", odometry_topic="/odom")

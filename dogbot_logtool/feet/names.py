@@ -52,6 +52,8 @@ _MANY: Final = 3
 _NUMBERED: Final = 4
 """Legs from which numbers are believed; two may as well be two sensors of a foot."""
 _MOST_LEGS: Final = 16
+_MOST_TOPICS: Final = 2000
+"""Topics of a type whose names are compared; no robot has more."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -152,7 +154,7 @@ def name_feet(topics: Iterable[str], *, contacts_only: bool) -> FootNames:
         contacts_only: such messages tell of contacts and of nothing else, so that every topic may
             be a foot's. Else only those may be whose names say so.
     """
-    names = {topic: words_of(topic) for topic in sorted(set(topics))}
+    names = {topic: words_of(topic) for topic in sorted(set(topics))[:_MOST_TOPICS]}
     sets = _without_parts(_sibling_sets(names))
     possible = [one for one in sets if _may_be_feet(one, contacts_only=contacts_only)]
     ranked = sorted(possible, key=_rank)
@@ -229,10 +231,11 @@ def _without_parts(sets: Sequence[FootSet]) -> list[FootSet]:
     holders: dict[str, list[frozenset[str]]] = {}
     kept = []
     for one in by_size:
-        if not any(one.topics <= other for other in holders.get(one.feet[0].topic, ())):
+        topics = one.topics
+        if not any(topics <= other for other in holders.get(one.feet[0].topic, ())):
             kept.append(one)
-            for topic in one.topics:
-                holders.setdefault(topic, []).append(one.topics)
+            for topic in topics:
+                holders.setdefault(topic, []).append(topics)
     return kept
 
 

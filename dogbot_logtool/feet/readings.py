@@ -19,7 +19,7 @@ from dogbot_logtool.feet.words import (
 )
 
 _ORDER: Final = ("front", "middle", "back", "left", "right")
-_MOST_SLOTS: Final = 6
+_MOST_SLOTS: Final = 4
 """Words of a name that may name its leg together."""
 
 

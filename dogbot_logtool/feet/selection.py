@@ -4,6 +4,7 @@ import shlex
 from collections.abc import Mapping, Sequence
 from collections.abc import Set as AbstractSet
 from dataclasses import dataclass, replace
+from typing import Final
 
 from dogbot_logtool.errors import CallError
 from dogbot_logtool.feet.names import FootSet, leg_position, name_feet
@@ -21,7 +22,9 @@ from dogbot_logtool.topics import (
     topics_of_type,
 )
 
-_ALTERNATIVES = 3
+_MOST_OFFERED: Final = 16
+"""Sets of topics of a type that are looked at more closely."""
+_ALTERNATIVES: Final = 3
 """Sets of topics that are offered beside the most likely one."""
 
 
@@ -130,7 +133,8 @@ def find_feet(log: Log, robot: Robot, findings: list[Finding]) -> tuple[Robot, F
             feet = _feet_of(names.chosen)
             findings.append(_found(feet, names.chosen.missing, names.offered))
             return replace(robot, feet=feet), None
-        offered.extend(one for one in names.offered if _is_readable(log, one, findings))
+        few = names.offered[:_MOST_OFFERED]
+        offered.extend(one for one in few if _is_readable(log, one, findings))
     if not offered:
         findings.append(warning("NO_FEET", _without_feet(topics)))
     return replace(robot, feet=()), _offer(offered) if offered else None

@@ -1,6 +1,8 @@
 """Which feet names tell of: real sets of topics, and what must not change the answer."""
 
+import time
 from collections.abc import Mapping, Sequence
+from random import Random
 
 import pytest
 from hypothesis import given
@@ -271,7 +273,7 @@ SUFFIXES = ("/data", "_raw", "/state", "/topic_2", "/rr", "/left", "/front")
     order=st.randoms(use_true_random=False),
 )
 def test_what_all_names_share_changes_nothing(
-    name: str, prefix: str, suffix: str, order: "st.Random"
+    name: str, prefix: str, suffix: str, order: Random
 ) -> None:
     contacts_only, feet, others = CLEAR[name]
 
@@ -285,7 +287,7 @@ def test_what_all_names_share_changes_nothing(
 
 
 @given(name=st.sampled_from(sorted(UNSURE)), order=st.randoms(use_true_random=False))
-def test_the_order_of_topics_changes_nothing(name: str, order: "st.Random") -> None:
+def test_the_order_of_topics_changes_nothing(name: str, order: Random) -> None:
     contacts_only, given_topics, _ = UNSURE[name]
     shuffled = [*given_topics]
     order.shuffle(shuffled)
@@ -302,6 +304,15 @@ def test_any_names_will_do(names: list[str], contacts_only: bool) -> None:  # no
         assert one.topics <= set(names)
         assert all(name.replace("_", "").isalnum() for name in told(one))
         assert len(told(one)) == len(one.feet)
+
+
+@pytest.mark.parametrize(
+    "pattern", ["/leg_{}", "/left/left/left_lf_lf_front_left_front_left_{}", "/x{}/left_foot"]
+)
+def test_many_names_take_no_minutes(pattern: str) -> None:
+    started = time.monotonic()
+    name_feet([pattern.format(number) for number in range(20_000)], contacts_only=True)
+    assert time.monotonic() - started < 30.0
 
 
 @pytest.mark.parametrize(
