@@ -26,6 +26,13 @@ class Finding:
     """A sentence."""
     where: str = ""
     """The topic, if it is about one."""
+    command: str = ""
+    """What to type about it, if that is known; `text` ends with it."""
+
+    @property
+    def sentence(self) -> str:
+        """The text without the command, which is printed in one piece to be pasted."""
+        return self.text.removesuffix(self.command).rstrip()
 
 
 def error(code: str, text: str, where: str = "") -> Finding:

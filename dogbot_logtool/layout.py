@@ -5,6 +5,7 @@ from pathlib import Path
 from typing import Any
 
 from dogbot_logtool.evidence import DEFAULT_BASE, DEFAULT_WORLD, look_into
+from dogbot_logtool.feet.selection import assign_feet
 from dogbot_logtool.plan import ConvertOptions, make_plan
 from dogbot_logtool.reader.opening import open_log
 from dogbot_logtool.report.foot_pens import foot_colour
@@ -141,8 +142,9 @@ def layout_for(log: Path | None, options: TopicOptions) -> dict[str, Any]:
     """
     if log is None:
         robot = load_robot(options.robot or "dogbot")
+        topics, guessed = options.foot_topics or {}, options.robot is None
+        robot = assign_feet(robot, topics, frozenset(), guessed=guessed)
         feet = [foot.name for foot in robot.feet]
-        feet += [name for name in options.foot_topics or {} if name not in feet]
         world, base = robot.world_frame or DEFAULT_WORLD, robot.base_frame or DEFAULT_BASE
         return foxglove_layout(feet, world, base)
     opened = open_log(log)

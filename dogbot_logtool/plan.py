@@ -113,7 +113,7 @@ def make_plan(log: Log, selection: Selection, evidence: Evidence, options: Conve
         LogError: the log has neither odometry nor contacts.
     """
     if not selection.odometry and not selection.contacts:
-        raise LogError(nothing_to_do(log, selection.findings))
+        raise LogError(nothing_to_do(log, selection))
     robot = selection.robot
     findings = [*selection.findings, *evidence_findings(selection, evidence)]
     world, base = frame_names(robot, evidence)

@@ -3,61 +3,46 @@
 Topics are told by the robot's file, by options, or found.
 """
 
-import re
+import shlex
 from collections.abc import Iterator, Mapping, Sequence
-from collections.abc import Set as AbstractSet
 from dataclasses import dataclass, replace
 from typing import Final
 
 from dogbot_logtool.core.footfall import contact_rule
 from dogbot_logtool.core.loads import body_weight_n
-from dogbot_logtool.errors import CallError, LogError
+from dogbot_logtool.feet.selection import (
+    FootOffer,
+    assign_feet,
+    check_feet_differ,
+    check_topics,
+    find_feet,
+)
 from dogbot_logtool.findings import Finding, note, warning
-from dogbot_logtool.listing import MOST, listed
+from dogbot_logtool.listing import MOST
 from dogbot_logtool.printable import printable
 from dogbot_logtool.readable import (
     other_encodings,
     own_definition_findings,
     reasons,
     unreadable_findings,
-    why_unreadable,
 )
 from dogbot_logtool.reader.contact_sources.registry import SOURCES
 from dogbot_logtool.reader.contact_sources.source import ContactSource, FootChannels
 from dogbot_logtool.reader.log import Channel, Log
 from dogbot_logtool.reader.odometry import ODOMETRY_TYPE
 from dogbot_logtool.reader.transforms import TRANSFORM_TYPES, is_static
-from dogbot_logtool.robot import GENERIC, MOST_FEET, Foot, Robot, known_robots, load_robot
+from dogbot_logtool.robot import GENERIC, Robot, known_robots, load_robot
 from dogbot_logtool.storage import shown
+from dogbot_logtool.topics import (
+    most_frequent,
+    readable_channels,
+    recorded_topics,
+    require_topic,
+    topics_of_type,
+)
 
-_PLACE_WORDS: Final[Mapping[str, tuple[str, ...]]] = {
-    "front": ("front", "fore"),
-    "middle": ("middle", "mid"),
-    "back": ("back", "hind", "rear"),
-    "left": ("left",),
-    "right": ("right",),
-}
-_PLACE_LETTERS: Final = {
-    "lf": ("front", "left"),
-    "fl": ("front", "left"),
-    "rf": ("front", "right"),
-    "fr": ("front", "right"),
-    "lm": ("middle", "left"),
-    "ml": ("middle", "left"),
-    "rm": ("middle", "right"),
-    "mr": ("middle", "right"),
-    "lh": ("back", "left"),
-    "bl": ("back", "left"),
-    "hl": ("back", "left"),
-    "rl": ("back", "left"),
-    "rh": ("back", "right"),
-    "br": ("back", "right"),
-    "hr": ("back", "right"),
-    "rr": ("back", "right"),
-}
 _LIKELY_WORDS: Final = ("odom", "contact", "foot", "feet", "force", "wrench", "pose", "leg")
 """Words in topics and types that may tell of the base or the feet."""
-_PLACE_ORDER: Final = ("front", "middle", "back", "left", "right")
 
 
 @dataclass(frozen=True, slots=True)
@@ -85,6 +70,8 @@ class Selection:
     transforms: tuple[Channel, ...]
     """The log's own ``/tf`` and ``/tf_static``."""
     findings: tuple[Finding, ...]
+    offered_feet: Finding | None = None
+    """Which topics may be feet, and how to say so, where none surely is; also in `findings`."""
 
     @property
     def static_transforms(self) -> frozenset[int]:
@@ -132,22 +119,25 @@ def select_topics(log: Log, options: TopicOptions) -> Selection:
         LogError: an option names a topic that cannot be decoded.
     """
     findings: list[Finding] = []
-    robot = _choose_robot(log, options, findings)
-    robot = _apply_options(log, robot, options)
+    robot = _apply_options(log, _choose_robot(log, options, findings), options)
+    if options.robot is not None and robot.topics.isdisjoint(_usable_topics(log)):
+        findings.extend(_without_topics(robot))
     odometry = _choose_odometry(log, robot, findings)
-    robot = _find_feet(log, robot, findings)
+    robot, offer = find_feet(log, robot, findings)
+    offered = None if offer is None else _offered(log, options, offer)
+    findings.extend([offered] if offered else [])
     contacts: list[Channel] = []
     feet_of: dict[int, tuple[int, ...]] = {}
     for topic in dict.fromkeys(foot.topic for foot in robot.feet):
         feet = tuple(index for index, foot in enumerate(robot.feet) if foot.topic == topic)
-        for channel in _readable(log, topic, SOURCES.keys()):
+        for channel in readable_channels(log, topic, SOURCES.keys()):
             contacts.append(channel)
             feet_of[channel.id] = feet
     findings.extend(_source_findings(contacts, robot))
     transforms = [
         channel
-        for topic in sorted(log.channels_by_topic)
-        for channel in _readable(log, topic, TRANSFORM_TYPES)
+        for topic in recorded_topics(log, TRANSFORM_TYPES)
+        for channel in readable_channels(log, topic, TRANSFORM_TYPES)
     ]
     unreadable = list(unreadable_findings(log.channels.values(), odometry, contacts))
     if not (odometry or contacts or unreadable) and (others := other_encodings(log.channels)):
@@ -155,7 +145,13 @@ def select_topics(log: Log, options: TopicOptions) -> Selection:
     findings.extend(unreadable)
     findings.extend(own_definition_findings([*odometry, *contacts, *transforms]))
     return Selection(
-        robot, tuple(odometry), tuple(contacts), feet_of, tuple(transforms), tuple(findings)
+        robot,
+        tuple(odometry),
+        tuple(contacts),
+        feet_of,
+        tuple(transforms),
+        tuple(findings),
+        offered,
     )
 
 
@@ -170,15 +166,13 @@ def time_limits(
     )
 
 
-def nothing_to_do(log: Log, findings: Sequence[Finding]) -> str:
-    """Return a sentence for a log that has nothing of use: why, or else what it does have.
-
-    Args:
-        log: the log.
-        findings: what selecting topics brought up.
-    """
+def nothing_to_do(log: Log, selection: Selection) -> str:
+    """Return a sentence for a log that has nothing of use: why, or else what it does have."""
     path = shown(log.source.path)
-    if because := reasons(findings):
+    if selection.offered_feet is not None:
+        offered = selection.offered_feet
+        return f"{path}: there is no nav_msgs/Odometry, and {offered.sentence}\n  {offered.command}"
+    if because := reasons(selection.findings):
         return f"{path}: has no odometry and no contact messages that can be read: {because}"
     found = sorted({(c.topic, c.type_name) for c in log.channels.values()}, key=_unlikely)
     lines = [f"\n  {printable(topic)}  {printable(kind)}" for topic, kind in found[:MOST]]
@@ -201,7 +195,7 @@ def _choose_robot(log: Log, options: TopicOptions, findings: list[Finding]) -> R
     if options.robot is not None:
         robot = load_robot(options.robot)
     else:
-        topics = {channel.topic for channel in log.channels.values()}
+        topics = _usable_topics(log)
         known = [load_robot(name) for name in known_robots()]
         robot = max(known, key=lambda one: (len(one.topics & topics), one.name == GENERIC))
         text = f"the robot is taken to be {robot.name!r}; --robot says otherwise"
@@ -209,122 +203,72 @@ def _choose_robot(log: Log, options: TopicOptions, findings: list[Finding]) -> R
     return robot.with_mass(options.mass_kg)
 
 
+def _usable_topics(log: Log) -> frozenset[str]:
+    """Return the topics with odometry or contacts: a name alone makes no robot known."""
+    return frozenset(topics_of_type(log, {ODOMETRY_TYPE, *SOURCES}))
+
+
+def _without_topics(robot: Robot) -> Iterator[Finding]:
+    """Say that the robot that the user named does not show in the log."""
+    if robot.topics:
+        text = (
+            f"the log has none of the topics of the robot {robot.name!r}: feet and odometry are "
+            "looked for by type and name, but its mass, axes and frames are used; check --robot"
+        )
+        yield warning("ROBOT_ABSENT", text)
+
+
 def _apply_options(log: Log, robot: Robot, options: TopicOptions) -> Robot:
     if options.odometry_topic is not None:
-        _require(log, "--odom-topic", options.odometry_topic, {ODOMETRY_TYPE})
+        require_topic(log, "--odom-topic", options.odometry_topic, {ODOMETRY_TYPE})
         robot = replace(robot, odometry_topic=options.odometry_topic)
     if options.foot_topics:
-        feet = {foot.name: foot for foot in robot.feet}
-        for name, topic in options.foot_topics.items():
-            _require(log, "--foot", topic, SOURCES.keys())
-            known = feet.get(name, Foot(name, topic, place=_place(name)))
-            feet[name] = replace(known, topic=topic)
-        robot = replace(robot, feet=tuple(feet.values()))
+        given, guessed = options.foot_topics, options.robot is None
+        check_topics(log, given)
+        robot = assign_feet(robot, given, _usable_topics(log), guessed=guessed)
+        check_feet_differ(log, robot, given)
     return robot
 
 
-def _require(log: Log, option: str, topic: str, wanted: AbstractSet[str]) -> None:
-    types = {c.type_name for c in log.channels.values() if c.topic == topic}
-    names = " or ".join(wanted)
-    if not types:
-        offered = listed(_topics_of_type(log, wanted)) or "none"
-        raise CallError(
-            f"{shown(log.source.path)}: {option}: the log has no topic {topic}; of type {names} "
-            f"it has: {offered}"
-        )
-    if not types & wanted:
-        raise CallError(
-            f"{shown(log.source.path)}: {option}: {topic} is of type {', '.join(sorted(types))}, "
-            f"not {names}"
-        )
-    if not _readable(log, topic, wanted):
-        of_topic = [c for c in log.channels.values() if c.topic == topic and c.type_name in wanted]
-        reason = why_unreadable(of_topic[0])
-        raise LogError(f"{shown(log.source.path)}: {option}: {topic} cannot be read: {reason}")
+def _offered(log: Log, options: TopicOptions, offer: FootOffer) -> Finding:
+    """Return a warning with the command that chooses the feet."""
+    words = ["dogbot-logtool", "stats", shown(log.source.path)]
+    if options.odometry_topic is not None:
+        words += ["--odom-topic", options.odometry_topic]
+    if options.mass_kg is not None:
+        words += ["--mass", f"{options.mass_kg:g}"]
+    command = f"{shlex.join(words)} {offer.options}"
+    text = (
+        f"feet may be among the topics, but their names do not tell surely: {offer.text}; "
+        f"no arrows, no gait, until --foot says which they are: {command}"
+    )
+    return replace(warning("FEET_UNSURE", text), command=command)
 
 
 def _choose_odometry(log: Log, robot: Robot, findings: list[Finding]) -> list[Channel]:
     topic = robot.odometry_topic
     if topic is not None:
-        channels = _readable(log, topic, {ODOMETRY_TYPE})
-        if channels:
-            return channels
-    topics = _topics_of_type(log, {ODOMETRY_TYPE})
+        own = readable_channels(log, topic, {ODOMETRY_TYPE})
+        if own:
+            return own
+    topics = topics_of_type(log, {ODOMETRY_TYPE})
     if not topics:
         found = any(channel.type_name == ODOMETRY_TYPE for channel in log.channels.values())
         none = "no odometry can be read" if found else "there is no odometry"
         text = f"{none}: no /tf and no figures of the base's motion"
         findings.append(warning("NO_ODOMETRY", text))
         return []
-    # The one that is heard most often is most likely the one to follow.
-    chosen = max(topics, key=lambda one: (_count(log, one), -len(one), one))
+    # The one with the most messages is most likely the one to follow.
+    chosen = most_frequent(log, topics)
     rest = ", ".join(one for one in topics if one != chosen)
     text = f"odometry is taken from {chosen}, found by its type"
+    if topic is not None:
+        recorded = recorded_topics(log, {ODOMETRY_TYPE})
+        why = "cannot be used" if topic in recorded else "is missing"
+        text += f", since the robot's {topic} {why}"
     text += f"; there are also {rest} (--odom-topic chooses)" if rest else ""
     findings.append(note("ODOMETRY_FOUND", text, chosen))
-    return _readable(log, chosen, {ODOMETRY_TYPE})
-
-
-def _find_feet(log: Log, robot: Robot, findings: list[Finding]) -> Robot:
-    topics = _topics_of_type(log, SOURCES.keys())
-    recorded = {c.topic for c in log.channels.values() if c.type_name in SOURCES}
-    present = [foot for foot in robot.feet if foot.topic in topics]
-    if present:
-        robot = replace(
-            robot, feet=tuple(_with_element(log, foot, findings) for foot in robot.feet)
-        )
-        for foot in robot.feet:
-            if foot.topic not in recorded:
-                text = f"foot {foot.name} has no messages: there is no topic {foot.topic}"
-                findings.append(warning("FOOT_MISSING", text, foot.topic))
-        return robot
-    feet = _feet_by_type(log)
-    if len(feet) > MOST_FEET:
-        text = (
-            f"more than {MOST_FEET} topics hold contact messages; which are the feet's is not known"
-        )
-        findings.append(warning("NO_FEET", f"{text} (--foot says it): no arrows, no gait"))
-        return replace(robot, feet=())
-    if not feet:
-        none = "no contact topics can be read" if recorded else "there are no contact topics"
-        findings.append(warning("NO_FEET", f"{none}: no arrows, no gait"))
-        return replace(robot, feet=())
-    found = ", ".join(f"{foot.name} = {foot.topic}" for foot in feet)
-    findings.append(note("FEET_FOUND", f"feet are found by type and name: {found}"))
-    return replace(robot, feet=tuple(feet))
-
-
-def _feet_by_type(log: Log) -> list[Foot]:
-    """Return the feet of the first type of contact messages that the log has."""
-    for name, source in SOURCES.items():
-        topics = _topics_of_type(log, {name})
-        if source.elements and topics:
-            # A robot often publishes its state twice, once at a lower rate.
-            topic = max(topics, key=lambda one: (_count(log, one), -len(one), one))
-            return [
-                Foot(leg, topic, place=_place(leg), element=element)
-                for element, leg in enumerate(source.elements)
-            ]
-        if source.anything:
-            topics = [topic for topic in topics if _place(topic) is not None]
-        if topics:
-            return _feet_by_name(topics[: MOST_FEET + 1])
-    return []
-
-
-def _with_element(log: Log, foot: Foot, findings: list[Finding]) -> Foot:
-    """Say which element is a foot's, where its messages tell of all feet and nobody said it."""
-    types = {c.type_name for c in log.channels.values() if c.topic == foot.topic}
-    elements = [SOURCES[name].elements for name in sorted(types & SOURCES.keys())]
-    if foot.element is not None or not elements or not elements[0]:
-        return foot
-    names = [foot.name, "_".join(foot.place or ()), "_".join(_place(foot.name) or ())]
-    for name in names:
-        if name in elements[0]:
-            return replace(foot, element=elements[0].index(name))
-    text = f"which element of {foot.topic} is {foot.name} is not known; the robot's file can tell"
-    findings.append(warning("ELEMENT_UNKNOWN", text, foot.topic))
-    return foot
+    return readable_channels(log, chosen, {ODOMETRY_TYPE})
 
 
 def _source_findings(contacts: Sequence[Channel], robot: Robot) -> list[Finding]:
@@ -357,62 +301,3 @@ def _not_calibrated(name: str, robot: Robot) -> Iterator[Finding]:
     else:
         text += f"; contact from {robot.contact_on_counts:g} counts above a foot's offset on"
     yield warning("NOT_CALIBRATED", text)
-
-
-def _feet_by_name(topics: Sequence[str]) -> list[Foot]:
-    """Name feet after the places that their topics tell, else after the topics."""
-    places = {topic: _place(topic) for topic in topics}
-    told = [place for place in places.values() if place is not None]
-    feet: list[Foot] = []
-    for topic, place in places.items():
-        if place is not None and told.count(place) == 1:
-            feet.append(Foot("_".join(place), topic, place=place))
-        else:
-            feet.append(Foot(re.sub(r"[^A-Za-z0-9]+", "_", topic).strip("_"), topic))
-    return sorted(feet, key=_foot_order)
-
-
-def _foot_order(foot: Foot) -> tuple[int, list[int], str]:
-    if foot.place is None:
-        return 1, [], foot.name
-    return 0, [_PLACE_ORDER.index(word) for word in foot.place if word in _PLACE_ORDER], foot.name
-
-
-def _place(name: str) -> tuple[str, str] | None:
-    """Return where a foot sits, from words or letters in a name."""
-    words = [word for word in re.split(r"[^a-z]+", _spaced(name)) if word]
-    for word in words:
-        if word in _PLACE_LETTERS:
-            return _PLACE_LETTERS[word]
-    joined = " ".join(words)
-    ends = [end for end in ("front", "middle", "back") if _says(joined, end)]
-    sides = [side for side in ("left", "right") if _says(joined, side)]
-    return (ends[0], sides[0]) if len(ends) == len(sides) == 1 else None
-
-
-def _spaced(name: str) -> str:
-    """Split camelCase, and lower."""
-    return re.sub(r"(?<=[a-z])(?=[A-Z])", " ", name).lower()
-
-
-def _says(words: str, place: str) -> bool:
-    return any(word in words for word in _PLACE_WORDS[place])
-
-
-def _topics_of_type(log: Log, types: AbstractSet[str]) -> list[str]:
-    """Return the topics of some types that can be decoded."""
-    of_type = [channel for channel in log.channels.values() if channel.type_name in types]
-    return sorted({channel.topic for channel in of_type if not why_unreadable(channel)})
-
-
-def _count(log: Log, topic: str) -> int:
-    return sum(log.counts.get(c.id, 0) for c in log.channels_by_topic.get(topic, ()))
-
-
-def _readable(log: Log, topic: str, types: AbstractSet[str]) -> list[Channel]:
-    """Return the channels of a topic that can be decoded."""
-    return [
-        channel
-        for channel in log.channels_by_topic.get(topic, ())
-        if channel.type_name in types and not why_unreadable(channel)
-    ]

@@ -105,7 +105,7 @@ def measure(
     try:
         selection = select_topics(log, options.topics)
         if not selection.odometry and not selection.contacts:
-            raise LogError(nothing_to_do(log, selection.findings))
+            raise LogError(nothing_to_do(log, selection))
         evidence = look_into(log, selection)
         try:
             settings = _settings(selection, evidence, options)

@@ -10,6 +10,7 @@ from mcap_ros2.decoder import DecoderFactory
 
 from dogbot_logtool.convert import convert
 from dogbot_logtool.core.remarks import remarks
+from dogbot_logtool.errors import CallError
 from dogbot_logtool.evidence import look_into
 from dogbot_logtool.info import describe
 from dogbot_logtool.plan import ConvertOptions, Style
@@ -19,6 +20,7 @@ from dogbot_logtool.report.stats_json import stats_json
 from dogbot_logtool.selection import TopicOptions, select_topics
 from dogbot_logtool.stats import StatsOptions, measure
 from tests import walks
+from tests.feet_logs import WRENCH, write_log
 
 FLAGS_ONLY = ("spot_msgs/msg/FootStateArray", "champ_msgs/msg/ContactsStamped")
 RAW = tuple(kind for kind in walks.KINDS if kind.startswith("unitree"))
@@ -246,6 +248,13 @@ def test_counts_without_a_scale_give_a_gait_and_no_forces(tmp_path: Path, kind: 
     assert loads == 4 * walks.SAMPLES
 
 
+def test_two_feet_are_not_one_element(tmp_path: Path) -> None:
+    path = walks.write_walk(tmp_path, "spot_msgs/msg/FootStateArray", "mcap")
+    options = TopicOptions("generic", foot_topics={"fl": "/feet", "front_left": "/feet"})
+    with pytest.raises(CallError, match="front_left: fl is the same foot"):
+        describe(path, options)
+
+
 def test_robots_with_other_numbers_of_feet(tmp_path: Path) -> None:
     path = walks.write_walk(tmp_path, "geometry_msgs/msg/WrenchStamped", "mcap")
     feet = {"left": "/front_left/contact", "right": "/front_right/contact"}
@@ -255,9 +264,10 @@ def test_robots_with_other_numbers_of_feet(tmp_path: Path) -> None:
     assert got["gait"]["class"] in {None, "irregular"}
     for name, leg in (("left", "front_left"), ("right", "front_right")):
         assert got["feet"][name]["touchdown_s"] == pytest.approx(steps(leg)[0], abs=1e-6)
-    six = feet | {f"foot_{n}": f"/{leg}/contact" for n, leg in enumerate(walks.LEGS[2:])}
-    six |= {"front_mid": "/front_left/contact", "back_mid": "/back_left/contact"}
+    six = {f"foot_{number}": f"/some/{number}" for number in range(6)}
+    path = write_log(tmp_path / "six.mcap", dict.fromkeys(six.values(), WRENCH))
     told = describe(path, TopicOptions(robot="generic", foot_topics=six))
+    assert {topic.use for topic in told.topics} == {f"foot {name}" for name in six}
     assert told.exit_code == 0
 
 

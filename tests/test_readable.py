@@ -58,13 +58,13 @@ def test_a_log_of_another_encoding_says_so_once(opened: Opener) -> None:
     selection = select_topics(log, TopicOptions())
     (finding,) = [f for f in selection.findings if "UNREADABLE" in f.code]
     assert finding.text.startswith("300 of 300 topics are encoded as flatbuffer; only ROS 1")
-    assert nothing_to_do(log, selection.findings).endswith(finding.text)
+    assert nothing_to_do(log, selection).endswith(finding.text)
 
 
 def test_of_many_topics_the_likely_ones_are_named(opened: Opener) -> None:
     found: list[Channel] = [(f"/a{n:03}", "demo/Thing", b"bool x", "cdr") for n in range(650)]
     log = opened([*found, ("/my_odom", "demo/Pose", b"bool x", "cdr")])
-    text = nothing_to_do(log, select_topics(log, TopicOptions()).findings)
+    text = nothing_to_do(log, select_topics(log, TopicOptions()))
     assert len(text) < 1000
     assert text.splitlines()[1] == "  /my_odom  demo/Pose"
     assert "and 641 more; `dogbot-logtool info" in text

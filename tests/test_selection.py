@@ -1,5 +1,6 @@
 """Which topics are used for what: by the robot's file, by options, by type and name."""
 
+import shlex
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 
@@ -10,9 +11,10 @@ from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 from dogbot_logtool.errors import CallError
 from dogbot_logtool.reader.log import Log
 from dogbot_logtool.reader.opening import open_log
-from dogbot_logtool.selection import Selection, TopicOptions, _place, select_topics
+from dogbot_logtool.selection import Selection, TopicOptions, select_topics
 
 ODOMETRY, CONTACTS, TF = "nav_msgs/Odometry", "gazebo_msgs/ContactsState", "tf2_msgs/TFMessage"
+WRENCH = "geometry_msgs/WrenchStamped"
 DOGBOT_FEET = ("front_left", "front_right", "back_left", "back_right")
 DOGBOT = {
     "/dogbot/odom": ODOMETRY,
@@ -129,37 +131,42 @@ def test_an_unknown_robot_s_topics_are_found(opened: Opener) -> None:
     assert "--robot" in selection.findings[0].text
 
 
-def test_feet_whose_names_do_not_tell_are_named_after_topics(opened: Opener) -> None:
+def test_feet_whose_names_do_not_tell_are_offered(opened: Opener) -> None:
     topics = {"/bumper 7": CONTACTS, "/a/left_front": CONTACTS, "/b/left_front": CONTACTS}
+    selection = select_topics(opened(channels(topics)), TopicOptions(mass_kg=12.5))
+    assert (selection.robot.feet, selection.contacts) == ((), ())
+    assert {"W_NO_ODOMETRY", "W_FEET_UNSURE"} <= set(codes(selection))
+    (finding,) = [f for f in selection.findings if f.code == "W_FEET_UNSURE"]
+    words = shlex.split(finding.command)
+    assert words[:5] == ["dogbot-logtool", "stats", str(opened.path), "--mass", "12.5"]
+    assert words[5:] == [
+        *("--foot", "a_left_front=/a/left_front"),
+        *("--foot", "b_left_front=/b/left_front"),
+        *("--foot", "bumper_7=/bumper 7"),
+    ]
+    assert finding.text.endswith(finding.command)
+
+
+def test_sensors_that_are_not_named_like_feet_are_no_feet(opened: Opener) -> None:
+    topics = {"/odom": ODOMETRY, "/rl_tool/drill/force": WRENCH, "/left_hand/ft": WRENCH}
     selection = select_topics(opened(channels(topics)), TopicOptions())
-    assert feet(selection) == {
-        "a_left_front": "/a/left_front",
-        "b_left_front": "/b/left_front",
-        "bumper_7": "/bumper 7",
-    }
-    assert "W_NO_ODOMETRY" in codes(selection)
+    assert selection.robot.feet == ()
+    (finding,) = [f for f in selection.findings if f.code == "W_NO_FEET"]
+    assert "/left_hand/ft, /rl_tool/drill/force" in finding.text
 
 
-@pytest.mark.parametrize(
-    ("name", "place"),
-    [
-        ("/lf_foot/contacts", ("front", "left")),
-        ("/RH", ("back", "right")),
-        ("/rr_bumper", ("back", "right")),
-        ("/frontLeftFoot", ("front", "left")),
-        ("/hind-right", ("back", "right")),
-        ("/fore/right", ("front", "right")),
-        ("/rear_left_toe", ("back", "left")),
-        ("/leg/middle_left", ("middle", "left")),
-        ("/ml/contact", ("middle", "left")),
-        ("/front_back_left", None),
-        ("/left_right_front", None),
-        ("/foot_1", None),
-        ("", None),
-    ],
-)
-def test_places(name: str, place: tuple[str, str] | None) -> None:
-    assert _place(name) == place
+def test_what_else_may_be_feet_is_told(opened: Opener) -> None:
+    sides = [f"/{kind}{side}fsensor" for kind in ("", "off_") for side in "lr"]
+    selection = select_topics(opened(channels(dict.fromkeys(sides, WRENCH))), TopicOptions())
+    assert feet(selection) == {"left": "/off_lfsensor", "right": "/off_rfsensor"}
+    (finding,) = [f for f in selection.findings if f.code == "N_FEET_FOUND"]
+    assert "--foot left=/lfsensor --foot right=/rfsensor" in finding.text
+
+
+def test_feet_of_another_type_are_found(opened: Opener) -> None:
+    topics = {"/trunk/bumper": CONTACTS, "/left_ankle_ft": WRENCH, "/right_ankle_ft": WRENCH}
+    selection = select_topics(opened(channels(topics)), TopicOptions())
+    assert feet(selection) == {"left": "/left_ankle_ft", "right": "/right_ankle_ft"}
 
 
 def test_the_odometry_that_is_heard_most_is_taken(opened: Opener) -> None:
@@ -203,9 +210,72 @@ def test_a_foot_of_the_robot_gets_another_topic(opened: Opener) -> None:
     assert (foot.collision, foot.place) == ("*back_left_foot*", ("back", "left"))
 
 
+SPARE = {f"/spare/{number}": CONTACTS for number in range(4)}
+
+
+def test_feet_take_each_other_s_topics(opened: Opener) -> None:
+    left, right = (f"/dogbot/front_{side}_contactsensor_state" for side in ("left", "right"))
+    options = TopicOptions(foot_topics={"front_left": right, "front_right": left})
+    selection = select_topics(opened(channels(DOGBOT)), options)
+    assert feet(selection)["front_left"] == right
+    assert feet(selection)["front_right"] == left
+
+
+@pytest.mark.parametrize("topics", [list(DOGBOT)[1:], list(SPARE)], ids=["its own", "others"])
+def test_all_feet_of_a_guessed_robot_can_be_named_anew(
+    opened: Opener, topics: Sequence[str]
+) -> None:
+    recorded = {"/dogbot/odom": ODOMETRY, **dict.fromkeys(topics, CONTACTS)}
+    given = {f"paw_{number}": topic for number, topic in enumerate(topics)}
+    selection = select_topics(opened(channels(recorded)), TopicOptions(foot_topics=given))
+    assert selection.robot.name == "dogbot"
+    assert feet(selection) == given
+
+
+@pytest.mark.parametrize("robot", [None, "dogbot"])
+def test_a_foot_that_the_robot_does_not_have(opened: Opener, robot: str | None) -> None:
+    log = opened(channels(DOGBOT | SPARE))
+    options = TopicOptions(robot, foot_topics={"nose": "/spare/0"})
+    with pytest.raises(CallError, match=r"dogbot.* no such foot; it has front_left, front_right"):
+        select_topics(log, options)
+
+
+def test_a_topic_for_two_feet(opened: Opener) -> None:
+    log = opened(channels(DOGBOT | SPARE))
+    same = TopicOptions("generic", foot_topics={"a": "/spare/0", "b": "/spare/0"})
+    with pytest.raises(CallError, match=r"topic of a, b; .*ContactsState is about one foot"):
+        select_topics(log, same)
+    other = f"/dogbot/{DOGBOT_FEET[1]}_contactsensor_state"
+    with pytest.raises(CallError, match="topic of front_left, front_right"):
+        select_topics(log, TopicOptions(foot_topics={"front_left": other}))
+
+
+def test_a_robot_of_which_the_log_has_nothing(opened: Opener) -> None:
+    topics = {"/odom": ODOMETRY, "/left_foot": CONTACTS, "/right_foot": CONTACTS}
+    selection = select_topics(opened(channels(topics)), TopicOptions("dogbot"))
+    assert feet(selection) == {"left": "/left_foot", "right": "/right_foot"}
+    told = {finding.code: finding.text for finding in selection.findings}
+    assert (
+        "/odom, found by its type, since the robot's /dogbot/odom is missing"
+        in (told["N_ODOMETRY_FOUND"])
+    )
+    (finding,) = [f for f in selection.findings if f.code == "W_ROBOT_ABSENT"]
+    assert "none of the topics of the robot 'dogbot'" in finding.text
+    named = TopicOptions("dogbot", odometry_topic="/odom")
+    assert "W_ROBOT_ABSENT" not in codes(select_topics(opened(channels(topics)), named))
+
+
+def test_a_topic_of_another_type_makes_no_robot(opened: Opener) -> None:
+    topics = dict.fromkeys([*DOGBOT][1:], TF) | {"/odom": ODOMETRY}
+    assert select_topics(opened(channels(topics)), TopicOptions()).robot.name == "generic"
+
+
 @pytest.mark.parametrize(
     ("options", "said"),
     [
+        (TopicOptions(odometry_topic="dogbot/odom"), "did you mean /dogbot/odom?"),
+        (TopicOptions(odometry_topic="/dogbt/odom"), "did you mean /dogbot/odom?"),
+        (TopicOptions(foot_topics={"back_left": "/dogbot/back_left"}), "did you mean /dogbot/"),
         (TopicOptions(odometry_topic="/none"), "no topic /none"),
         (TopicOptions(odometry_topic="/tf"), "is of type tf2_msgs/TFMessage"),
         (TopicOptions(foot_topics={"a": "/none"}), "--foot"),

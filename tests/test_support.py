@@ -26,6 +26,7 @@ from dogbot_logtool.reader.odometry import decode_odometry, odometry_columns
 from dogbot_logtool.reader.opening import open_log
 from dogbot_logtool.selection import TopicOptions, select_topics
 from tests import walks
+from tests.feet_logs import CONTACTS, write_log
 from tests.test_convert import (
     BODY_WEIGHT_N,
     FEET,
@@ -343,9 +344,11 @@ def test_feet_without_points_have_no_support(tmp_path: Path, kind: str) -> None:
 
 
 def test_a_centipede_has_no_support(tmp_path: Path) -> None:
-    feet = {f"foot_{number}": contact_topic("front_left") for number in range(17)}
-    options = ConvertOptions(topics=TopicOptions(robot="generic", foot_topics=feet), end_s=0.1)
-    done = convert(TROUBLED, tmp_path / "out.mcap", options)
+    feet = {f"foot_{number}": f"/leg/{number}" for number in range(17)}
+    topics = dict.fromkeys(feet.values(), CONTACTS)
+    log = write_log(tmp_path / "walk.mcap", topics, odometry=["/odom"])
+    options = ConvertOptions(topics=TopicOptions(robot="generic", foot_topics=feet))
+    done = convert(log, tmp_path / "out.mcap", options)
     assert "/support" not in done.annotations
     (finding,) = [one for one in done.findings if one.code == "N_NO_SUPPORT"]
     assert "17 feet" in finding.text

@@ -169,7 +169,8 @@ def parse_topics(
             raise CallError(f"--foot {foot}: must be NAME=TOPIC, such as front_left=/fl/contacts")
         if not name.replace("_", "").isalnum():
             raise CallError(f"--foot {foot}: a foot's name has letters, digits and _ only")
-        foot_topics[name] = topic
+        if foot_topics.setdefault(name, topic) != topic or feet.count(foot) > 1:
+            raise CallError(f"--foot {name}: is given twice; a foot has one topic")
     return TopicOptions(robot, odom_topic, foot_topics, mass_kg)
 
 

@@ -87,7 +87,10 @@ def print_findings(console: Console, findings: Iterable[Finding]) -> None:
     """Print findings, the worst first, a line each."""
     for finding in sorted(findings):
         label = f"{_LABELS[finding.severity]:>7}  ", _COLOURS[finding.severity]
-        print_sentence(console, label, printable(finding.text), indent=_LABEL)
+        print_sentence(console, label, printable(finding.sentence), indent=_LABEL)
+        if finding.command:
+            # In one piece, so that it can be pasted.
+            console.print(Text(f"         {printable(finding.command)}"), soft_wrap=True)
 
 
 def print_damage(console: Console, losses: Sequence[Loss]) -> None:

@@ -14,6 +14,7 @@ from dogbot_logtool.core.gait import STAND
 from dogbot_logtool.core.load_figures import grouped_shares
 from dogbot_logtool.core.remarks import remarks
 from dogbot_logtool.core.walk_stats import Stats
+from dogbot_logtool.findings import Finding
 from dogbot_logtool.printable import printable
 from dogbot_logtool.report.foot_pens import short_names
 from dogbot_logtool.report.gait_diagram import (
@@ -117,6 +118,10 @@ def print_report(
     ]
     # A report keeps its width where no terminal shows it.
     console.print(Group(*parts), highlight=False, soft_wrap=False, crop=False)
+    for each in log.findings:
+        if isinstance(each, Finding) and each.command:
+            # In one piece, so that it can be pasted.
+            console.print(Text(f"  {printable(each.command)}"), soft_wrap=True)
 
 
 def _title(log: LogFacts) -> Hanging:
@@ -309,7 +314,8 @@ def _findings(said: Sequence[Said], log: LogFacts, *, verbose: bool) -> list[Ren
     alike = Counter(each.code for each in ordered)
     for each in ordered if verbose else _first_of_each(ordered):
         more = "" if verbose or alike[each.code] == 1 else f" (and {alike[each.code] - 1} more)"
-        lines.append(_finding(each.code, each.text + more))
+        text = each.sentence if isinstance(each, Finding) else each.text
+        lines.append(_finding(each.code, text + more))
     return lines or [Text("  nothing to complain about", style="green")]
 
 
