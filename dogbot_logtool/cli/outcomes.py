@@ -125,12 +125,19 @@ def say_error(error: LogtoolError) -> None:
 
 def say(sentence: str) -> None:
     """Print the sentence of an error on stderr; what it lists stands in indented lines below."""
-    from dogbot_logtool.report.console import diagnostics, print_sentence  # noqa: PLC0415
+    from dogbot_logtool.report.console import (  # noqa: PLC0415
+        diagnostics,
+        print_command,
+        print_sentence,
+    )
 
     first, *others = map(printable, sentence.split(_NEW_LINE))
     print_sentence(diagnostics(), ("error: ", "red"), first, indent=7)
     for line in others:
-        print_sentence(diagnostics(), f"  {line}", indent=4)
+        if line.startswith("dogbot-logtool "):
+            print_command(diagnostics(), line, 2)
+        else:
+            print_sentence(diagnostics(), f"  {line}", indent=4)
 
 
 def note(sentence: str) -> None:

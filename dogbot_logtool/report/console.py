@@ -78,6 +78,11 @@ def print_sentence(console: Console, *parts: str | tuple[str, str] | Text, inden
     console.print(Hanging(Text.assemble(*parts), indent), crop=False)
 
 
+def print_command(console: Console, command: str, indent: int) -> None:
+    """Print a command on a line of its own, in one piece, so that it can be pasted."""
+    console.print(Text(" " * indent + printable(command)), soft_wrap=True)
+
+
 def print_note(console: Console, sentence: str) -> None:
     """Print what is good to know."""
     print_sentence(console, f"   note  {printable(sentence)}", indent=_LABEL)
@@ -89,8 +94,7 @@ def print_findings(console: Console, findings: Iterable[Finding]) -> None:
         label = f"{_LABELS[finding.severity]:>7}  ", _COLOURS[finding.severity]
         print_sentence(console, label, printable(finding.sentence), indent=_LABEL)
         if finding.command:
-            # In one piece, so that it can be pasted.
-            console.print(Text(f"         {printable(finding.command)}"), soft_wrap=True)
+            print_command(console, finding.command, _LABEL)
 
 
 def print_damage(console: Console, losses: Sequence[Loss]) -> None:

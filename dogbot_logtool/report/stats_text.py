@@ -16,6 +16,7 @@ from dogbot_logtool.core.remarks import remarks
 from dogbot_logtool.core.walk_stats import Stats
 from dogbot_logtool.findings import Finding
 from dogbot_logtool.printable import printable
+from dogbot_logtool.report.console import print_command
 from dogbot_logtool.report.foot_pens import short_names
 from dogbot_logtool.report.gait_diagram import (
     ASCII,
@@ -120,8 +121,7 @@ def print_report(
     console.print(Group(*parts), highlight=False, soft_wrap=False, crop=False)
     for each in log.findings:
         if isinstance(each, Finding) and each.command:
-            # In one piece, so that it can be pasted.
-            console.print(Text(f"  {printable(each.command)}"), soft_wrap=True)
+            print_command(console, each.command, 2)
 
 
 def _title(log: LogFacts) -> Hanging:
