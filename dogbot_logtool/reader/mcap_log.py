@@ -92,7 +92,7 @@ class McapLog(Log):
                 break
             # Without an index, the first chunk is as good a guess as any.
             counts = dict.fromkeys(missing, 1) if chunk.counts is None else chunk.counts
-            found = {number for number in missing if counts.get(number)}
+            found = {number for number, count in counts.items() if count and number in missing}
             if found and chunk.size <= _LARGEST_FIRST_CHUNK:
                 first.append(chunk)
             missing -= found
