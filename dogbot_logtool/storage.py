@@ -295,11 +295,10 @@ def _answer(request: Callable[[], Result]) -> Result:
         return request()
     except FileNotFoundError as error:
         cause = error.__cause__
-        if _family(cause) == "aiohttp" and getattr(cause, "status", 0) not in _ABSENT:
-            raise cause from None
-        if isinstance(cause, TimeoutError):
-            raise cause from None
-        raise
+        is_web = isinstance(cause, TimeoutError) or _family(cause) == "aiohttp"
+        if cause is None or not is_web or getattr(cause, "status", 0) in _ABSENT:
+            raise
+        raise cause from None
 
 
 def _family(error: BaseException | None) -> str:

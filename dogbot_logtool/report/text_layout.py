@@ -41,8 +41,8 @@ def wrapped(text: Text, room: int | None, indent: int) -> list[Text]:
     """
     breaks: list[int] = []
     used = len(text.plain) - len(text.plain.lstrip())
-    for word in _WORD.finditer(text.plain) if room is not None else ():
-        if word.start() > indent and used + cell_len(word[1]) > room:
+    for word in _WORD.finditer(text.plain):
+        if room is not None and word.start() > indent and used + cell_len(word[1]) > room:
             breaks.append(word.start())
             used = indent
         used += cell_len(word[0])

@@ -91,7 +91,8 @@ def test_no_command_breaks_a_word(tmp_path: Path, words: list[str]) -> None:
     lines = output(80)
     narrow = {word for line in lines for word in line.split()}
     wide = {word for line in output(400) for word in line.split() if word.isprintable()}
-    assert [word for word in wide - narrow if len(word) > 3 and word.isascii()] == []
+    moved = {"type", "sent"}  # headings of columns that have no room
+    assert [word for word in wide - narrow - moved if len(word) > 3 and word.isascii()] == []
     assert [line for line in lines if len(line) > 80 and len(line.split()) > 1] == []
 
 
