@@ -1,6 +1,9 @@
 """`stats` from the file to the figures, against what the sample logs' generator knows."""
 
 import json
+import math
+import struct
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -15,6 +18,8 @@ from dogbot_logtool.report.stats_json import stats_json, stats_schema
 from dogbot_logtool.selection import TopicOptions
 from dogbot_logtool.stats import StatsOptions, measure
 from tests.reader.mcap_bytes import small_mcap
+from tests.walks import Walk as ContactWalk
+from tests.walks import write_mcap
 
 SAMPLES = Path(__file__).parent.parent / "sample_logs"
 WALKS = ("dogbot_trot.bag", "dogbot_walk.mcap")
@@ -195,3 +200,17 @@ def test_times_of_several_senders_of_a_topic_stand_in_the_order_of_the_log(tmp_p
     done = measure(log, StatsOptions())
 
     assert stats_json(done.stats, done.facts)["quality"] == figures("dogbot_walk.mcap")["quality"]
+
+
+def test_an_odometry_of_nothing_but_nan_is_said(tmp_path: Path) -> None:
+    walk = ContactWalk(2)
+    height, nan = struct.pack("<d", 0.4), struct.pack("<d", math.nan)
+    entries = [
+        replace(entry, data=entry.data.replace(height, nan)) if entry.topic == "/odom" else entry
+        for entry in walk.messages("gazebo_msgs/msg/ContactsState")
+    ]
+    write_mcap(tmp_path / "walk.mcap", walk, entries)
+    got = figures(str(tmp_path / "walk.mcap"))
+    assert got["base"] is None
+    (said,) = [one for one in got["quality"]["findings"] if one["code"] == "W_BAD_POSES"]
+    assert "all with NaN, infinity or a zero quaternion" in said["text"]

@@ -162,6 +162,11 @@ def _stance_reasons(foot: FootFigures, where: str) -> Iterator[Remark]:
 
 def _base(stats: Stats) -> Iterator[Remark]:
     record, base = stats.base_record, stats.base
+    if record.messages and record.not_usable == record.messages:
+        poses = _count(record.messages, "pose")
+        text = f"the odometry is useless: {poses}, all with NaN, infinity or a zero quaternion"
+        yield Remark("W_BAD_POSES", f"{text}; no base figures", "base")
+        return
     if base is None:
         yield Remark("N_NO_ODOMETRY", "fewer than two poses of the base: no base figures", "base")
         return
