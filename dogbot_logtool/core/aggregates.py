@@ -152,7 +152,8 @@ class IntervalHistogram:
 
     def longer_than(self, interval: float) -> tuple[int, int]:
         """Return the number and the sum, ns, of intervals longer than one (to 0.2 %)."""
-        last = int(_interval_bin(np.array([max(1, round(interval))], np.int64))[0])
+        least = min(max(1, round(interval)), np.iinfo(np.int64).max)
+        last = int(_interval_bin(np.array([least], np.int64))[0])
         longer = self._bins > last
         return int(self._counts[longer].sum()), int(self._sums[longer].sum())
 
