@@ -35,7 +35,7 @@ def beyond(vectors: Floats, limit: float) -> Flags:
     """
     if not len(vectors) or (vectors.min() >= -limit and vectors.max() <= limit):
         return np.zeros(len(vectors), np.bool_)
-    outside: Flags = (np.abs(vectors) > limit).any(axis=1)
+    outside = np.asarray((np.abs(vectors) > limit).any(axis=1))
     return outside & all_finite(vectors)
 
 
