@@ -9,7 +9,7 @@ from dogbot_logtool.core import timespans
 from dogbot_logtool.core.aggregates import IntervalHistogram
 from dogbot_logtool.core.arrays import Floats, Ints
 from dogbot_logtool.core.blocks import BLOCK_ROWS, Blocks, GrowingTable
-from dogbot_logtool.core.clock import TimeSource, advancing
+from dogbot_logtool.core.clock import TimeSource, absolute_time, advancing
 from dogbot_logtool.core.odometry import Odometry, first_at_each_tick, usable_poses
 from dogbot_logtool.core.quality import SILENCE_NS, steady_rhythm
 from dogbot_logtool.core.rotations import normalised, roll_pitch_yaw, rotate
@@ -125,7 +125,7 @@ class BaseRecorder:
         for block in self._blocks.rest():
             self._add_block(block)
         table = self._poses.stacked()
-        time = table[:, 0].astype(np.int64) + (self._origin or 0)
+        time = absolute_time(table[:, 0], self._origin)
         broken = np.flatnonzero(np.diff(time) > steady_rhythm(self._intervals).gap_ns)
         return BaseRecord(
             messages=self._messages,

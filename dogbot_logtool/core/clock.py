@@ -8,11 +8,14 @@ show in the first batch: the second pass then costs nothing.
 """
 
 from enum import StrEnum
-from typing import Protocol
+from typing import Final, Protocol
 
 import numpy as np
 
-from dogbot_logtool.core.arrays import Flags, Ints
+from dogbot_logtool.core.arrays import Flags, Floats, Ints
+
+_LARGEST_FLOAT: Final = float(np.nextafter(2.0**63, 0.0))
+"""The largest float that an int64 can hold."""
 
 
 class Stamped(Protocol):
@@ -66,6 +69,19 @@ class StampWatch:
         if back or (stamps[1:] < stamps[:-1]).any():
             raise UnusableStamps(f"header stamps of {self._topic} go backwards")
         self._previous = int(stamps[-1])
+
+
+def absolute_time(since: Floats, origin: int | None) -> Ints:
+    """Return times of times since an origin, as far as 64 bits reach; ns.
+
+    Args:
+        since: any shape, ns, not negative; whole numbers, exact over 104 days.
+        origin: ns; None counts as 0.
+    """
+    start = origin or 0
+    whole = np.minimum(since, _LARGEST_FLOAT).astype(np.int64)
+    absolute: Ints = np.minimum(whole, np.iinfo(np.int64).max - max(start, 0)) + start
+    return absolute
 
 
 def advancing(time: Ints, latest: int | None) -> Flags:

@@ -9,7 +9,7 @@ from dogbot_logtool.core import timespans
 from dogbot_logtool.core.aggregates import IntervalHistogram
 from dogbot_logtool.core.arrays import Flags, Ints, norms
 from dogbot_logtool.core.blocks import BLOCK_ROWS, Blocks, GrowingTable
-from dogbot_logtool.core.clock import TimeSource, advancing
+from dogbot_logtool.core.clock import TimeSource, absolute_time, advancing
 from dogbot_logtool.core.contacts import Samples
 from dogbot_logtool.core.curves import CurveDetail, LoadCurveRecorder, LoadCurves
 from dogbot_logtool.core.footfall import (
@@ -210,8 +210,8 @@ class FootRecorder:
         """Stack the stances and say of each what cuts it."""
         rows = self._stances.stacked()
         start = self._start or 0
-        touchdown = rows[:, 0].astype(np.int64) + start
-        liftoff = rows[:, 1].astype(np.int64) + start
+        touchdown = absolute_time(rows[:, 0], start)
+        liftoff = absolute_time(rows[:, 1], start)
         cut = np.where(liftoff - touchdown > LONGEST_STANCE_S * 1e9, Cut.STANDING, Cut.WHOLE)
         cut[timespans.touches(gaps, touchdown, liftoff)] = Cut.GAP
         last = self._finder.last

@@ -9,7 +9,7 @@ from typing import Final
 
 import numpy as np
 
-from dogbot_logtool.core.arrays import Flags, Floats
+from dogbot_logtool.core.arrays import Flags, Floats, all_finite
 from dogbot_logtool.core.contacts import Samples
 from dogbot_logtool.core.odometry import Odometry
 
@@ -35,8 +35,8 @@ def beyond(vectors: Floats, limit: float) -> Flags:
     """
     if not len(vectors) or (vectors.min() >= -limit and vectors.max() <= limit):
         return np.zeros(len(vectors), np.bool_)
-    far: Flags = (np.abs(vectors) > limit).any(axis=1) & np.isfinite(vectors).all(axis=1)
-    return far
+    outside = np.asarray((np.abs(vectors) > limit).any(axis=1))
+    return outside & all_finite(vectors)
 
 
 def plausible_odometry(odometry: Odometry) -> tuple[Odometry, int]:

@@ -11,6 +11,7 @@ import numpy as np
 
 from dogbot_logtool.core.arrays import Flags, Floats, Ints
 from dogbot_logtool.core.blocks import GrowingTable
+from dogbot_logtool.core.clock import absolute_time
 from dogbot_logtool.core.odometry import first_at_each_tick
 
 TRACK_RATE_HZ: Final = 25.0
@@ -177,5 +178,4 @@ class TrackRecorder:
         )
 
     def _in_ns(self, since_origin: Floats) -> Ints:
-        absolute: Ints = since_origin.astype(np.int64) + (self._origin or 0)
-        return absolute
+        return absolute_time(since_origin, self._origin)
