@@ -45,12 +45,13 @@ def compare_json(expected: Path, actual: Path, rules: Rules, max_differences: in
     """
     documents = _load(expected), _load(actual)
     differences = Differences(max_differences)
+    for_values = rules.ignoring(*_PROVENANCE)
     try:
         one, other = (_picked(document, "", rules) for document in documents)
         if one is _NOTHING and other is _NOTHING:
             raise CallError(f"--topics: neither file has a key like {', '.join(rules.topics)}")
         tallies = [
-            _compare_part(key, *parts, rules.ignoring(*_PROVENANCE), differences)
+            _compare_part(key, *parts, for_values, differences)
             for key, parts in _parts(one, other)
             if not rules.fit(rules.ignore, key)
         ]

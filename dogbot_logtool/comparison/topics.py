@@ -1,6 +1,6 @@
 """The topics of two logs, and how they are described: type, encoding, definition."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 from dogbot_logtool.comparison.fields import FieldDifference
@@ -31,14 +31,11 @@ def find_topics(
     expected: Log, actual: Log, rules: Rules, differences: Differences
 ) -> Sequence[Topic]:
     """Return the topics to compare, sorted, and note what differs in their descriptions."""
-    logs = (expected, actual)
-    names = {channel.topic for log in logs for channel in log.channels.values()}
+    channels = _by_topic(expected), _by_topic(actual)
+    names = {*channels[0], *channels[1]}
     topics: list[Topic] = []
     for name in sorted(name for name in names if rules.takes(name)):
-        one, other = (
-            tuple(channel for channel in log.channels.values() if channel.topic == name)
-            for log in logs
-        )
+        one, other = (tuple(by_topic.get(name, ())) for by_topic in channels)
         types = dict.fromkeys(channel.type_name for channel in (*one, *other))
         tally = Tally(name, ", ".join(types))
         tally.only_in = "" if one and other else "expected" if one else "actual"
@@ -47,6 +44,13 @@ def find_topics(
             differences.add(difference)
             topic.tally.faults += 1
         topics.append(topic)
+    return topics
+
+
+def _by_topic(log: Log) -> Mapping[str, Sequence[Channel]]:
+    topics: dict[str, list[Channel]] = {}
+    for channel in log.channels.values():
+        topics.setdefault(channel.topic, []).append(channel)
     return topics
 
 

@@ -1,5 +1,8 @@
 """A comparison for people: verdict, a table of the topics, the first differences."""
 
+from collections.abc import Sequence
+from typing import Final
+
 from rich.console import Console
 from rich.table import Table
 from rich.text import Text
@@ -8,6 +11,8 @@ from dogbot_logtool.comparison.outcome import Comparison, Tally
 from dogbot_logtool.printable import printable
 
 _STYLES = {"same": "green", "different": "bold red"}
+_MOST_ROWS: Final = 200
+"""A row of a table takes a millisecond, so thousands would take seconds."""
 
 
 def show_comparison(comparison: Comparison, console: Console) -> None:
@@ -17,9 +22,14 @@ def show_comparison(comparison: Comparison, console: Console) -> None:
     for found in comparison.losses:
         line = Text(printable(f"{found.path}: {found.loss.what}"), "yellow")
         console.print(line, soft_wrap=True)
-    if comparison.tallies:
-        console.print(_table(comparison))
-    for tally in comparison.tallies:
+    shown = _shown(comparison.tallies)
+    if shown:
+        console.print(_table(comparison, shown))
+    if more := len(comparison.tallies) - len(shown):
+        different = sum(not tally.same for tally in comparison.tallies)
+        different -= sum(not tally.same for tally in shown)
+        console.print(Text(f"... and {more} more, {different} of them different"))
+    for tally in shown:
         if tally.note:
             note = f"{printable(tally.name)}: {printable(tally.note)}"
             console.print(Text(note), soft_wrap=True)
@@ -29,14 +39,21 @@ def show_comparison(comparison: Comparison, console: Console) -> None:
         console.print(Text(f"... and {more} more"))
 
 
-def _table(comparison: Comparison) -> Table:
+def _shown(tallies: Sequence[Tally]) -> Sequence[Tally]:
+    """Return the rows of the table: all, or of very many the first that differ."""
+    if len(tallies) <= _MOST_ROWS:
+        return tallies
+    return [tally for tally in tallies if not tally.same][:_MOST_ROWS]
+
+
+def _table(comparison: Comparison, shown: Sequence[Tally]) -> Table:
     # Plain ASCII columns: what is redirected into a file is read in a browser or mailed.
     table = Table(box=None, pad_edge=False)
     table.add_column("topic" if comparison.unit == "messages" else "part", overflow="fold")
     for heading in (comparison.unit, "equal", "within tolerance", "different", "missing", "extra"):
         table.add_column(heading, justify="right")
     table.add_column("largest |d|", justify="right")
-    for tally in comparison.tallies:
+    for tally in shown:
         table.add_row(*_cells(tally), style=None if tally.same else _STYLES["different"])
     return table
 

@@ -268,12 +268,13 @@ def test_a_key_that_stands_twice_is_no_json(tmp_path: Path, text: str) -> None:
         compare(path, path, CompareOptions())
 
 
-def run(*words: object) -> "subprocess.CompletedProcess[str]":
+def run(*words: object, timeout: float | None = None) -> "subprocess.CompletedProcess[str]":
     return subprocess.run(  # noqa: S603
         [sys.executable, "-m", "dogbot_logtool", "compare", *map(str, words)],
         capture_output=True,
         text=True,
         check=False,
+        timeout=timeout,
     )
 
 
@@ -293,6 +294,30 @@ def test_a_report_replaces_nothing_unasked(tmp_path: Path) -> None:
     for path in files:
         assert run(*files, "--junit", path, "--overwrite").returncode == 2
         assert json.loads(path.read_bytes()) == FIGURES
+
+
+def test_a_table_of_very_many_parts_has_those_that_differ(tmp_path: Path) -> None:
+    many = {f"k{number}": 0 for number in range(50_000)}
+    files = [tmp_path / name for name in ("one.json", "other.json")]
+    for path, document in zip(files, (many, many | {"k7": 1, "k30000": 1}), strict=True):
+        path.write_text(json.dumps(document), encoding="utf-8")
+    done = run(*files, timeout=60)
+    assert done.returncode == 1
+    lines = done.stdout.splitlines()
+    assert [line.split()[0] for line in lines[1:4]] == ["part", "k7", "k30000"]
+    assert lines[4] == "... and 49998 more, 0 of them different"
+
+
+def test_very_many_topics_take_no_longer_than_their_number(tmp_path: Path) -> None:
+    kinds = {f"/t{number}": JSON for number in range(16_000)}
+    files = logs(
+        tmp_path,
+        recording(kinds, *((topic, 0, b"1") for topic in kinds)),
+        recording(kinds, *((topic, 0, b"1") for topic in kinds if topic != "/t77")),
+    )
+    done = run(*files, "--ignore", "/nothing", timeout=60)
+    assert done.returncode == 1
+    assert "/t77[0] t=0.000 s: missing" in done.stdout
 
 
 def test_warnings_go_to_stderr_and_change_no_exit_code(tmp_path: Path) -> None:
