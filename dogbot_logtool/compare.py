@@ -59,13 +59,13 @@ def compare(expected: Path, actual: Path, options: CompareOptions) -> Comparison
     except LogError as error:
         # Whoever compares chose the files: one that cannot be read is a wrong call.
         raise CallError(str(error)) from error
-    return replace(comparison, warnings=(*_warnings(comparison), *comparison.warnings))
+    warnings = _warnings(expected, actual, comparison)
+    return replace(comparison, warnings=(*warnings, *comparison.warnings))
 
 
-def _warnings(comparison: Comparison) -> Iterator[str]:
+def _warnings(expected: Path, actual: Path, comparison: Comparison) -> Iterator[str]:
     """Say where files that are the same prove little."""
-    expected, actual = comparison.expected, comparison.actual
-    if isinstance(expected, Path) and isinstance(actual, Path) and expected.samefile(actual):
+    if expected.samefile(actual):
         yield f"{expected} and {actual} are the same file, so nothing can differ"
     if not any(t.expected or t.actual for t in comparison.tallies if t.name != RECORDS):
         yield f"neither file has any {comparison.unit} to compare"

@@ -47,6 +47,8 @@ class Findings:
     """All differences; whatever is missing or extra at the end of an array is one."""
     compared: int = 0
     """Leaves that both have."""
+    empty: int = 0
+    """Structs and arrays that are empty in both."""
     loose: int = 0
     """Leaves that are not equal but agree: within tolerance, or quaternions of the other sign."""
     different: int = 0
@@ -112,6 +114,7 @@ class _Comparer:
     def _structs(
         self, expected: Mapping[str, Tree], actual: Mapping[str, Tree], path: str, name: str
     ) -> None:
+        self._findings.empty += not (expected or actual)
         if _is_quaternion(expected) and _is_quaternion(actual):
             self._quaternions(expected, actual, path, name)
             return
@@ -162,6 +165,7 @@ class _Comparer:
         self, expected: list[Tree] | NDArray[Any], actual: list[Tree] | NDArray[Any], path: str
     ) -> None:
         size, other = len(expected), len(actual)
+        self._findings.empty += not (size or other)
         if size != other:
             self._findings.missing += sum(count_leaves(value) for value in expected[other:])
             self._findings.extra += sum(count_leaves(value) for value in actual[size:])

@@ -45,20 +45,22 @@ def compare_json(expected: Path, actual: Path, rules: Rules, max_differences: in
     """
     documents = _load(expected), _load(actual)
     differences = Differences(max_differences)
+    tallies: list[Tally] = []
+    compared: list[int] = []
     for_values = rules.ignoring(*_PROVENANCE)
     try:
         one, other = (_picked(document, "", rules) for document in documents)
         if one is _NOTHING and other is _NOTHING:
             raise CallError(f"--topics: neither file has a key like {', '.join(rules.topics)}")
-        tallies = [
-            _compare_part(key, *parts, for_values, differences)
-            for key, parts in _parts(one, other)
-            if not rules.fit(rules.ignore, key)
-        ]
+        for key, parts in _parts(one, other):
+            if not rules.fit(rules.ignore, key):
+                tally = Tally(key)
+                compared.append(_compare_part(tally, *parts, for_values, differences))
+                tallies.append(tally)
         names = [name for document in documents for name in tree_names(document)]
     except RecursionError as error:
         raise LogError(f"{actual}: is nested too deeply") from error
-    if rules.ignore and not any(tally.expected or tally.actual for tally in tallies):
+    if (rules.ignore or rules.topics) and not any(compared):
         raise nothing_left(rules, "value")
     for name in dict.fromkeys(names) if rules.unmatched else ():
         rules.fit(rules.topics, name)
@@ -101,14 +103,14 @@ def _parts(expected: Tree, actual: Tree) -> Iterator[tuple[str, tuple[Tree, Tree
 
 
 def _compare_part(
-    name: str, expected: Tree, actual: Tree, rules: Rules, differences: Differences
-) -> Tally:
+    tally: Tally, expected: Tree, actual: Tree, rules: Rules, differences: Differences
+) -> int:
+    """Compare a part; return of how much, empty lists and objects included."""
     findings = Findings(differences.room)
-    compare_fields(expected, actual, FieldRules(rules, name), findings)
-    tally = Tally(name)
+    compare_fields(expected, actual, FieldRules(rules, tally.name), findings)
     tally.count_leaves(findings)
-    differences.take(findings, name, Kind.FIELD)
-    return tally
+    differences.take(findings, tally.name, Kind.FIELD)
+    return findings.compared + findings.empty + findings.missing + findings.extra
 
 
 def _load(path: Path) -> Tree:

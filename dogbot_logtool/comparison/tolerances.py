@@ -128,6 +128,8 @@ class FieldRules:
 
 def nothing_left(rules: Rules, what: str) -> CallError:
     """Return the error of patterns that leave nothing: files must not pass for the same so."""
+    if not rules.ignore:
+        return CallError(f"--topics leaves no {what} to compare: {', '.join(rules.topics)}")
     return CallError(f"--ignore leaves no {what} to compare: {', '.join(rules.ignore)}")
 
 

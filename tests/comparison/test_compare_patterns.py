@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 
 from dogbot_logtool.compare import CompareOptions, compare
 from dogbot_logtool.comparison.fields import Findings, Tree, compare_fields
@@ -104,7 +105,8 @@ def test_integers_get_the_tolerance_that_names_them(
 
 @pytest.mark.parametrize("kind", [np.uint8, np.int64, np.uint64])
 def test_arrays_of_integers_get_the_tolerance_that_names_them(kind: type) -> None:
-    expected, actual = np.array([1, 2, 200], kind), np.array([2, 1, 205], kind)
+    expected: NDArray[Any] = np.array([1, 2, 200], kind)
+    actual: NDArray[Any] = np.array([2, 1, 205], kind)
     rules = Rules(quantities=(Quantity("counts", ("counts",), Tolerance(atol=1.0)),))
     found = compared({"counts": expected}, {"counts": actual}, rules)
     assert (found.loose, found.different, found.deviation) == (2, 1, 5.0)
@@ -171,10 +173,27 @@ def test_patterns_that_leave_nothing_are_a_wrong_call(
 
 
 def test_documents_without_a_value_are_said(tmp_path: Path) -> None:
-    for document in ({}, []):
+    documents: tuple[object, ...] = ({}, [])
+    for document in documents:
         result = compare_documents(tmp_path, document, document)
         assert result.exit_code == 0
         assert result.warnings == ("neither file has any values to compare",)
+
+
+def test_empty_lists_are_compared_too(tmp_path: Path) -> None:
+    sound = {"losses": [], "gait": "trot"}
+    assert compare_documents(tmp_path, sound, sound, topics=("losses",)).exit_code == 0
+    assert compare_documents(tmp_path, sound, sound, ignore=("gait",)).exit_code == 0
+    lossy = sound | {"losses": ["one"]}
+    assert compare_documents(tmp_path, sound, lossy, topics=("losses",)).exit_code == 1
+
+
+@pytest.mark.parametrize("topics", [("log.path",), ("tool.version", "*.path")])
+def test_what_is_never_compared_cannot_be_all_that_is(
+    tmp_path: Path, topics: tuple[str, ...]
+) -> None:
+    with pytest.raises(CallError, match="--topics leaves no value to compare"):
+        compare_documents(tmp_path, FIGURES, FIGURES, topics=topics)
 
 
 def logs(folder: Path, expected: Recording, actual: Recording) -> tuple[Path, Path]:
