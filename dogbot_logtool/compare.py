@@ -1,18 +1,19 @@
 """The story of `compare`: do two files mean the same, and if not, where do they differ?"""
 
 import shutil
+from collections.abc import Iterator
 from contextlib import closing
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from dogbot_logtool.comparison.containers import compare_logs
-from dogbot_logtool.comparison.outcome import Comparison
+from dogbot_logtool.comparison.outcome import RECORDS, Comparison
 from dogbot_logtool.comparison.stats_json import compare_json, looks_like_json
 from dogbot_logtool.comparison.tolerances import Rules, load_rules
 from dogbot_logtool.errors import CallError, LogError
 from dogbot_logtool.printable import printable
 from dogbot_logtool.reader.opening import open_log
-from dogbot_logtool.writer.output import whole_file
+from dogbot_logtool.writer.output import refuse_bad_target, whole_file
 
 
 @dataclass(frozen=True, slots=True)
@@ -54,10 +55,20 @@ def compare(expected: Path, actual: Path, options: CompareOptions) -> Comparison
     if options.max_differences < 0:
         raise CallError("--max-differences must be 0 or more")
     try:
-        return _compare(expected, actual, rules, options.max_differences)
+        comparison = _compare(expected, actual, rules, options.max_differences)
     except LogError as error:
         # Whoever compares chose the files: one that cannot be read is a wrong call.
         raise CallError(str(error)) from error
+    warnings = _warnings(expected, actual, comparison)
+    return replace(comparison, warnings=(*warnings, *comparison.warnings))
+
+
+def _warnings(expected: Path, actual: Path, comparison: Comparison) -> Iterator[str]:
+    """Say where files that are the same prove little."""
+    if expected.samefile(actual):
+        yield f"{expected} and {actual} are the same file, so nothing can differ"
+    if not any(t.expected or t.actual for t in comparison.tallies if t.name != RECORDS):
+        yield f"neither file has any {comparison.unit} to compare"
 
 
 def _compare(expected: Path, actual: Path, rules: Rules, max_differences: int) -> Comparison:
@@ -69,6 +80,18 @@ def _compare(expected: Path, actual: Path, rules: Rules, max_differences: int) -
         raise CallError(f"{json_file} is JSON, but {log_file} is not: they cannot be compared")
     with closing(open_log(expected)) as one, closing(open_log(actual)) as other:
         return compare_logs(one, other, rules, max_differences)
+
+
+def refuse_bad_report(target: Path, expected: Path, actual: Path, *, overwrite: bool) -> None:
+    """Check where a report goes before any work is done.
+
+    Raises:
+        CallError: it is one of the files, exists and may not be overwritten, or has no folder.
+    """
+    for path in (expected, actual):
+        if target.exists() and path.exists() and target.samefile(path):
+            raise CallError(f"{target}: is one of the files compared; --junit must name another")
+    refuse_bad_target(target, None, overwrite=overwrite)
 
 
 def update(expected: Path, actual: Path) -> Update:

@@ -6,6 +6,7 @@ from pathlib import Path
 import click
 
 from dogbot_logtool.cli.options import json_option, number, quietness
+from dogbot_logtool.errors import CallError
 
 
 @click.command()
@@ -27,9 +28,14 @@ from dogbot_logtool.cli.options import json_option, number, quietness
     "--ignore",
     multiple=True,
     metavar="TOPIC|FIELD",
-    help="Glob of topics or fields (or TOPIC:FIELD) that may differ.",
+    help="Glob of what may differ: topics, fields, TOPIC:FIELD, metadata:NAME, attachment:NAME.",
 )
-@click.option("--topics", multiple=True, metavar="TOPIC", help="Glob of the topics to compare.")
+@click.option(
+    "--topics",
+    multiple=True,
+    metavar="TOPIC",
+    help="Glob of the topics to compare; of JSON, of paths (gait, feet.*.duty_factor.median).",
+)
 @click.option(
     "--max-differences",
     type=click.IntRange(min=0),
@@ -39,8 +45,12 @@ from dogbot_logtool.cli.options import json_option, number, quietness
     help="Differences that are told one by one.",
 )
 @click.option(
-    "--junit", type=click.Path(path_type=Path), metavar="FILE", help="Write JUnit XML as well."
+    "--junit",
+    type=click.Path(path_type=Path),
+    metavar="FILE",
+    help="Write JUnit XML as well, to a new file.",
 )
+@click.option("--overwrite", is_flag=True, help="Replace the file of --junit if it exists already.")
 @click.option(
     "--update",
     "write_over",
@@ -60,6 +70,7 @@ def compare(
     max_differences: int,
     junit: Path | None,
     *,
+    overwrite: bool,
     write_over: bool,
     as_json: bool,
     quiet: bool,
@@ -67,11 +78,20 @@ def compare(
 ) -> None:
     """Say whether two logs, or two `stats --json` files, mean the same, and if not, where.
 
+    A field is named by its path without positions: pose.position.x, feet.front_left.slip_m. A
+    glob's * stands for dots and slashes, too; one that fits nothing gives a warning. Integers are
+    exact unless a tolerance names them. That nothing is left to compare is a wrong call.
+
     Exit code 0: the same; 1: different; 2: the call or a file is wrong; 3: the same as far as can
     be read, but a file is damaged.
     """
-    from dogbot_logtool.compare import CompareOptions, update  # noqa: PLC0415
+    from dogbot_logtool.compare import (  # noqa: PLC0415
+        CompareOptions,
+        refuse_bad_report,
+        update,
+    )
     from dogbot_logtool.compare import compare as compare_files  # noqa: PLC0415
+    from dogbot_logtool.printable import printable  # noqa: PLC0415
     from dogbot_logtool.report.comparison_json import comparison_json  # noqa: PLC0415
     from dogbot_logtool.report.comparison_text import show_comparison  # noqa: PLC0415
     from dogbot_logtool.report.console import results  # noqa: PLC0415
@@ -80,15 +100,30 @@ def compare(
 
     del verbose
     if write_over:
+        others = {
+            "--atol": atol is not None,
+            "--rtol": rtol is not None,
+            "--tolerances": tolerances is not None,
+            "--ignore": ignore,
+            "--topics": topics,
+            "--junit": junit is not None,
+            "--json": as_json,
+        }
+        for option in (name for name, given in others.items() if given):
+            raise CallError(f"--update writes the whole file: {option} has no meaning with it")
         done = update(expected, actual)
         for line in done.lines or ("nothing changed",):
             click.echo(line)
         return
+    if junit is not None:
+        refuse_bad_report(junit, expected, actual, overwrite=overwrite)
     options = CompareOptions(atol, rtol, tolerances, ignore, topics, max_differences)
     comparison = compare_files(expected, actual, options)
     if junit is not None:
-        with whole_file(junit, overwrite=True) as file:
+        with whole_file(junit, overwrite=overwrite) as file:
             file.write(junit_xml(comparison))
+    for warning in comparison.warnings:
+        click.echo(printable(f"warning: {warning}"), err=True)
     if as_json:
         click.echo(comparison_json(comparison), nl=False)
     elif not quiet:

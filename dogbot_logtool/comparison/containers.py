@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 
+from dogbot_logtool.comparison.field_names import ALWAYS, message_fields, tree_names
 from dogbot_logtool.comparison.fields import Findings, compare_fields
 from dogbot_logtool.comparison.messages import MessageSweep
 from dogbot_logtool.comparison.outcome import (
@@ -13,7 +14,7 @@ from dogbot_logtool.comparison.outcome import (
     Tally,
 )
 from dogbot_logtool.comparison.records import OWN_VERSION, records_tree
-from dogbot_logtool.comparison.tolerances import FieldRules, Rules
+from dogbot_logtool.comparison.tolerances import FieldRules, Rules, nothing_left
 from dogbot_logtool.comparison.topics import Topic, find_topics
 from dogbot_logtool.comparison.windows import (
     Track,
@@ -56,7 +57,10 @@ def _compare(
     if rules.topics and not topics:
         raise CallError(f"--topics: neither file has a topic like {', '.join(rules.topics)}")
     tallies = [topic.tally for topic in topics]
-    if not rules.topics and expected.container == actual.container:
+    if (
+        not (rules.topics or rules.fit(rules.ignore, RECORDS))
+        and expected.container == actual.container
+    ):
         tallies.append(_compare_records(expected, actual, rules, differences))
 
     tracks = (
@@ -70,6 +74,10 @@ def _compare(
         sweep.compare(*blocks)
         for found, block in zip(losses, blocks, strict=True):
             found.extend(block.losses)
+    if not any(losses):
+        _refuse_ignoring_all(tallies, rules)
+    for log in (expected, actual) if rules.unmatched else ():
+        _note_names(log, rules)
     return Comparison(
         expected.source.path,
         actual.source.path,
@@ -78,7 +86,36 @@ def _compare(
         differences.kept,
         differences.count,
         [*_file_losses(expected, losses[0]), *_file_losses(actual, losses[1])],
+        rules.warnings(),
     )
+
+
+def _refuse_ignoring_all(tallies: Sequence[Tally], rules: Rules) -> None:
+    """Refuse a comparison of nothing; that both files have a profile says nothing.
+
+    Raises:
+        CallError: patterns leave neither a topic nor a record.
+    """
+    least = 0 if FieldRules(rules).ignored("profile") else 1
+    found = any(
+        tally.name != RECORDS or max(tally.expected, tally.actual) > least or not tally.same
+        for tally in tallies
+    )
+    if rules.ignore and not found:
+        raise nothing_left(rules, "topic")
+
+
+def _note_names(log: Log, rules: Rules) -> None:
+    """Note which globs fit what a log has, whether or not it was compared or had to be decoded."""
+    records = FieldRules(rules)
+    for name in tree_names(records_tree(log)):
+        records.note(name)
+    for channel in log.channels.values():
+        fields, names = FieldRules(rules, channel.topic), message_fields(channel)
+        for name in (*ALWAYS, *(names or ())):
+            fields.note(name)
+        if names is None:
+            fields.note_unknown()
 
 
 def _topic_numbers(topics: Sequence[Topic], *, is_expected: bool) -> Mapping[int, int]:

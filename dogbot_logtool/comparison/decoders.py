@@ -6,6 +6,7 @@ a tree as `fields` compares it.
 
 import json
 import struct
+from collections import Counter
 from collections.abc import Callable, Iterator
 from functools import lru_cache
 from typing import TYPE_CHECKING, Any, Final
@@ -20,11 +21,13 @@ if TYPE_CHECKING:
     from google.protobuf.descriptor_pb2 import FileDescriptorProto
     from google.protobuf.message import Message
     from rosbags.interfaces.typing import Typesdict
+    from rosbags.typesys.store import Typestore
 
 Decoder = Callable[[bytes], Tree]
 """Raises `Undecodable`."""
 _ROS_ENCODINGS: Final = ("ros1", "cdr")
 _ROS_DEFINITIONS: Final = ("ros1msg", "ros2msg", "ros2idl")
+_LONGEST_KEY: Final = 100
 _UNKNOWN_FIELDS: Final = "(unknown fields)"
 _PARSER_FAULTS: Final = (ValueError, KeyError, IndexError, AssertionError, RecursionError)
 
@@ -52,11 +55,34 @@ def decoder_of(channel: Channel) -> Decoder:
 
 
 def decode_json(data: bytes) -> Tree:
-    """Decode JSON text."""
+    """Decode JSON text.
+
+    Raises:
+        Undecodable: it is none, or an object has a key twice.
+    """
     try:
-        return json.loads(data)
+        return parse_json(data)
     except (ValueError, RecursionError) as error:
         raise Undecodable(f"not JSON: {error}") from error
+
+
+def parse_json(data: bytes) -> Tree:
+    """Parse JSON text.
+
+    Raises:
+        ValueError: it is none, or an object has a key twice.
+        RecursionError: it is nested too deeply.
+    """
+    return json.loads(data, object_pairs_hook=_object)
+
+
+def _object(pairs: list[tuple[str, Tree]]) -> dict[str, Tree]:
+    """Return a JSON object; of two values of one key, json would take the last without a word."""
+    found = dict(pairs)
+    if len(found) < len(pairs):
+        twice, _ = Counter(key for key, _ in pairs).most_common(1)[0]
+        raise ValueError(f"an object has the key {json.dumps(twice[:_LONGEST_KEY])} twice")
+    return found
 
 
 def ros_types(schema: Schema) -> "Typesdict":
@@ -78,8 +104,12 @@ def ros_types(schema: Schema) -> "Typesdict":
 
 
 @lru_cache(maxsize=256)
-def _ros_decoder(encoding: str, schema: Schema) -> Decoder:
-    from rosbags.serde import SerdeError  # noqa: PLC0415
+def ros_store(schema: Schema) -> "tuple[Typestore, str]":
+    """Return rosbags' types of a definition, and the name of the one that it defines.
+
+    Raises:
+        Undecodable: it cannot be used.
+    """
     from rosbags.typesys import Stores, TypesysError, get_typestore  # noqa: PLC0415
 
     package, _, name = short_type_name(schema.name).rpartition("/")
@@ -90,6 +120,14 @@ def _ros_decoder(encoding: str, schema: Schema) -> Decoder:
         store.get_msgdef(type_name)
     except (TypesysError, SyntaxError, *_PARSER_FAULTS) as error:
         raise Undecodable(f"the definition of {schema.name} cannot be used") from error
+    return store, type_name
+
+
+@lru_cache(maxsize=256)
+def _ros_decoder(encoding: str, schema: Schema) -> Decoder:
+    from rosbags.serde import SerdeError  # noqa: PLC0415
+
+    store, type_name = ros_store(schema)
     deserialize = store.deserialize_ros1 if encoding == "ros1" else store.deserialize_cdr
 
     def decode(data: bytes) -> Tree:
@@ -126,18 +164,29 @@ def descriptor_files(schema: Schema) -> "list[FileDescriptorProto]":
 
 
 @lru_cache(maxsize=256)
-def _protobuf_decoder(schema: Schema) -> Decoder:
+def protobuf_class(schema: Schema) -> "type[Message]":
+    """Return the class of a protobuf schema's messages.
+
+    Raises:
+        Undecodable: it cannot be used.
+    """
     from google.protobuf.descriptor_pool import DescriptorPool  # noqa: PLC0415
-    from google.protobuf.message import DecodeError  # noqa: PLC0415
     from google.protobuf.message_factory import GetMessageClass  # noqa: PLC0415
 
     pool = DescriptorPool()
     try:
         for file in _dependencies_first(descriptor_files(schema)):
             pool.AddSerializedFile(file.SerializeToString())
-        kind = GetMessageClass(pool.FindMessageTypeByName(schema.name))
+        return GetMessageClass(pool.FindMessageTypeByName(schema.name))
     except (TypeError, *_PARSER_FAULTS) as error:
         raise Undecodable(f"the definition of {schema.name} cannot be used") from error
+
+
+@lru_cache(maxsize=256)
+def _protobuf_decoder(schema: Schema) -> Decoder:
+    from google.protobuf.message import DecodeError  # noqa: PLC0415
+
+    kind = protobuf_class(schema)
 
     def decode(data: bytes) -> Tree:
         try:

@@ -47,6 +47,8 @@ class Findings:
     """All differences; whatever is missing or extra at the end of an array is one."""
     compared: int = 0
     """Leaves that both have."""
+    empty: int = 0
+    """Structs and arrays that are empty in both."""
     loose: int = 0
     """Leaves that are not equal but agree: within tolerance, or quaternions of the other sign."""
     different: int = 0
@@ -112,6 +114,7 @@ class _Comparer:
     def _structs(
         self, expected: Mapping[str, Tree], actual: Mapping[str, Tree], path: str, name: str
     ) -> None:
+        self._findings.empty += not (expected or actual)
         if _is_quaternion(expected) and _is_quaternion(actual):
             self._quaternions(expected, actual, path, name)
             return
@@ -131,13 +134,14 @@ class _Comparer:
         self, expected: Mapping[str, float], actual: Mapping[str, float], path: str, name: str
     ) -> None:
         """Q and -q are the same rotation: the sign that fits better is taken."""
-        turned = {key: -value for key, value in actual.items()}
+        expected = {k: v for k, v in expected.items() if not self._rules.ignored(join(name, k))}
+        turned = {key: -actual[key] for key in expected}
         nearer = min((actual, turned), key=lambda one: _distance(expected, one))
         if nearer is actual:
             for key, value in expected.items():
                 self.compare(value, actual[key], join(path, key), join(name, key))
             return
-        self._findings.compared += 4
+        self._findings.compared += len(expected)
         agree = True
         worst = 0.0
         for key, value in expected.items():
@@ -147,7 +151,7 @@ class _Comparer:
             agree &= value == nearer[key] or _within(deviation, value, tolerance)
             worst = max(worst, deviation)
         if agree:
-            self._findings.loose += 4
+            self._findings.loose += len(expected)
         else:
             # As a whole: single components of q against -q would puzzle.
             self._findings.differ(path, text_of(expected), text_of(actual), worst)
@@ -161,6 +165,7 @@ class _Comparer:
         self, expected: list[Tree] | NDArray[Any], actual: list[Tree] | NDArray[Any], path: str
     ) -> None:
         size, other = len(expected), len(actual)
+        self._findings.empty += not (size or other)
         if size != other:
             self._findings.missing += sum(count_leaves(value) for value in expected[other:])
             self._findings.extra += sum(count_leaves(value) for value in actual[size:])
@@ -173,8 +178,11 @@ class _Comparer:
         self._findings.compared += size
         if one.dtype == other.dtype and one.tobytes() == other.tobytes():
             return
-        if "f" in one.dtype.kind + other.dtype.kind:
-            equal, agree, deviation = _compare_floats(one, other, self._rules.tolerance(name))
+        kinds = one.dtype.kind + other.dtype.kind
+        claimed = self._rules.claimed(name)
+        if "f" in kinds or (claimed is not None and "b" not in kinds):
+            compare = _compare_floats if "f" in kinds else _compare_integers
+            equal, agree, deviation = compare(one, other, self._rules.tolerance(name))
             if size and np.isfinite(deviation).any():
                 worst = int(np.nanargmax(np.where(np.isfinite(deviation), deviation, -1.0)))
                 self._findings.deviate(f"{path}[{worst}]", float(deviation[worst]))
@@ -201,6 +209,9 @@ class _Comparer:
             if isinstance(expected, float) or isinstance(actual, float):
                 self._floats(_as_float(expected), _as_float(actual), path, name)
                 return
+            if (tolerance := self._rules.claimed(name)) is not None:
+                self._integers(expected, actual, path, tolerance)
+                return
         elif isinstance(expected, bytes) and isinstance(actual, bytes):
             self._bytes(expected, actual, path)
             return
@@ -222,6 +233,19 @@ class _Comparer:
             return
         apart = deviation if math.isfinite(deviation) else None
         self._findings.differ(path, text_of(expected), text_of(actual), apart)
+
+    def _integers(self, expected: int, actual: int, path: str, tolerance: Tolerance) -> None:
+        apart = abs(expected - actual)
+        deviation = _as_float(apart)
+        self._findings.deviate(path, deviation)
+        allowed = tolerance.atol
+        if tolerance.rtol:
+            allowed += tolerance.rtol * _as_float(abs(expected))
+        if apart <= allowed:
+            self._findings.loose += 1
+            return
+        told = deviation if math.isfinite(deviation) else None
+        self._findings.differ(path, text_of(expected), text_of(actual), told)
 
 
 def join(path: str, key: str) -> str:
@@ -269,6 +293,15 @@ def _compare_floats(
         equal = (one == other) | (np.isnan(one) & np.isnan(other))
         near = deviation <= tolerance.atol + tolerance.rtol * np.abs(one)
     return equal, equal | (near & np.isfinite(deviation)), deviation
+
+
+def _compare_integers(
+    expected: NDArray[Any], actual: NDArray[Any], tolerance: Tolerance
+) -> tuple[Flags, Flags, NDArray[np.float64]]:
+    """Return the same as `_compare_floats`; differences of integers are exact."""
+    apart = np.abs(expected.astype(object) - actual.astype(object))
+    allowed = tolerance.atol + tolerance.rtol * np.abs(expected.astype(np.float64))
+    return expected == actual, (apart <= allowed).astype(np.bool_), apart.astype(np.float64)
 
 
 def count_leaves(value: Tree) -> int:

@@ -189,6 +189,8 @@ class Comparison:
     difference_count: int
     """All of them. A message or an array with several differing fields counts each."""
     losses: Sequence[FileLoss] = ()
+    warnings: Sequence[str] = ()
+    """Sentences on a call that may not be what was meant; they change no exit code."""
 
     @property
     def same(self) -> bool:

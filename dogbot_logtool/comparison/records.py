@@ -14,7 +14,7 @@ from mcap.opcode import Opcode
 from dogbot_logtool.comparison.fields import Tree
 from dogbot_logtool.reader.log import Extra, Log
 
-OWN_VERSION: Final = "metadata.dogbot_logtool.version"
+OWN_VERSION: Final = "metadata:dogbot_logtool.version"
 """The version of this program that wrote a file says nothing of what is in it."""
 _HEAD_SIZE: Final = 9
 _PIECE: Final = 1 << 20
@@ -22,7 +22,7 @@ _LARGEST_METADATA: Final = 64 << 20
 
 
 def records_tree(log: Log) -> Mapping[str, Tree]:
-    """Return a log's records beside its messages.
+    """Return a log's records beside its messages, by the names that patterns know them by.
 
     Attachments are told by type, size and the hash of their content, so that their size does not
     matter; their times are when somebody attached them, not what they say.
@@ -31,10 +31,12 @@ def records_tree(log: Log) -> Mapping[str, Tree]:
     attachments: dict[str, Tree] = {}
     for extra in log.extras:
         if extra.opcode == Opcode.METADATA:
-            _add(metadata, *_metadata(log, extra))
+            name, value = _metadata(log, extra)
+            _add(metadata, f"metadata:{name}", value)
         else:
-            _add(attachments, *_attachment(log, extra))
-    return {"profile": log.profile, "metadata": metadata, "attachments": attachments}
+            name, value = _attachment(log, extra)
+            _add(attachments, f"attachment:{name}", value)
+    return {"profile": log.profile, **metadata, **attachments}
 
 
 def _add(named: dict[str, Tree], name: str, value: Tree) -> None:

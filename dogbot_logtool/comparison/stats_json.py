@@ -1,18 +1,22 @@
 """Two JSON documents compared value by value: those of ``stats --json``, or any others."""
 
-import json
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Final
 
-from dogbot_logtool.comparison.fields import Findings, Tree, compare_fields
+from dogbot_logtool.comparison.decoders import parse_json
+from dogbot_logtool.comparison.field_names import tree_names
+from dogbot_logtool.comparison.fields import Findings, Tree, compare_fields, join
 from dogbot_logtool.comparison.outcome import Comparison, Differences, Kind, Tally
-from dogbot_logtool.comparison.tolerances import FieldRules, Rules
+from dogbot_logtool.comparison.tolerances import FieldRules, Rules, nothing_left
 from dogbot_logtool.errors import CallError, LogError
 from dogbot_logtool.storage import content, open_file
 
-_OWN_VERSION: Final = "tool.version"
+_PROVENANCE: Final = ("tool.version", "log.path")
+"""Where figures come from, not what they are."""
 _WHOLE: Final = "(document)"
+_NOTHING: Final = object()
+"""What `_picked` leaves of a value that is not wanted."""
 _LARGEST: Final = 256 << 20
 
 
@@ -35,23 +39,57 @@ def compare_json(expected: Path, actual: Path, rules: Rules, max_differences: in
         CallError: none of the keys is wanted.
         LogError: one of the files is not JSON.
     """
-    one, other = _load(expected), _load(actual)
+    documents = _load(expected), _load(actual)
     differences = Differences(max_differences)
+    tallies: list[Tally] = []
+    compared: list[int] = []
+    for_values = rules.ignoring(*_PROVENANCE)
     try:
-        tallies = [
-            _compare_part(key, *parts, rules.ignoring(_OWN_VERSION), differences)
-            for key, parts in _parts(one, other)
-            if rules.takes(key)
-        ]
+        one, other = (_picked(document, "", rules) for document in documents)
+        if one is _NOTHING and other is _NOTHING:
+            raise CallError(f"--topics: neither file has a key like {', '.join(rules.topics)}")
+        for key, parts in _parts(one, other):
+            if not rules.fit(rules.ignore, key):
+                tally = Tally(key)
+                compared.append(_compare_part(tally, *parts, for_values, differences))
+                tallies.append(tally)
+        names = [name for document in documents for name in tree_names(document)]
     except RecursionError as error:
         raise LogError(f"{actual}: is nested too deeply") from error
-    if rules.topics and not tallies:
-        raise CallError(f"--topics: neither file has a key like {', '.join(rules.topics)}")
-    return Comparison(expected, actual, "values", tallies, differences.kept, differences.count)
+    if (rules.ignore or rules.topics) and not any(compared):
+        raise nothing_left(rules, "value")
+    for name in dict.fromkeys(names) if rules.unmatched else ():
+        rules.fit(rules.topics, name)
+        FieldRules(rules, name.partition(".")[0]).note(name)
+    return Comparison(
+        expected,
+        actual,
+        "values",
+        tallies,
+        differences.kept,
+        differences.count,
+        warnings=rules.warnings(),
+    )
+
+
+def _picked(value: Tree, name: str, rules: Rules) -> Tree:
+    """Return what of a value is to be compared, `_NOTHING` if nothing is."""
+    if not rules.topics or rules.fit(rules.topics, name):
+        return value
+    if isinstance(value, dict):
+        inner = {key: _picked(each, join(name, key), rules) for key, each in value.items()}
+        return {key: each for key, each in inner.items() if each is not _NOTHING} or _NOTHING
+    if isinstance(value, list):
+        elements = [_picked(each, name, rules) for each in value]
+        if any(each is not _NOTHING for each in elements):
+            # The others keep their positions.
+            return [{} if each is _NOTHING else each for each in elements]
+    return _NOTHING
 
 
 def _parts(expected: Tree, actual: Tree) -> Iterator[tuple[str, tuple[Tree, Tree]]]:
     """Yield the documents' parts with their names; a document that is no object is one part."""
+    expected, actual = ({} if each is _NOTHING else each for each in (expected, actual))
     if not isinstance(expected, dict) or not isinstance(actual, dict):
         yield _WHOLE, (expected, actual)
         return
@@ -61,14 +99,14 @@ def _parts(expected: Tree, actual: Tree) -> Iterator[tuple[str, tuple[Tree, Tree
 
 
 def _compare_part(
-    name: str, expected: Tree, actual: Tree, rules: Rules, differences: Differences
-) -> Tally:
+    tally: Tally, expected: Tree, actual: Tree, rules: Rules, differences: Differences
+) -> int:
+    """Compare a part; return of how much, empty lists and objects included."""
     findings = Findings(differences.room)
-    compare_fields(expected, actual, FieldRules(rules, name), findings)
-    tally = Tally(name)
+    compare_fields(expected, actual, FieldRules(rules, tally.name), findings)
     tally.count_leaves(findings)
-    differences.take(findings, name, Kind.FIELD)
-    return tally
+    differences.take(findings, tally.name, Kind.FIELD)
+    return findings.compared + findings.empty + findings.missing + findings.extra
 
 
 def _load(path: Path) -> Tree:
@@ -76,12 +114,10 @@ def _load(path: Path) -> Tree:
         data = content(path, _LARGEST)
         if data is None:
             raise LogError(f"{path}: is larger than any statistics are")
-        return json.loads(data)
+        return parse_json(data)
     except OSError as error:
         raise CallError(f"{path}: cannot be read: {error.strerror}") from error
     except RecursionError as error:
         raise LogError(f"{path}: is nested too deeply") from error
-    except (json.JSONDecodeError, UnicodeDecodeError) as error:
-        raise LogError(f"{path}: is not JSON: {error}") from error
     except ValueError as error:
-        raise LogError(f"{path}: holds a number of too many digits") from error
+        raise LogError(f"{path}: is not JSON that can be read: {error}") from error

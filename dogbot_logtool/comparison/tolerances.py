@@ -1,12 +1,14 @@
 """How far numbers may be apart, and which fields are looked at: by globs on topics and fields.
 
 A field is named by its path without positions: ``entities.arrows.pose.position.z``. A glob is one
-of ``TOPIC``, ``FIELD`` and ``TOPIC:FIELD``; ``*`` also stands for dots and slashes.
+of ``TOPIC``, ``FIELD`` and ``TOPIC:FIELD``; ``*`` also stands for dots and slashes. What a log has
+beside its messages is named like fields: ``profile``, ``metadata:NAME``, ``metadata:NAME.KEY`` and
+``attachment:NAME``.
 """
 
 import sys
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from fnmatch import fnmatchcase
 from pathlib import Path
 from typing import Any, Final
@@ -41,22 +43,45 @@ class Rules:
     """What a user allows to differ."""
 
     default: Tolerance = Tolerance()
-    """For every float that no quantity claims."""
+    """For every float that no quantity claims. Integers are exact unless a quantity claims them."""
     quantities: tuple[Quantity, ...] = ()
     """The first whose globs fit a field counts."""
     ignore: tuple[str, ...] = ()
     """Globs of topics and fields."""
     topics: tuple[str, ...] = ()
     """Globs of the topics to compare; none: all."""
+    matched: set[str] = field(default_factory=set, compare=False)
+    """Globs that have fitted something so far."""
 
     def takes(self, topic: str) -> bool:
         """Tell whether a topic is compared at all."""
-        wanted = not self.topics or any(fnmatchcase(topic, glob) for glob in self.topics)
-        return wanted and not any(fnmatchcase(topic, glob) for glob in self.ignore)
+        ignored = self.fit(self.ignore, topic)
+        return (not self.topics or self.fit(self.topics, topic)) and not ignored
+
+    def fit(self, globs: Sequence[str], *names: str) -> bool:
+        """Tell whether any of the globs fits any of the names; note those that do."""
+        fitting = [glob for glob in globs if any(fnmatchcase(name, glob) for name in names)]
+        self.matched.update(fitting)
+        return bool(fitting)
 
     def ignoring(self, *globs: str) -> "Rules":
         """Return rules that ignore more."""
         return replace(self, ignore=(*self.ignore, *globs))
+
+    def warnings(self) -> list[str]:
+        """Say which globs have fitted nothing."""
+        return [
+            f"{origin} {glob!r} fits nothing in either file"
+            for glob, origin in self.unmatched.items()
+        ]
+
+    @property
+    def unmatched(self) -> Mapping[str, str]:
+        """What gave each glob that has fitted nothing so far."""
+        given = dict.fromkeys(self.ignore, "--ignore") | dict.fromkeys(self.topics, "--topics")
+        for quantity in self.quantities:
+            given |= dict.fromkeys(quantity.fields, f"tolerance [{quantity.name}]")
+        return {glob: origin for glob, origin in given.items() if glob not in self.matched}
 
 
 class FieldRules:
@@ -65,25 +90,47 @@ class FieldRules:
     def __init__(self, rules: Rules, topic: str = "") -> None:
         self._rules = rules
         self._topic = topic
-        self._tolerances: dict[str, Tolerance] = {}
+        self._claimed: dict[str, Tolerance | None] = {}
         self._ignored: dict[str, bool] = {}
 
-    def ignored(self, field: str) -> bool:
+    def ignored(self, name: str) -> bool:
         """Tell whether a field, and with it everything below, is left out."""
-        if field not in self._ignored:
-            self._ignored[field] = self._fits(field, self._rules.ignore)
-        return self._ignored[field]
+        if name not in self._ignored:
+            self._ignored[name] = self._fit(self._rules.ignore, name)
+        return self._ignored[name]
 
-    def tolerance(self, field: str) -> Tolerance:
+    def tolerance(self, name: str) -> Tolerance:
         """Return the tolerance of a float field."""
-        if field not in self._tolerances:
-            fitting = (q.tolerance for q in self._rules.quantities if self._fits(field, q.fields))
-            self._tolerances[field] = next(fitting, self._rules.default)
-        return self._tolerances[field]
+        return self.claimed(name) or self._rules.default
 
-    def _fits(self, field: str, globs: Sequence[str]) -> bool:
-        qualified = f"{self._topic}:{field}"
-        return any(fnmatchcase(field, glob) or fnmatchcase(qualified, glob) for glob in globs)
+    def claimed(self, name: str) -> Tolerance | None:
+        """Return the tolerance of the first quantity that names a field, None if none does."""
+        if name not in self._claimed:
+            fitting = [q.tolerance for q in self._rules.quantities if self._fit(q.fields, name)]
+            self._claimed[name] = fitting[0] if fitting else None
+        return self._claimed[name]
+
+    def note(self, name: str) -> None:
+        """Note the globs that fit a field, whether it was compared or not."""
+        self.ignored(name)
+        self.claimed(name)
+
+    def note_unknown(self) -> None:
+        """Note the globs that may fit a field of the topic, whose fields nothing tells."""
+        for glob in self._rules.unmatched:
+            topic, colon, _ = glob.partition(":")
+            if not glob.startswith("/") or (colon and fnmatchcase(self._topic, topic)):
+                self._rules.matched.add(glob)
+
+    def _fit(self, globs: Sequence[str], name: str) -> bool:
+        return self._rules.fit(globs, name, f"{self._topic}:{name}")
+
+
+def nothing_left(rules: Rules, what: str) -> CallError:
+    """Return the error of patterns that leave nothing: files must not pass for the same so."""
+    if not rules.ignore:
+        return CallError(f"--topics leaves no {what} to compare: {', '.join(rules.topics)}")
+    return CallError(f"--ignore leaves no {what} to compare: {', '.join(rules.ignore)}")
 
 
 def load_rules(

@@ -31,6 +31,7 @@ def comparison_document(comparison: Comparison) -> dict[str, Any]:
         "differences": [_difference(difference) for difference in comparison.differences],
         "difference_count": comparison.difference_count,
         "losses": [_loss(found) for found in comparison.losses],
+        "warnings": list(comparison.warnings),
     }
 
 

@@ -1,5 +1,8 @@
 """A comparison for people: verdict, a table of the topics, the first differences."""
 
+from collections.abc import Sequence
+from typing import Final
+
 from rich.console import Console
 
 from dogbot_logtool.comparison.outcome import Comparison, Tally
@@ -7,9 +10,9 @@ from dogbot_logtool.printable import printable
 from dogbot_logtool.report.console import print_sentence
 from dogbot_logtool.report.text_layout import NameTable, Row
 
-_MOST_ROWS = 1000
-"""Rows of the table; laying it out takes a millisecond each."""
 _STYLES = {"same": "green", "different": "bold red"}
+_MOST_ROWS: Final = 200
+"""A row of a table takes a millisecond, so thousands would take seconds."""
 
 
 def show_comparison(comparison: Comparison, console: Console) -> None:
@@ -18,11 +21,14 @@ def show_comparison(comparison: Comparison, console: Console) -> None:
     print_sentence(console, (printable(comparison.verdict), style))
     for found in comparison.losses:
         print_sentence(console, (printable(f"{found.path}: {found.loss.what}"), "yellow"))
-    if comparison.tallies:
-        console.print(_table(comparison), crop=False)
-    if (more := len(comparison.tallies) - _MOST_ROWS) > 0:
-        print_sentence(console, f"and {more:,} more rows, those that differ being listed first")
-    for tally in comparison.tallies:
+    shown = _shown(comparison.tallies)
+    if shown:
+        console.print(_table(comparison, shown), crop=False)
+    if more := len(comparison.tallies) - len(shown):
+        different = sum(not tally.same for tally in comparison.tallies)
+        different -= sum(not tally.same for tally in shown)
+        print_sentence(console, f"... and {more} more, {different} of them different")
+    for tally in shown:
         if tally.note:
             print_sentence(console, printable(f"{tally.name}: {tally.note}"))
     for difference in comparison.differences:
@@ -31,14 +37,18 @@ def show_comparison(comparison: Comparison, console: Console) -> None:
         print_sentence(console, f"... and {more} more")
 
 
-def _table(comparison: Comparison) -> NameTable:
+def _shown(tallies: Sequence[Tally]) -> Sequence[Tally]:
+    """Return the rows of the table: all, or of very many the first that differ."""
+    if len(tallies) <= _MOST_ROWS:
+        return tallies
+    return [tally for tally in tallies if not tally.same][:_MOST_ROWS]
+
+
+def _table(comparison: Comparison, shown: Sequence[Tally]) -> NameTable:
     # Plain ASCII columns: what is redirected into a file is read in a browser or mailed.
     unit = comparison.unit
     counts = (unit, "equal", "within tolerance", "different", "missing", "extra", "largest |d|")
-    tallies = comparison.tallies
-    if len(tallies) > _MOST_ROWS:
-        tallies = sorted(tallies, key=lambda tally: tally.same)[:_MOST_ROWS]
-    rows = [_row(tally) for tally in tallies]
+    rows = [_row(tally) for tally in shown]
     return NameTable(("topic" if unit == "messages" else "part", *counts), rows)
 
 

@@ -613,7 +613,8 @@ def test_ignored_and_chosen_topics_and_fields(pair: Pair) -> None:
     assert left(topics=("/[ab]",)) == ["/a x", "/a h.s", "/b x", "/b h.s"]
     assert left(ignore=("/a", "h")) == ["/b x", "/c x"]
     assert left(ignore=("/a:*", "/[bc]:h.*")) == ["/b x", "/c x"]
-    assert left(ignore=("/*",)) == []
+    with pytest.raises(CallError, match="--ignore leaves no topic to compare: /"):
+        pair.compare(CompareOptions(ignore=("/*",)))
     with pytest.raises(CallError, match="neither file has a topic like /x, /y"):
         pair.compare(CompareOptions(topics=("/x", "/y")))
 
@@ -629,14 +630,14 @@ def test_records_beside_the_messages(pair: Pair) -> None:
         profile="",
     )
     lines = pair.lines(expected, changed)
-    assert [line.partition(":")[0] for line in lines] == [
+    assert [line.partition(": ")[0] for line in lines] == [
         "(records) profile",
-        "(records) metadata.dogbot_logtool.style",
-        "(records) metadata.more",
-        "(records) attachments.notes.sha256",
+        "(records) metadata:dogbot_logtool.style",
+        "(records) attachment:notes.sha256",
+        "(records) metadata:more",
     ]
     assert lines[1].endswith('expected "force", got "classic"')
-    everything = ("profile", "metadata", "attachments.notes")
+    everything = ("profile", "metadata:*", "attachment:notes")
     assert not pair.lines(expected, changed, CompareOptions(ignore=everything))
     assert not pair.lines(expected, changed, CompareOptions(topics=("/*",)))
 
@@ -664,6 +665,7 @@ def test_empty_logs_are_the_same(pair: Pair) -> None:
     nothing = Recording({}, [])
     assert not pair.lines(nothing, nothing)
     assert pair.compare().verdict == "same: 0 topics, 0 messages"
+    assert pair.compare().warnings == ("neither file has any messages to compare",)
 
 
 def test_damage_is_reported_and_the_rest_compared(pair: Pair, tmp_path: Path) -> None:
