@@ -70,10 +70,17 @@ def parse_json(data: bytes) -> Tree:
     """Parse JSON text.
 
     Raises:
-        ValueError: it is none, or an object has a key twice.
+        ValueError: it is none, an object has a key twice, or a number has too many digits.
         RecursionError: it is nested too deeply.
     """
-    return json.loads(data, object_pairs_hook=_object)
+    return json.loads(data, object_pairs_hook=_object, parse_int=_integer)
+
+
+def _integer(digits: str) -> int:
+    try:
+        return int(digits)
+    except ValueError as error:
+        raise ValueError("it holds a number of too many digits") from error
 
 
 def _object(pairs: list[tuple[str, Tree]]) -> dict[str, Tree]:
