@@ -24,6 +24,7 @@ from dogbot_logtool.reader.mcap_extras import read_extra
 from dogbot_logtool.reader.opening import open_log
 from dogbot_logtool.selection import select_topics
 from dogbot_logtool.storage import Location, file_name, shown
+from dogbot_logtool.time_span import refuse_empty_span
 from dogbot_logtool.world_frames import frame_findings
 from dogbot_logtool.writer.annotations import Annotations
 from dogbot_logtool.writer.mcap_writer import McapWriter, metadata_record
@@ -100,7 +101,8 @@ def convert(
         batches: who converts the batches; None: this machine.
 
     Raises:
-        CallError: no such file, a target that may not be written, a topic that is not there.
+        CallError: no such file, a target that may not be written, a topic or time that the log
+            does not have.
         LogError: the log cannot be read, has nothing to annotate, or is damaged and `strict`.
         LogtoolError: the target cannot be written.
     """
@@ -139,6 +141,8 @@ def _write(
                 done += batch.stored_size
                 if progress is not None:
                     progress(done, total)
+        if not tally.losses:
+            refuse_empty_span(log, plan.limits, tally.counts.messages)
         if options.copy:
             _copy_extras(log, writer, tally)
         _account_for_damage(log, plan, tally)

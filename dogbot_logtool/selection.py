@@ -1,4 +1,4 @@
-"""What of a log is used: which topics for what, and which part of its time.
+"""What of a log is used: which topics for what.
 
 Topics are told by the robot's file, by options, or found.
 """
@@ -140,17 +140,6 @@ def select_topics(log: Log, options: TopicOptions) -> Selection:
     ]
     return Selection(
         robot, tuple(odometry), tuple(contacts), feet_of, tuple(transforms), tuple(findings)
-    )
-
-
-def time_limits(
-    log: Log, start_s: float | None, end_s: float | None
-) -> tuple[int | None, int | None]:
-    """Return log times, ns, for seconds since the log's start."""
-    start = log.start_time or 0
-    return (
-        None if start_s is None else start + round(start_s * 1e9),
-        None if end_s is None else start + round(end_s * 1e9),
     )
 
 

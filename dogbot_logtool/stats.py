@@ -35,9 +35,9 @@ from dogbot_logtool.selection import (
     TopicOptions,
     nothing_to_do,
     select_topics,
-    time_limits,
 )
 from dogbot_logtool.storage import Location, shown
+from dogbot_logtool.time_span import TimeLimits, refuse_empty_span, time_limits
 from dogbot_logtool.world_frames import StreamedFrames, WorldFrames, follow_frames
 
 TimeSourceOption = Literal["header", "log"]
@@ -97,7 +97,7 @@ def measure(
         batches: who reads the batches; None: this machine.
 
     Raises:
-        CallError: no such file, or a topic in the options that the log does not have.
+        CallError: no such file, or a topic or time in the options that the log does not have.
         LogError: it is no log, or has nothing to measure.
     """
     log = open_log(path)
@@ -178,6 +178,8 @@ def _pass(
             done += batch.stored_size
             if progress is not None:
                 progress(done, total)
+    if not feed.losses:
+        refuse_empty_span(log, limits, feed.messages)
     return feed.finish(log, selection, evidence)
 
 
@@ -191,7 +193,7 @@ def _measured(
     return in_order(partial(measurer, log), spans, jobs, forks=log.can_fork)
 
 
-def _swings(log: Log, evidence: Evidence, limits: tuple[int | None, int | None]) -> SwingTeller:
+def _swings(log: Log, evidence: Evidence, limits: TimeLimits) -> SwingTeller:
     """Return what tells the swings of silent sensors, up to the log's ends if all of it is read."""
     start, end = limits
     return SwingTeller(

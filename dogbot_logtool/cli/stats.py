@@ -124,7 +124,7 @@ def stats(
         fleet, items = todo.fleet, todo.entries
     engine = engine_for(len(items), jobs_or_cores(jobs), scheduler)
     whole = len(items) == 1 and dataset is None
-    measure = Measure(replace(chosen, jobs=engine.jobs), drawing, whole=whole)
+    measure = Measure(replace(chosen, jobs=engine.jobs), drawing, whole=whole, window=shown)
     work = measure if dataset is None else Keep(measure, dataset)
     measured: list[Figures] = []
     for done in outcomes.of(engine, work, items, fleet.names):
