@@ -9,6 +9,7 @@ from collections.abc import Set as AbstractSet
 from dataclasses import dataclass, replace
 from typing import Final
 
+from dogbot_logtool.annotated import annotation_findings
 from dogbot_logtool.core.footfall import contact_rule
 from dogbot_logtool.core.loads import body_weight_n
 from dogbot_logtool.errors import CallError, DefinitionError
@@ -120,7 +121,7 @@ def select_topics(log: Log, options: TopicOptions) -> Selection:
     Raises:
         CallError: an option names a topic that the log does not have, or one of a wrong type.
     """
-    findings: list[Finding] = []
+    findings: list[Finding] = [*annotation_findings(log)]
     robot = _choose_robot(log, options, findings)
     robot = _apply_options(log, robot, options)
     odometry = _choose_odometry(log, robot, findings)

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field, replace
 from functools import partial
 from typing import Final, Literal
 
+from dogbot_logtool.annotated import open_recorded
 from dogbot_logtool.batch_reader import BatchReader
 from dogbot_logtool.core.clock import TimeSource, UnusableStamps
 from dogbot_logtool.core.curves import CurveDetail
@@ -27,7 +28,6 @@ from dogbot_logtool.measuring import BatchMeasurer, MeasuredBatch
 from dogbot_logtool.parallel.relay import Progress, in_order
 from dogbot_logtool.reader.log import Log, Loss, Span, lost_messages
 from dogbot_logtool.reader.losses import undecodable
-from dogbot_logtool.reader.opening import open_log
 from dogbot_logtool.report.stats_json import LogFacts
 from dogbot_logtool.robot import Robot
 from dogbot_logtool.selection import (
@@ -100,7 +100,7 @@ def measure(
         CallError: no such file, or a topic or time in the options that the log does not have.
         LogError: it is no log, or has nothing to measure.
     """
-    log = open_log(path)
+    log = open_recorded(path)
     try:
         selection = select_topics(log, options.topics)
         if not selection.odometry and not selection.contacts:

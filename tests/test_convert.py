@@ -1220,28 +1220,6 @@ def _loads_at(written: Written, topic: str) -> list[Any]:
     ]
 
 
-@pytest.mark.parametrize("encoding", ENCODINGS)
-def test_an_annotated_file_can_be_annotated_again(
-    folder: Path, tmp_path: Path, encoding: EncodingName
-) -> None:
-    once = converted(folder, TROUBLED, encoding=encoding)
-    conversion = convert(once.path, tmp_path / "again.mcap", ConvertOptions(encoding=encoding))
-    again = read_written(tmp_path / "again.mcap")
-    assert conversion.exit_code == 0
-    assert conversion.copied == len(once.written.messages)
-    kinds: dict[str, set[tuple[str, str]]] = defaultdict(set)
-    for channel in again.channels.values():
-        kinds[channel.topic].add((again.schemas[channel.schema_id].name, channel.message_encoding))
-    assert all(len(found) == 1 for found in kinds.values())
-    assert len({channel.id for channel in again.channels.values()}) == len(again.channels)
-    topic = arrow_topic("back_left")
-    first, both = (w.of(topic, of_encoding(encoding)) for w in (once.written, again))
-    assert [m.data for _, m in both] == [m.data for _, m in first for _ in range(2)]
-    assert [m.name for m in again.metadata] == ["dogbot_logtool"] * 2
-    # The same transform once more does no harm: it gives the base no other parent.
-    assert "W_TF_HAS_PARENT" not in codes(conversion)
-
-
 # --- A second parent ------------------------------------------------------------------------------
 
 
