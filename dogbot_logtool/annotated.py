@@ -1,13 +1,13 @@
 """Logs that `convert` has annotated already: what it added is left out, what was recorded is used.
 
-Its channels are marked. Those of versions before 0.2 are not; there the metadata record, topics and
+Its channels are marked. In files that were made before they were, the metadata record, topics and
 definitions tell.
 """
 
 import struct
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 from mcap import records
 from mcap.opcode import Opcode
@@ -22,8 +22,12 @@ from dogbot_logtool.reader.opening import open_log
 from dogbot_logtool.reader.recorded_log import EarlierAnnotations, RecordedLog
 from dogbot_logtool.storage import Location, shown
 
+if TYPE_CHECKING:
+    from dogbot_logtool.plan import EncodingName
+
 _NAME: Final = struct.pack("<I", len(PROVENANCE)) + PROVENANCE.encode()
 _LARGEST_RECORD: Final = 1 << 24
+_ENCODINGS: Final[tuple["EncodingName", ...]] = ("foxglove", "ros1", "ros2")
 
 
 def open_recorded(path: Location) -> Log:
@@ -106,7 +110,8 @@ def _unmarked(channels: Mapping[int, Channel], told: Sequence[Mapping[str, str]]
     alike = sorted(
         {
             channel.id
-            for encoding in {record.get("encoding", "") for record in told}
+            for encoding in _ENCODINGS
+            if any(record.get("encoding") == encoding for record in told)
             for channel in _alike(list(channels.values()), encoding)
         },
         reverse=True,
@@ -122,7 +127,7 @@ def _unmarked(channels: Mapping[int, Channel], told: Sequence[Mapping[str, str]]
     return frozenset(found)
 
 
-def _alike(channels: Sequence[Channel], encoding_name: str) -> Iterator[Channel]:
+def _alike(channels: Sequence[Channel], encoding_name: "EncodingName") -> Iterator[Channel]:
     """Yield the channels that look like ours in an encoding."""
     from dogbot_logtool.conversion.channels import encoding_named  # noqa: PLC0415
     from dogbot_logtool.writer.annotations import (  # noqa: PLC0415
@@ -134,8 +139,6 @@ def _alike(channels: Sequence[Channel], encoding_name: str) -> Iterator[Channel]
     )
     from dogbot_logtool.writer.encoding import MessageType  # noqa: PLC0415
 
-    if encoding_name not in {"foxglove", "ros1", "ros2"}:
-        return
     encoding = encoding_named(encoding_name)
 
     def kind_of(channel: Channel) -> MessageType | None:

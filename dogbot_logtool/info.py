@@ -164,8 +164,8 @@ def _topics(
 ) -> tuple[TopicInfo, ...]:
     uses = {channel.id: "odometry" for channel in selection.odometry}
     uses |= {channel.id: "frames" for channel in selection.transforms}
-    uses |= dict.fromkeys(frames.channels if frames else (), "frames")
     uses |= dict.fromkeys(ours, "annotation")
+    uses |= dict.fromkeys(frames.channels if frames else (), "frames")
     for number, feet in selection.feet_of.items():
         names = ", ".join(selection.robot.feet[foot].name for foot in feet)
         uses[number] = f"{'foot' if len(feet) == 1 else 'feet'} {names}"
