@@ -9,15 +9,10 @@ from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Final
 
-from mcap import records
-from mcap.opcode import Opcode
-
 from dogbot_logtool.errors import LogError
 from dogbot_logtool.findings import Finding, note
 from dogbot_logtool.provenance import PROVENANCE, is_marked
 from dogbot_logtool.reader.log import Channel, Extra, Log
-from dogbot_logtool.reader.mcap_extras import read_extra
-from dogbot_logtool.reader.mcap_records import RECORD_HEAD
 from dogbot_logtool.reader.opening import open_log
 from dogbot_logtool.reader.recorded_log import EarlierAnnotations, RecordedLog
 from dogbot_logtool.storage import Location, shown
@@ -85,12 +80,20 @@ def annotation_findings(log: Log) -> Iterator[Finding]:
 
 def _provenance(log: Log) -> Iterator[tuple[Extra, Mapping[str, str]]]:
     """Yield the records that tell how the file was made, in the order of the file."""
-    head_size = RECORD_HEAD.size
+    if not log.extras:
+        return
+    # Imported late: a log without such records needs no mcap library.
+    from mcap import records  # noqa: PLC0415
+    from mcap.opcode import Opcode  # noqa: PLC0415
+
+    from dogbot_logtool.reader.mcap_extras import read_extra  # noqa: PLC0415
+    from dogbot_logtool.reader.mcap_records import RECORD_HEAD  # noqa: PLC0415
+
     for extra in log.extras:
         if extra.opcode != Opcode.METADATA or extra.size > _LARGEST_RECORD:
             continue
         source = log.source_of(extra)
-        if source.read(extra.offset + head_size, len(_NAME)) != _NAME:
+        if source.read(extra.offset + RECORD_HEAD.size, len(_NAME)) != _NAME:
             continue
         match read_extra(source, extra):
             case (_, records.Metadata() as metadata):

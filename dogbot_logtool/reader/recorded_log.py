@@ -1,12 +1,12 @@
 """A log as it was before `convert` annotated it."""
 
+import struct
 from collections.abc import Iterable, Iterator, Mapping
 from collections.abc import Set as AbstractSet
 from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
-from mcap.opcode import Opcode
 
 from dogbot_logtool.core.arrays import Bytes
 from dogbot_logtool.reader.log import (
@@ -19,9 +19,12 @@ from dogbot_logtool.reader.log import (
     Log,
     Span,
 )
-from dogbot_logtool.reader.mcap_records import RECORD_HEAD
 from dogbot_logtool.reader.source import ByteSource
 
+# The mcap library is not loaded for them: most commands and logs do without it.
+_SCHEMA: Final = 0x03
+_CHANNEL: Final = 0x04
+_RECORD_HEAD: Final = struct.Struct("<BQ")
 _MESSAGE_HEAD_SIZE: Final = 31
 """Bytes of an MCAP's message record before the payload."""
 
@@ -65,8 +68,8 @@ class RecordedLog(Log):
         self._chunks = {chunk.offset: chunk for chunk in log.chunks}
         schemas = (channel.schema for channel in self.channels.values())
         self._described_ids: Mapping[int, AbstractSet[int]] = {
-            Opcode.CHANNEL: self.channels.keys(),
-            Opcode.SCHEMA: {schema.id for schema in schemas if schema is not None},
+            _CHANNEL: self.channels.keys(),
+            _SCHEMA: {schema.id for schema in schemas if schema is not None},
         }
         self._kept = frozenset(chunk.offset for chunk in self.chunks)
 
@@ -148,7 +151,7 @@ def _other_records(loaded: LoadedChunk, batch: Batch) -> Iterator[tuple[int, int
     for gap in np.flatnonzero(ends < begins).tolist():
         offset = int(ends[gap])
         while offset < begins[gap]:
-            opcode, length = RECORD_HEAD.unpack_from(data, offset)
-            body = offset + RECORD_HEAD.size
+            opcode, length = _RECORD_HEAD.unpack_from(data, offset)
+            body = offset + _RECORD_HEAD.size
             yield opcode, int.from_bytes(data[body : body + 2], "little")
             offset = body + length
