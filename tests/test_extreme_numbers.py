@@ -20,6 +20,7 @@ from dogbot_logtool.plan import ConvertOptions
 from dogbot_logtool.report.stats_json import stats_json
 from dogbot_logtool.selection import TopicOptions
 from dogbot_logtool.stats import StatsOptions, measure
+from dogbot_logtool.writer.targets import Output
 from tests import walks
 
 GAZEBO, WRENCH = "gazebo_msgs/msg/ContactsState", "geometry_msgs/msg/WrenchStamped"
@@ -140,7 +141,8 @@ def test_no_number_is_too_large_or_too_small(
 def test_what_no_robot_reaches_is_counted(tmp_path: Path, value: float) -> None:
     path = write(tmp_path / "walk.mcap", Extreme("position", value, 50), GAZEBO, usual)
     figures, _ = outputs(tmp_path, path)
-    Reports([path], tmp_path / "page.html", StatsOptions(), overwrite=False).write(path)
+    target = Output(tmp_path / "page.html", is_folder=False)
+    Reports([path], target, StatsOptions(), overwrite=False).write(path)
     texts = {each["code"]: each["text"] for each in figures["quality"]["findings"]}
     # The base's position is wrong in every 50th message, and so is nothing else.
     assert texts["W_IMPLAUSIBLE"].startswith("4 poses or contacts")

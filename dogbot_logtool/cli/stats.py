@@ -15,6 +15,7 @@ from dogbot_logtool.cli.options import (
     json_option,
     logs_argument,
     measuring_options,
+    output_file,
     overwrite_option,
     parse_topics,
     quietness,
@@ -45,7 +46,7 @@ if TYPE_CHECKING:
 )
 @click.option(
     "--plot",
-    type=click.Path(path_type=Path),
+    type=output_file,
     metavar="FILE",
     help="Draw gait diagram and load curves as .pdf, .svg or .png, for a paper.",
 )
@@ -125,7 +126,7 @@ def stats(
         fleet, items = todo.fleet, todo.entries
     engine = engine_for(len(items), jobs_or_cores(jobs), scheduler)
     whole = len(items) == 1 and dataset is None
-    measure = Measure(replace(chosen, jobs=engine.jobs), drawing, whole=whole)
+    measure = Measure(replace(chosen, jobs=engine.jobs), drawing, whole=whole, window=shown)
     work = measure if dataset is None else Keep(measure, dataset)
     measured: list[Figures] = []
     for done in outcomes.of(engine, work, items, fleet.names):

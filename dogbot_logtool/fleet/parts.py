@@ -14,10 +14,10 @@ from collections.abc import Generator, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, Final, Protocol
 
+from dogbot_logtool.annotated import open_recorded
 from dogbot_logtool.errors import CallError, LogError, LogtoolError
 from dogbot_logtool.fleet.engine import Engine, Failure, Tell, Watch
 from dogbot_logtool.reader.log import Chunk, Log, Span
-from dogbot_logtool.reader.opening import open_log
 from dogbot_logtool.storage import Location, shown
 
 if TYPE_CHECKING:
@@ -64,7 +64,7 @@ class _Opened:
     """A log that is open until nobody refers to this."""
 
     def __init__(self, place: Location) -> None:
-        self.log = open_log(place)
+        self.log = open_recorded(place)
         weakref.finalize(self, self.log.close)
         self.index = index_of(self.log)
         self._chunks: Mapping[int, Chunk] = {chunk.offset: chunk for chunk in self.log.chunks}

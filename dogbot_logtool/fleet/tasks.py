@@ -8,11 +8,10 @@ from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
 from functools import partial
-from pathlib import Path, PurePath
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
 from dogbot_logtool import storage
-from dogbot_logtool.errors import LogtoolError
 from dogbot_logtool.fleet.engine import Tell
 from dogbot_logtool.storage import Location
 
@@ -81,25 +80,13 @@ class Order:
     it could tell, and may be replaced by the same."""
 
 
-def orders(
-    pairs: Sequence[tuple[Location, Location]], below: Sequence[PurePath], *, may_repeat: bool
-) -> list[Order]:
-    """Make the directories of outputs that lie as their logs do, and see which outputs are free.
+def orders(pairs: Sequence[tuple[Location, Location]], *, may_repeat: bool) -> list[Order]:
+    """See which outputs are free.
 
     Args:
         pairs: logs and outputs.
-        below: directory of each log below the one that was searched.
         may_repeat: a log may be begun more than once.
-
-    Raises:
-        LogtoolError: a directory cannot be made.
     """
-    for (_, target), place in zip(pairs, below, strict=True):
-        if isinstance(target, Path) and place.parts:
-            try:
-                target.parent.mkdir(parents=True, exist_ok=True)
-            except OSError as error:
-                raise LogtoolError(f"{target.parent}: cannot be made: {error.strerror}") from error
     if not may_repeat:
         return [Order(log, target, was_free=False) for log, target in pairs]
     with ThreadPoolExecutor(_CHECKS_AT_ONCE) as pool:
@@ -155,6 +142,8 @@ class Measure:
     """A figure to be drawn of it."""
     whole: bool = False
     """Whether to return all there is, base's path and every stance included."""
+    window: tuple[float, float] | None = None
+    """s since the log's start, what is to be shown; None: that is chosen."""
 
     def size(self, log: Location) -> int:
         """Return the log's size, bytes."""
@@ -163,9 +152,12 @@ class Measure:
     def __call__(self, log: Location, tell: Tell | None, parts: "Parts | None" = None) -> Figures:
         """Measure it, by parts if they are given."""
         from dogbot_logtool.stats import measure  # noqa: PLC0415
+        from dogbot_logtool.time_span import refuse_window  # noqa: PLC0415
 
         batches = partial(parts.measured, log) if parts else None
         measured = measure(log, self.options, tell, batches)
+        if self.window is not None:
+            refuse_window(self.window, (measured.stats.end - measured.stats.origin) / 1e9)
         figures = figures_of(measured, whole=self.whole)
         if self.drawing is None:
             return figures
