@@ -106,6 +106,8 @@ def _named(word: str) -> Iterator[Found]:
 def _lines(place: Location) -> list[str]:
     try:
         data = storage.content(place, _LARGEST_LIST)
+    except CallError as error:
+        raise CallError(f"@{error}") from error
     except OSError as error:
         raise CallError(f"@{place}: cannot be read: {error.strerror}") from error
     if data is None:
