@@ -147,6 +147,8 @@ def _lines(place: Location) -> list[str]:
         if isinstance(place, Path) and not stat.S_ISREG(place.stat().st_mode):
             raise CallError(f"{name}: is no regular file; save the list to one first")
         data = storage.content(place, _LARGEST_LIST)
+    except CallError as error:
+        raise CallError(f"@{error}") from error
     except OSError as error:
         raise CallError(f"{name}: cannot be read: {error.strerror}") from error
     if data is None:
