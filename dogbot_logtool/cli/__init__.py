@@ -4,9 +4,7 @@ One file a command. Commands import what they need when they run, so that --help
 """
 
 import os
-import signal
 import sys
-from types import FrameType
 from typing import NoReturn
 
 import click
@@ -21,6 +19,7 @@ from dogbot_logtool.cli.report import report
 from dogbot_logtool.cli.robots import robots
 from dogbot_logtool.cli.stats import stats
 from dogbot_logtool.errors import LogtoolError
+from dogbot_logtool.signals import Stopped, raise_on_signals
 
 
 @click.group(context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100})
@@ -40,21 +39,17 @@ for _command in (info, convert, stats, report, compare, layout, robots):
     cli.add_command(_command)
 
 
-def _stop(_signal: int, _frame: FrameType | None) -> NoReturn:
-    raise KeyboardInterrupt
-
-
 def main() -> NoReturn:
     """Run the command line; every failure ends as a sentence and an exit code."""
-    signal.signal(signal.SIGTERM, _stop)
+    raise_on_signals()
     # numpy's linear algebra, which we do not use, starts threads that burn 0.1 s of every core, and
     # a process with threads is ill copied.
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     try:
         cli.main(standalone_mode=False)
-    except click.exceptions.Abort:
+    except Stopped:
         click.echo("interrupted: nothing was left behind", err=True)
-        sys.exit(130)
+        raise
     except click.ClickException as error:
         error.show()
         sys.exit(error.exit_code)
