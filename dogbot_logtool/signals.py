@@ -2,10 +2,16 @@
 
 import signal
 import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
 from types import FrameType
 from typing import Final
 
-_NAMES: Final = ("SIGINT", "SIGTERM", "SIGHUP")
+_ENDING: Final = [
+    signal.Signals[name]
+    for name in ("SIGINT", "SIGTERM", "SIGHUP")
+    if name in signal.Signals.__members__
+]
 """Ctrl-C, `kill`, and a terminal that was closed; not every system has the last."""
 
 
@@ -14,6 +20,7 @@ class Stopped(SystemExit):
 
     def __init__(self, number: int) -> None:
         super().__init__(number)
+        self.number = number
         self.code = 128 + number
 
 
@@ -22,14 +29,46 @@ def raise_on_signals() -> None:
 
     A signal that is ignored already stays ignored: `nohup` and background jobs rely on it.
     """
-    for name in _NAMES:
-        number = getattr(signal, name, None)
-        if number is not None and signal.getsignal(number) is not signal.SIG_IGN:
-            signal.signal(number, _stop)
+    for number in _ENDING:
+        if signal.getsignal(number) is not signal.SIG_IGN:
+            signal.signal(number, raise_stopped)
 
 
-def _stop(number: int, _frame: FrameType | None) -> None:
-    # A second Ctrl-C must not cut short the clean-up that the first one began.
+def ignore_signals() -> None:
+    """Ignore what asks this process to end: it is about to, and must not be cut short."""
+    for number in _ENDING:
+        signal.signal(number, signal.SIG_IGN)
+
+
+def leave_to_parent() -> None:
+    """Ignore Ctrl-C and a closed terminal, which reach all processes: the parent ends its workers.
+
+    To be called first in a worker; SIGTERM ends it without a word.
+    """
+    ignore_signals()
+    signal.signal(signal.SIGTERM, signal.SIG_DFL)
+    if hasattr(signal, "pthread_sigmask"):
+        signal.pthread_sigmask(signal.SIG_UNBLOCK, _ENDING)
+
+
+@contextmanager
+def held_back() -> Iterator[None]:
+    """Let signals wait that ask this process to end, until the block has ended.
+
+    They wait in processes that are started in the block, too, until `leave_to_parent`.
+    """
+    if not hasattr(signal, "pthread_sigmask"):
+        yield
+        return
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, _ENDING)
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
+
+
+def raise_stopped(number: int, _frame: FrameType | None) -> None:
+    """Raise `Stopped`, but not again: the clean-up that it began must not be cut short."""
     if not _is_stopping():
         raise Stopped(number)
 

@@ -100,11 +100,11 @@ def convert(
     **options: Any,  # noqa: ANN401 - click's words go straight into the dataclass
 ) -> None:
     """Write an annotated MCAP: /tf, arrows and loads of the feet, /support, and the log itself."""
-    from dogbot_logtool.fleet.choice import engine_for  # noqa: PLC0415
     from dogbot_logtool.fleet.logs import find_logs  # noqa: PLC0415
     from dogbot_logtool.fleet.tasks import Convert, orders  # noqa: PLC0415
     from dogbot_logtool.plan import ConvertOptions  # noqa: PLC0415
     from dogbot_logtool.report.convert_json import conversion_json  # noqa: PLC0415
+    from dogbot_logtool.run.choice import runner_for  # noqa: PLC0415
     from dogbot_logtool.storage import from_root, location  # noqa: PLC0415
     from dogbot_logtool.writer.output import targets  # noqa: PLC0415
 
@@ -114,12 +114,12 @@ def convert(
     if scheduler is not None:
         folder = from_root(folder or location("."))
     pairs = targets(fleet.places, folder, ".annotated.mcap", fleet.below)
-    engine = engine_for(len(pairs), jobs_or_cores(jobs), scheduler)
-    chosen = ConvertOptions(topics=topics, jobs=engine.jobs, **options)
-    work = orders(pairs, fleet.below, may_repeat=engine.may_repeat)
+    runner = runner_for(len(pairs), jobs_or_cores(jobs), scheduler)
+    chosen = ConvertOptions(topics=topics, jobs=runner.jobs, **options)
+    work = orders(pairs, fleet.below, may_repeat=runner.may_repeat)
     outcomes = Outcomes(quiet=quiet)
     outcomes.mention_left_out(fleet)
-    for done in outcomes.of(engine, Convert(chosen), work, fleet.names):
+    for done in outcomes.of(runner, Convert(chosen), work, fleet.names):
         outcomes.add(conversion_json(done), done.exit_code)
         if not quiet:
             _print(done, verbose=verbose)

@@ -7,18 +7,16 @@ import os
 from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
-from functools import partial
 from pathlib import Path, PurePath
 from typing import TYPE_CHECKING, Any, Final
 
 from dogbot_logtool import storage
 from dogbot_logtool.errors import LogtoolError
-from dogbot_logtool.fleet.engine import Tell
+from dogbot_logtool.parallel.relay import Progress
 from dogbot_logtool.storage import Location
 
 if TYPE_CHECKING:
     from dogbot_logtool.convert import Conversion
-    from dogbot_logtool.fleet.parts import Parts
     from dogbot_logtool.info import LogInfo
     from dogbot_logtool.plan import ConvertOptions
     from dogbot_logtool.plot import PlotOptions
@@ -39,7 +37,7 @@ class Describe:
     jobs: int = 1
     """How many batches are read at once."""
 
-    def __call__(self, log: Location, tell: Tell | None) -> "LogInfo":
+    def __call__(self, log: Location, tell: Progress | None) -> "LogInfo":
         """Describe it."""
         from dogbot_logtool.info import describe  # noqa: PLC0415
 
@@ -54,20 +52,13 @@ class Convert:
 
     options: "ConvertOptions"
 
-    def size(self, order: "Order") -> int:
-        """Return the log's size, bytes."""
-        return storage.version(order.log)[0]
-
-    def __call__(
-        self, order: "Order", tell: Tell | None, parts: "Parts | None" = None
-    ) -> "Conversion":
-        """Convert it, by parts if they are given."""
+    def __call__(self, order: "Order", tell: Progress | None) -> "Conversion":
+        """Convert it."""
         from dogbot_logtool.convert import convert  # noqa: PLC0415
 
         overwrite = self.options.overwrite or order.was_free
         options = replace(self.options, overwrite=overwrite)
-        batches = partial(parts.converted, order.log) if parts else None
-        return convert(order.log, order.target, options, tell, batches)
+        return convert(order.log, order.target, options, tell)
 
 
 @dataclass(frozen=True, slots=True)
@@ -156,16 +147,11 @@ class Measure:
     whole: bool = False
     """Whether to return all there is, base's path and every stance included."""
 
-    def size(self, log: Location) -> int:
-        """Return the log's size, bytes."""
-        return storage.version(log)[0]
-
-    def __call__(self, log: Location, tell: Tell | None, parts: "Parts | None" = None) -> Figures:
-        """Measure it, by parts if they are given."""
+    def __call__(self, log: Location, tell: Progress | None) -> Figures:
+        """Measure it."""
         from dogbot_logtool.stats import measure  # noqa: PLC0415
 
-        batches = partial(parts.measured, log) if parts else None
-        measured = measure(log, self.options, tell, batches)
+        measured = measure(log, self.options, tell)
         figures = figures_of(measured, whole=self.whole)
         if self.drawing is None:
             return figures
