@@ -20,8 +20,7 @@ class Stopped(SystemExit):
 
     def __init__(self, number: int) -> None:
         super().__init__(number)
-        self.number = number
-        self.code = 128 + number
+        self.exit_code = self.code = 128 + number
 
 
 def raise_on_signals() -> None:

@@ -740,19 +740,6 @@ def test_a_full_disk_leaves_nothing(tmp_path: Path) -> None:
     assert list(tmp_path.iterdir()) == []
 
 
-def test_a_closed_pipe_is_no_error(tmp_path: Path) -> None:
-    command = [sys.executable, "-m", "dogbot_logtool", "info", *[str(TROT)] * 6]
-    with subprocess.Popen(  # noqa: S603
-        command, cwd=tmp_path, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
-    ) as process:
-        assert process.stdout is not None
-        process.stdout.close()
-        assert process.stderr is not None
-        assert process.stderr.read() == ""
-        process.wait()
-    assert process.returncode == 0
-
-
 def test_the_command_is_the_module(tmp_path: Path) -> None:
     done = run("--version", folder=tmp_path)
     assert (done.code, done.err) == (0, "")

@@ -3,8 +3,10 @@
 One file a command. Commands import what they need when they run, so that --help answers at once.
 """
 
+import errno
 import os
 import sys
+import traceback
 from typing import NoReturn
 
 import click
@@ -14,12 +16,13 @@ from dogbot_logtool.cli.compare import compare
 from dogbot_logtool.cli.convert import convert
 from dogbot_logtool.cli.info import info
 from dogbot_logtool.cli.layout import layout
-from dogbot_logtool.cli.outcomes import say_error
+from dogbot_logtool.cli.outcomes import say, say_error
 from dogbot_logtool.cli.report import report
 from dogbot_logtool.cli.robots import robots
 from dogbot_logtool.cli.stats import stats
 from dogbot_logtool.errors import LogtoolError
 from dogbot_logtool.signals import Stopped, raise_on_signals
+from dogbot_logtool.streams import safe_streams
 
 
 @click.group(context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100})
@@ -45,19 +48,33 @@ def main() -> NoReturn:
     # numpy's linear algebra, which we do not use, starts threads that burn 0.1 s of every core, and
     # a process with threads is ill copied.
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+    with safe_streams() as stdout:
+        code = _run()
+        stdout.flush()
+        if stdout.error is not None:
+            is_closed = stdout.error.errno == errno.EBADF
+            why = "it is closed" if is_closed else stdout.error.strerror
+            say(f"stdout cannot be written: {why}")
+            code = 1
+    sys.exit(code)
+
+
+def _run() -> int:
+    """Run the command that was called; return its exit code."""
     try:
         cli.main(standalone_mode=False)
-    except Stopped:
+    except Stopped as stopped:
         click.echo("interrupted: nothing was left behind", err=True)
-        raise
+        return stopped.exit_code
+    except SystemExit as ended:
+        return ended.code if isinstance(ended.code, int) else 0
     except click.ClickException as error:
         error.show()
-        sys.exit(error.exit_code)
+        return error.exit_code
     except LogtoolError as error:
         say_error(error)
-        sys.exit(error.exit_code)
-    except BrokenPipeError:
-        # Whoever read our output has seen enough.
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-        sys.exit(0)
-    sys.exit(0)
+        return error.exit_code
+    except Exception:  # noqa: BLE001 - a fault of ours is shown as a whole, on a stream that is safe
+        traceback.print_exc()
+        return 1
+    return 0

@@ -9,6 +9,7 @@ import click
 
 from dogbot_logtool.errors import LogtoolError
 from dogbot_logtool.printable import printable
+from dogbot_logtool.streams import styled
 
 if TYPE_CHECKING:
     from dogbot_logtool.fleet.logs import Fleet
@@ -94,7 +95,7 @@ class Outcomes:
     def _print_failures(self) -> None:
         """Print a table of what could not be done."""
         count = f"{len(self._failed)} of {len(self._codes)} logs could not be done"
-        click.echo(click.style("error: ", fg="red") + count, err=True)
+        say(count)
         width = min(max(len(printable(name)) for name, _ in self._failed), 60)
         for name, sentence in self._failed:
             what = printable(sentence.removeprefix(f"{name}: "))
@@ -109,4 +110,4 @@ def say_error(error: LogtoolError) -> None:
 def say(sentence: str) -> None:
     """Print the sentence of an error on stderr."""
     text = "\n".join(printable(line) for line in sentence.split("\n"))
-    click.echo(click.style("error: ", fg="red") + text, err=True)
+    click.echo(click.style("error: ", fg="red") + text, file=styled(sys.stderr))

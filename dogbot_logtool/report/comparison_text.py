@@ -1,11 +1,11 @@
 """A comparison for people: verdict, a table of the topics, the first differences."""
 
 from rich.console import Console
-from rich.table import Table
-from rich.text import Text
 
 from dogbot_logtool.comparison.outcome import Comparison, Tally
 from dogbot_logtool.printable import printable
+from dogbot_logtool.report.console import print_sentence
+from dogbot_logtool.report.text_layout import NameTable, Row
 
 _STYLES = {"same": "green", "different": "bold red"}
 
@@ -13,35 +13,29 @@ _STYLES = {"same": "green", "different": "bold red"}
 def show_comparison(comparison: Comparison, console: Console) -> None:
     """Print a comparison."""
     style = _STYLES["same" if comparison.same else "different"]
-    console.print(Text(comparison.verdict, style), soft_wrap=True)
+    print_sentence(console, (printable(comparison.verdict), style))
     for found in comparison.losses:
-        line = Text(printable(f"{found.path}: {found.loss.what}"), "yellow")
-        console.print(line, soft_wrap=True)
+        print_sentence(console, (printable(f"{found.path}: {found.loss.what}"), "yellow"))
     if comparison.tallies:
-        console.print(_table(comparison))
+        console.print(_table(comparison), crop=False)
     for tally in comparison.tallies:
         if tally.note:
-            note = f"{printable(tally.name)}: {printable(tally.note)}"
-            console.print(Text(note), soft_wrap=True)
+            print_sentence(console, printable(f"{tally.name}: {tally.note}"))
     for difference in comparison.differences:
-        console.print(Text(difference.line), soft_wrap=True)
+        print_sentence(console, printable(difference.line))
     if more := comparison.difference_count - len(comparison.differences):
-        console.print(Text(f"... and {more} more"))
+        print_sentence(console, f"... and {more} more")
 
 
-def _table(comparison: Comparison) -> Table:
+def _table(comparison: Comparison) -> NameTable:
     # Plain ASCII columns: what is redirected into a file is read in a browser or mailed.
-    table = Table(box=None, pad_edge=False)
-    table.add_column("topic" if comparison.unit == "messages" else "part", overflow="fold")
-    for heading in (comparison.unit, "equal", "within tolerance", "different", "missing", "extra"):
-        table.add_column(heading, justify="right")
-    table.add_column("largest |d|", justify="right")
-    for tally in comparison.tallies:
-        table.add_row(*_cells(tally), style=None if tally.same else _STYLES["different"])
-    return table
+    unit = comparison.unit
+    counts = (unit, "equal", "within tolerance", "different", "missing", "extra", "largest |d|")
+    rows = [_row(tally) for tally in comparison.tallies]
+    return NameTable(("topic" if unit == "messages" else "part", *counts), rows)
 
 
-def _cells(tally: Tally) -> list[Text]:
+def _row(tally: Tally) -> Row:
     count = f"{tally.expected}"
     if tally.actual != tally.expected:
         count += f" / {tally.actual}"
@@ -53,9 +47,5 @@ def _cells(tally: Tally) -> list[Text]:
         tally.extra,
     )
     deviation = f"{tally.deviation:.3g}" if tally.deviation else "0"
-    return [
-        Text(printable(tally.name)),
-        Text(count),
-        *(Text(str(number)) for number in numbers),
-        Text(deviation),
-    ]
+    style = "" if tally.same else _STYLES["different"]
+    return Row([printable(tally.name)], [count, *map(str, numbers), deviation], style)

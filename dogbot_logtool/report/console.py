@@ -4,37 +4,51 @@ import os
 import sys
 from collections.abc import Iterable, Sequence
 from functools import lru_cache
-from typing import IO
+from typing import TextIO
 
-from rich.console import Console
+from rich.console import Console, ConsoleOptions, RenderableType
+from rich.segment import Segment
 from rich.text import Text
 
 from dogbot_logtool.findings import Finding, Severity
-from dogbot_logtool.printable import printable
+from dogbot_logtool.printable import printable, printable_lines
 from dogbot_logtool.reader.log import Loss, lost_messages
+from dogbot_logtool.report.text_layout import Hanging
+from dogbot_logtool.streams import styled
 
 _COLOURS = {Severity.ERROR: "red", Severity.WARNING: "yellow", Severity.NOTE: "cyan"}
 _LABELS = {Severity.ERROR: "error", Severity.WARNING: "warning", Severity.NOTE: "note"}
 
 
+_LABEL = 9
+"""Columns of ``warning`` and the like, and of the blanks behind them."""
 _PIPE_WIDTH = 120
 """Columns of output that is not read on a terminal."""
 _TOLD = 10
 """Places of damage that are listed one by one."""
 
 
-class _QuietlyClosed(Console):
-    """Whoever closes the pipe has seen enough: that is no error."""
+class _PrintableConsole(Console):
+    """A console whose output holds no control characters but its own."""
 
-    def on_broken_pipe(self) -> None:
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-        raise SystemExit(0)
+    def render(
+        self, renderable: RenderableType, options: ConsoleOptions | None = None
+    ) -> Iterable[Segment]:
+        """See `Console.render`."""
+        for segment in super().render(renderable, options):
+            if segment.control or segment.text.isprintable():
+                yield segment
+            else:
+                yield segment._replace(text=printable_lines(segment.text))
 
 
 def results() -> Console:
     """Return the console for results (stdout)."""
+    if hasattr(sys.stdout, "rich_proxied_file"):
+        # Progress bars are shown on the same terminal; text has to appear above them.
+        return diagnostics()
     width = None if sys.stdout.isatty() or "COLUMNS" in os.environ else _PIPE_WIDTH
-    return _QuietlyClosed(highlight=False, markup=False, emoji=False, width=width)
+    return _console(styled(sys.stdout), width)
 
 
 def diagnostics() -> Console:
@@ -43,33 +57,45 @@ def diagnostics() -> Console:
     It is one and the same, so that what is printed while bars are shown stands above them.
     """
     # While bars are shown, stderr itself is a proxy for their console.
-    return _diagnostics(getattr(sys.stderr, "rich_proxied_file", sys.stderr))
+    return _diagnostics(styled(getattr(sys.stderr, "rich_proxied_file", sys.stderr)))
 
 
 @lru_cache(maxsize=1)
-def _diagnostics(file: IO[str]) -> Console:
-    return Console(file=file, highlight=False, markup=False, emoji=False)
+def _diagnostics(file: TextIO) -> Console:
+    return _console(file, None)
+
+
+def _console(file: TextIO, width: int | None) -> Console:
+    # Sentences that no terminal shows stay whole, for those who search them.
+    unlimited = not (file.isatty() or "COLUMNS" in os.environ)
+    return _PrintableConsole(
+        file=file, highlight=False, markup=False, emoji=False, width=width, soft_wrap=unlimited
+    )
+
+
+def print_sentence(console: Console, *parts: str | tuple[str, str] | Text, indent: int = 2) -> None:
+    """Print a sentence in parts, as they are or with a style; its further lines are indented."""
+    console.print(Hanging(Text.assemble(*parts), indent), crop=False)
 
 
 def print_findings(console: Console, findings: Iterable[Finding]) -> None:
     """Print findings, the worst first, a line each."""
     for finding in sorted(findings):
-        label = Text(f"{_LABELS[finding.severity]:>7}  ", style=_COLOURS[finding.severity])
-        console.print(Text.assemble(label, printable(finding.text)), soft_wrap=True)
+        label = f"{_LABELS[finding.severity]:>7}  ", _COLOURS[finding.severity]
+        print_sentence(console, label, printable(finding.text), indent=_LABEL)
 
 
 def print_damage(console: Console, losses: Sequence[Loss]) -> None:
     """Print what was lost, and where."""
     for loss in losses[:_TOLD]:
-        line = Text.assemble(Text(" damage  ", style="red"), printable(loss.what))
-        console.print(line, soft_wrap=True)
+        print_sentence(console, (" damage  ", "red"), printable(loss.what), indent=_LABEL)
     if len(losses) > _TOLD:
         console.print(f" damage  and {len(losses) - _TOLD} more places")
     if losses:
         messages = lost_messages(losses)
         count = "an unknown number of" if messages is None else f"{messages:,}"
         size = sum(loss.bytes for loss in losses)
-        console.print(f"   lost  {count} messages, {size:,} bytes", soft_wrap=True)
+        print_sentence(console, f"   lost  {count} messages, {size:,} bytes", indent=_LABEL)
 
 
 def human_size(size: int) -> str:

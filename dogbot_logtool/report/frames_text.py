@@ -1,25 +1,26 @@
 """The frame tree for people: a line a frame, as deep as it hangs."""
 
+from collections.abc import Sequence
 from typing import Final
 
-from rich import box
 from rich.console import Console
-from rich.table import Table
 from rich.text import Text
-from rich.tree import Tree
 
 from dogbot_logtool.core.frame_edges import FrameEdge
 from dogbot_logtool.core.frame_tree import Pair, TreeRow, walk
 from dogbot_logtool.frames import Frames
 from dogbot_logtool.info import LogInfo
 from dogbot_logtool.printable import printable
+from dogbot_logtool.report.console import print_sentence
+from dogbot_logtool.report.text_layout import NameTable, Row
 
 _ADDED: Final = "added by convert, from odometry"
 _ARROW: Final = f"  <- {_ADDED}"
 _WIDE: Final = 100
 """Columns from which it is said who sent the transforms."""
-_NUMBERS: Final = 36
-"""Columns that the numbers take."""
+_DEEPER: Final = 4
+"""Columns by which a remark on the next line stands right of the frame's name."""
+_ASCII: Final = str.maketrans("│├└─", "|+`-")
 _SENDERS: Final = 20
 """Columns that the senders take at least."""
 
@@ -32,48 +33,43 @@ def frame_pairs(info: LogInfo) -> list[Pair]:
 
 def print_frame_names(console: Console, info: LogInfo) -> None:
     """Print the tree that a quick look shows."""
-    tree = Tree("frames", guide_style="dim")
-    branches = [tree]
-    for row in walk(frame_pairs(info)):
-        label = printable(row.frame)
-        if (row.parent, row.frame) == info.added_transform:
-            label += _ARROW
-        del branches[len(row.more) + 1 :]
-        branches.append(branches[-1].add(label + _remark(row)))
-    console.print(tree)
+    rows = list(walk(frame_pairs(info)))
+    tops = [number for number, row in enumerate(rows) if not row.more]
+    console.print("frames")
+    for number, row in enumerate(rows):
+        added = (row.parent, row.frame) == info.added_transform
+        guides = _guides(console, (number < tops[-1], *row.more))
+        name = printable(row.frame) + (_ARROW if added else "") + _remark(row)
+        print_sentence(console, (guides, "dim"), name, indent=len(guides) + _DEEPER)
 
 
 def print_frames(console: Console, info: LogInfo, frames: Frames) -> None:
     """Print the tree with what all transforms say of each frame."""
     edges = {(edge.parent, edge.child): edge for edge in frames.recorded.edges}
     wide = console.width >= _WIDE
-    rows = list(walk(frame_pairs(info)))
-    names = []
-    for row in rows:
-        added = not wide and (row.parent, row.frame) == info.added_transform
-        remark = _remark(row) + (_ARROW if added else "")
-        names.append(Text.assemble((_guides(row), "dim"), printable(row.frame), (remark, "dim")))
-    longest = max((name.cell_len for name in names), default=0)
-    room = console.width - _NUMBERS - (_SENDERS if wide else 0)
-    table = Table(box=box.SIMPLE_HEAD, padding=(0, 1))
-    table.add_column("frame", overflow="fold", min_width=max(min(longest, room), 5))
-    for heading in ("count", "Hz", "longest", "gaps"):
-        table.add_column(heading, justify="right", no_wrap=True)
-    if wide:
-        table.add_column("sent by", overflow="fold")
-    for row, name in zip(rows, names, strict=True):
+    rows = []
+    for row in walk(frame_pairs(info)):
         pair = (row.parent or "", row.frame)
+        added = not wide and pair == info.added_transform
+        remark = _remark(row) + (_ARROW if added else "")
+        guides = _guides(console, row.more)
+        name = Text.assemble((guides, "dim"), printable(row.frame), (remark, "dim"))
         edge = edges.get(pair)
         cells = _cells(edge) if edge else [""] * 4
-        table.add_row(name, *cells, *([_sent_by(info, frames, edge, pair)] if wide else []))
-    console.print(table)
+        rows.append(Row([name], [*cells, *([_sent_by(info, frames, edge, pair)] if wide else [])]))
+    headings = ("frame", "count", "Hz", "longest", "gaps", *(["sent by"] if wide else []))
+    last = _SENDERS if wide else 0
+    table = NameTable(headings, rows, (5,), wraps_last=last, margin=2, gap=3, is_ruled=True)
+    console.print(table, crop=False)
 
 
-def _guides(row: TreeRow) -> str:
-    if not row.more:
+def _guides(console: Console, more: Sequence[bool]) -> str:
+    """Draw what leads to a frame, given whether more follows it and those above it."""
+    if not more:
         return ""
-    above = "".join("│   " if more else "    " for more in row.more[:-1])
-    return above + ("├── " if row.more[-1] else "└── ")
+    above = "".join("│   " if follows else "    " for follows in more[:-1])
+    guides = above + ("├── " if more[-1] else "└── ")
+    return guides.translate(_ASCII) if console.options.ascii_only else guides
 
 
 def _remark(row: TreeRow) -> str:

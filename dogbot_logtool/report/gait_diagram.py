@@ -14,6 +14,7 @@ from rich.text import Text
 from dogbot_logtool.core import timespans
 from dogbot_logtool.core.arrays import Ints
 from dogbot_logtool.core.walk_stats import Stats
+from dogbot_logtool.printable import printable
 
 STRIDES_SHOWN: Final = 4
 """Strides in the window that is chosen unless asked."""
@@ -75,7 +76,7 @@ def gait_diagram(
         a line a foot, the axis, and its labels.
     """
     start, end = window or default_window(stats)
-    names = [foot.name for foot in stats.feet]
+    names = [printable(foot.name) for foot in stats.feet]
     margin = max((len(name) for name in names), default=0) + 1
     columns = max(width - margin - 2, 10)
     if not end > start:
@@ -84,7 +85,7 @@ def gait_diagram(
     edges = np.linspace(start, end, 2 * columns + 1) * 1e9 + stats.origin
     cells = edges.astype(np.int64)
     for row, foot in enumerate(stats.feet):
-        line = Text(f"{foot.name:<{margin}}")
+        line = Text(f"{names[row]:<{margin}}")
         known = timespans.no_spans() if foot.is_dead else foot.record.known
         bar = _bar(foot.record.in_contact, known, cells, glyphs)
         line.append(bar, style=COLOURS[row % len(COLOURS)])

@@ -1,25 +1,22 @@
 """`info` for people and for scripts."""
 
+from collections.abc import Iterator
 from datetime import UTC, datetime
 from typing import Any
 
-from rich import box
 from rich.console import Console
-from rich.table import Table
-from rich.text import Text
 
 from dogbot_logtool.info import LogInfo
 from dogbot_logtool.printable import printable
-from dogbot_logtool.report.console import human_size, print_damage, print_findings
+from dogbot_logtool.report.console import human_size, print_damage, print_findings, print_sentence
 from dogbot_logtool.report.damage import damage_json
 from dogbot_logtool.report.frames_json import frames_json
 from dogbot_logtool.report.frames_text import print_frame_names, print_frames
+from dogbot_logtool.report.text_layout import NameTable, Row
 from dogbot_logtool.storage import shown
 
 _SIMULATED_BEFORE_S = 1_000_000_000
 """Log times before this are simulation time, not dates."""
-_WIDE = 110
-"""Columns from which types get a column of their own."""
 
 
 def info_json(info: LogInfo) -> dict[str, Any]:
@@ -57,9 +54,10 @@ def info_json(info: LogInfo) -> dict[str, Any]:
 
 def print_info(console: Console, info: LogInfo) -> None:
     """Print what is known of a log."""
-    console.print(Text(printable(shown(info.path)), style="bold"))
-    console.print(_head(info))
-    console.print(_topics(info, wide=console.width >= _WIDE))
+    print_sentence(console, (printable(shown(info.path)), "bold"))
+    for name, value in _head(info):
+        print_sentence(console, f"  {name:<11}  {printable(value)}", indent=15)
+    console.print(_topics(info, console.width), crop=False)
     if info.frames is not None:
         print_frames(console, info, info.frames)
     elif info.parents or info.added_transform:
@@ -68,17 +66,15 @@ def print_info(console: Console, info: LogInfo) -> None:
     print_damage(console, info.losses)
 
 
-def _head(info: LogInfo) -> Table:
-    table = Table(box=None, show_header=False, padding=(0, 2, 0, 2))
+def _head(info: LogInfo) -> Iterator[tuple[str, str]]:
     profile = f", profile {info.profile}" if info.profile else ""
     codecs = ", ".join(info.compressions) or "none"
-    table.add_row("container", f"{info.container}{printable(profile)}, {human_size(info.size)}")
-    table.add_row("chunks", f"{info.chunks}, compression {printable(codecs)}")
+    yield "container", f"{info.container}{profile}, {human_size(info.size)}"
+    yield "chunks", f"{info.chunks}, compression {codecs}"
     if info.duration_s is not None and info.start_time is not None:
-        table.add_row("duration", f"{info.duration_s:.3f} s from {_when(info.start_time)}")
-    table.add_row("messages", f"{info.messages:,}")
-    table.add_row("robot", info.robot)
-    return table
+        yield "duration", f"{info.duration_s:.3f} s from {_when(info.start_time)}"
+    yield "messages", f"{info.messages:,}"
+    yield "robot", info.robot
 
 
 def _when(time_ns: int) -> str:
@@ -88,22 +84,26 @@ def _when(time_ns: int) -> str:
     return f"{datetime.fromtimestamp(seconds, UTC):%Y-%m-%d %H:%M:%S} UTC"
 
 
-def _topics(info: LogInfo, *, wide: bool) -> Table:
-    """Return the topics; on a narrow terminal the type stands below the topic."""
-    table = Table(box=box.SIMPLE_HEAD, padding=(0, 1))
-    table.add_column("topic", overflow="fold")
-    if wide:
-        table.add_column("type", overflow="fold")
-    table.add_column("count", justify="right", no_wrap=True)
-    table.add_column("Hz", justify="right", no_wrap=True)
-    table.add_column("used as", no_wrap=True)
+def _topics(info: LogInfo, width: int) -> NameTable:
+    """Return the topics; where the types have no room beside them, they stand below."""
+    wide = _topic_table(info, types_beside=True)
+    return wide if wide.width <= width else _topic_table(info, types_beside=False)
+
+
+def _topic_table(info: LogInfo, *, types_beside: bool) -> NameTable:
+    rows = []
     for topic in info.topics:
         name = printable(topic.topic)
         if topic.senders > 1:
             name += f" ({topic.senders} senders)"
         kind = printable(topic.type_name) or "no type"
-        names = [name, kind] if wide else [f"{name}\n  {kind}"]
         rate = "" if topic.rate_hz is None else f"{topic.rate_hz:.1f}"
+        cells = [f"{topic.messages:,}", rate, printable(topic.use)]
         style = "" if topic.use else "dim"
-        table.add_row(*names, f"{topic.messages:,}", rate, topic.use, style=style)
-    return table
+        if types_beside:
+            rows.append(Row([name], [kind, *cells], style))
+        else:
+            rows.append(Row([name, f"  {kind}"], cells, style))
+    headings = ("topic", *(["type"] if types_beside else []), "count", "Hz", "used as")
+    left = (1, 4) if types_beside else (3,)
+    return NameTable(headings, rows, left=left, margin=2, gap=3, is_ruled=True)

@@ -23,4 +23,12 @@ def summary_row(stats: Stats, log: LogFacts) -> tuple[str, ...]:
         decimal(base.forward_speed_mps if base else None, 3),
         decimal(stats.loads.vertical_impulse_over_weight, 4),
         str(warnings),
+        _damage(log),
     )
+
+
+def _damage(log: LogFacts) -> str:
+    """Say in a word or two what could not be read."""
+    if not (log.losses or log.lost_bytes or log.lost_messages != 0):
+        return NOTHING
+    return f"{log.lost_messages} lost" if log.lost_messages else "damaged"

@@ -2,11 +2,11 @@
 
 from collections import Counter
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import Final
 
 from rich.console import Console, Group, RenderableType
 from rich.padding import Padding
-from rich.table import Table
 from rich.text import Text
 
 from dogbot_logtool.core.aggregates import Aggregate
@@ -14,6 +14,7 @@ from dogbot_logtool.core.gait import STAND
 from dogbot_logtool.core.load_figures import grouped_shares
 from dogbot_logtool.core.remarks import remarks
 from dogbot_logtool.core.walk_stats import Stats
+from dogbot_logtool.printable import printable
 from dogbot_logtool.report.foot_pens import short_names
 from dogbot_logtool.report.gait_diagram import (
     ASCII,
@@ -24,8 +25,43 @@ from dogbot_logtool.report.gait_diagram import (
 )
 from dogbot_logtool.report.numbers import NOTHING, decimal, percent
 from dogbot_logtool.report.stats_json import LogFacts, Said, symmetry
+from dogbot_logtool.report.text_layout import Hanging, NameTable, Row
 from dogbot_logtool.report.verdict import evidence, gait_name, how_sure, is_known
 
+_STEPS: Final = (
+    "foot",
+    "contact",
+    "strides",
+    "stance s",
+    "swing s",
+    "duty",
+    "phase",
+    "R",
+    "length m",
+)
+_LOADS: Final = (
+    "foot",
+    "share",
+    "peak |F|",
+    "mean |F|",
+    "peak Fz",
+    "impact",
+    "friction",
+    "travel",
+    "slip",
+)
+_SUMMARY: Final = (
+    "log",
+    "gait",
+    "duty",
+    "strides/s",
+    "m/s",
+    "impulse/weight",
+    "warnings",
+    "damage",
+)
+_INDENT: Final = 4
+"""Of the further lines of what does not fit one."""
 _SEVERITIES: Final[Mapping[str, tuple[str, str]]] = {
     "E": ("error", "bold red"),
     "W": ("warning", "yellow"),
@@ -53,21 +89,24 @@ def print_report(
     glyphs = ASCII if console.options.ascii_only else UNICODE
     start, end = window or default_window(stats)
     diagram = gait_diagram(stats, console.width - 2, window=(start, end), glyphs=glyphs)
+    legend = "filled: foot down"
+    if any(glyphs.unknown in line.plain for line in diagram):
+        legend += f"; {glyphs.unknown}: not known"
     parts: list[RenderableType] = [
         _title(log),
         Text(),
         verdict(stats),
         *_segments(stats),
         Text(),
-        _heading("Gait diagram", f"{start:.2f} to {end:.2f} s; filled: foot down"),
+        _heading("Gait diagram", f"{start:.2f} to {end:.2f} s; {legend}"),
         Padding(Group(*diagram), (0, 0, 0, 2), expand=False),
         Text(),
         _heading("Steps", "medians over whole strides"),
-        Padding(_steps(stats, _gap(console)), (0, 0, 0, 2), expand=False),
+        _steps(console, stats),
         _support(stats),
         Text(),
         _heading("Loads", _load_unit(stats)),
-        Padding(_loads(stats, _gap(console)), (0, 0, 0, 2), expand=False),
+        _loads(console, stats),
         *_load_lines(stats),
         Text(),
         _heading("Base"),
@@ -76,14 +115,14 @@ def print_report(
         _heading("Findings"),
         *_findings([*remarks(stats), *log.findings], log, verbose=verbose),
     ]
-    console.print(Group(*parts), highlight=False)
+    # A report keeps its width where no terminal shows it.
+    console.print(Group(*parts), highlight=False, soft_wrap=False, crop=False)
 
 
-def _title(log: LogFacts) -> Text:
+def _title(log: LogFacts) -> Hanging:
     duration = NOTHING if log.duration_s is None else f"{log.duration_s:.2f} s"
-    return Text.assemble(
-        (log.path, "bold"), f"  {log.container}, {duration}, {log.messages} messages"
-    )
+    facts = f"  {log.container}, {duration}, {log.messages} messages"
+    return Hanging(Text.assemble((printable(log.path), "bold"), facts), 2)
 
 
 def _heading(words: str, aside: str = "") -> Text:
@@ -121,30 +160,19 @@ def _segments(stats: Stats) -> list[RenderableType]:
         frequency = segment.stride_frequency_hz
         pace = "" if frequency is None else f", {frequency:.2f} strides/s"
         parts.append(f"{start:.1f}-{end:.1f} s {gait_name(segment).lower()}{pace}")
-    return [Text("in turn: " + "; ".join(parts))]
+    return [Hanging(Text("in turn: " + "; ".join(parts)), _INDENT)]
 
 
-def _gap(console: Console) -> int:
-    """Spaces between the columns of a table."""
-    return 1 if console.width < 100 else 3
+def _table(console: Console, headings: Sequence[str], rows: Sequence[Row]) -> NameTable:
+    gap = 1 if console.width < 100 else 3
+    return NameTable(headings, rows, margin=2, gap=gap, heading_style="dim")
 
 
-def _table(gap: int, *columns: str) -> Table:
-    table = Table(box=None, padding=(0, gap, 0, 0), header_style="dim", pad_edge=False)
-    table.add_column(columns[0], overflow="fold")
-    for column in columns[1:]:
-        table.add_column(column, justify="right", no_wrap=True, min_width=len(column))
-    return table
-
-
-def _steps(stats: Stats, gap: int) -> Table:
-    table = _table(
-        gap, "foot", "contact", "strides", "stance s", "swing s", "duty", "phase", "R", "length m"
-    )
-    for row, foot in enumerate(stats.feet):
-        phase = stats.main.phases[row] if stats.main else None
-        table.add_row(
-            foot.name,
+def _steps(console: Console, stats: Stats) -> NameTable:
+    rows = []
+    for number, foot in enumerate(stats.feet):
+        phase = stats.main.phases[number] if stats.main else None
+        cells = [
             percent(foot.contact_fraction),
             str(len(foot.strides.stance)),
             _median(foot.stance_s, 3),
@@ -153,28 +181,17 @@ def _steps(stats: Stats, gap: int) -> Table:
             NOTHING if phase is None else f"{phase.mean:.3f}",
             NOTHING if phase is None else f"{phase.consistency:.2f}",
             _median(foot.stride_length_m, 3),
-        )
-    return table
+        ]
+        rows.append(Row([printable(foot.name)], cells))
+    return _table(console, _STEPS, rows)
 
 
-def _loads(stats: Stats, gap: int) -> Table:
-    table = _table(
-        gap,
-        "foot",
-        "share",
-        "peak |F|",
-        "mean |F|",
-        "peak Fz",
-        "impact",
-        "friction",
-        "travel",
-        "slip",
-    )
+def _loads(console: Console, stats: Stats) -> NameTable:
     weight = stats.settings.body_weight_n
-    for row, foot in enumerate(stats.feet):
-        share = stats.loads.shares[row] if stats.loads.shares else None
-        table.add_row(
-            foot.name,
+    rows = []
+    for number, foot in enumerate(stats.feet):
+        share = stats.loads.shares[number] if stats.loads.shares else None
+        cells = [
             percent(share),
             _force(foot.peak_force_n, weight),
             _force(foot.mean_force_n, weight),
@@ -183,8 +200,9 @@ def _loads(stats: Stats, gap: int) -> Table:
             _median(foot.friction_use, 2),
             _millimetres(foot.contact_travel_m),
             _millimetres(foot.slip_distance_m),
-        )
-    return table
+        ]
+        rows.append(Row([printable(foot.name)], cells))
+    return _table(console, _LOADS, rows)
 
 
 def _load_unit(stats: Stats) -> str:
@@ -192,8 +210,8 @@ def _load_unit(stats: Stats) -> str:
     return f"medians over whole stances; forces in {unit}, travel and slip in mm"
 
 
-def _support(stats: Stats) -> Text:
-    names = short_names([foot.name for foot in stats.feet])
+def _support(stats: Stats) -> Hanging:
+    names = short_names([printable(foot.name) for foot in stats.feet])
     line = Text("  feet down: ", style="dim")
     if stats.support is not None:
         shares = [
@@ -204,7 +222,7 @@ def _support(stats: Stats) -> Text:
         line.append(", ".join(shares) + f"  ({support_line(stats, names)})", style="default")
     else:
         line.append("not known")
-    return line
+    return Hanging(line, _INDENT)
 
 
 def _load_lines(stats: Stats) -> list[RenderableType]:
@@ -248,8 +266,8 @@ def _load_lines(stats: Stats) -> list[RenderableType]:
     return lines
 
 
-def _line(name: str, value: str) -> Text:
-    return Text.assemble(("  " + name + ": ", "dim"), value)
+def _line(name: str, value: str) -> Hanging:
+    return Hanging(Text.assemble(("  " + name + ": ", "dim"), printable(value)), _INDENT)
 
 
 def _base(stats: Stats) -> list[RenderableType]:
@@ -302,21 +320,21 @@ def _first_of_each(said: Sequence[Said]) -> list[Said]:
 
 def _finding(code: str, text: str) -> RenderableType:
     word, style = _SEVERITIES.get(code[:1], _SEVERITIES["N"])
-    line = Table.grid(padding=(0, 1, 0, 0))
-    line.add_column(width=9)
-    line.add_column(ratio=1)
-    line.add_row(Text(f"  {word}", style=style), Text.assemble(text, (f"  {code}", "dim")))
-    return line
+    label = f"  {word:<7} "
+    sentence = Text.assemble((label, style), printable(text), (f"  {printable(code)}", "dim"))
+    return Hanging(sentence, len(label))
 
 
 def print_summary(console: Console, rows: Sequence[Sequence[str]]) -> None:
-    """Print a `summary_row` a log."""
-    table = _table(
-        _gap(console), "log", "gait", "duty", "strides/s", "m/s", "impulse/weight", "warnings"
-    )
-    for row in rows:
-        table.add_row(*row)
-    console.print(table, highlight=False)
+    """Print a `summary_row` a log; whether it is damaged only where some are."""
+    is_damaged = [row[-1] != NOTHING for row in rows]
+    count = len(_SUMMARY) if any(is_damaged) else len(_SUMMARY) - 1
+    lines = [
+        Row([row[0]], row[1:count], "yellow" if damaged else "")
+        for row, damaged in zip(rows, is_damaged, strict=True)
+    ]
+    table = replace(_table(console, _SUMMARY[:count], lines), margin=0)
+    console.print(table, crop=False)
 
 
 def _median(value: Aggregate | None, decimals: int) -> str:

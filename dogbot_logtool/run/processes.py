@@ -150,7 +150,7 @@ def _attempt(work: Work[Result], item: object) -> Result | Failure:
         return attempt(work, item, _tell)
     except Stopped as stopped:
         # The pool would take it for a result, and wait for the next item.
-        os._exit(128 + stopped.number)
+        os._exit(stopped.exit_code)
 
 
 def _tell(done: int, total: int) -> None:

@@ -3,12 +3,11 @@
 from typing import Any
 
 from rich.console import Console
-from rich.text import Text
 
 from dogbot_logtool import __version__
 from dogbot_logtool.page import Page
 from dogbot_logtool.printable import printable
-from dogbot_logtool.report.console import human_size, print_damage
+from dogbot_logtool.report.console import human_size, print_damage, print_sentence
 from dogbot_logtool.report.damage import damage_json
 from dogbot_logtool.report.page.summary import findings, trust
 from dogbot_logtool.report.verdict import headline
@@ -33,10 +32,10 @@ def page_json(done: Page) -> dict[str, Any]:
 def print_page(console: Console, done: Page, *, verbose: bool) -> None:
     """Print what was written."""
     stats, facts = done.measured.stats, done.measured.facts
-    name = Text(printable(shown(done.target)), style="bold")
+    name = printable(shown(done.target)), "bold"
     words = f": {headline(stats)}. {trust(stats, facts).text} ({human_size(done.size)})"
-    console.print(Text.assemble(name, words), soft_wrap=True)
+    print_sentence(console, name, printable(words))
     if verbose:
         for each in findings(stats, facts):
-            console.print(Text(f"{each.severity:>7}  {printable(each.text)}"), soft_wrap=True)
+            print_sentence(console, f"{each.severity:>7}  {printable(each.text)}", indent=9)
     print_damage(console, done.measured.losses)
