@@ -100,7 +100,8 @@ def convert(
         LogError: the log cannot be read, has nothing to annotate, or is damaged and `strict`.
         LogtoolError: the target cannot be written.
     """
-    refuse_bad_target(target, source, overwrite=options.overwrite)
+    overwrite, makes_folder = options.overwrite, options.makes_folder
+    refuse_bad_target(target, source, overwrite=overwrite, makes_folder=makes_folder)
     log = open_log(source)
     try:
         selection = select_topics(log, options.topics)
@@ -117,7 +118,8 @@ def convert(
 def _write(log: Log, target: Location, plan: Plan, progress: Progress | None) -> Conversion:
     total = sum(chunk.data_size for chunk in log.chunks)
     done = 0
-    with whole_file(target, overwrite=plan.options.overwrite) as file:
+    options = plan.options
+    with whole_file(target, overwrite=options.overwrite, makes_folder=options.makes_folder) as file:
         annotations, moved_topics = annotations_of(log, plan)
         tally = _Tally(losses=list(log.losses), moved_topics=moved_topics)
         writer = _start(file, log, plan, annotations)
@@ -131,7 +133,7 @@ def _write(log: Log, target: Location, plan: Plan, progress: Progress | None) ->
                 done += batch.stored_size
                 if progress is not None:
                     progress(done, total)
-        if plan.options.copy:
+        if options.copy:
             _copy_extras(log, writer, tally)
         _account_for_damage(log, plan, tally)
         writer.add_metadata(_provenance(log, plan, tally))

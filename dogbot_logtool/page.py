@@ -1,9 +1,9 @@
 """`dogbot-logtool report`: one self-contained HTML page a log, and an index of several."""
 
 from collections.abc import Sequence
+from contextlib import AbstractContextManager
 from dataclasses import dataclass, replace
-from pathlib import Path
-from typing import Final
+from typing import BinaryIO, Final
 
 from dogbot_logtool.closer_look import with_detail
 from dogbot_logtool.core.curves import CurveDetail
@@ -13,7 +13,8 @@ from dogbot_logtool.report.gait_diagram import default_window
 from dogbot_logtool.report.page.render import IndexRow, Place, index, index_row, page
 from dogbot_logtool.stats import Measurement, StatsOptions, measure
 from dogbot_logtool.storage import Location, file_name, is_folder, version
-from dogbot_logtool.writer.output import refuse_bad_target, targets, whole_file
+from dogbot_logtool.writer.output import refuse_bad_target, whole_file
+from dogbot_logtool.writer.targets import Output, targets
 
 DETAIL: Final = CurveDetail()
 """Half a minute at 250 Hz sample by sample; four feet make a page of up to 8 MB."""
@@ -41,7 +42,7 @@ class Reports:
     def __init__(
         self,
         logs: Sequence[Location],
-        output: Location | None,
+        output: Output,
         options: StatsOptions,
         *,
         overwrite: bool,
@@ -53,12 +54,13 @@ class Reports:
         """
         self._targets = dict(targets(logs, output, ".report.html"))
         self._options = replace(options, curves=DETAIL)
+        self._makes_folder = output.is_folder
         self._overwrite = overwrite
         self._rows: list[IndexRow] = []
         self._index: Location | None = None
         if len(logs) > 1:
-            self._index = (output or Path()) / "index.html"
-            refuse_bad_target(self._index, None, overwrite=overwrite)
+            self._index = output.place / "index.html"
+            self._refuse_bad_target(self._index, None)
 
     def write(self, source: Location, progress: Progress | None = None) -> Page:
         """Measure a log and write its page.
@@ -73,12 +75,12 @@ class Reports:
         """
         target = self._targets[source]
         try:
-            refuse_bad_target(target, source, overwrite=self._overwrite)
+            self._refuse_bad_target(target, source)
             measured = measure(source, self._options, progress)
             typical = default_window(measured.stats)
             measured = with_detail(source, self._options, measured, typical, progress)
             html = _page_of(source, measured)
-            with whole_file(target, overwrite=self._overwrite) as file:
+            with self._whole_file(target) as file:
                 file.write(html)
         except LogtoolError as error:
             self._rows.append(IndexRow(file_name(source), error=str(error)))
@@ -89,8 +91,16 @@ class Reports:
     def finish(self) -> None:
         """Write the index of several logs; one that has no page is in it with the reason."""
         if self._index is not None:
-            with whole_file(self._index, overwrite=self._overwrite) as file:
+            with self._whole_file(self._index) as file:
                 file.write(index(self._rows))
+
+    def _refuse_bad_target(self, target: Location, source: Location | None) -> None:
+        refuse_bad_target(
+            target, source, overwrite=self._overwrite, makes_folder=self._makes_folder
+        )
+
+    def _whole_file(self, target: Location) -> AbstractContextManager[BinaryIO]:
+        return whole_file(target, overwrite=self._overwrite, makes_folder=self._makes_folder)
 
 
 def _page_of(source: Location, measured: Measurement) -> bytes:

@@ -51,6 +51,8 @@ class ConvertOptions:
     """None: zstd, and the chunks of an MCAP input as they are."""
     jobs: int = 1
     overwrite: bool = False
+    makes_folder: bool = False
+    """Whether the output's directory is made if it is missing."""
     strict: bool = False
     """Damage is an error."""
 

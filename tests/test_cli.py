@@ -24,6 +24,7 @@ from mcap.writer import Writer as McapWriter
 from dogbot_logtool import __version__
 from dogbot_logtool.cli import main
 from dogbot_logtool.robot import known_robots
+from tests.unfinished import unfinished
 
 SAMPLE_LOGS = Path(__file__).parents[1] / "sample_logs"
 TROT, WALK, TROUBLED = (
@@ -665,10 +666,6 @@ def long_log(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return odometry_log(tmp_path_factory.mktemp("long") / "long.mcap", "/odom", filler=12)
 
 
-def parts(folder: Path) -> list[Path]:
-    return [file for file in folder.iterdir() if file.name.endswith(".part")]
-
-
 # A shell that runs the tests in the background has them, and their children, ignore Ctrl-C.
 INTERRUPTIBLE = """
 import signal
@@ -711,12 +708,32 @@ def test_a_signal_amid_writing_leaves_nothing(
 def _until_written(folder: Path, process: "subprocess.Popen[str]") -> Iterator[Path]:
     """Wait until part of the output is there; then yield it."""
     while process.poll() is None:
-        for part in parts(folder):
-            if part.stat().st_size:
-                yield part
-                return
+        for part in unfinished(folder, process.pid):
+            with contextlib.suppress(FileNotFoundError):
+                if part.stat().st_size:
+                    yield part
+                    return
         time.sleep(0.001)
     raise AssertionError(process.communicate()[1])
+
+
+@pytest.mark.skipif(not hasattr(os, "O_TMPFILE"), reason="there are no files without names")
+@pytest.mark.parametrize("jobs", [1, 2])
+def test_a_killed_conversion_leaves_nothing(tmp_path: Path, long_log: Path, jobs: int) -> None:
+    folder = tmp_path / "here"
+    folder.mkdir()
+    words = ["convert", str(long_log), "-o", "out/", "--compression", "lz4", "--jobs", str(jobs)]
+    process = subprocess.Popen(  # noqa: S603
+        [sys.executable, "-m", "dogbot_logtool", *words],
+        cwd=folder,
+        stderr=subprocess.DEVNULL,
+        text=True,
+    )
+    with process:
+        list(_until_written(folder, process))
+        process.kill()
+    assert process.returncode == -signal.SIGKILL
+    assert list(folder.iterdir()) == []
 
 
 def test_a_full_disk_leaves_nothing(tmp_path: Path) -> None:

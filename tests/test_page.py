@@ -9,6 +9,7 @@ import pytest
 from dogbot_logtool.errors import CallError, LogError
 from dogbot_logtool.page import Reports
 from dogbot_logtool.stats import StatsOptions
+from dogbot_logtool.writer.targets import Output
 
 SAMPLE_LOGS = Path(__file__).parents[1] / "sample_logs"
 TROT, TROUBLED = SAMPLE_LOGS / "dogbot_trot.bag", SAMPLE_LOGS / "dogbot_troubled.bag"
@@ -22,7 +23,9 @@ def test_a_page_is_the_same_whatever_the_jobs(tmp_path: Path) -> None:
     pages = []
     for jobs in (1, 3):
         target = tmp_path / f"{jobs}.html"
-        done = Reports([TROT], target, StatsOptions(jobs=jobs), overwrite=False).write(TROT)
+        done = Reports(
+            [TROT], Output(target, is_folder=False), StatsOptions(jobs=jobs), overwrite=False
+        ).write(TROT)
         assert (done.target, done.size, done.exit_code) == (target, target.stat().st_size, 0)
         pages.append(target.read_bytes())
     assert pages[0] == pages[1]
@@ -33,7 +36,7 @@ def test_several_logs_have_an_index_even_if_one_fails(tmp_path: Path) -> None:
     bad.write_bytes(b"#ROSBAG V2.0\n")
     out = tmp_path / "out"
     out.mkdir()
-    reports = Reports([TROT, bad], out, StatsOptions(), overwrite=False)
+    reports = Reports([TROT, bad], Output(out, is_folder=True), StatsOptions(), overwrite=False)
     reports.write(TROT)
     with pytest.raises(LogError):
         reports.write(bad)
@@ -47,7 +50,9 @@ def test_several_logs_have_an_index_even_if_one_fails(tmp_path: Path) -> None:
 def test_a_damaged_log_has_a_page_and_another_exit_code(tmp_path: Path) -> None:
     cut = tmp_path / "cut.bag"
     cut.write_bytes(TROT.read_bytes()[:900_000])
-    done = Reports([cut], tmp_path, StatsOptions(), overwrite=False).write(cut)
+    done = Reports([cut], Output(tmp_path, is_folder=True), StatsOptions(), overwrite=False).write(
+        cut
+    )
     assert done.exit_code == 3
     html = done.target.read_text()
     assert "The log is damaged" in html
@@ -58,11 +63,13 @@ def test_nothing_is_overwritten_unasked(tmp_path: Path) -> None:
     target = tmp_path / "x.html"
     target.write_text("mine")
     with pytest.raises(CallError, match="exists already"):
-        Reports([TROUBLED], target, StatsOptions(), overwrite=False).write(TROUBLED)
+        Reports([TROUBLED], Output(target, is_folder=False), StatsOptions(), overwrite=False).write(
+            TROUBLED
+        )
     assert target.read_text() == "mine"
     (tmp_path / "index.html").write_text("mine")
     with pytest.raises(CallError, match="exists already"):
-        Reports([TROT, TROUBLED], tmp_path, StatsOptions(), overwrite=False)
+        Reports([TROT, TROUBLED], Output(tmp_path, is_folder=True), StatsOptions(), overwrite=False)
 
 
 def test_without_the_extra_a_sentence_says_what_to_install(tmp_path: Path) -> None:

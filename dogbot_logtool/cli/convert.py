@@ -1,5 +1,6 @@
 """The words of `convert`."""
 
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import click
@@ -30,7 +31,8 @@ if TYPE_CHECKING:
     "-o",
     "--output",
     metavar="OUT",
-    help="File, or a directory or URL for several logs; default: <log>.annotated.mcap here.",
+    help="File, or a directory (ends in /, or several logs) or URL; default: "
+    "<log>.annotated.mcap here.",
 )
 @click.option(
     "--style",
@@ -105,18 +107,21 @@ def convert(
     from dogbot_logtool.plan import ConvertOptions  # noqa: PLC0415
     from dogbot_logtool.report.convert_json import conversion_json  # noqa: PLC0415
     from dogbot_logtool.run.choice import runner_for  # noqa: PLC0415
-    from dogbot_logtool.storage import from_root, location  # noqa: PLC0415
-    from dogbot_logtool.writer.output import targets  # noqa: PLC0415
+    from dogbot_logtool.storage import from_root  # noqa: PLC0415
+    from dogbot_logtool.writer.targets import may_be_several, output_at, targets  # noqa: PLC0415
 
     topics = parse_topics(robot, odom_topic, feet, mass_kg)
     fleet = find_logs(words, for_workers=scheduler is not None)
-    folder = location(output) if output else None
+    several = may_be_several(words, fleet.places)
+    where = output_at(output, ".annotated.mcap", several=several)
     if scheduler is not None:
-        folder = from_root(folder or location("."))
-    pairs = targets(fleet.places, folder, ".annotated.mcap", fleet.below)
+        where = replace(where, place=from_root(where.place))
+    pairs = targets(fleet.places, where, ".annotated.mcap", fleet.below)
     runner = runner_for(len(pairs), jobs_or_cores(jobs), scheduler)
-    chosen = ConvertOptions(topics=topics, jobs=runner.jobs, **options)
-    work = orders(pairs, fleet.below, may_repeat=runner.may_repeat)
+    chosen = ConvertOptions(
+        topics=topics, jobs=runner.jobs, makes_folder=where.is_folder, **options
+    )
+    work = orders(pairs, may_repeat=runner.may_repeat)
     outcomes = Outcomes(quiet=quiet)
     outcomes.mention_left_out(fleet)
     for done in outcomes.of(runner, Convert(chosen), work, fleet.names):

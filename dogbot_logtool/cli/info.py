@@ -9,6 +9,7 @@ from dogbot_logtool.cli.options import (
     jobs_or_cores,
     json_option,
     logs_argument,
+    output_file,
     overwrite_option,
     parse_topics,
     scheduler_option,
@@ -31,7 +32,7 @@ from dogbot_logtool.errors import CallError
 @click.option(
     "-o",
     "--output",
-    type=click.Path(path_type=Path),
+    type=output_file,
     metavar="FILE",
     help="Where --dot writes; default: stdout.",
 )
@@ -62,6 +63,7 @@ def info(
     from dogbot_logtool.report.info_report import info_json, print_info  # noqa: PLC0415
     from dogbot_logtool.run.choice import runner_for  # noqa: PLC0415
     from dogbot_logtool.writer.output import refuse_bad_target, whole_file  # noqa: PLC0415
+    from dogbot_logtool.writer.targets import refuse_other_format  # noqa: PLC0415
 
     if dot and as_json:
         raise CallError("--dot and --json: choose one")
@@ -70,6 +72,7 @@ def info(
     if output is not None:
         if not dot:
             raise CallError("-o says where --dot writes; without --dot results go to stdout")
+        refuse_other_format(output, ".dot")
         for source in fleet.places:
             refuse_bad_target(output, source, overwrite=overwrite)
     runner = runner_for(len(fleet.logs), jobs_or_cores(jobs), scheduler)

@@ -5,14 +5,12 @@ from pathlib import Path
 
 import click
 
-from dogbot_logtool.cli.options import overwrite_option, parse_topics, topic_options
+from dogbot_logtool.cli.options import output_file, overwrite_option, parse_topics, topic_options
 
 
 @click.command()
 @click.argument("log", required=False, type=click.Path(path_type=Path))
-@click.option(
-    "-o", "--output", type=click.Path(path_type=Path), metavar="FILE", help="Default: stdout."
-)
+@click.option("-o", "--output", type=output_file, metavar="FILE", help="Default: stdout.")
 @overwrite_option
 @topic_options
 def layout(
@@ -31,9 +29,11 @@ def layout(
     """
     from dogbot_logtool.layout import layout_for  # noqa: PLC0415
     from dogbot_logtool.writer.output import refuse_bad_target, whole_file  # noqa: PLC0415
+    from dogbot_logtool.writer.targets import refuse_other_format  # noqa: PLC0415
 
     options = parse_topics(robot, odom_topic, feet, mass_kg)
     if output is not None:
+        refuse_other_format(output, ".json")
         refuse_bad_target(output, log, overwrite=overwrite)
     text = json.dumps(layout_for(log, options), indent=2) + "\n"
     if output is None:

@@ -3,6 +3,7 @@
 import math
 import os
 from collections.abc import Callable
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final, TypeVar
 
 import click
@@ -19,6 +20,20 @@ LONGEST_S: Final = 1e9
 def seconds(text: str) -> float:
     """Parse a number of seconds; NaN and what no log can last are refused."""
     return _number(text, -LONGEST_S, LONGEST_S, "a number of seconds")
+
+
+def output_file(text: str) -> Path:
+    """Parse the name of a file to be written; a directory and stdout are refused.
+
+    Raises:
+        CallError: it is one of them.
+    """
+    from dogbot_logtool.writer.targets import ends_in_slash, refuse_stdout  # noqa: PLC0415
+
+    refuse_stdout(text)
+    if ends_in_slash(text):
+        raise CallError(f"{text}: is a directory's name; name a file in it")
+    return Path(text)
 
 
 def number(least: float, most: float, *, or_zero: bool = False) -> Callable[[str], float]:

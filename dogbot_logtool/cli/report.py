@@ -26,7 +26,7 @@ from dogbot_logtool.cli.outcomes import Outcomes
     "-o",
     "--output",
     metavar="OUT",
-    help="File, or a directory for several logs; default: <log>.report.html here.",
+    help="File, or a directory (ends in /, or several logs); default: <log>.report.html here.",
 )
 @topic_options
 @wrench_frame_option
@@ -65,14 +65,15 @@ def report(
     from dogbot_logtool.report.page.told import page_json, print_page  # noqa: PLC0415
     from dogbot_logtool.run.runner import Here  # noqa: PLC0415
     from dogbot_logtool.stats import StatsOptions  # noqa: PLC0415
-    from dogbot_logtool.storage import location  # noqa: PLC0415
+    from dogbot_logtool.writer.targets import may_be_several, output_at  # noqa: PLC0415
 
     topics = parse_topics(robot, odom_topic, feet, mass_kg)
     chosen = StatsOptions(topics=topics, jobs=jobs_or_cores(jobs), **options)
     console = diagnostics()
     fleet = find_logs(words)
-    folder = location(output) if output else None
-    reports = Reports(fleet.places, folder, chosen, overwrite=overwrite)
+    several = may_be_several(words, fleet.places)
+    where = output_at(output, ".report.html", several=several)
+    reports = Reports(fleet.places, where, chosen, overwrite=overwrite)
     outcomes = Outcomes(quiet=quiet)
     outcomes.mention_left_out(fleet)
     # One after the other, since the index needs them all.

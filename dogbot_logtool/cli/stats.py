@@ -15,6 +15,7 @@ from dogbot_logtool.cli.options import (
     json_option,
     logs_argument,
     measuring_options,
+    output_file,
     overwrite_option,
     parse_topics,
     quietness,
@@ -43,7 +44,7 @@ if TYPE_CHECKING:
 )
 @click.option(
     "--plot",
-    type=click.Path(path_type=Path),
+    type=output_file,
     metavar="FILE",
     help="Draw gait diagram and load curves as .pdf, .svg or .png, for a paper.",
 )

@@ -7,11 +7,10 @@ import os
 from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
-from pathlib import Path, PurePath
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
 from dogbot_logtool import storage
-from dogbot_logtool.errors import LogtoolError
 from dogbot_logtool.parallel.relay import Progress
 from dogbot_logtool.storage import Location
 
@@ -72,25 +71,13 @@ class Order:
     it could tell, and may be replaced by the same."""
 
 
-def orders(
-    pairs: Sequence[tuple[Location, Location]], below: Sequence[PurePath], *, may_repeat: bool
-) -> list[Order]:
-    """Make the directories of outputs that lie as their logs do, and see which outputs are free.
+def orders(pairs: Sequence[tuple[Location, Location]], *, may_repeat: bool) -> list[Order]:
+    """See which outputs are free.
 
     Args:
         pairs: logs and outputs.
-        below: directory of each log below the one that was searched.
         may_repeat: a log may be begun more than once.
-
-    Raises:
-        LogtoolError: a directory cannot be made.
     """
-    for (_, target), place in zip(pairs, below, strict=True):
-        if isinstance(target, Path) and place.parts:
-            try:
-                target.parent.mkdir(parents=True, exist_ok=True)
-            except OSError as error:
-                raise LogtoolError(f"{target.parent}: cannot be made: {error.strerror}") from error
     if not may_repeat:
         return [Order(log, target, was_free=False) for log, target in pairs]
     with ThreadPoolExecutor(_CHECKS_AT_ONCE) as pool:

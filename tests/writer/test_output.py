@@ -2,31 +2,66 @@
 
 import os
 import shutil
+import signal
+import socket
+import stat
 import subprocess
+import sys
 from collections.abc import Iterator
-from pathlib import Path, PurePath
+from pathlib import Path
 
 import pytest
-from upath import UPath
 
 from dogbot_logtool.errors import CallError, LogtoolError
-from dogbot_logtool.writer.output import refuse_bad_target, targets, whole_file
+from dogbot_logtool.writer.output import refuse_bad_target, whole_file
 
 
 def files(folder: Path) -> list[str]:
     return sorted(file.name for file in folder.iterdir())
 
 
-def test_a_whole_file_appears_at_the_end(tmp_path: Path) -> None:
+@pytest.fixture(params=["unnamed", "named"])
+def way(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> str:
+    """Write as this system can, or as one that has no files without names."""
+    if request.param == "named":
+        monkeypatch.delattr(os, "O_TMPFILE", raising=False)
+    elif not hasattr(os, "O_TMPFILE"):
+        pytest.skip("this system has no files without names")
+    return str(request.param)
+
+
+def test_a_whole_file_appears_at_the_end(tmp_path: Path, way: str) -> None:
     target = tmp_path / "x.mcap"
     with whole_file(target, overwrite=False) as file:
         file.write(b"whole")
         assert not target.exists()
-        (part,) = tmp_path.iterdir()
-        assert part.name.startswith(".dogbot-logtool.")
-        assert part.name.endswith(".part")
+        parts = files(tmp_path)
+        assert len(parts) == (0 if way == "unnamed" else 1)
+        assert all(part.startswith(".dogbot-logtool.") for part in parts)
+        assert all(part.endswith(".part") for part in parts)
     assert target.read_bytes() == b"whole"
     assert files(tmp_path) == ["x.mcap"]
+
+
+KILLED = """
+import os, signal, sys
+from pathlib import Path
+from dogbot_logtool.writer.output import whole_file
+with whole_file(Path("x.mcap"), overwrite=bool(sys.argv[1:])) as file:
+    file.write(bytes(1 << 20))
+    os.kill(os.getpid(), signal.SIGKILL)
+"""
+
+
+@pytest.mark.skipif(not hasattr(os, "O_TMPFILE"), reason="there are no files without names")
+@pytest.mark.parametrize("words", [[], ["--overwrite"]], ids=["new", "replaced"])
+def test_a_killed_process_leaves_nothing(tmp_path: Path, words: list[str]) -> None:
+    if words:
+        (tmp_path / "x.mcap").write_bytes(b"old")
+    done = subprocess.run([sys.executable, "-c", KILLED, *words], cwd=tmp_path, check=False)  # noqa: S603
+    assert done.returncode == -signal.SIGKILL
+    assert files(tmp_path) == ["x.mcap"] * len(words)
+    assert not words or (tmp_path / "x.mcap").read_bytes() == b"old"
 
 
 def write(target: Path, *pieces: bytes, overwrite: bool = False) -> None:
@@ -42,6 +77,7 @@ def fail_midway(target: Path, error: type[BaseException], *, overwrite: bool) ->
 
 
 @pytest.mark.parametrize("error", [ValueError, LogtoolError, KeyboardInterrupt, SystemExit])
+@pytest.mark.usefixtures("way")
 def test_any_error_leaves_nothing(tmp_path: Path, error: type[BaseException]) -> None:
     with pytest.raises(error):
         fail_midway(tmp_path / "x.mcap", error, overwrite=False)
@@ -49,6 +85,7 @@ def test_any_error_leaves_nothing(tmp_path: Path, error: type[BaseException]) ->
 
 
 @pytest.mark.parametrize("error", [ValueError, KeyboardInterrupt])
+@pytest.mark.usefixtures("way")
 def test_an_error_leaves_the_old_file(tmp_path: Path, error: type[BaseException]) -> None:
     target = tmp_path / "x.mcap"
     target.write_bytes(b"old")
@@ -58,6 +95,7 @@ def test_an_error_leaves_the_old_file(tmp_path: Path, error: type[BaseException]
     assert files(tmp_path) == ["x.mcap"]
 
 
+@pytest.mark.usefixtures("way")
 def test_overwriting(tmp_path: Path) -> None:
     target = tmp_path / "x.mcap"
     target.write_bytes(b"old")
@@ -68,6 +106,7 @@ def test_overwriting(tmp_path: Path) -> None:
     assert files(tmp_path) == ["x.mcap"]
 
 
+@pytest.mark.usefixtures("way")
 def test_a_target_that_comes_to_exist_meanwhile_is_kept(tmp_path: Path) -> None:
     target = tmp_path / "x.mcap"
 
@@ -82,6 +121,7 @@ def test_a_target_that_comes_to_exist_meanwhile_is_kept(tmp_path: Path) -> None:
     assert files(tmp_path) == ["x.mcap"]
 
 
+@pytest.mark.usefixtures("way")
 def test_a_link_to_nowhere_is_kept(tmp_path: Path) -> None:
     target = tmp_path / "x.mcap"
     target.symlink_to(tmp_path / "nowhere")
@@ -91,6 +131,7 @@ def test_a_link_to_nowhere_is_kept(tmp_path: Path) -> None:
     assert target.is_symlink()
 
 
+@pytest.mark.usefixtures("way")
 @pytest.mark.parametrize("mask", [0o022, 0o077, 0o002, 0])
 def test_permissions_follow_the_umask(tmp_path: Path, mask: int) -> None:
     before = os.umask(mask)
@@ -104,13 +145,134 @@ def test_permissions_follow_the_umask(tmp_path: Path, mask: int) -> None:
     assert (tmp_path / "x.mcap").stat().st_mode == plain
 
 
+def test_the_umask_is_never_changed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """It is the whole process's: another thread would create files for everybody to write."""
+
+    def refuse(mask: int) -> int:
+        raise AssertionError(f"the umask was set to {mask:o}")
+
+    monkeypatch.setattr(os, "umask", refuse)
+    write(tmp_path / "x.mcap", b"new")
+    write(tmp_path / "x.mcap", b"newer", overwrite=True)
+    assert files(tmp_path) == ["x.mcap"]
+
+
+@pytest.mark.usefixtures("way")
+@pytest.mark.parametrize("mode", [0o600, 0o640, 0o444, 0o777])
+def test_a_file_that_is_replaced_keeps_its_permissions(tmp_path: Path, mode: int) -> None:
+    target = tmp_path / "x.mcap"
+    target.write_bytes(b"old")
+    target.chmod(mode)
+    with whole_file(target, overwrite=True) as file:
+        assert stat.S_IMODE(os.fstat(file.fileno()).st_mode) == mode
+        file.write(b"new")
+    assert target.read_bytes() == b"new"
+    assert stat.S_IMODE(target.stat().st_mode) == mode
+
+
+@pytest.mark.skipif(os.geteuid() != 0, reason="only root may give files away")
+def test_a_file_that_is_replaced_keeps_its_owner(tmp_path: Path) -> None:
+    target = tmp_path / "x.mcap"
+    target.write_bytes(b"old")
+    os.chown(target, 1234, 2345)
+    write(target, b"new", overwrite=True)
+    status = target.stat()
+    assert (status.st_uid, status.st_gid) == (1234, 2345)
+    assert target.read_bytes() == b"new"
+
+
+@pytest.mark.usefixtures("way")
+def test_a_link_stays_a_link(tmp_path: Path) -> None:
+    folder, target = tmp_path / "elsewhere", tmp_path / "x.mcap"
+    folder.mkdir()
+    (folder / "real.mcap").write_bytes(b"old")
+    (folder / "real.mcap").chmod(0o600)
+    target.symlink_to(Path("elsewhere") / "real.mcap")
+    refuse_bad_target(target, None, overwrite=True)
+    write(target, b"new", overwrite=True)
+    assert target.readlink() == Path("elsewhere") / "real.mcap"
+    assert (folder / "real.mcap").read_bytes() == b"new"
+    assert stat.S_IMODE((folder / "real.mcap").stat().st_mode) == 0o600
+    assert files(folder) == ["real.mcap"]
+
+
+def test_a_link_to_nowhere_is_told_before_any_work(tmp_path: Path) -> None:
+    target = tmp_path / "x.mcap"
+    target.symlink_to(tmp_path / "nowhere")
+    for overwrite in (False, True):
+        with pytest.raises(CallError, match="is a link to nothing"):
+            refuse_bad_target(target, None, overwrite=overwrite)
+    with pytest.raises(CallError, match="is a link to nothing"):
+        write(target, b"new", overwrite=True)
+    assert files(tmp_path) == ["x.mcap"]
+
+
+@pytest.fixture(params=["FIFO", "socket", "device"])
+def special(request: pytest.FixtureRequest, tmp_path: Path) -> Iterator[tuple[str, Path]]:
+    """Return what is no regular file: its kind and its name."""
+    target = tmp_path / "x.mcap"
+    if request.param == "FIFO":
+        os.mkfifo(target)
+    elif request.param == "device":
+        target.symlink_to(os.devnull)
+    else:
+        with socket.socket(socket.AF_UNIX) as one:
+            here = Path.cwd()
+            os.chdir(tmp_path)
+            try:
+                one.bind("x.mcap")
+            finally:
+                os.chdir(here)
+            yield request.param, target
+            return
+    yield request.param, target
+
+
+@pytest.mark.parametrize("overwrite", [False, True])
+def test_only_regular_files_are_replaced(special: tuple[str, Path], *, overwrite: bool) -> None:
+    kind, target = special
+    before = target.lstat()
+    with pytest.raises(CallError, match=f"is a {kind}, not a file"):
+        refuse_bad_target(target, None, overwrite=overwrite)
+    with pytest.raises(CallError):
+        write(target, b"new", overwrite=overwrite)
+    after = target.lstat()
+    assert (before.st_mode, before.st_ino) == (after.st_mode, after.st_ino)
+    assert files(target.parent) == ["x.mcap"]
+
+
+@pytest.mark.usefixtures("way")
+def test_a_missing_directory_is_made_when_the_file_is_whole(tmp_path: Path) -> None:
+    target = tmp_path / "a" / "b" / "x.mcap"
+    refuse_bad_target(target, None, overwrite=False, makes_folder=True)
+    with whole_file(target, overwrite=False, makes_folder=True) as file:
+        file.write(b"whole")
+        assert "a" not in files(tmp_path)
+    assert target.read_bytes() == b"whole"
+    assert files(tmp_path) == ["a"]
+    assert files(target.parent) == ["x.mcap"]
+
+
+def test_a_directory_cannot_be_made_in_a_file(tmp_path: Path) -> None:
+    (tmp_path / "a").write_bytes(b"")
+    target = tmp_path / "a" / "b" / "x.mcap"
+    with pytest.raises(CallError, match="a: is a file, not a folder"):
+        refuse_bad_target(target, None, overwrite=False, makes_folder=True)
+    with (
+        pytest.raises(LogtoolError, match="cannot be written"),
+        whole_file(target, overwrite=False, makes_folder=True),
+    ):
+        pass
+    assert files(tmp_path) == ["a"]
+
+
 @pytest.mark.parametrize("name", ["missing/x.mcap", "file/x.mcap"])
 def test_a_folder_that_is_none(tmp_path: Path, name: str) -> None:
     (tmp_path / "file").write_bytes(b"")
     target = tmp_path / name
     with pytest.raises(LogtoolError, match="cannot be written"):
         write(target, b"never")
-    with pytest.raises(CallError, match="no such folder"):
+    with pytest.raises(CallError, match=r"no such folder|is a file"):
         refuse_bad_target(target, None, overwrite=False)
     assert files(tmp_path) == ["file"]
 
@@ -205,28 +367,3 @@ def test_bad_targets(tmp_path: Path) -> None:
     refuse_bad_target(other, log, overwrite=True)
     refuse_bad_target(tmp_path / "new", log, overwrite=False)
     assert log.read_bytes() == b"log"
-
-
-def test_targets() -> None:
-    here = Path("walk.bag")
-    assert targets([here], None, ".annotated.mcap") == [(here, Path("walk.annotated.mcap"))]
-    assert targets([here], Path("x.mcap"), ".annotated.mcap") == [(here, Path("x.mcap"))]
-
-
-def test_targets_in_a_directory(tmp_path: Path) -> None:
-    logs = [Path("a/walk.bag"), Path("b/run.mcap")]
-    names = [target.name for _, target in targets(logs, tmp_path, ".report.html")]
-    assert names == ["walk.report.html", "run.report.html"]
-    with pytest.raises(CallError, match="is no directory"):
-        targets(logs, tmp_path / "none.mcap", ".report.html")
-    with pytest.raises(CallError, match="same name"):
-        targets([Path("a/walk.bag"), Path("b/walk.bag")], tmp_path, ".mcap")
-
-
-def test_targets_lie_as_their_logs_do_and_a_url_is_a_directory_without_a_suffix() -> None:
-    logs = [Path("a/walk.bag"), Path("b/walk.bag")]
-    below = [PurePath(), PurePath("b")]
-    folder = UPath("memory://out")
-    found = [str(target) for _, target in targets(logs, folder, ".mcap", below)]
-    assert found == [f"{folder}/walk.mcap", f"{folder}/b/walk.mcap"]
-    assert targets(logs[:1], folder / "x.mcap", ".mcap") == [(logs[0], folder / "x.mcap")]

@@ -21,6 +21,7 @@ from dogbot_logtool.page import Reports
 from dogbot_logtool.report.stats_json import stats_json
 from dogbot_logtool.selection import TopicOptions
 from dogbot_logtool.stats import StatsOptions, measure
+from dogbot_logtool.writer.targets import Output
 from tests import walks
 
 SAMPLE_LOGS = Path(__file__).parents[3] / "sample_logs"
@@ -124,7 +125,7 @@ def window() -> Iterator[Window]:
 @pytest.fixture(scope="session")
 def trot_page(tmp_path_factory: pytest.TempPathFactory) -> Path:
     target = tmp_path_factory.mktemp("page") / "trot.html"
-    Reports([TROT], target, StatsOptions(), overwrite=False).write(TROT)
+    Reports([TROT], Output(target, is_folder=False), StatsOptions(), overwrite=False).write(TROT)
     return target
 
 
@@ -254,7 +255,7 @@ def test_names_in_a_log_are_never_markup(window: Window, tmp_path: Path) -> None
     feet = {f"{HOSTILE}{leg}": f"/{HOSTILE}{walks.foot_topic(kind, leg)}" for leg in walks.LEGS}
     options = StatsOptions(topics=TopicOptions(None, f"/{HOSTILE}/odom", feet, walks.MASS_KG))
     log, target = tmp_path / "walk.mcap", tmp_path / "walk.html"
-    Reports([log], target, options, overwrite=False).write(log)
+    Reports([log], Output(target, is_folder=False), options, overwrite=False).write(log)
 
     window.open(target)
     assert window.run("return window.harmed") is None
