@@ -10,6 +10,7 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Final
 
+from distributed import LocalCluster
 from make_log import write_bag, write_mcap
 from upath import UPath
 
@@ -18,7 +19,7 @@ from dogbot_logtool.info import describe
 from dogbot_logtool.parallel.relay import Progress
 from dogbot_logtool.plan import ConvertOptions
 from dogbot_logtool.reader.remote_source import RemoteSource
-from dogbot_logtool.run.processes import Processes
+from dogbot_logtool.run.cluster import Cluster
 from dogbot_logtool.selection import TopicOptions
 from dogbot_logtool.stats import StatsOptions, measure
 
@@ -102,7 +103,10 @@ def main() -> None:
             ):
                 requests, read = fetched(work, log)
                 print(f"  {name}: {requests} requests, {read / 1e6:.1f} MB ({read / size:.1%})")
-    with Processes[object](2) as runner:
+    with (
+        LocalCluster(2, threads_per_worker=1, host="127.0.0.1", dashboard_address=None) as local,
+        Cluster[object](local.scheduler_address) as runner,
+    ):
         names = [f"s3://lab/2026/11/robot/log{number:05}.mcap" for number in range(TASKS)]
         start, wall = time.process_time(), time.perf_counter()
         for _ in runner.run(nothing, names, Silent()):

@@ -1,7 +1,8 @@
 """Signals that end the program: each becomes an exception, so that every clean-up runs."""
 
+import math
 import signal
-import sys
+import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from types import FrameType
@@ -13,6 +14,9 @@ _ENDING: Final = [
     if name in signal.Signals.__members__
 ]
 """Ctrl-C, `kill`, and a terminal that was closed; not every system has the last."""
+
+_CLEAN_UP_S: Final = 10.0
+_last_raised = -math.inf
 
 
 class Stopped(SystemExit):
@@ -67,14 +71,9 @@ def held_back() -> Iterator[None]:
 
 
 def raise_stopped(number: int, _frame: FrameType | None) -> None:
-    """Raise `Stopped`, but not again: the clean-up that it began must not be cut short."""
-    if not _is_stopping():
+    """Raise `Stopped`, but not again soon: the clean-up that it began must not be cut short."""
+    global _last_raised  # noqa: PLW0603 - a process has one
+    now = time.monotonic()
+    if now - _last_raised > _CLEAN_UP_S:
+        _last_raised = now
         raise Stopped(number)
-
-
-def _is_stopping() -> bool:
-    """Tell whether `Stopped` is being handled, an error raised on its way included."""
-    error = sys.exception()
-    while error is not None and not isinstance(error, Stopped):
-        error = error.__context__
-    return error is not None

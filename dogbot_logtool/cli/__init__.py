@@ -21,7 +21,7 @@ from dogbot_logtool.cli.report import report
 from dogbot_logtool.cli.robots import robots
 from dogbot_logtool.cli.stats import stats
 from dogbot_logtool.errors import LogtoolError
-from dogbot_logtool.signals import Stopped, ignore_signals, raise_on_signals
+from dogbot_logtool.signals import Stopped, raise_on_signals
 from dogbot_logtool.streams import safe_streams
 
 
@@ -48,18 +48,14 @@ def main() -> NoReturn:
     # numpy's linear algebra, which we do not use, starts threads that burn 0.1 s of every core, and
     # a process with threads is ill copied.
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
-    try:
-        with safe_streams() as stdout:
-            code = _run()
-            stdout.flush()
-            if stdout.error is not None:
-                is_closed = stdout.error.errno == errno.EBADF
-                why = "it is closed" if is_closed else stdout.error.strerror
-                say(f"stdout cannot be written: {why}")
-                code = 1
-    finally:
-        # The interpreter takes a while to end, and would print what interrupts that.
-        ignore_signals()
+    with safe_streams() as stdout:
+        code = _run()
+        stdout.flush()
+        if stdout.error is not None:
+            is_closed = stdout.error.errno == errno.EBADF
+            why = "it is closed" if is_closed else stdout.error.strerror
+            say(f"stdout cannot be written: {why}")
+            code = 1
     sys.exit(code)
 
 

@@ -79,8 +79,11 @@ class Cluster(ExecutorRunner[Result]):
         Raises:
             LogtoolError: there are no workers, or some of them cannot do it.
         """
-        self._await_workers(watcher)
-        self._check_workers()
+        try:
+            self._await_workers(watcher)
+            self._check_workers()
+        except OSError as error:
+            raise LogtoolError(f"--scheduler {self._name}: it was lost; start it again") from error
         yield from super().run(work, items, watcher, ahead)
 
     def _await_workers(self, watcher: Watcher) -> None:
@@ -109,10 +112,10 @@ class Cluster(ExecutorRunner[Result]):
             wrong = {worker: there for worker, there in found.items() if there != here}
             if wrong:
                 worker, there = min(wrong.items())
-                has = f"{there} of it" if isinstance(there, str) else f"none ({there})"
+                what = f"has {there}" if isinstance(there, str) else f"has none ({there})"
                 raise LogtoolError(
                     f"--scheduler {self._name}: {len(wrong)} of {len(found)} workers cannot do it: "
-                    f"{package} is {here} here, and {worker} has {has}; install the same there"
+                    f"here is {package} {here}, and {worker} {what}; install the same there"
                 )
 
     def _present(self) -> set[str]:
@@ -120,9 +123,11 @@ class Cluster(ExecutorRunner[Result]):
 
     def submit(self, number: int, work: Work[Result], item: object) -> "Future[Result | Failure]":
         """See `ExecutorRunner.submit`."""
-        future: Future[Result | Failure] = self._executor.submit(
-            pickle.loads, pickle.dumps(_Call((__version__, self._topic, number, work, item)))
-        )
+        call = pickle.dumps(_Call((__version__, self._topic, number, work, item)))
+        try:
+            future: Future[Result | Failure] = self._executor.submit(pickle.loads, call)
+        except (OSError, RuntimeError) as error:
+            raise self._run_lost() from error
         future.add_done_callback(self._notice_loss)
         return future
 
@@ -137,11 +142,14 @@ class Cluster(ExecutorRunner[Result]):
             watcher.told(number, done, total)
         now = time.monotonic()
         if self._lost or self._client.status != "running":
-            raise RunLost(f"was not done: the scheduler {self._name} was lost")
+            raise self._run_lost()
         if now - self._last_look < _LOOK_EVERY_S:
             return
         self._last_look = now
-        present = self._present()
+        try:
+            present = self._present()
+        except OSError as error:
+            raise self._run_lost() from error
         for worker in sorted(self._workers - present):
             watcher.say(f"worker {worker} left; others do what it had in hand")
         if self._workers and not present:
@@ -151,6 +159,9 @@ class Cluster(ExecutorRunner[Result]):
             self._workers_seen = now
         elif now - self._workers_seen > _NEXT_WORKER_S:
             raise RunLost(f"was not done: {self._name} has no workers any more")
+
+    def _run_lost(self) -> RunLost:
+        return RunLost(f"was not done: the scheduler {self._name} was lost")
 
     def _receive(self, event: tuple[float, Any]) -> None:
         number, done, total = event[1]

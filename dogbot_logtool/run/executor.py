@@ -58,7 +58,11 @@ class ExecutorRunner(Runner[Result]):
 
     @abstractmethod
     def submit(self, number: int, work: Work[Result], item: object) -> "Future[Result | Failure]":
-        """Hand out an item."""
+        """Hand out an item.
+
+        Raises:
+            RunLost: nothing more will be done.
+        """
 
     @abstractmethod
     def look(self, watcher: Watcher) -> None:
@@ -85,19 +89,20 @@ class ExecutorRunner(Runner[Result]):
         """
         state: _Items[Result] = _Items(len(items))
         while state.wanted < state.count:
-            for number in self._next(state, ahead):
-                future = self.submit(number, work, items[number])
-                state.under_way[future] = number
-                future.add_done_callback(state.done.put)
             try:
+                for number in self._next(state, ahead, watcher):
+                    future = self.submit(number, work, items[number])
+                    state.under_way[future] = number
+                    future.add_done_callback(state.done.put)
                 self._collect(state, watcher)
                 self.look(watcher)
             except RunLost as error:
-                for number in range(state.wanted, state.count):
-                    state.finished.setdefault(number, Failure(str(error), 1))
+                for number in set(range(state.wanted, state.count)) - state.finished.keys():
+                    state.finished[number] = Failure(str(error), 1)
+                    watcher.finished(number)
             yield from state.ready()
 
-    def _next(self, state: _Items[Result], ahead: int) -> list[int]:
+    def _next(self, state: _Items[Result], ahead: int, watcher: Watcher) -> list[int]:
         """Return the items to begin now: several, or one that is tried alone."""
         if not state.suspects:
             state.several_lost = False
@@ -112,8 +117,10 @@ class ExecutorRunner(Runner[Result]):
         del state.suspects[number]
         if isinstance(error, self.conclusive) and not state.several_lost:
             state.finished[number] = Failure(self.explain(error), 1)
+            watcher.finished(number)
             return []
         state.tried_alone.add(number)
+        watcher.lost(number)
         return [number]
 
     def _collect(self, state: _Items[Result], watcher: Watcher) -> None:
@@ -128,7 +135,6 @@ class ExecutorRunner(Runner[Result]):
         except Exception as error:  # noqa: BLE001 - errors of the work itself are outcomes
             if number not in state.tried_alone:
                 state.suspects[number] = error
-                watcher.lost(number)
                 return
             outcome = Failure(self.explain(error), 1)
         state.finished[number] = outcome

@@ -128,7 +128,6 @@ def _begin(lifeline: Connection, progress: Any) -> None:  # noqa: ANN401 - ctype
     global _progress  # noqa: PLW0603 - there is no other way to reach a function of a pool
     _progress = progress
     leave_to_parent()
-    signal.signal(signal.SIGTERM, raise_stopped)
     threading.Thread(target=_end_with, args=(lifeline,), daemon=True).start()
 
 
@@ -146,11 +145,15 @@ def _end_with(lifeline: Connection) -> None:
 
 def _attempt(work: Work[Result], item: object) -> Result | Failure:
     """Work on an item; runs in a worker."""
+    # Only here SIGTERM becomes an exception, so that files that were begun are removed; the pool
+    # would print it, or take it for a result.
     try:
-        return attempt(work, item, _tell)
+        signal.signal(signal.SIGTERM, raise_stopped)
+        outcome = attempt(work, item, _tell)
+        signal.signal(signal.SIGTERM, signal.SIG_DFL)
     except Stopped as stopped:
-        # The pool would take it for a result, and wait for the next item.
         os._exit(stopped.exit_code)
+    return outcome
 
 
 def _tell(done: int, total: int) -> None:
