@@ -14,7 +14,7 @@ import pickle
 import threading
 import traceback
 from collections.abc import Generator, Iterator, Sequence
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import Future, ThreadPoolExecutor
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from functools import partial
@@ -213,7 +213,7 @@ def _serve(
     threading.Thread(target=_end_with_parent, args=(ends.parent,), daemon=True).start()
     baton = _Piped(ends, first)
     with suppress(_PeerEndedError, BrokenPipeError), ThreadPoolExecutor(1) as sender:
-        sent = sender.submit(int)
+        sent: Future[None] = sender.submit(lambda: None)
         for item in items:
             try:
                 outcome: Result | _Raised = work(item, baton)

@@ -24,6 +24,7 @@ try:
 except ImportError as error:
     raise ExtraMissingError("--scheduler", "fleet") from error
 
+_DASK_VERSION: Final[str] = distributed.__version__  # type: ignore[attr-defined]
 _PACKAGE: Final = "dogbot_logtool"
 _ADDRESS: Final = re.compile(r"(tcp|tls|ws|wss|ucx)://\S+")
 _CONNECT_S: Final = 10
@@ -106,7 +107,7 @@ class Cluster(ExecutorRunner[Result]):
         Raises:
             LogtoolError: some have no dogbot-logtool, or another version.
         """
-        for package, here in (("distributed", distributed.__version__), (_PACKAGE, __version__)):
+        for package, here in (("distributed", _DASK_VERSION), (_PACKAGE, __version__)):
             name = f"{package}:__version__"
             found = self._client.run(pkgutil.resolve_name, name, on_error="return")
             wrong = {worker: there for worker, there in found.items() if there != here}
@@ -194,7 +195,7 @@ def _connected(scheduler: str) -> "distributed.Client":
     warnings.simplefilter("ignore", distributed.versions.VersionMismatchWarning)
     try:
         version = asyncio.run(asyncio.wait_for(_version_of(scheduler), _CONNECT_S))
-        if version == distributed.__version__:
+        if version == _DASK_VERSION:
             return distributed.Client(scheduler, timeout=_CONNECT_S, set_as_default=False)
     except Exception as error:  # a server of another kind may answer anything
         raise LogtoolError(
@@ -203,7 +204,7 @@ def _connected(scheduler: str) -> "distributed.Client":
         ) from error
     raise LogtoolError(
         f"--scheduler {scheduler}: it has dask.distributed {version}, and here is "
-        f"{distributed.__version__}; install the same version on both"
+        f"{_DASK_VERSION}; install the same version on both"
     )
 
 

@@ -39,7 +39,7 @@ class Watcher:
         self.sentences.append(sentence)
 
 
-def work(item: tuple[str, Path], tell: Progress | None) -> str:  # noqa: C901 - a list of cases
+def work(item: tuple[str, Path], tell: Progress | None) -> Any:  # noqa: C901 - a list of cases
     what, folder = item
     if tell is not None:
         tell(1, 2)
