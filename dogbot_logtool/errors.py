@@ -19,9 +19,10 @@ class ExtraMissingError(LogtoolError):
     """Something needs packages that the base install leaves out."""
 
     def __init__(self, what: str, extra: str) -> None:
-        super().__init__(
-            f"{what}: needs packages that are not installed: pip install 'dogbot-logtool[{extra}]'"
-        )
+        from dogbot_logtool.extras import install_command  # noqa: PLC0415 - seldom needed
+
+        command = install_command(extra)
+        super().__init__(f"{what}: needs packages that are not installed: {command}")
 
 
 class LogError(LogtoolError):

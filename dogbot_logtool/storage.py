@@ -4,6 +4,7 @@ fsspec comes with the extra `fleet` and is imported only when a URL is met.
 """
 
 import logging
+import os
 import re
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -35,6 +36,12 @@ LONGEST_WAIT_S: Final = 10.0
 ANSWER_WITHIN_S = 120.0
 """A request that takes longer has stalled."""
 _URL: Final = re.compile(r"[A-Za-z][A-Za-z0-9+.-]*://")
+_STORES: Final = ("aiohttp", "botocore", "aiobotocore", "gcsfs")
+"""Packages that raise errors of their own where a store or the network fails."""
+_ABSENT: Final = (404, 410)
+"""HTTP's codes for what is not there."""
+_LATER: Final = (408, 425, 429)
+"""HTTP's codes for what may be asked for again later."""
 _HOPELESS: Final = (FileNotFoundError, PermissionError, IsADirectoryError, FileExistsError)
 
 
@@ -196,15 +203,47 @@ def asked(place: Location, request: Callable[[], Result]) -> Result:
         reraise=True,
     )
     try:
-        return tries(request)
+        return tries(lambda: _answer(request))
     except FileNotFoundError as error:
         raise CallError(f"{shown(place)}: no such file") from error
     except PermissionError as error:
         raise CallError(f"{shown(place)}: access is denied ({_first_line(error)})") from error
     except Exception as error:
+        if _is_refused(error):
+            raise CallError(
+                f"{shown(place)}: access is denied ({_first_line(error)})"
+                if getattr(error, "status", 0) in {401, 403, 407}
+                else f"{shown(place)}: the server refuses the request ({_first_line(error)})"
+            ) from error
         if not _may_pass(error) and not isinstance(error, OSError):
             raise
         raise StoreError(f"{shown(place)}: the store fails: {_first_line(error)}") from error
+
+
+def _answer(request: Callable[[], Result]) -> Result:
+    """Return what a store answers, and raise its own error.
+
+    fsspec makes "no such file" of all that a web server or the network refuses.
+    """
+    try:
+        return request()
+    except FileNotFoundError as error:
+        cause = error.__cause__
+        is_web = isinstance(cause, TimeoutError) or _family(cause) == "aiohttp"
+        if cause is None or not is_web or getattr(cause, "status", 0) in _ABSENT:
+            raise
+        raise cause from None
+
+
+def _family(error: BaseException | None) -> str:
+    """Return the package that an error comes from."""
+    return type(error).__module__.partition(".")[0]
+
+
+def _is_refused(error: BaseException) -> bool:
+    """Tell whether a web server says that the request will not do, however often it is made."""
+    status = getattr(error, "status", 0) if _family(error) == "aiohttp" else 0
+    return 400 <= status < 500 and status not in _LATER
 
 
 def _say_again(place: Location, state: "RetryCallState") -> None:
@@ -216,11 +255,19 @@ def _say_again(place: Location, state: "RetryCallState") -> None:
 
 def _may_pass(error: BaseException) -> bool:
     """Tell whether an error may be gone the next time."""
-    if isinstance(error, _HOPELESS):
+    if isinstance(error, _HOPELESS) or _is_refused(error):
         return False
-    family = type(error).__module__.partition(".")[0]
-    return isinstance(error, OSError) or family in {"aiohttp", "botocore", "aiobotocore", "gcsfs"}
+    return isinstance(error, OSError) or _family(error) in _STORES
 
 
 def _first_line(error: Exception) -> str:
+    status, message = getattr(error, "status", None), getattr(error, "message", None)
+    if status and message:
+        # Its own text has the URL, and in that perhaps a signature.
+        return f"{status} {message}"
+    reason = getattr(error, "os_error", None)
+    if isinstance(reason, OSError) and reason.errno:
+        # Names are not found with codes of their own, below zero.
+        what = os.strerror(reason.errno) if reason.errno > 0 else reason.strerror
+        return f"no connection: {what}"
     return (str(error).splitlines() or [""])[0] or type(error).__name__

@@ -82,7 +82,7 @@ class PrintableStream(LastingStream):
     """A stream for any text; `styled` is the same stream for text whose colours are meant."""
 
     def __init__(self, styled: LastingStream) -> None:
-        super().__init__(styled)
+        super().__init__(cast("TextIO", styled))
         self.styled = styled
 
     def write(self, text: str, /) -> int:

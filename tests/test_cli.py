@@ -15,6 +15,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+import click
 import pyte
 import pytest
 from mcap.reader import make_reader
@@ -22,7 +23,8 @@ from mcap.writer import CompressionType
 from mcap.writer import Writer as McapWriter
 
 from dogbot_logtool import __version__
-from dogbot_logtool.cli import main
+from dogbot_logtool.cli import cli, main
+from dogbot_logtool.extras import install_command
 from dogbot_logtool.robot import known_robots
 from tests.unfinished import unfinished
 
@@ -195,6 +197,17 @@ def test_help(shell: Shell, words: list[str]) -> None:
     assert done.err == ""
 
 
+def test_every_option_says_what_it_takes() -> None:
+    """Not what a function of ours or of click is called."""
+    for command in cli.commands.values():
+        context = click.Context(command)
+        for option in command.params:
+            taken = option.make_metavar(context)
+            assert "RANGE" not in taken, option.name
+            assert "PARSE" not in taken, option.name
+            assert "FUNCTION" not in taken, option.name
+
+
 def test_version(shell: Shell) -> None:
     done = shell("--version")
     assert (done.code, done.err) == (0, "")
@@ -205,7 +218,7 @@ def test_help_imports_nothing_heavy(tmp_path: Path) -> None:
     """Neither --help nor a usage error may load numpy, rosbags, rich, mcap or protobuf."""
     script = """\
 import contextlib, io, sys
-from dogbot_logtool.cli import main
+from dogbot_logtool.cli import cli, main
 for words in (["--help"], ["--version"], *([c, "--help"] for c in sys.argv[1:]), ["convert"]):
     sys.argv = ["dogbot-logtool", *words]
     with contextlib.suppress(SystemExit), contextlib.redirect_stdout(io.StringIO()):
@@ -236,7 +249,7 @@ def test_a_command_imports_only_what_it_needs(
     """Imports are most of the time that a short log takes."""
     script = """\
 import contextlib, sys
-from dogbot_logtool.cli import main
+from dogbot_logtool.cli import cli, main
 with contextlib.suppress(SystemExit):
     main()
 print(*sys.modules, file=sys.stderr)
@@ -556,7 +569,7 @@ def test_without_matplotlib_it_is_said_how_to_install_it(
     monkeypatch.setenv("PYTHONPATH", os.pathsep.join([str(absent), root]))
     refused = run("stats", WALK, "--plot", "walk.pdf", folder=tmp_path)
     assert refused.code == 1
-    assert "pip install 'dogbot-logtool[plot]'" in refused.err
+    assert install_command("plot") in refused.err
     assert run("stats", WALK, "-q", folder=tmp_path).code == 0
 
 
@@ -584,7 +597,7 @@ def test_what_an_extra_brings_is_asked_for(
         monkeypatch.delitem(sys.modules, f"dogbot_logtool.{module}", raising=False)
     done = shell(*words)
     assert (done.code, done.out) == (1, "")
-    assert done.err.endswith("not installed: pip install 'dogbot-logtool[fleet]'\n")
+    assert done.err.endswith(f"not installed: {install_command('fleet')}\n")
     assert shell.files() == []
 
 
@@ -670,7 +683,7 @@ def long_log(tmp_path_factory: pytest.TempPathFactory) -> Path:
 INTERRUPTIBLE = """
 import signal
 signal.signal(signal.SIGINT, signal.default_int_handler)
-from dogbot_logtool.cli import main
+from dogbot_logtool.cli import cli, main
 main()
 """
 
@@ -771,13 +784,13 @@ def test_no_progress_bar_where_there_is_no_terminal(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("logs", [[TROT], [TROT, TROUBLED]])
-@pytest.mark.parametrize("command", ["convert", "stats"])
+@pytest.mark.parametrize("command", ["convert", "stats", "info"])
 def test_a_terminal_shows_in_the_end_what_a_pipe_gets(
     tmp_path: Path, command: str, logs: list[Path]
 ) -> None:
-    output = ["-o", "./", "--overwrite"] if command == "convert" else []
+    output = {"convert": ["-o", "./", "--overwrite"], "info": ["--frames"]}.get(command, [])
     words = [sys.executable, "-m", "dogbot_logtool", command, *map(str, logs), *output]
-    size = {"COLUMNS": "160", "LINES": "60", "TERM": "xterm"}
+    size = {"COLUMNS": "160", "LINES": "200", "TERM": "xterm"}
     done = subprocess.run(  # noqa: S603
         words,
         cwd=tmp_path,
@@ -798,7 +811,7 @@ def test_a_terminal_shows_in_the_end_what_a_pipe_gets(
     os.close(terminal)
     assert os.waitstatus_to_exitcode(os.waitpid(process, 0)[1]) == 0
 
-    screen = pyte.Screen(160, 60)
+    screen = pyte.Screen(160, 200)
     pyte.Stream(screen).feed(shown.decode())
     assert b"\x1b[2K" in shown, "no progress was shown"
     assert [line.rstrip() for line in screen.display if line.strip()] == [

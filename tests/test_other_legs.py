@@ -85,6 +85,8 @@ def test_gait_figures_are_whole_and_those_of_quadrupeds_null(
     out = StringIO()
     print_report(Console(file=out, width=100), done.stats, done.facts)
     assert all(leg in out.getvalue() for leg in phases)
+    assert "all four feet" not in out.getvalue()
+    assert f"only gaits of four feet have names; this robot has {len(phases)}" in out.getvalue()
 
 
 @pytest.mark.parametrize("phases", [HEXAPOD, BIPED], ids=["hexapod", "biped"])

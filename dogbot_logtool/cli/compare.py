@@ -33,6 +33,7 @@ from dogbot_logtool.cli.options import json_option, number, quietness
 @click.option(
     "--max-differences",
     type=click.IntRange(min=0),
+    metavar="N",
     default=20,
     show_default=True,
     help="Differences that are told one by one.",

@@ -45,6 +45,7 @@ def number(least: float, most: float, *, or_zero: bool = False) -> Callable[[str
             0.0 if or_zero and text.strip() in {"0", "0.0"} else _number(text, least, most, wanted)
         )
 
+    parse.__name__ = "number"  # what --help shows for it
     return parse
 
 
@@ -67,6 +68,7 @@ json_option: Final = click.option(
 jobs_option: Final = click.option(
     "--jobs",
     type=click.IntRange(min=1, max=256),
+    metavar="N",
     help="Processes at work; default: as many as there are cores. The result is the same.",
 )
 scheduler_option: Final = click.option(

@@ -3,19 +3,21 @@
 import json
 import sys
 from collections.abc import Iterator, Sequence
-from typing import TYPE_CHECKING, Any, NoReturn, TypeVar
+from typing import TYPE_CHECKING, Any, Final, NoReturn, TypeVar
 
 import click
 
 from dogbot_logtool.errors import LogtoolError
 from dogbot_logtool.printable import printable
-from dogbot_logtool.streams import styled
 
 if TYPE_CHECKING:
     from dogbot_logtool.fleet.logs import Fleet
     from dogbot_logtool.run.runner import Runner, Work
 
 Result = TypeVar("Result")
+
+_NEW_LINE: Final = "\n  "
+"""Begins a line of a list in an error's sentence; names from logs cannot begin lines of ours."""
 
 
 class Outcomes:
@@ -79,7 +81,7 @@ class Outcomes:
 
     def _note(self, text: str) -> None:
         if not self._quiet:
-            click.echo(f"   note  {text}", err=True)
+            note(text)
 
     def finish(self, *, as_json: bool) -> NoReturn:
         """Print the results if wanted, one object for one log; exit: failure outranks damage."""
@@ -94,12 +96,14 @@ class Outcomes:
 
     def _print_failures(self) -> None:
         """Print a table of what could not be done."""
-        count = f"{len(self._failed)} of {len(self._codes)} logs could not be done"
-        say(count)
+        from dogbot_logtool.report.console import diagnostics, print_sentence  # noqa: PLC0415
+
+        say(f"{len(self._failed)} of {len(self._codes)} logs could not be done")
         width = min(max(len(printable(name)) for name, _ in self._failed), 60)
         for name, sentence in self._failed:
-            what = printable(sentence.removeprefix(f"{name}: "))
-            click.echo(f"  {printable(name):<{width}}  {what}", err=True)
+            first, *_ = sentence.removeprefix(f"{name}: ").split(_NEW_LINE)
+            line = f"  {printable(name):<{width}}  {printable(first)}"
+            print_sentence(diagnostics(), line, indent=4)
 
 
 def say_error(error: LogtoolError) -> None:
@@ -108,6 +112,17 @@ def say_error(error: LogtoolError) -> None:
 
 
 def say(sentence: str) -> None:
-    """Print the sentence of an error on stderr."""
-    text = "\n".join(printable(line) for line in sentence.split("\n"))
-    click.echo(click.style("error: ", fg="red") + text, file=styled(sys.stderr))
+    """Print the sentence of an error on stderr; what it lists stands in indented lines below."""
+    from dogbot_logtool.report.console import diagnostics, print_sentence  # noqa: PLC0415
+
+    first, *others = map(printable, sentence.split(_NEW_LINE))
+    print_sentence(diagnostics(), ("error: ", "red"), first, indent=7)
+    for line in others:
+        print_sentence(diagnostics(), f"  {line}", indent=4)
+
+
+def note(sentence: str) -> None:
+    """Print what is good to know on stderr."""
+    from dogbot_logtool.report.console import diagnostics, print_note  # noqa: PLC0415
+
+    print_note(diagnostics(), sentence)

@@ -54,7 +54,7 @@ def report(
     """Write a page that shows what happened: gait, loads, path, and what to doubt.
 
     One HTML file a log, which opens from disk and loads nothing. Several logs also give an
-    index.html with a row each. Needs the extra: pip install 'dogbot-logtool[report]'.
+    index.html with a row each. Needs the extra `report`.
     """
     from dogbot_logtool.report.page.libraries import require_libraries  # noqa: PLC0415
 

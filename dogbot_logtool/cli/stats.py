@@ -26,6 +26,7 @@ from dogbot_logtool.cli.options import (
 )
 from dogbot_logtool.cli.outcomes import Outcomes
 from dogbot_logtool.errors import CallError
+from dogbot_logtool.printable import printable
 
 if TYPE_CHECKING:
     from dogbot_logtool.fleet.tasks import Figures
@@ -130,7 +131,10 @@ def stats(
     for done in outcomes.of(runner, work, items, fleet.names):
         if drawing is not None and done.drawn is not None and not quiet:
             start, end = done.drawn
-            click.echo(f"{drawing.target}: {start:.2f} to {end:.2f} s", err=True)
+            from dogbot_logtool.report.console import diagnostics, print_sentence  # noqa: PLC0415
+
+            span = f"{drawing.target}: {start:.2f} to {end:.2f} s"
+            print_sentence(diagnostics(), printable(span))
         measured.append(done)
         outcomes.add(done.json, done.exit_code)
     if as_csv:

@@ -26,6 +26,8 @@ CLASSES: Final = ("pronk", "trot", "pace", "bound", "walk", "gallop")
 
 Place = tuple[str, str]
 """("front" | "middle" | "back", "left" | "right" | "centre")."""
+QUADRUPED: Final = 4
+"""Feet of the robots whose gaits have names."""
 CORNERS: Final[tuple[Place, ...]] = (
     ("front", "left"),
     ("front", "right"),

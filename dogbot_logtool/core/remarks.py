@@ -10,7 +10,7 @@ from dogbot_logtool.core import timespans
 from dogbot_logtool.core.arrays import norms
 from dogbot_logtool.core.base_motion import BaseMotion
 from dogbot_logtool.core.foot_figures import FootFigures
-from dogbot_logtool.core.gait import CONSISTENT, IRREGULAR
+from dogbot_logtool.core.gait import CONSISTENT, IRREGULAR, QUADRUPED
 from dogbot_logtool.core.load_figures import is_saturated, is_stuck, vertical_is_known
 from dogbot_logtool.core.quality import TopicQuality
 from dogbot_logtool.core.walk_stats import Stats
@@ -239,8 +239,13 @@ def _gait(stats: Stats) -> Iterator[Remark]:
 
 
 def _why_no_class(stats: Stats) -> str:
+    if len(stats.feet) != QUADRUPED:
+        return f"only gaits of four feet have names; this robot has {len(stats.feet)}"
     if stats.corners is None:
-        return "gaits are named for four feet, front and back, left and right: these are not"
+        return (
+            "a gait's name needs to know which foot is front or back, left or right: "
+            "`place` in a robot's file says so"
+        )
     main = stats.main
     missing = [
         foot.name

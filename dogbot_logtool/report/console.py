@@ -78,6 +78,11 @@ def print_sentence(console: Console, *parts: str | tuple[str, str] | Text, inden
     console.print(Hanging(Text.assemble(*parts), indent), crop=False)
 
 
+def print_note(console: Console, sentence: str) -> None:
+    """Print what is good to know."""
+    print_sentence(console, f"   note  {printable(sentence)}", indent=_LABEL)
+
+
 def print_findings(console: Console, findings: Iterable[Finding]) -> None:
     """Print findings, the worst first, a line each."""
     for finding in sorted(findings):

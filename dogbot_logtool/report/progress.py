@@ -72,11 +72,10 @@ class ProgressBars:
 
     def say(self, sentence: str) -> None:
         """Say what a user should know at once."""
-        line = f"   note  {printable(sentence)}"
-        if self._bars is not None:
-            self._bars.console.print(line, soft_wrap=True)
-        elif self._shown:
-            sys.stderr.write(f"{line}\n")
+        from dogbot_logtool.report.console import diagnostics, print_note  # noqa: PLC0415
+
+        if self._shown:
+            print_note(diagnostics(), sentence)
 
     def _count(self) -> str:
         return f"{len(self._finished)} of {len(self._names)} logs"
@@ -96,7 +95,7 @@ def _bars() -> "Progress":
             return Text() if task.fields.get("counts_logs") else super().render(task)
 
     return progress.Progress(
-        progress.TextColumn("{task.description}"),
+        progress.TextColumn("{task.description}", markup=False),
         progress.BarColumn(),
         Speed(),
         progress.TimeRemainingColumn(),

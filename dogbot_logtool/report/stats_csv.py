@@ -8,6 +8,7 @@ import numpy as np
 
 from dogbot_logtool.core.remarks import remarks
 from dogbot_logtool.core.walk_stats import Stats
+from dogbot_logtool.printable import printable
 from dogbot_logtool.report.stats_json import LogFacts
 from dogbot_logtool.report.stride_table import COLUMNS, StrideTable
 
@@ -23,6 +24,7 @@ SUMMARY_COLUMNS: Final = (
     "segments",
     "warnings",
 )
+_FORMULA: Final = ("=", "+", "-", "@", "\t", "\r")
 _DIGITS: Final = 9
 """Significant digits; stamps are nanoseconds, forces are not that good."""
 
@@ -34,7 +36,7 @@ def write_strides(file: TextIO, results: Iterable[tuple[str, StrideTable]]) -> N
     for path, strides in results:
         columns = [strides.columns[name].tolist() for name in COLUMNS]
         for foot, *figures in zip(strides.foot, *columns, strict=True):
-            writer.writerow([path, foot, *map(_text, figures)])
+            writer.writerow([_word(path), _word(foot), *map(_text, figures)])
 
 
 def write_summary(file: TextIO, results: Sequence[tuple[Stats, LogFacts]]) -> None:
@@ -49,7 +51,7 @@ def _summary_row(stats: Stats, log: LogFacts) -> list[str]:
     main = stats.main
     said = (*remarks(stats), *log.findings)
     return [
-        log.path,
+        _word(log.path),
         (main.gait.name or "") if main else "",
         (main.gait.sequence or "") if main else "",
         _text(main.duty_factor if main else None),
@@ -59,6 +61,12 @@ def _summary_row(stats: Stats, log: LogFacts) -> list[str]:
         str(len(stats.segments)),
         str(sum(not each.code.startswith("N_") for each in said)),
     ]
+
+
+def _word(text: str) -> str:
+    """Return the text of a cell, with an apostrophe before what spreadsheets take for a formula."""
+    safe = printable(text)
+    return f"'{safe}" if text.startswith(_FORMULA) else safe
 
 
 def _text(figure: float | None) -> str:

@@ -40,9 +40,9 @@ def wrapped(text: Text, room: int | None, indent: int) -> list[Text]:
         indent: columns by which all lines but the first are indented.
     """
     breaks: list[int] = []
-    used = 0
-    for word in _WORD.finditer(text.plain) if room is not None else ():
-        if word.start() > indent and used + cell_len(word[1]) > room:
+    used = len(text.plain) - len(text.plain.lstrip())
+    for word in _WORD.finditer(text.plain):
+        if room is not None and word.start() > indent and used + cell_len(word[1]) > room:
             breaks.append(word.start())
             used = indent
         used += cell_len(word[0])

@@ -2,7 +2,7 @@
 
 import math
 
-from dogbot_logtool.core.gait import IRREGULAR, STAND, TOLERANCE
+from dogbot_logtool.core.gait import IRREGULAR, QUADRUPED, STAND, TOLERANCE
 from dogbot_logtool.core.segments import Segment
 from dogbot_logtool.core.walk_stats import Stats
 
@@ -43,6 +43,9 @@ def how_sure(segment: Segment) -> str:
 def evidence(segment: Segment) -> str:
     """Say by what a gait was named."""
     gait, consistency = segment.gait, _consistency(segment)
+    feet = len(segment.phases)
+    if feet != QUADRUPED:
+        return f"only gaits of four feet have names; this robot has {feet}"
     if gait.name is None or gait.distance is None or not consistency:
         return "phases of all four feet are needed to name one"
     if gait.name == IRREGULAR:

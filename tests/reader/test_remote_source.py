@@ -33,6 +33,9 @@ class Server(http.server.BaseHTTPRequestHandler):
     stalled: ClassVar[threading.Event]
 
     def do_HEAD(self) -> None:
+        if not (self.folder / self.path.lstrip("/")).exists():
+            self.send_error(404)
+            return
         data = (self.folder / self.path.lstrip("/")).read_bytes()
         self.send_response(200)
         self.send_header("Content-Length", str(len(data)))
@@ -41,6 +44,9 @@ class Server(http.server.BaseHTTPRequestHandler):
 
     def do_GET(self) -> None:
         fault = self.faults.pop(0) if self.faults else ""
+        if not (self.folder / self.path.lstrip("/")).exists():
+            self.send_error(404)
+            return
         if fault == "503":
             self.send_error(503)
             return
@@ -174,3 +180,58 @@ def test_a_size_must_be_known() -> None:
     unknown = dataclasses.replace(storage.Facts(is_folder=False, size=1, version=""), size=None)
     with pytest.raises(Exception, match="does not tell its size"):
         RemoteSource(place, unknown)
+
+
+class Refusing(http.server.BaseHTTPRequestHandler):
+    """Answers with the status that the path begins with."""
+
+    def do_GET(self) -> None:
+        self.send_response(int(self.path.split("/")[1]))
+        self.send_header("Content-Length", "0")
+        self.end_headers()
+
+    do_HEAD = do_GET  # noqa: N815 - http.server's name
+
+    def log_message(self, *words: Any) -> None:
+        pass
+
+
+@pytest.mark.parametrize(
+    ("status", "error", "words"),
+    [
+        (401, CallError, "access is denied (401 Unauthorized)"),
+        (403, CallError, "access is denied (403 Forbidden)"),
+        (404, CallError, "no such file"),
+        (410, CallError, "no such file"),
+        (400, CallError, "the server refuses the request (400 Bad Request)"),
+        (500, StoreError, "the store fails: 500 Internal Server Error"),
+    ],
+)
+def test_what_a_server_answers_is_said(
+    monkeypatch: pytest.MonkeyPatch, status: int, error: type[Exception], words: str
+) -> None:
+    monkeypatch.setattr(storage, "FIRST_WAIT_S", 0.01)
+    server = http.server.ThreadingHTTPServer(("127.0.0.1", 0), Refusing)
+    threading.Thread(target=server.serve_forever, daemon=True).start()
+    url = f"http://127.0.0.1:{server.server_port}/{status}/x.mcap"
+    try:
+        with pytest.raises(error) as raised:
+            open_log(UPath(f"{url}?Signature=secret"))
+    finally:
+        server.shutdown()
+        server.server_close()
+    assert str(raised.value) == f"{url}: {words}"
+
+
+@pytest.mark.parametrize(
+    ("host", "words"),
+    [("127.0.0.1:1", "Connection refused"), ("no.such.host.invalid", "no connection: ")],
+)
+def test_a_server_that_cannot_be_reached_is_no_missing_file(
+    monkeypatch: pytest.MonkeyPatch, host: str, words: str
+) -> None:
+    monkeypatch.setattr(storage, "FIRST_WAIT_S", 0.01)
+    with pytest.raises(StoreError) as raised:
+        open_log(UPath(f"http://{host}/x.mcap?Signature=secret"))
+    assert words in str(raised.value)
+    assert "secret" not in str(raised.value)

@@ -1,0 +1,145 @@
+"""Names from logs, robots' files and files never reach a terminal or a spreadsheet as they are."""
+
+import csv
+import io
+import os
+import pty
+import re
+import subprocess
+import sys
+from collections.abc import Sequence
+from contextlib import suppress
+from pathlib import Path
+
+import pytest
+from mcap.reader import make_reader
+from mcap.writer import CompressionType
+from mcap.writer import Writer as McapWriter
+
+SAMPLE_LOGS = Path(__file__).parents[1] / "sample_logs"
+WALK = SAMPLE_LOGS / "dogbot_walk.mcap"
+EVIL = "\x1b]0;sent\x07\x1b[8m\x9b31m\u202e\u2028\x7f"
+"""A title for the terminal, hidden text, a C1 code, text from right to left, a line, a DEL."""
+BASE = "\x1b[31mlink"
+SEQUENCE = re.compile(r"\x1b\[[0-9;?]*[A-Za-z]")
+"""Colours and cursor movements, which a terminal may get from us."""
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Return a folder with a log, a cut one and a robot's file that are all hostile."""
+    folder = tmp_path_factory.mktemp("hostile")
+    log = folder / f"=walk\n{EVIL}[red].mcap"
+    _write_hostile(log)
+    (folder / f"cut{EVIL}.mcap").write_bytes(log.read_bytes()[:-200_000])
+    (folder / f"bad\n{EVIL}.bag").write_text(f"no log {EVIL}", encoding="utf-8")
+    robot = subprocess.run(
+        [sys.executable, "-m", "dogbot_logtool", "robots", "dogbot"],
+        capture_output=True,
+        text=True,
+        check=True,
+    ).stdout
+    robot = robot.replace("/dogbot/", f"/{_in_toml(EVIL)}/")
+    robot = robot.replace("[feet.front_left]", f'[feet."=front\\n{_in_toml(EVIL)}"]')
+    robot = robot.replace('name = "dogbot"', f'name = "dogbot\\n{_in_toml(EVIL)}"')
+    robot = robot.replace('base = "base_link"', f'base = "{_in_toml(BASE)}"')
+    (folder / f"robot{EVIL}.toml").write_text(robot, encoding="utf-8")
+    return folder
+
+
+def _in_toml(text: str) -> str:
+    return "".join(f"\\u{ord(character):04x}" for character in text)
+
+
+def _write_hostile(path: Path) -> None:
+    """Copy the walk with other topics, and with frames of the same length."""
+    with WALK.open("rb") as source, path.open("wb") as target:
+        writer = McapWriter(target, compression=CompressionType.NONE)
+        writer.start(profile=f"ros1{EVIL}")
+        channels: dict[int, int] = {}
+        for schema, channel, message in make_reader(source).iter_messages():
+            assert schema is not None
+            if channel.id not in channels:
+                number = writer.register_schema(schema.name, schema.encoding, schema.data)
+                topic = channel.topic.replace("dogbot", EVIL)
+                channels[channel.id] = writer.register_channel(
+                    topic, channel.message_encoding, number
+                )
+            data = message.data.replace(b"base_link", BASE.encode()).replace(b"leg", b"\xc2\x9bm")
+            writer.add_message(channels[channel.id], message.log_time, data, message.publish_time)
+        writer.finish()
+
+
+ROBOT = ["--robot", f"robot{EVIL}.toml"]
+CALLS = {
+    "info": ["info"],
+    "info frames": ["info", "--frames", *ROBOT],
+    "info dot": ["info", "--dot"],
+    "stats": ["stats", "-v", *ROBOT],
+    "csv": ["stats", "--csv", *ROBOT],
+    "convert": ["convert", "-v", "-o", "./", "--overwrite", *ROBOT],
+    "report": ["report", "-v", "-o", "./", "--overwrite"],
+    "layout": ["layout", *ROBOT],
+    "compare": ["compare"],
+    "no such topic": ["convert", "--odom-topic", EVIL],
+    "no such robot": ["convert", "--robot", EVIL],
+    "wrong option": ["convert", f"--{EVIL}"],
+    "wrong value": ["convert", "--style", EVIL],
+}
+each_call = pytest.mark.parametrize("words", CALLS.values(), ids=CALLS)
+
+
+def command(words: Sequence[str], count: int) -> list[str]:
+    """Return the words of a call with the first of the logs."""
+    logs = [f"=walk\n{EVIL}[red].mcap", f"cut{EVIL}.mcap", f"bad\n{EVIL}.bag"]
+    count = {"layout": 1, "compare": 2}.get(words[0], count)
+    return [sys.executable, "-m", "dogbot_logtool", *words, *logs[:count]]
+
+
+@each_call
+def test_no_control_character_is_printed(folder: Path, words: list[str]) -> None:
+    done = subprocess.run(  # noqa: S603
+        command(words, 3), cwd=folder, capture_output=True, check=False
+    )
+    text = (done.stdout + done.stderr).decode("utf-8")
+    assert done.returncode in {0, 1, 2, 3}
+    assert "Traceback" not in text
+    assert [c for c in text if not c.isprintable() and c != "\n"] == []
+    assert [line for line in text.split("\n") if line.startswith(("\\x1b", EVIL[1:]))] == []
+
+
+@each_call
+def test_no_control_character_reaches_a_terminal(folder: Path, words: list[str]) -> None:
+    process, terminal = pty.fork()
+    if not process:
+        os.chdir(folder)
+        os.execve(sys.executable, command(words, 1), os.environ | {"TERM": "xterm"})  # noqa: S606
+    shown = b""
+    with suppress(OSError):
+        while data := os.read(terminal, 1 << 16):
+            shown += data
+    os.close(terminal)
+    os.waitpid(process, 0)
+    text = shown.decode("utf-8")
+    assert "Traceback" not in text
+    assert "\x1b[8m" not in text
+    assert BASE not in text
+    bare = SEQUENCE.sub("", text)
+    assert [c for c in bare if not c.isprintable() and c not in "\r\n"] == []
+
+
+def test_text_in_csv_is_no_formula(folder: Path) -> None:
+    done = subprocess.run(  # noqa: S603
+        command(["stats", "--csv", *ROBOT], 1),
+        cwd=folder,
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    rows = list(csv.DictReader(io.StringIO(done.stdout)))
+    assert {row["log"][:6] for row in rows} == {"'=walk"}
+    assert {row["foot"] for row in rows if "front" in row["foot"]} > {"front_right"}
+    assert [row for row in rows if row["foot"].startswith("'=front\\n")]
+    for row in rows:
+        for name, cell in row.items():
+            assert name in {"log", "foot"} or not cell or isinstance(float(cell), float)
