@@ -8,7 +8,7 @@ import numpy as np
 
 from dogbot_logtool.core.arrays import Ints
 from dogbot_logtool.core.curves import Curve, CurveDetail, LoadCurves
-from dogbot_logtool.errors import LogError
+from dogbot_logtool.errors import CallError, LogError
 from dogbot_logtool.parallel.relay import Progress
 from dogbot_logtool.stats import Measurement, StatsOptions, TimeSourceOption, measure
 from dogbot_logtool.storage import Location
@@ -59,7 +59,7 @@ def load_curves_within(
     if options.curves:
         try:
             found = _curves(path, _narrowed(closer, measured, (start, end)), progress)
-        except LogError:
+        except (CallError, LogError):
             found = ()
         if _hold(found, known, (start, end)):
             return found

@@ -4,33 +4,30 @@ from collections import Counter
 from collections.abc import Generator, Iterator, Mapping
 from contextlib import closing
 from dataclasses import dataclass, field
-from typing import BinaryIO, Final
+from typing import BinaryIO
 
 from mcap import records
 
-from dogbot_logtool import __version__
+from dogbot_logtool.annotated import open_recorded
 from dogbot_logtool.conversion.batch import BatchConverter, ConvertedBatch, Counts
 from dogbot_logtool.conversion.carried import Carried
 from dogbot_logtool.conversion.channels import annotations_of
+from dogbot_logtool.conversion.provenance_record import provenance_record
 from dogbot_logtool.errors import LogError
 from dogbot_logtool.evidence import look_into
 from dogbot_logtool.findings import Finding, note, warning
 from dogbot_logtool.parallel.relay import Progress, relayed
 from dogbot_logtool.plan import ConvertOptions, Plan, make_plan, without_tf
-from dogbot_logtool.printable import printable
-from dogbot_logtool.reader.log import Log, Loss, lost_messages
+from dogbot_logtool.reader.log import Log, Loss
 from dogbot_logtool.reader.losses import undecodable
 from dogbot_logtool.reader.mcap_extras import read_extra
-from dogbot_logtool.reader.opening import open_log
 from dogbot_logtool.selection import select_topics
-from dogbot_logtool.storage import Location, file_name, shown
+from dogbot_logtool.storage import Location, shown
+from dogbot_logtool.time_span import refuse_empty_span
 from dogbot_logtool.world_frames import frame_findings
 from dogbot_logtool.writer.annotations import Annotations
-from dogbot_logtool.writer.mcap_writer import McapWriter, metadata_record
+from dogbot_logtool.writer.mcap_writer import McapWriter
 from dogbot_logtool.writer.output import refuse_bad_target, whole_file
-
-PROVENANCE: Final = "dogbot_logtool"
-"""Name of the metadata record that tells how the file was made."""
 
 
 class _BaseHasParent(Exception):  # noqa: N818 - it never leaves this module
@@ -96,13 +93,14 @@ def convert(
         progress: is told how far it has come.
 
     Raises:
-        CallError: no such file, a target that may not be written, a topic that is not there.
+        CallError: no such file, a target that may not be written, a topic or time that the log
+            does not have.
         LogError: the log cannot be read, has nothing to annotate, or is damaged and `strict`.
         LogtoolError: the target cannot be written.
     """
     overwrite, makes_folder = options.overwrite, options.makes_folder
     refuse_bad_target(target, source, overwrite=overwrite, makes_folder=makes_folder)
-    log = open_log(source)
+    log = open_recorded(source)
     try:
         selection = select_topics(log, options.topics)
         plan = make_plan(log, selection, look_into(log, selection), options)
@@ -133,10 +131,12 @@ def _write(log: Log, target: Location, plan: Plan, progress: Progress | None) ->
                 done += batch.stored_size
                 if progress is not None:
                     progress(done, total)
+        if not tally.losses:
+            refuse_empty_span(log, plan.limits, tally.counts.messages)
         if options.copy:
             _copy_extras(log, writer, tally)
         _account_for_damage(log, plan, tally)
-        writer.add_metadata(_provenance(log, plan, tally))
+        writer.add_metadata(provenance_record(log, plan, tally.losses))
         writer.finish()
     return _conversion(log, target, plan, annotations, tally)
 
@@ -211,35 +211,6 @@ def _account_for_damage(log: Log, plan: Plan, tally: _Tally) -> None:
             f"{shown(log.source.path)}: is damaged, and --strict refuses that: {first.what}"
             + (f" (and {len(tally.losses) - 1} more)" if len(tally.losses) > 1 else "")
         )
-
-
-def _provenance(log: Log, plan: Plan, tally: _Tally) -> records.Metadata:
-    """Return the record that tells how the file was made: no dates, no paths."""
-    options, robot = plan.options, plan.selection.robot
-    values: dict[str, object] = {
-        "version": __version__,
-        "input": printable(file_name(log.source.path)),
-        "container": log.container,
-        "style": options.style,
-        "encoding": options.encoding,
-        "copy": options.copy,
-        "wrench_frame": options.wrench_frame,
-        "force_in_world": plan.force_in_world,
-        "tf": options.tf,
-        "tf_rate_hz": options.tf_rate_hz,
-        "scene": bool(plan.hearings),
-        "start_s": options.start_s,
-        "end_s": options.end_s,
-        "robot": robot.name,
-        "mass_kg": robot.mass_kg,
-        "world_frame": plan.world_frame,
-        "base_frame": plan.base_frame,
-        "lost_messages": lost_messages(tally.losses),
-        "lost_bytes": sum(loss.bytes for loss in tally.losses),
-        "damage": "; ".join(loss.what for loss in tally.losses),
-    }
-    texts = {key: "" if value is None else str(value) for key, value in values.items()}
-    return metadata_record(PROVENANCE, texts)
 
 
 def _conversion(

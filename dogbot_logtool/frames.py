@@ -2,6 +2,7 @@
 
 from collections import Counter
 from collections.abc import Mapping, Sequence
+from collections.abc import Set as AbstractSet
 from dataclasses import dataclass
 
 from dogbot_logtool.core.frame_edges import FrameEdge, FrameRecorder, RecordedFrames
@@ -34,15 +35,21 @@ class Frames:
             senders.add(f"{channel.topic} ({node})" if node else channel.topic)
         return sorted(senders)
 
-    def parents(self, *, ros_only: bool = False) -> dict[str, frozenset[str]]:
+    def parents(
+        self, *, ros_only: bool = False, without: AbstractSet[int] = frozenset()
+    ) -> dict[str, frozenset[str]]:
         """Return the parents of each frame.
 
         Args:
             ros_only: by ROS messages, the only ones that `convert` heeds.
+            without: ids of channels that do not count.
         """
         parents: dict[str, set[str]] = {}
         for edge in self.recorded.edges:
-            types = {self.channels[number].type_name for number in edge.channels}
+            numbers = [number for number in edge.channels if number not in without]
+            if not numbers:
+                continue
+            types = {self.channels[number].type_name for number in numbers}
             if not (ros_only and types <= FOXGLOVE_TYPES):
                 parents.setdefault(edge.child, set()).add(edge.parent)
         return {child: frozenset(names) for child, names in sorted(parents.items())}

@@ -1,8 +1,10 @@
 """`dogbot-logtool info`: what is in a log, what will be used, and what is wrong with it."""
 
 from collections.abc import Mapping
+from collections.abc import Set as AbstractSet
 from dataclasses import dataclass, replace
 
+from dogbot_logtool.annotated import without_annotations
 from dogbot_logtool.evidence import Evidence, evidence_findings, look_into
 from dogbot_logtool.findings import Finding
 from dogbot_logtool.frame_findings import frame_findings
@@ -11,6 +13,7 @@ from dogbot_logtool.parallel.relay import Progress
 from dogbot_logtool.plan import ConvertOptions, make_plan
 from dogbot_logtool.reader.log import Log, Loss
 from dogbot_logtool.reader.opening import open_log
+from dogbot_logtool.reader.transforms import TRANSFORM_TYPES
 from dogbot_logtool.selection import Selection, TopicOptions, select_topics
 from dogbot_logtool.storage import Location
 
@@ -27,7 +30,8 @@ class TopicInfo:
     """Messages a second over the log's duration; None for a log of no duration."""
     senders: int
     use: str
-    """What it is used for: ``odometry``, ``foot front_left``, ``frames``, or nothing."""
+    """What it is used for: ``odometry``, ``foot front_left``, ``frames``, or nothing.
+    ``annotation``: `convert` added it."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -88,13 +92,20 @@ def describe(
     """
     log = open_log(path)
     try:
-        selection = select_topics(log, options)
-        evidence = look_into(log, selection)
+        recorded = without_annotations(log)
+        ours = frozenset(log.channels.keys() - recorded.channels.keys())
+        selection = select_topics(recorded, options)
+        evidence = look_into(recorded, selection)
         frames = None
         if all_frames:
-            frames = read_frames(log, selection.transforms, jobs, progress)
-            evidence = _with_all_frames(evidence, frames)
-        findings, added = _outlook(log, selection, evidence)
+            added_transforms = [
+                channel
+                for number, channel in log.channels.items()
+                if number in ours and channel.type_name in TRANSFORM_TYPES
+            ]
+            frames = read_frames(log, [*selection.transforms, *added_transforms], jobs, progress)
+            evidence = _with_all_frames(evidence, frames, ours)
+        findings, added = _outlook(recorded, selection, evidence)
         if frames is not None:
             findings += frame_findings(frames, added)
         duration = None
@@ -110,7 +121,7 @@ def describe(
             duration_s=duration,
             messages=sum(log.counts.values()),
             chunks=len(log.chunks),
-            topics=_topics(log, selection, duration, frames),
+            topics=_topics(log, selection, duration, frames, ours),
             robot=selection.robot.name,
             parents=evidence.parents if frames is None else frames.parents(),
             added_transform=added,
@@ -123,11 +134,13 @@ def describe(
         log.close()
 
 
-def _with_all_frames(evidence: Evidence, frames: Frames) -> Evidence:
-    """Return the evidence, with every transform instead of those in a few chunks."""
+def _with_all_frames(evidence: Evidence, frames: Frames, ours: AbstractSet[int]) -> Evidence:
+    """Return the evidence, with every recorded transform instead of those in a few chunks."""
     slashed = {*evidence.slashed_frames, *frames.recorded.slashed}
     return replace(
-        evidence, parents=frames.parents(ros_only=True), slashed_frames=tuple(sorted(slashed))
+        evidence,
+        parents=frames.parents(ros_only=True, without=ours),
+        slashed_frames=tuple(sorted(slashed)),
     )
 
 
@@ -143,10 +156,15 @@ def _outlook(
 
 
 def _topics(
-    log: Log, selection: Selection, duration_s: float | None, frames: Frames | None
+    log: Log,
+    selection: Selection,
+    duration_s: float | None,
+    frames: Frames | None,
+    ours: AbstractSet[int],
 ) -> tuple[TopicInfo, ...]:
     uses = {channel.id: "odometry" for channel in selection.odometry}
     uses |= {channel.id: "frames" for channel in selection.transforms}
+    uses |= dict.fromkeys(ours, "annotation")
     uses |= dict.fromkeys(frames.channels if frames else (), "frames")
     for number, feet in selection.feet_of.items():
         names = ", ".join(selection.robot.feet[foot].name for foot in feet)

@@ -4,9 +4,9 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
+from dogbot_logtool.annotated import open_recorded
 from dogbot_logtool.evidence import DEFAULT_BASE, DEFAULT_WORLD, look_into
 from dogbot_logtool.plan import ConvertOptions, make_plan
-from dogbot_logtool.reader.opening import open_log
 from dogbot_logtool.report.foot_pens import foot_colour
 from dogbot_logtool.robot import load_robot
 from dogbot_logtool.selection import TopicOptions, select_topics
@@ -145,7 +145,7 @@ def layout_for(log: Path | None, options: TopicOptions) -> dict[str, Any]:
         feet += [name for name in options.foot_topics or {} if name not in feet]
         world, base = robot.world_frame or DEFAULT_WORLD, robot.base_frame or DEFAULT_BASE
         return foxglove_layout(feet, world, base)
-    opened = open_log(log)
+    opened = open_recorded(log)
     try:
         selection = select_topics(opened, options)
         plan = make_plan(opened, selection, look_into(opened, selection), ConvertOptions())

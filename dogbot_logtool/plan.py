@@ -16,7 +16,8 @@ from dogbot_logtool.errors import LogError
 from dogbot_logtool.evidence import Evidence, WrenchFrameOption, evidence_findings, frame_names
 from dogbot_logtool.findings import Finding, note, warning
 from dogbot_logtool.reader.log import Log
-from dogbot_logtool.selection import Selection, TopicOptions, nothing_to_do, time_limits
+from dogbot_logtool.selection import Selection, TopicOptions, nothing_to_do
+from dogbot_logtool.time_span import TimeLimits, time_limits
 from dogbot_logtool.world_frames import WorldFrames, follow_frames
 from dogbot_logtool.writer.chunks import Compression
 from dogbot_logtool.writer.encoding import ArrowStyle, SupportStyle
@@ -85,8 +86,8 @@ class Plan:
     findings: tuple[Finding, ...]
 
     @property
-    def limits(self) -> tuple[int | None, int | None]:
-        """ns, log times from which and up to which messages are taken; None: no limit."""
+    def limits(self) -> TimeLimits:
+        """Log times of the messages that are taken."""
         return self.start_time, self.end_time
 
     @property
@@ -113,6 +114,7 @@ def make_plan(log: Log, selection: Selection, evidence: Evidence, options: Conve
 
     Raises:
         LogError: the log has neither odometry nor contacts.
+        CallError: the log has no such time as is asked for.
     """
     if not selection.odometry and not selection.contacts:
         raise LogError(nothing_to_do(log))

@@ -1,4 +1,4 @@
-"""What of a log is used: which topics for what, and which part of its time.
+"""What of a log is used: which topics for what.
 
 Topics are told by the robot's file, by options, or found.
 """
@@ -9,6 +9,7 @@ from collections.abc import Set as AbstractSet
 from dataclasses import dataclass, replace
 from typing import Final
 
+from dogbot_logtool.annotated import annotation_findings
 from dogbot_logtool.core.footfall import contact_rule
 from dogbot_logtool.core.loads import body_weight_n
 from dogbot_logtool.errors import CallError, DefinitionError
@@ -120,7 +121,7 @@ def select_topics(log: Log, options: TopicOptions) -> Selection:
     Raises:
         CallError: an option names a topic that the log does not have, or one of a wrong type.
     """
-    findings: list[Finding] = []
+    findings: list[Finding] = [*annotation_findings(log)]
     robot = _choose_robot(log, options, findings)
     robot = _apply_options(log, robot, options)
     odometry = _choose_odometry(log, robot, findings)
@@ -140,17 +141,6 @@ def select_topics(log: Log, options: TopicOptions) -> Selection:
     ]
     return Selection(
         robot, tuple(odometry), tuple(contacts), feet_of, tuple(transforms), tuple(findings)
-    )
-
-
-def time_limits(
-    log: Log, start_s: float | None, end_s: float | None
-) -> tuple[int | None, int | None]:
-    """Return log times, ns, for seconds since the log's start."""
-    start = log.start_time or 0
-    return (
-        None if start_s is None else start + round(start_s * 1e9),
-        None if end_s is None else start + round(end_s * 1e9),
     )
 
 

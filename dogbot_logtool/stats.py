@@ -7,6 +7,7 @@ from dataclasses import dataclass, field, replace
 from functools import partial
 from typing import Final, Literal
 
+from dogbot_logtool.annotated import open_recorded
 from dogbot_logtool.batch_reader import BatchReader
 from dogbot_logtool.core.clock import TimeSource, UnusableStamps
 from dogbot_logtool.core.curves import CurveDetail
@@ -27,7 +28,6 @@ from dogbot_logtool.measuring import BatchMeasurer, MeasuredBatch
 from dogbot_logtool.parallel.relay import Progress, in_order
 from dogbot_logtool.reader.log import Log, Loss, lost_messages
 from dogbot_logtool.reader.losses import undecodable
-from dogbot_logtool.reader.opening import open_log
 from dogbot_logtool.report.stats_json import LogFacts
 from dogbot_logtool.robot import Robot
 from dogbot_logtool.selection import (
@@ -35,9 +35,9 @@ from dogbot_logtool.selection import (
     TopicOptions,
     nothing_to_do,
     select_topics,
-    time_limits,
 )
 from dogbot_logtool.storage import Location, shown
+from dogbot_logtool.time_span import TimeLimits, refuse_empty_span, time_limits
 from dogbot_logtool.world_frames import StreamedFrames, WorldFrames, follow_frames
 
 TimeSourceOption = Literal["header", "log"]
@@ -87,10 +87,10 @@ def measure(path: Location, options: StatsOptions, progress: Progress | None = N
         progress: is told how far it has come.
 
     Raises:
-        CallError: no such file, or a topic in the options that the log does not have.
+        CallError: no such file, or a topic or time in the options that the log does not have.
         LogError: it is no log, or has nothing to measure.
     """
-    log = open_log(path)
+    log = open_recorded(path)
     try:
         selection = select_topics(log, options.topics)
         if not selection.odometry and not selection.contacts:
@@ -167,6 +167,8 @@ def _pass(
             done += batch.stored_size
             if progress is not None:
                 progress(done, total)
+    if not feed.losses:
+        refuse_empty_span(log, limits, feed.messages)
     return feed.finish(log, selection, evidence)
 
 
@@ -176,7 +178,7 @@ def _measured(log: Log, measurer: BatchMeasurer, jobs: int) -> Generator[Measure
     return in_order(partial(measurer, log), spans, jobs, forks=log.can_fork)
 
 
-def _swings(log: Log, evidence: Evidence, limits: tuple[int | None, int | None]) -> SwingTeller:
+def _swings(log: Log, evidence: Evidence, limits: TimeLimits) -> SwingTeller:
     """Return what tells the swings of silent sensors, up to the log's ends if all of it is read."""
     start, end = limits
     return SwingTeller(

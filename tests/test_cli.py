@@ -392,7 +392,7 @@ def test_several_logs_go_into_a_directory(shell: Shell) -> None:
     assert last["messages"]["copied"] == 22059
     names = sorted(file.name for file in (shell.folder / "out").iterdir())
     assert names == ["dogbot_troubled.annotated.mcap", "dogbot_walk.annotated.mcap"]
-    assert shell("convert", TROUBLED, WALK, "-o", "nowhere").code == 2
+    assert shell("convert", TROUBLED, WALK, "-o", "nowhere.mcap").code == 2
 
 
 def test_damage_exits_with_3_or_with_1_when_strict(shell: Shell) -> None:

@@ -102,7 +102,7 @@ def time_range(command: Command) -> Command:
         "start_s",
         type=seconds,
         metavar="S",
-        help="From here on; s since the log's start.",
+        help="From here on; s since the log's start, not negative.",
     )
     end = click.option(
         "--end", "end_s", type=seconds, metavar="S", help="Up to here; s since the log's start."

@@ -125,7 +125,7 @@ def stats(
         fleet, items = todo.fleet, todo.entries
     runner = runner_for(len(items), jobs_or_cores(jobs), scheduler)
     whole = len(items) == 1 and dataset is None
-    measure = Measure(replace(chosen, jobs=runner.jobs), drawing, whole=whole)
+    measure = Measure(replace(chosen, jobs=runner.jobs), drawing, whole=whole, window=shown)
     work = measure if dataset is None else Keep(measure, dataset)
     measured: list[Figures] = []
     for done in outcomes.of(runner, work, items, fleet.names):

@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 
-from dogbot_logtool.plan import Plan
+from dogbot_logtool.plan import EncodingName, Plan
 from dogbot_logtool.reader.definition import short_type_name
 from dogbot_logtool.reader.log import Log
 from dogbot_logtool.writer.annotations import FALLBACK_PREFIX, Annotations, IdSource
@@ -32,7 +32,7 @@ def annotations_of(log: Log, plan: Plan) -> tuple[Annotations, Mapping[str, str]
         return name
 
     annotations = Annotations(
-        _encoding(plan),
+        encoding_named(plan.options.encoding),
         [foot.name for foot in plan.selection.robot.feet],
         plan.arrow_style,
         world_frame=plan.world_frame,
@@ -46,9 +46,10 @@ def annotations_of(log: Log, plan: Plan) -> tuple[Annotations, Mapping[str, str]
     return annotations, moved
 
 
-def _encoding(plan: Plan) -> Encoding:
+def encoding_named(name: EncodingName) -> Encoding:
+    """Return an encoding of the annotations."""
     # Imported late: each brings the libraries of its message format.
-    match plan.options.encoding:
+    match name:
         case "ros1":
             from dogbot_logtool.writer.ros1 import Ros1Encoding  # noqa: PLC0415
 

@@ -133,12 +133,17 @@ class Measure:
     """A figure to be drawn of it."""
     whole: bool = False
     """Whether to return all there is, base's path and every stance included."""
+    window: tuple[float, float] | None = None
+    """s since the log's start, what is to be shown; None: that is chosen."""
 
     def __call__(self, log: Location, tell: Progress | None) -> Figures:
         """Measure it."""
         from dogbot_logtool.stats import measure  # noqa: PLC0415
+        from dogbot_logtool.time_span import refuse_window  # noqa: PLC0415
 
         measured = measure(log, self.options, tell)
+        if self.window is not None:
+            refuse_window(self.window, (measured.stats.end - measured.stats.origin) / 1e9)
         figures = figures_of(measured, whole=self.whole)
         if self.drawing is None:
             return figures

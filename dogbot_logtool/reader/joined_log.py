@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from dogbot_logtool.core.arrays import Bytes, Ints
+from dogbot_logtool.provenance import is_marked
 from dogbot_logtool.reader.log import (
     Batch,
     Channel,
@@ -149,7 +150,7 @@ class _JointChannels:
 
     def __init__(self) -> None:
         self.channels: dict[int, Channel] = {}
-        self._numbers: dict[tuple[str, str, int], int] = {}
+        self._numbers: dict[tuple[str, str, int, bool], int] = {}
         self._schemas: dict[tuple[str, str, bytes], Schema] = {}
 
     def take(self, channels: Mapping[int, Channel]) -> Ints:
@@ -158,7 +159,7 @@ class _JointChannels:
         for number, channel in channels.items():
             schema = self._schema(channel.schema)
             kind = schema.id if schema else 0
-            key = (channel.topic, channel.message_encoding, kind)
+            key = (channel.topic, channel.message_encoding, kind, is_marked(channel.metadata))
             if key not in self._numbers:
                 self._numbers[key] = mine = len(self._numbers) + 1
                 self.channels[mine] = replace(channel, id=mine, schema=schema)

@@ -3,13 +3,14 @@
 from abc import ABC, abstractmethod
 from bisect import bisect_right
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Set as AbstractSet
 from dataclasses import dataclass, field, replace
 from itertools import islice
 from typing import Final
 
 import numpy as np
 
-from dogbot_logtool.core.arrays import Bytes, Ints
+from dogbot_logtool.core.arrays import Bytes, Flags, Ints
 from dogbot_logtool.reader.channel_ids import UNKNOWN_CHANNEL, ChannelIds
 from dogbot_logtool.reader.definition import short_type_name
 from dogbot_logtool.reader.losses import Loss, lost_messages
@@ -166,6 +167,14 @@ class Batch:
             kept &= time >= start
         if end is not None:
             kept &= time <= end
+        return self._only(kept)
+
+    def without(self, channels: AbstractSet[int]) -> "Batch":
+        """Leave out the messages of some channels."""
+        return self._only(~np.isin(self.messages.channel, list(channels)))
+
+    def _only(self, kept: Flags) -> "Batch":
+        """Return some of the messages; chunks that lose any are not whole."""
         bounds = np.concatenate([[0], np.cumsum(kept)])
         chunks = tuple(
             replace(

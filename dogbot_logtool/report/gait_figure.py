@@ -19,6 +19,7 @@ from dogbot_logtool.core.walk_stats import Stats
 from dogbot_logtool.errors import CallError, ExtraMissingError, LogError
 from dogbot_logtool.printable import printable
 from dogbot_logtool.report.foot_pens import foot_colour, short_names
+from dogbot_logtool.time_span import refuse_window
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -178,12 +179,7 @@ def gait_figure(
 def _refuse_nothing(stats: Stats, window: tuple[float, float]) -> None:
     if not stats.feet:
         raise LogError("there are no feet to draw")
-    length = (stats.end - stats.origin) / 1e9
-    if not (window[0] < length and window[1] > 0.0):
-        raise CallError(
-            f"--window {window[0]:g}:{window[1]:g}: the log has no time there, it ends at "
-            f"{length:.3f} s"
-        )
+    refuse_window(window, (stats.end - stats.origin) / 1e9)
 
 
 def _draw_rows(

@@ -15,6 +15,7 @@ from dogbot_logtool.core.loads import Loads
 from dogbot_logtool.core.odometry import Transforms
 from dogbot_logtool.core.support_scene import SupportScene
 from dogbot_logtool.errors import LogtoolError
+from dogbot_logtool.provenance import ANNOTATION_MARK
 from dogbot_logtool.writer.encoding import (
     SHAFT_SHARE,
     ArrowStyle,
@@ -137,7 +138,7 @@ class Annotations:
             id=self._ids.take(),
             topic=self._resolve(topic, kind),
             message_encoding=kind.message_encoding,
-            metadata={},
+            metadata=dict(ANNOTATION_MARK),
             schema_id=schema.id,
         )
         self.channels.append(channel)

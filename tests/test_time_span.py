@@ -1,0 +1,86 @@
+"""Spans of a log that hold nothing: refused, with what the log has."""
+
+import pytest
+
+from tests.test_cli import TROT, TROUBLED, Shell, odometry_log, shell, string_log
+
+__all__ = ["shell"]
+
+COMMANDS = {
+    "convert": ["convert"],
+    "stats": ["stats"],
+    "json": ["stats", "--json"],
+    "report": ["report"],
+    "plot": ["stats", "--plot", "x.svg"],
+}
+WORDS = pytest.mark.parametrize("words", COMMANDS.values(), ids=COMMANDS)
+
+
+@WORDS
+@pytest.mark.parametrize(
+    ("span", "fault"),
+    [
+        (["--start", "4", "--end", "2"], "--end 2 is not after --start 4"),
+        (["--start", "2", "--end", "2"], "--end 2 is not after --start 2"),
+        (["--start", "100"], "--start 100 is not before the log's end"),
+        (["--start", "-1"], "--start -1 lies before the log"),
+        (["--start", "-2", "--end", "-1"], "--start -2 lies before the log"),
+        (["--end", "-1"], "--end -1 is not after the log's start"),
+        (["--end", "0"], "--end 0 is not after the log's start"),
+        # 1 ns after a message: nothing was recorded in the next one.
+        (["--start", "2.000000001", "--end", "2.000000002"], "no message was recorded from 2.0"),
+    ],
+)
+def test_an_empty_span_is_refused(
+    shell: Shell, words: list[str], span: list[str], fault: str
+) -> None:
+    done = shell(words[0], TROUBLED, *words[1:], *span)
+    assert (done.code, done.out if "--json" not in words else "", shell.files()) == (2, "", [])
+    assert fault in done.err
+    assert f"{TROUBLED}: " in done.err
+    assert "it lasts from 0 to 5.001 s" in done.err
+
+
+@WORDS
+def test_the_log_s_end_is_no_start(shell: Shell, words: list[str]) -> None:
+    log = odometry_log(shell.folder / "log.mcap", "/odom")
+    length = 9
+    done = shell(words[0], log, *words[1:], "--start", length)
+    assert (done.code, shell.files()) == (2, ["log.mcap"])
+    assert "is not before the log's end; it lasts from 0 to 9.000 s" in done.err
+
+
+@pytest.mark.parametrize("span", [["--start", "0"], ["--end", "1e9"], ["--start", "0.5"]])
+def test_a_span_that_reaches_beyond_the_log_is_fine(shell: Shell, span: list[str]) -> None:
+    log = odometry_log(shell.folder / "log.mcap", "/odom")
+    assert shell("convert", log, *span).code == 0
+
+
+def test_one_message_may_start_at_0(shell: Shell) -> None:
+    log = string_log(shell.folder / "log.mcap", [("/a", b"x")])
+    done = shell("convert", log, "--start", "0")
+    assert done.code == 1
+    assert "has neither" in done.err
+
+
+@pytest.mark.parametrize("command", ["convert", "stats", "report"])
+def test_each_log_has_its_own_span(shell: Shell, command: str) -> None:
+    done = shell(command, TROT, TROUBLED, "--start", "5.5", "--end", "6.5")
+    assert done.code == 2
+    assert "1 of 2 logs could not be done" in done.err
+    assert "it lasts from 0 to 5.001 s" in " ".join(done.err.split())
+    assert len(shell.files()) == (0 if command == "stats" else 1 if command == "convert" else 2)
+
+
+@pytest.mark.parametrize("window", ["100:200", "-1:2", "-3:-1"])
+@pytest.mark.parametrize("words", [[], ["--plot", "x.svg"], ["--json"]], ids=str)
+def test_a_window_begins_within_the_log(shell: Shell, window: str, words: list[str]) -> None:
+    done = shell("stats", TROT, "--window", window, *words)
+    assert done.code == 2
+    assert f"--window {window}: the log has no time there, it lasts from 0 to" in done.err
+    assert shell.files() == []
+
+
+def test_times_of_the_log_are_seen_in_help(shell: Shell) -> None:
+    done = shell("convert", "--help")
+    assert "since the log's start, not negative" in " ".join(done.out.split())
