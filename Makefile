@@ -7,12 +7,13 @@ BIN := $(VENV)/bin
 CONSTRAINTS := .ci/constraints.txt
 DEMO := demo_output
 SECONDS := 600
+TRIES := 40
 SAMPLE := sample_logs/dogbot_trot.bag
 
 export PIP_DISABLE_PIP_VERSION_CHECK := 1
 export PIP_NO_PYTHON_VERSION_WARNING := 1
 
-.PHONY: help demo test lint format samples golden fuzz bench clean
+.PHONY: help demo test lint format samples golden fuzz torture bench clean
 
 help:
 	@echo "make demo     convert a sample log and look at it"
@@ -21,6 +22,7 @@ help:
 	@echo "make format   format the code"
 	@echo "make samples  write the sample logs anew"
 	@echo "make fuzz     harm logs at random for SECONDS=600"
+	@echo "make torture  interrupt the program at random moments, TRIES=40 of each kind"
 	@echo "make golden   agree anew on what is made of the sample logs"
 	@echo "make bench    measure against what one would use instead; some ten minutes"
 	@echo "make clean    remove what the others made"
@@ -69,6 +71,9 @@ format: $(VENV)/dev
 
 fuzz: $(VENV)/dev
 	$(BIN)/python -m tests.fuzz.long_run --seconds $(SECONDS)
+
+torture: $(VENV)/dev
+	$(BIN)/python -m tests.torture.signals --tries $(TRIES)
 
 golden: $(VENV)/dev
 	$(BIN)/python sample_logs/golden.py

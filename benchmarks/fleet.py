@@ -10,15 +10,16 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Final
 
+from distributed import LocalCluster
 from make_log import write_bag, write_mcap
 from upath import UPath
 
 from dogbot_logtool.convert import convert
-from dogbot_logtool.fleet.cluster import Cluster
-from dogbot_logtool.fleet.engine import Tell
 from dogbot_logtool.info import describe
+from dogbot_logtool.parallel.relay import Progress
 from dogbot_logtool.plan import ConvertOptions
 from dogbot_logtool.reader.remote_source import RemoteSource
+from dogbot_logtool.run.cluster import Cluster
 from dogbot_logtool.selection import TopicOptions
 from dogbot_logtool.stats import StatsOptions, measure
 
@@ -29,16 +30,19 @@ class Silent:
     """Follows a run without a word."""
 
     def told(self, number: int, done: int, total: int) -> None:
-        """See `Watch`."""
+        """See `Watcher`."""
 
     def finished(self, number: int) -> None:
-        """See `Watch`."""
+        """See `Watcher`."""
+
+    def lost(self, number: int) -> None:
+        """See `Watcher`."""
 
     def say(self, sentence: str) -> None:
-        """See `Watch`."""
+        """See `Watcher`."""
 
 
-def nothing(item: object, tell: Tell | None) -> object:
+def nothing(item: object, tell: Progress | None) -> object:
     """Do nothing, on a worker."""
     del tell
     return item
@@ -99,10 +103,13 @@ def main() -> None:
             ):
                 requests, read = fetched(work, log)
                 print(f"  {name}: {requests} requests, {read / 1e6:.1f} MB ({read / size:.1%})")
-    with Cluster[object]("local:2") as cluster:
+    with (
+        LocalCluster(2, threads_per_worker=1, host="127.0.0.1", dashboard_address=None) as local,
+        Cluster[object](local.scheduler_address) as runner,
+    ):
         names = [f"s3://lab/2026/11/robot/log{number:05}.mcap" for number in range(TASKS)]
         start, wall = time.process_time(), time.perf_counter()
-        for _ in cluster.run(nothing, names, Silent()):
+        for _ in runner.run(nothing, names, Silent()):
             pass
         spent, wall = time.process_time() - start, time.perf_counter() - wall
     print(f"{TASKS} tasks of nothing: {spent / TASKS * 1e3:.2f} ms each, in {wall:.0f} s")

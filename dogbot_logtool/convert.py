@@ -1,7 +1,7 @@
 """`dogbot-logtool convert`: a recorded walk becomes an annotated MCAP."""
 
 from collections import Counter
-from collections.abc import Callable, Generator, Iterator, Mapping
+from collections.abc import Generator, Iterator, Mapping
 from contextlib import closing
 from dataclasses import dataclass, field
 from typing import BinaryIO
@@ -29,9 +29,6 @@ from dogbot_logtool.world_frames import frame_findings
 from dogbot_logtool.writer.annotations import Annotations
 from dogbot_logtool.writer.mcap_writer import McapWriter
 from dogbot_logtool.writer.output import refuse_bad_target, whole_file
-
-BatchSource = Callable[[Log, Plan, Annotations], Generator[ConvertedBatch, None, None]]
-"""Converts all batches of a log and hands them back in order."""
 
 
 class _BaseHasParent(Exception):  # noqa: N818 - it never leaves this module
@@ -91,7 +88,6 @@ def convert(
     target: Location,
     options: ConvertOptions,
     progress: Progress | None = None,
-    batches: BatchSource | None = None,
 ) -> Conversion:
     """Write the annotated MCAP of a log.
 
@@ -100,7 +96,6 @@ def convert(
         target: the file to write; it appears only when it is whole.
         options: what is asked for.
         progress: is told how far it has come.
-        batches: who converts the batches; None: this machine.
 
     Raises:
         CallError: no such file, a target that may not be written, a topic or time that the log
@@ -115,17 +110,15 @@ def convert(
         selection = select_topics(log, options.topics)
         plan = make_plan(log, selection, look_into(log, selection), options)
         try:
-            return _write(log, target, plan, progress, batches or convert_batches)
+            return _write(log, target, plan, progress)
         except _BaseHasParent as surprise:
             plan = without_tf(plan, surprise.parent)
-            return _write(log, target, plan, progress, batches or convert_batches)
+            return _write(log, target, plan, progress)
     finally:
         log.close()
 
 
-def _write(
-    log: Log, target: Location, plan: Plan, progress: Progress | None, batches: BatchSource
-) -> Conversion:
+def _write(log: Log, target: Location, plan: Plan, progress: Progress | None) -> Conversion:
     total = sum(chunk.data_size for chunk in log.chunks)
     done = 0
     options = plan.options
@@ -133,7 +126,7 @@ def _write(
         annotations, moved_topics = annotations_of(log, plan)
         tally = _Tally(losses=list(log.losses), moved_topics=moved_topics)
         writer = _start(file, log, plan, annotations)
-        with closing(batches(log, plan, annotations)) as converted:
+        with closing(_converted(log, plan, annotations)) as converted:
             for batch in converted:
                 if batch.other_parent is not None:
                     raise _BaseHasParent(batch.other_parent)
@@ -182,18 +175,16 @@ def _start(file: BinaryIO, log: Log, plan: Plan, annotations: Annotations) -> Mc
     return writer
 
 
-def convert_batches(
+def _converted(
     log: Log, plan: Plan, annotations: Annotations
 ) -> Generator[ConvertedBatch, None, None]:
-    """Convert all batches of a log on this machine."""
+    """Convert all batches of a log."""
     return relayed(
         BatchConverter(log, plan, annotations),
         log.spans(*plan.limits),
         plan.options.jobs,
         Carried.nothing(plan),
         forks=log.can_fork,
-        # Chunks are written before the next batch is asked for.
-        lent=True,
     )
 
 

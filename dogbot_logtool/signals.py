@@ -1,12 +1,22 @@
 """Signals that end the program: each becomes an exception, so that every clean-up runs."""
 
+import math
 import signal
-import sys
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
 from types import FrameType
 from typing import Final
 
-_NAMES: Final = ("SIGINT", "SIGTERM", "SIGHUP")
+_ENDING: Final = [
+    signal.Signals[name]
+    for name in ("SIGINT", "SIGTERM", "SIGHUP")
+    if name in signal.Signals.__members__
+]
 """Ctrl-C, `kill`, and a terminal that was closed; not every system has the last."""
+
+_CLEAN_UP_S: Final = 10.0
+_last_raised = -math.inf
 
 
 class Stopped(SystemExit):
@@ -22,21 +32,48 @@ def raise_on_signals() -> None:
 
     A signal that is ignored already stays ignored: `nohup` and background jobs rely on it.
     """
-    for name in _NAMES:
-        number = getattr(signal, name, None)
-        if number is not None and signal.getsignal(number) is not signal.SIG_IGN:
-            signal.signal(number, _stop)
+    for number in _ENDING:
+        if signal.getsignal(number) is not signal.SIG_IGN:
+            signal.signal(number, raise_stopped)
 
 
-def _stop(number: int, _frame: FrameType | None) -> None:
-    # A second Ctrl-C must not cut short the clean-up that the first one began.
-    if not _is_stopping():
+def ignore_signals() -> None:
+    """Ignore what asks this process to end: it is about to, and must not be cut short."""
+    for number in _ENDING:
+        signal.signal(number, signal.SIG_IGN)
+
+
+def leave_to_parent() -> None:
+    """Ignore Ctrl-C and a closed terminal, which reach all processes: the parent ends its workers.
+
+    To be called first in a worker; SIGTERM ends it without a word.
+    """
+    ignore_signals()
+    signal.signal(signal.SIGTERM, signal.SIG_DFL)
+    if hasattr(signal, "pthread_sigmask"):
+        signal.pthread_sigmask(signal.SIG_UNBLOCK, _ENDING)
+
+
+@contextmanager
+def held_back() -> Iterator[None]:
+    """Let signals wait that ask this process to end, until the block has ended.
+
+    They wait in processes that are started in the block, too, until `leave_to_parent`.
+    """
+    if not hasattr(signal, "pthread_sigmask"):
+        yield
+        return
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, _ENDING)
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
+
+
+def raise_stopped(number: int, _frame: FrameType | None) -> None:
+    """Raise `Stopped`, but not again soon: the clean-up that it began must not be cut short."""
+    global _last_raised  # noqa: PLW0603 - a process has one
+    now = time.monotonic()
+    if now - _last_raised > _CLEAN_UP_S:
+        _last_raised = now
         raise Stopped(number)
-
-
-def _is_stopping() -> bool:
-    """Tell whether `Stopped` is being handled, an error raised on its way included."""
-    error = sys.exception()
-    while error is not None and not isinstance(error, Stopped):
-        error = error.__context__
-    return error is not None

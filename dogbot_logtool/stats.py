@@ -1,7 +1,7 @@
 """`dogbot-logtool stats`: which gait, how loaded, and can the recording be trusted."""
 
 from collections import Counter
-from collections.abc import Callable, Generator, Iterable, Sequence
+from collections.abc import Generator, Sequence
 from contextlib import closing
 from dataclasses import dataclass, field, replace
 from functools import partial
@@ -27,7 +27,7 @@ from dogbot_logtool.evidence import (
 from dogbot_logtool.findings import Finding, warning
 from dogbot_logtool.measuring import BatchMeasurer, MeasuredBatch
 from dogbot_logtool.parallel.relay import Progress, in_order
-from dogbot_logtool.reader.log import Log, Loss, Span, lost_messages
+from dogbot_logtool.reader.log import Log, Loss, lost_messages
 from dogbot_logtool.reader.losses import undecodable, wrong_statistics
 from dogbot_logtool.report.stats_json import LogFacts
 from dogbot_logtool.robot import Robot
@@ -79,23 +79,13 @@ class Measurement:
         return 3 if self.losses else 0
 
 
-BatchSource = Callable[[Log, BatchMeasurer, Iterable[Span]], Generator[MeasuredBatch, None, None]]
-"""Measures batches of a log and hands them back in order."""
-
-
-def measure(
-    path: Location,
-    options: StatsOptions,
-    progress: Progress | None = None,
-    batches: BatchSource | None = None,
-) -> Measurement:
+def measure(path: Location, options: StatsOptions, progress: Progress | None = None) -> Measurement:
     """Work out all figures of a log.
 
     Args:
         path: the log.
         options: what is asked for.
         progress: is told how far it has come.
-        batches: who reads the batches; None: this machine.
 
     Raises:
         CallError: no such file, or a topic or time in the options that the log does not have.
@@ -109,10 +99,10 @@ def measure(
         evidence = look_into(log, selection)
         try:
             settings = _settings(selection, evidence, options)
-            return _pass(log, selection, evidence, settings, options, progress, batches)
+            return _pass(log, selection, evidence, settings, options, progress)
         except UnusableStamps as reason:
             settings = _settings(selection, evidence, options, log_time_because=str(reason))
-            return _pass(log, selection, evidence, settings, options, progress, batches)
+            return _pass(log, selection, evidence, settings, options, progress)
     finally:
         log.close()
 
@@ -157,7 +147,6 @@ def _pass(
     settings: StatsSettings,
     options: StatsOptions,
     progress: Progress | None,
-    batches: BatchSource | None,
 ) -> Measurement:
     """Read the log once, feeding all messages to the figures in order."""
     limits = time_limits(log, options.start_s, options.end_s)
@@ -174,7 +163,7 @@ def _pass(
         list(log.losses),
     )
     done, total = 0, sum(chunk.data_size for chunk in log.chunks)
-    with closing(_measured(log, measurer, options.jobs, batches)) as measured:
+    with closing(_measured(log, measurer, options.jobs)) as measured:
         for batch in measured:
             feed.take(batch)
             done += batch.stored_size
@@ -187,13 +176,9 @@ def _pass(
     return feed.finish(log, selection, evidence)
 
 
-def _measured(
-    log: Log, measurer: BatchMeasurer, jobs: int, batches: BatchSource | None
-) -> Generator[MeasuredBatch, None, None]:
-    """Read all batches, here or by who else does it."""
+def _measured(log: Log, measurer: BatchMeasurer, jobs: int) -> Generator[MeasuredBatch, None, None]:
+    """Read all batches."""
     spans = log.spans(*measurer.reader.limits)
-    if batches is not None:
-        return batches(log, measurer, spans)
     return in_order(partial(measurer, log), spans, jobs, forks=log.can_fork)
 
 

@@ -585,7 +585,7 @@ def test_info_of_several_logs(shell: Shell) -> None:
     [
         (("info", "s3://lab/walk.bag"), "upath"),
         (("info", "@s3://lab/list.txt"), "upath"),
-        (("stats", TROT, "--scheduler", "local:2"), "dask"),
+        (("stats", TROT, "--scheduler", "tcp://x:1"), "distributed"),
         (("stats", TROT, "--parquet", "figures"), "pyarrow"),
     ],
 )
@@ -593,8 +593,8 @@ def test_what_an_extra_brings_is_asked_for(
     shell: Shell, monkeypatch: pytest.MonkeyPatch, words: Sequence[object], package: str
 ) -> None:
     monkeypatch.setitem(sys.modules, package, None)
-    for module in ("cluster", "dataset"):
-        monkeypatch.delitem(sys.modules, f"dogbot_logtool.fleet.{module}", raising=False)
+    for module in ("run.cluster", "fleet.dataset"):
+        monkeypatch.delitem(sys.modules, f"dogbot_logtool.{module}", raising=False)
     done = shell(*words)
     assert (done.code, done.out) == (1, "")
     assert done.err.endswith(f"not installed: {install_command('fleet')}\n")

@@ -102,11 +102,11 @@ def convert(
     **options: Any,  # noqa: ANN401 - click's words go straight into the dataclass
 ) -> None:
     """Write an annotated MCAP: /tf, arrows and loads of the feet, /support, and the log itself."""
-    from dogbot_logtool.fleet.choice import engine_for  # noqa: PLC0415
     from dogbot_logtool.fleet.logs import find_logs  # noqa: PLC0415
     from dogbot_logtool.fleet.tasks import Convert, orders  # noqa: PLC0415
     from dogbot_logtool.plan import ConvertOptions  # noqa: PLC0415
     from dogbot_logtool.report.convert_json import conversion_json  # noqa: PLC0415
+    from dogbot_logtool.run.choice import runner_for  # noqa: PLC0415
     from dogbot_logtool.storage import from_root  # noqa: PLC0415
     from dogbot_logtool.writer.targets import may_be_several, output_at, targets  # noqa: PLC0415
 
@@ -117,14 +117,14 @@ def convert(
     if scheduler is not None:
         where = replace(where, place=from_root(where.place))
     pairs = targets(fleet.places, where, ".annotated.mcap", fleet.below)
-    engine = engine_for(len(pairs), jobs_or_cores(jobs), scheduler)
+    runner = runner_for(len(pairs), jobs_or_cores(jobs), scheduler)
     chosen = ConvertOptions(
-        topics=topics, jobs=engine.jobs, makes_folder=where.is_folder, **options
+        topics=topics, jobs=runner.jobs, makes_folder=where.is_folder, **options
     )
-    work = orders(pairs, may_repeat=engine.may_repeat)
+    work = orders(pairs, may_repeat=runner.may_repeat)
     outcomes = Outcomes(quiet=quiet)
     outcomes.mention_left_out(fleet)
-    for done in outcomes.of(engine, Convert(chosen), work, fleet.names):
+    for done in outcomes.of(runner, Convert(chosen), work, fleet.names):
         outcomes.add(conversion_json(done), done.exit_code)
         if not quiet:
             _print(done, verbose=verbose)

@@ -56,12 +56,12 @@ def info(
     as_json: bool,
 ) -> None:
     """Show what is in a log, what will be used for what, and what is wrong with it."""
-    from dogbot_logtool.fleet.choice import engine_for  # noqa: PLC0415
     from dogbot_logtool.fleet.logs import find_logs  # noqa: PLC0415
     from dogbot_logtool.fleet.tasks import Describe  # noqa: PLC0415
     from dogbot_logtool.report.console import results  # noqa: PLC0415
     from dogbot_logtool.report.frames_dot import frames_dot  # noqa: PLC0415
     from dogbot_logtool.report.info_report import info_json, print_info  # noqa: PLC0415
+    from dogbot_logtool.run.choice import runner_for  # noqa: PLC0415
     from dogbot_logtool.writer.output import refuse_bad_target, whole_file  # noqa: PLC0415
     from dogbot_logtool.writer.targets import refuse_other_format  # noqa: PLC0415
 
@@ -75,12 +75,12 @@ def info(
         refuse_other_format(output, ".dot")
         for source in fleet.places:
             refuse_bad_target(output, source, overwrite=overwrite)
-    engine = engine_for(len(fleet.logs), jobs_or_cores(jobs), scheduler)
-    describe = Describe(options, all_frames=all_frames or dot, jobs=engine.jobs)
+    runner = runner_for(len(fleet.logs), jobs_or_cores(jobs), scheduler)
+    describe = Describe(options, all_frames=all_frames or dot, jobs=runner.jobs)
     outcomes = Outcomes()
     outcomes.mention_left_out(fleet)
     graphs: list[str] = []
-    for found in outcomes.of(engine, describe, fleet.places, fleet.names):
+    for found in outcomes.of(runner, describe, fleet.places, fleet.names):
         outcomes.add(info_json(found), found.exit_code)
         if found.frames is not None and dot:
             graphs.append(frames_dot(found, found.frames))

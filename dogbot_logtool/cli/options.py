@@ -74,7 +74,7 @@ jobs_option: Final = click.option(
 scheduler_option: Final = click.option(
     "--scheduler",
     metavar="ADDRESS",
-    help="Have dask.distributed's workers do it: tcp://host:8786, or local:N for N here.",
+    help="Have the workers of dask.distributed do it; such as tcp://host:8786.",
 )
 overwrite_option: Final = click.option(
     "--overwrite", is_flag=True, help="Replace the output if it exists."

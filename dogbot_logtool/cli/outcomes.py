@@ -12,8 +12,8 @@ from dogbot_logtool.printable import printable
 from dogbot_logtool.storage import valid_unicode
 
 if TYPE_CHECKING:
-    from dogbot_logtool.fleet.engine import Engine, Work
     from dogbot_logtool.fleet.logs import Fleet
+    from dogbot_logtool.run.runner import Runner, Work
 
 Result = TypeVar("Result")
 
@@ -37,7 +37,7 @@ class Outcomes:
 
     def of(
         self,
-        engine: "Engine[Result]",
+        runner: "Runner[Result]",
         work: "Work[Result]",
         items: Sequence[object],
         names: Sequence[str],
@@ -45,17 +45,17 @@ class Outcomes:
         """Work on all logs; yield the results in order. What fails is told, and is an outcome.
 
         Args:
-            engine: who works; is closed at the end.
+            runner: works on them; is closed at the end.
             work: what is done.
             items: what it is done to.
             names: of the items.
         """
-        from dogbot_logtool.fleet.engine import Failure  # noqa: PLC0415
         from dogbot_logtool.report.progress import ProgressBars  # noqa: PLC0415
+        from dogbot_logtool.run.runner import Failure  # noqa: PLC0415
 
         bars = ProgressBars(names, shown=not self._quiet)
-        with engine, bars:
-            outcomes = engine.run(work, items, bars)
+        with runner, bars:
+            outcomes = runner.run(work, items, bars)
             for name, outcome in zip(names, outcomes, strict=True):
                 if not isinstance(outcome, Failure):
                     yield outcome

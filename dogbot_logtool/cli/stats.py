@@ -88,10 +88,10 @@ def stats(
 ) -> None:
     """Measure a walk: which gait, how loaded, and can the recording be trusted."""
     from dogbot_logtool.core.curves import CurveDetail  # noqa: PLC0415
-    from dogbot_logtool.fleet.choice import engine_for  # noqa: PLC0415
     from dogbot_logtool.fleet.logs import find_logs  # noqa: PLC0415
     from dogbot_logtool.fleet.tasks import Measure  # noqa: PLC0415
     from dogbot_logtool.report.stats_csv import write_strides  # noqa: PLC0415
+    from dogbot_logtool.run.choice import runner_for  # noqa: PLC0415
     from dogbot_logtool.stats import StatsOptions  # noqa: PLC0415
     from dogbot_logtool.storage import from_root, location  # noqa: PLC0415
 
@@ -124,12 +124,12 @@ def stats(
         todo = dataset.todo(fleet)
         outcomes.add_unchanged(todo.unchanged)
         fleet, items = todo.fleet, todo.entries
-    engine = engine_for(len(items), jobs_or_cores(jobs), scheduler)
+    runner = runner_for(len(items), jobs_or_cores(jobs), scheduler)
     whole = len(items) == 1 and dataset is None
-    measure = Measure(replace(chosen, jobs=engine.jobs), drawing, whole=whole, window=shown)
+    measure = Measure(replace(chosen, jobs=runner.jobs), drawing, whole=whole, window=shown)
     work = measure if dataset is None else Keep(measure, dataset)
     measured: list[Figures] = []
-    for done in outcomes.of(engine, work, items, fleet.names):
+    for done in outcomes.of(runner, work, items, fleet.names):
         if drawing is not None and done.drawn is not None and not quiet:
             start, end = done.drawn
             from dogbot_logtool.report.console import diagnostics, print_sentence  # noqa: PLC0415

@@ -84,10 +84,9 @@ class BatchConverter:
         """Read a batch; return it, and what it becomes without the recorded messages."""
         read = read_batch(self._log, self._plan, span)
         carried = baton.take()
-        extract = read.extract
-        placed = extract.placed(carried.transforms, self._plan)
+        placed = read.placed(carried.transforms, self._plan)
         footings = carried.footings(placed.samples, self._plan)
-        baton.pass_on(carried.past(extract, footings))
+        baton.pass_on(carried.past(read, footings))
         drawn = draw(read, placed.samples, footings, carried, self._plan)
         stamped_out = self._annotations.outgoing(drawn.columns)
         compression = self._plan.options.compression or "zstd"

@@ -7,7 +7,7 @@ what was read of them alone, and is handed on before the heavy work begins.
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 
-from dogbot_logtool.conversion.reading import Extract
+from dogbot_logtool.conversion.reading import ReadBatch
 from dogbot_logtool.core.contacts import Samples
 from dogbot_logtool.core.footing import Footing, FootMemory, follow_feet, nothing_heard
 from dogbot_logtool.core.silent_swing import LastHeard, last_heard
@@ -42,17 +42,7 @@ class Carried:
         """
         return follow_feet(samples, self.feet, plan.hearings, force_in_world=plan.force_in_world)
 
-    def over(self, read: Extract, plan: Plan) -> "Carried":
-        """Return what the batch after this one must know; nothing else is wanted of this one.
-
-        Args:
-            read: what was read of this one.
-            plan: what is to be done.
-        """
-        placed = read.placed(self.transforms, plan)
-        return self.past(read, self.footings(placed.samples, plan))
-
-    def past(self, read: Extract, footings: Sequence[Footing]) -> "Carried":
+    def past(self, read: ReadBatch, footings: Sequence[Footing]) -> "Carried":
         """Return what the batch after this one must know.
 
         Args:
@@ -60,10 +50,11 @@ class Carried:
             footings: of each foot in this one, if anybody asks.
         """
         heard = self.contacts
-        for samples, silent_in_swing in zip(read.samples, read.silent_in_swing, strict=True):
-            if silent_in_swing:
-                heard = last_heard(samples, heard)
-        transforms = read.frames.handed_on(self.transforms) if read.frames else self.transforms
+        for contacts in read.columns.contacts:
+            if contacts.source.silent_in_swing:
+                heard = last_heard(contacts.felt.samples, heard)
+        frames = read.columns.frames
+        transforms = frames.handed_on(self.transforms) if frames else self.transforms
         feet = tuple(footing.memory() for footing in footings)
         odometry = self.odometry if read.last_pose is None else read.last_pose
         return Carried(odometry, heard, transforms, feet)

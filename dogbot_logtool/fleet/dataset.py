@@ -24,15 +24,14 @@ from urllib.parse import quote
 
 from dogbot_logtool import __version__, storage
 from dogbot_logtool.errors import CallError, ExtraMissingError, LogtoolError, StoreError
-from dogbot_logtool.fleet.engine import Tell
 from dogbot_logtool.fleet.logs import Fleet, Found
 from dogbot_logtool.fleet.tasks import Figures, Measure
+from dogbot_logtool.parallel.relay import Progress
 from dogbot_logtool.plain_json import to_json
 from dogbot_logtool.storage import Location
 from dogbot_logtool.writer.output import whole_file
 
 if TYPE_CHECKING:
-    from dogbot_logtool.fleet.parts import Parts
     from dogbot_logtool.stats import StatsOptions
 
 try:
@@ -285,13 +284,9 @@ class Keep:
     measure: Measure
     dataset: Dataset
 
-    def size(self, entry: Entry) -> int:
-        """Return the log's size, bytes."""
-        return entry.state.size
-
-    def __call__(self, entry: Entry, tell: Tell | None, parts: "Parts | None" = None) -> Figures:
-        """Measure a log, by parts if they are given, and keep its figures."""
-        figures = self.measure(entry.place, tell, parts)
+    def __call__(self, entry: Entry, tell: Progress | None) -> Figures:
+        """Measure a log and keep its figures."""
+        figures = self.measure(entry.place, tell)
         self.dataset.keep(figures, entry)
         return figures
 

@@ -7,17 +7,15 @@ import os
 from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
-from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
 from dogbot_logtool import storage
-from dogbot_logtool.fleet.engine import Tell
+from dogbot_logtool.parallel.relay import Progress
 from dogbot_logtool.storage import Location
 
 if TYPE_CHECKING:
     from dogbot_logtool.convert import Conversion
-    from dogbot_logtool.fleet.parts import Parts
     from dogbot_logtool.info import LogInfo
     from dogbot_logtool.plan import ConvertOptions
     from dogbot_logtool.plot import PlotOptions
@@ -38,7 +36,7 @@ class Describe:
     jobs: int = 1
     """How many batches are read at once."""
 
-    def __call__(self, log: Location, tell: Tell | None) -> "LogInfo":
+    def __call__(self, log: Location, tell: Progress | None) -> "LogInfo":
         """Describe it."""
         from dogbot_logtool.info import describe  # noqa: PLC0415
 
@@ -53,20 +51,13 @@ class Convert:
 
     options: "ConvertOptions"
 
-    def size(self, order: "Order") -> int:
-        """Return the log's size, bytes."""
-        return storage.version(order.log)[0]
-
-    def __call__(
-        self, order: "Order", tell: Tell | None, parts: "Parts | None" = None
-    ) -> "Conversion":
-        """Convert it, by parts if they are given."""
+    def __call__(self, order: "Order", tell: Progress | None) -> "Conversion":
+        """Convert it."""
         from dogbot_logtool.convert import convert  # noqa: PLC0415
 
         overwrite = self.options.overwrite or order.was_free
         options = replace(self.options, overwrite=overwrite)
-        batches = partial(parts.converted, order.log) if parts else None
-        return convert(order.log, order.target, options, tell, batches)
+        return convert(order.log, order.target, options, tell)
 
 
 @dataclass(frozen=True, slots=True)
@@ -145,17 +136,12 @@ class Measure:
     window: tuple[float, float] | None = None
     """s since the log's start, what is to be shown; None: that is chosen."""
 
-    def size(self, log: Location) -> int:
-        """Return the log's size, bytes."""
-        return storage.version(log)[0]
-
-    def __call__(self, log: Location, tell: Tell | None, parts: "Parts | None" = None) -> Figures:
-        """Measure it, by parts if they are given."""
+    def __call__(self, log: Location, tell: Progress | None) -> Figures:
+        """Measure it."""
         from dogbot_logtool.stats import measure  # noqa: PLC0415
         from dogbot_logtool.time_span import refuse_window  # noqa: PLC0415
 
-        batches = partial(parts.measured, log) if parts else None
-        measured = measure(log, self.options, tell, batches)
+        measured = measure(log, self.options, tell)
         if self.window is not None:
             refuse_window(self.window, (measured.stats.end - measured.stats.origin) / 1e9)
         figures = figures_of(measured, whole=self.whole)

@@ -1,61 +1,69 @@
-"""Work on several copies of this process, with results in the order of the work.
+"""Work in several copies of this process, with results in the order of the items.
 
-A fork takes a few milliseconds and inherits whatever the work refers to: an opened log, a plan,
-the columns of its index. The copies take the items in turn, pass batons round in a ring, and send
-results here. They read the log, compute and answer: of the threads that were copied as they
-stood, none is needed.
+A fork takes a few milliseconds and inherits whatever the work refers to: an opened log, a plan, the
+columns of its index. The workers take the items in turn. Each sends its results to this process,
+and the state after an item to the next worker, in a ring. Everything goes through pipes with one
+process at each end, so nothing waits for a process that has ended. A worker ends at once when this
+process ends, however that happens.
 """
 
 import gc
 import multiprocessing
 import os
-import signal
+import pickle
+import threading
 import traceback
-from collections.abc import Generator, Iterable, Iterator, Sequence
+from collections.abc import Generator, Iterator, Sequence
+from concurrent.futures import Future, ThreadPoolExecutor
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
-from itertools import chain
+from functools import partial
 from multiprocessing.context import ForkProcess
 from typing import Any, BinaryIO, Final, Generic
 
 from dogbot_logtool.errors import LogtoolError
 from dogbot_logtool.parallel.relay import Item, RelayWork, Result, State
-from dogbot_logtool.parallel.transport import NeighbourDied, Tray, receive, send
+from dogbot_logtool.signals import held_back, leave_to_parent
 
 _FORK: Final = multiprocessing.get_context("fork")
+_STARTING: Final = threading.Lock()
+"""Held while workers start: another thread's would inherit both ends of their pipes."""
+
+
+class _PeerEndedError(Exception):
+    """The process at the other end of a pipe ended before it sent all."""
+
+
+@dataclass(frozen=True, slots=True)
+class _Raised:
+    """An error of the work, sent instead of a result."""
+
+    error: Exception
 
 
 def forked(
-    work: RelayWork[Item, State, Result],
-    items: Sequence[Item],
-    jobs: int,
-    first: State,
-    *,
-    lent: bool,
+    work: RelayWork[Item, State, Result], items: Sequence[Item], jobs: int, first: State
 ) -> Generator[Result, None, None]:
     """Yield `work(item, baton)` for every item, in order; see `relay.relayed`.
 
     Args:
         work: what is done to an item.
         items: at least as many as `jobs`.
-        jobs: at least two, since a process cannot hand on a large baton to itself.
-        first: the baton of the first item.
-        lent: arrays of a result need not outlast the next one.
+        jobs: at least two, since a process cannot send a large state to itself.
+        first: the state before the first item.
 
     Raises:
         LogtoolError: a process died.
     """
-    with _crew(work, items, jobs, first) as desks:
+    with _workers(work, items, jobs, first) as results:
         for number in range(len(items)):
-            desk = desks[number % jobs]
-            yield _received(desk, lent=lent)
-            desk.clear()
+            yield _result(results[number % jobs])
 
 
-def _received(desk: "_Desk", *, lent: bool) -> Any:  # noqa: ANN401 - it was pickled
+def _result(arriving: BinaryIO) -> Any:  # noqa: ANN401 - it was pickled
     try:
-        outcome = receive(desk.results, desk.tray, lent=lent)
-    except NeighbourDied as error:
+        outcome = _receive(arriving)
+    except _PeerEndedError as error:
         raise LogtoolError(
             "a process that worked on it died: perhaps for want of memory; try --jobs 1"
         ) from error
@@ -64,180 +72,164 @@ def _received(desk: "_Desk", *, lent: bool) -> Any:  # noqa: ANN401 - it was pic
     return outcome
 
 
-@dataclass(frozen=True, slots=True)
-class _Raised:
-    """What came of work instead of a result."""
+def _send(end: BinaryIO, thing: object) -> None:
+    # Protocol 5 writes large arrays to the pipe, and reads them from it, without copying them.
+    pickle.dump(thing, end, protocol=5)
+    end.flush()
 
-    error: Exception
 
+def _receive(end: BinaryIO) -> Any:  # noqa: ANN401 - it was pickled
+    """Receive what `_send` sent.
 
-@dataclass(frozen=True, slots=True)
-class _Desk:
-    """Where the results of a worker arrive."""
-
-    results: BinaryIO
-    taken: BinaryIO
-    """Leads to the worker."""
-    tray: Tray
-
-    def clear(self) -> None:
-        """Let the worker use its tray for another result."""
-        # Behind its last item it is gone.
-        with suppress(BrokenPipeError):
-            os.write(self.taken.fileno(), b".")
-
-    def __iter__(self) -> Iterator[BinaryIO]:
-        return iter((self.results, self.taken))
+    Raises:
+        _PeerEndedError: it was not sent, or only in part.
+    """
+    try:
+        return pickle.load(end)  # noqa: S301 - a copy of this process made it
+    except (EOFError, pickle.UnpicklingError) as error:
+        raise _PeerEndedError from error
 
 
 @dataclass(frozen=True, slots=True)
 class _Ends:
-    """A worker's ends of its pipes, and its tray."""
+    """The ends of pipes that a worker uses."""
 
-    batons_in: BinaryIO
-    batons_out: BinaryIO
+    parent: BinaryIO
+    """Nothing is sent: it is at its end when the first process is."""
+    states_in: BinaryIO
+    states_out: BinaryIO
     results: BinaryIO
-    taken: BinaryIO
-    """Tells that the tray is free."""
-    tray: Tray
-
-    def __iter__(self) -> Iterator[BinaryIO]:
-        return iter((self.batons_in, self.batons_out, self.results, self.taken))
 
 
 class _Piped(Generic[State]):
     """A baton between processes."""
 
-    def __init__(self, ends: _Ends, given: list[State]) -> None:
+    def __init__(self, ends: _Ends, first: list[State]) -> None:
         self._ends = ends
-        self._given = given
+        self._first = first
 
     def take(self) -> State:
         """See `Baton.take`."""
-        if self._given:
-            return self._given.pop()
-        state: State = receive(self._ends.batons_in)
+        if self._first:
+            return self._first.pop()
+        state: State = _receive(self._ends.states_in)
         return state
 
     def pass_on(self, state: State) -> None:
         """See `Baton.pass_on`."""
-        # Behind the last item nobody waits.
+        # Behind the last item no worker is left to receive it.
         with suppress(BrokenPipeError):
-            send(self._ends.batons_out, state)
-
-
-@contextmanager
-def _crew(
-    work: RelayWork[Item, State, Result], items: Sequence[Item], jobs: int, first: State
-) -> Iterator[list[_Desk]]:
-    """Start the workers; yield where their results arrive."""
-    pipes = _Pipes()
-    crew: list[ForkProcess] = []
-    # A garbage collection writes to all that it looks at: each process would get its own pages of
-    # what was there before, an index of an hour for one.
-    gc.freeze()
-    try:
-        try:
-            desks, ends_of = pipes.ring(jobs)
-            for number, ends in enumerate(ends_of):
-                given = [] if number else [first]
-                crew.append(_started(work, items[number::jobs], ends, given, pipes))
-        except OSError as error:
-            raise LogtoolError(
-                f"{jobs} processes cannot be started: {error.strerror}; try fewer --jobs"
-            ) from error
-        pipes.close_all_but(chain(*desks))
-        yield desks
-    finally:
-        for process in crew:
-            process.kill()
-        for process in crew:
-            process.join()
-        pipes.close_all_but([])
-        gc.unfreeze()
+            _send(self._ends.states_out, state)
 
 
 class _Pipes:
-    """All ends of all pipes between workers, and between them and here."""
+    """All pipes between workers, and between them and this process."""
 
     def __init__(self) -> None:
         self._ends: list[BinaryIO] = []
 
-    def ring(self, jobs: int) -> tuple[list[_Desk], list[_Ends]]:
-        """Connect workers: each takes batons from the one before it.
+    def open(self) -> tuple[BinaryIO, BinaryIO]:
+        """Return the ends of a new pipe: to read from, and to write to."""
+        reader, writer = os.pipe()
+        ends = open(reader, "rb"), open(writer, "wb")  # noqa: SIM115, PTH123 - see close_all_but
+        self._ends.extend(ends)
+        return ends
 
-        Returns:
-            this process's ends, and the workers'.
-        """
-        batons = [self._pipe() for _ in range(jobs)]
-        desks: list[_Desk] = []
-        workers: list[_Ends] = []
-        for number in range(jobs):
-            results, taken, tray = self._pipe(), self._pipe(), Tray()
-            desks.append(_Desk(results[0], taken[1], tray))
-            batons_in, batons_out = batons[number][0], batons[(number + 1) % jobs][1]
-            workers.append(_Ends(batons_in, batons_out, results[1], taken[0], tray))
-        return desks, workers
-
-    def _pipe(self) -> tuple[BinaryIO, BinaryIO]:
-        arrive, leave = os.pipe()
-        pipe = open(arrive, "rb"), open(leave, "wb")  # noqa: SIM115, PTH123 - closed below
-        self._ends.extend(pipe)
-        return pipe
-
-    def close_all_but(self, kept: Iterable[BinaryIO]) -> None:
-        """Close ends: a pipe is over only when nobody holds its other end."""
-        kept = set(kept)
+    def close_all_but(self, *kept: BinaryIO) -> None:
+        """Close ends: a pipe is over only when no process holds its other end."""
         for end in self._ends:
             if end not in kept:
                 end.close()
 
 
-def _started(
+@contextmanager
+def _workers(
+    work: RelayWork[Item, State, Result], items: Sequence[Item], jobs: int, first: State
+) -> Iterator[list[BinaryIO]]:
+    """Start workers, yield the ends at which their results arrive, and end the workers."""
+    pipes = _Pipes()
+    workers: list[ForkProcess] = []
+    # A garbage collection writes to all that it looks at: each process would get its own pages of
+    # what was there before, an index of an hour for one.
+    gc.freeze()
+    try:
+        # A signal's exception amid a start would leave a process that nobody knows of.
+        with _STARTING, held_back():
+            arriving = _start(work, items, jobs, first, pipes, workers)
+        yield arriving
+    finally:
+        for process in workers:
+            process.kill()
+        for process in workers:
+            process.join()
+        pipes.close_all_but()
+        gc.unfreeze()
+
+
+def _start(
     work: RelayWork[Item, State, Result],
     items: Sequence[Item],
-    ends: _Ends,
-    given: list[State],
+    jobs: int,
+    first: State,
     pipes: _Pipes,
-) -> ForkProcess:
-    """Start a worker."""
-    signals = signal.pthread_sigmask(signal.SIG_BLOCK, (signal.SIGINT, signal.SIGTERM))
+    workers: list[ForkProcess],
+) -> list[BinaryIO]:
+    """Start workers, added to a list as they come; return the ends at which results arrive.
 
-    def serve() -> None:
-        # Ctrl-C reaches all processes; only the first one decides, and ends the others.
-        signal.signal(signal.SIGINT, signal.SIG_IGN)
-        signal.signal(signal.SIGTERM, signal.SIG_DFL)
-        signal.pthread_sigmask(signal.SIG_SETMASK, signals)
-        pipes.close_all_but(ends)
-        _serve(work, items, ends, given)
-
+    Raises:
+        LogtoolError: there are not as many processes or files to be had.
+    """
     try:
-        process = _FORK.Process(target=serve, daemon=True)
-        process.start()
-    finally:
-        signal.pthread_sigmask(signal.SIG_SETMASK, signals)
-    return process
+        alive, parent = pipes.open()
+        states = [pipes.open() for _ in range(jobs)]
+        results = [pipes.open() for _ in range(jobs)]
+        for number in range(jobs):
+            states_out = states[(number + 1) % jobs][1]
+            ends = _Ends(alive, states[number][0], states_out, results[number][1])
+            given = [] if number else [first]
+            serve = partial(_serve, work, items[number::jobs], ends, given, pipes)
+            process = _FORK.Process(target=serve, daemon=True)
+            process.start()
+            workers.append(process)
+    except OSError as error:
+        raise LogtoolError(
+            f"{jobs} processes cannot be started: {error.strerror}; try fewer --jobs"
+        ) from error
+    arriving = [reader for reader, _ in results]
+    pipes.close_all_but(parent, *arriving)
+    return arriving
 
 
 def _serve(
-    work: RelayWork[Item, State, Result], items: Sequence[Item], ends: _Ends, given: list[State]
+    work: RelayWork[Item, State, Result],
+    items: Sequence[Item],
+    ends: _Ends,
+    first: list[State],
+    pipes: _Pipes,
 ) -> None:
     """Work on some items; runs in a copy of the process."""
-    baton = _Piped(ends, given)
-    for number, item in enumerate(items):
-        try:
-            outcome: Result | _Raised = work(item, baton)
-        except NeighbourDied:
-            return
-        except Exception as error:  # noqa: BLE001 - it is raised where the result is wanted
-            error.add_note(traceback.format_exc())
-            outcome = _Raised(error)
-        # On the tray still lies its last result, until that is taken or nobody is left to take it.
-        if number and not ends.taken.read(1):
-            return
-        try:
-            send(ends.results, outcome, ends.tray)
-        except BrokenPipeError:
-            return
-        if isinstance(outcome, _Raised):
-            return
+    leave_to_parent()
+    pipes.close_all_but(ends.parent, ends.states_in, ends.states_out, ends.results)
+    threading.Thread(target=_end_with_parent, args=(ends.parent,), daemon=True).start()
+    baton = _Piped(ends, first)
+    with suppress(_PeerEndedError, BrokenPipeError), ThreadPoolExecutor(1) as sender:
+        sent: Future[None] = sender.submit(lambda: None)
+        for item in items:
+            try:
+                outcome: Result | _Raised = work(item, baton)
+            except _PeerEndedError:
+                raise
+            except Exception as error:  # noqa: BLE001 - it is raised where the result is wanted
+                error.add_note(traceback.format_exc())
+                outcome = _Raised(error)
+            # The next item is begun while this result waits to be received.
+            sent.result()
+            sent = sender.submit(_send, ends.results, outcome)
+            if isinstance(outcome, _Raised):
+                break
+        sent.result()
+
+
+def _end_with_parent(parent: BinaryIO) -> None:
+    parent.read(1)
+    os._exit(1)

@@ -51,7 +51,6 @@ def relayed(
     first: State,
     *,
     forks: bool,
-    lent: bool = False,
 ) -> Generator[Result, None, None]:
     """Yield `work(item, baton)` for every item, in order.
 
@@ -66,7 +65,6 @@ def relayed(
         first: the baton of the first item.
         forks: what the work refers to may be used by copies of this process. Results and batons
             must be such as can be pickled, then.
-        lent: arrays of a result need not outlast the next one, so that nobody copies them.
 
     Raises:
         LogtoolError: a process died.
@@ -78,7 +76,7 @@ def relayed(
         items = list(items)
         jobs = min(jobs, len(items))
         if jobs > 1:
-            return forked(work, items, jobs, first, lent=lent)
+            return forked(work, items, jobs, first)
     if jobs <= 1:
         return one_by_one(work, items, first)
     return _threaded(work, items, jobs, first)

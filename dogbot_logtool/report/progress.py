@@ -65,6 +65,11 @@ class ProgressBars:
                 done = len(self._finished)
                 self._bars.update(self._whole, completed=done, description=self._count())
 
+    def lost(self, number: int) -> None:
+        """Say that the process that worked on a log died."""
+        what = "the process that worked on it died; it is tried once more"
+        self.say(f"{self._names[number]}: {what}")
+
     def say(self, sentence: str) -> None:
         """Say what a user should know at once."""
         from dogbot_logtool.report.console import diagnostics, print_note  # noqa: PLC0415

@@ -266,6 +266,35 @@ for _, worker in relayed(work, range(10_000), 3, 0, forks=True):
 
 
 @pytest.mark.skipif(True not in FORKS, reason="processes are not forked here")
+@pytest.mark.parametrize("number", [signal.SIGKILL, signal.SIGHUP], ids=lambda n: n.name)
+def test_a_process_amid_long_work_ends_with_the_first_one(number: signal.Signals) -> None:
+    script = """
+import os, signal, time
+from dogbot_logtool.parallel.relay import in_order
+
+def work(item):
+    if item == 0:
+        return os.getppid()
+    print(os.getpid(), flush=True)
+    time.sleep(600.0)
+
+signal.signal(signal.SIGHUP, signal.SIG_DFL)
+list(in_order(work, range(4), 3, forks=True))
+"""
+    with subprocess.Popen(  # noqa: S603
+        [sys.executable, "-c", script], stdout=subprocess.PIPE, text=True
+    ) as process:
+        assert process.stdout is not None
+        workers = {int(next(process.stdout)) for _ in range(3)}
+        process.send_signal(number)
+        process.communicate(timeout=30.0)
+    deadline = time.monotonic() + 30.0
+    while any(Path(f"/proc/{worker}").exists() for worker in workers):
+        assert time.monotonic() < deadline
+        time.sleep(0.01)
+
+
+@pytest.mark.skipif(True not in FORKS, reason="processes are not forked here")
 def test_processes_that_cannot_be_started_are_told() -> None:
     script = """
 import resource

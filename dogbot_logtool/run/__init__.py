@@ -1,0 +1,1 @@
+"""Many logs: several at once, by processes of this machine or by a cluster."""

@@ -1,0 +1,31 @@
+"""Choose what works on the logs of a call."""
+
+from typing import Any
+
+from dogbot_logtool.run.runner import Here, Runner
+
+
+def runner_for(logs: int, jobs: int, scheduler: str | None) -> Runner[Any]:
+    """Choose a runner.
+
+    One log is done in this process, several batches at once; several logs by as many processes; and
+    all of them by a cluster if there is a scheduler.
+
+    Args:
+        logs: how many.
+        jobs: how much is done at once on this machine.
+        scheduler: address of one of dask.distributed.
+
+    Raises:
+        CallError: that is no address.
+        LogtoolError: no scheduler answers, or the extra `fleet` is not installed.
+    """
+    if scheduler is not None:
+        from dogbot_logtool.run.cluster import Cluster  # noqa: PLC0415 - needs the extra
+
+        return Cluster(scheduler)
+    if min(logs, jobs) <= 1:
+        return Here(jobs)
+    from dogbot_logtool.run.processes import Processes  # noqa: PLC0415 - slow to import
+
+    return Processes(min(logs, jobs), max(jobs // logs, 1))

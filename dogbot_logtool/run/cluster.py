@@ -1,0 +1,242 @@
+"""Many logs on a cluster: the executor of dask.distributed."""
+
+import asyncio
+import logging
+import pickle
+import pkgutil
+import re
+import time
+import uuid
+import warnings
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import Future
+from contextlib import suppress
+from dataclasses import dataclass
+from typing import Any, Final
+
+from dogbot_logtool import __version__
+from dogbot_logtool.errors import CallError, ExtraMissingError, LogtoolError
+from dogbot_logtool.run.executor import AHEAD, ExecutorRunner, RunLost
+from dogbot_logtool.run.runner import Failure, Result, Watcher, Work, attempt, seldom
+
+try:
+    import distributed
+except ImportError as error:
+    raise ExtraMissingError("--scheduler", "fleet") from error
+
+_DASK_VERSION: Final[str] = distributed.__version__  # type: ignore[attr-defined]
+_PACKAGE: Final = "dogbot_logtool"
+_ADDRESS: Final = re.compile(r"(tcp|tls|ws|wss|ucx)://\S+")
+_CONNECT_S: Final = 10
+_FIRST_WORKER_S: Final = 10
+"""How long a scheduler may be without workers when a run begins."""
+_NEXT_WORKER_S: Final = 60
+"""How long it may be without workers while a run goes on: lost ones may be started anew."""
+_LOOK_EVERY_S: Final = 2
+_WAIT_S: Final = 0.2
+_CLOSE_S: Final = 5
+
+
+class Cluster(ExecutorRunner[Result]):
+    """The workers of a scheduler.
+
+    The scheduler gives what a lost worker had in hand to others, several times.
+    """
+
+    jobs = 1
+    capacity = AHEAD
+    conclusive = (distributed.KilledWorker,)
+
+    def __init__(self, scheduler: str) -> None:
+        """Connect.
+
+        Args:
+            scheduler: ``tcp://host:port`` or the like.
+
+        Raises:
+            CallError: it is no address.
+            LogtoolError: no scheduler answers, or one of another version.
+        """
+        if not _ADDRESS.fullmatch(scheduler):
+            hint = "; --jobs N uses N processes of this machine" if "local" in scheduler else ""
+            raise CallError(
+                f"--scheduler {scheduler}: must be an address such as tcp://host:8786{hint}"
+            )
+        self._name = scheduler
+        self._client = _connected(scheduler)
+        self._executor = self._client.get_executor(pure=False)
+        self._topic = f"dogbot-logtool-{uuid.uuid4().hex}"
+        self._news: dict[int, tuple[int, int]] = {}
+        self._client.subscribe_topic(self._topic, self._receive)
+        self._workers: set[str] = set()
+        self._last_look = self._workers_seen = time.monotonic()
+        self._lost = False
+
+    def run(
+        self, work: Work[Result], items: Sequence[Any], watcher: Watcher, ahead: int = AHEAD
+    ) -> Iterator[Result | Failure]:
+        """See `ExecutorRunner.run`.
+
+        Raises:
+            LogtoolError: there are no workers, or some of them cannot do it.
+        """
+        try:
+            self._await_workers(watcher)
+            self._check_workers()
+        except OSError as error:
+            raise LogtoolError(f"--scheduler {self._name}: it was lost; start it again") from error
+        yield from super().run(work, items, watcher, ahead)
+
+    def _await_workers(self, watcher: Watcher) -> None:
+        end = time.monotonic() + _FIRST_WORKER_S
+        self._workers = self._present()
+        if not self._workers:
+            watcher.say(f"{self._name} has no workers; waiting {_FIRST_WORKER_S} s for one")
+        while not self._workers:
+            if time.monotonic() > end:
+                raise LogtoolError(
+                    f"--scheduler {self._name}: has no workers; start some where dogbot-logtool is "
+                    f"installed, with: dask worker {self._name}"
+                )
+            time.sleep(_WAIT_S)
+            self._workers = self._present()
+
+    def _check_workers(self) -> None:
+        """Refuse workers that cannot do the work.
+
+        Raises:
+            LogtoolError: some have no dogbot-logtool, or another version.
+        """
+        for package, here in (("distributed", _DASK_VERSION), (_PACKAGE, __version__)):
+            name = f"{package}:__version__"
+            found = self._client.run(pkgutil.resolve_name, name, on_error="return")
+            wrong = {worker: there for worker, there in found.items() if there != here}
+            if wrong:
+                worker, there = min(wrong.items())
+                what = f"has {there}" if isinstance(there, str) else f"has none ({there})"
+                raise LogtoolError(
+                    f"--scheduler {self._name}: {len(wrong)} of {len(found)} workers cannot do it: "
+                    f"here is {package} {here}, and {worker} {what}; install the same there"
+                )
+
+    def _present(self) -> set[str]:
+        return set(self._client.scheduler_info(n_workers=-1)["workers"])
+
+    def submit(self, number: int, work: Work[Result], item: object) -> "Future[Result | Failure]":
+        """See `ExecutorRunner.submit`."""
+        call = pickle.dumps(_Call((__version__, self._topic, number, work, item)))
+        try:
+            future: Future[Result | Failure] = self._executor.submit(pickle.loads, call)
+        except (OSError, RuntimeError) as error:
+            raise self._run_lost() from error
+        future.add_done_callback(self._notice_loss)
+        return future
+
+    def _notice_loss(self, future: "Future[Result | Failure]") -> None:
+        # The client cancels everything when it loses the scheduler.
+        self._lost |= future.cancelled()
+
+    def look(self, watcher: Watcher) -> None:
+        """See `ExecutorRunner.look`."""
+        while self._news:
+            number, (done, total) = self._news.popitem()
+            watcher.told(number, done, total)
+        now = time.monotonic()
+        if self._lost or self._client.status != "running":
+            raise self._run_lost()
+        if now - self._last_look < _LOOK_EVERY_S:
+            return
+        self._last_look = now
+        try:
+            present = self._present()
+        except OSError as error:
+            raise self._run_lost() from error
+        for worker in sorted(self._workers - present):
+            watcher.say(f"worker {worker} left; others do what it had in hand")
+        if self._workers and not present:
+            watcher.say(f"{self._name} has no workers; waiting {_NEXT_WORKER_S} s for one")
+        self._workers = present
+        if present:
+            self._workers_seen = now
+        elif now - self._workers_seen > _NEXT_WORKER_S:
+            raise RunLost(f"was not done: {self._name} has no workers any more")
+
+    def _run_lost(self) -> RunLost:
+        return RunLost(f"was not done: the scheduler {self._name} was lost")
+
+    def _receive(self, event: tuple[float, Any]) -> None:
+        number, done, total = event[1]
+        self._news[number] = done, total
+
+    def explain(self, error: Exception) -> str:
+        """See `ExecutorRunner.explain`."""
+        if isinstance(error, distributed.KilledWorker):
+            return "every worker that worked on it died: perhaps for want of memory"
+        if isinstance(error, ModuleNotFoundError):
+            return f"a worker cannot do it: {error}; install dogbot-logtool there"
+        return f"the cluster failed: {type(error).__name__}: {error}"
+
+    def close(self) -> None:
+        """Give up what is under way, and leave the scheduler."""
+        with suppress(OSError, RuntimeError):
+            self._executor.shutdown(wait=False)
+        with suppress(OSError, RuntimeError):
+            self._client.close(_CLOSE_S)
+
+
+def _connected(scheduler: str) -> "distributed.Client":
+    """Return a client of a scheduler.
+
+    Raises:
+        LogtoolError: no scheduler answers, or one of another version.
+    """
+    # What goes wrong is reported in a sentence.
+    logging.getLogger("distributed").setLevel(logging.CRITICAL)
+    warnings.simplefilter("ignore", distributed.versions.VersionMismatchWarning)
+    try:
+        version = asyncio.run(asyncio.wait_for(_version_of(scheduler), _CONNECT_S))
+        if version == _DASK_VERSION:
+            return distributed.Client(scheduler, timeout=_CONNECT_S, set_as_default=False)
+    except Exception as error:  # a server of another kind may answer anything
+        raise LogtoolError(
+            f"--scheduler {scheduler}: no scheduler answers there ({str(error) or 'timed out'}); "
+            "check the address, and that `dask scheduler` runs there"
+        ) from error
+    raise LogtoolError(
+        f"--scheduler {scheduler}: it has dask.distributed {version}, and here is "
+        f"{_DASK_VERSION}; install the same version on both"
+    )
+
+
+async def _version_of(scheduler: str) -> str:
+    """Ask a scheduler for its version: a client of another one may wait for ever."""
+    arguments = distributed.Security().get_connection_args("client")
+    async with distributed.rpc(scheduler, connection_args=arguments) as remote:
+        packages = (await remote.versions())["packages"]
+    return str(dict(packages)["distributed"])
+
+
+@dataclass(frozen=True, slots=True)
+class _Call:
+    """A call that is made where this is unpickled, which gives its result.
+
+    Sent as bytes it is read by the worker alone: the scheduler needs no dogbot-logtool, and a
+    worker without it raises an error, while dask waits for ever for what it cannot unpickle itself.
+    """
+
+    arguments: tuple[Any, ...]
+
+    def __reduce__(self) -> tuple[Callable[..., Any], tuple[Any, ...]]:
+        return _attempt, self.arguments
+
+
+def _attempt(
+    version: str, topic: str, number: int, work: Work[Result], item: object
+) -> Result | Failure:
+    """Work on an item; runs on a worker."""
+    if version != __version__:
+        return Failure(f"the worker has dogbot-logtool {__version__}, not {version}", 1)
+    worker = distributed.get_worker()
+    return attempt(
+        work, item, seldom(lambda done, total: worker.log_event(topic, (number, done, total)))
+    )

@@ -1,0 +1,141 @@
+"""Many items over an executor of `concurrent.futures`: order, bounds, and workers that die."""
+
+from abc import abstractmethod
+from collections.abc import Iterator, Sequence
+from concurrent.futures import Future
+from dataclasses import dataclass, field
+from queue import Empty, SimpleQueue
+from typing import Any, ClassVar, Final, Generic
+
+from dogbot_logtool.run.runner import Failure, Result, Runner, Watcher, Work
+
+AHEAD: Final = 2000
+"""Items that are begun beyond the first one whose outcome is waited for: they bound the memory."""
+_LOOK_EVERY_S: Final = 0.25
+
+
+class RunLost(Exception):  # noqa: N818 - an end of the run, which every item left is told
+    """No worker is left; the message is the outcome of every item that was not done."""
+
+
+@dataclass(slots=True)
+class _Items(Generic[Result]):
+    """Where the items of a run stand."""
+
+    count: int
+    begun: int = 0
+    wanted: int = 0
+    """The first item whose outcome was not yielded."""
+    under_way: dict[Future[Any], int] = field(default_factory=dict)
+    done: "SimpleQueue[Future[Any]]" = field(default_factory=SimpleQueue)
+    suspects: dict[int, Exception] = field(default_factory=dict)
+    """Items whose worker was lost, and that are to be tried once more."""
+    several_lost: bool = False
+    """Several of them were lost together."""
+    tried_alone: set[int] = field(default_factory=set)
+    finished: dict[int, Result | Failure] = field(default_factory=dict)
+
+    def ready(self) -> Iterator[Result | Failure]:
+        """Yield outcomes that are next in order."""
+        while self.wanted in self.finished:
+            outcome = self.finished.pop(self.wanted)
+            self.wanted += 1
+            yield outcome
+
+
+class ExecutorRunner(Runner[Result]):
+    """Hands items to an executor and takes outcomes as they come.
+
+    An item whose worker was lost is tried once more, alone: with nothing else under way it has all
+    the memory, and where several items were lost together it becomes clear which one kills.
+    """
+
+    may_repeat = True
+    capacity: int
+    """How many items may be under way at once."""
+    conclusive: ClassVar[tuple[type[Exception], ...]] = ()
+    """Errors that need no second try unless several items were lost together."""
+
+    @abstractmethod
+    def submit(self, number: int, work: Work[Result], item: object) -> "Future[Result | Failure]":
+        """Hand out an item.
+
+        Raises:
+            RunLost: nothing more will be done.
+        """
+
+    @abstractmethod
+    def look(self, watcher: Watcher) -> None:
+        """Pass on how items get on; called several times a second.
+
+        Raises:
+            RunLost: nothing more will be done.
+        """
+
+    @abstractmethod
+    def explain(self, error: Exception) -> str:
+        """Return the outcome, in words, of an item whose worker was lost for good."""
+
+    def run(
+        self, work: Work[Result], items: Sequence[Any], watcher: Watcher, ahead: int = AHEAD
+    ) -> Iterator[Result | Failure]:
+        """See `Runner.run`.
+
+        Args:
+            work: see there.
+            items: see there.
+            watcher: see there.
+            ahead: bounds how many outcomes wait for an earlier one.
+        """
+        state: _Items[Result] = _Items(len(items))
+        while state.wanted < state.count:
+            try:
+                for number in self._next(state, ahead, watcher):
+                    future = self.submit(number, work, items[number])
+                    state.under_way[future] = number
+                    future.add_done_callback(state.done.put)
+                self._collect(state, watcher)
+                self.look(watcher)
+            except RunLost as error:
+                for number in set(range(state.wanted, state.count)) - state.finished.keys():
+                    state.finished[number] = Failure(str(error), 1)
+                    watcher.finished(number)
+            yield from state.ready()
+
+    def _next(self, state: _Items[Result], ahead: int, watcher: Watcher) -> list[int]:
+        """Return the items to begin now: several, or one that is tried alone."""
+        if not state.suspects:
+            state.several_lost = False
+            first = state.begun
+            room = first + self.capacity - len(state.under_way)
+            state.begun = max(first, min(state.count, state.wanted + ahead, room))
+            return list(range(first, state.begun))
+        if state.under_way:
+            return []
+        state.several_lost |= len(state.suspects) > 1
+        number, error = next(iter(state.suspects.items()))
+        del state.suspects[number]
+        if isinstance(error, self.conclusive) and not state.several_lost:
+            state.finished[number] = Failure(self.explain(error), 1)
+            watcher.finished(number)
+            return []
+        state.tried_alone.add(number)
+        watcher.lost(number)
+        return [number]
+
+    def _collect(self, state: _Items[Result], watcher: Watcher) -> None:
+        """Take the outcomes of items that are done, after waiting a while for one."""
+        try:
+            future = state.done.get(timeout=_LOOK_EVERY_S)
+        except Empty:
+            return
+        number = state.under_way.pop(future)
+        try:
+            outcome = future.result()
+        except Exception as error:  # noqa: BLE001 - errors of the work itself are outcomes
+            if number not in state.tried_alone:
+                state.suspects[number] = error
+                return
+            outcome = Failure(self.explain(error), 1)
+        state.finished[number] = outcome
+        watcher.finished(number)

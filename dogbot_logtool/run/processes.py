@@ -1,0 +1,160 @@
+"""Many logs on this machine: pools of the standard library.
+
+Each worker is a pool of one process: where that dies it is known what it worked on, and the others
+go on. Processes are spawned, not forked: locks that other threads hold do not survive a fork. The
+progress that they share has no lock, which one of them could take with it when it dies.
+
+Workers end when the lifeline does, a pipe that nothing is written to: its other end is closed when
+this runner is closed, or by the system when this process ends, however that happens.
+"""
+
+import multiprocessing
+import os
+import signal
+import threading
+import time
+from concurrent.futures import BrokenExecutor, Future, ProcessPoolExecutor
+from contextlib import suppress
+from functools import partial
+from multiprocessing.connection import Connection
+from typing import Any, Final
+
+from dogbot_logtool.errors import LogtoolError
+from dogbot_logtool.run.executor import ExecutorRunner
+from dogbot_logtool.run.runner import Failure, Result, Watcher, Work, attempt
+from dogbot_logtool.signals import Stopped, held_back, leave_to_parent, raise_stopped
+
+_SPAWN: Final = multiprocessing.get_context("spawn")
+_CLEAN_UP_S: Final = 5.0
+"""Time for a worker to remove what it has begun to write."""
+
+
+class _Worker:
+    """One process, and another one where it has died."""
+
+    def __init__(self, lifeline: Connection) -> None:
+        self._lifeline = lifeline
+        self._progress: Any = _SPAWN.RawArray("q", 2)
+        """Bytes done and in all; no lock, since a process may die with it."""
+        self._pool = self._opened()
+
+    def _opened(self) -> ProcessPoolExecutor:
+        return ProcessPoolExecutor(
+            1, _SPAWN, initializer=_begin, initargs=(self._lifeline, self._progress)
+        )
+
+    def submit(self, work: Work[Result], item: object) -> "Future[Result | Failure]":
+        """Hand the process an item."""
+        self._progress[:] = 0, 0
+        try:
+            return self._pool.submit(_attempt, work, item)
+        except BrokenExecutor:
+            self._pool.shutdown()
+            self._pool = self._opened()
+            return self._pool.submit(_attempt, work, item)
+
+    def progress(self) -> tuple[int, int]:
+        """Return bytes done and in all of its item; 0 of 0 if nothing was reported."""
+        done, total = self._progress
+        return done, total
+
+    def close(self) -> None:
+        """Wait for the end of the process."""
+        self._pool.shutdown(cancel_futures=True)
+
+
+class Processes(ExecutorRunner[Result]):
+    """Processes of this machine, one item each."""
+
+    def __init__(self, workers: int, jobs: int = 1) -> None:
+        """Set up.
+
+        Args:
+            workers: how many processes.
+            jobs: how many batches each may work on at once.
+        """
+        self.jobs = jobs
+        self.capacity = workers
+        # Whatever is started here must not be ended by a signal that reaches all processes.
+        with held_back():
+            ends, self._lifeline = _SPAWN.Pipe(duplex=False)
+            self._workers = [_Worker(ends) for _ in range(workers)]
+        self._idle = list(self._workers)
+        self._busy: dict[int, _Worker] = {}
+
+    def submit(self, number: int, work: Work[Result], item: object) -> "Future[Result | Failure]":
+        """See `ExecutorRunner.submit`."""
+        worker = self._idle.pop()
+        try:
+            with held_back():
+                future = worker.submit(work, item)
+        except OSError as error:
+            raise LogtoolError(
+                f"{self.capacity} processes cannot be started: {error.strerror}; try fewer --jobs"
+            ) from error
+        self._busy[number] = worker
+        future.add_done_callback(partial(self._freed, number))
+        return future
+
+    def _freed(self, number: int, _future: "Future[Result | Failure]") -> None:
+        self._idle.append(self._busy.pop(number))
+
+    def look(self, watcher: Watcher) -> None:
+        """See `ExecutorRunner.look`."""
+        for number, worker in list(self._busy.items()):
+            done, total = worker.progress()
+            if total:
+                watcher.told(number, done, total)
+
+    def explain(self, error: Exception) -> str:
+        """See `ExecutorRunner.explain`."""
+        if isinstance(error, BrokenExecutor):
+            return "the process that worked on it died twice: perhaps for want of memory"
+        return f"its result cannot be sent: {type(error).__name__}: {error}"
+
+    def close(self) -> None:
+        """End the processes, which first remove what they have begun to write."""
+        self._lifeline.close()
+        for worker in self._workers:
+            worker.close()
+
+
+_progress: Any = None
+"""Of this process, where it is a worker."""
+
+
+def _begin(lifeline: Connection, progress: Any) -> None:  # noqa: ANN401 - ctypes has no public name for it
+    """Begin a worker."""
+    global _progress  # noqa: PLW0603 - there is no other way to reach a function of a pool
+    _progress = progress
+    leave_to_parent()
+    threading.Thread(target=_end_with, args=(lifeline,), daemon=True).start()
+
+
+def _end_with(lifeline: Connection) -> None:
+    with suppress(EOFError, OSError):
+        lifeline.recv_bytes()
+    if hasattr(signal, "pthread_kill"):
+        # Unlike other ways, this wakes it where it waits for a disk or a store.
+        signal.pthread_kill(threading.main_thread().ident or 0, signal.SIGTERM)
+    else:
+        signal.raise_signal(signal.SIGTERM)
+    time.sleep(_CLEAN_UP_S)
+    os._exit(1)
+
+
+def _attempt(work: Work[Result], item: object) -> Result | Failure:
+    """Work on an item; runs in a worker."""
+    # Only here SIGTERM becomes an exception, so that files that were begun are removed; the pool
+    # would print it, or take it for a result.
+    try:
+        signal.signal(signal.SIGTERM, raise_stopped)
+        outcome = attempt(work, item, _tell)
+        signal.signal(signal.SIGTERM, signal.SIG_DFL)
+    except Stopped as stopped:
+        os._exit(stopped.exit_code)
+    return outcome
+
+
+def _tell(done: int, total: int) -> None:
+    _progress[:] = done, total

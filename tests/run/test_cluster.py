@@ -1,0 +1,210 @@
+"""Clusters that cannot do it are told within seconds; all of them are real ones on loopback."""
+
+import contextlib
+import json
+import os
+import subprocess
+import sys
+import time
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+from distributed import Client
+
+from dogbot_logtool.run import cluster
+from dogbot_logtool.run.cluster import Cluster
+from tests.run.test_runner import Watcher, work
+
+ROOT = Path(__file__).parents[2]
+TROT = ROOT / "sample_logs" / "dogbot_trot.bag"
+LACKS_PACKAGE = "sys.modules['dogbot_logtool'] = None"
+OLD_PACKAGE = "import dogbot_logtool; dogbot_logtool.__version__ = '0.0.1'"
+OLD_DASK = "import distributed.versions as v; v.get_package_info = lambda _: {'distributed': '1.0'}"
+WITHIN_S = 60.0
+"""Nothing here takes more than seconds, but machines may be slow."""
+
+
+@contextlib.contextmanager
+def dask(what: str, *words: object, first: str = "") -> Iterator[int]:
+    """Run a scheduler or a worker that does something first; yields its process id."""
+    script = f"import sys; {first or 'pass'}\nfrom distributed.cli.dask_{what} import main; main()"
+    options = ("--host", "127.0.0.1", "--no-dashboard")
+    running = subprocess.Popen(  # noqa: S603
+        [sys.executable, "-c", script, *map(str, words), *options],
+        env={
+            **os.environ,
+            "PYTHONPATH": str(ROOT),
+            "DASK_DISTRIBUTED__SCHEDULER__ALLOWED_FAILURES": "1",
+        },
+        stdout=subprocess.DEVNULL,
+        stderr=subprocess.DEVNULL,
+    )
+    try:
+        yield running.pid
+    finally:
+        running.kill()
+        running.wait()
+
+
+@contextlib.contextmanager
+def scheduler(folder: Path, first: str = "") -> Iterator[str]:
+    """Run a scheduler; yields its address."""
+    file = folder / "scheduler.json"
+    file.unlink(missing_ok=True)
+    with dask("scheduler", "--port", 0, "--no-show", "--scheduler-file", file, first=first):
+        end = time.monotonic() + WITHIN_S
+        while time.monotonic() < end:
+            with contextlib.suppress(FileNotFoundError, ValueError):
+                yield json.loads(file.read_text())["address"]
+                return
+            time.sleep(0.05)
+        raise TimeoutError
+
+
+@contextlib.contextmanager
+def workers(address: str, count: int, folder: Path, first: str = "") -> Iterator[None]:
+    """Run workers of one thread each."""
+    words = (address, "--nthreads", 1, "--no-nanny", "--local-directory", folder)
+    with contextlib.ExitStack() as stack:
+        for _ in range(count):
+            stack.enter_context(dask("worker", *words, first=first))
+        with Client(address, set_as_default=False) as client:
+            client.wait_for_workers(count, timeout=WITHIN_S)
+        yield
+
+
+@pytest.fixture(scope="module")
+def address(tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
+    """A scheduler that has no workers of its own, and lacks this package."""
+    with scheduler(tmp_path_factory.mktemp("dask"), LACKS_PACKAGE) as found:
+        yield found
+
+
+def refused(address: str) -> str:
+    """Run the program with a scheduler that cannot do it; return what it says."""
+    done = subprocess.run(  # noqa: S603
+        [sys.executable, "-m", "dogbot_logtool", "stats", str(TROT), "--scheduler", address],
+        env={**os.environ, "PYTHONPATH": str(ROOT)},
+        capture_output=True,
+        text=True,
+        check=False,
+        timeout=WITHIN_S,
+    )
+    assert (done.returncode, done.stdout) == (1, ""), done
+    assert "Traceback" not in done.stderr
+    said = " ".join(done.stderr.split())
+    assert f"error: --scheduler {address}: " in said
+    return said
+
+
+def test_an_address_without_scheduler() -> None:
+    assert "no scheduler answers there" in refused("tcp://127.0.0.1:9")
+
+
+def test_a_server_of_another_kind() -> None:
+    words = [sys.executable, "-m", "http.server", "0", "--bind", "127.0.0.1"]
+    with subprocess.Popen(  # noqa: S603
+        words,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.DEVNULL,
+        text=True,
+        env={**os.environ, "PYTHONUNBUFFERED": "1"},
+    ) as server:
+        assert server.stdout is not None
+        port = next(server.stdout).split(" port ")[1].split()[0]
+        try:
+            for protocol in ("tcp", "ws"):
+                said = refused(f"{protocol}://127.0.0.1:{port}")
+                assert "no scheduler answers there" in said
+        finally:
+            server.kill()
+
+
+def test_a_scheduler_of_another_version(tmp_path: Path) -> None:
+    with scheduler(tmp_path, OLD_DASK) as address:
+        assert "it has dask.distributed 1.0, and here is" in refused(address)
+
+
+def test_a_scheduler_without_workers(address: str) -> None:
+    said = refused(address)
+    assert "has no workers; waiting" in said
+    assert f"with: dask worker {address}" in said
+
+
+@pytest.mark.parametrize(
+    ("first", "what"), [(LACKS_PACKAGE, "has none"), (OLD_PACKAGE, "has 0.0.1;")]
+)
+def test_workers_that_cannot_do_it(address: str, tmp_path: Path, first: str, what: str) -> None:
+    with workers(address, 1, tmp_path), workers(address, 1, tmp_path, first):
+        said = refused(address)
+    assert "1 of 2 workers cannot do it: here is dogbot_logtool" in said
+    assert what in said
+    assert "install the same there" in said
+
+
+def test_a_worker_without_the_package_that_comes_later(address: str, tmp_path: Path) -> None:
+    """Items that it gets fail at once, and are not waited for."""
+    with workers(address, 1, tmp_path), Cluster[Any](address) as runner:
+        results = runner.run(work, [("slow", tmp_path)] * 20, Watcher())
+        assert next(results) == "SLOW"
+        with workers(address, 1, tmp_path, LACKS_PACKAGE):
+            rest = list(results)
+    failures = [found for found in rest if found != "SLOW"]
+    assert len(rest) == 19
+    assert all("install dogbot-logtool there" in failure.sentence for failure in failures)
+
+
+def test_the_killer_of_workers_is_named_and_nothing_else(address: str, tmp_path: Path) -> None:
+    items = ["slow", "a", "wrong", "slow", "deadly", "b", "slow", "slow"]
+    watcher = Watcher()
+    with workers(address, 6, tmp_path), Cluster[Any](address) as runner:
+        found = list(runner.run(work, [(item, tmp_path) for item in items], watcher))
+    assert found[4].sentence.startswith("every worker that worked on it died")
+    assert found[2].sentence == "no such file"
+    rest = [outcome for number, outcome in enumerate(found) if number not in {2, 4}]
+    assert rest == [item.upper() for item in items if item not in {"wrong", "deadly"}]
+    assert 4 in watcher.done
+    assert 0 not in watcher.lost_items
+
+
+def test_a_scheduler_that_is_lost(tmp_path: Path) -> None:
+    watcher = Watcher()
+    items = [("slow", tmp_path)] * 100
+    with contextlib.ExitStack() as stack:
+        with scheduler(tmp_path) as address, workers(address, 1, tmp_path):
+            runner = stack.enter_context(Cluster[Any](address))
+            results = runner.run(work, items, watcher)
+            assert next(results) == "SLOW"
+        rest = list(results)
+    failures = [found for found in rest if found != "SLOW"]
+    assert len(rest) == 99
+    assert failures
+    assert {failure.sentence for failure in failures} == {
+        f"was not done: the scheduler {address} was lost"
+    }
+
+
+def test_workers_that_are_lost_and_do_not_come_back(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(cluster, "_NEXT_WORKER_S", 3)
+    with scheduler(tmp_path) as address, contextlib.ExitStack() as stack:
+        with workers(address, 1, tmp_path):
+            runner = stack.enter_context(Cluster[Any](address))
+            results = runner.run(work, [("slow", tmp_path)] * 100, Watcher())
+            assert next(results) == "SLOW"
+        last = list(results)[-1]
+    assert last.sentence == f"was not done: {address} has no workers any more"
+
+
+def test_an_interruption_leaves_the_cluster(address: str, tmp_path: Path) -> None:
+    with workers(address, 1, tmp_path):
+        with Cluster[Any](address) as runner:
+            next(runner.run(work, [("slow", tmp_path)] * 1000, Watcher()))
+        with Client(address, set_as_default=False) as client:
+            end = time.monotonic() + WITHIN_S
+            while any(client.processing().values()):
+                assert time.monotonic() < end
+                time.sleep(0.1)

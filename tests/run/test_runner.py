@@ -1,0 +1,242 @@
+"""Runners: order, errors as outcomes, and processes that die."""
+
+import multiprocessing
+import os
+import signal
+import subprocess
+import sys
+import threading
+import time
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from dogbot_logtool.errors import CallError, StoreError
+from dogbot_logtool.parallel.relay import Progress
+from dogbot_logtool.run.choice import runner_for
+from dogbot_logtool.run.processes import Processes
+from dogbot_logtool.run.runner import Failure, Runner, attempt
+
+
+class Watcher:
+    def __init__(self) -> None:
+        self.sentences: list[str] = []
+        self.done: list[int] = []
+        self.lost_items: list[int] = []
+
+    def told(self, number: int, done: int, total: int) -> None:
+        assert (number >= 0, done, total) == (True, 1, 2)
+
+    def finished(self, number: int) -> None:
+        self.done.append(number)
+
+    def lost(self, number: int) -> None:
+        self.lost_items.append(number)
+
+    def say(self, sentence: str) -> None:
+        self.sentences.append(sentence)
+
+
+def work(item: tuple[str, Path], tell: Progress | None) -> Any:  # noqa: C901 - a list of cases
+    what, folder = item
+    if tell is not None:
+        tell(1, 2)
+    match what:
+        case "slow":
+            time.sleep(0.3)
+        case "wrong":
+            raise CallError("no such file")
+        case "fault":
+            raise KeyError(what)
+        case "deadly":
+            os.kill(os.getpid(), signal.SIGKILL)
+        case "deadly once" if not (folder / "died").exists():
+            (folder / "died").touch()
+            os.kill(os.getpid(), signal.SIGKILL)
+        case "deadly once" if tell is not None:
+            # Far more than any pipe or queue holds.
+            for _ in range(100_000):
+                tell(1, 2)
+        case "unsendable":
+            return UNSENDABLE
+        case "endless":
+            endless(folder)
+    return what.upper()
+
+
+UNSENDABLE: Any = type("Unsendable", (), {"__reduce__": lambda _self: 1 / 0})()
+
+
+def endless(folder: Path) -> None:
+    """Work for ever, with a file that is removed on any error."""
+    begun = folder / f"begun.{os.getpid()}"
+    begun.touch()
+    try:
+        while True:
+            time.sleep(60.0)
+    finally:
+        begun.unlink()
+
+
+def outcomes(runner: Runner[Any], folder: Path, *items: str) -> tuple[list[Any], Watcher]:
+    watcher = Watcher()
+    with runner:
+        return list(runner.run(work, [(item, folder) for item in items], watcher)), watcher
+
+
+def test_one_log_is_done_here_and_many_by_processes() -> None:
+    runners = [runner_for(1, 8, None), runner_for(0, 8, None), runner_for(5, 1, None)]
+    assert [type(runner).__name__ for runner in runners] == ["Here"] * 3
+    assert [runner.jobs for runner in runners] == [8, 8, 1]
+    with runner_for(2, 8, None) as runner:
+        assert isinstance(runner, Processes)
+        assert runner.jobs == 4
+
+
+def test_here_an_error_is_an_outcome(tmp_path: Path) -> None:
+    found, watcher = outcomes(runner_for(4, 1, None), tmp_path, "a", "wrong", "fault", "b")
+    assert found[:2] == ["A", Failure("no such file", 2)]
+    assert found[2].sentence.startswith("failed by a fault of dogbot-logtool")
+    assert found[3] == "B"
+    assert watcher.done == [0, 1, 2, 3]
+
+
+def test_a_process_that_dies_costs_its_own_item_only(tmp_path: Path) -> None:
+    items = ("slow", "a", "wrong", "fault", "deadly", "b", "deadly once", "c")
+    found, watcher = outcomes(runner_for(len(items), 2, None), tmp_path, *items)
+    assert found[:3] == ["SLOW", "A", Failure("no such file", 2)]
+    assert found[3].sentence.startswith("failed by a fault of dogbot-logtool")
+    assert found[4] == Failure(
+        "the process that worked on it died twice: perhaps for want of memory", 1
+    )
+    assert found[5:] == ["B", "DEADLY ONCE", "C"]
+    assert sorted(watcher.done) == list(range(len(items)))
+    assert watcher.lost_items == [4, 6]
+
+
+def test_a_death_is_not_blamed_on_the_items_beside_it(tmp_path: Path) -> None:
+    items = ("slow", "deadly") * 4
+    found, watcher = outcomes(Processes(3), tmp_path, *items)
+    assert found[::2] == ["SLOW"] * 4
+    assert all("died twice" in failure.sentence for failure in found[1::2])
+    assert set(watcher.lost_items) == {1, 3, 5, 7}
+
+
+def test_a_result_that_cannot_be_sent_costs_its_own_item_only(tmp_path: Path) -> None:
+    found, _ = outcomes(Processes(2), tmp_path, "a", "unsendable", "b")
+    assert (found[0], found[2]) == ("A", "B")
+    assert found[1].sentence.startswith("its result cannot be sent: ZeroDivisionError")
+
+
+def test_no_more_outcomes_wait_than_are_allowed(tmp_path: Path) -> None:
+    watcher = Watcher()
+    items = [("slow", tmp_path), *[("a", tmp_path)] * 40]
+    with Processes[str](2) as runner:
+        results = runner.run(work, items, watcher, ahead=5)
+        assert next(results) == "SLOW"
+        assert len(watcher.done) <= 6
+        assert len(list(results)) == 40
+
+
+def wait_for_endless(folder: Path, count: int) -> list[int]:
+    """Wait until as many processes work for ever; return their ids."""
+    end = time.monotonic() + 60.0
+    while len(begun := list(folder.glob("begun.*"))) < count:
+        assert time.monotonic() < end
+        time.sleep(0.01)
+    return [int(file.suffix[1:]) for file in begun]
+
+
+def wait_for_the_end_of(*processes: int) -> None:
+    end = time.monotonic() + 60.0
+    while any(Path(f"/proc/{process}").exists() for process in processes):
+        assert time.monotonic() < end
+        time.sleep(0.01)
+
+
+def test_closing_ends_the_workers_and_nothing_else(tmp_path: Path) -> None:
+    other = multiprocessing.get_context("spawn").Process(target=time.sleep, args=(60.0,))
+    other.start()
+    try:
+        with Processes[str](2) as runner:
+            results = runner.run(work, [("endless", tmp_path)] * 3, Watcher())
+            threading.Thread(target=interrupt, args=(tmp_path,)).start()
+            with pytest.raises(InterruptedError):
+                next(results)
+        assert list(tmp_path.iterdir()) == []
+        assert other.is_alive()
+    finally:
+        other.kill()
+        other.join()
+
+
+def interrupt(folder: Path) -> None:
+    wait_for_endless(folder, 2)
+    signal.raise_signal(signal.SIGUSR1)
+
+
+@pytest.fixture(autouse=True)
+def _usr1_interrupts() -> Iterator[None]:
+    def raised(_number: int, _frame: object) -> None:
+        raise InterruptedError
+
+    before = signal.signal(signal.SIGUSR1, raised)
+    yield
+    signal.signal(signal.SIGUSR1, before)
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="looks into /proc")
+@pytest.mark.parametrize("number", [signal.SIGKILL, signal.SIGHUP], ids=lambda n: n.name)
+def test_no_worker_outlives_the_first_process(tmp_path: Path, number: signal.Signals) -> None:
+    """Nor does one hold its pipes, or leave what it has begun."""
+    script = f"""
+import signal
+from pathlib import Path
+from dogbot_logtool.run.processes import Processes
+from tests.run.test_runner import Watcher, work
+
+if __name__ == "__main__":
+    signal.signal(signal.SIGHUP, signal.SIG_DFL)
+    list(Processes(2).run(work, [("endless", Path({str(tmp_path)!r}))] * 4, Watcher()))
+"""
+    file = tmp_path.parent / "script.py"
+    file.write_text(script)
+    process = subprocess.Popen(  # noqa: S603
+        [sys.executable, file],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        env={**os.environ, "PYTHONPATH": str(Path(__file__).parents[2])},
+    )
+    workers = wait_for_endless(tmp_path, 2)
+    process.send_signal(number)
+    process.communicate(timeout=60.0)
+    wait_for_the_end_of(*workers)
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_store_that_fails_is_tried_once_more() -> None:
+    calls: list[int] = []
+
+    def fails(_item: object, _tell: Progress | None) -> str:
+        calls.append(1)
+        if len(calls) == 1:
+            raise StoreError("the store fails")
+        return "done"
+
+    assert attempt(fails, None, lambda _done, _total: None) == "done"
+
+    def always_fails(_item: object, _tell: Progress | None) -> str:
+        calls.append(1)
+        raise StoreError("the store fails")
+
+    calls.clear()
+    failed = attempt(always_fails, None, lambda _done, _total: None)
+    assert (failed, len(calls)) == (Failure("the store fails", 1), 2)
+
+
+@pytest.mark.parametrize("word", ["nonsense", "local:0", "local:", "http://x"])
+def test_a_scheduler_is_an_address(word: str) -> None:
+    with pytest.raises(CallError, match="must be an address"):
+        runner_for(2, 2, word)

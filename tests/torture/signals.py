@@ -1,0 +1,251 @@
+"""Interrupts the program at random moments: ``python -m tests.torture.signals [--tries N]``.
+
+Each kind of interruption is tried over one log and over several, with `convert`, `stats` and
+`report` in turn. After each it looks at what the promises of the program are: the exit code, no
+traceback, no process that goes on, no wait without end, nothing left behind, and outputs that are
+whole.
+"""
+
+import argparse
+import contextlib
+import os
+import random
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+from collections import Counter
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Final
+
+ROOT: Final = Path(__file__).parents[2]
+SAMPLES: Final = tuple(
+    ROOT / "sample_logs" / name
+    for name in ("dogbot_trot.bag", "dogbot_walk.mcap", "dogbot_troubled.bag")
+)
+INT, TERM, HUP, KILL = signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGKILL
+KINDS: Final = (
+    (INT,),
+    (TERM,),
+    (HUP,),
+    (KILL,),
+    (INT, INT),
+    (TERM, TERM),
+    (HUP, HUP),
+    (INT, TERM),
+    (TERM, KILL),
+)
+"""Signals that are sent one soon after the other."""
+COMMANDS: Final = ("convert", "stats", "report")
+COPIES: Final = 2
+"""How often each sample is among several logs."""
+START: Final = """
+import os, signal, sys
+
+# In the background of a shell they may be ignored.
+for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
+    signal.signal(number, signal.SIG_DFL)
+os.execv(sys.executable, [sys.executable, "-m", "dogbot_logtool", *sys.argv[1:]])
+"""
+PATIENCE_S: Final = 60.0
+"""Nothing takes longer on the slowest of machines."""
+APART_S: Final = 0.05
+"""Between two signals, at most."""
+
+
+@dataclass(frozen=True, slots=True)
+class Call:
+    """A command on some logs, and what comes of it when nothing interrupts it."""
+
+    words: tuple[str, ...]
+    takes_s: float
+    outputs: dict[str, bytes]
+
+
+@dataclass(slots=True)
+class Row:
+    """What became of the tries of a kind."""
+
+    ends: Counter[str] = field(default_factory=Counter)
+    faults: list[str] = field(default_factory=list)
+
+
+def environment() -> dict[str, str]:
+    return {**os.environ, "PYTHONPATH": os.environ.get("PYTHONPATH", str(ROOT))}
+
+
+def started(words: Sequence[str], folder: Path) -> "subprocess.Popen[str]":
+    """Start the program in a session of its own, as a terminal would."""
+    return subprocess.Popen(  # noqa: S603
+        [sys.executable, "-c", START, *words],
+        cwd=folder,
+        env=environment(),
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        start_new_session=True,
+    )
+
+
+def words_of(command: str, logs: Sequence[Path], jobs: int) -> tuple[str, ...]:
+    output = () if command == "stats" else ("-o", "out/")
+    return (command, *map(str, logs), *output, "--jobs", str(jobs))
+
+
+def undisturbed(words: tuple[str, ...]) -> Call:
+    """Run a command as it is, and remember what it makes."""
+    with tempfile.TemporaryDirectory() as name:
+        start = time.monotonic()
+        process = started(words, Path(name))
+        _, err = process.communicate(timeout=PATIENCE_S)
+        assert process.returncode == 0, err
+        return Call(words, time.monotonic() - start, contents(Path(name)))
+
+
+def contents(folder: Path) -> dict[str, bytes]:
+    """Return all files below a folder, hidden ones too."""
+    files = (path for path in folder.rglob("*") if path.is_file())
+    return {str(path.relative_to(folder)): path.read_bytes() for path in files}
+
+
+def members(session: int) -> list[int]:
+    """Return the processes of a session that still run."""
+    found = []
+    for entry in Path("/proc").iterdir():
+        if entry.name.isdigit():
+            with contextlib.suppress(OSError):
+                state = (entry / "stat").read_text().rpartition(")")[2].split()
+                if int(state[3]) == session and state[0] not in "ZX":
+                    found.append(int(entry.name))
+    return found
+
+
+def wait_until_ready(process: "subprocess.Popen[str]") -> None:
+    """Wait until the program handles signals: before that they end the interpreter itself."""
+    caught = 0
+    while not caught >> (TERM - 1) & 1 and process.poll() is None:
+        status = Path(f"/proc/{process.pid}/status").read_text()
+        caught = int(status.partition("SigCgt:")[2].split()[0], 16)
+        time.sleep(0.001)
+
+
+def interrupt(
+    process: "subprocess.Popen[str]", signals: Sequence[signal.Signals], *, everyone: bool
+) -> None:
+    """Send signals, to all processes as a terminal does, or to the first one."""
+    for number, each in enumerate(signals):
+        if number:
+            time.sleep(random.uniform(0.0, APART_S))  # noqa: S311 - no secret
+        with contextlib.suppress(ProcessLookupError):
+            if everyone and each is not KILL:
+                os.killpg(process.pid, each)
+            else:
+                process.send_signal(each)
+
+
+def attempt(call: Call, signals: Sequence[signal.Signals], row: Row) -> None:
+    """Interrupt a call once; note how it ended, and what is wrong with that."""
+    with tempfile.TemporaryDirectory() as name:
+        process = started(call.words, Path(name))
+        wait_until_ready(process)
+        moment = random.uniform(0.0, 1.1 * call.takes_s)  # noqa: S311 - no secret
+        everyone = random.random() < 0.5  # noqa: S311 - no secret
+        time.sleep(moment)
+        was_over = process.poll() is not None
+        interrupt(process, signals, everyone=everyone)
+        faults = list(faults_of(process, call, signals, Path(name)))
+        end = "done" if process.returncode == 0 else "interrupted"
+        row.ends["over before" if was_over else end] += 1
+        sent = "+".join(each.name for each in signals) + (" to all" if everyone else "")
+        command = " ".join(call.words[:1])
+        row.faults += [f"{command}, {sent} after {moment:.3f} s: {fault}" for fault in faults]
+
+
+def faults_of(
+    process: "subprocess.Popen[str]",
+    call: Call,
+    signals: Sequence[signal.Signals],
+    folder: Path,
+) -> Iterator[str]:
+    """Wait for the end of a call that was interrupted; yield what is wrong."""
+    try:
+        _, err = process.communicate(timeout=PATIENCE_S)
+    except subprocess.TimeoutExpired:
+        yield f"goes on, or its pipes are held: {members(process.pid)}"
+        for survivor in members(process.pid):
+            os.kill(survivor, KILL)
+        _, err = process.communicate()
+    else:
+        yield from survivors_of(process.pid)
+    if "Traceback" in err or "Exception ignored" in err:
+        yield f"traceback: {err}"
+    good = {0} | {-KILL if each is KILL else 128 + each for each in signals}
+    if process.returncode not in good:
+        yield f"exit code {process.returncode}: {err}"
+    for name, data in contents(folder).items():
+        if name not in call.outputs:
+            yield f"left behind: {name}"
+        elif data != call.outputs[name]:
+            yield f"not whole: {name}"
+    if process.returncode == 0 and contents(folder).keys() != call.outputs.keys():
+        yield "says that it is done, and is not"
+
+
+def survivors_of(session: int) -> Iterator[str]:
+    end = time.monotonic() + PATIENCE_S
+    while (alive := members(session)) and time.monotonic() < end:
+        time.sleep(0.01)
+    for survivor in alive:
+        yield f"process {survivor} goes on"
+        os.kill(survivor, KILL)
+
+
+def calls(folder: Path, commands: Sequence[str]) -> dict[str, list[Call]]:
+    """Return the calls to interrupt: over one log, and over several."""
+    several: list[Path] = []
+    for number in range(COPIES):
+        for log in SAMPLES:
+            several.append(folder / f"{number}_{log.name}")
+            several[-1].write_bytes(log.read_bytes())
+    return {
+        "one log": [undisturbed(words_of(each, SAMPLES[:1], 2)) for each in commands],
+        "six logs": [undisturbed(words_of(each, several, 2)) for each in commands],
+    }
+
+
+def torture(
+    tries: int,
+    kinds: Sequence[Sequence[signal.Signals]] = KINDS,
+    commands: Sequence[str] = COMMANDS,
+) -> Iterator[tuple[str, Row]]:
+    """Try every kind of interruption; yield what became of it, by name."""
+    with tempfile.TemporaryDirectory() as name:
+        for logs, choices in calls(Path(name), commands).items():
+            for signals in kinds:
+                row = Row()
+                for number in range(tries):
+                    attempt(choices[number % len(choices)], signals, row)
+                yield f"{logs}: {'+'.join(each.name for each in signals)}", row
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--tries", type=int, default=40, help="of each kind")
+    tries = parser.parse_args().tries
+    columns = ("interrupted", "done", "over before", "faults")
+    print(f"{'':28}" + "".join(f"{each:>13}" for each in columns))  # noqa: T201
+    total = 0
+    for name, row in torture(tries):
+        counts = (*(row.ends[each] for each in columns[:3]), len(row.faults))
+        print(f"{name:28}" + "".join(f"{each:13}" for each in counts), flush=True)  # noqa: T201
+        for fault in row.faults:
+            print(f"    {fault}", flush=True)  # noqa: T201
+        total += len(row.faults)
+    sys.exit(1 if total else 0)
+
+
+if __name__ == "__main__":
+    main()
