@@ -74,6 +74,7 @@ fuzz: $(VENV)/dev
 
 torture: $(VENV)/dev
 	$(BIN)/python -m tests.torture.signals --tries $(TRIES)
+	$(BIN)/python -m tests.torture.commands
 
 golden: $(VENV)/dev
 	$(BIN)/python sample_logs/golden.py

@@ -196,10 +196,11 @@ def floor(case: Case, size: int) -> int:
     return sum(len(chunk) for chunk in parts.chunks[:whole])
 
 
-def random_mutation(chance: random.Random) -> Mutation:
+def random_mutation(chance: random.Random, size: int = 1 << 16) -> Mutation:
+    """Return a mutation somewhere in a file of a size."""
     return Mutation(
         chance.choice(list(Kind)),
-        chance.randrange(1 << 16),
+        chance.randrange(size),
         chance.choice([0, 1, 2, 3, 7, 8, 30, 100, 599]),
         chance.randrange(1 << 16),
     )

@@ -1,0 +1,218 @@
+"""Runs every command on real logs and on damaged ones: ``python -m tests.torture.commands``.
+
+What is looked at are the promises of the program: an exit code of 0 to 3, no traceback, JSON that
+parses, an end in time, and nothing left in the folder but outputs that were asked for.
+Real logs are those below LOGTOOL_CORPUS, if that is set; ``--damaged N`` adds N copies of sample
+logs, damaged at random.
+"""
+
+import argparse
+import json
+import os
+import random
+import subprocess
+import sys
+import tempfile
+import time
+from collections import Counter
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import IO, Final
+
+from tests.reader.mutation import CASES, random_mutation
+
+ROOT: Final = Path(__file__).parents[2]
+SAMPLES: Final = tuple(
+    ROOT / "sample_logs" / name for name in ("dogbot_troubled.bag", "dogbot_walk.mcap")
+)
+COMMANDS: Final = (
+    "info {log}",
+    "info {log} --json --frames",
+    "info {log} --dot -o frames.gv",
+    "convert {log} -o out.mcap",
+    "convert {log} -o own.mcap --no-copy --encoding ros1 --style force",
+    "convert {log} -o own.mcap --encoding ros2 --style classic --jobs 1 --compression lz4",
+    "stats {log}",
+    "stats {log} --json",
+    "stats {log} --csv --start 0.1",
+    "stats {log} --parquet figures",
+    "report {log} -o page.html",
+    "layout {log} -o view.json",
+    "compare {log} {log}",
+)
+OUTPUTS: Final = {
+    "frames.gv",
+    "out.mcap",
+    "own.mcap",
+    "page.html",
+    "view.json",
+    "figures",
+    "stdout",
+    "stderr",
+}
+SUFFIXES: Final = (".bag", ".mcap", ".db3", ".active", ".zstd")
+PATIENCE_S: Final = 120.0
+SERVER: Final = """
+import json, os, signal, sys
+sys.path.insert(0, sys.argv[1])
+from dogbot_logtool.cli import main
+import dogbot_logtool.convert, dogbot_logtool.stats, dogbot_logtool.page
+
+for line in sys.stdin:
+    request = json.loads(line)
+    child = os.fork()
+    if child == 0:
+        os.chdir(request["folder"])
+        for stream, name in ((0, os.devnull), (1, "stdout"), (2, "stderr")):
+            os.dup2(os.open(name, os.O_RDWR | os.O_CREAT | os.O_TRUNC), stream)
+        signal.alarm(int(request["patience_s"]))
+        sys.argv = ["dogbot-logtool", *request["words"]]
+        main()
+    print(os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]), flush=True)
+"""
+"""Runs commands in forked copies of a process that has the program loaded, to save its start-up."""
+
+
+@dataclass(frozen=True, slots=True)
+class Ended:
+    """How a command ended."""
+
+    exit_code: int
+    seconds: float
+    faults: tuple[str, ...]
+
+
+class Server:
+    """A process that runs commands one after the other."""
+
+    def __init__(self) -> None:
+        self._process = subprocess.Popen(  # noqa: S603 - our own interpreter
+            [sys.executable, "-c", SERVER, str(ROOT)],
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            text=True,
+        )
+
+    def run(self, words: Sequence[str], folder: Path) -> int:
+        """Run a command in a folder; return its exit code."""
+        request = {"words": words, "folder": str(folder), "patience_s": PATIENCE_S}
+        sending, receiving = _pipe(self._process.stdin), _pipe(self._process.stdout)
+        sending.write(json.dumps(request) + "\n")
+        sending.flush()
+        return int(receiving.readline())
+
+    def close(self) -> None:
+        """End the process."""
+        _pipe(self._process.stdin).close()
+        _pipe(self._process.stdout).close()
+        self._process.wait()
+
+
+def _pipe(pipe: IO[str] | None) -> IO[str]:
+    assert pipe is not None
+    return pipe
+
+
+def attempt(server: Server, command: str, log: Path) -> Ended:
+    """Run a command on a log, in a folder of its own."""
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        words = [word.format(log=log) for word in command.split()]
+        begin = time.monotonic()
+        code = server.run(words, folder)
+        seconds = time.monotonic() - begin
+        return Ended(code, seconds, tuple(faults_of(code, words, folder)))
+
+
+def faults_of(code: int, words: Sequence[str], folder: Path) -> Iterator[str]:
+    """Yield what is wrong with how a command ended."""
+    out = (folder / "stdout").read_text(errors="replace")
+    err = (folder / "stderr").read_text(errors="replace")
+    if not 0 <= code <= 3:
+        yield f"exit code {code}: {err[-2000:]}"
+    if "Traceback" in out + err or "Exception ignored" in err:
+        yield f"traceback: {err[-2000:]}"
+    if code in {1, 2} and not (out or err):
+        yield f"exit code {code} without a word"
+    if "--json" in words and out:
+        try:
+            json.loads(out, parse_constant=_refuse)
+        except ValueError as error:
+            yield f"JSON: {error}"
+    left = {path.name for path in folder.iterdir()} - OUTPUTS
+    if left:
+        yield f"left behind: {', '.join(sorted(left))}"
+    if code in {1, 2} and words[0] == "convert" and list(folder.glob("*.mcap")):
+        yield "failed, and left an output"
+
+
+def _refuse(constant: str) -> float:
+    raise ValueError(f"{constant} is no JSON")
+
+
+def real_logs() -> list[Path]:
+    """Return the logs below LOGTOOL_CORPUS; a ROS 2 bag's directory is one, as are its files."""
+    corpus = os.environ.get("LOGTOOL_CORPUS")
+    if not corpus:
+        return []
+    found = sorted(Path(corpus).rglob("*"))
+    files = [path for path in found if path.suffix in SUFFIXES and path.is_file()]
+    return files + [path.parent for path in found if path.name == "metadata.yaml"]
+
+
+def damaged_logs(folder: Path, count: int, seed: int) -> Iterator[Path]:
+    """Yield damaged logs one by one; each takes the place of the one before."""
+    chance = random.Random(seed)  # noqa: S311 - not for secrets
+    sources = [path.read_bytes() for path in SAMPLES] + [case.data for case in CASES]
+    suffixes = [path.suffix for path in SAMPLES] + [".log"] * len(CASES)
+    for number in range(count):
+        choice = chance.randrange(len(SAMPLES)) if number % 2 else chance.randrange(len(sources))
+        data = sources[choice]
+        for _ in range(chance.choice([1, 1, 2, 5])):
+            data = random_mutation(chance, len(data)).apply(data)
+        path = folder / f"damaged_{number}{suffixes[choice]}"
+        path.write_bytes(data)
+        yield path
+        path.unlink()
+
+
+def torture(
+    server: Server, logs: Iterator[Path], commands: Sequence[str] = COMMANDS
+) -> Iterator[tuple[str, Path, Ended]]:
+    """Run commands on logs; yield how each ended."""
+    for log in logs:
+        for command in commands:
+            yield command, log, attempt(server, command, log)
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--damaged", type=int, default=200, help="logs damaged at random")
+    parser.add_argument("--seed", type=int, help="repeat a run")
+    arguments = parser.parse_args()
+    seed = arguments.seed
+    if seed is None:
+        seed = random.SystemRandom().randrange(1 << 32)
+    codes: dict[str, Counter[int]] = {command: Counter() for command in COMMANDS}
+    faults, slowest = 0, (0.0, "")
+    server = Server()
+    with tempfile.TemporaryDirectory() as name:
+        for logs in (iter(real_logs()), damaged_logs(Path(name), arguments.damaged, seed)):
+            for command, log, ended in torture(server, logs):
+                codes[command][ended.exit_code] += 1
+                slowest = max(slowest, (ended.seconds, command.format(log=log.name)))
+                for fault in ended.faults:
+                    print(f"{command.format(log=log)}: {fault}", flush=True)  # noqa: T201
+                    faults += 1
+    server.close()
+    print(f"seed {seed}; the slowest, {slowest[0]:.1f} s: {slowest[1]}")  # noqa: T201
+    for command, counter in codes.items():
+        ends = ", ".join(f"{count} x {code}" for code, count in sorted(counter.items()))
+        print(f"{command:90} {ends}")  # noqa: T201
+    print(f"{faults} faults")  # noqa: T201
+    sys.exit(1 if faults else 0)
+
+
+if __name__ == "__main__":
+    main()
