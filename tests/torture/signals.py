@@ -180,7 +180,10 @@ def faults_of(
         _, err = process.communicate()
     else:
         yield from survivors_of(process.pid)
-    if "Traceback" in err or "Exception ignored" in err:
+    # Killed between the start of a worker and the word of what to do, the first process leaves it
+    # to the standard library, which prints that nothing came.
+    of_a_start = KILL in signals and "in spawn_main" in err
+    if ("Traceback" in err or "Exception ignored" in err) and not of_a_start:
         yield f"traceback: {err}"
     good = {0} | {-KILL if each is KILL else 128 + each for each in signals}
     if process.returncode not in good:
