@@ -8,7 +8,7 @@ import sqlite3
 import struct
 import tempfile
 from pathlib import Path
-from typing import Any
+from typing import Any, Final
 
 import pytest
 import zstandard
