@@ -26,7 +26,7 @@ _COMMANDS: Final = {
     "info": "info {log} --json",
     "stats": "stats {log} --json -q",
     "convert": "convert {log} -q --jobs 1 -o {out}/all.mcap",
-    "annotate": "convert {log} -q --jobs 1 -o {out}/own.mcap --no-copy --encoding ros1 --style force",
+    "annotate": "convert {log} -q -o {out}/own.mcap --no-copy --encoding ros1 --style force",
 }
 _UNLIKE: Final = {"tool", "path", "input"}
 """Keys of JSON that tell where and by which version it was made."""

@@ -14,14 +14,14 @@ from distributed import LocalCluster
 from make_log import write_bag, write_mcap
 from upath import UPath
 
-from dogbot_logtool.convert import convert
-from dogbot_logtool.info import describe
-from dogbot_logtool.parallel.relay import Progress
-from dogbot_logtool.plan import ConvertOptions
-from dogbot_logtool.reader.remote_source import RemoteSource
+from dogbot_logtool.commands.convert import convert
+from dogbot_logtool.commands.info import describe
+from dogbot_logtool.commands.stats import StatsOptions, measure
+from dogbot_logtool.pipeline.plan import ConvertOptions
+from dogbot_logtool.pipeline.selection import TopicOptions
+from dogbot_logtool.reader.containers.remote_source import RemoteSource
 from dogbot_logtool.run.cluster import Cluster
-from dogbot_logtool.selection import TopicOptions
-from dogbot_logtool.stats import StatsOptions, measure
+from dogbot_logtool.run.relay import Progress
 
 TASKS: Final = 10_000
 

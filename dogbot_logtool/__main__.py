@@ -2,7 +2,7 @@
 
 from typing import NoReturn
 
-from dogbot_logtool.signals import ignore_signals, raise_on_signals
+from dogbot_logtool.run.signals import ignore_signals, raise_on_signals
 
 
 def main() -> NoReturn:

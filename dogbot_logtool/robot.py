@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import Final
 
 from dogbot_logtool.errors import CallError
-from dogbot_logtool.toml_table import TomlFile, TomlTable, read_toml
+from dogbot_logtool.io.toml_table import TomlFile, TomlTable, read_toml
 
 AXES: Final = ("+x", "-x", "+y", "-y")
 """Body axes that can point forward."""

@@ -16,11 +16,11 @@ from itertools import product
 from pathlib import Path
 from typing import Final
 
-from dogbot_logtool.compare import update
-from dogbot_logtool.convert import convert
-from dogbot_logtool.plan import ConvertOptions, EncodingName, Style
+from dogbot_logtool.commands.compare import update
+from dogbot_logtool.commands.convert import convert
+from dogbot_logtool.commands.stats import StatsOptions, measure
+from dogbot_logtool.pipeline.plan import ConvertOptions, EncodingName, Style
 from dogbot_logtool.report.stats_json import stats_json
-from dogbot_logtool.stats import StatsOptions, measure
 
 SAMPLES: Final = Path(__file__).parent
 GOLDEN: Final = SAMPLES / "golden"

@@ -26,9 +26,9 @@ from dogbot_logtool import __version__
 from dogbot_logtool.cli import cli, main
 from dogbot_logtool.extras import install_command
 from dogbot_logtool.robot import known_robots
+from tests.paths import ROOT, SAMPLE_LOGS
 from tests.unfinished import unfinished
 
-SAMPLE_LOGS = Path(__file__).parents[1] / "sample_logs"
 TROT, WALK, TROUBLED = (
     SAMPLE_LOGS / f"dogbot_{name}" for name in ("trot.bag", "walk.mcap", "troubled.bag")
 )
@@ -239,7 +239,7 @@ print(sorted(heavy & set(sys.modules)))
 @pytest.mark.parametrize(
     ("words", "unneeded"),
     [
-        (["convert", "--quiet", "-o", "out.mcap"], ["rich", "dogbot_logtool.core.walk_stats"]),
+        (["convert", "--quiet", "-o", "out.mcap"], ["rich", "dogbot_logtool.core.statistics"]),
         (["stats", "--json"], ["rich", "mcap", "dogbot_logtool.writer"]),
     ],
 )
@@ -565,7 +565,7 @@ def test_without_matplotlib_it_is_said_how_to_install_it(
     absent = tmp_path / "absent"
     absent.mkdir()
     (absent / "matplotlib.py").write_text("raise ImportError")
-    root = str(Path(__file__).parents[1])
+    root = str(ROOT)
     monkeypatch.setenv("PYTHONPATH", os.pathsep.join([str(absent), root]))
     refused = run("stats", WALK, "--plot", "walk.pdf", folder=tmp_path)
     assert refused.code == 1

@@ -8,17 +8,17 @@ import pytest
 from mcap.reader import make_reader
 from mcap_ros2.decoder import DecoderFactory
 
-from dogbot_logtool.convert import convert
+from dogbot_logtool.commands.convert import convert
+from dogbot_logtool.commands.info import describe
+from dogbot_logtool.commands.stats import StatsOptions, measure
 from dogbot_logtool.core.remarks import remarks
 from dogbot_logtool.errors import CallError
-from dogbot_logtool.evidence import look_into
-from dogbot_logtool.info import describe
-from dogbot_logtool.plan import ConvertOptions, Style
-from dogbot_logtool.reader.contact_sources.registry import read_contacts
-from dogbot_logtool.reader.opening import open_log
+from dogbot_logtool.pipeline.plan import ConvertOptions, Style
+from dogbot_logtool.pipeline.probe import look_into
+from dogbot_logtool.pipeline.selection import TopicOptions, select_topics
+from dogbot_logtool.reader.containers.opening import open_log
+from dogbot_logtool.reader.messages.contacts.registry import read_contacts
 from dogbot_logtool.report.stats_json import stats_json
-from dogbot_logtool.selection import TopicOptions, select_topics
-from dogbot_logtool.stats import StatsOptions, measure
 from tests import walks
 from tests.feet_logs import WRENCH, write_log
 

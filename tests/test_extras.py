@@ -9,6 +9,7 @@ from pathlib import Path
 import pytest
 
 from dogbot_logtool.extras import command_for, install_command
+from tests.paths import ROOT
 
 METADATA = """\
 Metadata-Version: 2.4
@@ -77,7 +78,7 @@ def test_an_environment_of_uv_has_no_pip(tmp_path: Path) -> None:
 
 def test_a_clone_that_is_not_installed_is_named(tmp_path: Path) -> None:
     command = command_for("plot", None, tmp_path, has_pip=True)
-    clone = Path(__file__).parents[1].resolve()
+    clone = ROOT.resolve()
     assert command.endswith(f" -e {shlex.quote(f'{clone}[plot]')}")
 
 

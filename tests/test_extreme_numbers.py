@@ -11,16 +11,16 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from mcap.writer import Writer as McapWriter
 
-from dogbot_logtool.convert import convert
+from dogbot_logtool.commands.convert import convert
+from dogbot_logtool.commands.info import describe
+from dogbot_logtool.commands.report import Reports
+from dogbot_logtool.commands.stats import StatsOptions, measure
 from dogbot_logtool.core.plausible import FARTHEST_M
-from dogbot_logtool.info import describe
-from dogbot_logtool.page import Reports
-from dogbot_logtool.plain_json import only_finite, to_json
-from dogbot_logtool.plan import ConvertOptions
+from dogbot_logtool.io.plain_json import only_finite, to_json
+from dogbot_logtool.io.targets import Output
+from dogbot_logtool.pipeline.plan import ConvertOptions
+from dogbot_logtool.pipeline.selection import TopicOptions
 from dogbot_logtool.report.stats_json import stats_json
-from dogbot_logtool.selection import TopicOptions
-from dogbot_logtool.stats import StatsOptions, measure
-from dogbot_logtool.writer.targets import Output
 from tests import walks
 
 GAZEBO, WRENCH = "gazebo_msgs/msg/ContactsState", "geometry_msgs/msg/WrenchStamped"

@@ -16,7 +16,8 @@ from mcap.reader import make_reader
 from mcap.writer import CompressionType
 from mcap.writer import Writer as McapWriter
 
-SAMPLE_LOGS = Path(__file__).parents[1] / "sample_logs"
+from tests.paths import SAMPLE_LOGS
+
 WALK = SAMPLE_LOGS / "dogbot_walk.mcap"
 EVIL = "\x1b]0;sent\x07\x1b[8m\x9b31m\u202e\u2028\x7f"
 """A title for the terminal, hidden text, a C1 code, text from right to left, a line, a DEL."""

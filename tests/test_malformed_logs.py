@@ -10,11 +10,11 @@ from pathlib import Path
 
 import pytest
 
-from dogbot_logtool.convert import convert
-from dogbot_logtool.plan import ConvertOptions
-from dogbot_logtool.reader.opening import open_log
-from dogbot_logtool.selection import TopicOptions
-from dogbot_logtool.stats import StatsOptions, measure
+from dogbot_logtool.commands.convert import convert
+from dogbot_logtool.commands.stats import StatsOptions, measure
+from dogbot_logtool.pipeline.plan import ConvertOptions
+from dogbot_logtool.pipeline.selection import TopicOptions
+from dogbot_logtool.reader.containers.opening import open_log
 from tests import walks
 from tests.walks import Entry
 

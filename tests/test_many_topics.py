@@ -12,6 +12,7 @@ from pathlib import Path
 import pytest
 import zstandard
 
+from tests.paths import ROOT
 from tests.reader import bag_bytes, mcap_bytes
 from tests.reader.bag_bytes import U32
 from tests.reader.mcap_bytes import MAGIC, channel, file_header, record, schema, text
@@ -132,7 +133,7 @@ def test_every_command_stays_within_bounds(tmp_path: Path, name: str) -> None:
             timeout=MOST_SECONDS,
             check=False,
             cwd=tmp_path,
-            env={**os.environ, "PYTHONPATH": str(Path(__file__).parents[1])},
+            env={**os.environ, "PYTHONPATH": str(ROOT)},
         )
         assert done.returncode in {0, 1, 3}, done.stderr[-1000:]
         assert "Traceback" not in done.stderr
@@ -149,6 +150,6 @@ def test_a_table_of_very_many_topics_is_cut(tmp_path: Path) -> None:
         text=True,
         timeout=MOST_SECONDS,
         check=False,
-        cwd=Path(__file__).parents[1],
+        cwd=ROOT,
     )
     assert "and 15,000 more topics; --json lists all" in done.stdout

@@ -9,14 +9,14 @@ import numpy as np
 import pytest
 from rich.console import Console
 
-from dogbot_logtool.convert import convert
-from dogbot_logtool.info import describe
-from dogbot_logtool.layout import layout_for
-from dogbot_logtool.plan import ConvertOptions
+from dogbot_logtool.commands.convert import convert
+from dogbot_logtool.commands.info import describe
+from dogbot_logtool.commands.layout import layout_for
+from dogbot_logtool.commands.stats import StatsOptions, measure
+from dogbot_logtool.pipeline.plan import ConvertOptions
+from dogbot_logtool.pipeline.selection import TopicOptions
 from dogbot_logtool.report.stats_json import stats_json
 from dogbot_logtool.report.stats_text import print_report
-from dogbot_logtool.selection import TopicOptions
-from dogbot_logtool.stats import StatsOptions, measure
 from tests import walks
 
 KIND = "gazebo_msgs/msg/ContactsState"

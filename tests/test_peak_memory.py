@@ -6,7 +6,8 @@ from pathlib import Path
 
 import pytest
 
-ROOT = Path(__file__).parents[1]
+from tests.paths import ROOT
+
 LIMIT_MIB = 150
 SLACK_MIB = 15
 """What two runs of the same command may differ by."""

@@ -12,6 +12,7 @@ import pytest
 from dogbot_logtool.comparison.tolerances import load_rules
 from dogbot_logtool.errors import CallError
 from dogbot_logtool.robot import load_robot
+from tests.paths import ROOT
 from tests.reader.mcap_bytes import small_mcap
 
 MOST_SECONDS = 30
@@ -25,7 +26,7 @@ def run(*words: str | Path) -> subprocess.CompletedProcess[str]:
         timeout=MOST_SECONDS,
         check=False,
         stdin=subprocess.DEVNULL,
-        cwd=Path(__file__).parents[1],
+        cwd=ROOT,
     )
 
 

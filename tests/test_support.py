@@ -12,22 +12,21 @@ from typing import Any
 import numpy as np
 import pytest
 
-from dogbot_logtool.convert import Conversion, convert
-from dogbot_logtool.core.base_record import BaseRecorder
-from dogbot_logtool.core.clock import TimeSource
-from dogbot_logtool.core.foot_record import FootRecorder
-from dogbot_logtool.core.footfall import contact_rule
-from dogbot_logtool.core.stability import feet_down
-from dogbot_logtool.core.support_polygon import margin_in_hull
-from dogbot_logtool.core.support_scene import margin_colour
-from dogbot_logtool.plan import ConvertOptions, EncodingName, Style
-from dogbot_logtool.reader.contact_sources.registry import read_contacts
-from dogbot_logtool.reader.odometry import decode_odometry, odometry_columns
-from dogbot_logtool.reader.opening import open_log
-from dogbot_logtool.selection import TopicOptions, select_topics
+from dogbot_logtool.commands.convert import Conversion, convert
+from dogbot_logtool.core.base.base_record import BaseRecorder
+from dogbot_logtool.core.contact.foot_history import FootRecorder
+from dogbot_logtool.core.contact.footfall import contact_rule
+from dogbot_logtool.core.geometry.clock import TimeSource
+from dogbot_logtool.core.geometry.support_polygon import margin_in_hull
+from dogbot_logtool.core.scene.support_scene import margin_colour
+from dogbot_logtool.core.stability.stability import feet_down
+from dogbot_logtool.pipeline.plan import ConvertOptions, EncodingName, Style
+from dogbot_logtool.pipeline.selection import TopicOptions, select_topics
+from dogbot_logtool.reader.containers.opening import open_log
+from dogbot_logtool.reader.messages.contacts.registry import read_contacts
+from dogbot_logtool.reader.messages.odometry import decode_odometry, odometry_columns
 from tests import walks
-from tests.feet_logs import CONTACTS, write_log
-from tests.test_convert import (
+from tests.commands.test_convert import (
     BODY_WEIGHT_N,
     FEET,
     TEXT_TYPE,
@@ -48,9 +47,11 @@ from tests.test_convert import (
     write_ros1_mcap,
     xyz,
 )
-from tests.test_world_frames import arrows
+from tests.feet_logs import CONTACTS, write_log
+from tests.paths import ROOT
+from tests.pipeline.test_world_frames import arrows
 
-DOGBOT = Path(__file__).parents[1] / "dogbot_logtool/robots/dogbot.toml"
+DOGBOT = ROOT / "dogbot_logtool/robots/dogbot.toml"
 MS = 1_000_000
 NEAR_MS = 60
 ON_N = 0.05 * BODY_WEIGHT_N

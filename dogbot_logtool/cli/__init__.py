@@ -21,8 +21,8 @@ from dogbot_logtool.cli.report import report
 from dogbot_logtool.cli.robots import robots
 from dogbot_logtool.cli.stats import stats
 from dogbot_logtool.errors import LogtoolError
-from dogbot_logtool.signals import Stopped, raise_on_signals
-from dogbot_logtool.streams import safe_streams
+from dogbot_logtool.io.streams import safe_streams
+from dogbot_logtool.run.signals import Stopped, raise_on_signals
 
 
 @click.group(context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100})

@@ -22,7 +22,7 @@ from dogbot_logtool.cli.options import (
 from dogbot_logtool.cli.outcomes import Outcomes
 
 if TYPE_CHECKING:
-    from dogbot_logtool.convert import Conversion
+    from dogbot_logtool.commands.convert import Conversion
 
 
 @click.command()
@@ -102,13 +102,13 @@ def convert(
     **options: Any,  # noqa: ANN401 - click's words go straight into the dataclass
 ) -> None:
     """Write an annotated MCAP: /tf, arrows and loads of the feet, /support, and the log itself."""
-    from dogbot_logtool.fleet.logs import find_logs  # noqa: PLC0415
-    from dogbot_logtool.fleet.tasks import Convert, orders  # noqa: PLC0415
-    from dogbot_logtool.plan import ConvertOptions  # noqa: PLC0415
+    from dogbot_logtool.commands.tasks import Convert, orders  # noqa: PLC0415
+    from dogbot_logtool.io.storage import from_root  # noqa: PLC0415
+    from dogbot_logtool.io.targets import may_be_several, output_at, targets  # noqa: PLC0415
+    from dogbot_logtool.pipeline.plan import ConvertOptions  # noqa: PLC0415
     from dogbot_logtool.report.convert_json import conversion_json  # noqa: PLC0415
     from dogbot_logtool.run.choice import runner_for  # noqa: PLC0415
-    from dogbot_logtool.storage import from_root  # noqa: PLC0415
-    from dogbot_logtool.writer.targets import may_be_several, output_at, targets  # noqa: PLC0415
+    from dogbot_logtool.run.inputs import find_logs  # noqa: PLC0415
 
     topics = parse_topics(robot, odom_topic, feet, mass_kg)
     fleet = find_logs(words, for_workers=scheduler is not None)

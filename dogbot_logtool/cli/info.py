@@ -56,14 +56,14 @@ def info(
     as_json: bool,
 ) -> None:
     """Show what is in a log, what will be used for what, and what is wrong with it."""
-    from dogbot_logtool.fleet.logs import find_logs  # noqa: PLC0415
-    from dogbot_logtool.fleet.tasks import Describe  # noqa: PLC0415
+    from dogbot_logtool.commands.tasks import Describe  # noqa: PLC0415
+    from dogbot_logtool.io.output import refuse_bad_target, whole_file  # noqa: PLC0415
+    from dogbot_logtool.io.targets import refuse_other_format  # noqa: PLC0415
     from dogbot_logtool.report.console import results  # noqa: PLC0415
     from dogbot_logtool.report.frames_dot import frames_dot  # noqa: PLC0415
     from dogbot_logtool.report.info_report import info_json, print_info  # noqa: PLC0415
     from dogbot_logtool.run.choice import runner_for  # noqa: PLC0415
-    from dogbot_logtool.writer.output import refuse_bad_target, whole_file  # noqa: PLC0415
-    from dogbot_logtool.writer.targets import refuse_other_format  # noqa: PLC0415
+    from dogbot_logtool.run.inputs import find_logs  # noqa: PLC0415
 
     if dot and as_json:
         raise CallError("--dot and --json: choose one")

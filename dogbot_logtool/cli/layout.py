@@ -5,7 +5,7 @@ from pathlib import Path
 import click
 
 from dogbot_logtool.cli.options import output_file, overwrite_option, parse_topics, topic_options
-from dogbot_logtool.plain_json import to_json
+from dogbot_logtool.io.plain_json import to_json
 
 
 @click.command()
@@ -27,9 +27,9 @@ def layout(
 
     The feet are those of the robot (default: dogbot), or those found in LOG.
     """
-    from dogbot_logtool.layout import layout_for  # noqa: PLC0415
-    from dogbot_logtool.writer.output import refuse_bad_target, whole_file  # noqa: PLC0415
-    from dogbot_logtool.writer.targets import refuse_other_format  # noqa: PLC0415
+    from dogbot_logtool.commands.layout import layout_for  # noqa: PLC0415
+    from dogbot_logtool.io.output import refuse_bad_target, whole_file  # noqa: PLC0415
+    from dogbot_logtool.io.targets import refuse_other_format  # noqa: PLC0415
 
     options = parse_topics(robot, odom_topic, feet, mass_kg)
     if output is not None:

@@ -11,7 +11,7 @@ import click
 from dogbot_logtool.errors import CallError
 
 if TYPE_CHECKING:
-    from dogbot_logtool.selection import TopicOptions
+    from dogbot_logtool.pipeline.selection import TopicOptions
 
 LONGEST_S: Final = 1e9
 """No log lasts longer."""
@@ -28,7 +28,7 @@ def output_file(text: str) -> Path:
     Raises:
         CallError: it is one of them.
     """
-    from dogbot_logtool.writer.targets import ends_in_slash, refuse_stdout  # noqa: PLC0415
+    from dogbot_logtool.io.targets import ends_in_slash, refuse_stdout  # noqa: PLC0415
 
     refuse_stdout(text)
     if ends_in_slash(text):
@@ -177,7 +177,7 @@ def parse_topics(
     Raises:
         CallError: naming the option and what it must be.
     """
-    from dogbot_logtool.selection import TopicOptions  # noqa: PLC0415
+    from dogbot_logtool.pipeline.selection import TopicOptions  # noqa: PLC0415
 
     foot_topics: dict[str, str] = {}
     for foot in feet:

@@ -7,12 +7,12 @@ from typing import TYPE_CHECKING, Any, Final, NoReturn, TypeVar
 import click
 
 from dogbot_logtool.errors import LogtoolError
-from dogbot_logtool.plain_json import to_json
-from dogbot_logtool.printable import printable
-from dogbot_logtool.storage import valid_unicode
+from dogbot_logtool.io.plain_json import to_json
+from dogbot_logtool.io.printable import printable
+from dogbot_logtool.io.storage import valid_unicode
 
 if TYPE_CHECKING:
-    from dogbot_logtool.fleet.logs import Fleet
+    from dogbot_logtool.run.inputs import Fleet
     from dogbot_logtool.run.runner import Runner, Work
 
 Result = TypeVar("Result")

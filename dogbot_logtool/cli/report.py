@@ -59,13 +59,13 @@ def report(
     from dogbot_logtool.report.page.libraries import require_libraries  # noqa: PLC0415
 
     require_libraries()
-    from dogbot_logtool.fleet.logs import find_logs  # noqa: PLC0415
-    from dogbot_logtool.page import Page, Reports  # noqa: PLC0415
+    from dogbot_logtool.commands.report import Page, Reports  # noqa: PLC0415
+    from dogbot_logtool.commands.stats import StatsOptions  # noqa: PLC0415
+    from dogbot_logtool.io.targets import may_be_several, output_at  # noqa: PLC0415
     from dogbot_logtool.report.console import diagnostics  # noqa: PLC0415
     from dogbot_logtool.report.page.told import page_json, print_page  # noqa: PLC0415
+    from dogbot_logtool.run.inputs import find_logs  # noqa: PLC0415
     from dogbot_logtool.run.runner import Here  # noqa: PLC0415
-    from dogbot_logtool.stats import StatsOptions  # noqa: PLC0415
-    from dogbot_logtool.writer.targets import may_be_several, output_at  # noqa: PLC0415
 
     topics = parse_topics(robot, odom_topic, feet, mass_kg)
     chosen = StatsOptions(topics=topics, jobs=jobs_or_cores(jobs), **options)

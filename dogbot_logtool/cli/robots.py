@@ -3,7 +3,7 @@
 import click
 
 from dogbot_logtool.cli.options import json_option
-from dogbot_logtool.plain_json import to_json
+from dogbot_logtool.io.plain_json import to_json
 
 
 @click.command()

@@ -26,11 +26,11 @@ from dogbot_logtool.cli.options import (
 )
 from dogbot_logtool.cli.outcomes import Outcomes
 from dogbot_logtool.errors import CallError
-from dogbot_logtool.printable import printable
+from dogbot_logtool.io.printable import printable
 
 if TYPE_CHECKING:
-    from dogbot_logtool.fleet.tasks import Figures
-    from dogbot_logtool.storage import Location
+    from dogbot_logtool.commands.tasks import Figures
+    from dogbot_logtool.io.storage import Location
 
 
 @click.command()
@@ -87,13 +87,13 @@ def stats(
     **options: Any,  # noqa: ANN401 - click's words go straight into the dataclass
 ) -> None:
     """Measure a walk: which gait, how loaded, and can the recording be trusted."""
-    from dogbot_logtool.core.curves import CurveDetail  # noqa: PLC0415
-    from dogbot_logtool.fleet.logs import find_logs  # noqa: PLC0415
-    from dogbot_logtool.fleet.tasks import Measure  # noqa: PLC0415
+    from dogbot_logtool.commands.stats import StatsOptions  # noqa: PLC0415
+    from dogbot_logtool.commands.tasks import Measure  # noqa: PLC0415
+    from dogbot_logtool.core.contact.curves import CurveDetail  # noqa: PLC0415
+    from dogbot_logtool.io.storage import from_root, location  # noqa: PLC0415
     from dogbot_logtool.report.stats_csv import write_strides  # noqa: PLC0415
     from dogbot_logtool.run.choice import runner_for  # noqa: PLC0415
-    from dogbot_logtool.stats import StatsOptions  # noqa: PLC0415
-    from dogbot_logtool.storage import from_root, location  # noqa: PLC0415
+    from dogbot_logtool.run.inputs import find_logs  # noqa: PLC0415
 
     if as_csv and as_json:
         raise CallError("--csv and --json: choose one")
@@ -107,7 +107,7 @@ def stats(
     drawing = None
     fleet = find_logs(words, for_workers=scheduler is not None)
     if plot is not None:
-        from dogbot_logtool.plot import PlotOptions, refuse_bad_plot  # noqa: PLC0415
+        from dogbot_logtool.commands.plot import PlotOptions, refuse_bad_plot  # noqa: PLC0415
 
         drawing = PlotOptions(plot, size, shown, overwrite=overwrite)
         refuse_bad_plot(drawing, fleet.places)
@@ -118,7 +118,7 @@ def stats(
     items: Sequence[object] = fleet.places
     dataset = todo = None
     if parquet is not None:
-        from dogbot_logtool.fleet.dataset import Keep, dataset_at  # noqa: PLC0415
+        from dogbot_logtool.report.parquet import Keep, dataset_at  # noqa: PLC0415
 
         dataset = dataset_at(from_root(location(parquet)), chosen)
         todo = dataset.todo(fleet)
@@ -166,9 +166,9 @@ def _print_kept(
     failed: int,
 ) -> None:
     """Print what was written to a dataset: on stderr, since the result itself is in the dataset."""
+    from dogbot_logtool.io.storage import shown  # noqa: PLC0415
     from dogbot_logtool.report.console import diagnostics  # noqa: PLC0415 - rich costs 40 ms
     from dogbot_logtool.report.dataset_text import print_kept  # noqa: PLC0415
-    from dogbot_logtool.storage import shown  # noqa: PLC0415
 
     kept = [done.json for done in measured]
     print_kept(diagnostics(), shown(root), kept, unchanged, failed)

@@ -25,7 +25,7 @@ from dogbot_logtool.comparison.windows import (
     plan_windows,
 )
 from dogbot_logtool.errors import CallError
-from dogbot_logtool.reader.log import Log, Loss
+from dogbot_logtool.reader.containers.log import Log, Loss
 
 _MakeTrack = Callable[[Log, Mapping[int, int]], Track]
 

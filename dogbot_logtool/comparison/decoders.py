@@ -14,8 +14,8 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 
 from dogbot_logtool.comparison.fields import Tree
-from dogbot_logtool.reader.definition import short_type_name
-from dogbot_logtool.reader.log import Channel, Schema
+from dogbot_logtool.reader.containers.log import Channel, Schema
+from dogbot_logtool.reader.decode.definition import short_type_name
 
 if TYPE_CHECKING:
     from google.protobuf.descriptor_pb2 import FileDescriptorProto

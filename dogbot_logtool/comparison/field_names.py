@@ -9,7 +9,7 @@ from typing import Any, Final
 
 from dogbot_logtool.comparison.decoders import Undecodable, protobuf_class, ros_store
 from dogbot_logtool.comparison.fields import Tree, join
-from dogbot_logtool.reader.log import Channel, Schema
+from dogbot_logtool.reader.containers.log import Channel, Schema
 
 ALWAYS: Final = ("publish_time", "payload")
 """What every message has, besides its own fields."""

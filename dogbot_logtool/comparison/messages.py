@@ -11,8 +11,8 @@ from dogbot_logtool.comparison.outcome import Difference, Differences, Kind
 from dogbot_logtool.comparison.pairing import Pairing, pair_messages, same_bytes, time_order
 from dogbot_logtool.comparison.topics import Topic, kind_of
 from dogbot_logtool.comparison.windows import Block
-from dogbot_logtool.core.arrays import Flags, Ints
-from dogbot_logtool.reader.log import Channel
+from dogbot_logtool.core.geometry.arrays import Flags, Ints
+from dogbot_logtool.reader.containers.log import Channel
 
 _PAIR: Final = 0
 _MISSING: Final = 1

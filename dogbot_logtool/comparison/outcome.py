@@ -6,9 +6,9 @@ from enum import StrEnum
 from typing import Final, Literal
 
 from dogbot_logtool.comparison.fields import FieldDifference, Findings
-from dogbot_logtool.printable import printable
-from dogbot_logtool.reader.log import Loss
-from dogbot_logtool.storage import Location
+from dogbot_logtool.io.printable import printable
+from dogbot_logtool.io.storage import Location
+from dogbot_logtool.reader.containers.log import Loss
 
 SAME: Final = 0
 DIFFERENT: Final = 1

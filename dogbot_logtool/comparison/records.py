@@ -12,7 +12,7 @@ from mcap.exceptions import McapError
 from mcap.opcode import Opcode
 
 from dogbot_logtool.comparison.fields import Tree
-from dogbot_logtool.reader.log import Extra, Log
+from dogbot_logtool.reader.containers.log import Extra, Log
 
 OWN_VERSION: Final = "metadata:dogbot_logtool.version"
 """The version of this program that wrote a file says nothing of what is in it."""

@@ -15,7 +15,7 @@ from dogbot_logtool.comparison.decoders import (
 )
 from dogbot_logtool.comparison.fields import FieldDifference, Findings, Tree, compare_fields
 from dogbot_logtool.comparison.tolerances import FieldRules, Rules
-from dogbot_logtool.reader.log import Schema
+from dogbot_logtool.reader.containers.log import Schema
 
 if TYPE_CHECKING:
     from rosbags.interfaces.typing import FieldDesc

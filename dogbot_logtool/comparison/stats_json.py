@@ -10,7 +10,7 @@ from dogbot_logtool.comparison.fields import Findings, Tree, compare_fields, joi
 from dogbot_logtool.comparison.outcome import Comparison, Differences, Kind, Tally
 from dogbot_logtool.comparison.tolerances import FieldRules, Rules, nothing_left
 from dogbot_logtool.errors import CallError, LogError
-from dogbot_logtool.storage import content, open_file
+from dogbot_logtool.io.storage import content, open_file
 
 _PROVENANCE: Final = ("tool.version", "log.path")
 """Where figures come from, not what they are."""

@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import Any, Final
 
 from dogbot_logtool.errors import CallError
-from dogbot_logtool.toml_table import parse_toml, read_toml, shortened
+from dogbot_logtool.io.toml_table import parse_toml, read_toml, shortened
 
 _DEFAULT: Final = "default"
 

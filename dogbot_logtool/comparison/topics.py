@@ -7,7 +7,7 @@ from dogbot_logtool.comparison.fields import FieldDifference
 from dogbot_logtool.comparison.outcome import Difference, Differences, Kind, Tally, field_difference
 from dogbot_logtool.comparison.schemas import compare_schemas
 from dogbot_logtool.comparison.tolerances import FieldRules, Rules
-from dogbot_logtool.reader.log import Channel, Log, Schema
+from dogbot_logtool.reader.containers.log import Channel, Log, Schema
 
 
 @dataclass(frozen=True, slots=True)

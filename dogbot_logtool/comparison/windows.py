@@ -13,8 +13,8 @@ from typing import Final
 
 import numpy as np
 
-from dogbot_logtool.core.arrays import Bytes, Floats, Ints
-from dogbot_logtool.reader.log import (
+from dogbot_logtool.core.geometry.arrays import Bytes, Floats, Ints
+from dogbot_logtool.reader.containers.log import (
     Batch,
     Chunk,
     Log,

@@ -11,9 +11,9 @@ from typing import Any, Final, Generic, TypeVar
 
 import numpy as np
 
-from dogbot_logtool.core.arrays import Floats
-from dogbot_logtool.core.contacts import Samples
-from dogbot_logtool.core.odometry import Odometry
+from dogbot_logtool.core.base.odometry import Odometry
+from dogbot_logtool.core.contact.contacts import Samples
+from dogbot_logtool.core.geometry.arrays import Floats
 
 BLOCK_ROWS: Final = 16384
 """Large enough to make the cost of a numpy call vanish; 2 MB of contact samples."""

@@ -6,14 +6,14 @@ from typing import Final
 
 import numpy as np
 
-from dogbot_logtool.core import timespans
-from dogbot_logtool.core.arrays import norms
-from dogbot_logtool.core.base_motion import BaseMotion
-from dogbot_logtool.core.foot_figures import FootFigures
-from dogbot_logtool.core.gait import CONSISTENT, IRREGULAR, QUADRUPED
-from dogbot_logtool.core.load_figures import is_saturated, is_stuck, vertical_is_known
-from dogbot_logtool.core.quality import TopicQuality
-from dogbot_logtool.core.walk_stats import Stats
+from dogbot_logtool.core.base.base_motion import BaseMotion
+from dogbot_logtool.core.gait.foot_statistics import FootFigures
+from dogbot_logtool.core.gait.gait import CONSISTENT, IRREGULAR, QUADRUPED
+from dogbot_logtool.core.geometry import timespans
+from dogbot_logtool.core.geometry.arrays import norms
+from dogbot_logtool.core.load.load_figures import is_saturated, is_stuck, vertical_is_known
+from dogbot_logtool.core.quality.quality import TopicQuality
+from dogbot_logtool.core.statistics import Stats
 
 WEIGHT_TOLERANCE: Final = 0.05
 """By how much the vertical impulse may miss the weight before that is said."""

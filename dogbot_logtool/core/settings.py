@@ -2,11 +2,11 @@
 
 from dataclasses import dataclass
 
-from dogbot_logtool.core.clock import TimeSource
-from dogbot_logtool.core.footfall import ContactRule, contact_rule
-from dogbot_logtool.core.gait import Place
-from dogbot_logtool.core.loads import body_weight_n
-from dogbot_logtool.core.wrench_frame import WrenchFrame
+from dogbot_logtool.core.contact.footfall import ContactRule, contact_rule
+from dogbot_logtool.core.frames.wrench_frame import WrenchFrame
+from dogbot_logtool.core.gait.gait import Place
+from dogbot_logtool.core.geometry.clock import TimeSource
+from dogbot_logtool.core.load.loads import body_weight_n
 
 
 @dataclass(frozen=True, slots=True)

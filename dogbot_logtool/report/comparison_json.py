@@ -4,8 +4,8 @@ from typing import Any, Final
 
 from dogbot_logtool import __version__
 from dogbot_logtool.comparison.outcome import Comparison, Difference, FileLoss, Tally
-from dogbot_logtool.plain_json import to_json
-from dogbot_logtool.storage import shown
+from dogbot_logtool.io.plain_json import to_json
+from dogbot_logtool.io.storage import shown
 
 SCHEMA: Final = "dogbot-logtool/compare/1"
 """Changes when a field goes or changes its meaning; new fields may come."""

@@ -6,7 +6,7 @@ from typing import Final
 from rich.console import Console
 
 from dogbot_logtool.comparison.outcome import Comparison, Tally
-from dogbot_logtool.printable import printable
+from dogbot_logtool.io.printable import printable
 from dogbot_logtool.report.console import print_sentence
 from dogbot_logtool.report.text_layout import NameTable, Row
 

@@ -10,11 +10,11 @@ from rich.console import Console, ConsoleOptions, RenderableType
 from rich.segment import Segment
 from rich.text import Text
 
-from dogbot_logtool.findings import Finding, Severity
-from dogbot_logtool.printable import printable, printable_lines
-from dogbot_logtool.reader.log import Loss, lost_messages
+from dogbot_logtool.finding import Finding, Severity
+from dogbot_logtool.io.printable import printable, printable_lines
+from dogbot_logtool.io.streams import styled
+from dogbot_logtool.reader.containers.log import Loss, lost_messages
 from dogbot_logtool.report.text_layout import Hanging
-from dogbot_logtool.streams import styled
 
 _COLOURS = {Severity.ERROR: "red", Severity.WARNING: "yellow", Severity.NOTE: "cyan"}
 _LABELS = {Severity.ERROR: "error", Severity.WARNING: "warning", Severity.NOTE: "note"}

@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from typing import Any
 
-from dogbot_logtool.reader.log import Loss, lost_messages
+from dogbot_logtool.reader.containers.log import Loss, lost_messages
 
 
 def damage_json(losses: Sequence[Loss]) -> dict[str, Any]:

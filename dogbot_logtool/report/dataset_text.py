@@ -6,7 +6,7 @@ from typing import Any
 from rich.console import Console
 from rich.text import Text
 
-from dogbot_logtool.printable import printable
+from dogbot_logtool.io.printable import printable
 
 
 def print_kept(

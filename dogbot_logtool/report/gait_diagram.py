@@ -11,10 +11,10 @@ from typing import Final
 import numpy as np
 from rich.text import Text
 
-from dogbot_logtool.core import timespans
-from dogbot_logtool.core.arrays import Ints
-from dogbot_logtool.core.walk_stats import Stats
-from dogbot_logtool.printable import printable
+from dogbot_logtool.core.geometry import timespans
+from dogbot_logtool.core.geometry.arrays import Ints
+from dogbot_logtool.core.statistics import Stats
+from dogbot_logtool.io.printable import printable
 
 STRIDES_SHOWN: Final = 4
 """Strides in the window that is chosen unless asked."""

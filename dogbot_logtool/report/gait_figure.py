@@ -11,15 +11,15 @@ from typing import TYPE_CHECKING, Any, BinaryIO, Final, Literal
 
 import numpy as np
 
-from dogbot_logtool.core import timespans
-from dogbot_logtool.core.arrays import Floats, Ints
-from dogbot_logtool.core.curves import Curve, LoadCurves
-from dogbot_logtool.core.foot_figures import FootFigures
-from dogbot_logtool.core.walk_stats import Stats
+from dogbot_logtool.core.contact.curves import Curve, LoadCurves
+from dogbot_logtool.core.gait.foot_statistics import FootFigures
+from dogbot_logtool.core.geometry import timespans
+from dogbot_logtool.core.geometry.arrays import Floats, Ints
+from dogbot_logtool.core.statistics import Stats
 from dogbot_logtool.errors import CallError, ExtraMissingError, LogError
-from dogbot_logtool.printable import printable
+from dogbot_logtool.io.printable import printable
+from dogbot_logtool.pipeline.time_span import refuse_window
 from dogbot_logtool.report.foot_pens import foot_colour, short_names
-from dogbot_logtool.time_span import refuse_window
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

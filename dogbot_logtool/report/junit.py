@@ -3,7 +3,7 @@
 from xml.etree import ElementTree as ET
 
 from dogbot_logtool.comparison.outcome import Comparison, Tally
-from dogbot_logtool.printable import printable
+from dogbot_logtool.io.printable import printable
 
 
 def junit_xml(comparison: Comparison) -> bytes:

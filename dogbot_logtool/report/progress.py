@@ -5,7 +5,7 @@ import threading
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Self
 
-from dogbot_logtool.printable import printable
+from dogbot_logtool.io.printable import printable
 
 if TYPE_CHECKING:
     from rich.progress import Progress, Task, TaskID

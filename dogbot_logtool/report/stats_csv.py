@@ -7,8 +7,8 @@ from typing import Final, TextIO
 import numpy as np
 
 from dogbot_logtool.core.remarks import remarks
-from dogbot_logtool.core.walk_stats import Stats
-from dogbot_logtool.printable import printable
+from dogbot_logtool.core.statistics import Stats
+from dogbot_logtool.io.printable import printable
 from dogbot_logtool.report.stats_json import LogFacts
 from dogbot_logtool.report.stride_table import COLUMNS, StrideTable
 

@@ -8,17 +8,17 @@ from pathlib import Path
 from typing import Any, Final, Protocol
 
 from dogbot_logtool import __version__
-from dogbot_logtool.core.aggregates import Aggregate
-from dogbot_logtool.core.base_motion import BaseMotion
-from dogbot_logtool.core.foot_figures import FootFigures
-from dogbot_logtool.core.gait import diagonality
-from dogbot_logtool.core.load_figures import grouped_shares, symmetry_index_percent
-from dogbot_logtool.core.quality import TopicQuality
+from dogbot_logtool.core.base.base_motion import BaseMotion
+from dogbot_logtool.core.gait.foot_statistics import FootFigures
+from dogbot_logtool.core.gait.gait import diagonality
+from dogbot_logtool.core.gait.segments import Segment
+from dogbot_logtool.core.geometry.aggregates import Aggregate
+from dogbot_logtool.core.load.load_figures import grouped_shares, symmetry_index_percent
+from dogbot_logtool.core.quality.quality import TopicQuality
 from dogbot_logtool.core.remarks import remarks
-from dogbot_logtool.core.segments import Segment
-from dogbot_logtool.core.walk_stats import Stats
-from dogbot_logtool.listing import listed
-from dogbot_logtool.plain_json import not_finite, only_finite
+from dogbot_logtool.core.statistics import Stats
+from dogbot_logtool.io.listing import listed
+from dogbot_logtool.io.plain_json import not_finite, only_finite
 
 SCHEMA_VERSION: Final = 1
 """Grows with every change of meaning."""

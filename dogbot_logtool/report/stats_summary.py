@@ -3,8 +3,8 @@
 from pathlib import Path
 
 from dogbot_logtool.core.remarks import remarks
-from dogbot_logtool.core.walk_stats import Stats
-from dogbot_logtool.printable import printable
+from dogbot_logtool.core.statistics import Stats
+from dogbot_logtool.io.printable import printable
 from dogbot_logtool.report.numbers import NOTHING, decimal
 from dogbot_logtool.report.stats_json import LogFacts
 from dogbot_logtool.report.verdict import gait_name

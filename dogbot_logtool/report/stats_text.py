@@ -9,13 +9,13 @@ from rich.console import Console, Group, RenderableType
 from rich.padding import Padding
 from rich.text import Text
 
-from dogbot_logtool.core.aggregates import Aggregate
-from dogbot_logtool.core.gait import STAND
-from dogbot_logtool.core.load_figures import grouped_shares
+from dogbot_logtool.core.gait.gait import STAND
+from dogbot_logtool.core.geometry.aggregates import Aggregate
+from dogbot_logtool.core.load.load_figures import grouped_shares
 from dogbot_logtool.core.remarks import remarks
-from dogbot_logtool.core.walk_stats import Stats
-from dogbot_logtool.findings import Finding
-from dogbot_logtool.printable import printable
+from dogbot_logtool.core.statistics import Stats
+from dogbot_logtool.finding import Finding
+from dogbot_logtool.io.printable import printable
 from dogbot_logtool.report.console import print_command
 from dogbot_logtool.report.foot_pens import short_names
 from dogbot_logtool.report.gait_diagram import (

@@ -5,8 +5,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from dogbot_logtool.core.arrays import Floats
-from dogbot_logtool.core.walk_stats import Stats
+from dogbot_logtool.core.geometry.arrays import Floats
+from dogbot_logtool.core.statistics import Stats
 
 
 @dataclass(frozen=True, slots=True)

@@ -2,9 +2,9 @@
 
 import math
 
-from dogbot_logtool.core.gait import IRREGULAR, QUADRUPED, STAND, TOLERANCE
-from dogbot_logtool.core.segments import Segment
-from dogbot_logtool.core.walk_stats import Stats
+from dogbot_logtool.core.gait.gait import IRREGULAR, QUADRUPED, STAND, TOLERANCE
+from dogbot_logtool.core.gait.segments import Segment
+from dogbot_logtool.core.statistics import Stats
 
 
 def headline(stats: Stats) -> str:

@@ -22,7 +22,7 @@ from typing import Any, Final
 from dogbot_logtool.errors import LogtoolError
 from dogbot_logtool.run.executor import ExecutorRunner
 from dogbot_logtool.run.runner import Failure, Result, Watcher, Work, attempt
-from dogbot_logtool.signals import Stopped, held_back, leave_to_parent, raise_stopped
+from dogbot_logtool.run.signals import Stopped, held_back, leave_to_parent, raise_stopped
 
 _SPAWN: Final = multiprocessing.get_context("spawn")
 _CLEAN_UP_S: Final = 5.0

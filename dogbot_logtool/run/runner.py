@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from typing import Any, Final, Generic, Protocol, Self, TypeVar
 
 from dogbot_logtool.errors import LogtoolError, StoreError
-from dogbot_logtool.parallel.relay import Progress
+from dogbot_logtool.run.relay import Progress
 
 Item = TypeVar("Item")
 Result = TypeVar("Result")

@@ -9,14 +9,14 @@ import numpy as np
 from mcap import records
 from numpy.typing import NDArray
 
-from dogbot_logtool.core.arrays import Floats, Ints, rows_by_group
-from dogbot_logtool.core.arrows import Arrows
-from dogbot_logtool.core.loads import Loads
-from dogbot_logtool.core.odometry import Transforms
-from dogbot_logtool.core.support_scene import SupportScene
+from dogbot_logtool.core.base.odometry import Transforms
+from dogbot_logtool.core.geometry.arrays import Floats, Ints, rows_by_group
+from dogbot_logtool.core.load.loads import Loads
+from dogbot_logtool.core.scene.arrows import Arrows
+from dogbot_logtool.core.scene.support_scene import SupportScene
 from dogbot_logtool.errors import LogtoolError
-from dogbot_logtool.provenance import ANNOTATION_MARK
-from dogbot_logtool.writer.encoding import (
+from dogbot_logtool.pipeline.provenance import ANNOTATION_MARK
+from dogbot_logtool.writer.encodings.encoding import (
     SHAFT_SHARE,
     ArrowStyle,
     Encoding,

@@ -14,7 +14,7 @@ from mcap.data_stream import RecordBuilder
 from mcap.opcode import Opcode
 from zlib_ng.zlib_ng import crc32
 
-from dogbot_logtool.core.arrays import Bytes, Ints, stable_order
+from dogbot_logtool.core.geometry.arrays import Bytes, Ints, stable_order
 from dogbot_logtool.writer.outgoing import Outgoing
 
 Compression = Literal["zstd", "lz4", "none"]

@@ -8,7 +8,7 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from dogbot_logtool.core.arrays import Bytes, Ints
+from dogbot_logtool.core.geometry.arrays import Bytes, Ints
 from dogbot_logtool.writer.template import Template
 
 MESSAGE_OPCODE: Final = 0x05

@@ -6,9 +6,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from dogbot_logtool.core.arrays import Floats, Ints
-from dogbot_logtool.core.support_scene import SupportScene
-from dogbot_logtool.writer.encoding import (
+from dogbot_logtool.core.geometry.arrays import Floats, Ints
+from dogbot_logtool.core.scene.support_scene import SupportScene
+from dogbot_logtool.writer.encodings.encoding import (
     Encoding,
     SupportShape,
     SupportStyle,

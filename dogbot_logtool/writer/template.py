@@ -14,7 +14,7 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from dogbot_logtool.core.arrays import Ints
+from dogbot_logtool.core.geometry.arrays import Ints
 
 Number = float | int | bool
 Serialise = Callable[[Mapping[str, Number]], bytes]

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from dogbot_logtool.compare import CompareOptions, compare
+from dogbot_logtool.commands.compare import CompareOptions, compare
 from dogbot_logtool.comparison.fields import Findings, Tree, compare_fields
 from dogbot_logtool.comparison.outcome import Comparison
 from dogbot_logtool.comparison.tolerances import FieldRules, Quantity, Rules, Tolerance

@@ -4,8 +4,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from dogbot_logtool.core import blocks
+from dogbot_logtool.core.base.odometry import Odometry
 from dogbot_logtool.core.blocks import Blocks, GrowingTable
-from dogbot_logtool.core.odometry import Odometry
 
 
 def odometry(start: int, count: int) -> Odometry:

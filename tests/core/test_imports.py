@@ -62,8 +62,8 @@ def test_there_is_something_to_look_at() -> None:
     assert imports_of(ROOT / "core" / "loads.py") >= {
         "dataclasses",
         "numpy",
-        "dogbot_logtool.core.contacts",
-        "dogbot_logtool.core.contacts.Samples",
+        "dogbot_logtool.core.contact.contacts",
+        "dogbot_logtool.core.contact.contacts.Samples",
     }
 
 
@@ -78,9 +78,9 @@ def test_relative_imports_are_seen(tmp_path: Path, monkeypatch: pytest.MonkeyPat
     assert name_of(file) == "dogbot_logtool.core.odd"
     assert imports_of(file) == {
         "dogbot_logtool.core",
-        "dogbot_logtool.core.arrays",
+        "dogbot_logtool.core.geometry.arrays",
         "dogbot_logtool.reader",
-        "dogbot_logtool.reader.log",
+        "dogbot_logtool.reader.containers.log",
         "rosbags.typesys",
     }
 

@@ -14,9 +14,9 @@ from typing import Any, Final
 import s3fs
 from distributed import Client
 
+from tests.paths import ROOT
 from tests.walks import START, Walk, write_mcap
 
-ROOT: Final = Path(__file__).parents[2]
 BUCKET: Final = "lab"
 CONTACTS: Final = "gazebo_msgs/msg/ContactsState"
 _PATIENCE_S: Final = 60.0

@@ -5,8 +5,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import NamedTuple
 
-from dogbot_logtool.reader.log import Extra, LoadedChunk, Loss
-from dogbot_logtool.reader.opening import open_log
+from dogbot_logtool.reader.containers.log import Extra, LoadedChunk, Loss
+from dogbot_logtool.reader.containers.opening import open_log
 from tests.reader import bag_bytes, mcap_bytes
 
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from dogbot_logtool.reader.contact_sources.registry import SOURCES
+from dogbot_logtool.reader.messages.contacts.registry import SOURCES
 from tests.reader import adapters
 from tests.reader.adapters import ALL, DAMAGES, FOXGLOVE, Outcome
 

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from dogbot_logtool.reader.opening import open_log
+from dogbot_logtool.reader.containers.opening import open_log
 from tests.reader.bag_bytes import CODECS as BAG_CODECS
 from tests.reader.bag_bytes import Connection, small_bag
 from tests.reader.mcap_bytes import (

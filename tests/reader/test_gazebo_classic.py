@@ -8,9 +8,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from dogbot_logtool.reader.columns import Texts
-from dogbot_logtool.reader.contact_sources.collisions import link_of_collision
-from dogbot_logtool.reader.contact_sources.physics_steps import (
+from dogbot_logtool.reader.decode.columns import Texts
+from dogbot_logtool.reader.messages.contacts.collisions import link_of_collision
+from dogbot_logtool.reader.messages.contacts.physics_steps import (
     newest_lag,
     newest_step,
     steps_of_messages,

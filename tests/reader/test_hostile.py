@@ -11,6 +11,7 @@ import lz4.frame
 import pytest
 import zstandard
 
+from tests.paths import ROOT
 from tests.reader import bag_bytes, mcap_bytes
 from tests.reader.bag_bytes import U32
 from tests.reader.mcap_bytes import MAGIC, channel, file_header, record, schema, text
@@ -26,7 +27,7 @@ from pathlib import Path
 with contextlib.suppress(OSError):
     # Else the peak is that of the parent, whose memory this process had for a moment.
     Path("/proc/self/clear_refs").write_text("5")
-from dogbot_logtool.reader.opening import open_log
+from dogbot_logtool.reader.containers.opening import open_log
 from dogbot_logtool.errors import LogtoolError
 try:
     log = open_log(Path(sys.argv[1]))
@@ -201,7 +202,7 @@ def test_a_hostile_file_stays_within_bounds(tmp_path: Path, name: str) -> None:
         text=True,
         timeout=MOST_SECONDS,
         check=False,
-        cwd=Path(__file__).parents[2],
+        cwd=ROOT,
     )
     assert done.returncode == 0, done.stderr
     assert int(done.stdout.splitlines()[-1]) < MOST_MEMORY_MB, done.stdout

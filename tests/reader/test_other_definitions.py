@@ -9,7 +9,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from dogbot_logtool.errors import DefinitionError
-from dogbot_logtool.reader.definition import (
+from dogbot_logtool.reader.decode.definition import (
     FieldType,
     FixedArray,
     Primitive,

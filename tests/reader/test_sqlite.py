@@ -12,7 +12,8 @@ from pathlib import Path
 import pytest
 
 from dogbot_logtool.errors import LogError
-from dogbot_logtool.reader.opening import open_log
+from dogbot_logtool.reader.containers.opening import open_log
+from tests.paths import ROOT
 from tests.reader.reading import Read, read_file
 
 TOPICS = "CREATE TABLE topics (id INTEGER PRIMARY KEY, name, type, serialization_format)"
@@ -225,7 +226,7 @@ def test_no_room_for_the_copy_is_said(tmp_path: Path) -> None:
         capture_output=True,
         text=True,
         check=False,
-        cwd=Path(__file__).parents[2],
+        cwd=ROOT,
         preexec_fn=forbid_large_files,
     )
     assert done.returncode == 1
@@ -286,7 +287,7 @@ def test_pages_that_are_shared_end_the_reading(tmp_path: Path, table: str, comma
         check=False,
         timeout=30,
         cwd=tmp_path,
-        env={**os.environ, "PYTHONPATH": str(Path(__file__).parents[2])},
+        env={**os.environ, "PYTHONPATH": str(ROOT)},
     )
     assert done.returncode in {1, 2, 3}, done.stderr
     if command in {"info", "compare"}:

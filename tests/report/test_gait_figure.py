@@ -15,18 +15,18 @@ import pytest
 from pypdf import PdfReader
 from pypdf.generic import DictionaryObject
 
-from dogbot_logtool.closer_look import load_curves_within
-from dogbot_logtool.core.curves import CurveDetail
+from dogbot_logtool.commands.load_detail import load_curves_within
+from dogbot_logtool.commands.plot import PlotOptions, write_plot
+from dogbot_logtool.commands.stats import Measurement, StatsOptions, measure
+from dogbot_logtool.core.contact.curves import CurveDetail
 from dogbot_logtool.errors import CallError, LogError
-from dogbot_logtool.plot import PlotOptions, write_plot
+from dogbot_logtool.pipeline.selection import TopicOptions
 from dogbot_logtool.report.gait_diagram import default_window
 from dogbot_logtool.report.gait_figure import FORMATS, gait_figure, write_figure
 from dogbot_logtool.report.stats_json import stats_json
-from dogbot_logtool.selection import TopicOptions
-from dogbot_logtool.stats import Measurement, StatsOptions, measure
 from tests import walks
+from tests.paths import SAMPLE_LOGS
 
-SAMPLE_LOGS = Path(__file__).parents[2] / "sample_logs"
 TROT, WALK, TROUBLED = (
     SAMPLE_LOGS / f"dogbot_{name}" for name in ("trot.bag", "walk.mcap", "troubled.bag")
 )

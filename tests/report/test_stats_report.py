@@ -10,13 +10,13 @@ import pytest
 from jsonschema import Draft202012Validator
 from rich.console import Console
 
-from dogbot_logtool.core.arrays import Floats
-from dogbot_logtool.core.contacts import Samples
-from dogbot_logtool.core.odometry import Odometry
+from dogbot_logtool.core.base.odometry import Odometry
+from dogbot_logtool.core.contact.contacts import Samples
+from dogbot_logtool.core.frames.wrench_frame import WrenchFrame
+from dogbot_logtool.core.geometry.arrays import Floats
 from dogbot_logtool.core.remarks import Remark
 from dogbot_logtool.core.settings import FootPlace, StatsSettings
-from dogbot_logtool.core.walk_stats import Stats, StatsAccumulator
-from dogbot_logtool.core.wrench_frame import WrenchFrame
+from dogbot_logtool.core.statistics import Stats, StatsAccumulator
 from dogbot_logtool.report.gait_diagram import ASCII, default_window, gait_diagram
 from dogbot_logtool.report.stats_csv import write_strides, write_summary
 from dogbot_logtool.report.stats_json import LogFacts, several_logs, stats_json, stats_schema

@@ -11,8 +11,8 @@ from rich.console import Console
 from rich.text import Text
 
 from dogbot_logtool.report.text_layout import Hanging, NameTable, Row
+from tests.paths import SAMPLE_LOGS
 
-SAMPLE_LOGS = Path(__file__).parents[2] / "sample_logs"
 TROT, TROUBLED = (SAMPLE_LOGS / f"dogbot_{name}.bag" for name in ("trot", "troubled"))
 LONG = "a_log_with_a_name_that_is_longer_than_any_column_of_a_table_in_a_terminal.bag"
 TOPIC = "/a/topic/that/does/not/fit/into/a/line/of/forty/columns"

@@ -15,9 +15,9 @@ from distributed import Client
 
 from dogbot_logtool.run import cluster
 from dogbot_logtool.run.cluster import Cluster
+from tests.paths import ROOT
 from tests.run.test_runner import Watcher, work
 
-ROOT = Path(__file__).parents[2]
 TROT = ROOT / "sample_logs" / "dogbot_trot.bag"
 LACKS_PACKAGE = "sys.modules['dogbot_logtool'] = None"
 OLD_PACKAGE = "import dogbot_logtool; dogbot_logtool.__version__ = '0.0.1'"

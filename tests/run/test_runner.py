@@ -14,10 +14,11 @@ from typing import Any
 import pytest
 
 from dogbot_logtool.errors import CallError, StoreError
-from dogbot_logtool.parallel.relay import Progress
 from dogbot_logtool.run.choice import runner_for
 from dogbot_logtool.run.processes import Processes
+from dogbot_logtool.run.relay import Progress
 from dogbot_logtool.run.runner import Failure, Runner, attempt
+from tests.paths import ROOT
 
 
 class Watcher:
@@ -207,7 +208,7 @@ if __name__ == "__main__":
         [sys.executable, file],
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
-        env={**os.environ, "PYTHONPATH": str(Path(__file__).parents[2])},
+        env={**os.environ, "PYTHONPATH": str(ROOT)},
     )
     workers = wait_for_endless(tmp_path, 2)
     process.send_signal(number)

@@ -22,9 +22,10 @@ from mcap.reader import make_reader
 from rosbags.rosbag1 import Reader as BagReader
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
+from tests.paths import SAMPLE_LOGS
+
 Array = npt.NDArray[np.float64]
 
-SAMPLE_LOGS = Path(__file__).parents[2] / "sample_logs"
 TROT, WALK, TROUBLED = "dogbot_trot.bag", "dogbot_walk.mcap", "dogbot_troubled.bag"
 LOGS = (TROT, WALK, TROUBLED)
 FEET = ("front_left", "front_right", "back_left", "back_right")

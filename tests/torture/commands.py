@@ -20,9 +20,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import IO, Final
 
+from tests.paths import ROOT
 from tests.reader.mutation import CASES, random_mutation
 
-ROOT: Final = Path(__file__).parents[2]
 SAMPLES: Final = tuple(
     ROOT / "sample_logs" / name for name in ("dogbot_troubled.bag", "dogbot_walk.mcap")
 )
@@ -57,7 +57,7 @@ SERVER: Final = """
 import json, os, signal, sys
 sys.path.insert(0, sys.argv[1])
 from dogbot_logtool.cli import main
-import dogbot_logtool.convert, dogbot_logtool.stats, dogbot_logtool.page
+from dogbot_logtool.commands import convert, report, stats
 
 for line in sys.stdin:
     request = json.loads(line)

@@ -21,7 +21,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Final
 
-ROOT: Final = Path(__file__).parents[2]
+from tests.paths import ROOT
+
 SAMPLES: Final = tuple(
     ROOT / "sample_logs" / name
     for name in ("dogbot_trot.bag", "dogbot_walk.mcap", "dogbot_troubled.bag")

@@ -13,9 +13,9 @@ from mcap import records
 from mcap.data_stream import ReadDataStream
 from mcap.stream_reader import StreamReader
 
-from dogbot_logtool.core.arrows import Arrows
-from dogbot_logtool.core.loads import Loads
-from dogbot_logtool.core.odometry import Transforms
+from dogbot_logtool.core.base.odometry import Transforms
+from dogbot_logtool.core.load.loads import Loads
+from dogbot_logtool.core.scene.arrows import Arrows
 from dogbot_logtool.errors import LogtoolError
 from dogbot_logtool.writer.annotations import (
     AnnotationColumns,
@@ -24,11 +24,11 @@ from dogbot_logtool.writer.annotations import (
     arrow_topic,
     load_topic,
 )
-from dogbot_logtool.writer.encoding import ArrowStyle, Encoding, MessageType
-from dogbot_logtool.writer.foxglove import FoxgloveEncoding
+from dogbot_logtool.writer.encodings.encoding import ArrowStyle, Encoding, MessageType
+from dogbot_logtool.writer.encodings.foxglove import FoxgloveEncoding
+from dogbot_logtool.writer.encodings.ros1 import Ros1Encoding
+from dogbot_logtool.writer.encodings.ros2 import Ros2Encoding
 from dogbot_logtool.writer.mcap_writer import McapWriter
-from dogbot_logtool.writer.ros1 import Ros1Encoding
-from dogbot_logtool.writer.ros2 import Ros2Encoding
 
 FEET = ("left", "right")
 ENCODINGS = (FoxgloveEncoding(), Ros1Encoding(), Ros2Encoding())

@@ -11,13 +11,13 @@ from mcap_protobuf.decoder import DecoderFactory as ProtobufDecoders
 from mcap_ros1.decoder import DecoderFactory as Ros1Decoders
 from mcap_ros2.decoder import DecoderFactory as Ros2Decoders
 
-from dogbot_logtool.core.arrays import Floats
-from dogbot_logtool.core.support_scene import SupportScene
-from dogbot_logtool.writer.encoding import Encoding, SupportStyle
-from dogbot_logtool.writer.foxglove import FoxgloveEncoding
+from dogbot_logtool.core.geometry.arrays import Floats
+from dogbot_logtool.core.scene.support_scene import SupportScene
+from dogbot_logtool.writer.encodings.encoding import Encoding, SupportStyle
+from dogbot_logtool.writer.encodings.foxglove import FoxgloveEncoding
+from dogbot_logtool.writer.encodings.ros1 import Ros1Encoding
+from dogbot_logtool.writer.encodings.ros2 import Ros2Encoding
 from dogbot_logtool.writer.outgoing import MESSAGE_HEAD
-from dogbot_logtool.writer.ros1 import Ros1Encoding
-from dogbot_logtool.writer.ros2 import Ros2Encoding
 from dogbot_logtool.writer.support import SupportStamper
 
 STYLE = SupportStyle(line_m=0.02, mark_m=0.04, lifetime_s=0.5)

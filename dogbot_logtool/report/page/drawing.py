@@ -6,9 +6,9 @@ from typing import Any, Final
 
 import numpy as np
 
-from dogbot_logtool.core.arrays import Floats, Ints
-from dogbot_logtool.core.walk_stats import Stats
-from dogbot_logtool.printable import printable
+from dogbot_logtool.core.geometry.arrays import Floats, Ints
+from dogbot_logtool.core.statistics import Stats
+from dogbot_logtool.io.printable import printable
 
 NEUTRAL: Final = "#808080"
 """Seen on white and on black."""

@@ -5,10 +5,10 @@ from typing import Any, Final
 import numpy as np
 import plotly.graph_objects as go
 
-from dogbot_logtool.core.arrays import Floats, Ints
-from dogbot_logtool.core.base_motion import FORWARD_ANGLES
-from dogbot_logtool.core.seen_from_above import Places, footprints, pressure_path
-from dogbot_logtool.core.walk_stats import Stats
+from dogbot_logtool.core.base.base_motion import FORWARD_ANGLES
+from dogbot_logtool.core.geometry.arrays import Floats, Ints
+from dogbot_logtool.core.stability.ground_projection import Places, footprints, pressure_path
+from dogbot_logtool.core.statistics import Stats
 from dogbot_logtool.report.foot_pens import foot_colour
 from dogbot_logtool.report.page.drawing import (
     MARGIN,

@@ -6,10 +6,10 @@ from typing import Final
 import numpy as np
 import plotly.graph_objects as go
 
-from dogbot_logtool.core import timespans
-from dogbot_logtool.core.arrays import Ints
-from dogbot_logtool.core.quality import TopicQuality
-from dogbot_logtool.core.walk_stats import Stats
+from dogbot_logtool.core.geometry import timespans
+from dogbot_logtool.core.geometry.arrays import Ints
+from dogbot_logtool.core.quality.quality import TopicQuality
+from dogbot_logtool.core.statistics import Stats
 from dogbot_logtool.report.page.drawing import (
     BAD,
     MARGIN,

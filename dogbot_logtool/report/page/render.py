@@ -22,9 +22,9 @@ from markupsafe import Markup
 from plotly.offline import get_plotlyjs
 
 from dogbot_logtool import __version__
-from dogbot_logtool.core.walk_stats import Stats
-from dogbot_logtool.plain_json import to_json
-from dogbot_logtool.printable import printable
+from dogbot_logtool.core.statistics import Stats
+from dogbot_logtool.io.plain_json import to_json
+from dogbot_logtool.io.printable import printable
 from dogbot_logtool.report.foot_pens import foot_colour, short_names
 from dogbot_logtool.report.gait_diagram import default_window
 from dogbot_logtool.report.numbers import NOTHING, decimal

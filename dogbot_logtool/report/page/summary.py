@@ -4,9 +4,9 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import Final
 
-from dogbot_logtool.core.gait import STAND
+from dogbot_logtool.core.gait.gait import STAND
 from dogbot_logtool.core.remarks import remarks
-from dogbot_logtool.core.walk_stats import Stats
+from dogbot_logtool.core.statistics import Stats
 from dogbot_logtool.report.numbers import decimal
 from dogbot_logtool.report.stats_json import LogFacts, Said
 from dogbot_logtool.report.verdict import evidence, gait_name, headline, is_known

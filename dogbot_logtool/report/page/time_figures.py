@@ -5,11 +5,11 @@ from typing import Any, Final
 import numpy as np
 import plotly.graph_objects as go
 
-from dogbot_logtool.core import timespans
-from dogbot_logtool.core.arrays import Floats, Ints
-from dogbot_logtool.core.curves import Curve
-from dogbot_logtool.core.foot_figures import FootFigures
-from dogbot_logtool.core.walk_stats import Stats
+from dogbot_logtool.core.contact.curves import Curve
+from dogbot_logtool.core.gait.foot_statistics import FootFigures
+from dogbot_logtool.core.geometry import timespans
+from dogbot_logtool.core.geometry.arrays import Floats, Ints
+from dogbot_logtool.core.statistics import Stats
 from dogbot_logtool.report.foot_pens import foot_colour, short_names
 from dogbot_logtool.report.gait_diagram import default_window
 from dogbot_logtool.report.numbers import NOTHING, decimal, percent

@@ -17,14 +17,14 @@ from selenium.webdriver.common.action_chains import ActionChains
 from selenium.webdriver.common.keys import Keys
 from selenium.webdriver.support.ui import WebDriverWait
 
-from dogbot_logtool.page import Reports
+from dogbot_logtool.commands.report import Reports
+from dogbot_logtool.commands.stats import StatsOptions, measure
+from dogbot_logtool.io.targets import Output
+from dogbot_logtool.pipeline.selection import TopicOptions
 from dogbot_logtool.report.stats_json import stats_json
-from dogbot_logtool.selection import TopicOptions
-from dogbot_logtool.stats import StatsOptions, measure
-from dogbot_logtool.writer.targets import Output
 from tests import walks
+from tests.paths import SAMPLE_LOGS
 
-SAMPLE_LOGS = Path(__file__).parents[3] / "sample_logs"
 TROT = SAMPLE_LOGS / "dogbot_trot.bag"
 BROWSER, DRIVER = shutil.which("chromium"), shutil.which("chromedriver")
 SWITCHES: Final = (

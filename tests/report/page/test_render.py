@@ -3,25 +3,24 @@
 import re
 from dataclasses import replace
 from html.parser import HTMLParser
-from pathlib import Path
 
 import numpy as np
 import pytest
 
-from dogbot_logtool.core.arrays import Floats
-from dogbot_logtool.core.contacts import Samples
-from dogbot_logtool.core.curves import CurveDetail
-from dogbot_logtool.core.odometry import Odometry
+from dogbot_logtool.commands.stats import StatsOptions, measure
+from dogbot_logtool.core.base.odometry import Odometry
+from dogbot_logtool.core.contact.contacts import Samples
+from dogbot_logtool.core.contact.curves import CurveDetail
+from dogbot_logtool.core.frames.wrench_frame import WrenchFrame
+from dogbot_logtool.core.geometry.arrays import Floats
 from dogbot_logtool.core.settings import FootPlace, StatsSettings
-from dogbot_logtool.core.walk_stats import Stats, StatsAccumulator
-from dogbot_logtool.core.wrench_frame import WrenchFrame
-from dogbot_logtool.findings import warning
+from dogbot_logtool.core.statistics import Stats, StatsAccumulator
+from dogbot_logtool.finding import warning
 from dogbot_logtool.report.page.render import IndexRow, Place, index, index_row, page
 from dogbot_logtool.report.stats_json import LogFacts
-from dogbot_logtool.stats import StatsOptions, measure
+from tests.paths import SAMPLE_LOGS
 from tests.report.page.page_data import drawings, numbers, trace
 
-SAMPLE_LOGS = Path(__file__).parents[3] / "sample_logs"
 TROT = SAMPLE_LOGS / "dogbot_trot.bag"
 MB = 1_000_000
 HOSTILE = "</script><img src=x onerror=alert(1)>%{x}<b>{{7*7}}\u2028\u202e\x1b[31m"

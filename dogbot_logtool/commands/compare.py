@@ -1,0 +1,135 @@
+"""The story of `compare`: do two files mean the same, and if not, where do they differ?"""
+
+import shutil
+from collections.abc import Iterator
+from contextlib import closing
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+from dogbot_logtool.comparison.containers import compare_logs
+from dogbot_logtool.comparison.outcome import RECORDS, Comparison
+from dogbot_logtool.comparison.stats_json import compare_json, looks_like_json
+from dogbot_logtool.comparison.tolerances import Rules, load_rules
+from dogbot_logtool.errors import CallError, LogError
+from dogbot_logtool.io.output import refuse_bad_target, whole_file
+from dogbot_logtool.io.printable import printable
+from dogbot_logtool.reader.containers.opening import open_log
+
+
+@dataclass(frozen=True, slots=True)
+class CompareOptions:
+    """What a user allows to differ, and how much is told."""
+
+    atol: float | None = None
+    """In each field's own unit; None: what the tolerance file says, else 0. Also `rtol`."""
+    rtol: float | None = None
+    tolerances: Path | None = None
+    """A TOML file of quantities, see `load_rules`."""
+    ignore: tuple[str, ...] = ()
+    """Globs: ``TOPIC``, ``FIELD`` or ``TOPIC:FIELD``."""
+    topics: tuple[str, ...] = ()
+    """Globs of the topics to compare; none: all, and metadata and attachments too."""
+    max_differences: int = 20
+
+
+@dataclass(frozen=True, slots=True)
+class Update:
+    """What `update` did."""
+
+    written: bool
+    lines: tuple[str, ...]
+    """What changed, one line a topic."""
+
+
+def compare(expected: Path, actual: Path, options: CompareOptions) -> Comparison:
+    """Compare two logs, or two JSON documents.
+
+    The comparison's `exit_code` is the command's; an error's is 2, as the caller's.
+
+    Raises:
+        CallError: an option is wrong, or a file is missing, unreadable, or not like the other.
+    """
+    rules = load_rules(
+        options.atol, options.rtol, options.tolerances, options.ignore, options.topics
+    )
+    if options.max_differences < 0:
+        raise CallError("--max-differences must be 0 or more")
+    try:
+        comparison = _compare(expected, actual, rules, options.max_differences)
+    except LogError as error:
+        # Whoever compares chose the files: one that cannot be read is a wrong call.
+        raise CallError(str(error)) from error
+    warnings = _warnings(expected, actual, comparison)
+    return replace(comparison, warnings=(*warnings, *comparison.warnings))
+
+
+def _warnings(expected: Path, actual: Path, comparison: Comparison) -> Iterator[str]:
+    """Say where files that are the same prove little."""
+    if expected.samefile(actual):
+        yield f"{expected} and {actual} are the same file, so nothing can differ"
+    if not any(t.expected or t.actual for t in comparison.tallies if t.name != RECORDS):
+        yield f"neither file has any {comparison.unit} to compare"
+
+
+def _compare(expected: Path, actual: Path, rules: Rules, max_differences: int) -> Comparison:
+    are_json = looks_like_json(expected), looks_like_json(actual)
+    if all(are_json):
+        return compare_json(expected, actual, rules, max_differences)
+    if any(are_json):
+        json_file, log_file = (expected, actual) if are_json[0] else (actual, expected)
+        raise CallError(f"{json_file} is JSON, but {log_file} is not: they cannot be compared")
+    with closing(open_log(expected)) as one, closing(open_log(actual)) as other:
+        return compare_logs(one, other, rules, max_differences)
+
+
+def refuse_bad_report(target: Path, expected: Path, actual: Path, *, overwrite: bool) -> None:
+    """Check where a report goes before any work is done.
+
+    Raises:
+        CallError: it is one of the files, exists and may not be overwritten, or has no folder.
+    """
+    for path in (expected, actual):
+        if target.exists() and path.exists() and target.samefile(path):
+            raise CallError(f"{target}: is one of the files compared; --junit must name another")
+    refuse_bad_target(target, None, overwrite=overwrite)
+
+
+def update(expected: Path, actual: Path) -> Update:
+    """Write ACTUAL over EXPECTED, unless they mean exactly the same.
+
+    Then nothing is written, so that a repository does not grow by files that are only packed in
+    another way. Tolerances and ignored topics do not apply: what is written is the whole file.
+
+    Raises:
+        CallError: a file is missing, unreadable or damaged, or both are the same.
+        LogtoolError: EXPECTED cannot be written.
+    """
+    for path in (expected, actual):
+        if path.is_dir():
+            raise CallError(f"{path}: is a directory; --update writes files only")
+    exists = expected.exists()
+    if exists and actual.exists() and expected.samefile(actual):
+        raise CallError(f"{expected}: both files are the same one; there is nothing to update")
+    comparison = compare(expected if exists else actual, actual, CompareOptions(max_differences=0))
+    damage = [found for found in comparison.losses if found.path == actual]
+    if damage:
+        raise CallError(f"{actual}: is damaged and makes no golden file: {damage[0].loss.what}")
+    if exists and not comparison.exit_code:
+        return Update(written=False, lines=())
+    _copy(actual, expected)
+    unit = comparison.unit
+    if not exists:
+        lines = [printable(f"{tally.name}: {tally.actual} {unit}") for tally in comparison.tallies]
+        return Update(written=True, lines=(printable(f"{expected}: is new"), *lines))
+    lines = [
+        printable(f"{found.path}: was damaged: {found.loss.what}") for found in comparison.losses
+    ]
+    lines += [tally.summary(unit) for tally in comparison.tallies if not tally.same]
+    return Update(written=True, lines=tuple(lines))
+
+
+def _copy(source: Path, target: Path) -> None:
+    if not target.parent.is_dir():
+        raise CallError(f"{target.parent}: no such folder")
+    with source.open("rb") as data, whole_file(target, overwrite=True) as file:
+        shutil.copyfileobj(data, file)

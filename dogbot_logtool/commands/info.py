@@ -1,0 +1,189 @@
+"""`dogbot-logtool info`: what is in a log, what will be used, and what is wrong with it."""
+
+from collections.abc import Mapping
+from collections.abc import Set as AbstractSet
+from dataclasses import dataclass, replace
+
+from dogbot_logtool.core.quality.quality import mean_rate_hz
+from dogbot_logtool.finding import Finding
+from dogbot_logtool.io.storage import Location
+from dogbot_logtool.pipeline.annotated import without_annotations
+from dogbot_logtool.pipeline.frame_findings import frame_findings
+from dogbot_logtool.pipeline.frames import Frames, read_frames
+from dogbot_logtool.pipeline.plan import ConvertOptions, make_plan
+from dogbot_logtool.pipeline.probe import Evidence, evidence_findings, look_into
+from dogbot_logtool.pipeline.selection import Selection, TopicOptions, select_topics
+from dogbot_logtool.reader.containers.log import Log, Loss
+from dogbot_logtool.reader.containers.opening import open_log
+from dogbot_logtool.reader.messages.transforms import TRANSFORM_TYPES
+from dogbot_logtool.run.relay import Progress
+
+
+@dataclass(frozen=True, slots=True)
+class TopicInfo:
+    """One topic as one type and encoding."""
+
+    topic: str
+    type_name: str
+    encoding: str
+    messages: int
+    rate_hz: float | None
+    """Messages a second over the log's duration; None where there are too few of them, or the log
+    is too short, for a rate."""
+    senders: int
+    use: str
+    """What it is used for: ``odometry``, ``foot front_left``, ``frames``, or nothing.
+    ``annotation``: `convert` added it."""
+
+
+@dataclass(frozen=True, slots=True)
+class LogInfo:
+    """What a log holds."""
+
+    path: Location
+    size: int
+    """Bytes."""
+    container: str
+    profile: str
+    compressions: tuple[str, ...]
+    start_time: int | None
+    """ns, log time of the first message; None for an empty log."""
+    duration_s: float | None
+    messages: int
+    chunks: int
+    topics: tuple[TopicInfo, ...]
+    robot: str
+    parents: Mapping[str, frozenset[str]]
+    """Parents of each frame, by the log's own transforms, in the chunks that were looked at unless
+    all `frames` were asked for."""
+    added_transform: tuple[str, str] | None
+    """Parent and child of the transform that `convert` adds."""
+    chunks_seen: int
+    """Chunks that were looked at for frames and stamps; the rest was not read."""
+    frames: Frames | None
+    """All transforms of the log, if they were asked for."""
+    findings: tuple[Finding, ...]
+    losses: tuple[Loss, ...]
+
+    @property
+    def exit_code(self) -> int:
+        """0: sound; 3: damaged."""
+        return 3 if self.losses else 0
+
+
+def describe(
+    path: Location,
+    options: TopicOptions,
+    *,
+    all_frames: bool = False,
+    jobs: int = 1,
+    progress: Progress | None = None,
+) -> LogInfo:
+    """Look at a log: its index, and a few chunks for what an index does not tell.
+
+    Args:
+        path: the log.
+        options: which topics to use.
+        all_frames: read every transform, not only those in a few chunks.
+        jobs: how many batches are read at once.
+        progress: is told bytes done and bytes in all.
+
+    Raises:
+        CallError: no such file, or a topic in the options that the log does not have.
+        LogError: it is no log.
+    """
+    log = open_log(path)
+    try:
+        recorded = without_annotations(log)
+        ours = frozenset(log.channels.keys() - recorded.channels.keys())
+        selection = select_topics(recorded, options)
+        evidence = look_into(recorded, selection)
+        frames = None
+        if all_frames:
+            added_transforms = [
+                channel
+                for number, channel in log.channels.items()
+                if number in ours and channel.type_name in TRANSFORM_TYPES
+            ]
+            frames = read_frames(log, [*selection.transforms, *added_transforms], jobs, progress)
+            evidence = _with_all_frames(evidence, frames, ours)
+        findings, added = _outlook(recorded, selection, evidence)
+        if frames is not None:
+            findings += frame_findings(frames, added)
+        duration_ns = None
+        if log.start_time is not None and log.end_time is not None:
+            duration_ns = log.end_time - log.start_time
+        return LogInfo(
+            path=path,
+            size=log.source.size,
+            container=log.container,
+            profile=log.profile,
+            compressions=log.compressions,
+            start_time=log.start_time,
+            duration_s=None if duration_ns is None else duration_ns / 1e9,
+            messages=sum(log.counts.values()),
+            chunks=len(log.chunks),
+            topics=_topics(log, selection, duration_ns or 0, frames, ours),
+            robot=selection.robot.name,
+            parents=evidence.parents if frames is None else frames.parents(),
+            added_transform=added,
+            chunks_seen=evidence.chunks_seen,
+            frames=frames,
+            findings=tuple(sorted(findings)),
+            losses=(*log.losses, *(frames.losses if frames else ())),
+        )
+    finally:
+        log.close()
+
+
+def _with_all_frames(evidence: Evidence, frames: Frames, ours: AbstractSet[int]) -> Evidence:
+    """Return the evidence, with every recorded transform instead of those in a few chunks."""
+    slashed = {*evidence.slashed_frames, *frames.recorded.slashed}
+    return replace(
+        evidence,
+        parents=frames.parents(ros_only=True, without=ours),
+        slashed_frames=tuple(sorted(slashed)),
+    )
+
+
+def _outlook(
+    log: Log, selection: Selection, evidence: Evidence
+) -> tuple[list[Finding], tuple[str, str] | None]:
+    """Return the findings, and the transform that `convert` would add."""
+    if not selection.odometry and not selection.contacts:
+        return [*selection.findings, *evidence_findings(selection, evidence)], None
+    plan = make_plan(log, selection, evidence, ConvertOptions())
+    added = (plan.world_frame, plan.base_frame) if plan.write_tf else None
+    return list(plan.findings), added
+
+
+def _topics(
+    log: Log,
+    selection: Selection,
+    duration_ns: int,
+    frames: Frames | None,
+    ours: AbstractSet[int],
+) -> tuple[TopicInfo, ...]:
+    uses = {channel.id: "odometry" for channel in selection.odometry}
+    uses |= {channel.id: "frames" for channel in selection.transforms}
+    uses |= dict.fromkeys(ours, "annotation")
+    uses |= dict.fromkeys(frames.channels if frames else (), "frames")
+    for number, feet in selection.feet_of.items():
+        names = ", ".join(selection.robot.feet[foot].name for foot in feet)
+        uses[number] = f"{'foot' if len(feet) == 1 else 'feet'} {names}"
+    groups: dict[tuple[str, str, str], list[int]] = {}
+    for channel in log.channels.values():
+        key = (channel.topic, channel.type_name, channel.message_encoding)
+        groups.setdefault(key, []).append(channel.id)
+    return tuple(
+        TopicInfo(
+            topic=topic,
+            type_name=type_name,
+            encoding=encoding,
+            messages=(count := sum(log.counts.get(number, 0) for number in ids)),
+            rate_hz=mean_rate_hz(count, duration_ns),
+            senders=len(ids),
+            use=uses.get(ids[0], ""),
+        )
+        for (topic, type_name, encoding), ids in sorted(groups.items())
+    )

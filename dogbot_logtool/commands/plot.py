@@ -1,0 +1,76 @@
+"""`stats --plot`: the gait diagram and the load curves of a walk, as a file for a paper."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from dogbot_logtool.commands.load_detail import load_curves_within
+from dogbot_logtool.commands.stats import Measurement, StatsOptions
+from dogbot_logtool.errors import CallError
+from dogbot_logtool.io.output import refuse_bad_target, whole_file
+from dogbot_logtool.io.storage import Location
+from dogbot_logtool.report.gait_diagram import default_window
+from dogbot_logtool.report.gait_figure import (
+    FORMATS,
+    gait_figure,
+    require_matplotlib,
+    write_figure,
+)
+from dogbot_logtool.run.relay import Progress
+
+
+@dataclass(frozen=True, slots=True)
+class PlotOptions:
+    """What a user asks of a figure."""
+
+    target: Path
+    size_mm: tuple[float, float | None] | None = None
+    """Width and height on paper; None: one column, as high as the feet need."""
+    window: tuple[float, float] | None = None
+    """s since the log's start, from and to; None: some strides."""
+    overwrite: bool = False
+
+    @property
+    def form(self) -> str:
+        """The format that the target's name tells: ``svg`` ..."""
+        return self.target.suffix[1:].lower()
+
+
+def refuse_bad_plot(plot: PlotOptions, logs: Sequence[Location]) -> None:
+    """Check what can be checked before any work is done.
+
+    Raises:
+        CallError: there are several logs, the format is unknown, or the file may not be written.
+        ExtraMissingError: matplotlib is not installed.
+    """
+    if len(logs) != 1:
+        raise CallError(f"--plot draws one log, and there are {len(logs)}: call it for each")
+    if plot.form not in FORMATS:
+        endings = ", ".join(f".{form}" for form in FORMATS)
+        raise CallError(f"--plot {plot.target}: the name must end in one of {endings}")
+    refuse_bad_target(plot.target, logs[0], overwrite=plot.overwrite)
+    require_matplotlib()
+
+
+def write_plot(
+    source: Location,
+    options: StatsOptions,
+    measured: Measurement,
+    plot: PlotOptions,
+    progress: Progress | None = None,
+) -> tuple[float, float]:
+    """Draw a log that was measured.
+
+    Returns:
+        s since the log's start: the window that is drawn.
+
+    Raises:
+        CallError: the log has no time in the window, or the size is too small.
+        LogtoolError: there are no feet, or the file cannot be written.
+    """
+    window = plot.window or default_window(measured.stats)
+    curves = load_curves_within(source, options, measured, window, progress)
+    figure = gait_figure(measured.stats, curves, window, plot.size_mm)
+    with whole_file(plot.target, overwrite=plot.overwrite) as file:
+        write_figure(figure, file, plot.form)
+    return window

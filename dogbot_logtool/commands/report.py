@@ -1,0 +1,115 @@
+"""`dogbot-logtool report`: one self-contained HTML page a log, and an index of several."""
+
+from collections.abc import Mapping, Sequence
+from contextlib import AbstractContextManager
+from dataclasses import dataclass, replace
+from typing import BinaryIO, Final
+
+from dogbot_logtool.commands.load_detail import with_detail
+from dogbot_logtool.commands.stats import Measurement, StatsOptions, measure
+from dogbot_logtool.core.contact.curves import CurveDetail
+from dogbot_logtool.io.output import refuse_bad_target, whole_file
+from dogbot_logtool.io.storage import Location, file_name, is_folder, shown, version
+from dogbot_logtool.io.targets import Output, targets
+from dogbot_logtool.report.gait_diagram import default_window
+from dogbot_logtool.report.page.render import IndexRow, Place, index, index_row, page
+from dogbot_logtool.run.relay import Progress
+
+DETAIL: Final = CurveDetail()
+"""Half a minute at 250 Hz sample by sample; four feet make a page of up to 8 MB."""
+
+
+@dataclass(frozen=True, slots=True)
+class Page:
+    """A page that was written."""
+
+    source: Location
+    target: Location
+    size: int
+    """bytes."""
+    measured: Measurement
+
+    @property
+    def exit_code(self) -> int:
+        """0: done; 3: done, but the log was damaged."""
+        return self.measured.exit_code
+
+
+class Reports:
+    """The pages of one call, and the index that leads to them where there are several."""
+
+    def __init__(
+        self,
+        logs: Sequence[Location],
+        output: Output,
+        options: StatsOptions,
+        *,
+        overwrite: bool,
+    ) -> None:
+        """Choose the outputs.
+
+        Raises:
+            CallError: several logs would go to one file, or the index may not be written.
+        """
+        self._targets = dict(targets(logs, output, ".report.html"))
+        self._options = replace(options, curves=DETAIL)
+        self._makes_folder = output.is_folder
+        self._overwrite = overwrite
+        self._rows: dict[Location, IndexRow] = {}
+        self._index: Location | None = None
+        if len(logs) > 1:
+            self._index = output.place / "index.html"
+            self._refuse_bad_target(self._index, None)
+
+    def write(self, source: Location, progress: Progress | None = None) -> Page:
+        """Measure a log and write its page.
+
+        Args:
+            source: one of the logs.
+            progress: is told bytes done and in all.
+
+        Raises:
+            CallError: no such file, or the target may not be written.
+            LogtoolError: the log cannot be used, or the page not be written.
+        """
+        target = self._targets[source]
+        self._refuse_bad_target(target, source)
+        measured = measure(source, self._options, progress)
+        typical = default_window(measured.stats)
+        measured = with_detail(source, self._options, measured, typical, progress)
+        html = _page_of(source, measured)
+        with self._whole_file(target) as file:
+            file.write(html)
+        self._rows[source] = index_row(measured.stats, measured.facts, file_name(target))
+        return Page(source, target, len(html), measured)
+
+    def finish(self, failures: Mapping[str, str]) -> None:
+        """Write the index of several logs, a row for each.
+
+        Args:
+            failures: why a log has no page, by the log's name as it is shown.
+        """
+        if self._index is None:
+            return
+        rows = [self._rows.get(log) or _row_without_page(log, failures) for log in self._targets]
+        with self._whole_file(self._index) as file:
+            file.write(index(rows))
+
+    def _refuse_bad_target(self, target: Location, source: Location | None) -> None:
+        refuse_bad_target(
+            target, source, overwrite=self._overwrite, makes_folder=self._makes_folder
+        )
+
+    def _whole_file(self, target: Location) -> AbstractContextManager[BinaryIO]:
+        return whole_file(target, overwrite=self._overwrite, makes_folder=self._makes_folder)
+
+
+def _row_without_page(log: Location, failures: Mapping[str, str]) -> IndexRow:
+    error = failures.get(shown(log), "no page was written")
+    return IndexRow(file_name(log), error=error.removeprefix(f"{shown(log)}: "))
+
+
+def _page_of(source: Location, measured: Measurement) -> bytes:
+    damage = [Place(loss.offset, loss.bytes, loss.what) for loss in measured.losses]
+    size = 0 if is_folder(source) else version(source)[0]
+    return page(measured.stats, measured.facts, damage, size)

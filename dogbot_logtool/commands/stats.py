@@ -1,0 +1,278 @@
+"""`dogbot-logtool stats`: which gait, how loaded, and can the recording be trusted."""
+
+from collections import Counter
+from collections.abc import Generator, Sequence
+from contextlib import closing
+from dataclasses import dataclass, field, replace
+from functools import partial
+from typing import Final, Literal
+
+from dogbot_logtool.core.contact.curves import CurveDetail
+from dogbot_logtool.core.contact.silent_swing import SwingTeller
+from dogbot_logtool.core.frames.wrench_frame import WrenchFrame
+from dogbot_logtool.core.geometry.clock import TimeSource, UnusableStamps
+from dogbot_logtool.core.plausible import IMPLAUSIBLE
+from dogbot_logtool.core.settings import FootPlace, StatsSettings
+from dogbot_logtool.core.statistics import Stats, StatsAccumulator
+from dogbot_logtool.errors import LogError
+from dogbot_logtool.finding import Finding, warning
+from dogbot_logtool.io.storage import Location, shown
+from dogbot_logtool.pipeline.annotated import open_recorded
+from dogbot_logtool.pipeline.batches import BatchReader
+from dogbot_logtool.pipeline.measuring import BatchMeasurer, MeasuredBatch
+from dogbot_logtool.pipeline.probe import (
+    Evidence,
+    WrenchFrameOption,
+    evidence_findings,
+    frame_names,
+    look_into,
+)
+from dogbot_logtool.pipeline.selection import (
+    Selection,
+    TopicOptions,
+    nothing_to_do,
+    select_topics,
+)
+from dogbot_logtool.pipeline.time_span import TimeLimits, refuse_empty_span, time_limits
+from dogbot_logtool.pipeline.world_frames import StreamedFrames, WorldFrames, follow_frames
+from dogbot_logtool.reader.containers.log import Log, Loss, lost_messages
+from dogbot_logtool.reader.salvage.losses import undecodable, wrong_statistics
+from dogbot_logtool.report.stats_json import LogFacts
+from dogbot_logtool.robot import Robot
+from dogbot_logtool.run.relay import Progress, in_order
+
+TimeSourceOption = Literal["header", "log"]
+_FRAMES: Final = {"world": WrenchFrame.WORLD, "link": WrenchFrame.LINK}
+
+
+@dataclass(frozen=True, slots=True)
+class StatsOptions:
+    """What a user asks of `stats`. What is None is the robot's."""
+
+    topics: TopicOptions = field(default_factory=TopicOptions)
+    wrench_frame: WrenchFrameOption = "auto"
+    forward_axis: str | None = None
+    contact_on_n: float | None = None
+    contact_off_n: float | None = None
+    debounce_s: float | None = None
+    time_source: TimeSourceOption | None = None
+    """None: header stamps, or log time where those cannot be used."""
+    start_s: float | None = None
+    """s since the log's start; also `end_s`."""
+    end_s: float | None = None
+    jobs: int = 1
+    curves: CurveDetail | None = None
+    """Keep load curves for drawing; None: none."""
+
+
+@dataclass(frozen=True, slots=True)
+class Measurement:
+    """All figures of a log, and what is known of the log itself."""
+
+    stats: Stats
+    facts: LogFacts
+    losses: tuple[Loss, ...]
+
+    @property
+    def exit_code(self) -> int:
+        """0: done; 3: done, but the log was damaged."""
+        return 3 if self.losses else 0
+
+
+def measure(path: Location, options: StatsOptions, progress: Progress | None = None) -> Measurement:
+    """Work out all figures of a log.
+
+    Args:
+        path: the log.
+        options: what is asked for.
+        progress: is told how far it has come.
+
+    Raises:
+        CallError: no such file, or a topic or time in the options that the log does not have.
+        LogError: it is no log, or has nothing to measure.
+    """
+    log = open_recorded(path)
+    try:
+        selection = select_topics(log, options.topics)
+        if not selection.odometry and not selection.contacts:
+            raise LogError(nothing_to_do(log, selection))
+        evidence = look_into(log, selection)
+        try:
+            settings = _settings(selection, evidence, options)
+            return _pass(log, selection, evidence, settings, options, progress)
+        except UnusableStamps as reason:
+            settings = _settings(selection, evidence, options, log_time_because=str(reason))
+            return _pass(log, selection, evidence, settings, options, progress)
+    finally:
+        log.close()
+
+
+def _settings(
+    selection: Selection, evidence: Evidence, options: StatsOptions, log_time_because: str = ""
+) -> StatsSettings:
+    robot: Robot = selection.robot
+    headless = [source.type_name for source in selection.sources if not source.has_header]
+    if headless and not options.time_source and not log_time_because:
+        log_time_because = f"messages of {headless[0]} have no header"
+    chosen = TimeSource(options.time_source) if options.time_source else None
+    return StatsSettings(
+        feet=tuple(
+            FootPlace(
+                foot.name,
+                foot.topic,
+                foot.place,
+                has_force=selection.knows_force(index),
+                silent_in_swing=index in evidence.intervals,
+            )
+            for index, foot in enumerate(robot.feet)
+        ),
+        mass_kg=robot.mass_kg,
+        forward_axis=options.forward_axis or robot.forward_axis,
+        foot_rolling_m=robot.foot_rolling_m,
+        contact_on_n=options.contact_on_n or robot.contact_on_n,
+        contact_off_n=options.contact_off_n or robot.contact_off_n,
+        contact_on_counts=robot.contact_on_counts,
+        debounce_s=robot.debounce_s if options.debounce_s is None else options.debounce_s,
+        wrench_frame=_FRAMES.get(options.wrench_frame, evidence.wrench_frame.frame),
+        time_source=TimeSource.LOG if log_time_because else chosen,
+        time_source_reason=log_time_because,
+        odometry_topic=selection.odometry[0].topic if selection.odometry else "",
+    )
+
+
+def _pass(
+    log: Log,
+    selection: Selection,
+    evidence: Evidence,
+    settings: StatsSettings,
+    options: StatsOptions,
+    progress: Progress | None,
+) -> Measurement:
+    """Read the log once, feeding all messages to the figures in order."""
+    limits = time_limits(log, options.start_s, options.end_s)
+    frames = _frames(selection, evidence, settings)
+    feet = replace(
+        selection.foot_channels(settings.contact_on_n, settings.contact_off_n),
+        left_after_ns=evidence.left_after_ns,
+    )
+    measurer = BatchMeasurer(BatchReader(selection, feet, frames, limits))
+    feed = _Feed(
+        StatsAccumulator(settings, options.curves),
+        _swings(log, evidence, limits),
+        StreamedFrames(frames) if frames else None,
+        list(log.losses),
+    )
+    done, total = 0, sum(chunk.data_size for chunk in log.chunks)
+    with closing(_measured(log, measurer, options.jobs)) as measured:
+        for batch in measured:
+            feed.take(batch)
+            done += batch.stored_size
+            if progress is not None:
+                progress(done, total)
+    if not feed.losses:
+        refuse_empty_span(log, limits, feed.counts.total())
+    if limits == (None, None):
+        feed.losses.extend(wrong_statistics(log, feed.counts, feed.losses))
+    return feed.finish(log, selection, evidence)
+
+
+def _measured(log: Log, measurer: BatchMeasurer, jobs: int) -> Generator[MeasuredBatch, None, None]:
+    """Read all batches."""
+    spans = log.spans(*measurer.reader.limits)
+    return in_order(partial(measurer, log), spans, jobs, forks=log.can_fork)
+
+
+def _swings(log: Log, evidence: Evidence, limits: TimeLimits) -> SwingTeller:
+    """Return what tells the swings of silent sensors, up to the log's ends if all of it is read."""
+    start, end = limits
+    return SwingTeller(
+        evidence.intervals,
+        log.start_time if start is None else None,
+        log.end_time if end is None else None,
+    )
+
+
+@dataclass(slots=True)
+class _Feed:
+    """Hands batches, in their order, to the figures."""
+
+    accumulator: StatsAccumulator
+    swings: SwingTeller
+    forces: StreamedFrames | None
+    losses: list[Loss]
+    malformed: Counter[int] = field(default_factory=Counter)
+    counts: Counter[int] = field(default_factory=Counter)
+    implausible: int = 0
+
+    def take(self, batch: MeasuredBatch) -> None:
+        """Take the next batch."""
+        self.accumulator.add_odometry(batch.odometry)
+        ready = self.swings.add(batch.samples)
+        if self.forces is not None and batch.frames is not None:
+            ready = self.forces.add(ready, batch.frames)
+        for samples in ready:
+            self.accumulator.add_contacts(samples)
+        for times in batch.times:
+            self.accumulator.add_message_times(
+                times.topic, times.log_time, times.stamp, times.frame_ids
+            )
+        self.losses.extend(batch.losses)
+        self.malformed.update(batch.malformed)
+        self.counts.update(batch.counts)
+        self.implausible += batch.implausible
+
+    def finish(self, log: Log, selection: Selection, evidence: Evidence) -> Measurement:
+        """End the log."""
+        for samples in self.swings.finish():
+            self.accumulator.add_contacts(samples)
+        losses = [*self.losses, *undecodable(log.channels, self.malformed)]
+        # The figures have a finding of their own for each topic's stamps.
+        seen = [f for f in evidence_findings(selection, evidence) if f.code != "W_ZERO_STAMPS"]
+        findings = [*selection.findings, *seen]
+        if self.implausible:
+            findings.append(warning("IMPLAUSIBLE", f"{self.implausible:,} {IMPLAUSIBLE}"))
+        if self.forces is not None:
+            findings.extend(self.forces.findings())
+        facts = _facts(log, selection.robot.name, findings, self.counts.total(), losses)
+        return Measurement(self.accumulator.finish(), facts, tuple(losses))
+
+
+def _frames(
+    selection: Selection, evidence: Evidence, settings: StatsSettings
+) -> WorldFrames | None:
+    """Return the frames that turn forces into the world, where they need it.
+
+    Places of sensors are left out: the origin of a foot's frame is no contact point, so neither
+    slip nor the support polygon may be measured with it.
+    """
+    world, base = frame_names(selection.robot, evidence)
+    return follow_frames(
+        selection,
+        evidence,
+        world,
+        base,
+        settings.clock,
+        turn_forces=settings.wrench_frame is WrenchFrame.LINK,
+        place_sensors=False,
+    )
+
+
+def _facts(
+    log: Log, robot: str, findings: Sequence[Finding], messages: int, losses: Sequence[Loss]
+) -> LogFacts:
+    duration = None
+    if log.start_time is not None and log.end_time is not None:
+        duration = (log.end_time - log.start_time) / 1e9
+    return LogFacts(
+        path=shown(log.source.path),
+        container=log.container,
+        profile=log.profile,
+        start_s=None if log.start_time is None else log.start_time / 1e9,
+        duration_s=duration,
+        messages=messages,
+        lost_messages=lost_messages(list(losses)),
+        lost_bytes=sum(loss.bytes for loss in losses),
+        losses=[loss.what for loss in losses],
+        findings=findings,
+        robot=robot,
+    )

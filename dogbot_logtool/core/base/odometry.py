@@ -1,0 +1,119 @@
+"""Where the base went, and the transforms that say so."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from dogbot_logtool.core.geometry.arrays import Flags, Floats, Ints, all_finite, header_time
+
+
+@dataclass(frozen=True, slots=True)
+class Odometry:
+    """Messages that give the pose of the robot's base, in the order of the log."""
+
+    log_time: Ints
+    """(n,) ns, when each was recorded."""
+    stamp: Ints
+    """(n,) ns, header stamp as recorded; 0 where the source never set one."""
+    position: Floats
+    """(n, 3) m, base origin in the world frame."""
+    orientation: Floats
+    """(n, 4) quaternion x, y, z, w, base in the world frame, as recorded (any norm)."""
+    linear_velocity: Floats
+    """(n, 3) m/s. World or body frame: sources differ, so never trust it blindly."""
+    angular_velocity: Floats
+    """(n, 3) rad/s, same caution."""
+
+    @property
+    def time(self) -> Ints:
+        """(n,) ns, header stamp, or log time where the stamp is zero."""
+        return header_time(self.stamp, self.log_time)
+
+    def pick(self, rows: Flags | Ints) -> "Odometry":
+        """Return the chosen rows (a mask or row numbers)."""
+        return Odometry(
+            self.log_time[rows],
+            self.stamp[rows],
+            self.position[rows],
+            self.orientation[rows],
+            self.linear_velocity[rows],
+            self.angular_velocity[rows],
+        )
+
+
+def concatenate_odometry(parts: Sequence[Odometry]) -> Odometry:
+    """Join messages of several senders, in the order of their log times."""
+    if len(parts) == 1:
+        return parts[0]
+    if not parts:
+        times: Ints = np.empty(0, np.int64)
+        vectors, quaternions = np.empty((0, 3)), np.empty((0, 4))
+        return Odometry(times, times, vectors, quaternions, vectors, vectors)
+    log_time = np.concatenate([part.log_time for part in parts])
+    joined = Odometry(
+        log_time=log_time,
+        stamp=np.concatenate([part.stamp for part in parts]),
+        position=np.concatenate([part.position for part in parts]),
+        orientation=np.concatenate([part.orientation for part in parts]),
+        linear_velocity=np.concatenate([part.linear_velocity for part in parts]),
+        angular_velocity=np.concatenate([part.angular_velocity for part in parts]),
+    )
+    return joined.pick(np.argsort(log_time, kind="stable"))
+
+
+@dataclass(frozen=True, slots=True)
+class Transforms:
+    """Poses of one frame in its parent frame."""
+
+    log_time: Ints
+    """(n,) ns."""
+    stamp: Ints
+    """(n,) ns, the time at which the pose holds."""
+    translation: Floats
+    """(n, 3) m, in the parent frame."""
+    rotation: Floats
+    """(n, 4) quaternion x, y, z, w."""
+
+
+def usable_poses(odometry: Odometry) -> Flags:
+    """Tell which poses can be a transform: all numbers finite and the quaternion not zero.
+
+    Returns:
+        (n,) bool.
+    """
+    finite = all_finite(odometry.position)
+    finite &= all_finite(odometry.orientation)
+    turned: Flags = (odometry.orientation != 0.0).any(axis=1)
+    return finite & turned
+
+
+def first_at_each_tick(time: Ints, rate_hz: float, previous_time: int | None) -> Flags:
+    """Choose the first sample at or after each tick of a clock of a given rate.
+
+    Ticks stand at whole multiples of 1/rate since the epoch, so the choice does not depend on
+    where the log, or a batch of it, begins. Nothing is interpolated. A step backwards in time
+    (a simulation that was reset) starts a new tick.
+
+    Args:
+        time: (n,) ns, in log order.
+        rate_hz: ticks a second; 0 chooses every sample.
+        previous_time: ns, the sample before these, None at the start of the log.
+
+    Returns:
+        (n,) bool.
+    """
+    if rate_hz == 0:
+        return np.ones(len(time), np.bool_)
+    period = max(round(1e9 / rate_hz), 1)
+    tick = time // period
+    chosen = np.ones(len(time), np.bool_)
+    chosen[1:] = tick[1:] != tick[:-1]
+    if previous_time is not None and len(time):
+        chosen[0] = tick[0] != previous_time // period
+    return chosen
+
+
+def base_transforms(odometry: Odometry) -> Transforms:
+    """Turn poses into transforms of the base in the world, verbatim: nothing is normalised."""
+    return Transforms(odometry.log_time, odometry.time, odometry.position, odometry.orientation)

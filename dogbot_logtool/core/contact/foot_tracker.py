@@ -1,0 +1,307 @@
+"""Where each foot stands, and where it last touched down, told from what was heard so far.
+
+This looks back only: at any time, what counts is each foot's newest message up to then, by log
+time, as a viewer that plays the log has it. What must be remembered of all earlier messages is a
+few rows a foot, so it does not matter where batches end.
+
+Contact is the Schmitt trigger of `footfall.py`. Footfalls are debounced as there, but only once
+that can be known: a touchdown becomes a footfall when the foot has stood for the debounce time.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+
+from dogbot_logtool.core.blocks import concatenated
+from dogbot_logtool.core.contact.contacts import Samples, no_samples
+from dogbot_logtool.core.contact.footfall import ContactRule, contact_groups, schmitt
+from dogbot_logtool.core.contact.silent_swing import LONGEST_SWING_S
+from dogbot_logtool.core.geometry.arrays import Flags, Floats, Ints, norms
+from dogbot_logtool.core.geometry.clock import advancing
+from dogbot_logtool.core.geometry.support_polygon import NEAR_NS
+
+TRAIL: Final = 3
+"""Footfalls of each foot that are remembered."""
+
+
+@dataclass(frozen=True, slots=True)
+class Hearing:
+    """How the messages of a foot are to be understood."""
+
+    rule: ContactRule
+    swing_after_ns: int | None = None
+    """ns of silence that mean swing, where the sensor is silent in swing; None: they mean that
+    nothing is known."""
+    works: bool = True
+    """Whether it is known to report contacts. A sensor that never did may be dead: until the first
+    one, nothing is known of the foot."""
+
+
+@dataclass(frozen=True, slots=True)
+class FootRows:
+    """What one foot said, in the order of time."""
+
+    time: Ints
+    """(n,) ns, log time, strictly increasing."""
+    heard: Ints
+    """(n,) ns, log time of the message; earlier than `time` where silence tells of swing."""
+    down: Flags
+    """(n,) whether the foot is in contact."""
+    point: Floats
+    """(n, 3) m, contact point in the world; NaN where there is none."""
+    vertical: Floats
+    """(n,) N, vertical force; NaN where its direction is not known."""
+
+    def __len__(self) -> int:
+        return len(self.time)
+
+    def pick(self, rows: Ints) -> "FootRows":
+        """Return copies of the chosen rows."""
+        return FootRows(
+            self.time[rows],
+            self.heard[rows],
+            self.down[rows],
+            self.point[rows],
+            self.vertical[rows],
+        )
+
+    def then(self, later: "FootRows") -> "FootRows":
+        """Return these rows followed by later ones."""
+        return FootRows(
+            np.concatenate([self.time, later.time]),
+            np.concatenate([self.heard, later.heard]),
+            np.concatenate([self.down, later.down]),
+            np.concatenate([self.point, later.point]),
+            np.concatenate([self.vertical, later.vertical]),
+        )
+
+
+@dataclass(frozen=True, slots=True)
+class Footfalls:
+    """Touchdowns of one foot, oldest first."""
+
+    since: Ints
+    """(k,) ns, log time from which on it was known."""
+    point: Floats
+    """(k, 3) m, where it touched down, in the world."""
+
+
+@dataclass(frozen=True, slots=True)
+class FootMemory:
+    """What must be known of all earlier messages of a foot."""
+
+    rows: FootRows
+    """The last touchdown, the lift-off after it, and the newest, as far as there are such."""
+    footfalls: Footfalls
+    """The last ones, at most `TRAIL`."""
+    works: bool
+    """Whether it ever reported a contact."""
+
+
+def nothing_heard() -> FootMemory:
+    """Return the memory before a log's first message."""
+    times, points = np.empty(0, np.int64), np.empty((0, 3))
+    rows = FootRows(times, times, np.empty(0, np.bool_), points, np.empty(0))
+    return FootMemory(rows, Footfalls(times, points), works=False)
+
+
+@dataclass(frozen=True, slots=True)
+class FootState:
+    """One foot at some times."""
+
+    known: Flags
+    """(n,) whether it is known if the foot is down."""
+    down: Flags
+    """(n,)."""
+    point: Floats
+    """(n, 3) m, contact point in the world; NaN where there is none."""
+    vertical: Floats
+    """(n,) N, vertical force; NaN where its direction is not known."""
+
+
+class Footing:
+    """What is known of one foot through a batch of its messages."""
+
+    def __init__(self, new: "_Told", before: FootMemory, hearing: Hearing) -> None:
+        """Take in the messages of this foot; see `follow_feet`."""
+        self._hearing = hearing
+        self._before = before
+        self._rows = before.rows.then(_rows(new, before.rows, hearing))
+        self._debounce_ns = round(hearing.rule.debounce_s * 1e9)
+        self._starts, self._ends = contact_groups(
+            self._rows.time, self._rows.down, self._debounce_ns
+        )
+        found = self._footfalls(len(before.rows))
+        self._trail = Footfalls(
+            np.concatenate([before.footfalls.since, found.since]),
+            np.concatenate([before.footfalls.point, found.point]),
+        )
+
+    def memory(self) -> FootMemory:
+        """Return what the next batch must know."""
+        rows = self._rows
+        kept = {*self._starts[-1:].tolist(), *self._ends[-1:].tolist(), len(rows) - 1}
+        return FootMemory(
+            rows.pick(np.array(sorted(row for row in kept if 0 <= row < len(rows)), np.int64)),
+            Footfalls(self._trail.since[-TRAIL:].copy(), self._trail.point[-TRAIL:].copy()),
+            self._before.works or bool(rows.down.any()),
+        )
+
+    def at(self, time: Ints) -> FootState:
+        """Return what was known at some log times, ns, (n,)."""
+        rows, hearing = self._rows, self._hearing
+        if not len(rows):
+            nowhere = np.full((len(time), 3), np.nan)
+            never = np.zeros(len(time), np.bool_)
+            return FootState(never, never, nowhere, nowhere[:, 0])
+        row = np.searchsorted(rows.time, time, side="right") - 1
+        known = row >= 0
+        silence = time - rows.heard[row]
+        down = rows.down[row]
+        if hearing.swing_after_ns is None:
+            known &= silence <= NEAR_NS
+        else:
+            known &= silence <= LONGEST_SWING_S * 1e9
+            down &= silence < hearing.swing_after_ns
+        if not (hearing.works or self._before.works):
+            known &= (time >= rows.time[rows.down.argmax()]) & rows.down.any()
+        return FootState(known, down & known, rows.point[row], rows.vertical[row])
+
+    def trail_at(self, time: Ints) -> Floats:
+        """Return the last footfalls known at some log times.
+
+        Args:
+            time: (n,) ns.
+
+        Returns:
+            (n, TRAIL, 3) m, newest first; NaN where there were fewer.
+        """
+        known = np.searchsorted(self._trail.since, time, side="right")
+        number = known[:, None] - np.arange(1, TRAIL + 1)
+        # Row -1 stands for those that there are not.
+        points: Floats = np.concatenate([self._trail.point, np.full((1, 3), np.nan)])
+        last: Floats = points[np.maximum(number, -1)]
+        return last
+
+    def _footfalls(self, first_new: int) -> Footfalls:
+        """Return the touchdowns that became certain in rows from `first_new` on.
+
+        A stance is long enough at the first row after the debounce time that is in contact, or
+        ends contact.
+        """
+        rows = self._rows
+        telling = rows.down.copy()
+        telling[1:] |= rows.down[:-1]
+        telling_rows = np.flatnonzero(telling)
+        certain = rows.time[self._starts] + self._debounce_ns
+        place = np.searchsorted(rows.time[telling_rows], certain)
+        confirming = np.concatenate([telling_rows, [len(rows)]])[place]
+        point = rows.point[self._starts]
+        chosen = (confirming >= first_new) & (confirming <= self._ends) & (confirming < len(rows))
+        chosen &= np.isfinite(point).all(axis=1)
+        # A lift-off that silence told became known with the message that ended the silence.
+        known = confirming[chosen]
+        known += rows.heard[known] < rows.time[known]
+        return Footfalls(rows.time[known], point[chosen])
+
+
+def _rows(new: "_Told", before: FootRows, hearing: Hearing) -> FootRows:
+    """Return what new messages of a foot say."""
+    usable = advancing(new.time, int(before.time[-1]) if len(before) else None)
+    if not usable.all():
+        new = new.pick(usable)
+    down = np.zeros(len(new.time), np.bool_)
+    rows, force = FootRows(new.time, new.time, down, new.point, new.vertical), new.force
+    if hearing.swing_after_ns is not None:
+        rows, force = _with_swings(rows, force, before, hearing.swing_after_ns)
+    on = len(before) > 0 and bool(before.down[-1])
+    rows.down[:] = schmitt(force, hearing.rule, on=on)
+    return rows
+
+
+def _with_swings(
+    rows: FootRows, force: Floats, before: FootRows, swing_after_ns: int
+) -> tuple[FootRows, Floats]:
+    """Insert a row without contact into each silence that tells of swing, where it begins to."""
+    heard = np.concatenate([before.heard[-1:], rows.time])
+    silent = np.flatnonzero(np.diff(heard) >= swing_after_ns)
+    place = silent + len(rows) - (len(heard) - 1)
+    lifted = heard[silent] + swing_after_ns
+    return FootRows(
+        time=np.insert(rows.time, place, lifted),
+        heard=np.insert(rows.heard, place, heard[silent]),
+        down=np.insert(rows.down, place, values=False),
+        point=np.insert(rows.point, place, np.nan, axis=0),
+        vertical=np.insert(rows.vertical, place, 0.0),
+    ), np.insert(force, place, 0.0)
+
+
+@dataclass(frozen=True, slots=True)
+class _Told:
+    """Messages whose force is a finite number."""
+
+    foot: Ints
+    """(n,)."""
+    time: Ints
+    """(n,) ns, log time."""
+    force: Floats
+    """(n,) N, |F|."""
+    point: Floats
+    """(n, 3) m."""
+    vertical: Floats
+    """(n,) N; NaN where not known."""
+
+    def pick(self, rows: Flags | Ints) -> "_Told":
+        """Return the chosen rows."""
+        return _Told(
+            self.foot[rows],
+            self.time[rows],
+            self.force[rows],
+            self.point[rows],
+            self.vertical[rows],
+        )
+
+
+def follow_feet(
+    samples: Sequence[Samples],
+    before: Sequence[FootMemory],
+    hearings: Sequence[Hearing],
+    *,
+    force_in_world: bool,
+) -> tuple[Footing, ...]:
+    """Follow all feet through a batch.
+
+    Args:
+        samples: of any feet; each foot's in the order of the log. Those whose force is not finite,
+            or that come no later than one before, are left out.
+        before: what is known of each foot so far.
+        hearings: how to understand each foot.
+        force_in_world: whether all forces are in the world frame.
+    """
+    if not hearings:
+        return ()
+    told = _told(samples, force_in_world=force_in_world)
+    return tuple(
+        Footing(told.pick(np.flatnonzero(told.foot == foot)), memory, hearing)
+        for foot, (memory, hearing) in enumerate(zip(before, hearings, strict=True))
+    )
+
+
+def _told(samples: Sequence[Samples], *, force_in_world: bool) -> _Told:
+    """Return the messages of all feet; where there are several sorts, in the order of the log."""
+    together = concatenated(samples) if samples else no_samples()
+    force = norms(together.force)
+    known = together.in_world | force_in_world | (force == 0.0)
+    told = _Told(
+        together.foot,
+        together.log_time,
+        force,
+        together.position,
+        np.where(known, together.force[:, 2], np.nan),
+    )
+    if len(samples) > 1:
+        told = told.pick(np.argsort(told.time, kind="stable"))
+    finite = np.isfinite(told.force)
+    return told if finite.all() else told.pick(finite)

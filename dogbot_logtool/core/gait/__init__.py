@@ -1,0 +1,1 @@
+"""Strides, gait class, segments and support."""

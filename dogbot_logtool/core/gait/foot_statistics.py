@@ -1,0 +1,154 @@
+"""The figures of one foot, as they are reported."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from dogbot_logtool.core.base.base_motion import stride_lengths
+from dogbot_logtool.core.base.base_record import BaseRecord
+from dogbot_logtool.core.contact.foot_history import FootRecord
+from dogbot_logtool.core.contact.stances import Cut, Stances
+from dogbot_logtool.core.gait.gait import Place
+from dogbot_logtool.core.gait.segments import FootEvents
+from dogbot_logtool.core.gait.strides import Strides, cut_by_fall, strides_of
+from dogbot_logtool.core.geometry import timespans
+from dogbot_logtool.core.geometry.aggregates import Aggregate, aggregate
+from dogbot_logtool.core.geometry.arrays import Floats, Ints
+from dogbot_logtool.core.load.load_figures import vertical_impulse_ns
+
+
+@dataclass(frozen=True, slots=True)
+class FootFigures:
+    """Figures of one foot.
+
+    Aggregates are over whole stances or strides; None where there are none, or what they need is
+    not known.
+    """
+
+    name: str
+    topic: str
+    place: Place | None
+    record: FootRecord
+    stances: Stances
+    """All stances, those in a fall marked as cut."""
+    strides: Strides
+    length_m: Floats
+    """(strides) m, horizontal distance of the base over the stride; NaN where not known."""
+    slip_m: Floats
+    """(stances) m, what `contact_travel_m` exceeds the travel of a rolling foot by."""
+    discarded: Mapping[str, int]
+    """Stances that begin no whole stride, by reason."""
+    touchdown: Ints
+    """(t,) ns, touchdowns that were seen."""
+    liftoff: Ints
+    """(l,) ns, lift-offs that were seen."""
+    is_dead: bool
+    """Its sensor never reports a contact, and nothing says that the foot is lifted."""
+    contact_fraction: float | None
+    """Time in contact over time known; None for a dead sensor."""
+    stance_s: Aggregate | None
+    swing_s: Aggregate | None
+    stride_period_s: Aggregate | None
+    stride_frequency_hz: float | None
+    duty_factor: Aggregate | None
+    stride_length_m: Aggregate | None
+    peak_force_n: Aggregate | None
+    """N, highest |F| of each stance."""
+    mean_force_n: Aggregate | None
+    peak_vertical_force_n: Aggregate | None
+    mean_vertical_force_n: Aggregate | None
+    vertical_impulse_ns: float | None
+    """N s, over all time known."""
+    loading_rate_nps: Aggregate | None
+    impact_ratio: Aggregate | None
+    contact_travel_m: Aggregate | None
+    slip_distance_m: Aggregate | None
+    friction_use: Aggregate | None
+
+    @property
+    def events(self) -> FootEvents:
+        """Strides and touchdowns, for the gait."""
+        return FootEvents(self.strides, self.touchdown)
+
+
+def foot_figures(
+    name: str,
+    topic: str,
+    place: Place | None,
+    record: FootRecord,
+    base: BaseRecord,
+    *,
+    fallen: Ints,
+    foot_rolling_m: float,
+    is_dead: bool,
+) -> FootFigures:
+    """Aggregate what was recorded of one foot.
+
+    Args:
+        name: of the foot. Also its topic and place.
+        topic: contact topic.
+        place: front or back, left or right.
+        record: its stances and track.
+        base: poses.
+        fallen: (f, 2) ns, spans in which the robot lies.
+        foot_rolling_m: m, travel of the contact point of a foot that rolls without slipping.
+        is_dead: whether its sensor seems dead.
+    """
+    stances = cut_by_fall(record.stances, fallen)
+    strides, discarded = strides_of(stances, record.gaps, fallen)
+    length = stride_lengths(base, strides.touchdown, strides.end)
+    slip = np.maximum(stances.figures.contact_travel_m - foot_rolling_m, 0.0)
+    whole = stances.whole
+    return FootFigures(
+        name=name,
+        topic=topic,
+        place=place,
+        record=record,
+        stances=stances,
+        strides=strides,
+        length_m=length,
+        slip_m=slip,
+        discarded=discarded,
+        touchdown=_seen(stances.touchdown, record, Cut.LOG_START, stances),
+        liftoff=_seen(stances.liftoff, record, Cut.LOG_END, stances),
+        is_dead=is_dead,
+        contact_fraction=None if is_dead else record.contact_fraction,
+        stance_s=aggregate(stances.duration_s[whole]),
+        swing_s=aggregate(strides.swing_s),
+        stride_period_s=aggregate(strides.period_s),
+        stride_frequency_hz=strides.frequency_hz,
+        duty_factor=aggregate(strides.duty_factor),
+        stride_length_m=aggregate(length),
+        peak_force_n=aggregate(stances.figures.peak_n[whole]),
+        mean_force_n=aggregate(stances.figures.mean_n[whole]),
+        peak_vertical_force_n=aggregate(stances.figures.peak_vertical_n[whole]),
+        mean_vertical_force_n=aggregate(stances.figures.mean_vertical_n[whole]),
+        vertical_impulse_ns=None if is_dead else vertical_impulse_ns(record),
+        loading_rate_nps=aggregate(stances.figures.loading_rate_nps[whole]),
+        impact_ratio=aggregate(stances.figures.impact_ratio[whole]),
+        contact_travel_m=aggregate(stances.figures.contact_travel_m[whole]),
+        slip_distance_m=aggregate(slip[whole]),
+        friction_use=aggregate(stances.figures.friction_use[whole]),
+    )
+
+
+def _seen(time: Ints, record: FootRecord, unseen: Cut, stances: Stances) -> Ints:
+    """Leave out the events that the log's ends or a gap hide."""
+    seen: Ints = time[(stances.cut != unseen) & ~np.isin(time, record.gaps[:, 1])]
+    # A stance may last from the log's first sample to its last.
+    outside = (record.start, record.end) if len(stances.cut) == 1 else ()
+    return seen[~np.isin(seen, [each for each in outside if each is not None])]
+
+
+def contact_time_without_pose_s(record: FootRecord, base: BaseRecord) -> float:
+    """Return the time in contact, s, that lies further than 0.1 s from every pose of the base."""
+    return base.unplaced(record.in_contact) / 1e9
+
+
+def overlap(feet: list[FootRecord], base: BaseRecord) -> Ints:
+    """Return the time known to all feet that have samples, and to the base if it has poses."""
+    known = [foot.known for foot in feet if foot.start is not None]
+    if len(base.time):
+        known.append(base.known)
+    return timespans.intersect(known)

@@ -1,0 +1,108 @@
+"""Strides: from each touchdown of a foot to its next one."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import Final
+
+import numpy as np
+
+from dogbot_logtool.core.contact.stances import Cut, Stances
+from dogbot_logtool.core.geometry import timespans
+from dogbot_logtool.core.geometry.arrays import Floats, Ints
+
+REASONS: Final[Mapping[int, str]] = {
+    Cut.LOG_START: "log_start",
+    Cut.LOG_END: "log_end",
+    Cut.GAP: "gap",
+    Cut.STANDING: "standing",
+    Cut.FALL: "fall",
+}
+"""Names of what cuts a stride, for reports."""
+
+
+@dataclass(frozen=True, slots=True)
+class Strides:
+    """Whole strides of one foot, in order: stance and swing both seen from end to end."""
+
+    stance: Ints
+    """(n,) row of the stride's stance in the foot's `Stances`."""
+    touchdown: Ints
+    """(n,) ns."""
+    liftoff: Ints
+    """(n,) ns."""
+    end: Ints
+    """(n,) ns, the next touchdown."""
+
+    @property
+    def stance_s(self) -> Floats:
+        """(n,) s, lift-off minus touchdown."""
+        return _seconds(self.liftoff - self.touchdown)
+
+    @property
+    def swing_s(self) -> Floats:
+        """(n,) s, next touchdown minus lift-off."""
+        return _seconds(self.end - self.liftoff)
+
+    @property
+    def period_s(self) -> Floats:
+        """(n,) s, next touchdown minus touchdown."""
+        return _seconds(self.end - self.touchdown)
+
+    @property
+    def duty_factor(self) -> Floats:
+        """(n,) stance over stride period (Hildebrand 1965; Alexander 1984)."""
+        return self.stance_s / self.period_s
+
+    @property
+    def frequency_hz(self) -> float | None:
+        """(touchdowns - 1) / (last - first touchdown) over unbroken runs, 1/s; None without."""
+        if len(self.touchdown) == 0:
+            return None
+        return len(self.touchdown) / float(self.period_s.sum())
+
+    def within(self, spans: Ints) -> "Strides":
+        """Return the strides whose middle lies in one of the spans."""
+        middle = self.touchdown + (self.end - self.touchdown) // 2
+        rows = timespans.covers(spans, middle)
+        return Strides(self.stance[rows], self.touchdown[rows], self.liftoff[rows], self.end[rows])
+
+
+def cut_by_fall(stances: Stances, fallen: Ints) -> Stances:
+    """Mark the stances that a fall cuts; what a fallen robot's feet do is not walking.
+
+    Args:
+        stances: of one foot.
+        fallen: (f, 2) ns, spans in which the robot lies.
+    """
+    cut = stances.cut.copy()
+    cut[timespans.touches(fallen, stances.touchdown, stances.liftoff) & stances.whole] = Cut.FALL
+    return replace(stances, cut=cut)
+
+
+def strides_of(stances: Stances, gaps: Ints, fallen: Ints) -> tuple[Strides, dict[str, int]]:
+    """Pair each touchdown with the next one.
+
+    Args:
+        stances: of one foot, in order.
+        gaps: (g, 2) ns, silences of its sensor.
+        fallen: (f, 2) ns, spans in which the robot lies.
+
+    Returns:
+        the whole strides, and the number of stances that begin none, by what cuts them.
+    """
+    begin, end = stances.touchdown[:-1], stances.touchdown[1:]
+    cut = stances.cut.astype(np.int64)
+    # The last stance begins a stride whose end the log does not show.
+    cut[-1:][cut[-1:] == Cut.WHOLE] = Cut.LOG_END
+    for spans, reason in ((gaps, Cut.GAP), (fallen, Cut.FALL)):
+        broken = timespans.touches(spans, begin, end) & (cut[:-1] == Cut.WHOLE)
+        cut[:-1][broken] = reason
+    row = np.flatnonzero(cut == Cut.WHOLE)
+    strides = Strides(row, begin[row], stances.liftoff[row], end[row])
+    counts = {name: int((cut == reason).sum()) for reason, name in REASONS.items()}
+    return strides, {name: count for name, count in counts.items() if count}
+
+
+def _seconds(duration: Ints) -> Floats:
+    seconds: Floats = duration / 1e9
+    return seconds

@@ -1,0 +1,68 @@
+"""How many feet, and which, are down at a time."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+
+from dogbot_logtool.core.contact.foot_history import FootRecord
+from dogbot_logtool.core.geometry import timespans
+from dogbot_logtool.core.geometry.arrays import Ints
+
+MOST_FREQUENT: Final = 5
+"""Support sets that are reported."""
+
+
+@dataclass(frozen=True, slots=True)
+class Support:
+    """Fractions of the time known to all feet."""
+
+    time_s: float
+    """s, time known to all feet."""
+    feet_down: tuple[float, ...]
+    """(feet + 1) fraction of that time with 0, 1, 2 ... feet in contact."""
+    sets: tuple[tuple[tuple[int, ...], float], ...]
+    """The most frequent sets of feet in contact, and their fractions, most frequent first."""
+    all_down: Ints
+    """(n, 2) ns, spans with all feet in contact."""
+
+    @property
+    def flight_fraction(self) -> float:
+        """Fraction of time without any foot in contact."""
+        return self.feet_down[0]
+
+
+def support(feet: Sequence[FootRecord]) -> Support | None:
+    """Measure support patterns; None where there is no time known to all feet."""
+    known = timespans.intersect([foot.known for foot in feet])
+    if timespans.total(known) == 0:
+        return None
+    contacts = [timespans.intersect([foot.in_contact, known]) for foot in feet]
+    edges = np.unique(np.concatenate([spans.ravel() for spans in (known, *contacts)]))
+    begin, duration = edges[:-1], np.diff(edges)
+    code = np.zeros(len(begin), np.int64)
+    number = np.zeros(len(begin), np.int64)
+    for foot, spans in enumerate(contacts):
+        down = timespans.covers(spans, begin)
+        code += down.astype(np.int64) << foot
+        number += down
+    inside = timespans.covers(known, begin)
+    all_down = timespans.spans_where(edges, inside & (number == len(feet)))
+
+    time = float(timespans.total(known))
+    weight = np.where(inside, duration, 0).astype(np.float64)
+    by_number = np.bincount(number, weights=weight, minlength=len(feet) + 1) / time
+    codes, row = np.unique(code, return_inverse=True)
+    by_code = np.bincount(row, weights=weight) / time
+    order = np.argsort(-by_code, kind="stable")[:MOST_FREQUENT]
+    sets = tuple(
+        (_members(int(codes[each]), len(feet)), float(by_code[each]))
+        for each in order
+        if by_code[each] > 0.0
+    )
+    return Support(time / 1e9, tuple(float(share) for share in by_number), sets, all_down)
+
+
+def _members(code: int, feet: int) -> tuple[int, ...]:
+    return tuple(foot for foot in range(feet) if code >> foot & 1)

@@ -1,0 +1,100 @@
+"""Which clock a walk is measured on: header stamps, or log time where stamps cannot be used.
+
+One clock serves all feet and the base, since phases and support compare feet with each other.
+Header stamps are used unless one of them is zero or goes backwards. That is only known when the
+last message has been read, so a pass over the log that meets such a stamp ends with
+`UnusableStamps`, and a second pass measures everything on log time. Zero stamps, the common case,
+show in the first batch: the second pass then costs nothing.
+"""
+
+from enum import StrEnum
+from typing import Final, Protocol
+
+import numpy as np
+
+from dogbot_logtool.core.geometry.arrays import Flags, Floats, Ints
+
+_LARGEST_FLOAT: Final = float(np.nextafter(2.0**63, 0.0))
+"""The largest float that an int64 can hold."""
+
+
+class Stamped(Protocol):
+    """Columns that are placed in time."""
+
+    @property
+    def stamp(self) -> Ints:
+        """(n,) ns, header stamp as recorded."""
+
+    @property
+    def log_time(self) -> Ints:
+        """(n,) ns."""
+
+
+class TimeSource(StrEnum):
+    """The clock of a message's time."""
+
+    HEADER = "header"
+    LOG = "log"
+
+    def of(self, columns: Stamped) -> Ints:
+        """Return the times on this clock; (n,) ns."""
+        return columns.stamp if self is TimeSource.HEADER else columns.log_time
+
+
+class UnusableStamps(Exception):  # noqa: N818 - a reason to read again, it never reaches a user
+    """Header stamps are zero or go backwards; the text says where."""
+
+
+class StampWatch:
+    """Watches the header stamps of one topic, message by message in the order of the log."""
+
+    def __init__(self, topic: str) -> None:
+        self._topic = topic
+        self._previous: int | None = None
+
+    def watch(self, stamps: Ints) -> None:
+        """Look at the next stamps.
+
+        Args:
+            stamps: (n,) ns.
+
+        Raises:
+            UnusableStamps: one is zero, or lower than the one before.
+        """
+        if len(stamps) == 0:
+            return
+        if (stamps == 0).any():
+            raise UnusableStamps(f"header stamps of {self._topic} are zero")
+        back = self._previous is not None and int(stamps[0]) < self._previous
+        if back or (stamps[1:] < stamps[:-1]).any():
+            raise UnusableStamps(f"header stamps of {self._topic} go backwards")
+        self._previous = int(stamps[-1])
+
+
+def absolute_time(since: Floats, origin: int | None) -> Ints:
+    """Return times of times since an origin, as far as 64 bits reach; ns.
+
+    Args:
+        since: any shape, ns, not negative; whole numbers, exact over 104 days.
+        origin: ns; None counts as 0.
+    """
+    start = origin or 0
+    whole = np.minimum(since, _LARGEST_FLOAT).astype(np.int64)
+    absolute: Ints = np.minimum(whole, np.iinfo(np.int64).max - max(start, 0)) + start
+    return absolute
+
+
+def advancing(time: Ints, latest: int | None) -> Flags:
+    """Tell which samples advance the clock: those later than every one before them.
+
+    A repeated time, or one that steps back, cannot be integrated over; such samples are left
+    out. With log time, or stamps that are forced, this is what makes time increase strictly.
+
+    Args:
+        time: (n,) ns.
+        latest: ns, the latest time before these samples, None at the start.
+    """
+    floor = np.iinfo(np.int64).min if latest is None else latest
+    before = np.maximum.accumulate(np.concatenate([[floor], time]))[:-1]
+    later: Flags = time > before
+    return later

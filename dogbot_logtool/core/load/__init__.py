@@ -1,0 +1,1 @@
+"""Loads over stances and over time."""

@@ -1,0 +1,1 @@
+"""What is drawn: arrows, colours, support."""

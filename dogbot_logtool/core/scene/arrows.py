@@ -1,0 +1,250 @@
+"""The arrow that is drawn at a foot for each contact sample, in three styles.
+
+``classic``   the markers of the live script `arrows_rviz.py`, bit for bit;
+``pressure``  the same picture made right: newest physics step, all states, straight up;
+``force``     ground-reaction forces, along the force, coloured by body weights.
+"""
+
+import math
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+
+from dogbot_logtool.core.contact.contacts import Contacts, Samples
+from dogbot_logtool.core.geometry.arrays import (
+    Flags,
+    Float32s,
+    Floats,
+    Ints,
+    all_finite,
+    header_time,
+    norms,
+)
+from dogbot_logtool.core.scene.colour import LONGEST_NM, SHORTEST_NM, wavelength_to_rgba
+
+NEWTONS_PER_METRE: Final = 100.0
+"""An arrow of one metre is this many newtons, unless the robot's file says otherwise."""
+CLASSIC_FULL_SCALE: Final = 2.0
+"""Arrow length (hundreds of newtons) at the red end of the colour map."""
+FORCE_FULL_SCALE_BW: Final = 1.5
+"""Body weights at the red end of the colour map in the `force` style."""
+STRAIGHT_UP: Final = (0.0, -math.sqrt(0.5), 0.0, math.sqrt(0.5))
+"""Turns the +x axis, along which arrows are drawn, to +z."""
+CLASSIC_TILT: Final = (0.0, math.sin(-0.785), 0.0, math.cos(-0.785))
+"""The live script's pitch of -1.57."""
+LIFETIME_S: Final = 0.5
+"""An arrow disappears after this silence of its sensor."""
+CLASSIC_DIAMETER_M: Final = 0.1
+_NEGLIGIBLE: Final = 1e-100
+"""Part of a unit vector that cannot matter, but whose square is no longer a number."""
+
+
+@dataclass(frozen=True, slots=True)
+class Arrows:
+    """What is to be drawn or removed at the feet, one row a written message."""
+
+    foot: Ints
+    """(n,) index of the foot among the robot's feet."""
+    log_time: Ints
+    """(n,) ns."""
+    stamp: Ints
+    """(n,) ns."""
+    shown: Flags
+    """(n,) draw this arrow; otherwise remove the foot's arrow (the rest of the row is void)."""
+    position: Floats
+    """(n, 3) m, tail of the arrow, world frame."""
+    orientation: Floats
+    """(n, 4) quaternion x, y, z, w that turns +x to the arrow's direction."""
+    length: Floats
+    """(n,) m."""
+    colour: Float32s
+    """(n, 4) red, green, blue, alpha in [0, 1]."""
+
+
+@dataclass(frozen=True, slots=True)
+class ArrowCounts:
+    """Samples that could not become an arrow, by reason."""
+
+    not_finite: int = 0
+    """A number that the arrow needs is NaN or infinite: removed, not drawn."""
+    no_position: int = 0
+    """In contact, but the message gives no contact point."""
+    no_direction: int = 0
+    """Only the magnitude is known and the message gives no contact normal."""
+    overflow: int = 0
+    """`classic`: a finite force component whose square overflows (the live script raised)."""
+
+    def __add__(self, other: "ArrowCounts") -> "ArrowCounts":
+        return ArrowCounts(
+            self.not_finite + other.not_finite,
+            self.no_position + other.no_position,
+            self.no_direction + other.no_direction,
+            self.overflow + other.overflow,
+        )
+
+
+def no_arrows() -> Arrows:
+    """Return none, for sources that do not tell what an arrow needs."""
+    none = np.empty(0, np.int64)
+    return Arrows(
+        foot=none,
+        log_time=none,
+        stamp=none,
+        shown=np.empty(0, np.bool_),
+        position=np.empty((0, 3)),
+        orientation=np.empty((0, 4)),
+        length=np.empty(0),
+        colour=np.empty((0, 4), np.float32),
+    )
+
+
+def classic_arrows(contacts: Contacts) -> tuple[Arrows, ArrowCounts]:
+    """Compute the markers of `arrows_rviz.py`.
+
+    Force and point are the first state's first, whatever step or body they belong to. Without
+    contact nothing is written. What is not finite is copied. Where the script raised (a first
+    state without contact points; a square that overflows) nothing is written either.
+    """
+    message, force, position, has_point = _first_states(contacts)
+    with np.errstate(over="ignore", invalid="ignore"):
+        overflow = (np.isfinite(force) & ~np.isfinite(force * force)).any(axis=1)
+    drawn = has_point & ~overflow
+    message, force, position = message[drawn], force[drawn], position[drawn]
+
+    length = norms(force) / 100.0
+    with np.errstate(invalid="ignore"):
+        wavelength = 380.0 + ((length - 0.0) / (CLASSIC_FULL_SCALE - 0.0)) * (750.0 - 380.0)
+    count = len(message)
+    arrows = Arrows(
+        foot=contacts.foot[message],
+        log_time=contacts.log_time[message],
+        stamp=header_time(contacts.stamp[message], contacts.log_time[message]),
+        shown=np.ones(count, np.bool_),
+        position=position,
+        orientation=np.tile(np.array(CLASSIC_TILT), (count, 1)),
+        length=length,
+        colour=wavelength_to_rgba(wavelength),
+    )
+    skipped = ArrowCounts(
+        no_position=int((~has_point).sum()), overflow=int((has_point & overflow).sum())
+    )
+    return arrows, skipped
+
+
+def _first_states(contacts: Contacts) -> tuple[Ints, Floats, Floats, Flags]:
+    """Return the first state of every message that has one.
+
+    Returns:
+        message row (m,), its total force (m, 3), its first point (m, 3), whether it has one (m,).
+    """
+    message, state = np.unique(contacts.state_message, return_index=True)
+    states = len(contacts.state_message)
+    first_point = np.full((states, 3), np.nan)
+    has_point = np.zeros(states, np.bool_)
+    point_state, row = np.unique(contacts.point_state, return_index=True)
+    first_point[point_state] = contacts.point[row]
+    has_point[point_state] = True
+    return message, contacts.total_force[state], first_point[state], has_point[state]
+
+
+def pressure_arrows(
+    samples: Samples, newtons_per_metre: float = NEWTONS_PER_METRE
+) -> tuple[Arrows, ArrowCounts]:
+    """Draw the magnitude of the load straight up from the mean contact point."""
+    magnitude = norms(samples.force)
+    orientation = np.tile(np.array(STRAIGHT_UP), (len(magnitude), 1))
+    colour = _clamped_colour(magnitude / 100.0 / CLASSIC_FULL_SCALE)
+    known = np.ones(len(magnitude), np.bool_)
+    return _arrows(samples, magnitude / newtons_per_metre, orientation, known, colour)
+
+
+def force_arrows(
+    samples: Samples,
+    *,
+    force_in_world: bool,
+    body_weight_n: float | None,
+    newtons_per_metre: float = NEWTONS_PER_METRE,
+) -> tuple[Arrows, ArrowCounts]:
+    """Draw the ground-reaction force from the mean contact point.
+
+    Args:
+        samples: contact samples.
+        force_in_world: whether the wrenches are in the world frame. Where they are not, only the
+            magnitude is known, and it is drawn along the mean contact normal.
+        body_weight_n: N; None colours by the scale of `pressure`.
+        newtons_per_metre: scale of the arrows.
+    """
+    magnitude = norms(samples.force)
+    known = samples.in_world | force_in_world
+    with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
+        along_force = samples.force / magnitude[:, None]
+    direction = np.where(known[:, None], along_force, samples.normal)
+    loaded = magnitude > 0.0
+    has_direction = all_finite(direction) | ~loaded | ~np.isfinite(magnitude)
+    full_scale = 100.0 * CLASSIC_FULL_SCALE
+    if body_weight_n is not None:
+        full_scale = FORCE_FULL_SCALE_BW * body_weight_n
+    return _arrows(
+        samples,
+        magnitude / newtons_per_metre,
+        turn_x_to(direction),
+        has_direction,
+        _clamped_colour(magnitude / full_scale),
+    )
+
+
+def turn_x_to(direction: Floats) -> Floats:
+    """Return the shortest rotation that turns the +x axis to each direction.
+
+    Half-angle form of the rotation between two unit vectors, (1 + a.b, a x b) normalised, with
+    1 + x taken as (y^2 + z^2) / (1 - x) where x is negative, to keep its digits.
+
+    Args:
+        direction: (n, 3) unit vectors.
+
+    Returns:
+        (n, 4) unit quaternions x, y, z, w; half a turn about z for -x itself.
+    """
+    x, y, z = direction.T
+    with np.errstate(invalid="ignore", divide="ignore"):
+        w = np.where(x < 0.0, (y * y + z * z) / (1.0 - x), 1.0 + x)
+        quaternion = np.stack([np.zeros_like(x), -z, y, w], axis=1)
+        quaternion /= np.sqrt((quaternion * quaternion).sum(axis=1))[:, None]
+    # So near to -x the squares above vanish.
+    opposite = (x < 0.0) & (np.abs(y) < _NEGLIGIBLE) & (np.abs(z) < _NEGLIGIBLE)
+    quaternion[opposite] = (0.0, 0.0, 1.0, 0.0)
+    return quaternion
+
+
+def _clamped_colour(share: Floats) -> Float32s:
+    """Map [0, 1] to the range of visible light, clamped at its ends; (n, 4)."""
+    with np.errstate(invalid="ignore"):
+        wavelength = SHORTEST_NM + share * (LONGEST_NM - SHORTEST_NM)
+    return wavelength_to_rgba(np.clip(wavelength, SHORTEST_NM, LONGEST_NM))
+
+
+def _arrows(
+    samples: Samples, length: Floats, orientation: Floats, has_direction: Flags, colour: Float32s
+) -> tuple[Arrows, ArrowCounts]:
+    """Decide what is shown; every sample that shows nothing removes its foot's arrow."""
+    touching = samples.in_contact
+    has_position = samples.points > 0
+    finite = np.isfinite(length) & (all_finite(samples.position) | ~has_position)
+    shown = touching & finite & has_position & has_direction & (length > 0.0)
+    counts = ArrowCounts(
+        not_finite=int((touching & ~finite).sum()),
+        no_position=int((touching & finite & ~has_position).sum()),
+        no_direction=int((touching & finite & has_position & ~has_direction).sum()),
+    )
+    arrows = Arrows(
+        foot=samples.foot,
+        log_time=samples.log_time,
+        stamp=samples.time,
+        shown=shown,
+        position=samples.position,
+        orientation=orientation,
+        length=length,
+        colour=colour,
+    )
+    return arrows, counts

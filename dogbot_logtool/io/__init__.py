@@ -1,0 +1,1 @@
+"""Disks and stores, atomic output, TOML, and texts made harmless."""

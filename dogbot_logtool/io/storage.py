@@ -1,0 +1,339 @@
+"""Where logs lie and results go: on a disk, or in any filesystem of fsspec (s3://, gs://, http://).
+
+fsspec comes with the extra `fleet` and is imported only when a URL is met.
+"""
+
+import errno
+import logging
+import os
+import re
+import stat
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, BinaryIO, Final, TypeVar
+from urllib.parse import unquote, urlsplit, urlunsplit
+
+from dogbot_logtool.errors import CallError, ExtraMissingError, StoreError
+from dogbot_logtool.io.printable import printable
+
+if TYPE_CHECKING:
+    from tenacity import RetryCallState
+    from upath import UPath
+
+    Location = Path | UPath
+else:
+    Location = Path
+
+Result = TypeVar("Result")
+_LOG: Final = logging.getLogger(__name__)
+
+TRIES: Final = 5
+"""A request is made so often before the store is given up. s3fs and its like try a few times of
+their own within each."""
+FIRST_WAIT_S: Final = 0.2
+"""Waits double from here to `LONGEST_WAIT_S`; chance adds up to this, so that many clients do not
+ask all at once."""
+LONGEST_WAIT_S: Final = 10.0
+ANSWER_WITHIN_S = 120.0
+"""A request that takes longer has stalled."""
+_URL: Final = re.compile(r"[A-Za-z][A-Za-z0-9+.-]*://")
+_CREDENTIALS: Final = re.compile(r"(?<=://)[^/?#]*@")
+_KINDS: Final = {
+    stat.S_IFDIR: "a directory",
+    stat.S_IFIFO: "a named pipe",
+    stat.S_IFSOCK: "a socket",
+    stat.S_IFCHR: "a device",
+    stat.S_IFBLK: "a device",
+}
+_STORES: Final = ("aiohttp", "botocore", "aiobotocore", "gcsfs")
+"""Packages that raise errors of their own where a store or the network fails."""
+_ABSENT: Final = (404, 410)
+"""HTTP's codes for what is not there."""
+_LATER: Final = (408, 425, 429)
+"""HTTP's codes for what may be asked for again later."""
+_HOPELESS: Final = (FileNotFoundError, PermissionError, IsADirectoryError, FileExistsError)
+
+
+def location(word: str) -> Location:
+    """Return the place that a word of the command line names.
+
+    Raises:
+        ExtraMissingError: it is a URL, and what reads URLs is not installed.
+        CallError: it is a URL of a sort that nothing installed reads.
+    """
+    if not _URL.match(word):
+        return Path(word)
+    if word.startswith("file://"):
+        return Path(unquote(urlsplit(word).path))
+    try:
+        from upath import UPath  # noqa: PLC0415 - only URLs need it
+    except ImportError as error:
+        raise ExtraMissingError(word, "fleet") from error
+    try:
+        place = UPath(word)
+        place.fs  # noqa: B018 - finds out whether its filesystem is installed
+    except ImportError as error:
+        raise CallError(f"{shown(word)}: {error}") from error
+    except ValueError as error:
+        raise CallError(f"{shown(word)}: is a URL of no known kind ({error})") from error
+    return place
+
+
+def from_root(place: Location) -> Location:
+    """Return a place by a name that does not depend on where a process stands."""
+    return place.absolute() if isinstance(place, Path) else place
+
+
+def identity(place: Location) -> str:
+    """Return what is equal for all names of one log, and for no other.
+
+    It is the real path, whatever the spelling and the links, or the whole URL but for user and
+    password. A query may hold other secrets: print `shown`, never this.
+    """
+    return (
+        os.path.realpath(place) if isinstance(place, Path) else _CREDENTIALS.sub("", str(place), 1)
+    )
+
+
+def shown(place: Location | str) -> str:
+    """Return a place as it may be printed: a URL without passwords and signatures."""
+    text = str(place)
+    if not _URL.match(text):
+        return valid_unicode(text)
+    parts = urlsplit(text)
+    return urlunsplit((parts.scheme, parts.netloc.rpartition("@")[2], parts.path, "", ""))
+
+
+def valid_unicode(text: str) -> str:
+    r"""Return text with the bytes of a file's name that are not UTF-8 as ``\xff`` and so on."""
+    return text.encode("utf-8", "surrogateescape").decode("utf-8", "backslashreplace")
+
+
+def file_name(place: Location) -> str:
+    """Return the last part of a place; a URL's query is no part of it."""
+    return place.name if isinstance(place, Path) else place.name.partition("?")[0]
+
+
+def file_stem(place: Location) -> str:
+    """Return `file_name` without its last suffix."""
+    return Path(file_name(place)).stem
+
+
+@dataclass(frozen=True, slots=True)
+class Facts:
+    """What a store knows of an object."""
+
+    is_folder: bool
+    """It is a directory, or the common beginning of objects' names."""
+    size: int | None
+    """Bytes; None if the store does not tell."""
+    version: str
+    """Changes whenever the content does; empty if the store has no such thing."""
+
+
+def facts(place: "UPath") -> Facts:
+    """Ask a store about an object.
+
+    Raises:
+        CallError: there is none.
+        StoreError: the store fails.
+    """
+    info = asked(place, lambda: place.fs.info(place.path))
+    tags = ("ETag", "etag", "md5Hash", "mtime", "LastModified", "last_modified", "created")
+    tag = next((str(info[name]) for name in tags if info.get(name)), "")
+    size = info.get("size")
+    return Facts(info.get("type") == "directory", None if size is None else int(size), tag)
+
+
+def is_folder(place: Location) -> bool:
+    """Tell whether it is a directory, or the common beginning of objects' names.
+
+    Raises:
+        CallError: it is a URL, and nothing is there.
+        StoreError: the store fails.
+    """
+    return place.is_dir() if isinstance(place, Path) else facts(place).is_folder
+
+
+def files_in(folder: Location) -> list[Location]:
+    """Return the files in a directory, by name; not those in directories below it.
+
+    Raises:
+        StoreError: the store fails.
+    """
+    if isinstance(folder, Path):
+        return sorted(file for file in folder.iterdir() if file.is_file())
+    entries = asked(folder, lambda: folder.fs.ls(folder.path, detail=True))
+    names = [entry["name"].rpartition("/")[2] for entry in entries if entry["type"] == "file"]
+    return [folder / name for name in sorted(names) if name]
+
+
+def open_file(path: Path) -> BinaryIO:
+    """Open a regular file of a disk for reading.
+
+    Pipes and devices are refused, because they may block or never end.
+
+    Raises:
+        CallError: it does not exist, may not be read, or is not a regular file.
+    """
+    try:
+        # A device may react to being opened, so its kind is looked up before; and again after,
+        # because the name may by then stand for something else.
+        _refuse_special(path, path.stat().st_mode)
+        flags = os.O_RDONLY | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_BINARY", 0)
+        file = os.fdopen(os.open(path, flags), "rb")
+    except FileNotFoundError as error:
+        raise CallError(f"{path}: no such file") from error
+    except OSError as error:
+        if error.errno == errno.ENXIO:
+            raise CallError(f"{path}: is not a regular file") from error
+        raise CallError(f"{path}: cannot be opened: {error.strerror}") from error
+    except ValueError as error:
+        raise CallError(f"{path}: cannot be opened: {error}") from error
+    try:
+        _refuse_special(path, os.fstat(file.fileno()).st_mode)
+    except CallError:
+        file.close()
+        raise
+    return file
+
+
+def _refuse_special(path: Path, mode: int) -> None:
+    if stat.S_ISREG(mode):
+        return
+    kind = _KINDS.get(stat.S_IFMT(mode), "of another kind")
+    remedy = "" if stat.S_ISDIR(mode) else "; save its content to a file first"
+    raise CallError(f"{path}: is {kind}, not a regular file{remedy}")
+
+
+def content(place: Location, most: int) -> bytes | None:
+    """Return all bytes of a file; None if there are more than `most`.
+
+    Raises:
+        CallError: there is no such file, or it is not a regular one.
+        StoreError: the store fails.
+        OSError: the disk fails.
+    """
+    if isinstance(place, Path):
+        with open_file(place) as file:
+            size = os.fstat(file.fileno()).st_size
+            return file.read(size) if size <= most else None
+    if (facts(place).size or 0) > most:
+        return None
+    return bytes(asked(place, lambda: place.fs.cat_file(place.path)))
+
+
+def version(place: Location) -> tuple[int, str]:
+    """Return the size, bytes, of a file or of all in a directory, and what changes with them.
+
+    The latter is the time of the last change or the store's own tag; empty if it has none.
+
+    Raises:
+        CallError: it is a URL, and nothing is there.
+        StoreError: the store fails.
+        OSError: it cannot be seen on the disk.
+    """
+    if isinstance(place, Path):
+        status = place.stat()
+        size, tag, folder = status.st_size, str(status.st_mtime_ns), place.is_dir()
+    else:
+        found = facts(place)
+        size, tag, folder = found.size or 0, found.version, found.is_folder
+    if not folder:
+        return size, tag
+    parts = [version(file) for file in files_in(place)]
+    return sum(part[0] for part in parts), " ".join(part[1] for part in parts)
+
+
+def asked(place: Location, request: Callable[[], Result]) -> Result:
+    """Return what a store answers; a request that fails or stalls is made again, a few times.
+
+    Raises:
+        CallError: there is no such object, or it may not be had.
+        StoreError: the store has failed `TRIES` times.
+    """
+    from tenacity import (  # noqa: PLC0415 - only URLs need it
+        Retrying,
+        retry_if_exception,
+        stop_after_attempt,
+        wait_exponential,
+        wait_random,
+    )
+
+    tries = Retrying(
+        retry=retry_if_exception(_may_pass),
+        stop=stop_after_attempt(TRIES),
+        wait=wait_exponential(FIRST_WAIT_S, LONGEST_WAIT_S) + wait_random(0.0, FIRST_WAIT_S),
+        before_sleep=lambda state: _say_again(place, state),
+        reraise=True,
+    )
+    try:
+        return tries(lambda: _answer(request))
+    except FileNotFoundError as error:
+        raise CallError(f"{shown(place)}: no such file") from error
+    except PermissionError as error:
+        raise CallError(f"{shown(place)}: access is denied ({_first_line(error)})") from error
+    except Exception as error:
+        if _is_refused(error):
+            raise CallError(
+                f"{shown(place)}: access is denied ({_first_line(error)})"
+                if getattr(error, "status", 0) in {401, 403, 407}
+                else f"{shown(place)}: the server refuses the request ({_first_line(error)})"
+            ) from error
+        if not _may_pass(error) and not isinstance(error, OSError):
+            raise
+        raise StoreError(f"{shown(place)}: the store fails: {_first_line(error)}") from error
+
+
+def _answer(request: Callable[[], Result]) -> Result:
+    """Return what a store answers, and raise its own error.
+
+    fsspec makes "no such file" of all that a web server or the network refuses.
+    """
+    try:
+        return request()
+    except FileNotFoundError as error:
+        cause = error.__cause__
+        is_web = isinstance(cause, TimeoutError) or _family(cause) == "aiohttp"
+        if cause is None or not is_web or getattr(cause, "status", 0) in _ABSENT:
+            raise
+        raise cause from None
+
+
+def _family(error: BaseException | None) -> str:
+    """Return the package that an error comes from."""
+    return type(error).__module__.partition(".")[0]
+
+
+def _is_refused(error: BaseException) -> bool:
+    """Tell whether a web server says that the request will not do, however often it is made."""
+    status = getattr(error, "status", 0) if _family(error) == "aiohttp" else 0
+    return 400 <= status < 500 and status not in _LATER
+
+
+def _say_again(place: Location, state: "RetryCallState") -> None:
+    """Say that a request is made again: on stderr, or wherever a worker keeps its log."""
+    error = state.outcome.exception() if state.outcome else None
+    what = _first_line(error) if isinstance(error, Exception) else "no answer"
+    _LOG.warning("%s: the store fails (%s); it is asked again", shown(place), printable(what))
+
+
+def _may_pass(error: BaseException) -> bool:
+    """Tell whether an error may be gone the next time."""
+    if isinstance(error, _HOPELESS) or _is_refused(error):
+        return False
+    return isinstance(error, OSError) or _family(error) in _STORES
+
+
+def _first_line(error: Exception) -> str:
+    status, message = getattr(error, "status", None), getattr(error, "message", None)
+    if status and message:
+        # Its own text has the URL, and in that perhaps a signature.
+        return f"{status} {message}"
+    reason = getattr(error, "os_error", None)
+    if isinstance(reason, OSError) and reason.errno:
+        # Names are not found with codes of their own, below zero.
+        what = os.strerror(reason.errno) if reason.errno > 0 else reason.strerror
+        return f"no connection: {what}"
+    return (str(error).splitlines() or [""])[0] or type(error).__name__

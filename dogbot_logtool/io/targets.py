@@ -1,0 +1,163 @@
+"""Where the output of each log goes: what -o means."""
+
+import os
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path, PurePath
+from typing import Final
+
+from dogbot_logtool.errors import CallError
+from dogbot_logtool.io import storage
+from dogbot_logtool.io.storage import Location
+
+_FORMATS: Final = {
+    ".bag": "a ROS 1 bag",
+    ".active": "a ROS 1 bag",
+    ".db3": "a file of a ROS 2 bag",
+    ".mcap": "an MCAP",
+    ".html": "an HTML page",
+    ".htm": "an HTML page",
+    ".json": "JSON",
+    ".dot": "a graph for Graphviz",
+    ".gv": "a graph for Graphviz",
+    ".csv": "a table",
+    ".parquet": "a table",
+    ".xml": "XML",
+    ".toml": "TOML",
+    ".yaml": "YAML",
+    ".yml": "YAML",
+    ".txt": "a text",
+    **dict.fromkeys((".pdf", ".svg", ".png", ".jpg", ".jpeg", ".gif"), "a picture"),
+    **dict.fromkeys((".zstd", ".zst", ".lz4", ".gz", ".bz2", ".xz"), "a compressed file"),
+    **dict.fromkeys((".zip", ".tar", ".tgz", ".7z"), "an archive"),
+}
+"""What well-known suffixes promise."""
+
+
+@dataclass(frozen=True, slots=True)
+class Output:
+    """Where results go."""
+
+    place: Location
+    is_folder: bool
+    """It is a directory, which is made if it is missing; else a file."""
+
+
+def output_at(word: str | None, ending: str, *, several: bool) -> Output:
+    """Return what the word of -o means: a directory, or the file of one log.
+
+    A word that ends in a slash is a directory, and so is one that names one. Where there may be
+    several logs, every other word is one too unless its suffix is that of the results; a URL is
+    always read so.
+
+    Args:
+        word: as given; None: the current directory.
+        ending: that results have, such as ``.report.html``.
+        several: see `may_be_several`.
+
+    Raises:
+        CallError: the word promises something that the results are not.
+        ExtraMissingError: it is a URL, and what reads URLs is not installed.
+    """
+    if word is None:
+        return Output(Path(), is_folder=True)
+    refuse_stdout(word)
+    place = storage.location(word)
+    if ends_in_slash(word) or _is_folder(place):
+        return Output(place, is_folder=True)
+    suffix = "." + ending.rpartition(".")[2]
+    refuse_other_format(place, suffix)
+    is_file = place.suffix == suffix or (not several and isinstance(place, Path))
+    return Output(place, is_folder=not is_file)
+
+
+def may_be_several(words: Sequence[str], logs: Sequence[Location]) -> bool:
+    """Tell whether words may name several logs: all but one that names the one log itself.
+
+    What a directory, a glob or a list holds may change, and results should not go elsewhere then.
+    """
+    if len(words) > 1 or len(logs) > 1:
+        return True
+    named, found = storage.location(words[0]), logs[0]
+    return storage.from_root(named) != storage.from_root(found)
+
+
+def refuse_stdout(word: str) -> None:
+    """Refuse the usual name of stdout as an output.
+
+    Raises:
+        CallError: it is that.
+    """
+    if word == "-":
+        raise CallError("-: does not stand for stdout here; name a file")
+
+
+def refuse_other_format(target: Location, suffix: str) -> None:
+    """Refuse a name whose suffix promises another format.
+
+    Args:
+        target: the name.
+        suffix: a usual one of what is written.
+
+    Raises:
+        CallError: it does.
+    """
+    promised, written = _FORMATS.get(target.suffix.lower()), _FORMATS[suffix]
+    if promised not in {None, written}:
+        name = f"{target.stem.removesuffix(suffix)}{suffix}"
+        raise CallError(
+            f"{storage.shown(target)}: the name is that of {promised}, but {written} is written; "
+            f"name it {name}"
+        )
+
+
+def ends_in_slash(word: str) -> bool:
+    """Tell whether a word says by its end that it names a directory."""
+    return word.endswith(tuple({"/", os.sep}))
+
+
+def _is_folder(place: Location) -> bool:
+    try:
+        return isinstance(place, Path) and place.is_dir()
+    except OSError:
+        # A name that no disk takes; opening it tells.
+        return False
+
+
+def targets(
+    logs: Sequence[Location], output: Output, ending: str, below: Sequence[PurePath] = ()
+) -> list[tuple[Location, Location]]:
+    """Return the output of every log.
+
+    Args:
+        logs: the inputs.
+        output: where outputs go.
+        ending: of the name in a directory, after that of the log.
+        below: the directory of each output below that one; none: there.
+
+    Raises:
+        CallError: several logs would go to one file.
+    """
+    if not output.is_folder:
+        if len(logs) > 1:
+            raise CallError(
+                f"{storage.shown(output.place)}: is a file's name, and there are {len(logs)} logs; "
+                f"name a directory, such as {output.place.with_suffix('').name}/"
+            )
+        return [(logs[0], output.place)]
+    folders = below or [PurePath()] * len(logs)
+    pairs = [
+        (log, _below(output.place, folder) / f"{storage.file_stem(log)}{ending}")
+        for log, folder in zip(logs, folders, strict=True)
+    ]
+    taken: set[Location] = set()
+    for log, target in pairs:
+        if target in taken:
+            raise CallError(f"{log}: another log has the same name, so both would go to {target}")
+        taken.add(target)
+    return pairs
+
+
+def _below(folder: Location, below: PurePath) -> Location:
+    # A store takes a dot for a name.
+    return folder / below if below.parts else folder

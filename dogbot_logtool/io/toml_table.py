@@ -1,0 +1,263 @@
+"""TOML tables whose every fault is told by key and line."""
+
+import re
+import tomllib
+from bisect import bisect_left
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any, Final
+
+from dogbot_logtool.errors import CallError
+from dogbot_logtool.io.storage import content
+
+_LARGEST: Final = 256 << 10
+"""Bytes; a file that a person wrote has some thousands."""
+_LONGEST_VALUE: Final = 60
+"""Characters of a value that a sentence shows."""
+_LONG_KEY: Final = re.compile(
+    r"""(?<![\w"'-])(?:(?:"[^"\n]*"|'[^'\n]*'|[\w-]+)[ \t]*\.[ \t]*){16}"""
+)
+"""A key of so many parts takes the parser's time and memory by their square."""
+_TOKEN: Final = re.compile(
+    r"""\"{3}(?:\\.|[^\\])*?\"{3,5}|'{3}.*?'{3,5}|"(?:\\.|[^"\\\n])*"|'[^'\n]*'|#[^\n]*|[][{}\n]""",
+    re.DOTALL,
+)
+"""All that matters for where the statements of a valid file end."""
+
+
+def read_toml(path: Path, what: str) -> str:
+    """Read the text of a file that a person wrote.
+
+    Args:
+        path: the file.
+        what: what it should be: ``"a robot's file"``.
+
+    Raises:
+        CallError: it cannot be read, or is not such a file.
+    """
+    try:
+        data = content(path, _LARGEST)
+        if data is None:
+            raise CallError(f"{path}: is larger than {_LARGEST >> 10} kB, so it is not {what}")
+        return data.decode("utf-8-sig")
+    except OSError as error:
+        raise CallError(f"{path}: cannot be read as {what}: {error.strerror}") from error
+    except UnicodeDecodeError as error:
+        raise CallError(f"{path}: cannot be read as {what}: {error}") from error
+
+
+def parse_toml(text: str, source: str) -> dict[str, Any]:
+    """Parse TOML.
+
+    Args:
+        text: the TOML.
+        source: what to call it in errors.
+
+    Raises:
+        CallError: it is not TOML; the sentence gives line and column.
+    """
+    if (key := _LONG_KEY.search(text)) is not None:
+        line = text.count("\n", 0, key.start()) + 1
+        raise CallError(f"{source}, line {line}: a key has more than 16 parts")
+    try:
+        return tomllib.loads(text)
+    except tomllib.TOMLDecodeError as error:
+        raise CallError(f"{source}: not valid TOML: {error}") from error
+    except RecursionError as error:
+        raise CallError(f"{source}: not valid TOML: its values are nested too deeply") from error
+    except ValueError as error:
+        # Python converts no more than 4,300 digits.
+        raise CallError(f"{source}: not valid TOML: a number has too many digits") from error
+
+
+def shortened(value: object) -> str:
+    """Return a value as a sentence shows it."""
+    try:
+        text = repr(value)
+    except (ValueError, RecursionError):
+        return "too long to show"
+    return text if len(text) <= _LONGEST_VALUE else f"{text[:_LONGEST_VALUE]}..."
+
+
+class TomlFile:
+    """A parsed TOML file that knows where its keys stand."""
+
+    def __init__(self, text: str, source: str) -> None:
+        """Parse.
+
+        Args:
+            text: the TOML.
+            source: what to call it in errors.
+
+        Raises:
+            CallError: it is no TOML; the sentence gives line and column.
+        """
+        self._text = text
+        self._source = source
+        self.values = parse_toml(text, source)
+
+    def fault(self, keys: Sequence[str], text: str) -> CallError:
+        """Return the error of a key.
+
+        Args:
+            keys: where it stands: ``("feet", "left", "topic")``.
+            text: what is wrong, a sentence that follows the place.
+        """
+        line = self._line_of(keys)
+        place = self._source if line is None else f"{self._source}, line {line}"
+        return CallError(f"{place}: {text}")
+
+    def _line_of(self, keys: Sequence[str]) -> int | None:
+        """Return the first line of what defines a key; None: nothing does.
+
+        The parser keeps no lines. But a file cut off behind any of its statements is valid, and
+        once a key stands in it, it stays; so the statement is found by halving.
+        """
+        if not _has(self.values, keys):
+            return None
+        ends = _statement_ends(self._text)
+        number = bisect_left(
+            ends, 1, key=lambda end: int(_has(tomllib.loads(self._text[:end]), keys))
+        )
+        start = ends[number - 1] if number else 0
+        return self._text.count("\n", 0, start) + 1
+
+
+def _statement_ends(text: str) -> list[int]:
+    """Return where the statements of valid TOML end; blank lines and remarks count as such."""
+    ends: list[int] = []
+    depth = 0
+    for token in _TOKEN.finditer(text):
+        if token[0] in "[{":
+            depth += 1
+        elif token[0] in "]}":
+            depth -= 1
+        elif token[0] == "\n" and not depth:
+            ends.append(token.end())
+    return [*ends, len(text)]
+
+
+def _has(value: Any, keys: Sequence[str]) -> bool:  # noqa: ANN401 - any TOML value
+    for key in keys:
+        if not isinstance(value, dict) or key not in value:
+            return False
+        value = value[key]
+    return True
+
+
+class TomlTable:
+    """A table whose keys are taken out one by one, so that unknown keys remain and show."""
+
+    def __init__(self, file: TomlFile, keys: tuple[str, ...] = ()) -> None:
+        self._file = file
+        self._keys = keys
+        values: Any = file.values
+        for key in keys:
+            values = values.get(key, {})
+        self._values: dict[str, Any] = dict(values)
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Keys that have not been taken."""
+        return tuple(self._values)
+
+    def fault(self, key: str, text: str) -> CallError:
+        """Return the error of a key; without one, of the table itself."""
+        return self._file.fault((*self._keys, key) if key else self._keys, text)
+
+    def path(self, key: str) -> str:
+        """Return a key with the tables that it stands in."""
+        return ".".join((*self._keys, key))
+
+    def section(self, key: str) -> "TomlTable":
+        """Take a table; an empty one where there is none."""
+        value = self._values.pop(key, {})
+        if not isinstance(value, dict):
+            raise self._wrong(key, value, "a table")
+        return TomlTable(self._file, (*self._keys, key))
+
+    def text(self, key: str) -> str | None:
+        """Take a text."""
+        value = self._values.pop(key, None)
+        if value is not None and not isinstance(value, str):
+            raise self._wrong(key, value, "a text")
+        return value
+
+    def frame(self, key: str) -> str | None:
+        """Take a frame id."""
+        value = self.text(key)
+        if value is not None and (not value or value.startswith("/")):
+            raise self._wrong(key, value, "a frame name without a leading slash")
+        return value
+
+    def choice(self, key: str, choices: tuple[str, ...]) -> str | None:
+        """Take one of some words."""
+        value = self.text(key)
+        if value is not None and value not in choices:
+            raise self._wrong(key, value, f"one of {', '.join(choices)}")
+        return value
+
+    def positive(self, key: str) -> float | None:
+        """Take a number above 0."""
+        value = self._values.pop(key, None)
+        if value is None:
+            return None
+        if not _is_number(value) or value <= 0:
+            raise self._wrong(key, value, "a number above 0")
+        return float(value)
+
+    def number(self, key: str) -> float | None:
+        """Take a number."""
+        value = self._values.pop(key, None)
+        if value is None:
+            return None
+        if not _is_number(value):
+            raise self._wrong(key, value, "a number")
+        return float(value)
+
+    def count(self, key: str) -> int | None:
+        """Take a place in an array."""
+        value = self._values.pop(key, None)
+        if value is None:
+            return None
+        if isinstance(value, bool) or not isinstance(value, int) or not 0 <= value < 100:
+            raise self._wrong(key, value, "a place in an array, counted from 0")
+        return value
+
+    def vector(self, key: str) -> tuple[float, float, float] | None:
+        """Take x, y and z."""
+        value = self._values.pop(key, None)
+        if value is None:
+            return None
+        if not isinstance(value, list) or len(value) != 3 or not all(map(_is_number, value)):
+            raise self._wrong(key, value, "three numbers such as [0.0, 0.0, -0.02]")
+        x, y, z = map(float, value)
+        return x, y, z
+
+    def words(
+        self, key: str, choices: tuple[frozenset[str], frozenset[str]], example: str
+    ) -> tuple[str, str] | None:
+        """Take a pair of words, each one of its own choices."""
+        value = self._values.pop(key, None)
+        if value is None:
+            return None
+        match value:
+            case [str(first), str(second)] if first in choices[0] and second in choices[1]:
+                return first, second
+        raise self._wrong(key, value, f"a pair such as {example}")
+
+    def refuse_leftovers(self, hint: str) -> None:
+        """Refuse keys that nobody took.
+
+        Raises:
+            CallError: there is one; `hint` ends the sentence.
+        """
+        for key in self._values:
+            raise self.fault(key, f"the key {self.path(key)} is not known. {hint}")
+
+    def _wrong(self, key: str, value: object, wanted: str) -> CallError:
+        return self.fault(key, f"{self.path(key)} is {shortened(value)}; it must be {wanted}")
+
+
+def _is_number(value: object) -> bool:
+    return isinstance(value, int | float) and not isinstance(value, bool) and abs(value) < 1e9

@@ -1,1 +1,0 @@
-"""Several batches at once, in processes or threads, with results in order."""

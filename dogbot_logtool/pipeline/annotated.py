@@ -1,0 +1,169 @@
+"""Logs that `convert` has annotated already: what it added is left out, what was recorded is used.
+
+Its channels are marked. In files that were made before they were, the metadata record, topics and
+definitions tell.
+"""
+
+import struct
+from collections import Counter
+from collections.abc import Iterator, Mapping, Sequence
+from typing import TYPE_CHECKING, Final
+
+from dogbot_logtool.errors import LogError
+from dogbot_logtool.finding import Finding, note
+from dogbot_logtool.io.storage import Location, shown
+from dogbot_logtool.pipeline.provenance import PROVENANCE, is_marked
+from dogbot_logtool.reader.containers.log import Channel, Extra, Log
+from dogbot_logtool.reader.containers.opening import open_log
+from dogbot_logtool.reader.containers.recorded_log import EarlierAnnotations, RecordedLog
+
+if TYPE_CHECKING:
+    from dogbot_logtool.pipeline.plan import EncodingName
+
+_NAME: Final = struct.pack("<I", len(PROVENANCE)) + PROVENANCE.encode()
+_LARGEST_RECORD: Final = 1 << 24
+_ENCODINGS: Final[tuple["EncodingName", ...]] = ("foxglove", "ros1", "ros2")
+
+
+def open_recorded(path: Location) -> Log:
+    """Open a log without what `convert` may have added to it.
+
+    Raises:
+        CallError: there is no such file.
+        LogError: it is no log, or nothing else is in it.
+        StoreError: the store fails.
+    """
+    log = open_log(path)
+    try:
+        log = without_annotations(log)
+        annotations = annotations_left_out(log)
+        if annotations is not None and not log.channels:
+            origin = next((r["input"] for r in annotations.records if r.get("input")), "")
+            raise LogError(
+                f"{shown(path)}: holds only annotations, without the messages that were recorded "
+                f"(--no-copy); use the log that it was made from{f', {origin}' if origin else ''}"
+            )
+    except BaseException:
+        log.close()
+        raise
+    return log
+
+
+def without_annotations(log: Log) -> Log:
+    """Return a log without what `convert` added; the log itself if that is nothing."""
+    made = list(_provenance(log))
+    told = tuple(record for _, record in made)
+    channels = frozenset(n for n, channel in log.channels.items() if is_marked(channel.metadata))
+    if not channels and told:
+        channels = _unmarked(log.channels, told)
+    if not channels and not told:
+        return log
+    messages = sum(log.counts.get(number, 0) for number in channels)
+    extras = tuple(extra for extra, _ in made)
+    return RecordedLog(log, EarlierAnnotations(channels, extras, told, messages))
+
+
+def annotations_left_out(log: Log) -> EarlierAnnotations | None:
+    """Return what was left out of a log."""
+    return log.annotations if isinstance(log, RecordedLog) else None
+
+
+def annotation_findings(log: Log) -> Iterator[Finding]:
+    """Say what was left out of a log."""
+    annotations = annotations_left_out(log)
+    if annotations is not None and annotations.channels:
+        text = (
+            f"the log is annotated already: its {annotations.messages:,} annotations are left out"
+        )
+        yield note("ANNOTATED", text)
+
+
+def _provenance(log: Log) -> Iterator[tuple[Extra, Mapping[str, str]]]:
+    """Yield the records that tell how the file was made, in the order of the file."""
+    if not log.extras:
+        return
+    # Imported late: a log without such records needs no mcap library.
+    from mcap import records  # noqa: PLC0415
+    from mcap.opcode import Opcode  # noqa: PLC0415
+
+    from dogbot_logtool.reader.containers.mcap.extras import read_extra  # noqa: PLC0415
+    from dogbot_logtool.reader.containers.mcap.records import RECORD_HEAD  # noqa: PLC0415
+
+    for extra in log.extras:
+        if extra.opcode != Opcode.METADATA or extra.size > _LARGEST_RECORD:
+            continue
+        source = log.source_of(extra)
+        if source.read(extra.offset + RECORD_HEAD.size, len(_NAME)) != _NAME:
+            continue
+        match read_extra(source, extra):
+            case (_, records.Metadata() as metadata):
+                yield extra, metadata.metadata
+
+
+def _unmarked(channels: Mapping[int, Channel], told: Sequence[Mapping[str, str]]) -> frozenset[int]:
+    """Return the channels that were added by versions that did not mark them.
+
+    They have our topics and our very definitions, and the highest ids, without a gap: one channel
+    a topic each time that the log was annotated.
+
+    Args:
+        channels: of the log.
+        told: a record for each time that it was annotated.
+    """
+    alike = sorted(
+        {
+            channel.id
+            for encoding in _ENCODINGS
+            if any(record.get("encoding") == encoding for record in told)
+            for channel in _alike(list(channels.values()), encoding)
+        },
+        reverse=True,
+    )
+    found: set[int] = set()
+    times: Counter[str] = Counter()
+    for number in alike:
+        topic = channels[number].topic
+        if (found and number + 1 not in found) or times[topic] == len(told):
+            break
+        times[topic] += 1
+        found.add(number)
+    return frozenset(found)
+
+
+def _alike(channels: Sequence[Channel], encoding_name: "EncodingName") -> Iterator[Channel]:
+    """Yield the channels that look like ours in an encoding."""
+    from dogbot_logtool.pipeline.conversion.channels import encoding_named  # noqa: PLC0415
+    from dogbot_logtool.writer.annotations import (  # noqa: PLC0415
+        FALLBACK_PREFIX,
+        SUPPORT_TOPIC,
+        TF_TOPIC,
+        arrow_topic,
+        load_topic,
+    )
+    from dogbot_logtool.writer.encodings.encoding import MessageType  # noqa: PLC0415
+
+    encoding = encoding_named(encoding_name)
+
+    def kind_of(channel: Channel) -> MessageType | None:
+        schema = channel.schema
+        if schema is None or channel.metadata:
+            return None
+        return MessageType(schema.name, schema.encoding, schema.data, channel.message_encoding)
+
+    ours = {TF_TOPIC: encoding.transform_type, SUPPORT_TOPIC: encoding.support_type}
+    loads = load_topic("")
+    plain = {c.id: c.topic[_prefixes(c.topic, FALLBACK_PREFIX) :] for c in channels}
+    for channel in channels:
+        topic = plain[channel.id]
+        if topic.startswith(loads) and kind_of(channel) == encoding.load_type:
+            ours[topic] = encoding.load_type
+            ours[arrow_topic(topic.removeprefix(loads))] = encoding.arrow_type
+    yield from (c for c in channels if (kind := kind_of(c)) and ours.get(plain[c.id]) == kind)
+
+
+def _prefixes(topic: str, prefix: str) -> int:
+    """Return the length of all repetitions of a prefix."""
+    length = 0
+    while topic.startswith(prefix, length):
+        length += len(prefix)
+    return length

@@ -1,0 +1,135 @@
+"""A batch of a log as columns of what the robot did and felt: `convert` and `stats` begin here."""
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from itertools import islice
+from typing import Final
+
+from dogbot_logtool.core.base.odometry import Odometry
+from dogbot_logtool.core.contact.contacts import Samples
+from dogbot_logtool.core.frames.transform_buffer import LONGEST_DELAY_S, TransformBuffer
+from dogbot_logtool.core.plausible import plausible_odometry
+from dogbot_logtool.pipeline.selection import Selection
+from dogbot_logtool.pipeline.world_frames import BatchFrames, WorldFrames
+from dogbot_logtool.reader.containers.log import Batch, Chunk, Log, Span
+from dogbot_logtool.reader.messages.contacts.registry import ContactsRead, read_contacts
+from dogbot_logtool.reader.messages.contacts.source import FootChannels
+from dogbot_logtool.reader.messages.messages import DecodedMessages, malformed_in
+from dogbot_logtool.reader.messages.odometry import decode_odometry, joined_odometry
+from dogbot_logtool.reader.messages.transforms import decode_transforms
+
+_MOST_CHUNKS_AHEAD: Final = 256
+"""Where chunks do not say when they begin, no more are looked into."""
+
+
+@dataclass(frozen=True, slots=True)
+class BatchColumns:
+    """A batch and its columns. It knows nothing of other batches, but for the frames ahead."""
+
+    batch: Batch
+    odometry_messages: tuple[DecodedMessages, ...]
+    odometry: Odometry
+    """The same as columns, also poses that cannot be used."""
+    contacts: tuple[ContactsRead, ...]
+    transforms: tuple[DecodedMessages, ...]
+    """The log's own transforms, where they matter."""
+    frames: BatchFrames | None
+    """What places feet in the world; None where that is not needed."""
+    implausible: int
+    """Poses and contact samples with numbers that no robot reaches; those are NaN."""
+    stored_size: int
+    """Bytes of the file that it was read from."""
+
+    @property
+    def samples(self) -> tuple[Samples, ...]:
+        """Of each sort of contact messages."""
+        return tuple(read.felt.samples for read in self.contacts)
+
+    @property
+    def malformed(self) -> Mapping[int, int]:
+        """Messages that could not be decoded, by channel id."""
+        contacts = [read.messages for read in self.contacts]
+        return malformed_in([*self.odometry_messages, *contacts, *self.transforms])
+
+
+@dataclass(frozen=True, slots=True)
+class BatchReader:
+    """Reads and decodes batches; called in several threads or processes at once."""
+
+    selection: Selection
+    feet: FootChannels
+    frames: WorldFrames | None
+    """What turns forces into the world and places sensors; None where that is not needed."""
+    limits: tuple[int | None, int | None]
+    """ns, log times from which and up to which messages are taken; None: no limit."""
+    reads_transforms: bool = False
+    """Whether the log's own transforms matter even where feet do not need them."""
+
+    def read(self, log: Log, span: Span) -> BatchColumns:
+        """Read and decode one batch."""
+        selection = self.selection
+        batch = log.read(span).cropped(*self.limits)
+        decoded = decode_odometry(batch, selection.odometry)
+        odometry, implausible = plausible_odometry(joined_odometry(decoded))
+        contacts = read_contacts(batch, selection.contacts, self.feet)
+        transforms: Sequence[DecodedMessages] = ()
+        if self.reads_transforms or self.frames is not None:
+            transforms = decode_transforms(batch, selection.transforms)
+        frames = None
+        if self.frames is not None:
+            own = self.frames.tracks(transforms, odometry)
+            felt = [read.felt.samples for read in contacts if len(read.felt.samples.log_time)]
+            ahead = self._frames_ahead(self.frames, log, span, own, felt)
+            log_time = batch.messages.log_time
+            frames = BatchFrames(own, ahead, int(log_time.max()) if len(log_time) else None)
+        return BatchColumns(
+            batch=batch,
+            odometry_messages=tuple(decoded),
+            odometry=odometry,
+            contacts=tuple(contacts),
+            transforms=tuple(transforms),
+            frames=frames,
+            implausible=implausible + sum(read.felt.implausible for read in contacts),
+            stored_size=sum(chunk.data_size for chunk in span),
+        )
+
+    def _frames_ahead(
+        self,
+        frames: WorldFrames,
+        log: Log,
+        span: Span,
+        own: TransformBuffer,
+        felt: Sequence[Samples],
+    ) -> TransformBuffer:
+        """Look ahead of a batch, as far as its samples may need it, for what places the feet.
+
+        Args:
+            frames: what is wanted.
+            log: the log.
+            span: the batch's chunks.
+            own: what it tells of the frames itself.
+            felt: what feet felt in it, none of it empty.
+        """
+        ahead = TransformBuffer()
+        if not felt:
+            return ahead
+        latest = max(int(frames.clock.of(each).max()) for each in felt)
+        until = max(int(each.log_time.max()) for each in felt) + round(LONGEST_DELAY_S * 1e9)
+        for chunk in self._chunks_ahead(log, span, until):
+            if frames.tell_until(own.then(ahead), latest):
+                break
+            later = log.read((chunk,)).cropped(*self.limits)
+            decoded = decode_odometry(later, self.selection.odometry)
+            poses, _ = plausible_odometry(joined_odometry(decoded))
+            transforms = decode_transforms(later, self.selection.transforms)
+            ahead = ahead.then(frames.tracks(transforms, poses))
+        return ahead
+
+    def _chunks_ahead(self, log: Log, span: Span, until: int) -> Iterator[Chunk]:
+        """Yield the chunks after a batch that may tell of frames, up to a log time, ns."""
+        wanted = {c.id for c in (*self.selection.odometry, *self.selection.transforms)}
+        for chunk in islice(log.after(span), _MOST_CHUNKS_AHEAD):
+            if chunk.start_time is not None and chunk.start_time > until:
+                break
+            if chunk.counts is None or not wanted.isdisjoint(chunk.counts):
+                yield chunk

@@ -1,0 +1,131 @@
+"""The frame tree of a whole log: `info --frames`, what view_frames shows of a live system."""
+
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from collections.abc import Set as AbstractSet
+from dataclasses import dataclass
+
+from dogbot_logtool.core.frames.frame_edges import FrameEdge, FrameRecorder, RecordedFrames
+from dogbot_logtool.core.frames.recorded_transforms import (
+    RecordedTransforms,
+    concatenate_transforms,
+)
+from dogbot_logtool.reader.containers.log import Channel, Log, Loss, Span
+from dogbot_logtool.reader.messages.foxglove_transforms import FOXGLOVE_TYPES, foxglove_transforms
+from dogbot_logtool.reader.messages.messages import malformed_in
+from dogbot_logtool.reader.messages.transforms import (
+    decode_transforms,
+    is_static,
+    transform_columns,
+)
+from dogbot_logtool.reader.salvage.losses import undecodable
+from dogbot_logtool.run.relay import Progress, in_order
+
+
+@dataclass(frozen=True, slots=True)
+class Frames:
+    """What all transforms of a log say, and who sent them."""
+
+    recorded: RecordedFrames
+    channels: Mapping[int, Channel]
+    """The channels that carry transforms, by id."""
+    unread: tuple[Channel, ...]
+    """Channels that carry transforms in an encoding that is not read."""
+    losses: tuple[Loss, ...]
+    """Damage that was met on the way, beside what opening the log found."""
+
+    def senders(self, edge: FrameEdge) -> list[str]:
+        """Return the topics of an edge, each with the node that sent it where that is known."""
+        senders = set()
+        for channel in (self.channels[number] for number in edge.channels):
+            node = channel.metadata.get("callerid")
+            senders.add(f"{channel.topic} ({node})" if node else channel.topic)
+        return sorted(senders)
+
+    def parents(
+        self, *, ros_only: bool = False, without: AbstractSet[int] = frozenset()
+    ) -> dict[str, frozenset[str]]:
+        """Return the parents of each frame.
+
+        Args:
+            ros_only: by ROS messages, the only ones that `convert` heeds.
+            without: ids of channels that do not count.
+        """
+        parents: dict[str, set[str]] = {}
+        for edge in self.recorded.edges:
+            numbers = [number for number in edge.channels if number not in without]
+            if not numbers:
+                continue
+            types = {self.channels[number].type_name for number in numbers}
+            if not (ros_only and types <= FOXGLOVE_TYPES):
+                parents.setdefault(edge.child, set()).add(edge.parent)
+        return {child: frozenset(names) for child, names in sorted(parents.items())}
+
+
+@dataclass(frozen=True, slots=True)
+class _ReadBatch:
+    transforms: RecordedTransforms
+    malformed: Mapping[int, int]
+    losses: Sequence[Loss]
+    stored_size: int
+
+
+def read_frames(
+    log: Log, ros_channels: Sequence[Channel], jobs: int, progress: Progress | None = None
+) -> Frames:
+    """Read every transform of a log.
+
+    Args:
+        log: the log.
+        ros_channels: the channels of tf2 and tf messages that can be read.
+        jobs: how many batches are read at once.
+        progress: is told bytes done and bytes in all.
+    """
+    foxglove = [c for c in log.channels.values() if c.type_name in FOXGLOVE_TYPES]
+    readable = [channel for channel in foxglove if channel.message_encoding == "protobuf"]
+    channels = {channel.id: channel for channel in (*ros_channels, *readable)}
+    spans = _useful_spans(log, channels)
+    total, done = sum(chunk.data_size for span in spans for chunk in span), 0
+
+    def work(span: Span) -> _ReadBatch:
+        return _read_batch(log, span, ros_channels, readable)
+
+    recorder = FrameRecorder(frozenset(n for n, one in channels.items() if is_static(one)))
+    losses: list[Loss] = []
+    malformed: Counter[int] = Counter()
+    for batch in in_order(work, spans, jobs, forks=log.can_fork):
+        recorder.add(batch.transforms)
+        losses.extend(batch.losses)
+        malformed.update(batch.malformed)
+        done += batch.stored_size
+        if progress is not None:
+            progress(done, total)
+    losses.extend(undecodable(channels, malformed))
+    unread = tuple(channel for channel in foxglove if channel.id not in channels)
+    return Frames(recorder.finish(), channels, unread, tuple(losses))
+
+
+def _useful_spans(log: Log, channels: Mapping[int, Channel]) -> list[Span]:
+    """Return the batches, without the chunks that have no transforms by their index."""
+    if not channels:
+        return []
+    spans = [
+        tuple(c for c in span if c.counts is None or not channels.keys().isdisjoint(c.counts))
+        for span in log.spans()
+    ]
+    return [span for span in spans if span]
+
+
+def _read_batch(
+    log: Log, span: Span, ros_channels: Sequence[Channel], foxglove: Sequence[Channel]
+) -> _ReadBatch:
+    batch = log.read(span)
+    decoded = decode_transforms(batch, ros_channels)
+    of_foxglove, malformed = foxglove_transforms(batch, foxglove)
+    parts = [transform_columns(messages) for messages in decoded]
+    return _ReadBatch(
+        transforms=concatenate_transforms([of_foxglove, *parts]),
+        malformed=malformed | malformed_in(decoded),
+        losses=batch.losses,
+        stored_size=sum(chunk.data_size for chunk in span),
+    )

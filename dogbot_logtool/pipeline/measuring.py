@@ -1,0 +1,99 @@
+"""What `stats` does with one batch: read it and decode what figures are worked out of."""
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from dogbot_logtool.core.base.odometry import Odometry
+from dogbot_logtool.core.contact.contacts import Samples
+from dogbot_logtool.core.geometry.arrays import Ints, rows_by_group
+from dogbot_logtool.pipeline.batches import BatchReader
+from dogbot_logtool.pipeline.world_frames import BatchFrames
+from dogbot_logtool.reader.containers.log import Batch, Log, Loss, Span
+from dogbot_logtool.reader.decode.columns import Texts
+from dogbot_logtool.reader.messages.messages import DecodedMessages
+
+
+@dataclass(frozen=True, slots=True)
+class MessageTimes:
+    """Times of a topic's messages in a batch, for its quality."""
+
+    topic: str
+    log_time: Ints
+    stamp: Ints | None
+    frame_ids: tuple[str, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class MeasuredBatch:
+    """What a batch holds of use."""
+
+    samples: Sequence[Samples]
+    odometry: Odometry
+    frames: BatchFrames | None
+    """What it tells of the links; None where no force must be turned into the world."""
+    times: Sequence[MessageTimes]
+    malformed: Mapping[int, int]
+    implausible: int
+    """Poses and contact samples with numbers that no robot reaches."""
+    losses: Sequence[Loss]
+    counts: Mapping[int, int]
+    """Messages by channel id."""
+    stored_size: int
+
+
+@dataclass(frozen=True, slots=True)
+class BatchMeasurer:
+    """Measures batches; called in several threads or processes at once."""
+
+    reader: BatchReader
+
+    def __call__(self, log: Log, span: Span) -> MeasuredBatch:
+        """Read and decode one batch."""
+        columns = self.reader.read(log, span)
+        with_header = [read.messages for read in columns.contacts if read.source.has_header]
+        stamped: dict[str, MessageTimes] = {}
+        for messages in (*columns.odometry_messages, *with_header):
+            stamped.update(_stamped_times(log, messages))
+        return MeasuredBatch(
+            samples=columns.samples,
+            odometry=columns.odometry,
+            frames=columns.frames,
+            times=list((_log_times(log, columns.batch) | stamped).values()),
+            malformed=columns.malformed,
+            implausible=columns.implausible,
+            losses=columns.batch.losses,
+            counts=columns.batch.counts,
+            stored_size=columns.stored_size,
+        )
+
+
+def _log_times(log: Log, batch: Batch) -> dict[str, MessageTimes]:
+    """Return the log times of every topic in a batch."""
+    log_time = batch.messages.log_time
+    return {
+        topic: MessageTimes(topic, log_time[rows], None, ())
+        for topic, rows in _by_topic(log, batch.messages.channel)
+    }
+
+
+def _stamped_times(log: Log, messages: DecodedMessages) -> dict[str, MessageTimes]:
+    """Return log times, stamps and frames of the topics of decoded messages."""
+    stamp = messages.table.nanoseconds("header.stamp")
+    frame = messages.table.texts("header.frame_id")
+    topics = {}
+    for topic, rows in _by_topic(log, messages.channel):
+        _, frames = Texts(frame.buffer, frame.start[rows], frame.length[rows]).encode()
+        topics[topic] = MessageTimes(topic, messages.log_time[rows], stamp[rows], frames)
+    return topics
+
+
+def _by_topic(log: Log, channel: Ints) -> Iterator[tuple[str, Ints]]:
+    """Yield each topic, whoever sends on it, with the rows of its messages in their order."""
+    topics = sorted({each.topic for each in log.channels.values()})
+    number = {topic: row for row, topic in enumerate(topics)}
+    ids = sorted(log.channels)
+    numbers = np.array([number[log.channels[each].topic] for each in ids], np.int64)
+    for row, rows in rows_by_group(numbers[np.searchsorted(ids, channel)]):
+        yield topics[row], rows

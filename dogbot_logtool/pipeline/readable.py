@@ -1,0 +1,106 @@
+"""Which channels of a log can be decoded, and what users should know of those that cannot."""
+
+from collections.abc import Collection, Iterable, Iterator, Mapping
+from functools import partial
+from typing import Final
+
+from dogbot_logtool.errors import DefinitionError
+from dogbot_logtool.finding import Finding, error, note, warning
+from dogbot_logtool.io.listing import listed
+from dogbot_logtool.reader.containers.log import Channel
+from dogbot_logtool.reader.messages.contacts.registry import SOURCES, check_contacts
+from dogbot_logtool.reader.messages.foxglove_transforms import FOXGLOVE_TYPES
+from dogbot_logtool.reader.messages.messages import SERIALISATIONS
+from dogbot_logtool.reader.messages.odometry import ODOMETRY_TYPE, check_odometry
+from dogbot_logtool.reader.messages.transforms import TRANSFORM_TYPES, check_transforms
+
+_MOST_REASONS: Final = 3
+_NOT_USED: Final = "; not used"
+_CHECKS: Final = {
+    ODOMETRY_TYPE: check_odometry,
+    **dict.fromkeys(TRANSFORM_TYPES, check_transforms),
+    **dict.fromkeys(SOURCES, check_contacts),
+}
+"""What checks a channel, by the type of its messages."""
+
+
+def why_unreadable(channel: Channel) -> str:
+    """Return why the messages of a channel cannot be decoded; empty if they can be."""
+    try:
+        _CHECKS[channel.type_name](channel)
+    except DefinitionError as reason:
+        return str(reason)
+    return ""
+
+
+def unreadable_findings(
+    channels: Iterable[Channel], odometry: Collection[Channel], contacts: Collection[Channel]
+) -> Iterator[Finding]:
+    """Say which topics of types that could be used cannot be decoded, once for every reason.
+
+    It is an error where no odometry, or no foot, is left.
+
+    Args:
+        channels: all of a log.
+        odometry: those that are used.
+        contacts: those that are used.
+    """
+    lost: dict[tuple[bool, str], set[str]] = {}
+    for channel in channels:
+        if channel.type_name in _CHECKS and (reason := why_unreadable(channel)):
+            key = _is_lost(channel.type_name, odometry, contacts), reason
+            lost.setdefault(key, set()).add(channel.topic)
+    for (is_error, reason), topics in sorted(lost.items()):
+        say = error if is_error else warning
+        yield _about(topics, reason + _NOT_USED, partial(say, "UNREADABLE"))
+
+
+def _is_lost(type_name: str, odometry: Collection[Channel], contacts: Collection[Channel]) -> bool:
+    """Tell whether what a type of messages would tell is not known for any other."""
+    if type_name == ODOMETRY_TYPE:
+        return not odometry
+    source = SOURCES.get(type_name)
+    # Messages that can be about anything need not be about feet.
+    return source is not None and not source.anything and not contacts
+
+
+def own_definition_findings(used: Iterable[Channel]) -> Iterator[Finding]:
+    """Say for which of the used channels this program's definition stands in for the log's."""
+    found: dict[str, set[str]] = {}
+    for channel in used:
+        if because := _CHECKS[channel.type_name](channel):
+            found.setdefault(because, set()).add(channel.topic)
+    for because, topics in sorted(found.items()):
+        text = f"{because}; the one that comes with dogbot-logtool is used"
+        yield _about(topics, text, partial(note, "OWN_DEFINITION"))
+
+
+def _about(topics: Collection[str], text: str, say: "partial[Finding]") -> Finding:
+    named = sorted(topics)
+    return say(f"{listed(named)}: {text}", named[0] if len(named) == 1 else "")
+
+
+def other_encodings(channels: Mapping[int, Channel]) -> str:
+    """Return a sentence on the topics that are in no encoding that is read; empty: none are."""
+    others = {c.topic: c.message_encoding for c in channels.values() if not _is_read(c)}
+    if not others:
+        return ""
+    topics = {channel.topic for channel in channels.values()}
+    many = f"{len(others):,} of {len(topics):,} topics" if len(topics) > 1 else "its topic"
+    return (
+        f"{many} {'is' if len(others) == 1 else 'are'} encoded as "
+        f"{listed(sorted({encoding or 'nothing' for encoding in others.values()}))}; only ROS 1 "
+        "messages and CDR are read"
+    )
+
+
+def _is_read(channel: Channel) -> bool:
+    return channel.message_encoding in SERIALISATIONS or channel.type_name in FOXGLOVE_TYPES
+
+
+def reasons(findings: Iterable[Finding]) -> str:
+    """Return why topics that could have been used cannot be read; empty: there are none."""
+    found = [each for each in findings if each.code.endswith("_UNREADABLE")]
+    texts = [each.text.removesuffix(_NOT_USED) for each in found]
+    more = f"; and {len(texts) - _MOST_REASONS} more" if len(texts) > _MOST_REASONS else ""
+    return "; ".join(texts[:_MOST_REASONS]) + more

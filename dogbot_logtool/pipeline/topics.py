@@ -1,0 +1,73 @@
+"""Topics of a log by type, and what is said where an option names one that does not fit."""
+
+from collections.abc import Iterable
+from collections.abc import Set as AbstractSet
+from difflib import get_close_matches
+from typing import Final
+
+from dogbot_logtool.errors import CallError, LogError
+from dogbot_logtool.io.listing import listed
+from dogbot_logtool.io.storage import shown
+from dogbot_logtool.pipeline.readable import why_unreadable
+from dogbot_logtool.reader.containers.log import Channel, Log
+
+_COMPARED: Final = 2000
+"""Topics that a wrong name is compared with."""
+
+
+def recorded_topics(log: Log, types: AbstractSet[str]) -> list[str]:
+    """Return the topics of some types, sorted, whether they can be decoded or not."""
+    return sorted({c.topic for c in log.channels.values() if c.type_name in types})
+
+
+def topics_of_type(log: Log, types: AbstractSet[str]) -> list[str]:
+    """Return the topics of some types that can be decoded, sorted."""
+    of_type = [channel for channel in log.channels.values() if channel.type_name in types]
+    return sorted({channel.topic for channel in of_type if not why_unreadable(channel)})
+
+
+def most_frequent(log: Log, topics: Iterable[str]) -> str:
+    """Return the topic with the most messages; of several, the one with the shortest name."""
+    counts = {
+        topic: sum(log.counts.get(c.id, 0) for c in log.channels_by_topic.get(topic, ()))
+        for topic in topics
+    }
+    return max(counts, key=lambda one: (counts[one], -len(one), one))
+
+
+def require_topic(log: Log, option: str, topic: str, wanted: AbstractSet[str]) -> None:
+    """Check that the topic of an option is in the log, and of a type that can be used.
+
+    Raises:
+        CallError: it is not; with the topics that could be meant.
+        LogError: it is, but cannot be decoded.
+    """
+    channels = log.channels_by_topic.get(topic, ())
+    types = {channel.type_name for channel in channels}
+    where = f"{shown(log.source.path)}: {option}"
+    if types & wanted:
+        if not readable_channels(log, topic, wanted):
+            reason = next(why_unreadable(c) for c in channels if c.type_name in wanted)
+            raise LogError(f"{where}: {topic} cannot be read: {reason}")
+        return
+    usable = topics_of_type(log, wanted)
+    if types:
+        names = " or ".join(wanted)
+        raise CallError(f"{where}: {topic} is of type {', '.join(sorted(types))}, not {names}")
+    # The slash at the beginning is forgotten most often.
+    close = get_close_matches(topic, usable[:_COMPARED], n=3)
+    close = [one for one in usable if one.strip("/") == topic.strip("/")] or close
+    meant = f"; did you mean {' or '.join(close)}?" if close else "."
+    raise CallError(
+        f"{where}: the log has no topic {topic}{meant} Topics that can be used: "
+        f"{listed(usable) or 'none'}"
+    )
+
+
+def readable_channels(log: Log, topic: str, types: AbstractSet[str]) -> list[Channel]:
+    """Return the channels of a topic, of some types, that can be decoded."""
+    return [
+        channel
+        for channel in log.channels_by_topic.get(topic, ())
+        if channel.type_name in types and not why_unreadable(channel)
+    ]

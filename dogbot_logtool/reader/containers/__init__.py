@@ -1,0 +1,1 @@
+"""Bags, MCAP, SQLite and ROS 2 bag directories: bytes to batches of messages."""

@@ -1,0 +1,144 @@
+"""One chunk of a ROS 1 bag: its header, and the messages in it."""
+
+import sys
+from dataclasses import replace
+from functools import lru_cache
+from typing import Final
+
+import numpy as np
+
+from dogbot_logtool.core.geometry.arrays import Bytes
+from dogbot_logtool.reader.containers.bag.format import BagFormat, nanoseconds
+from dogbot_logtool.reader.containers.bag.records import (
+    BagOp,
+    Fields,
+    MalformedRecord,
+    record_bounds,
+    record_in_file,
+)
+from dogbot_logtool.reader.containers.chunk_content import read_content
+from dogbot_logtool.reader.containers.compression import check_claimed_size, decompress_into
+from dogbot_logtool.reader.containers.log import Chunk, ChunkContent, ChunkDamage, Loss
+from dogbot_logtool.reader.containers.records import Index, Readable
+
+INDEX_ENTRY: Final = np.dtype([("seconds", "<u4"), ("nanoseconds", "<u4"), ("offset", "<u4")])
+_RECURRING_SIZE: Final = 64
+"""Headers of index records are mostly shorter, and come again behind every chunk."""
+
+
+def chunk_at(source: Readable, place: int) -> Chunk:
+    """Read a chunk record's header. Its data may reach beyond the end of the file.
+
+    Raises:
+        ChunkDamage: there is no chunk.
+    """
+    try:
+        record = record_in_file(source, place)
+        compression = sys.intern(record.fields.text("compression"))
+        size = record.fields.u32("size")
+    except MalformedRecord as fault:
+        raise ChunkDamage(f"its header is damaged ({fault})") from fault
+    chunk = Chunk(
+        offset=place,
+        data_offset=record.data,
+        data_size=record.end - record.data,
+        end=record.end,
+        index_end=record.end,
+        compression=compression,
+        size=size,
+    )
+    return chunk if chunk.is_compressed else replace(chunk, size=chunk.data_size)
+
+
+def check_bag_chunk(chunk: Chunk, file_size: int) -> None:
+    """Check what a chunk claims.
+
+    Raises:
+        ChunkDamage: it cannot be honest.
+    """
+    if chunk.is_compressed:
+        check_claimed_size(chunk.size, chunk.data_size)
+    if chunk.end > file_size:
+        raise ChunkDamage("it reaches beyond the end of the file")
+
+
+def parse_bag_chunk(
+    chunk: Chunk, stored: memoryview, target: Bytes, fmt: BagFormat
+) -> ChunkContent:
+    """Decompress a chunk and find its messages; their channels are the connections' numbers.
+
+    Raises:
+        ChunkDamage: nothing in it can be trusted.
+    """
+    index = _index(stored[chunk.end - chunk.offset :])
+    data = stored[chunk.data_offset - chunk.offset :][: chunk.data_size]
+    promised = chunk.messages if index is None else len(index.offset)
+    try:
+        size = decompress_into(target, data, chunk.compression)
+        if not size and len(target):
+            raise ChunkDamage(f"its {chunk.compression} data is damaged or cut off")
+    except ChunkDamage as damage:
+        raise ChunkDamage(str(damage), promised) from damage
+    if size == len(target):
+        return read_content(fmt, target, index, chunk, verified=False)
+    return _cut_content(target[:size], chunk, promised, fmt)
+
+
+def _cut_content(
+    records: Bytes, chunk: Chunk, promised: int | None, fmt: BagFormat
+) -> ChunkContent:
+    """Find the messages in the part of a chunk that could be decompressed."""
+    content = read_content(fmt, records, None, replace(chunk, counts=None), verified=False)
+    # A last record that is cut off is no other damage, and has no number of messages lost.
+    losses = [loss for loss in content.losses if loss.messages is not None]
+    found = len(content.messages) + sum(loss.messages or 0 for loss in losses)
+    lost = None if promised is None else max(promised - found, 0)
+    what = f"the last {chunk.size - len(records)} bytes in the chunk at byte {chunk.offset} are "
+    losses.append(Loss(chunk.offset, what + "damaged or cut off", 0, lost))
+    return replace(content, losses=tuple(losses))
+
+
+def _index(behind: memoryview) -> Index | None:
+    """Return what the index records behind a chunk name, None if there are none to be read."""
+    parts: list[memoryview] = []
+    connections: list[int] = []
+    place = 0
+    while place < len(behind):
+        try:
+            header_end, end = record_bounds(behind, place, len(behind))
+            header = bytes(behind[place + 4 : header_end])
+            recurs = len(header) <= _RECURRING_SIZE
+            connection = (_recurring_connection if recurs else _indexed_connection)(header)
+        except MalformedRecord:
+            break
+        entries = behind[header_end + 4 : end]
+        if len(entries) % INDEX_ENTRY.itemsize:
+            break
+        parts.append(entries)
+        connections.append(connection)
+        place = end
+    if not parts:
+        return None
+    table = np.frombuffer(b"".join(parts), INDEX_ENTRY)
+    return Index.merged(
+        table["offset"].astype(np.int64),
+        nanoseconds(table),
+        connections,
+        [len(part) // INDEX_ENTRY.itemsize for part in parts],
+        complete=place == len(behind),
+    )
+
+
+def _indexed_connection(header: bytes) -> int:
+    """Return the connection whose messages an index record names.
+
+    Raises:
+        MalformedRecord: it is no index record.
+    """
+    fields = Fields(header)
+    if fields.op() != BagOp.INDEX:
+        raise MalformedRecord("it is a record of another kind")
+    return fields.u32("conn")
+
+
+_recurring_connection: Final = lru_cache(maxsize=1024)(_indexed_connection)

@@ -1,0 +1,267 @@
+"""How MCAP writes records: messages by their columns, and the search for sound records."""
+
+import re
+import struct
+from collections.abc import Collection, Iterator
+from typing import Final
+
+import numpy as np
+from mcap import records
+from mcap.opcode import Opcode
+
+from dogbot_logtool.core.geometry.arrays import Bytes, Ints
+from dogbot_logtool.reader.containers.log import Messages
+from dogbot_logtool.reader.containers.mcap.records import (
+    CHUNK_HEAD,
+    LARGEST_PADDING,
+    RECORD_HEAD,
+    WHOLE_SMALL_RECORD,
+    decode_record,
+)
+from dogbot_logtool.reader.containers.records import Readable, Records, blank_messages
+from dogbot_logtool.reader.containers.signatures import MCAP_MAGIC
+from dogbot_logtool.reader.decode.columns import gather
+
+MESSAGE_HEAD: Final = np.dtype(
+    [
+        ("opcode", "u1"),
+        ("length", "<u8"),
+        ("channel", "<u2"),
+        ("sequence", "<u4"),
+        ("log_time", "<i8"),
+        ("publish_time", "<i8"),
+    ]
+)
+"""A message record up to its payload."""
+MESSAGE_CONTENT_SIZE: Final = 22
+"""Bytes of a message record's content before its payload."""
+FIRST_PRIVATE_OPCODE: Final = 0x80
+"""Opcodes from here on belong to applications, and are passed over."""
+_MOST_FOLLOWING: Final = 2
+"""Records that are looked at to be sure of the one before them."""
+LARGEST_PASSING: Final = 1 << 16
+"""Bytes up to which a message's content is compared with other kinds of records."""
+LARGEST_OPCODE: Final = int(max(Opcode))
+_HEAD: Final = np.dtype([("opcode", "u1"), ("length", "<u8")])
+_IN_CHUNK: Final = (Opcode.SCHEMA, Opcode.CHANNEL, Opcode.MESSAGE)
+_RECORD_START: Final = re.compile(rb"(?s)(?=[\x01-\x0f].{4}\0{4})")
+"""Every known opcode, with a length below 4 GiB."""
+_HOUR: Final = 3_600_000_000_000
+_DECODED: Final = {
+    Opcode.HEADER: records.Header,
+    Opcode.SCHEMA: records.Schema,
+    Opcode.CHANNEL: records.Channel,
+    Opcode.STATISTICS: records.Statistics,
+    Opcode.CHUNK_INDEX: records.ChunkIndex,
+    Opcode.METADATA: records.Metadata,
+    Opcode.ATTACHMENT_INDEX: records.AttachmentIndex,
+    Opcode.METADATA_INDEX: records.MetadataIndex,
+    Opcode.SUMMARY_OFFSET: records.SummaryOffset,
+}
+_SHORTEST: Final = {
+    Opcode.HEADER: 8,
+    Opcode.FOOTER: 20,
+    Opcode.SCHEMA: 14,
+    Opcode.CHANNEL: 16,
+    Opcode.MESSAGE: MESSAGE_CONTENT_SIZE,
+    Opcode.MESSAGE_INDEX: 6,
+    Opcode.CHUNK_INDEX: 64,
+    Opcode.ATTACHMENT: 36,
+    Opcode.ATTACHMENT_INDEX: 48,
+    Opcode.STATISTICS: 46,
+    Opcode.METADATA: 8,
+    Opcode.METADATA_INDEX: 20,
+    Opcode.SUMMARY_OFFSET: 17,
+    Opcode.DATA_END: 4,
+}
+"""Bytes that the content of a record has at least."""
+
+
+class McapFormat:
+    """How MCAP writes records; see `RecordFormat`."""
+
+    message = int(Opcode.MESSAGE)
+
+    def __init__(self, channels: Collection[int] = ()) -> None:
+        """Prepare.
+
+        Args:
+            channels: those described so far; a message of another is not taken for a sound one
+                when looking for the next sound record. Empty: nothing is known.
+        """
+        self._channels = channels
+
+    def chain(self, data: memoryview, place: int, end: int, limit: int) -> list[int]:
+        """See `RecordFormat.chain`."""
+        bounds = [place]
+        unpack, last = RECORD_HEAD.unpack_from, end - RECORD_HEAD.size
+        while place <= last and limit:
+            opcode, length = unpack(data, place)
+            if not opcode or length > last - place:
+                break
+            place += length + RECORD_HEAD.size
+            bounds.append(place)
+            limit -= 1
+        return bounds
+
+    def decode(self, records: Bytes, bounds: Ints) -> Records:
+        """See `RecordFormat.decode`."""
+        place, end = bounds[:-1], bounds[1:]
+        head = gather(records, place, RECORD_HEAD.size).view(_HEAD)
+        op = head["opcode"].astype(np.int64)
+        is_message = op == Opcode.MESSAGE
+        short = is_message & (head["length"] < MESSAGE_CONTENT_SIZE)
+        op[short | ((op <= LARGEST_OPCODE) & ~np.isin(op, _IN_CHUNK))] = 0
+        rows = np.flatnonzero(is_message & ~short)
+        messages = blank_messages(place + RECORD_HEAD.size, end)
+        if len(rows) == len(op):
+            return _message_records(records, place)
+        if len(rows):
+            found = _message_records(records, place[rows]).messages
+            messages.channel[rows] = found.channel
+            messages.log_time[rows] = found.log_time
+            messages.publish_time[rows] = found.publish_time
+            messages.sequence[rows] = found.sequence
+            messages.start[rows] = found.start
+        return Records(op, place, messages)
+
+    def heads(self, records: Bytes, offset: Ints) -> Records | None:
+        """See `RecordFormat.heads`."""
+        if offset[0] < 0 or offset[-1] > len(records) - MESSAGE_HEAD.itemsize:
+            return None
+        found = _message_records(records, offset)
+        messages = found.messages
+        sound = (
+            (found.op == Opcode.MESSAGE)
+            & (messages.end >= messages.start)
+            & (messages.end <= len(records))
+        )
+        return found if sound.all() else None
+
+    def candidates(self, window: bytes) -> Iterator[int]:
+        """See `RecordFormat.candidates`."""
+        return (match.start() for match in _RECORD_START.finditer(window))
+
+    def sound(self, source: Readable, place: int, end: int) -> bool:
+        """See `RecordFormat.sound`."""
+        return self._sound(source, place, end, _MOST_FOLLOWING)
+
+    def _sound(self, source: Readable, place: int, end: int, more: int) -> bool:
+        """Check a record and, as its own structure may say little, some that follow it."""
+        head = source.read(place, min(RECORD_HEAD.size + 64, end - place))
+        if len(head) < RECORD_HEAD.size:
+            # The end of the file cuts it off, or it is the end of a chunk.
+            return not head or 1 <= head[0] <= LARGEST_OPCODE or MCAP_MAGIC.startswith(head)
+        opcode, length = RECORD_HEAD.unpack_from(head)
+        if opcode == Opcode.CHUNK:
+            return _is_chunk(head[RECORD_HEAD.size :], length)
+        following = place + RECORD_HEAD.size + length
+        if following > end or opcode not in _SHORTEST:
+            # A following record that the end cuts off says nothing against those before it.
+            return opcode in _SHORTEST and more < _MOST_FOLLOWING
+        if opcode == Opcode.FOOTER:
+            return source.read(following, len(MCAP_MAGIC)) == MCAP_MAGIC
+        if not self.has_sound_content(source, place + RECORD_HEAD.size, opcode, length):
+            return False
+        return following == end or not more or self._sound(source, following, end, more - 1)
+
+    def has_sound_content(self, source: Readable, content: int, opcode: int, length: int) -> bool:
+        """Tell whether a record's content is what its opcode says.
+
+        Args:
+            source: the bytes.
+            content: where the content begins.
+            opcode: of the record.
+            length: of the content, which is known to be there.
+        """
+        if opcode not in _SHORTEST or length < _SHORTEST[Opcode(opcode)]:
+            return False
+        if opcode == Opcode.MESSAGE:
+            channel = int.from_bytes(source.read(content, 2), "little")
+            return not self._channels or channel in self._channels
+        size = _content_size(source, content, opcode)
+        if size is not None:
+            return 0 <= length - size <= LARGEST_PADDING
+        kind = _DECODED.get(Opcode(opcode))
+        return kind is None or (
+            length <= WHOLE_SMALL_RECORD
+            and decode_record(kind, source.read(content, length)) is not None
+        )
+
+    def is_chunk(self, source: Readable, content: int, length: int) -> bool:
+        """Tell whether a record's content is a chunk's, whatever its opcode says."""
+        return _is_chunk(source.read(content, 64), length)
+
+    def passes_for_another(self, source: Readable, content: int, length: int) -> bool:
+        """Tell whether a message's content is that of another kind of record, to the last byte."""
+        if length > LARGEST_PASSING:
+            return False
+        if _content_size(source, content, Opcode.MESSAGE_INDEX) == length:
+            return True
+        body = source.read(content, length)
+        return any(decode_record(kind, body, padding=0) for kind in _DECODED.values())
+
+    def resembles(self, records: Bytes, before: int, place: int, end: int) -> bool:
+        """See `RecordFormat.resembles`."""
+        data = records[place : min(place + MESSAGE_HEAD.itemsize, end)].tobytes()
+        if len(data) < RECORD_HEAD.size:
+            return False
+        agree = [1 <= data[0] <= LARGEST_OPCODE, data[5:9] == b"\0\0\0\0"]
+        may_be_message = data[0] == Opcode.MESSAGE or not agree[0]
+        if len(data) == MESSAGE_HEAD.itemsize and may_be_message:
+            head = np.frombuffer(data, MESSAGE_HEAD)[0]
+            agree.append(not self._channels or int(head["channel"]) in self._channels)
+            if records[before] == Opcode.MESSAGE:
+                earlier = records[before : before + MESSAGE_HEAD.itemsize].view(MESSAGE_HEAD)[0]
+                apart = int(head["log_time"]) - int(earlier["log_time"])
+                agree.append(abs(apart) < _HOUR)
+        return sum(agree) >= max(len(agree) - 1, 2)
+
+
+def _content_size(source: Readable, content: int, opcode: int) -> int | None:
+    """Return how long a record's content is by what it says itself, None if it says nothing."""
+    match opcode:
+        case Opcode.DATA_END | Opcode.FOOTER:
+            return _SHORTEST[Opcode(opcode)]
+        case Opcode.MESSAGE_INDEX:
+            size = int.from_bytes(source.read(content + 2, 4), "little")
+            return 6 + size if size % 16 == 0 else -1
+        case Opcode.ATTACHMENT:
+            size = 16
+            for _ in ("name", "media type"):
+                size += 4 + int.from_bytes(source.read(content + size, 4), "little")
+            return size + 8 + int.from_bytes(source.read(content + size, 8), "little") + 4
+        case _:
+            return None
+
+
+def _message_records(records: Bytes, offset: Ints) -> Records:
+    head = gather(records, offset, MESSAGE_HEAD.itemsize).view(MESSAGE_HEAD)
+    # Lengths beyond the buffer become negative or stay too large; both are seen by whoever asks.
+    length = np.minimum(head["length"], np.uint64(len(records) + 1)).astype(np.int64)
+    messages = Messages(
+        channel=head["channel"].astype(np.int64),
+        log_time=head["log_time"].astype(np.int64),
+        publish_time=head["publish_time"].astype(np.int64),
+        sequence=head["sequence"].astype(np.int64),
+        start=offset + MESSAGE_HEAD.itemsize,
+        end=offset + RECORD_HEAD.size + length,
+    )
+    return Records(head["opcode"].astype(np.int64), offset, messages)
+
+
+def _is_chunk(head: bytes, length: int) -> bool:
+    """Tell whether a chunk record's content begins here, by the agreement of its lengths.
+
+    Args:
+        head: its first bytes.
+        length: of the content, as the record says.
+    """
+    if len(head) < CHUNK_HEAD.size + 8:
+        return False
+    name_size = int(CHUNK_HEAD.unpack_from(head)[4])
+    start = CHUNK_HEAD.size + name_size + 8
+    if name_size > 16 or len(head) < start:
+        return False
+    (size,) = struct.unpack_from("<Q", head, start - 8)
+    return bool(start + size <= length)

@@ -1,0 +1,86 @@
+"""MCAP's small records, decoded by the mcap library."""
+
+import struct
+from io import BytesIO
+from typing import Final, TypeVar
+
+from mcap import records
+from mcap.data_stream import ReadDataStream
+from mcap.exceptions import EndOfFile, McapError
+
+from dogbot_logtool.reader.containers.log import Channel, Schema
+
+RECORD_HEAD: Final = struct.Struct("<BQ")
+"""Opcode and length of the content, before every record."""
+CHUNK_HEAD: Final = struct.Struct("<QQQII")
+"""Start time, end time, decompressed size, CRC, and length of the compression's name."""
+WHOLE_SMALL_RECORD: Final = 16 << 20
+"""Larger records that describe something are not believed to be sound."""
+LARGEST_PADDING: Final = 64
+"""Bytes that a record may have behind the fields that are known: later versions may add some."""
+_MALFORMED: Final = (McapError, struct.error, ValueError, OverflowError)
+
+_Record = TypeVar(
+    "_Record",
+    records.Header,
+    records.Schema,
+    records.Channel,
+    records.Footer,
+    records.Statistics,
+    records.ChunkIndex,
+    records.Metadata,
+    records.Attachment,
+    records.AttachmentIndex,
+    records.MetadataIndex,
+    records.SummaryOffset,
+)
+
+
+class _Stream(ReadDataStream):
+    """The library's stream, but one that does not return less than asked or fail on names."""
+
+    def read(self, length: int) -> bytes:
+        data = super().read(length)
+        if len(data) < length:
+            raise EndOfFile
+        return data
+
+    def read_prefixed_string(self) -> str:
+        return str(self.read(self.read4()), "utf-8", "replace")
+
+
+def decode_record(
+    kind: type[_Record], body: bytes | memoryview, padding: int = LARGEST_PADDING
+) -> _Record | None:
+    """Decode a record's content. Names that are no UTF-8 are mended.
+
+    Args:
+        kind: what it should be.
+        body: the content.
+        padding: bytes that may be left over.
+
+    Returns:
+        the record, None if it is malformed.
+    """
+    stream = _Stream(BytesIO(body))
+    try:
+        record: _Record = kind.read(stream)
+    except _MALFORMED:
+        return None
+    return record if len(body) - stream.count <= padding else None
+
+
+def schema_of(schema: records.Schema) -> Schema:
+    """Convert the mcap library's schema."""
+    return Schema(schema.id, schema.name, schema.encoding, schema.data)
+
+
+def channel_of(channel: records.Channel, schemas: dict[int, Schema]) -> Channel:
+    """Convert the mcap library's channel."""
+    return Channel(
+        channel.id,
+        channel.topic,
+        channel.message_encoding,
+        schemas.get(channel.schema_id),
+        channel.metadata,
+    )

@@ -1,0 +1,157 @@
+"""A log as it was before `convert` annotated it."""
+
+import struct
+from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Set as AbstractSet
+from dataclasses import dataclass, replace
+from typing import Final
+
+import numpy as np
+
+from dogbot_logtool.core.geometry.arrays import Bytes
+from dogbot_logtool.reader.containers.log import (
+    Batch,
+    Chunk,
+    ChunkContent,
+    Contents,
+    Extra,
+    LoadedChunk,
+    Log,
+    Span,
+)
+from dogbot_logtool.reader.containers.source import ByteSource
+
+# The mcap library is not loaded for them: most commands and logs do without it.
+_SCHEMA: Final = 0x03
+_CHANNEL: Final = 0x04
+_RECORD_HEAD: Final = struct.Struct("<BQ")
+_MESSAGE_HEAD_SIZE: Final = 31
+"""Bytes of an MCAP's message record before the payload."""
+
+
+@dataclass(frozen=True, slots=True)
+class EarlierAnnotations:
+    """What `convert` added to a log."""
+
+    channels: frozenset[int]
+    """Ids of the channels."""
+    extras: tuple[Extra, ...]
+    """The metadata records that tell how the file was made."""
+    records: tuple[Mapping[str, str], ...]
+    """What they tell, the oldest first."""
+    messages: int
+
+
+class RecordedLog(Log):
+    """A log without its annotations. Closing it closes the whole log."""
+
+    def __init__(self, log: Log, annotations: EarlierAnnotations) -> None:
+        """Leave out what was added to a log."""
+        ours = annotations.channels
+        super().__init__(
+            log.source,
+            Contents(
+                channels={n: channel for n, channel in log.channels.items() if n not in ours},
+                chunks=[_without(chunk, ours) for chunk in log.chunks if not _is_of(chunk, ours)],
+                counts={n: count for n, count in log.counts.items() if n not in ours},
+                start_time=log.start_time,
+                end_time=log.end_time,
+                profile=log.profile,
+                extras=[extra for extra in log.extras if extra not in annotations.extras],
+                losses=log.losses,
+            ),
+        )
+        self.container = log.container
+        self.copies_chunks = log.copies_chunks
+        self.annotations = annotations
+        self._log = log
+        self._chunks = {chunk.offset: chunk for chunk in log.chunks}
+        schemas = (channel.schema for channel in self.channels.values())
+        self._described_ids: Mapping[int, AbstractSet[int]] = {
+            _CHANNEL: self.channels.keys(),
+            _SCHEMA: {schema.id for schema in schemas if schema is not None},
+        }
+        self._kept = frozenset(chunk.offset for chunk in self.chunks)
+
+    @property
+    def can_fork(self) -> bool:
+        """See `Log.can_fork`."""
+        return self._log.can_fork
+
+    def source_of(self, extra: Extra) -> ByteSource:
+        """See `Log.source_of`."""
+        return self._log.source_of(extra)
+
+    def spans(self, start: int | None = None, end: int | None = None) -> Iterator[Span]:
+        """See `Log.spans`."""
+        yield from self.grouped(
+            chunk
+            for span in self._log.spans(start, end)
+            for chunk in span
+            if chunk.offset in self._kept
+        )
+
+    def grouped(self, chunks: Iterable[Chunk]) -> Iterator[Span]:
+        """See `Log.grouped`."""
+        return self._log.grouped(chunks)
+
+    def read(self, span: Span) -> Batch:
+        """See `Log.read`."""
+        batch = self._log.read(tuple(self._chunks[chunk.offset] for chunk in span))
+        batch = batch.without(self.annotations.channels)
+        if not self.copies_chunks:
+            return batch
+        chunks = (
+            replace(each, whole=each.whole and not self._describes_others(each, batch))
+            for each in batch.chunks
+        )
+        return replace(batch, chunks=tuple(chunks))
+
+    def _describes_others(self, loaded: LoadedChunk, batch: Batch) -> bool:
+        """Tell whether a chunk describes a channel or schema that is left out.
+
+        New annotations may have its number.
+        """
+        return any(
+            number not in self._described_ids.get(opcode, (number,))
+            for opcode, number in _other_records(loaded, batch)
+        )
+
+    def check(self, chunk: Chunk) -> None:
+        """See `Log.check`."""
+        self._log.check(chunk)
+
+    def parse(self, chunk: Chunk, stored: memoryview, target: Bytes) -> ChunkContent:
+        """See `Log.parse`."""
+        return self._log.parse(chunk, stored, target)
+
+    def close(self) -> None:
+        """See `Log.close`."""
+        self._log.close()
+
+
+def _is_of(chunk: Chunk, channels: frozenset[int]) -> bool:
+    """Tell whether a chunk holds messages, and only of some channels."""
+    return bool(chunk.counts) and channels.issuperset(chunk.counts or ())
+
+
+def _without(chunk: Chunk, channels: frozenset[int]) -> Chunk:
+    if chunk.counts is None or channels.isdisjoint(chunk.counts):
+        return chunk
+    return replace(chunk, counts={n: c for n, c in chunk.counts.items() if n not in channels})
+
+
+def _other_records(loaded: LoadedChunk, batch: Batch) -> Iterator[tuple[int, int]]:
+    """Yield opcode and first number, an id, of the records in a chunk that are no messages."""
+    rows = batch.messages.pick(loaded.rows)
+    size = loaded.chunk.size
+    data = batch.buffer[loaded.base : loaded.base + size].data
+    begins = np.append(rows.start - loaded.base - _MESSAGE_HEAD_SIZE, size)
+    ends = np.insert(rows.end - loaded.base, 0, 0)
+    for gap in np.flatnonzero(ends < begins).tolist():
+        offset = int(ends[gap])
+        while offset < begins[gap]:
+            opcode, length = _RECORD_HEAD.unpack_from(data, offset)
+            body = offset + _RECORD_HEAD.size
+            yield opcode, int.from_bytes(data[body : body + 2], "little")
+            offset = body + length

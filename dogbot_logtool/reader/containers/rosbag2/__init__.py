@@ -1,0 +1,1 @@
+"""Directories of ROS 2 bags, and logs in several files."""

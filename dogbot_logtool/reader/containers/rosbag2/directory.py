@@ -1,0 +1,147 @@
+"""ROS 2 bags: a directory of files, and a metadata.yaml that names them."""
+
+import re
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Final, Protocol
+
+from dogbot_logtool.errors import CallError, LogError
+from dogbot_logtool.io.storage import Location, files_in, shown
+from dogbot_logtool.reader.containers.log import Log, Loss, lost_messages
+from dogbot_logtool.reader.containers.rosbag2.joined_log import JoinedLog
+from dogbot_logtool.reader.containers.rosbag2.metadata import (
+    Metadata,
+    UnusableMetadata,
+    read_metadata,
+)
+from dogbot_logtool.reader.containers.signatures import ANNOTATED, ROSBAG2_METADATA
+
+_SUFFIXES: Final = (".db3", ".mcap")
+_PACKED: Final = ".zstd"
+
+
+class OpenFile(Protocol):
+    """Opens one file of a bag."""
+
+    def __call__(self, path: Location, distribution: str) -> Log:
+        """Open a file; `distribution` is the one of ROS 2 that recorded it, if known."""
+
+
+@dataclass(frozen=True, slots=True)
+class _Bag:
+    """The files of a bag."""
+
+    files: tuple[Location, ...]
+    distribution: str
+    losses: tuple[Loss, ...]
+    messages: int | None = None
+    """As many as metadata promises; None if it does not tell."""
+
+
+def open_rosbag2(path: Location, open_file: OpenFile) -> Log:
+    """Open the directory of a ROS 2 bag.
+
+    Files that are missing or cannot be read are losses, as long as one can.
+
+    Raises:
+        CallError: there are no log files in it.
+        LogError: none of its files can be read.
+    """
+    bag = _find_files(path)
+    logs: list[Log] = []
+    losses = list(bag.losses)
+    for file in bag.files:
+        try:
+            logs.append(open_file(file, bag.distribution))
+        except (LogError, CallError) as error:
+            losses.append(Loss(0, f"a file of the bag was left out: {error}", 0, None))
+    if not logs:
+        told = losses[0].what if losses else f"{ROSBAG2_METADATA} names no files"
+        raise LogError(f"{shown(path)}: nothing of this ROS 2 bag can be read: {told}")
+    if bag.messages is not None:
+        losses.extend(_compare_count(bag.messages, logs, losses))
+    return JoinedLog(path, logs, losses)
+
+
+def _find_files(folder: Location) -> _Bag:
+    try:
+        return _named_files(folder, read_metadata(folder))
+    except UnusableMetadata as error:
+        return _numbered_files(folder, str(error))
+
+
+def _named_files(folder: Location, metadata: Metadata) -> _Bag:
+    """Return the files that metadata names; say which are missing, and which it does not name."""
+    present = {file.name: file for file in files_in(folder)}
+    files: dict[str, Location] = {}
+    losses: list[Loss] = []
+    for name in metadata.files:
+        file = _present(present, name)
+        if file is None:
+            base = Path(name).name
+            what = f"{ROSBAG2_METADATA} names {base}, which is not there"
+            losses.append(Loss(0, what, 0, metadata.messages_by_file.get(base)))
+        else:
+            files[file.name] = file
+    named = {name.removesuffix(_PACKED) for name in files}
+    for name, file in present.items():
+        if _is_log(file) and name.removesuffix(_PACKED) not in named:
+            what = f"{ROSBAG2_METADATA} does not name {name}, so it was left out"
+            losses.append(Loss(0, what, 0, None))
+    return _Bag(tuple(files.values()), metadata.distribution, tuple(losses), metadata.messages)
+
+
+def _compare_count(promised: int, logs: Sequence[Log], losses: Sequence[Loss]) -> Iterator[Loss]:
+    """Say where the files hold other than the promised number of messages.
+
+    Messages that other losses explain are not counted twice.
+    """
+    found = sum(sum(log.counts.values()) for log in logs)
+    if promised == found:
+        return
+    known = lost_messages([*losses, *(loss for log in logs for loss in log.losses)])
+    missing = 0 if known is None else max(promised - found - known, 0)
+    what = f"{ROSBAG2_METADATA} counts {promised} messages, but {found} were found"
+    yield Loss(0, what, 0, missing)
+
+
+def _present(files: Mapping[str, Location], name: str) -> Location | None:
+    """Return a file that metadata names; old recorders name it from the parent directory.
+
+    Whatever the name says, the file is in the bag's own directory.
+    """
+    base = Path(name).name
+    for candidate in (base, base + _PACKED, base.removesuffix(_PACKED)):
+        if candidate in files:
+            return files[candidate]
+    return None
+
+
+def _numbered_files(folder: Location, reason: str) -> _Bag:
+    """Take all log files in the order of their numbers."""
+    found: list[Location] = [file for file in files_in(folder) if _is_log(file)]
+    if not found:
+        raise CallError(f"{shown(folder)}: is a directory, not a log file, and holds no ROS 2 bag")
+    ordered = sorted(found, key=_by_number)
+    what = f"{ROSBAG2_METADATA} cannot be used ({reason}); the files were taken by their names"
+    return _Bag(_one_storage(ordered), "", (Loss(0, what, 0, 0),))
+
+
+def _is_log(file: Location) -> bool:
+    name = file.name.removesuffix(_PACKED)
+    return name.endswith(_SUFFIXES) and not name.endswith(ANNOTATED)
+
+
+def _by_number(file: Location) -> tuple[list[int], str]:
+    return [int(digits) for digits in re.findall(r"\d{1,18}", file.name)], file.name
+
+
+def _one_storage(files: Sequence[Location]) -> tuple[Location, ...]:
+    """Leave out what stands there twice, packed and unpacked."""
+    plain = {file.name for file in files}
+    return tuple(
+        file
+        for file in files
+        if not (file.name.endswith(_PACKED) and file.name.removesuffix(_PACKED) in plain)
+    )

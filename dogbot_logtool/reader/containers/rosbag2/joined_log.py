@@ -1,0 +1,187 @@
+"""Several files that are one log: the files of a ROS 2 bag that a recorder split."""
+
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from dogbot_logtool.core.geometry.arrays import Bytes, Ints
+from dogbot_logtool.io.storage import Location, file_name
+from dogbot_logtool.pipeline.provenance import is_marked
+from dogbot_logtool.reader.containers.log import (
+    Batch,
+    Channel,
+    Chunk,
+    ChunkContent,
+    ChunkDamage,
+    Contents,
+    Extra,
+    Log,
+    Loss,
+    Schema,
+    Span,
+)
+from dogbot_logtool.reader.containers.packed_messages import unpacked
+from dogbot_logtool.reader.containers.source import ByteSource
+
+
+class _Folder(ByteSource):
+    """Stands for the bytes of all files."""
+
+    def __init__(self, path: Location, size: int) -> None:
+        self.path = path
+        self.size = size
+
+    def read(self, offset: int, size: int) -> bytes:
+        """Return nothing: each file has its own source."""
+        del offset, size
+        return b""
+
+    def close(self) -> None:
+        """Do nothing: each file is closed by itself."""
+
+
+@dataclass(frozen=True, slots=True)
+class _Part:
+    """One of the files."""
+
+    log: Log
+    channel: Ints
+    """(c + 1,) joint channel id by the file's own."""
+    first: int
+    """Number of its first chunk among all."""
+
+
+class JoinedLog(Log):
+    """Logs, one after the other. Channels that are alike in all are one."""
+
+    container = "ROS 2 bag"
+
+    def __init__(self, path: Location, logs: Sequence[Log], losses: Sequence[Loss]) -> None:
+        """Join logs; they are closed with this one.
+
+        Args:
+            path: what the user named.
+            logs: at least one.
+            losses: damage to the whole.
+        """
+        joint = _JointChannels()
+        self._parts: list[_Part] = []
+        chunks: list[Chunk] = []
+        counts: dict[int, int] = {}
+        for log in logs:
+            part = _Part(log, joint.take(log.channels), len(chunks))
+            self._parts.append(part)
+            chunks.extend(_renumbered(chunk, part, row) for row, chunk in enumerate(log.chunks))
+            for number, count in log.counts.items():
+                mine = int(part.channel[number])
+                counts[mine] = counts.get(mine, 0) + count
+        starts = [log.start_time for log in logs if log.start_time is not None]
+        ends = [log.end_time for log in logs if log.end_time is not None]
+        contents = Contents(
+            channels=joint.channels,
+            chunks=chunks,
+            counts=counts,
+            start_time=min(starts, default=None),
+            end_time=max(ends, default=None),
+            profile=logs[0].profile,
+            extras=[
+                replace(extra, file=number)
+                for number, log in enumerate(logs)
+                for extra in log.extras
+            ],
+            losses=(*losses, *(_placed(loss, log) for log in logs for loss in log.losses)),
+        )
+        super().__init__(_Folder(path, sum(log.source.size for log in logs)), contents)
+        storage = logs[0].container
+        self.container = storage if "ROS 2 bag" in storage else f"ROS 2 bag ({storage})"
+
+    @property
+    def can_fork(self) -> bool:
+        """See `Log.can_fork`."""
+        return all(part.log.can_fork for part in self._parts)
+
+    def source_of(self, extra: Extra) -> ByteSource:
+        """See `Log.source_of`."""
+        return self._parts[extra.file].log.source
+
+    def grouped(self, chunks: Iterable[Chunk]) -> Iterator[Span]:
+        """See `Log.grouped`; a batch never reaches over two files."""
+        for span in super().grouped(chunks):
+            group: list[Chunk] = []
+            for chunk in span:
+                if group and self._part(group[0]) is not self._part(chunk):
+                    yield tuple(group)
+                    group = []
+                group.append(chunk)
+            yield tuple(group)
+
+    def read(self, span: Span) -> Batch:
+        """See `Log.read`."""
+        part = self._part(span[0])
+        own = {id(part.log.chunks[c.offset - part.first]): c for c in span}
+        batch = part.log.read(tuple(part.log.chunks[c.offset - part.first] for c in span))
+        messages = replace(batch.messages, channel=part.channel[batch.messages.channel])
+        chunks = tuple(
+            replace(loaded, chunk=own[id(loaded.chunk)], whole=False) for loaded in batch.chunks
+        )
+        losses = tuple(_placed(loss, part.log) for loss in batch.losses)
+        return unpacked(Batch(batch.buffer, messages, chunks, losses))
+
+    def _part(self, chunk: Chunk) -> _Part:
+        return next(part for part in reversed(self._parts) if part.first <= chunk.offset)
+
+    def check(self, chunk: Chunk) -> None:
+        """See `Log.check`; each file checks its own."""
+
+    def parse(self, chunk: Chunk, stored: memoryview, target: Bytes) -> ChunkContent:
+        """See `Log.parse`; each file parses its own."""
+        del chunk, stored, target
+        raise ChunkDamage("it is no file's")
+
+    def close(self) -> None:
+        """Close all files."""
+        for part in self._parts:
+            part.log.close()
+
+
+class _JointChannels:
+    """Channels of all files, each once."""
+
+    def __init__(self) -> None:
+        self.channels: dict[int, Channel] = {}
+        self._numbers: dict[tuple[str, str, int, bool], int] = {}
+        self._schemas: dict[tuple[str, str, bytes], Schema] = {}
+
+    def take(self, channels: Mapping[int, Channel]) -> Ints:
+        """Add a file's channels; return the joint id by the file's own."""
+        joint = np.zeros(max(channels, default=0) + 1, np.int64)
+        for number, channel in channels.items():
+            schema = self._schema(channel.schema)
+            kind = schema.id if schema else 0
+            key = (channel.topic, channel.message_encoding, kind, is_marked(channel.metadata))
+            if key not in self._numbers:
+                self._numbers[key] = mine = len(self._numbers) + 1
+                self.channels[mine] = replace(channel, id=mine, schema=schema)
+            joint[number] = self._numbers[key]
+        return joint
+
+    def _schema(self, schema: Schema | None) -> Schema | None:
+        if schema is None:
+            return None
+        key = (schema.name, schema.encoding, schema.data)
+        fresh = replace(schema, id=len(self._schemas) + 1)
+        return self._schemas.setdefault(key, fresh)
+
+
+def _renumbered(chunk: Chunk, part: _Part, row: int) -> Chunk:
+    """Return a chunk whose offset is its number among all, so that it stays unique."""
+    counts = None
+    if chunk.counts is not None:
+        counts = {int(part.channel[number]): count for number, count in chunk.counts.items()}
+    return replace(chunk, offset=part.first + row, counts=counts)
+
+
+def _placed(loss: Loss, log: Log) -> Loss:
+    """Say in which file it is."""
+    return replace(loss, what=f"{file_name(log.source.path)}: {loss.what}")

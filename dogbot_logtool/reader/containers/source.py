@@ -1,0 +1,82 @@
+"""The bytes of a log file, read by place: safe to share among threads, never grows with the log."""
+
+import os
+from collections.abc import Sequence
+from pathlib import Path
+from types import TracebackType
+from typing import Self
+
+from dogbot_logtool.errors import LogError
+from dogbot_logtool.io import storage
+from dogbot_logtool.io.storage import Location
+
+
+class ByteSource:
+    """A file opened for reading at any offset."""
+
+    path: Location
+    """What users call it."""
+    can_fork: bool = True
+    """Whether copies of this process may read it, too."""
+    has_cheap_seeks: bool = True
+    """Whether many small reads all over the file take hardly any time."""
+    cheap_size: int = 64 << 20
+    """Bytes that are read without a second thought; a disk takes some 20 ms for them."""
+
+    def __init__(self, path: Path) -> None:
+        """Open a file.
+
+        Raises:
+            CallError: it does not exist, may not be read, or is not a regular file.
+        """
+        self.path = path
+        self._file = storage.open_file(path)
+        self._descriptor = self._file.fileno()
+        self.size = os.fstat(self._descriptor).st_size
+
+    def read(self, offset: int, size: int) -> bytes:
+        """Return up to `size` bytes from `offset`; fewer at the end of the file, never more.
+
+        Raises:
+            LogError: the disk fails.
+        """
+        size = min(size, self.size - offset)
+        if offset < 0 or size <= 0:
+            return b""
+        try:
+            data = os.pread(self._descriptor, size, offset)
+            while len(data) < size and (
+                more := os.pread(self._descriptor, size - len(data), offset + len(data))
+            ):
+                data += more
+        except OSError as error:
+            raise LogError(
+                f"{self.path}: byte {offset} cannot be read: {error.strerror}"
+            ) from error
+        return data
+
+    def read_many(self, places: Sequence[tuple[int, int]]) -> list[bytes]:
+        """Return what `read` gives for each of several (offset, size)."""
+        return [self.read(offset, size) for offset, size in places]
+
+    def nearby(self) -> "ByteSource":
+        """Return the same bytes from the nearest disk, for whoever reads all of them, and often.
+
+        The path stays what it is; whoever takes another source than this one closes this.
+        """
+        return self
+
+    def close(self) -> None:
+        """Close the file."""
+        self._file.close()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        self.close()

@@ -1,0 +1,1 @@
+"""SQLite files of ROS 2 bags."""

@@ -1,0 +1,56 @@
+"""Logs that were compressed whole, as ROS 2 recorders can: decompressed into a temporary file."""
+
+import tempfile
+from collections.abc import Callable
+from pathlib import Path
+from typing import IO, Final
+
+import zstandard
+
+from dogbot_logtool.errors import LogError
+from dogbot_logtool.io.storage import Location, file_stem, shown
+from dogbot_logtool.reader.containers.log import Log
+from dogbot_logtool.reader.containers.source import ByteSource
+
+_MOST_FREE: Final = 256 << 20
+_MAX_RATIO: Final = 200
+"""A file must not swell to more than this times its size, or `_MOST_FREE`."""
+
+
+def open_zstd(source: ByteSource, open_file: Callable[[Path], Log]) -> Log:
+    """Open a zstd-compressed log; nothing stays on the disk.
+
+    Args:
+        source: the compressed file.
+        open_file: opens what is in it.
+
+    Raises:
+        LogError: it is damaged or swells absurdly, or what is in it is no log.
+    """
+    path = source.path
+    with tempfile.NamedTemporaryFile(suffix=f"-{file_stem(path)}") as file:
+        _decompress(path, source.size, file)
+        try:
+            log = open_file(Path(file.name))
+        except LogError as error:
+            raise LogError(str(error).replace(file.name, shown(path))) from error
+    # The file's name is gone, but the log holds its bytes open.
+    log.source.path = path
+    return log
+
+
+def _decompress(path: Location, size: int, target: IO[bytes]) -> None:
+    most = max(_MOST_FREE, _MAX_RATIO * size)
+    written = 0
+    try:
+        with path.open("rb") as compressed:
+            for piece in zstandard.ZstdDecompressor().read_to_iter(compressed):
+                written += len(piece)
+                if written > most:
+                    raise LogError(f"{shown(path)}: its {size} bytes swell to over {most}")
+                target.write(piece)
+        target.flush()
+    except zstandard.ZstdError as error:
+        raise LogError(f"{shown(path)}: its zstd data is damaged ({error})") from error
+    except OSError as error:
+        raise LogError(f"{shown(path)}: cannot be decompressed: {error.strerror}") from error

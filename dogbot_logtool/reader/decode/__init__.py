@@ -1,0 +1,1 @@
+"""Message definition to memory layout to columns."""

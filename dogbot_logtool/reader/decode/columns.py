@@ -1,0 +1,221 @@
+"""Columns of decoded messages: tables of numbers, texts and nested tables.
+
+Numbers that stand near each other in a message stay together, as rows of a structured array.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from dogbot_logtool.core.geometry.arrays import Bytes, Flags, Floats, Ints
+
+_DOUBLE: Final = np.dtype("<f8")
+_ROUNDS: Final = 64
+"""Different strings from which sorting all is faster than taking out one after another."""
+
+
+def gather(buffer: Bytes, start: Ints, size: int) -> NDArray[np.void]:
+    """Copy `size` bytes from each start in one call, through an overlapping view.
+
+    Args:
+        buffer: (b,) contiguous.
+        start: (n,), each in [0, b - size].
+        size: at least 1, at most b.
+
+    Returns:
+        (n,) of dtype ``V<size>``.
+    """
+    windows: NDArray[np.void] = np.ndarray(
+        (len(buffer) - size + 1,), f"V{size}", buffer.data, 0, (1,)
+    )
+    return windows[start]
+
+
+def gather_bytes(buffer: Bytes, start: Ints, size: int) -> Bytes:
+    """Like `gather`, as an (n, size) matrix of bytes."""
+    return gather(buffer, start, size).view(np.uint8).reshape(len(start), size)
+
+
+@dataclass(frozen=True, slots=True)
+class Texts:
+    """Strings, as places in the batch's buffer."""
+
+    buffer: Bytes
+    start: Ints
+    """(n,)."""
+    length: Ints
+    """(n,) bytes."""
+
+    @property
+    def end(self) -> Ints:
+        """(n,) first byte after each."""
+        return self.start + self.length
+
+    def text(self, row: int) -> str:
+        """Return one string; bytes that are not UTF-8 are replaced."""
+        start = int(self.start[row])
+        return str(self.buffer[start : start + int(self.length[row])].tobytes(), "utf-8", "replace")
+
+    def encode(self) -> tuple[Ints, tuple[str, ...]]:
+        """Replace the strings by numbers.
+
+        Returns:
+            code (n,), and the different strings that the codes count.
+        """
+        code, rows = self.alike()
+        return code, tuple(self.text(row) for row in rows)
+
+    def alike(self, kind: Ints | None = None) -> tuple[Ints, list[int]]:
+        """Number the different strings, as bytes.
+
+        Strings on the path are nearly always constant, or take few values, so each round
+        settles all rows that equal the first unsettled one. After some rounds the rest is sorted,
+        since a log may also name every row differently.
+
+        Args:
+            kind: (n,) small numbers, not negative; only strings of one kind are compared, and
+                those of different kinds get different numbers.
+
+        Returns:
+            code (n,), and for each code a row that has it.
+        """
+        code = np.full(len(self.start), -1, np.int64)
+        rows: list[int] = []
+        left = np.arange(len(self.start))
+        key = self.length
+        if kind is not None:
+            key = key * (int(kind.max(initial=0)) + 1) + kind
+        while len(left) and len(rows) < _ROUNDS:
+            first = left[0]
+            alike = left[key[left] == key[first]]
+            if size := int(self.length[first]):
+                texts = gather_bytes(self.buffer, self.start[alike], size)
+                alike = alike[rows_like(texts, texts[0])]
+            code[alike] = len(rows)
+            rows.append(int(first))
+            left = left[code[left] < 0] if len(alike) < len(left) else left[:0]
+        for one in np.unique(key[left]).tolist():
+            alike = left[key[left] == one]
+            size = int(self.length[alike[0]])
+            # Texts without a byte are all alike.
+            whole = gather(self.buffer, self.start[alike], size) if size else alike * 0
+            _, first_rows, inverse = np.unique(whole, return_index=True, return_inverse=True)
+            code[alike] = len(rows) + inverse
+            rows.extend(alike[first_rows].tolist())
+        return code, rows
+
+
+def rows_like(rows: Bytes, row: Bytes) -> Flags:
+    """(n,) which rows of a matrix, (n, k), equal a row, (k,)."""
+    if rows.tobytes() == row.tobytes() * len(rows):
+        # Much the fastest comparison there is, and mostly the answer.
+        return np.ones(len(rows), np.bool_)
+    alike: Flags = (rows == row).all(axis=1)
+    return alike
+
+
+@dataclass(frozen=True, slots=True)
+class Nested:
+    """The elements of an array field."""
+
+    parent: Ints
+    """(m,) row of the outer table. Elements of one row stand in their order; rows may mix."""
+    table: "Table"
+    """m rows."""
+
+
+Rows = NDArray[np.void]
+"""(n,) structured; the fields are named by their paths."""
+
+
+@dataclass(frozen=True, slots=True)
+class Table:
+    """Decoded fields of n messages, or n elements of an array."""
+
+    rows: int
+    runs: tuple[Rows, ...]
+    """Fields that are numbers, or fixed arrays of numbers."""
+    columns: Mapping[str, Texts | Nested]
+    """All others, by path."""
+
+    def numbers(self, path: str) -> NDArray[np.generic]:
+        """Return a column of numbers, (n,) or (n, k)."""
+        return self._run(path)[path]
+
+    def vectors(self, path: str, components: str) -> Floats:
+        """Return (n, k) float64 from the fields ``path.x``, ``path.y`` ... of a struct."""
+        prefix = f"{path}." if path else ""
+        names = [prefix + component for component in components]
+        run = self._run(names[0])
+        fields = _fields(run)
+        first = fields[names[0]][1]
+        in_a_row = [(_DOUBLE, first + _DOUBLE.itemsize * row) for row in range(len(names))]
+        # A view of no rows has no bytes for its offset to lie in.
+        if len(run) and [fields.get(name) for name in names] == in_a_row:
+            place, strides = run.view(np.uint8).data, (run.itemsize, _DOUBLE.itemsize)
+            shape = len(run), len(names)
+            return np.ascontiguousarray(np.ndarray(shape, _DOUBLE, place, first, strides))
+        return np.stack([self.numbers(name) for name in names], axis=1).astype(np.float64)
+
+    def nanoseconds(self, path: str) -> Ints:
+        """Return (n,) ns from a time field's ``sec`` and ``nanosec``."""
+        seconds = self.numbers(f"{path}.sec").astype(np.int64)
+        return seconds * 1_000_000_000 + self.numbers(f"{path}.nanosec").astype(np.int64)
+
+    def texts(self, path: str) -> Texts:
+        """Return a column of strings."""
+        column = self.columns[path]
+        assert isinstance(column, Texts)  # noqa: S101 - a wrong path is a fault of ours
+        return column
+
+    def nested(self, path: str) -> Nested:
+        """Return an array field."""
+        column = self.columns[path]
+        assert isinstance(column, Nested)  # noqa: S101 - a wrong path is a fault of ours
+        return column
+
+    def _run(self, path: str) -> Rows:
+        return next(run for run in self.runs if path in _fields(run))
+
+
+def _fields(run: Rows) -> Mapping[str, tuple[Any, ...]]:
+    """Return dtype and offset of each number, by its path."""
+    return run.dtype.fields or {}
+
+
+def concatenate(tables: Sequence[Table]) -> Table:
+    """Stack tables of the same fields."""
+    if len(tables) == 1:
+        return tables[0]
+    offsets = np.cumsum([0, *(table.rows for table in tables)]).tolist()
+    return Table(
+        offsets[-1],
+        tuple(
+            _concatenated_rows(parts)
+            for parts in zip(*(table.runs for table in tables), strict=True)
+        ),
+        {
+            path: _concatenated([table.columns[path] for table in tables], offsets)
+            for path in tables[0].columns
+        },
+    )
+
+
+def _concatenated_rows(parts: Sequence[Rows]) -> Rows:
+    if not parts[0].itemsize:
+        return np.zeros(sum(len(part) for part in parts), parts[0].dtype)
+    # As plain bytes: numpy copies structured rows field by field.
+    plain = f"V{parts[0].itemsize}"
+    return np.concatenate([part.view(plain) for part in parts]).view(parts[0].dtype)
+
+
+def _concatenated(parts: Sequence[Any], offsets: Sequence[int]) -> Texts | Nested:
+    """Stack columns of one kind; the offsets are those of their tables' first rows."""
+    if isinstance(parts[0], Texts):
+        start = np.concatenate([part.start for part in parts])
+        return Texts(parts[0].buffer, start, np.concatenate([part.length for part in parts]))
+    parents = [part.parent + row for part, row in zip(parts, offsets, strict=False)]
+    return Nested(np.concatenate(parents), concatenate([part.table for part in parts]))

@@ -1,0 +1,1 @@
+"""What the messages mean: odometry, transforms, contacts."""

@@ -1,0 +1,207 @@
+"""What every contact source offers, and what it is given."""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from dogbot_logtool.core.blocks import concatenated
+from dogbot_logtool.core.contact.contacts import Contacts, Samples
+from dogbot_logtool.core.frames.wrench_frame import WrenchFrame
+from dogbot_logtool.core.geometry.arrays import Floats, Ints, norms
+from dogbot_logtool.reader.decode.columns import Nested, Table
+from dogbot_logtool.reader.decode.fields import Fields
+from dogbot_logtool.reader.messages.messages import DecodedMessages
+from dogbot_logtool.robot import Foot
+
+
+@dataclass(frozen=True, slots=True)
+class FootChannels:
+    """Which feet speak on which channels."""
+
+    feet: Sequence[Foot]
+    """The robot's feet."""
+    of_channel: Mapping[int, tuple[int, ...]]
+    """Indices in `feet` by channel id; several where one message tells of several feet."""
+    release_n: float
+    """N: a sensor that is never quite silent touches nothing below this force."""
+    contact_on_counts: float | None = None
+    """Counts from which a raw sensor without a scale touches; None: it cannot be told."""
+    left_after_ns: int | None = None
+    """ns: where a message's newest physics step is older than its stamp by more, the foot has left
+    the ground since. None: not known, the newest step stands for the stamp."""
+    normals: bool = True
+    """Whether anybody asks for contact normals."""
+
+    def single(self, channel: Ints) -> Ints:
+        """(n,) foot index of messages that tell of one foot each."""
+        ids = np.array(sorted(self.of_channel), np.int64)
+        feet = np.array([self.of_channel[number][0] for number in ids.tolist()], np.int64)
+        return feet[np.searchsorted(ids, channel)]
+
+
+@dataclass(frozen=True, slots=True)
+class Felt:
+    """What a source makes of messages."""
+
+    samples: Samples
+    contacts: Contacts | None = None
+    """The states that the samples were made of; None for a source that has none."""
+    untimed_messages: int = 0
+    """Messages of several states whose `info` tells no time: read as one physics step."""
+    foreign_states: int = 0
+    """States of pairs in which not exactly one body is the foot."""
+    implausible: int = 0
+    """Samples with numbers that no robot reaches; those are NaN."""
+
+
+ToForce = Callable[[Foot, Floats], Floats]
+"""Turns what a message tells of a foot into newtons."""
+FootLinks = Mapping[int, set[str]]
+"""Frames of the wrenches of each foot, by its index."""
+
+
+@dataclass(frozen=True, slots=True)
+class StepTiming:
+    """Messages that hold several physics steps."""
+
+    lag: Ints
+    """(m,) ns by which a message's newest step is older than its stamp."""
+    step: Ints
+    """(k,) ns between neighbouring steps of a message."""
+
+
+def no_steps(messages: DecodedMessages) -> StepTiming:
+    """Return nothing: for sources whose messages hold one moment each."""
+    del messages
+    return StepTiming(np.empty(0, np.int64), np.empty(0, np.int64))
+
+
+def no_links(messages: DecodedMessages, feet: FootChannels) -> FootLinks:
+    """Return nothing: for sources whose forces are in no link's frame."""
+    del messages, feet
+    return {}
+
+
+@dataclass(frozen=True, slots=True)
+class ContactSource:
+    """One type of contact messages."""
+
+    type_name: str
+    """``package/Name``."""
+    fields: Fields
+    """What is read of each message."""
+    read: Callable[[DecodedMessages, FootChannels], Felt]
+    """Reduces decoded messages to samples."""
+    normals: str = ""
+    """Path of the field that is decoded only where contact normals are asked for."""
+    links: Callable[[DecodedMessages, FootChannels], FootLinks] = no_links
+    timing: Callable[[DecodedMessages], StepTiming] = no_steps
+    elements: tuple[str, ...] = ()
+    """Names of the feet in the order of the message, where one message tells of all feet."""
+    frame: WrenchFrame | None = None
+    """Frame of the forces; None: to be decided by evidence."""
+    has_header: bool = True
+    """Without one, log time is the only time."""
+    has_force: bool = True
+    """Without, it only tells whether a foot touches."""
+    has_points: bool = True
+    """Whether it tells where the foot touches."""
+    is_raw: bool = False
+    """Its forces are counts that only the robot's file can turn into newtons."""
+    anything: bool = False
+    """Such messages can be about anything: only topics that name a foot are taken for one's."""
+    silent_in_swing: bool = False
+    """It is published only while in contact, so that absence is swing."""
+
+
+def vectors_inside(table: Table, path: str) -> tuple[Ints, Floats]:
+    """Return the row that each element of an array of Vector3 belongs to, (m,), and (m, 3).
+
+    None where the field was not decoded.
+    """
+    if path not in table.columns:
+        return np.empty(0, np.int64), np.empty((0, 3))
+    nested = table.nested(path)
+    return nested.parent, nested.table.vectors("", "xyz")
+
+
+def flat_samples(log_time: Ints, foot: Ints, stamp: Ints, force: Floats) -> Samples:
+    """Return samples of a sensor that tells no contact point.
+
+    Args:
+        log_time: (n,) ns.
+        foot: (n,) index of the foot.
+        stamp: (n,) ns; 0: none.
+        force: (n, 3) N; 0 without contact, NaN where only the contact is known.
+    """
+    count = len(foot)
+    return Samples(
+        foot=foot,
+        log_time=log_time,
+        stamp=stamp,
+        in_contact=(force != 0.0).any(axis=1),
+        force=force,
+        in_world=np.zeros(count, np.bool_),
+        points=np.zeros(count, np.int64),
+        position=np.full((count, 3), np.nan),
+        normal=np.full((count, 3), np.nan),
+    )
+
+
+def released(force: Floats, release_n: float) -> Floats:
+    """Take a force below the release threshold for none, so that noise is no load; (n, 3) N."""
+    return np.where((norms(force) < release_n)[:, None], 0.0, force)
+
+
+def each_foot(
+    messages: DecodedMessages, feet: FootChannels, stamp: Ints, values: Floats, to_force: ToForce
+) -> Felt:
+    """Return samples of messages that tell of all feet, foot by foot.
+
+    Args:
+        messages: n messages.
+        feet: which of their elements is which foot's is told by `Foot.element`.
+        stamp: (n,) ns.
+        values: (n, k) what each element tells; NaN: nothing.
+        to_force: turns a foot's values into newtons.
+    """
+    parts = [flat_samples(*(np.empty(0, np.int64),) * 3, np.empty((0, 3)))]
+    for index, foot in enumerate(feet.feet):
+        speaks = [number for number, told in feet.of_channel.items() if index in told]
+        if foot.element is None or foot.element >= values.shape[1]:
+            continue
+        told = values[:, foot.element]
+        rows = np.flatnonzero(np.isin(messages.channel, speaks) & ~np.isnan(told))
+        force = np.zeros((len(rows), 3))
+        force[:, 2] = to_force(foot, told[rows])
+        numbers = np.full(len(rows), index)
+        parts.append(flat_samples(messages.log_time[rows], numbers, stamp[rows], force))
+    return Felt(concatenated(parts))
+
+
+def only_contact(foot: Foot, touches: Floats) -> Floats:
+    """Return NaN, an unknown force, where a foot touches, and 0 where not; (n,) N."""
+    del foot
+    return np.where(touches > 0.0, np.nan, 0.0)
+
+
+def by_element(nested: Nested, values: Floats, rows: int, elements: int) -> Floats:
+    """Return the first elements of every message's array.
+
+    Args:
+        nested: the array field.
+        values: (m,) a number of each element.
+        rows: n, the number of messages.
+        elements: k.
+
+    Returns:
+        (n, k); NaN where a message has fewer elements.
+    """
+    order = np.argsort(nested.parent, kind="stable")
+    parent = nested.parent[order]
+    place = np.arange(len(parent)) - np.searchsorted(parent, parent)
+    table = np.full((rows, elements), np.nan)
+    kept = place < elements
+    table[parent[kept], place[kept]] = values[order][kept]
+    return table

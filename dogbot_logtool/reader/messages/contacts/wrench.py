@@ -1,0 +1,50 @@
+"""geometry_msgs/WrenchStamped: a force sensor in a foot, in its own frame."""
+
+from typing import Final
+
+import numpy as np
+
+from dogbot_logtool.core.frames.wrench_frame import WrenchFrame
+from dogbot_logtool.reader.decode.fields import text, time, vector
+from dogbot_logtool.reader.messages.contacts.source import (
+    ContactSource,
+    Felt,
+    FootChannels,
+    FootLinks,
+    flat_samples,
+    released,
+)
+from dogbot_logtool.reader.messages.messages import DecodedMessages
+
+_FIELDS: Final = (time("header.stamp"), text("header.frame_id"), *vector("wrench.force"))
+
+
+def wrenches_felt(messages: DecodedMessages, feet: FootChannels) -> Felt:
+    """Reduce messages to samples; see `ContactSource.read`."""
+    table = messages.table
+    foot = feet.single(messages.channel)
+    force = released(table.vectors("wrench.force", "xyz"), feet.release_n)
+    return Felt(flat_samples(messages.log_time, foot, table.nanoseconds("header.stamp"), force))
+
+
+def sensor_frames(messages: DecodedMessages, feet: FootChannels) -> FootLinks:
+    """Return the frames that the sensors' headers name, by foot."""
+    code, names = messages.table.texts("header.frame_id").encode()
+    pairs = feet.single(messages.channel) * len(names) + code
+    frames: dict[int, set[str]] = {}
+    for pair in np.unique(pairs).tolist():
+        frame = names[pair % len(names)].lstrip("/")
+        if frame:
+            frames.setdefault(pair // len(names), set()).add(frame)
+    return frames
+
+
+SOURCE: Final = ContactSource(
+    type_name="geometry_msgs/WrenchStamped",
+    fields=_FIELDS,
+    read=wrenches_felt,
+    links=sensor_frames,
+    frame=WrenchFrame.LINK,
+    has_points=False,
+    anything=True,
+)

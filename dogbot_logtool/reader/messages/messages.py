@@ -1,0 +1,158 @@
+"""From the messages of a batch to decoded tables: all channels of one definition in one go."""
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import Final
+
+import numpy as np
+
+from dogbot_logtool.core.geometry.arrays import Ints
+from dogbot_logtool.errors import DefinitionError
+from dogbot_logtool.reader.containers.log import Batch, Channel
+from dogbot_logtool.reader.decode.columns import Table
+from dogbot_logtool.reader.decode.decode import decode
+from dogbot_logtool.reader.decode.definition import Struct, parse_definition, short_type_name
+from dogbot_logtool.reader.decode.fields import Fields, check_fields, column_paths
+from dogbot_logtool.reader.decode.known_definitions import known_definition
+from dogbot_logtool.reader.decode.message_layout import Layout, Serialisation, compile_layout
+
+SERIALISATIONS: Final[Mapping[str, Serialisation]] = {"ros1": "ros1", "cdr": "cdr"}
+"""By the names of messages' encodings."""
+
+
+@dataclass(frozen=True, slots=True)
+class DecodedMessages:
+    """Sound messages of one definition, in file order."""
+
+    channel: Ints
+    """(n,) channel id."""
+    log_time: Ints
+    """(n,) ns."""
+    table: Table
+    """n rows."""
+    malformed: Mapping[int, int]
+    """Messages that could not be decoded, by channel id."""
+
+
+def decode_channels(
+    batch: Batch, channels: Sequence[Channel], fields: Fields
+) -> list[DecodedMessages]:
+    """Decode some fields of all messages of some channels.
+
+    Args:
+        batch: the batch.
+        channels: the channels to take.
+        fields: what is read of them.
+
+    Returns:
+        one entry a definition that the batch has messages of; nearly always one.
+
+    Raises:
+        DefinitionError: a channel's messages cannot be decoded, see `check_channel`.
+    """
+    by_layout: dict[int, tuple[Layout, list[int]]] = {}
+    for channel in channels:
+        layout = _layout_of(channel, fields)
+        by_layout.setdefault(id(layout), (layout, []))[1].append(channel.id)
+    decoded = [_decode(batch, layout, ids) for layout, ids in by_layout.values()]
+    return [messages for messages in decoded if messages is not None]
+
+
+def malformed_in(decoded: Iterable[DecodedMessages]) -> dict[int, int]:
+    """Return the number of messages that could not be decoded, by channel id.
+
+    Args:
+        decoded: messages of different channels.
+    """
+    return {channel: count for messages in decoded for channel, count in messages.malformed.items()}
+
+
+def _decode(batch: Batch, layout: Layout, ids: list[int]) -> DecodedMessages | None:
+    messages = batch.messages
+    rows = np.flatnonzero(np.isin(messages.channel, ids))
+    if not len(rows):
+        return None
+    channel = messages.channel[rows]
+    result = decode(layout, batch.buffer, messages.start[rows], messages.end[rows])
+    if result.sound.all():
+        return DecodedMessages(channel, messages.log_time[rows], result.table, {})
+    lost, counts = np.unique(channel[~result.sound], return_counts=True)
+    malformed = dict(zip(lost.tolist(), counts.tolist(), strict=True))
+    sound = result.sound
+    return DecodedMessages(channel[sound], messages.log_time[rows][sound], result.table, malformed)
+
+
+def check_channel(channel: Channel, fields: Fields) -> str:
+    """Check that a channel's messages can be decoded, and their fields are as declared.
+
+    Returns:
+        why the definition that comes with this program is used, not the log's; empty: the log's is.
+
+    Raises:
+        DefinitionError: they cannot; the sentence does not name the topic.
+    """
+    decoder = _decoder_of(channel, fields)
+    if isinstance(decoder, str):
+        raise DefinitionError(decoder)
+    return decoder.own_because
+
+
+@dataclass(frozen=True, slots=True)
+class _Decoder:
+    layout: Layout
+    own_because: str
+    """Why our own definition is used; empty: it is the log's."""
+
+
+def _layout_of(channel: Channel, fields: Fields) -> Layout:
+    decoder = _decoder_of(channel, fields)
+    if isinstance(decoder, str):
+        raise DefinitionError(f"{channel.topic}: {decoder}")
+    return decoder.layout
+
+
+def _decoder_of(channel: Channel, fields: Fields) -> _Decoder | str:
+    """Return what decodes a channel's messages, or why nothing does."""
+    if channel.schema is None:
+        return "its messages have no type"
+    schema = channel.schema
+    return _decoder(schema.name, schema.encoding, schema.data, channel.message_encoding, fields)
+
+
+@lru_cache(maxsize=256)
+def _decoder(
+    name: str, schema_encoding: str, data: bytes, message_encoding: str, fields: Fields
+) -> _Decoder | str:
+    """Compile a layout once for every definition. What cannot be compiled is remembered, too."""
+    if message_encoding not in SERIALISATIONS:
+        return f"messages encoded as {message_encoding!r} are not read, only ROS 1's and CDR"
+    serialisation = SERIALISATIONS[message_encoding]
+    try:
+        definition, own_because = _definition(name, schema_encoding, data, serialisation)
+        check_fields(definition, fields, short_type_name(name))
+    except DefinitionError as error:
+        return str(error)
+    return _Decoder(compile_layout(definition, serialisation, column_paths(fields)), own_because)
+
+
+def _definition(
+    name: str, schema_encoding: str, data: bytes, serialisation: Serialisation
+) -> tuple[Struct, str]:
+    """Return a type's definition: the log's, else our own and why."""
+    text = data.decode("utf-8", "replace")
+    try:
+        if _is_blank(text):
+            raise DefinitionError(f"the log has no definition of {short_type_name(name)}")
+        return parse_definition(name, text, schema_encoding), ""
+    except DefinitionError as error:
+        own = known_definition(name, serialisation=serialisation)
+        if own is None:
+            raise
+        encoding = "ros1msg" if serialisation == "ros1" else "ros2msg"
+        return parse_definition(name, own, encoding), str(error)
+
+
+def _is_blank(text: str) -> bool:
+    """Tell whether a definition has no line but comments."""
+    return not any(line.partition("#")[0].strip() for line in text.splitlines())

@@ -1,0 +1,69 @@
+"""tf2_msgs/TFMessage to columns."""
+
+from collections.abc import Sequence
+from typing import Final
+
+import numpy as np
+
+from dogbot_logtool.core.frames.recorded_transforms import RecordedTransforms
+from dogbot_logtool.core.plausible import plausible_translations
+from dogbot_logtool.reader.containers.log import Batch, Channel
+from dogbot_logtool.reader.decode.fields import table, text, time, vector
+from dogbot_logtool.reader.messages.messages import DecodedMessages, check_channel, decode_channels
+
+TRANSFORM_TYPES: Final = frozenset({"tf2_msgs/TFMessage", "tf/tfMessage"})
+_FIELDS: Final = (
+    table(
+        "transforms",
+        time("header.stamp"),
+        text("header.frame_id"),
+        text("child_frame_id"),
+        *vector("transform.translation"),
+        *vector("transform.rotation", "xyzw"),
+    ),
+)
+
+
+def is_static(channel: Channel) -> bool:
+    """Tell whether a channel's transforms hold for ever, as those of ``/tf_static`` do."""
+    return channel.topic.endswith("tf_static")
+
+
+def check_transforms(channel: Channel) -> str:
+    """Check that a channel's messages can be decoded; see `check_channel`."""
+    return check_channel(channel, _FIELDS)
+
+
+def decode_transforms(batch: Batch, channels: Sequence[Channel]) -> list[DecodedMessages]:
+    """Decode the transform messages of a batch; see `decode_channels`."""
+    return decode_channels(batch, channels, _FIELDS)
+
+
+def transform_columns(messages: DecodedMessages) -> RecordedTransforms:
+    """Return the columns of decoded transform messages."""
+    nested = messages.table.nested("transforms")
+    order = np.argsort(nested.parent, kind="stable")
+    each = nested.table
+    parent, parents = each.texts("header.frame_id").encode()
+    child, children = each.texts("child_frame_id").encode()
+    message = nested.parent[order]
+    return RecordedTransforms(
+        channel=messages.channel[message],
+        log_time=messages.log_time[message],
+        stamp=each.nanoseconds("header.stamp")[order],
+        parent=parent[order],
+        parents=parents,
+        child=child[order],
+        children=children,
+        translation=plausible_translations(each.vectors("transform.translation", "xyz"))[order],
+        rotation=each.vectors("transform.rotation", "xyzw")[order],
+    )
+
+
+def frame_pairs(messages: DecodedMessages) -> set[tuple[str, str]]:
+    """Return the different (parent, child) pairs of frames, as recorded."""
+    each = messages.table.nested("transforms").table
+    parent, parents = each.texts("header.frame_id").encode()
+    child, children = each.texts("child_frame_id").encode()
+    pairs = np.unique(parent * max(len(children), 1) + child).tolist()
+    return {(parents[pair // len(children)], children[pair % len(children)]) for pair in pairs}

@@ -1,0 +1,235 @@
+"""Work in several copies of this process, with results in the order of the items.
+
+A fork takes a few milliseconds and inherits whatever the work refers to: an opened log, a plan, the
+columns of its index. The workers take the items in turn. Each sends its results to this process,
+and the state after an item to the next worker, in a ring. Everything goes through pipes with one
+process at each end, so nothing waits for a process that has ended. A worker ends at once when this
+process ends, however that happens.
+"""
+
+import gc
+import multiprocessing
+import os
+import pickle
+import threading
+import traceback
+from collections.abc import Generator, Iterator, Sequence
+from concurrent.futures import Future, ThreadPoolExecutor
+from contextlib import contextmanager, suppress
+from dataclasses import dataclass
+from functools import partial
+from multiprocessing.context import ForkProcess
+from typing import Any, BinaryIO, Final, Generic
+
+from dogbot_logtool.errors import LogtoolError
+from dogbot_logtool.run.relay import Item, RelayWork, Result, State
+from dogbot_logtool.run.signals import held_back, leave_to_parent
+
+_FORK: Final = multiprocessing.get_context("fork")
+_STARTING: Final = threading.Lock()
+"""Held while workers start: another thread's would inherit both ends of their pipes."""
+
+
+class _PeerEndedError(Exception):
+    """The process at the other end of a pipe ended before it sent all."""
+
+
+@dataclass(frozen=True, slots=True)
+class _Raised:
+    """An error of the work, sent instead of a result."""
+
+    error: Exception
+
+
+def forked(
+    work: RelayWork[Item, State, Result], items: Sequence[Item], jobs: int, first: State
+) -> Generator[Result, None, None]:
+    """Yield `work(item, baton)` for every item, in order; see `relay.relayed`.
+
+    Args:
+        work: what is done to an item.
+        items: at least as many as `jobs`.
+        jobs: at least two, since a process cannot send a large state to itself.
+        first: the state before the first item.
+
+    Raises:
+        LogtoolError: a process died.
+    """
+    with _workers(work, items, jobs, first) as results:
+        for number in range(len(items)):
+            yield _result(results[number % jobs])
+
+
+def _result(arriving: BinaryIO) -> Any:  # noqa: ANN401 - it was pickled
+    try:
+        outcome = _receive(arriving)
+    except _PeerEndedError as error:
+        raise LogtoolError(
+            "a process that worked on it died: perhaps for want of memory; try --jobs 1"
+        ) from error
+    if isinstance(outcome, _Raised):
+        raise outcome.error
+    return outcome
+
+
+def _send(end: BinaryIO, thing: object) -> None:
+    # Protocol 5 writes large arrays to the pipe, and reads them from it, without copying them.
+    pickle.dump(thing, end, protocol=5)
+    end.flush()
+
+
+def _receive(end: BinaryIO) -> Any:  # noqa: ANN401 - it was pickled
+    """Receive what `_send` sent.
+
+    Raises:
+        _PeerEndedError: it was not sent, or only in part.
+    """
+    try:
+        return pickle.load(end)  # noqa: S301 - a copy of this process made it
+    except (EOFError, pickle.UnpicklingError) as error:
+        raise _PeerEndedError from error
+
+
+@dataclass(frozen=True, slots=True)
+class _Ends:
+    """The ends of pipes that a worker uses."""
+
+    parent: BinaryIO
+    """Nothing is sent: it is at its end when the first process is."""
+    states_in: BinaryIO
+    states_out: BinaryIO
+    results: BinaryIO
+
+
+class _Piped(Generic[State]):
+    """A baton between processes."""
+
+    def __init__(self, ends: _Ends, first: list[State]) -> None:
+        self._ends = ends
+        self._first = first
+
+    def take(self) -> State:
+        """See `Baton.take`."""
+        if self._first:
+            return self._first.pop()
+        state: State = _receive(self._ends.states_in)
+        return state
+
+    def pass_on(self, state: State) -> None:
+        """See `Baton.pass_on`."""
+        # Behind the last item no worker is left to receive it.
+        with suppress(BrokenPipeError):
+            _send(self._ends.states_out, state)
+
+
+class _Pipes:
+    """All pipes between workers, and between them and this process."""
+
+    def __init__(self) -> None:
+        self._ends: list[BinaryIO] = []
+
+    def open(self) -> tuple[BinaryIO, BinaryIO]:
+        """Return the ends of a new pipe: to read from, and to write to."""
+        reader, writer = os.pipe()
+        ends = open(reader, "rb"), open(writer, "wb")  # noqa: SIM115, PTH123 - see close_all_but
+        self._ends.extend(ends)
+        return ends
+
+    def close_all_but(self, *kept: BinaryIO) -> None:
+        """Close ends: a pipe is over only when no process holds its other end."""
+        for end in self._ends:
+            if end not in kept:
+                end.close()
+
+
+@contextmanager
+def _workers(
+    work: RelayWork[Item, State, Result], items: Sequence[Item], jobs: int, first: State
+) -> Iterator[list[BinaryIO]]:
+    """Start workers, yield the ends at which their results arrive, and end the workers."""
+    pipes = _Pipes()
+    workers: list[ForkProcess] = []
+    # A garbage collection writes to all that it looks at: each process would get its own pages of
+    # what was there before, an index of an hour for one.
+    gc.freeze()
+    try:
+        # A signal's exception amid a start would leave a process that nobody knows of.
+        with _STARTING, held_back():
+            arriving = _start(work, items, jobs, first, pipes, workers)
+        yield arriving
+    finally:
+        for process in workers:
+            process.kill()
+        for process in workers:
+            process.join()
+        pipes.close_all_but()
+        gc.unfreeze()
+
+
+def _start(
+    work: RelayWork[Item, State, Result],
+    items: Sequence[Item],
+    jobs: int,
+    first: State,
+    pipes: _Pipes,
+    workers: list[ForkProcess],
+) -> list[BinaryIO]:
+    """Start workers, added to a list as they come; return the ends at which results arrive.
+
+    Raises:
+        LogtoolError: there are not as many processes or files to be had.
+    """
+    try:
+        alive, parent = pipes.open()
+        states = [pipes.open() for _ in range(jobs)]
+        results = [pipes.open() for _ in range(jobs)]
+        for number in range(jobs):
+            states_out = states[(number + 1) % jobs][1]
+            ends = _Ends(alive, states[number][0], states_out, results[number][1])
+            given = [] if number else [first]
+            serve = partial(_serve, work, items[number::jobs], ends, given, pipes)
+            process = _FORK.Process(target=serve, daemon=True)
+            process.start()
+            workers.append(process)
+    except OSError as error:
+        raise LogtoolError(
+            f"{jobs} processes cannot be started: {error.strerror}; try fewer --jobs"
+        ) from error
+    arriving = [reader for reader, _ in results]
+    pipes.close_all_but(parent, *arriving)
+    return arriving
+
+
+def _serve(
+    work: RelayWork[Item, State, Result],
+    items: Sequence[Item],
+    ends: _Ends,
+    first: list[State],
+    pipes: _Pipes,
+) -> None:
+    """Work on some items; runs in a copy of the process."""
+    leave_to_parent()
+    pipes.close_all_but(ends.parent, ends.states_in, ends.states_out, ends.results)
+    threading.Thread(target=_end_with_parent, args=(ends.parent,), daemon=True).start()
+    baton = _Piped(ends, first)
+    with suppress(_PeerEndedError, BrokenPipeError), ThreadPoolExecutor(1) as sender:
+        sent: Future[None] = sender.submit(lambda: None)
+        for item in items:
+            try:
+                outcome: Result | _Raised = work(item, baton)
+            except _PeerEndedError:
+                raise
+            except Exception as error:  # noqa: BLE001 - it is raised where the result is wanted
+                error.add_note(traceback.format_exc())
+                outcome = _Raised(error)
+            # The next item is begun while this result waits to be received.
+            sent.result()
+            sent = sender.submit(_send, ends.results, outcome)
+            if isinstance(outcome, _Raised):
+                break
+        sent.result()
+
+
+def _end_with_parent(parent: BinaryIO) -> None:
+    parent.read(1)
+    os._exit(1)

@@ -1,0 +1,284 @@
+"""Which logs the words of the command line name: files, directories, globs, lists and URLs."""
+
+import codecs
+import os
+import re
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass, field, replace
+from pathlib import Path, PurePath, PurePosixPath
+from typing import TYPE_CHECKING, Final
+
+from dogbot_logtool.errors import CallError, LogtoolError
+from dogbot_logtool.io import storage
+from dogbot_logtool.io.storage import Location
+from dogbot_logtool.reader.containers.signatures import (
+    ANNOTATED,
+    BAG_MAGIC,
+    MCAP_MAGIC,
+    ROSBAG2_METADATA,
+    SQLITE_MAGIC,
+)
+from dogbot_logtool.run.search import Unsearched, matches, walk
+
+if TYPE_CHECKING:
+    from upath import UPath
+
+_SUFFIXES: Final = (".bag", ".mcap", ".db3")
+_MAGIC: Final = (BAG_MAGIC, MCAP_MAGIC, SQLITE_MAGIC)
+_WILD: Final = re.compile(r"[*?\[]")
+_LARGEST_LIST: Final = 256 << 20
+
+
+@dataclass(frozen=True, slots=True)
+class Found:
+    """A log that was named or found."""
+
+    place: Location
+    below: PurePath = field(default_factory=PurePosixPath)
+    """Its directory below the one that was searched; what is made of it lies likewise."""
+    searched: bool = False
+    """Nobody named it: it was met in a directory."""
+
+
+@dataclass(frozen=True, slots=True)
+class Fleet:
+    """All logs of a call, each once, in the order of the words, and by name within a word."""
+
+    logs: tuple[Found, ...]
+    left_out: int
+    """Files of `convert` that were met in searched directories."""
+    unsearched: tuple[Unsearched, ...] = ()
+    """Directories that could not be searched."""
+
+    @property
+    def places(self) -> list[Location]:
+        """Where the logs are."""
+        return [log.place for log in self.logs]
+
+    @property
+    def names(self) -> list[str]:
+        """What they are called when they are told of."""
+        return [storage.shown(log.place) for log in self.logs]
+
+    @property
+    def below(self) -> list[PurePath]:
+        """Their directories below those that were searched."""
+        return [log.below for log in self.logs]
+
+    @property
+    def failures(self) -> list[tuple[str, str]]:
+        """Name and sentence of each directory that could not be searched."""
+        names = [storage.shown(each.path) for each in self.unsearched]
+        return [
+            (name, f"{name}: cannot be searched: {each.reason}")
+            for name, each in zip(names, self.unsearched, strict=True)
+        ]
+
+
+def find_logs(words: Iterable[str], *, for_workers: bool = False) -> Fleet:
+    """Find the logs that words name.
+
+    A directory is searched, however deep, for files that end as logs do; on a disk, also for
+    others that begin as logs do. Links are followed, but each directory and each file is there
+    once. The directory of a ROS 2 bag is one log. ``@list.txt`` names a file of such words, one a
+    line, ``#`` beginning a remark; relative names in it start from the current directory.
+
+    Args:
+        words: what was named.
+        for_workers: name logs on a disk from its root, since workers may stand elsewhere.
+
+    Raises:
+        CallError: a word names nothing, or a list cannot be read.
+        LogtoolError: there are no logs but perhaps in directories that cannot be searched.
+        StoreError: a store fails.
+    """
+    found: dict[str, Found] = {}
+    unsearched: list[Unsearched] = []
+    left_out = 0
+    for word in words:
+        for one in _named(word, unsearched):
+            if one.searched and one.place.name.endswith(ANNOTATED):
+                left_out += 1
+                continue
+            place = storage.from_root(one.place) if for_workers else one.place
+            found.setdefault(storage.identity(place), replace(one, place=place))
+    fleet = Fleet(tuple(found.values()), left_out, tuple(dict.fromkeys(unsearched)))
+    if not found and unsearched:
+        raise LogtoolError(f"{fleet.failures[0][1]}, and there are no logs elsewhere")
+    if not found:
+        raise CallError("there are no logs: the lists and directories that were named hold none")
+    return fleet
+
+
+def _named(word: str, unsearched: list[Unsearched]) -> Iterator[Found]:
+    if word.startswith("@") and len(word) > 1:
+        yield from _listed(storage.location(word[1:]), unsearched)
+        return
+    if not word:
+        raise CallError("an empty name names no log; is a variable of the shell empty?")
+    place = storage.location(word)
+    if isinstance(place, Path):
+        yield from _on_disk(place, unsearched)
+    else:
+        yield from _in_store(place)
+
+
+def _listed(place: Location, unsearched: list[Unsearched]) -> Iterator[Found]:
+    """Find the logs that a list names."""
+    for number, line in enumerate(_lines(place), 1):
+        word = line if os.path.lexists(line) else line.strip()
+        if not word or word.startswith("#"):
+            continue
+        try:
+            if word.startswith("@"):
+                raise CallError(
+                    f"{word}: a list cannot name another list; a file of that name is ./{word}"
+                )
+            yield from _named(word, unsearched)
+        except CallError as error:
+            raise CallError(f"@{storage.shown(place)}, line {number}: {error}") from error
+
+
+def _lines(place: Location) -> list[str]:
+    """Return the lines of a list: names of files may be any bytes, so these need not be UTF-8."""
+    name = f"@{storage.shown(place)}"
+    try:
+        data = storage.content(place, _LARGEST_LIST)
+    except CallError as error:
+        raise CallError(f"@{error}") from error
+    except OSError as error:
+        raise CallError(f"{name}: cannot be read: {error.strerror}") from error
+    if data is None:
+        raise CallError(f"{name}: is too long for a list of logs")
+    if b"\0" in data:
+        raise CallError(f"{name}: is no list of logs, not even text in UTF-8")
+    lines = data.removeprefix(codecs.BOM_UTF8).split(b"\n")
+    return [os.fsdecode(line.removesuffix(b"\r")) for line in lines]
+
+
+def _on_disk(place: Path, unsearched: list[Unsearched]) -> Iterator[Found]:
+    name = str(place)
+    if os.path.isdir(name):  # noqa: PTH112 - false for a name that no disk takes
+        logs = _searched(place, unsearched)
+        if not logs and not unsearched:
+            raise CallError(
+                f"{storage.shown(place)}: is a directory, not a log file, and holds no logs"
+            )
+        yield from logs
+    elif os.path.lexists(name) or not _WILD.search(name):
+        yield Found(place)
+    else:
+        paths = matches(name, unsearched)
+        if not paths and not unsearched:
+            raise CallError(f"{storage.shown(place)}: no file has such a name")
+        found: list[Found] = []
+        for path in paths:
+            found += _searched(path, unsearched) if path.is_dir() else [Found(path)]
+        yield from _unique(found)
+
+
+def _searched(folder: Path, unsearched: list[Unsearched]) -> list[Found]:
+    """Find the logs below a directory of a disk, or that it is one; by name."""
+    found: list[Found] = []
+    for listing in walk(folder, unsearched):
+        is_root = listing.path == folder
+        name = PurePath(os.path.realpath(listing.path)).name
+        if _is_bag([file.name for file in listing.files], name):
+            found.append(Found(listing.path, listing.below.parent, searched=not is_root))
+            listing.folders.clear()
+        else:
+            found.extend(
+                Found(Path(file.path), listing.below, searched=True)
+                for file in listing.files
+                if _ends_like_a_log(file.name) or _begins_like_a_log(Path(file.path))
+            )
+    return _unique(found)
+
+
+def _unique(found: Iterable[Found]) -> list[Found]:
+    """Return each log of a disk once, by name; a link adds nothing to what is there without it."""
+    unique: dict[str, Found] = {}
+    for one in sorted(found, key=_is_link):
+        unique.setdefault(storage.identity(one.place), one)
+    return sorted(unique.values(), key=lambda one: list(one.place.parts))
+
+
+def _is_link(found: Found) -> bool:
+    """Tell whether a link leads to a log from where it was searched for."""
+    links = found.place, *list(found.place.parents)[: len(found.below.parts) + 1]
+    return any(isinstance(path, Path) and path.is_symlink() for path in links)
+
+
+def _in_store(place: "UPath") -> Iterator[Found]:
+    if not _WILD.search(place.path) or place.protocol in {"http", "https"}:
+        yield from _object(place)
+        return
+    names = sorted(storage.asked(place, lambda: list(place.fs.glob(place.path))))
+    if not names and not storage.asked(place, lambda: place.fs.exists(place.path)):
+        raise CallError(f"{storage.shown(place)}: no object has such a name")
+    for name in names or [place.path]:
+        yield from _object(_like(place, name))
+
+
+def _object(place: "UPath") -> Iterator[Found]:
+    if not _ends_like_a_log(place.name) and storage.is_folder(place):
+        yield from _searched_in_store(place)
+    else:
+        yield Found(place)
+
+
+def _searched_in_store(folder: "UPath") -> Iterator[Found]:
+    """Find the logs below a directory of a store: one listing, whatever its depth."""
+    names = sorted(storage.asked(folder, lambda: list(folder.fs.find(folder.path))))
+    root = PurePosixPath(folder.path)
+    files: dict[PurePosixPath, list[str]] = {}
+    for name in names:
+        path = PurePosixPath(name)
+        files.setdefault(path.parent, []).append(path.name)
+    bags = {path for path, inside in files.items() if _is_bag(inside, path.name)}
+    found = [Found(_like(folder, str(bag)), _relative(bag.parent, root)) for bag in bags]
+    for name in names:
+        path = PurePosixPath(name)
+        if _ends_like_a_log(path.name) and path.parent not in bags:
+            below = _relative(path.parent, root)
+            found.append(Found(_like(folder, name), below, searched=True))
+    if not found:
+        raise CallError(f"{storage.shown(folder)}: there are no logs")
+    yield from sorted(found, key=lambda one: str(one.place))
+
+
+def _relative(path: PurePosixPath, root: PurePosixPath) -> PurePosixPath:
+    return path.relative_to(root) if path.is_relative_to(root) else PurePosixPath()
+
+
+def _like(place: "UPath", name: str) -> "UPath":
+    """Return another object of the same store."""
+    other: UPath = type(place)(place.fs.unstrip_protocol(name), **place.storage_options)
+    return other
+
+
+def _is_bag(names: Sequence[str], folder: str) -> bool:
+    """Tell whether the files in a directory are a ROS 2 bag: one log.
+
+    Where its metadata is lost, the recorder's way of naming files tells:
+    ``<directory>_<number>.<suffix>``.
+    """
+    if ROSBAG2_METADATA in names:
+        return True
+    numbered = re.compile(re.escape(folder) + r"_\d+\.(db3|mcap)(\.zstd)?")
+    return any(numbered.fullmatch(name) for name in names)
+
+
+def _ends_like_a_log(name: str) -> bool:
+    return name.removesuffix(".zstd").endswith(_SUFFIXES)
+
+
+def _begins_like_a_log(file: Path) -> bool:
+    try:
+        # Opening a FIFO would wait for whoever writes to it.
+        if not file.is_file():
+            return False
+        with file.open("rb") as opened:
+            return opened.read(16).startswith(_MAGIC)
+    except OSError:
+        return False

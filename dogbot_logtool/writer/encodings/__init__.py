@@ -1,0 +1,1 @@
+"""The registry of output encodings, and one file each."""

@@ -1,0 +1,261 @@
+"""Annotations as ROS messages: what ROS 1 and ROS 2 have in common."""
+
+from abc import ABC, abstractmethod
+from collections.abc import Mapping, Sequence
+from typing import Any, ClassVar, Final
+
+from rosbags.typesys import Stores, get_types_from_msg, get_typestore
+
+from dogbot_logtool.writer.encodings.encoding import (
+    FOOTFALL_LOOK,
+    LOAD_FIELDS,
+    PRESSURE_LOOK,
+    PROJECTION_LOOK,
+    ArrowStyle,
+    BallLook,
+    MessageType,
+    SupportShape,
+    SupportStyle,
+    support_points,
+)
+from dogbot_logtool.writer.template import Kind, Number, Template, learn
+
+TF: Final = "tf2_msgs/msg/TFMessage"
+MARKER: Final = "visualization_msgs/msg/Marker"
+MARKERS: Final = "visualization_msgs/msg/MarkerArray"
+_LOAD: Final = "dogbot_logtool/msg/Load"
+_LOAD_DEFINITION: Final = """
+# The load on a foot at the time of one contact message.
+builtin_interfaces/Time stamp
+bool in_contact
+float64 force     # N, magnitude
+float64 force_bw  # body weights; NaN when the robot's mass is not known
+"""
+_NAMESPACE: Final = "dogbot"
+_ADD, _DELETE = 0, 2
+_ARROW_TYPE, _LINE_STRIP_TYPE, _SPHERE_LIST_TYPE = 0, 4, 7
+_SUPPORT_MARKERS: Final = 4
+"""Outline, centre of pressure, projection and footfalls, in the order of their ids."""
+_STAMP: Final = {"stamp.sec": Kind.UINT32, "stamp.nanosec": Kind.UINT32}
+_POSE: Final = dict.fromkeys(("x", "y", "z", "qx", "qy", "qz", "qw"), Kind.FLOAT64)
+_COLOUR: Final = dict.fromkeys("rgba", Kind.FLOAT32)
+_UPRIGHT: Final = {"qx": 0.0, "qy": 0.0, "qz": 0.0, "qw": 1.0}
+
+
+class RosEncoding(ABC):
+    """tf2_msgs/TFMessage, visualization_msgs' markers and a load message of our own."""
+
+    distribution: ClassVar[Stores]
+    """Whose message definitions are used."""
+    definitions: ClassVar[Mapping[str, str]] = {}
+    """Definitions that rosbags' store of it lacks."""
+    load_definition: ClassVar[str] = _LOAD_DEFINITION
+
+    def __init__(self) -> None:
+        self._store = get_typestore(self.distribution)
+        for name, text in {**self.definitions, _LOAD: self.load_definition}.items():
+            self._store.register(get_types_from_msg(text, name))
+        self.transform_type = self._message_type(TF)
+        self.arrow_type = self._message_type(MARKER)
+        self.load_type = self._message_type(_LOAD)
+        self.support_type = self._message_type(MARKERS)
+
+    @abstractmethod
+    def _message_type(self, name: str) -> MessageType:
+        """Return how an MCAP file names a type."""
+
+    @abstractmethod
+    def _serialise(self, message: Any, name: str) -> bytes:  # noqa: ANN401 - made at run time
+        """Serialise a message."""
+
+    @abstractmethod
+    def _header_extras(self) -> Mapping[str, Any]:
+        """Return what a header has besides stamp and frame."""
+
+    @abstractmethod
+    def _marker_extras(self) -> Mapping[str, Any]:
+        """Return what a marker has besides the fields of all versions."""
+
+    def make(self, name: str, **fields: object) -> Any:  # noqa: ANN401 - types made at run time
+        """Make a message."""
+        return self._store.types[name](**fields)  # type: ignore[arg-type]
+
+    def _time(self, values: Mapping[str, Number], name: str = "stamp") -> Any:  # noqa: ANN401
+        return self.make(
+            "builtin_interfaces/msg/Time",
+            sec=values[f"{name}.sec"],
+            nanosec=values[f"{name}.nanosec"],
+        )
+
+    def header(self, frame: str, values: Mapping[str, Number], stamp_name: str = "stamp") -> Any:  # noqa: ANN401
+        """Make a header."""
+        stamp = self._time(values, stamp_name)
+        return self.make(
+            "std_msgs/msg/Header", stamp=stamp, frame_id=frame, **self._header_extras()
+        )
+
+    def _quaternion(self, values: Mapping[str, Number]) -> Any:  # noqa: ANN401
+        parts = {axis: values[f"q{axis}"] for axis in "xyzw"}
+        return self.make("geometry_msgs/msg/Quaternion", **parts)
+
+    def transform(self, parent: str, child: str) -> Template:
+        """See `Encoding.transform`."""
+
+        def serialise(values: Mapping[str, Number]) -> bytes:
+            place = {axis: values[axis] for axis in "xyz"}
+            one = self.make(
+                "geometry_msgs/msg/TransformStamped",
+                header=self.header(parent, values),
+                child_frame_id=child,
+                transform=self.make(
+                    "geometry_msgs/msg/Transform",
+                    translation=self.make("geometry_msgs/msg/Vector3", **place),
+                    rotation=self._quaternion(values),
+                ),
+            )
+            return self._serialise(self.make(TF, transforms=[one]), TF)
+
+        return learn(serialise, _STAMP | _POSE)
+
+    def arrow(self, foot: str, frame: str, style: ArrowStyle) -> Template:
+        """See `Encoding.arrow`; every foot has a topic of its own, so all markers have one id."""
+        del foot
+
+        def serialise(values: Mapping[str, Number]) -> bytes:
+            length, diameter = values["length"], style.shaft_diameter_m
+            arrow = self.marker(
+                self.header(frame, values),
+                type=_ARROW_TYPE,
+                pose=self._pose(self.point(values), values),
+                scale=self._vector(length, diameter, diameter),
+                color=self._colour([values[part] for part in "rgba"]),
+                lifetime=self._duration(style.lifetime_s),
+            )
+            return self._serialise(arrow, MARKER)
+
+        return learn(serialise, _STAMP | _POSE | _COLOUR | {"length": Kind.FLOAT64})
+
+    def removal(self, foot: str, frame: str) -> Template:
+        """See `Encoding.removal`."""
+        del foot
+
+        def serialise(values: Mapping[str, Number]) -> bytes:
+            header = self.header(frame, values)
+            return self._serialise(self.marker(header, type=_ARROW_TYPE, action=_DELETE), MARKER)
+
+        return learn(serialise, _STAMP)
+
+    def support(self, shape: SupportShape, frame: str, style: SupportStyle) -> Template:
+        """See `Encoding.support`; of its four markers, those that there are not are deleted."""
+        points = support_points(shape)
+        lifetime = self._duration(style.lifetime_s)
+        stamps = [f"stamp{number}" for number in range(_SUPPORT_MARKERS)]
+
+        def serialise(values: Mapping[str, Number]) -> bytes:
+            looks = (
+                self._line(points.line, style, values),
+                self._balls(points.pressure, PRESSURE_LOOK, style, values),
+                self._balls(points.projection, PROJECTION_LOOK, style, values),
+                self._balls(points.footfalls, FOOTFALL_LOOK, style, values),
+            )
+            markers = [
+                self.marker(
+                    self.header(frame, values, stamp),
+                    ns="support",
+                    id=number,
+                    **({"lifetime": lifetime, **look} if look else {"action": _DELETE}),
+                )
+                for number, (stamp, look) in enumerate(zip(stamps, looks, strict=True))
+            ]
+            return self._serialise(self.make(MARKERS, markers=markers), MARKERS)
+
+        times = {f"{stamp}.{part}": Kind.UINT32 for stamp in stamps for part in ("sec", "nanosec")}
+        colour = _COLOUR if points.line else {}
+        return learn(serialise, {**times, **colour, **points.fields})
+
+    def _line(
+        self, names: Sequence[str], style: SupportStyle, values: Mapping[str, Number]
+    ) -> Mapping[str, Any]:
+        """Return the fields of a marker that joins points; none where there are none."""
+        if not names:
+            return {}
+        return {
+            "type": _LINE_STRIP_TYPE,
+            "points": [self.point(values, f"{name}.") for name in names],
+            "scale": self._vector(style.line_m, 0.0, 0.0),
+            "color": self._colour([values[part] for part in "rgba"]),
+        }
+
+    def _balls(
+        self,
+        names: Sequence[str],
+        look: BallLook,
+        style: SupportStyle,
+        values: Mapping[str, Number],
+    ) -> Mapping[str, Any]:
+        """Return the fields of a marker of several spheres; none where there are none."""
+        if not names:
+            return {}
+        width, height = look.width * style.mark_m, look.height * style.mark_m
+        return {
+            "type": _SPHERE_LIST_TYPE,
+            "points": [self.point(values, f"{name}.") for name in names],
+            "scale": self._vector(width, width, height),
+            "color": self._colour(look.colour),
+        }
+
+    def point(self, values: Mapping[str, Number], name: str = "") -> Any:  # noqa: ANN401
+        """Make a point of three named numbers."""
+        return self.make("geometry_msgs/msg/Point", **{axis: values[name + axis] for axis in "xyz"})
+
+    def _pose(self, position: Any, turn: Mapping[str, Number]) -> Any:  # noqa: ANN401
+        orientation = self._quaternion(turn)
+        return self.make("geometry_msgs/msg/Pose", position=position, orientation=orientation)
+
+    def _vector(self, x: Number, y: Number, z: Number) -> Any:  # noqa: ANN401
+        return self.make("geometry_msgs/msg/Vector3", x=x, y=y, z=z)
+
+    def _colour(self, parts: Sequence[Number]) -> Any:  # noqa: ANN401
+        named = dict(zip("rgba", parts, strict=True))
+        return self.make("std_msgs/msg/ColorRGBA", **named)
+
+    def _duration(self, seconds: float) -> Any:  # noqa: ANN401
+        whole, nanoseconds = divmod(round(seconds * 1e9), 1_000_000_000)
+        return self.make("builtin_interfaces/msg/Duration", sec=whole, nanosec=nanoseconds)
+
+    def marker(self, header: Any, **fields: Any) -> Any:  # noqa: ANN401
+        """Make a marker; what is not given is that of a marker of no size."""
+        nowhere = self.point(dict.fromkeys("xyz", 0.0))
+        given = {
+            "ns": _NAMESPACE,
+            "id": 0,
+            "type": _ARROW_TYPE,
+            "action": _ADD,
+            "pose": self._pose(nowhere, _UPRIGHT),
+            "scale": self._vector(0.0, 0.0, 0.0),
+            "color": self._colour((0.0,) * 4),
+            "lifetime": self._duration(0.0),
+            "points": [],
+            **fields,
+        }
+        return self.make(
+            MARKER,
+            header=header,
+            frame_locked=False,
+            colors=[],
+            text="",
+            mesh_resource="",
+            mesh_use_embedded_materials=False,
+            **given,
+            **self._marker_extras(),
+        )
+
+    def load(self) -> Template:
+        """See `Encoding.load`."""
+
+        def serialise(values: Mapping[str, Number]) -> bytes:
+            numbers: dict[str, Any] = {name: values[name] for name in LOAD_FIELDS}
+            load = self.make(_LOAD, stamp=self._time(values), **numbers)
+            return self._serialise(load, _LOAD)
+
+        return learn(serialise, _STAMP | LOAD_FIELDS)

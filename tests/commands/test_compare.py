@@ -1,0 +1,342 @@
+"""`compare` from the outside: JSON documents, updating, reports, exit codes."""
+
+import io
+import json
+import stat
+from pathlib import Path
+from typing import Any
+from xml.etree import ElementTree as ET
+
+import pytest
+from mcap.writer import Writer
+from rich.console import Console
+
+from dogbot_logtool.commands.compare import CompareOptions, compare, update
+from dogbot_logtool.comparison.outcome import Comparison
+from dogbot_logtool.errors import CallError
+from dogbot_logtool.report.comparison_json import comparison_json
+from dogbot_logtool.report.comparison_text import show_comparison
+from dogbot_logtool.report.junit import junit_xml
+from tests.paths import SAMPLE_LOGS
+
+WALK = SAMPLE_LOGS / "dogbot_walk.mcap"
+STATS: dict[str, Any] = {
+    "schema": 1,
+    "tool": {"name": "dogbot-logtool", "version": "0.1.0"},
+    "gait": {"name": "trot", "duty_factor": 0.714, "strides": 12},
+    "feet": [
+        {"name": "front_left", "peak_n": 208.5, "slip_m": None},
+        {"name": "front_right", "peak_n": 201.25, "slip_m": 0.004},
+    ],
+}
+
+
+@pytest.fixture
+def expected(tmp_path: Path) -> Path:
+    return tmp_path / "expected"
+
+
+@pytest.fixture
+def actual(tmp_path: Path) -> Path:
+    return tmp_path / "actual"
+
+
+def write_json(path: Path, document: object) -> None:
+    path.write_text(json.dumps(document, indent=1), encoding="utf-8")
+
+
+def changed(**parts: object) -> dict[str, Any]:
+    return {**STATS, **parts}
+
+
+def write_log(path: Path, *payloads: str, topics: tuple[str, ...] = ("/a",)) -> Path:
+    with path.open("wb") as file:
+        writer = Writer(file)
+        writer.start("", "a test")
+        for topic in topics:
+            channel = writer.register_channel(topic, "json", 0)
+            for time, payload in enumerate(payloads):
+                writer.add_message(channel, time, payload.encode(), time)
+        writer.finish()
+    return path
+
+
+def lines(result: Comparison) -> list[str]:
+    return [difference.line for difference in result.differences]
+
+
+def shown(result: Comparison) -> str:
+    console = Console(file=io.StringIO(), width=100)
+    show_comparison(result, console)
+    assert isinstance(console.file, io.StringIO)
+    return console.file.getvalue()
+
+
+def compare_json(
+    expected: Path, actual: Path, document: object, options: CompareOptions | None = None
+) -> Comparison:
+    write_json(expected, STATS)
+    write_json(actual, document)
+    return compare(expected, actual, options or CompareOptions())
+
+
+def test_the_same_statistics(expected: Path, actual: Path) -> None:
+    document = changed(tool={"version": "9.9", "name": "dogbot-logtool"})
+    result = compare_json(expected, actual, dict(reversed(document.items())))
+    assert (result.same, result.exit_code, result.unit) == (True, 0, "values")
+    assert result.verdict == "same: 4 parts, 11 values"
+
+
+def test_statistics_are_compared_by_path_type_and_tolerance(expected: Path, actual: Path) -> None:
+    document = changed(
+        gait={"name": "walk", "duty_factor": 0.715, "strides": 12.0},
+        feet=[
+            {"name": "front_left", "peak_n": "208.5", "slip_m": 0.0},
+            {"name": "front_right", "peak_n": 201.5, "extra": True},
+        ],
+    )
+    result = compare_json(expected, actual, document)
+    assert result.exit_code == 1
+    assert lines(result) == [
+        'gait.name: expected "trot", got "walk"',
+        "gait.duty_factor: expected 0.714, got 0.715 (|d| 0.001)",
+        'feet[0].peak_n: expected 208.5, got "208.5"',
+        "feet[0].slip_m: expected null, got 0.0",
+        "feet[1].peak_n: expected 201.25, got 201.5 (|d| 0.25)",
+        "feet[1].slip_m: expected 0.004, got nothing",
+        "feet[1].extra: expected nothing, got true",
+    ]
+    tallies = {tally.name: tally for tally in result.tallies}
+    gait, feet = tallies["gait"], tallies["feet"]
+    assert (gait.expected, gait.equal, gait.different) == (3, 1, 2)
+    assert (feet.expected, feet.actual, feet.missing, feet.extra) == (6, 6, 1, 1)
+    assert (feet.deviation, feet.deviation_path) == (0.25, "feet[1].peak_n")
+
+
+def test_tolerances_by_quantity_and_ignored_values(
+    expected: Path, actual: Path, tmp_path: Path
+) -> None:
+    tolerances = tmp_path / "tolerances.toml"
+    tolerances.write_text('[newtons]\nrtol = 0.01\nfields = ["*_n"]\n', encoding="utf-8")
+    document = changed(
+        gait={"name": "trot", "duty_factor": 0.715, "strides": 12},
+        feet=[
+            {"name": "front_left", "peak_n": 209.0, "slip_m": None},
+            {"name": "front_right", "peak_n": 201.5, "slip_m": 0.005},
+        ],
+    )
+    options = CompareOptions(tolerances=tolerances, ignore=("gait.duty_factor",))
+    result = compare_json(expected, actual, document, options)
+    assert lines(result) == ["feet[1].slip_m: expected 0.004, got 0.005 (|d| 0.001)"]
+    options = CompareOptions(tolerances=tolerances, atol=0.002)
+    assert compare_json(expected, actual, document, options).exit_code == 0
+    options = CompareOptions(topics=("gait", "tool"))
+    result = compare_json(expected, actual, document, options)
+    assert [tally.name for tally in result.tallies] == ["tool", "gait"]
+    with pytest.raises(CallError, match="neither file has a key like nothing"):
+        compare(expected, actual, CompareOptions(topics=("nothing",)))
+
+
+def test_parts_that_only_one_has(expected: Path, actual: Path) -> None:
+    document = {key: value for key, value in STATS.items() if key != "gait"} | {"more": []}
+    assert lines(compare_json(expected, actual, document)) == [
+        'gait: expected {"name": "trot", "duty_factor": 0.714, "strides": 12}, got nothing',
+        "more: expected nothing, got []",
+    ]
+
+
+def test_documents_that_are_no_objects(expected: Path, actual: Path) -> None:
+    write_json(expected, [STATS, STATS])
+    write_json(actual, [STATS, changed(tool={"name": "x", "version": "2"})])
+    assert lines(compare(expected, actual, CompareOptions())) == [
+        '[1].tool.name: expected "dogbot-logtool", got "x"'
+    ]
+    write_json(actual, STATS)
+    result = compare(expected, actual, CompareOptions())
+    assert result.exit_code == 1
+    assert lines(result)[0].startswith('(document): expected [{"schema": 1, ')
+
+
+def test_what_cannot_be_compared_is_a_wrong_call(expected: Path, actual: Path) -> None:
+    options = CompareOptions()
+
+    def refused() -> str:
+        with pytest.raises(CallError) as error:
+            compare(expected, actual, options)
+        assert error.value.exit_code == 2
+        return str(error.value)
+
+    assert refused() == f"{expected}: no such file"
+    write_log(expected, "1")
+    assert refused() == f"{actual}: no such file"
+    write_json(actual, STATS)
+    assert refused() == f"{actual} is JSON, but {expected} is not: they cannot be compared"
+    write_json(expected, STATS)
+    actual.write_text('{"a": ', encoding="utf-8")
+    assert "is not JSON" in refused()
+    actual.write_text("[" * 100_000, encoding="utf-8")
+    assert "is nested too deeply" in refused()
+    for path in (expected, actual):
+        path.write_text(f'{"[" * 700}"{path.name}"{"]" * 700}', encoding="utf-8")
+    assert "is nested too deeply" in refused()
+    write_log(expected, "1")
+    actual.write_bytes(b"rubbish")
+    assert "is neither a ROS 1 bag" in refused()
+    actual.write_bytes(b"")
+    assert "is empty" in refused()
+    actual.unlink()
+    actual.mkdir()
+    assert refused() == f"{actual}: is a directory, not a log file, and holds no ROS 2 bag"
+    with pytest.raises(CallError, match="--update writes files only"):
+        update(expected, actual)
+    with pytest.raises(CallError, match="--max-differences"):
+        compare(expected, expected, CompareOptions(max_differences=-1))
+    with pytest.raises(CallError, match="--atol"):
+        compare(expected, expected, CompareOptions(atol=-1.0))
+
+
+def test_a_log_that_comes_with_the_project_is_the_same_as_itself() -> None:
+    result = compare(WALK, WALK, CompareOptions())
+    assert (result.exit_code, result.difference_count, result.losses) == (0, 0, [])
+    assert sum(tally.expected for tally in result.tallies) > 20_000
+
+
+def test_update_replaces_what_differs_and_says_what(expected: Path, actual: Path) -> None:
+    write_log(expected, "1", "2", "3", "4", topics=("/a", "/gone", "/same"))
+    write_log(actual, "1", "2.5", "3", topics=("/a", "/new"))
+    result = update(expected, actual)
+    assert result.written
+    assert result.lines == (
+        "/a: 1 of 4 messages different, 1 missing (largest |d| 0.5)",
+        "/gone: is missing (4 messages)",
+        "/new: is extra (3 messages)",
+        "/same: is missing (4 messages)",
+    )
+    assert expected.read_bytes() == actual.read_bytes()
+    assert stat.S_IMODE(expected.stat().st_mode) == stat.S_IMODE(actual.stat().st_mode)
+    assert update(expected, actual).lines == ()
+    assert sorted(expected.parent.iterdir()) == sorted([expected, actual])
+
+
+def test_update_leaves_what_means_the_same(expected: Path, actual: Path) -> None:
+    write_log(expected, "1.0")
+    write_log(actual, "1")
+    before = expected.read_bytes()
+    assert before != actual.read_bytes()
+    assert not update(expected, actual).written
+    assert expected.read_bytes() == before
+
+
+def test_update_makes_what_is_not_there(expected: Path, actual: Path) -> None:
+    write_log(actual, "1", "2")
+    result = update(expected, actual)
+    assert result.lines[:2] == (f"{expected}: is new", "/a: 2 messages")
+    assert expected.read_bytes() == actual.read_bytes()
+    with pytest.raises(CallError, match="no such folder"):
+        update(expected.parent / "none" / "expected", actual)
+
+
+def test_update_takes_statistics_too(expected: Path, actual: Path) -> None:
+    write_json(expected, STATS)
+    write_json(actual, changed(gait={"name": "trot", "duty_factor": 0.75, "strides": 12}))
+    assert update(expected, actual).lines == ("gait: 1 of 3 values different (largest |d| 0.036)",)
+
+
+def test_update_refuses_what_is_no_golden_file(expected: Path, actual: Path) -> None:
+    write_log(expected, "1")
+    before = expected.read_bytes()
+    with pytest.raises(CallError, match="no such file"):
+        update(expected, actual)
+    with pytest.raises(CallError, match="the same one"):
+        update(expected, expected)
+    actual.write_bytes(write_log(actual, "1", "2").read_bytes()[:-20])
+    with pytest.raises(CallError, match="is damaged and makes no golden file"):
+        update(expected, actual)
+    write_json(actual, STATS)
+    with pytest.raises(CallError, match="cannot be compared"):
+        update(expected, actual)
+    assert expected.read_bytes() == before
+
+
+def test_update_replaces_a_damaged_file(expected: Path, actual: Path) -> None:
+    write_log(actual, "1", "2")
+    expected.write_bytes(actual.read_bytes()[:-20])
+    result = update(expected, actual)
+    assert result.written
+    assert f"{expected}: was damaged" in result.lines[0]
+    assert expected.read_bytes() == actual.read_bytes()
+
+
+@pytest.fixture
+def different(expected: Path, actual: Path) -> Comparison:
+    topics = ("/a", "/b", "/<&>\x1b[31m\x00")
+    write_log(expected, "1", '"x"', "3", topics=topics)
+    write_log(actual, "2", '"x\\u0000<"', topics=topics[1:])
+    return compare(expected, actual, CompareOptions(max_differences=3))
+
+
+def test_the_text_report(different: Comparison) -> None:
+    text = shown(different)
+    first, heading, *rest = text.splitlines()
+    assert first == (
+        "different: 4 different, 5 missing, 1 described differently, of 3 topics and 9 messages"
+    )
+    assert heading.split()[:3] == ["topic", "messages", "equal"]
+    assert "\x1b" not in text
+    assert "\x00" not in text
+    assert [line.split()[:3] for line in rest[:3]] == [
+        ["/<&>\\x1b[31m\\x00", "3", "/"],
+        ["/a", "3", "/"],
+        ["/b", "3", "/"],
+    ]
+    assert rest[-4] == "/a: the topic is missing (3 messages)"
+    assert rest[-2] == "/b[0] t=0.000 s: expected 1, got 2"
+    assert rest[-1] == "... and 4 more"
+
+
+def test_the_json_report(different: Comparison) -> None:
+    document = json.loads(comparison_json(different))
+    assert document["same"] is False
+    assert document["exit_code"] == 1
+    assert document["difference_count"] == 7
+    assert [one["line"] for one in document["differences"]] == lines(different)
+    topic = next(one for one in document["topics"] if one["name"] == "/b")
+    assert (topic["expected"], topic["actual"], topic["different"], topic["missing"]) == (
+        (3, 2, 2, 1)
+    )
+    assert document["differences"][0]["kind"] == "topic"
+
+
+def test_the_junit_report(different: Comparison) -> None:
+    (suite,) = ET.fromstring(junit_xml(different))  # noqa: S314 - our own
+    assert suite.attrib["tests"] == str(len(suite.findall("testcase"))) == "5"
+    assert (suite.attrib["failures"], suite.attrib["errors"]) == ("3", "0")
+    cases = {case.attrib["name"]: case for case in suite}
+    assert set(cases) == {
+        "files can be read",
+        "/<&>\\x1b[31m\\x00",
+        "/a",
+        "/b",
+        "(records)",
+    }
+    failure = cases["/b"].find("failure")
+    assert failure is not None
+    assert failure.attrib["message"] == "/b: 2 of 3 messages different, 1 missing"
+    assert failure.text == "/b[0] t=0.000 s: expected 1, got 2"
+    assert cases["(records)"].find("failure") is None
+
+
+def test_reports_of_damage(expected: Path, actual: Path) -> None:
+    write_log(expected, "1", "2")
+    actual.write_bytes(expected.read_bytes()[:-20])
+    result = compare(expected, actual, CompareOptions())
+    assert (result.same, result.exit_code) == (True, 3)
+    text = shown(result)
+    assert text.startswith("same: 1 topics, 2 messages; damaged: ")
+    assert f"{actual}: " in text.splitlines()[1]
+    (suite,) = ET.fromstring(junit_xml(result))  # noqa: S314 - our own
+    assert (suite.attrib["failures"], suite.attrib["errors"]) == ("0", "1")
+    assert suite[0].find("error") is not None
+    document = json.loads(comparison_json(result))
+    assert document["losses"][0]["file"] == str(actual)
+    assert "damaged" in document["verdict"]

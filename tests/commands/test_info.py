@@ -1,0 +1,163 @@
+"""What `info` tells of the sample logs, against their truths and their containers' libraries."""
+
+import json
+from collections import Counter
+from io import StringIO
+from pathlib import Path
+from typing import Any
+
+import pytest
+from mcap.reader import make_reader
+from mcap.writer import Writer as McapWriter
+from rich.console import Console
+from rosbags.rosbag1 import Reader as BagReader
+
+from dogbot_logtool.commands.info import LogInfo, describe
+from dogbot_logtool.errors import CallError, LogError
+from dogbot_logtool.pipeline.selection import TopicOptions
+from dogbot_logtool.report.info_report import info_json, print_info
+from tests.paths import SAMPLE_LOGS
+
+TROT, WALK, TROUBLED = (
+    SAMPLE_LOGS / f"dogbot_{name}" for name in ("trot.bag", "walk.mcap", "troubled.bag")
+)
+LOGS = (TROT, WALK, TROUBLED)
+FEET = ("front_left", "front_right", "back_left", "back_right")
+
+
+def truth(log: Path) -> dict[str, Any]:
+    told: dict[str, Any] = json.loads(log.with_suffix(".truth.json").read_text(encoding="utf-8"))
+    return told
+
+
+def printed(info: LogInfo, width: int = 120) -> str:
+    console = Console(width=width, file=StringIO())
+    print_info(console, info)
+    assert isinstance(console.file, StringIO)
+    return console.file.getvalue()
+
+
+@pytest.mark.parametrize("log", LOGS, ids=lambda log: log.stem)
+def test_counts_times_and_types(log: Path) -> None:
+    info, told = describe(log, TopicOptions()), truth(log)["log"]
+    assert {topic.topic: topic.messages for topic in info.topics} == told["messages"]
+    assert info.messages == sum(told["messages"].values())
+    assert info.start_time == told["first_log_time_ns"]
+    duration_s = (told["last_log_time_ns"] - told["first_log_time_ns"]) / 1e9
+    assert info.duration_s == pytest.approx(duration_s, abs=1e-9)
+    for topic in info.topics:
+        rate = None if topic.messages < 10 else pytest.approx(topic.messages / duration_s)
+        assert topic.rate_hz == rate
+        assert topic.senders == 1
+    assert info.size == log.stat().st_size
+    assert (info.exit_code, info.losses) == (0, ())
+    assert info.robot == "dogbot"
+
+
+def test_a_bag_is_what_rosbags_says() -> None:
+    info = describe(TROT, TopicOptions())
+    with BagReader(TROT) as reader:
+        types = {c.topic: c.msgtype.replace("/msg/", "/") for c in reader.connections}
+        chunks = len(reader.chunk_infos)
+    assert {topic.topic: topic.type_name for topic in info.topics} == types
+    assert {topic.encoding for topic in info.topics} == {"ros1"}
+    assert (info.container, info.profile, info.compressions) == ("ROS 1 bag", "ros1", ("lz4",))
+    assert info.chunks == chunks
+    assert describe(TROUBLED, TopicOptions()).compressions == ("bz2",)
+
+
+def test_an_mcap_is_what_the_library_says() -> None:
+    info = describe(WALK, TopicOptions())
+    with WALK.open("rb") as stream:
+        summary = make_reader(stream).get_summary()
+    assert summary is not None
+    assert info.chunks == len(summary.chunk_indexes)
+    assert {topic.topic for topic in info.topics} == {c.topic for c in summary.channels.values()}
+    assert (info.container, info.profile, info.compressions) == ("MCAP", "ros2", ("zstd",))
+    assert {topic.encoding for topic in info.topics} == {"cdr"}
+
+
+@pytest.mark.parametrize("log", LOGS, ids=lambda log: log.stem)
+def test_uses(log: Path) -> None:
+    uses = {topic.topic: topic.use for topic in describe(log, TopicOptions()).topics}
+    wanted = {f"/dogbot/{foot}_contactsensor_state": f"foot {foot}" for foot in FEET}
+    wanted |= {"/dogbot/odom": "odometry", "/dogbot/imu": "", "/dogbot/joint_states": ""}
+    wanted |= dict.fromkeys(uses.keys() & {"/tf", "/tf_static"}, "frames")
+    assert uses == wanted
+
+
+@pytest.mark.parametrize("log", LOGS, ids=lambda log: log.stem)
+def test_findings(log: Path) -> None:
+    codes = {finding.code for finding in describe(log, TopicOptions()).findings}
+    frame = truth(log)["forces"]["wrench_frame"].upper()
+    wanted = {"N_ROBOT_GUESSED", f"N_WRENCH_FRAME_{frame}"}
+    if log == TROUBLED:
+        wanted |= {"W_ZERO_STAMPS", "W_SLASHED_FRAMES", "N_NOT_SEEN_TOUCHING"}
+    assert codes == wanted
+
+
+def test_the_transform_that_would_be_added() -> None:
+    assert describe(WALK, TopicOptions()).added_transform == ("world", "base_link")
+
+
+def test_json_is_plain_and_complete() -> None:
+    info = describe(TROUBLED, TopicOptions())
+    told = json.loads(json.dumps(info_json(info), allow_nan=False))
+    assert told["path"] == str(TROUBLED)
+    assert told["size_bytes"] == TROUBLED.stat().st_size
+    assert Counter(t["use"] for t in told["topics"])[None] == 2
+    assert told["start_time_ns"] == truth(TROUBLED)["log"]["first_log_time_ns"]
+    assert told["frames"]["added"] == ["world", "base_link"]
+    assert told["damage"] == {"messages": 0, "bytes": 0, "places": []}
+    assert {f["code"] for f in told["findings"]} == {f.code for f in info.findings}
+
+
+@pytest.mark.parametrize("width", [40, 80, 109, 110, 200])
+def test_print_fits_and_tells_all_topics(width: int) -> None:
+    text = printed(describe(TROT, TopicOptions()), width)
+    table = text[: text.index("frames\n")]
+    too_long = [line for line in table.split("\n")[1:] if len(line) > width]
+    assert [line for line in too_long if len(line.split()) > 1] == [], "only whole names may be"
+    if width >= 80:
+        for topic in truth(TROT)["log"]["messages"]:
+            assert topic in text
+        assert "gazebo_msgs/ContactsState" in text
+    assert "11,608" in text
+
+
+def test_an_empty_log(tmp_path: Path) -> None:
+    path = tmp_path / "empty.mcap"
+    with path.open("wb") as stream:
+        writer = McapWriter(stream)
+        writer.start()
+        writer.finish()
+    info = describe(path, TopicOptions())
+    assert (info.messages, info.start_time, info.duration_s, info.topics) == (0, None, None, ())
+    assert info.exit_code == 0
+    assert info.added_transform is None
+    assert "messages" in printed(info)
+    json.dumps(info_json(info))
+
+
+def test_a_log_of_one_instant_has_no_rate(tmp_path: Path) -> None:
+    path = tmp_path / "one.mcap"
+    with path.open("wb") as stream:
+        writer = McapWriter(stream)
+        writer.start()
+        channel = writer.register_channel("/x", "json", 0)
+        writer.add_message(channel, 1_700_000_000_000_000_000, b"{}", 0)
+        writer.finish()
+    info = describe(path, TopicOptions())
+    assert (info.duration_s, info.topics[0].rate_hz) == (0.0, None)
+    assert info.topics[0].type_name == ""
+    text = printed(info)
+    assert "2023-11-14 22:13:20 UTC" in text
+    assert "no type" in text
+
+
+def test_what_is_no_log(tmp_path: Path) -> None:
+    with pytest.raises(CallError, match="no such file"):
+        describe(tmp_path / "none.bag", TopicOptions())
+    (tmp_path / "text").write_text("hello, this is no log at all")
+    with pytest.raises(LogError, match="neither"):
+        describe(tmp_path / "text", TopicOptions())

@@ -1,0 +1,127 @@
+"""`report`: pages on disk, the index, and what is refused."""
+
+import os
+import re
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from dogbot_logtool.commands.report import Reports
+from dogbot_logtool.commands.stats import StatsOptions
+from dogbot_logtool.errors import CallError, LogError
+from dogbot_logtool.io.targets import Output
+from tests.paths import SAMPLE_LOGS
+
+TROT, TROUBLED = SAMPLE_LOGS / "dogbot_trot.bag", SAMPLE_LOGS / "dogbot_troubled.bag"
+
+
+def names(folder: Path) -> list[str]:
+    return sorted(file.name for file in folder.iterdir())
+
+
+def test_a_page_is_the_same_whatever_the_jobs(tmp_path: Path) -> None:
+    pages = []
+    for jobs in (1, 3):
+        target = tmp_path / f"{jobs}.html"
+        done = Reports(
+            [TROT], Output(target, is_folder=False), StatsOptions(jobs=jobs), overwrite=False
+        ).write(TROT)
+        assert (done.target, done.size, done.exit_code) == (target, target.stat().st_size, 0)
+        pages.append(target.read_bytes())
+    assert pages[0] == pages[1]
+
+
+def test_several_logs_have_an_index_even_if_one_fails(tmp_path: Path) -> None:
+    bad = tmp_path / "bad.bag"
+    bad.write_bytes(b"#ROSBAG V2.0\n")
+    out = tmp_path / "out"
+    out.mkdir()
+    reports = Reports([TROT, bad], Output(out, is_folder=True), StatsOptions(), overwrite=False)
+    reports.write(TROT)
+    with pytest.raises(LogError):
+        reports.write(bad)
+    reports.finish({str(bad): f"{bad}: is damaged"})
+    assert names(out) == ["dogbot_trot.report.html", "index.html"]
+    index = (out / "index.html").read_text()
+    assert 'href="dogbot_trot.report.html"' in index
+    assert '<th scope="row">bad.bag</th>' in index
+    assert "✖ is damaged</td>" in index
+
+
+def test_the_index_leads_to_pages_of_any_name(tmp_path: Path) -> None:
+    """Names may be any bytes; a log that cannot be used stands in the index with the reason."""
+    shutil.copy(TROUBLED, Path(os.fsdecode(bytes(tmp_path) + b"/<\xff>.bag")))
+    (tmp_path / "bad.bag").write_bytes(b"nothing of the kind")
+    done = subprocess.run(
+        [sys.executable, "-m", "dogbot_logtool", "report", "."],
+        cwd=tmp_path,
+        env={**os.environ, "PYTHONPATH": str(SAMPLE_LOGS.parent)},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert done.returncode == 1
+    assert "Traceback" not in done.stderr
+    index = (tmp_path / "index.html").read_text()
+    assert '<a href="%3C%FF%3E.report.html">&lt;\\xff&gt;.bag</a>' in index
+    assert '<th scope="row">bad.bag</th>' in index
+    assert "is neither a ROS 1 bag" in index
+
+
+def test_a_damaged_log_has_a_page_and_another_exit_code(tmp_path: Path) -> None:
+    cut = tmp_path / "cut.bag"
+    cut.write_bytes(TROT.read_bytes()[:900_000])
+    done = Reports([cut], Output(tmp_path, is_folder=True), StatsOptions(), overwrite=False).write(
+        cut
+    )
+    assert done.exit_code == 3
+    html = done.target.read_text()
+    assert "The log is damaged" in html
+    assert 'class="file"' in html
+
+
+def test_nothing_is_overwritten_unasked(tmp_path: Path) -> None:
+    target = tmp_path / "x.html"
+    target.write_text("mine")
+    with pytest.raises(CallError, match="exists already"):
+        Reports([TROUBLED], Output(target, is_folder=False), StatsOptions(), overwrite=False).write(
+            TROUBLED
+        )
+    assert target.read_text() == "mine"
+    (tmp_path / "index.html").write_text("mine")
+    with pytest.raises(CallError, match="exists already"):
+        Reports([TROT, TROUBLED], Output(tmp_path, is_folder=True), StatsOptions(), overwrite=False)
+
+
+def test_without_the_extra_a_sentence_says_what_to_install(tmp_path: Path) -> None:
+    blocked = (
+        "import sys; sys.modules['plotly'] = None; from dogbot_logtool.cli import main; main()"
+    )
+    done = subprocess.run(  # noqa: S603
+        [sys.executable, "-c", blocked, "report", str(TROT)],
+        cwd=tmp_path,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert done.returncode == 1
+    assert re.search(r"pip install .*(plotly|\[report\])", done.stderr)
+    assert "Traceback" not in done.stderr
+    assert names(tmp_path) == []
+
+
+def test_the_other_commands_do_without_the_extra(tmp_path: Path) -> None:
+    blocked = (
+        "import sys; sys.modules.update(plotly=None, jinja2=None); "
+        "from dogbot_logtool.cli import main; main()"
+    )
+    done = subprocess.run(  # noqa: S603
+        [sys.executable, "-c", blocked, "stats", str(TROUBLED), "--json"],
+        cwd=tmp_path,
+        capture_output=True,
+        check=False,
+    )
+    assert done.returncode == 0

@@ -1,0 +1,216 @@
+"""`stats` from the file to the figures, against what the sample logs' generator knows."""
+
+import json
+import math
+import struct
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from jsonschema import Draft202012Validator
+from mcap.reader import make_reader
+from mcap.writer import Writer
+
+from dogbot_logtool.commands.stats import StatsOptions, measure
+from dogbot_logtool.errors import CallError, LogError
+from dogbot_logtool.pipeline.selection import TopicOptions
+from dogbot_logtool.report.stats_json import stats_json, stats_schema
+from tests.reader.mcap_bytes import small_mcap
+from tests.walks import Walk as ContactWalk
+from tests.walks import write_mcap
+
+SAMPLES = Path(__file__).parent.parent / "sample_logs"
+WALKS = ("dogbot_trot.bag", "dogbot_walk.mcap")
+
+
+def figures(log: str, options: StatsOptions | None = None) -> dict[str, Any]:
+    done = measure(SAMPLES / log, options or StatsOptions())
+    return stats_json(done.stats, done.facts)
+
+
+def truth(log: str) -> dict[str, Any]:
+    text = (SAMPLES / f"{Path(log).stem}.truth.json").read_text(encoding="utf-8")
+    known: dict[str, Any] = json.loads(text)
+    return known
+
+
+@pytest.fixture(scope="module", params=WALKS)
+def walk(request: pytest.FixtureRequest) -> tuple[dict[str, Any], dict[str, Any]]:
+    return figures(request.param), truth(request.param)
+
+
+Walk = tuple[dict[str, Any], dict[str, Any]]
+
+
+def test_contact_fractions_are_true(walk: Walk) -> None:
+    got, true = walk
+    for foot, known in true["feet"].items():
+        assert got["feet"][foot]["contact_fraction"] == pytest.approx(
+            known["contact_fraction"], abs=0.0015
+        )
+
+
+def test_liftoffs_are_true_within_one_sample(walk: Walk) -> None:
+    """Also where the message after a lift-off still holds the last steps of the stance."""
+    got, true = walk
+    start = true["log"]["start_stamp_s"] - got["settings"]["time_origin_ns"] / 1e9
+    for foot, known in true["feet"].items():
+        late = np.array(got["feet"][foot]["liftoff_s"]) - np.array(known["liftoff_s"]) - start
+        assert late.min() > -1e-6
+        assert late.max() <= true["log"]["contact_interval_s"] + 1e-6
+
+
+def test_touchdowns_are_true_within_one_sample(walk: Walk) -> None:
+    got, true = walk
+    start = true["log"]["start_stamp_s"] - got["settings"]["time_origin_ns"] / 1e9
+    for foot, known in true["feet"].items():
+        touchdowns = np.array(got["feet"][foot]["touchdown_s"])
+        expected = np.array(known["touchdown_s"]) + start
+        assert len(touchdowns) == len(expected)
+        late = touchdowns - expected
+        assert late.min() > -1e-6
+        assert late.max() <= true["log"]["contact_interval_s"] + 1e-6
+
+
+def test_the_gait_is_true(walk: Walk) -> None:
+    got, true = walk
+    gait, known = got["gait"], true["gait"]
+    assert gait["class"] == known["class"]
+    assert gait["running"] is False
+    assert gait["stride_frequency_hz"] == pytest.approx(known["stride_frequency_hz"], rel=0.002)
+    assert gait["duty_factor"] == pytest.approx(known["duty_factor"], abs=0.005)
+    for foot, phase in known["phase"].items():
+        off = gait["phase"][foot]["mean"] - phase
+        assert abs((off + 0.5) % 1.0 - 0.5) < 0.005
+        assert gait["phase"][foot]["consistency"] > 0.99
+    for feet, fraction in known["support_fraction"].items():
+        assert gait["support"][feet] == pytest.approx(fraction, abs=0.02)
+
+
+def test_the_walk_is_a_lateral_sequence() -> None:
+    assert figures("dogbot_walk.mcap")["gait"]["sequence"] == "lateral"
+
+
+def test_the_feet_carry_the_weight(walk: Walk) -> None:
+    """In the trot the wrenches are in the links' frames, and the log's /tf turns them."""
+    got, true = walk
+    assert got["forces"]["vertical_impulse_over_weight"] == pytest.approx(1.0, abs=0.005)
+    for foot, known in true["feet"].items():
+        feet = got["feet"][foot]
+        peak, vertical = feet["peak_force_n"], feet["peak_vertical_force_n"]
+        assert peak["max"] == pytest.approx(known["peak_force_n"], rel=0.01)
+        assert vertical["max"] == pytest.approx(known["peak_vertical_force_n"], rel=0.01)
+        assert got["forces"]["load_share"]["feet"][foot] == pytest.approx(
+            known["load_share"], abs=0.005
+        )
+
+
+def test_the_base_moves_as_it_should(walk: Walk) -> None:
+    got, true = walk
+    base, known = got["base"], true["base"]
+    assert base["forward_speed_mps"] == pytest.approx(known["forward_speed_mps"], rel=0.002)
+    assert base["path_length_m"] == pytest.approx(known["path_length_m"], rel=0.002)
+    assert base["height_m"]["mean"] == pytest.approx(known["mean_height_m"], abs=1e-4)
+    assert base["twist_frame"] == known["twist_frame"]
+
+
+def test_without_its_transforms_a_link_frame_log_has_no_vertical_figures(tmp_path: Path) -> None:
+    # A robot whose frames the log's transforms do not name: nothing can be turned.
+    robot = tmp_path / "stranger.toml"
+    text = (SAMPLES.parent / "dogbot_logtool/robots/dogbot.toml").read_text(encoding="utf-8")
+    robot.write_text(text.replace('base = "base_link"', 'base = "trunk"'), encoding="utf-8")
+    options = StatsOptions(topics=TopicOptions(robot=str(robot)))
+    got = figures("dogbot_trot.bag", options)
+
+    assert got["forces"]["vertical_impulse_over_weight"] is None
+    for foot in got["feet"].values():
+        assert foot["peak_vertical_force_n"] is None
+        assert foot["peak_force_n"]["n"] > 0
+    codes = {said["code"] for said in (*got["notes"], *got["quality"]["findings"])}
+    assert "N_VERTICAL_UNKNOWN" in codes
+
+
+def test_figures_do_not_depend_on_threads() -> None:
+    assert figures("dogbot_walk.mcap", StatsOptions(jobs=1)) == figures(
+        "dogbot_walk.mcap", StatsOptions(jobs=3)
+    )
+
+
+def test_the_troubled_log_is_told_as_it_is() -> None:
+    got = figures("dogbot_troubled.bag")
+    known = truth("dogbot_troubled.bag")["damage"]
+    said = {each["code"]: each for each in got["quality"]["findings"]}
+
+    assert got["settings"]["time_source"] == "log"
+    assert said["W_DEAD"]["where"] == f"feet.{known['dead_foot']}"
+    assert "W_GAPS" in said
+    gaps = got["quality"]["topics"][known["silence"]["topic"]]["gaps"]
+    assert gaps["count"] == 1
+    assert gaps["total_s"] == pytest.approx(known["silence"]["duration_s"], abs=0.05)
+    silent = got["feet"]["front_right"]["discarded_strides"]
+    assert sum(silent.values()) > 0
+    assert got["gait"]["class"] is None
+
+
+@pytest.mark.parametrize("log", [*WALKS, "dogbot_troubled.bag"])
+def test_the_json_is_what_the_schema_says(log: str) -> None:
+    got = json.loads(json.dumps(figures(log), allow_nan=False))
+    Draft202012Validator.check_schema(stats_schema())
+    Draft202012Validator(stats_schema()).validate(got)
+
+
+def test_a_part_of_a_log_is_measured_alone() -> None:
+    got = figures("dogbot_trot.bag", StatsOptions(start_s=2.0, end_s=6.0))
+    assert got["base"]["duration_s"] == pytest.approx(4.0, abs=0.01)
+    assert got["feet"]["front_left"]["strides"] == 2
+
+
+def test_a_log_with_nothing_to_measure_is_an_error(tmp_path: Path) -> None:
+    log = tmp_path / "log.mcap"
+    log.write_bytes(small_mcap("").build())
+    with pytest.raises(LogError, match="neither nav_msgs/Odometry nor"):
+        measure(log, StatsOptions())
+
+
+def test_a_missing_file_is_a_wrong_call(tmp_path: Path) -> None:
+    with pytest.raises(CallError, match="no such file"):
+        measure(tmp_path / "log.bag", StatsOptions())
+
+
+def test_times_of_several_senders_of_a_topic_stand_in_the_order_of_the_log(tmp_path: Path) -> None:
+    """Both of the topics that are decoded and of those that are not."""
+    log = tmp_path / "log.mcap"
+    with (SAMPLES / "dogbot_walk.mcap").open("rb") as stream, log.open("wb") as copy:
+        writer = Writer(copy)
+        writer.start("ros2")
+        topics: dict[str, list[int]] = {}
+        for number, (schema, channel, message) in enumerate(make_reader(stream).iter_messages()):
+            assert schema is not None
+            if channel.topic not in topics:
+                kind = writer.register_schema(schema.name, schema.encoding, schema.data)
+                topics[channel.topic] = [
+                    writer.register_channel(channel.topic, "cdr", kind) for _ in "ab"
+                ]
+            sender = topics[channel.topic][number % 2]
+            writer.add_message(sender, message.log_time, message.data, message.publish_time)
+        writer.finish()
+
+    done = measure(log, StatsOptions())
+
+    assert stats_json(done.stats, done.facts)["quality"] == figures("dogbot_walk.mcap")["quality"]
+
+
+def test_an_odometry_of_nothing_but_nan_is_said(tmp_path: Path) -> None:
+    walk = ContactWalk(2)
+    height, nan = struct.pack("<d", 0.4), struct.pack("<d", math.nan)
+    entries = [
+        replace(entry, data=entry.data.replace(height, nan)) if entry.topic == "/odom" else entry
+        for entry in walk.messages("gazebo_msgs/msg/ContactsState")
+    ]
+    write_mcap(tmp_path / "walk.mcap", walk, entries)
+    got = figures(str(tmp_path / "walk.mcap"))
+    assert got["base"] is None
+    (said,) = [one for one in got["quality"]["findings"] if one["code"] == "W_BAD_POSES"]
+    assert "all with NaN, infinity or a zero quaternion" in said["text"]

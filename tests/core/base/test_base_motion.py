@@ -1,0 +1,162 @@
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from dogbot_logtool.core.base.base_motion import (
+    BaseMotion,
+    base_motion,
+    froude_number,
+    stride_lengths,
+)
+from dogbot_logtool.core.base.base_record import BaseRecord, BaseRecorder
+from dogbot_logtool.core.base.odometry import Odometry
+from dogbot_logtool.core.geometry.arrays import Ints
+from dogbot_logtool.core.geometry.clock import TimeSource
+from dogbot_logtool.core.geometry.rotations import conjugate, rotate
+
+START = 5_000_000_000
+
+
+def circle(
+    *, seconds: float = 4.0, rate_hz: float = 200.0, twist: str = "world", noise: float = 0.0
+) -> Odometry:
+    """A base that drives a circle of 2 m at 0.5 m/s, facing along it, body x forward."""
+    time = np.arange(round(seconds * rate_hz) + 1) / rate_hz
+    turned = 0.25 * time
+    zero = np.zeros_like(time)
+    position = np.stack([2.0 * np.sin(turned), 2.0 - 2.0 * np.cos(turned), zero + 0.4], axis=1)
+    orientation = np.stack([zero, zero, np.sin(turned / 2.0), np.cos(turned / 2.0)], axis=1)
+    velocity = 0.5 * np.stack([np.cos(turned), np.sin(turned), zero], axis=1)
+    if twist == "body":
+        velocity = rotate(conjugate(orientation), velocity)
+    velocity += np.random.default_rng(3).normal(0.0, noise, velocity.shape)
+    stamp = START + np.round(time * 1e9).astype(np.int64)
+    return Odometry(stamp, stamp, position, orientation, velocity, np.zeros_like(position))
+
+
+def record(odometry: Odometry, *, cuts: Ints | None = None, block_rows: int = 64) -> BaseRecord:
+    recorder = BaseRecorder(TimeSource.HEADER, block_rows=block_rows)
+    rows = np.arange(len(odometry.stamp))
+    for part in np.split(rows, [] if cuts is None else cuts):
+        recorder.add(odometry.pick(part))
+    return recorder.finish()
+
+
+def motion(odometry: Odometry, forward_axis: str = "+x") -> BaseMotion:
+    result = base_motion(record(odometry), forward_axis)
+    assert result is not None
+    return result
+
+
+def test_a_circle_has_its_length_speed_and_turn() -> None:
+    result = motion(circle())
+    assert result.duration_s == pytest.approx(4.0)
+    assert result.path_length_m == pytest.approx(2.0, rel=1e-5)
+    assert result.net_displacement_m == pytest.approx(4.0 * np.sin(0.5))
+    assert result.mean_speed_mps == pytest.approx(0.5, rel=1e-5)
+    assert result.forward_speed_mps == pytest.approx(0.5, rel=1e-5)
+    assert result.lateral_speed_mps == pytest.approx(0.0, abs=1e-9)
+    assert result.yaw_change_rad == pytest.approx(1.0)
+    assert result.height_m is not None
+    assert result.height_m.mean == pytest.approx(0.4)
+    assert result.froude == pytest.approx(0.25 / (9.81 * 0.4), rel=1e-4)
+
+
+@pytest.mark.parametrize(
+    ("axis", "forward", "left"),
+    [("+x", 0.5, 0.0), ("-x", -0.5, 0.0), ("+y", 0.0, -0.5), ("-y", 0.0, 0.5)],
+)
+def test_forward_is_where_the_robots_file_says(axis: str, forward: float, left: float) -> None:
+    result = motion(circle(), axis)
+    assert result.forward_speed_mps == pytest.approx(forward, abs=1e-5)
+    assert result.lateral_speed_mps == pytest.approx(left, abs=1e-5)
+
+
+def test_yaw_is_unwrapped() -> None:
+    assert motion(circle(seconds=60.0)).yaw_change_rad == pytest.approx(15.0)
+
+
+@pytest.mark.parametrize("frame", ["world", "body"])
+@pytest.mark.parametrize("noise", [0.0, 0.05])
+def test_the_twists_frame_is_found_by_evidence(frame: str, noise: float) -> None:
+    assert motion(circle(seconds=20.0, twist=frame, noise=noise)).twist_frame == frame
+
+
+def test_without_turning_the_twists_frame_is_ambiguous() -> None:
+    straight = circle()
+    straight.orientation[:] = (0.0, 0.0, 0.0, 1.0)
+    assert motion(straight).twist_frame == "ambiguous"
+
+
+def test_velocities_that_are_not_finite_leave_the_frame_unknown() -> None:
+    odometry = circle()
+    odometry.linear_velocity[:] = np.nan
+    assert motion(odometry).twist_frame is None
+
+
+def test_speed_comes_from_poses_whatever_the_twist_says() -> None:
+    odometry = circle()
+    odometry.linear_velocity[:] = 99.0
+    assert motion(odometry).mean_speed_mps == pytest.approx(0.5, rel=1e-5)
+
+
+def test_a_gap_counts_neither_as_path_nor_as_time() -> None:
+    odometry = circle()
+    kept = np.ones(len(odometry.stamp), np.bool_)
+    kept[301:500] = False
+    result = motion(odometry.pick(kept))
+    assert result.duration_s == pytest.approx(3.0)
+    assert result.mean_speed_mps == pytest.approx(0.5, rel=1e-5)
+
+
+def test_poses_that_cannot_be_used_are_counted() -> None:
+    odometry = circle()
+    odometry.orientation[7] = 0.0
+    odometry.position[9, 2] = np.inf
+    result = record(odometry)
+    assert result.not_usable == 2
+
+
+def test_stride_length_is_the_bases_way_and_unknown_in_a_gap() -> None:
+    odometry = circle()
+    kept = np.ones(len(odometry.stamp), np.bool_)
+    kept[301:500] = False
+    base = record(odometry.pick(kept))
+    begin = START + np.array([0.503, 1.9], np.float64) * 1e9
+    end = START + np.array([1.003, 3.0], np.float64) * 1e9
+    lengths = stride_lengths(base, begin.astype(np.int64), end.astype(np.int64))
+    assert lengths[0] == pytest.approx(4.0 * np.sin(0.0625), rel=1e-4)
+    # Poses are known at 3.0 s, but not between 1.5 s and 2.5 s.
+    assert np.isnan(lengths[1])
+
+
+def test_the_froude_number_needs_a_height() -> None:
+    assert froude_number(0.5, 0.0) is None
+    assert froude_number(None, 1.0) is None
+    assert froude_number(1.0, 1.0) == pytest.approx(1.0 / 9.81)
+
+
+def test_one_pose_is_no_motion() -> None:
+    assert base_motion(record(circle().pick(np.array([0]))), "+x") is None
+
+
+@settings(max_examples=25, deadline=None)
+@given(st.lists(st.integers(0, 801), max_size=6))
+def test_batches_do_not_matter(cuts: list[int]) -> None:
+    odometry = circle(noise=0.01)
+    whole = record(odometry, block_rows=50)
+    split = record(odometry, cuts=np.array(sorted(cuts), np.int64), block_rows=50)
+    for name in ("time", "position", "angles"):
+        np.testing.assert_array_equal(getattr(whole, name), getattr(split, name))
+    assert whole.twist == split.twist
+
+
+def test_poses_are_kept_at_a_hundred_hertz() -> None:
+    assert len(record(circle(rate_hz=1000.0)).time) == 401
+
+
+def test_time_far_from_any_pose_is_told() -> None:
+    base = record(circle())
+    spans = START + np.array([[-500_000_000, 0], [1_000_000_000, 2_000_000_000]], np.int64)
+    assert base.unplaced(spans) == 400_000_000

@@ -1,0 +1,120 @@
+"""Curves for drawing: every peak and every trough survives, however the samples are split."""
+
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from dogbot_logtool.core.contact.curves import Curve, CurveDetail, CurveRecorder, LoadCurveRecorder
+from dogbot_logtool.core.geometry.arrays import Floats, Ints
+
+START = 1_700_000_000_000_000_000
+NO_BREAKS = np.empty((0, 2), np.int64)
+
+
+def curve(
+    time: Ints, value: Floats, detail: CurveDetail, cuts: tuple[int, ...] = ()
+) -> Curve | None:
+    recorder = CurveRecorder(detail)
+    for start, end in pairwise([0, *sorted(cuts), len(time)]):
+        recorder.add(time[start:end], value[start:end])
+    return recorder.finish()
+
+
+@st.composite
+def signals(draw: st.DrawFn) -> tuple[Ints, Floats]:
+    """Samples at uneven times, dense and with long silences, with equal values among them."""
+    steps = draw(st.lists(st.sampled_from((1, 7, 1000, 10**6, 10**9, 10**13)), max_size=120))
+    values = st.sampled_from((0.0, 1.0, -2.5, 80.0, float("nan"), 1e300))
+    value = draw(st.lists(values, min_size=len(steps), max_size=len(steps)))
+    first = draw(st.sampled_from((START, 0, -(10**9))))
+    return first + np.cumsum(np.array(steps, np.int64)), np.array(value, np.float64)
+
+
+@settings(max_examples=150)
+@given(signals(), st.integers(2, 40), st.data())
+def test_each_bin_keeps_its_lowest_and_its_highest_sample(
+    signal: tuple[Ints, Floats], most: int, data: st.DataObject
+) -> None:
+    time, value = signal
+    cut = st.integers(0, len(time))
+    cuts = data.draw(st.lists(cut, max_size=5))
+    result = curve(time, value, CurveDetail(most), tuple(cuts))
+    bins: dict[int, list[tuple[int, float]]] = {}
+    if result is None:
+        assert np.isnan(value).all()
+        return
+    for at, each in zip(time.tolist(), value.tolist(), strict=True):
+        if each == each:  # noqa: PLR0124 - not NaN
+            bins.setdefault(at // result.bin_ns, []).append((at, each))
+    lowest = [min(bins[each], key=lambda sample: (sample[1], sample[0])) for each in sorted(bins)]
+    highest = [min(bins[each], key=lambda sample: (-sample[1], sample[0])) for each in sorted(bins)]
+    assert list(zip(result.low_time.tolist(), result.low.tolist(), strict=True)) == lowest
+    assert list(zip(result.high_time.tolist(), result.high.tolist(), strict=True)) == highest
+    # No more bins than asked for, and none wider than needed.
+    assert len(bins) <= most
+    if result.bin_ns > 1:
+        narrower = {at // (result.bin_ns // 2) for each in bins.values() for at, _ in each}
+        assert len(narrower) > most
+
+
+def test_a_short_log_keeps_every_sample() -> None:
+    time = START + np.arange(500, dtype=np.int64) * 1_000_000
+    value = np.random.default_rng(1).normal(size=500)
+    result = curve(time, value, CurveDetail(500))
+    assert result is not None
+    drawn_time, drawn = result.line(NO_BREAKS)
+    assert (drawn_time == time).all()
+    assert (drawn == value).all()
+
+
+def test_one_spike_in_a_day_is_drawn() -> None:
+    time = START + np.arange(864_000, dtype=np.int64) * 100_000_000
+    value = np.full(len(time), 50.0)
+    value[333_333] = 900.0
+    value[333_334] = -1.0
+    result = curve(time, value, CurveDetail(1024), (333_334,))
+    assert result is not None
+    drawn_time, drawn = result.line(NO_BREAKS)
+    assert len(drawn) <= 2048
+    assert drawn_time[drawn == 900.0].tolist() == [time[333_333]]
+    assert drawn_time[drawn == -1.0].tolist() == [time[333_334]]
+    assert (np.diff(drawn_time) > 0).all()
+
+
+def test_no_line_leads_over_a_break() -> None:
+    time = np.array([10, 20, 30, 1000, 1010], np.int64)
+    result = curve(time, np.arange(5.0), CurveDetail())
+    assert result is not None
+    breaks = np.array([[0, 4], [30, 1000], [1020, 1030]], np.int64)
+    drawn_time, drawn = result.line(breaks)
+    assert drawn_time.tolist() == [10, 20, 30, 515, 1000, 1010]
+    assert drawn.tolist() == [0.0, 1.0, 2.0, pytest.approx(np.nan, nan_ok=True), 3.0, 4.0]
+
+
+def test_two_breaks_between_two_points_make_one_gap() -> None:
+    time = np.array([0, 100], np.int64)
+    result = curve(time, np.zeros(2), CurveDetail())
+    assert result is not None
+    assert len(result.line(np.array([[0, 10], [20, 100]], np.int64))[0]) == 3
+
+
+def test_a_window_has_its_own_detail() -> None:
+    time = np.arange(100_000, dtype=np.int64) * 1_000_000
+    value = np.sin(time / 1e9)
+    window = (40_000 * 1_000_000, 40_500 * 1_000_000)
+    result = curve(time, value, CurveDetail(600, window))
+    assert result is not None
+    assert result.bin_ns == 1
+    assert result.low_time.tolist() == time[40_000:40_501].tolist()
+
+
+def test_a_vertical_force_that_is_never_known_has_no_curve() -> None:
+    recorder = LoadCurveRecorder(CurveDetail())
+    recorder.add(np.array([1, 2], np.int64), np.array([3.0, 4.0]), np.full(2, np.nan))
+    curves = recorder.finish()
+    assert curves.vertical is None
+    assert curves.force is not None
+    assert curves.force.high.tolist() == [3.0, 4.0]

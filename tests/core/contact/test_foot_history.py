@@ -1,0 +1,293 @@
+"""One foot's samples, streamed: contact, debouncing, gaps, impulses."""
+
+from dataclasses import replace
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from dogbot_logtool.core.contact.contacts import Samples
+from dogbot_logtool.core.contact.foot_history import FootRecord, FootRecorder
+from dogbot_logtool.core.contact.footfall import ContactRule, contact_rule, schmitt
+from dogbot_logtool.core.contact.stances import Cut
+from dogbot_logtool.core.geometry import timespans
+from dogbot_logtool.core.geometry.arrays import Floats, Ints
+from dogbot_logtool.core.geometry.clock import TimeSource
+
+MS = 1_000_000
+RULE = ContactRule(10.0, 0.0, 0.020)
+START = 1_700_000_000_000_000_000
+
+
+def samples(force: Floats, time: Ints | None = None) -> Samples:
+    """Samples of one foot, straight up, every 5 ms unless times are given."""
+    count = len(force)
+    at = START + np.arange(count, dtype=np.int64) * 5 * MS if time is None else time
+    touching = force > 0.0
+    up = np.zeros((count, 3))
+    up[:, 2] = 1.0
+    unknown = np.where(touching, 0.0, np.nan)[:, None]
+    return Samples(
+        foot=np.zeros(count, np.int64),
+        log_time=at,
+        stamp=at,
+        in_contact=touching,
+        force=up * force[:, None],
+        in_world=np.zeros(count, np.bool_),
+        points=touching.astype(np.int64),
+        position=np.zeros((count, 3)) + unknown,
+        normal=up + unknown,
+    )
+
+
+def record(
+    given: Samples,
+    *,
+    cuts: tuple[int, ...] = (),
+    block_rows: int = 16384,
+    rule: ContactRule = RULE,
+    clock: TimeSource = TimeSource.HEADER,
+    world: bool = True,
+) -> FootRecord:
+    recorder = FootRecorder(rule, clock, force_in_world=world, block_rows=block_rows)
+    edges = [0, *sorted(cuts), len(given.log_time)]
+    for start, end in pairwise(edges):
+        recorder.add(given.pick(np.arange(start, end)))
+    return recorder.finish()
+
+
+def signal(*runs: tuple[int, float]) -> Floats:
+    """Force from (number of samples, newtons)."""
+    return np.concatenate([np.full(count, force) for count, force in runs])
+
+
+def in_ms(time: Ints) -> list[int]:
+    return [int(each) // MS for each in time - START]
+
+
+def test_stances_run_from_the_first_sample_to_the_first_that_is_not() -> None:
+    result = record(samples(signal((10, 0), (20, 50), (10, 0), (20, 50), (10, 0))))
+    assert in_ms(result.stances.touchdown) == [50, 200]
+    assert in_ms(result.stances.liftoff) == [150, 300]
+    assert result.stances.whole.all()
+    assert result.contact_fraction == pytest.approx(200 / 345)
+
+
+def test_a_bounce_at_touchdown_is_one_stance() -> None:
+    result = record(samples(signal((10, 0), (2, 80), (3, 0), (20, 50), (10, 0))))
+    assert in_ms(result.stances.touchdown) == [50]
+    assert in_ms(result.stances.liftoff) == [175]
+    assert result.filled_swings == 1
+
+
+def test_a_swing_of_the_debounce_time_is_a_swing() -> None:
+    result = record(samples(signal((10, 0), (10, 80), (4, 0), (20, 50), (10, 0))))
+    assert len(result.stances.touchdown) == 2
+    assert result.filled_swings == 0
+
+
+def test_a_brush_is_no_stance() -> None:
+    result = record(samples(signal((10, 0), (3, 80), (10, 0), (20, 50), (10, 0))))
+    assert in_ms(result.stances.touchdown) == [115]
+    assert result.dropped_stances == 1
+
+
+def test_swings_are_filled_before_stances_are_dropped() -> None:
+    """Three touches of 10 ms with 10 ms between them are a bouncing stance of 50 ms."""
+    result = record(samples(signal((10, 0), (2, 80), (2, 0), (2, 80), (2, 0), (2, 80), (10, 0))))
+    assert in_ms(result.stances.touchdown) == [50]
+    assert (result.filled_swings, result.dropped_stances) == (2, 0)
+
+
+def test_a_light_touch_does_not_start_a_stance_but_keeps_one() -> None:
+    """A walking foot may carry next to nothing in mid-stance: only the sensor ends a contact."""
+    result = record(samples(signal((10, 0), (10, 3), (10, 60), (10, 3), (10, 60), (10, 0))))
+    assert in_ms(result.stances.touchdown) == [100]
+    assert in_ms(result.stances.liftoff) == [250]
+
+
+def test_a_lower_threshold_ends_contact_if_one_is_set() -> None:
+    rule = contact_rule(10.0, 5.0, 0.020, None)
+    result = record(samples(signal((10, 0), (10, 60), (10, 3), (10, 60), (10, 0))), rule=rule)
+    assert len(result.stances.touchdown) == 2
+
+
+def test_between_the_thresholds_the_state_stays() -> None:
+    rule = ContactRule(10.0, 5.0, 0.0)
+    force = np.array([0.0, 7.0, 10.0, 7.0, 5.0, 4.9, 7.0])
+    assert schmitt(force, rule, on=False).tolist() == [0, 0, 1, 1, 1, 0, 0]
+    assert schmitt(force[1:2], rule, on=True).tolist() == [1]
+
+
+def test_the_threshold_follows_the_weight() -> None:
+    assert contact_rule(None, None, 0.02, 400.0).on_n == 20.0
+    assert contact_rule(None, None, 0.02, None).on_n == 10.0
+
+
+def test_the_ends_of_the_log_cut_stances() -> None:
+    result = record(samples(signal((10, 50), (10, 0), (10, 50))))
+    assert result.stances.cut.tolist() == [Cut.LOG_START, Cut.LOG_END]
+
+
+def test_a_dropout_in_stance_cuts_it_and_is_no_swing() -> None:
+    force = signal((20, 0), (60, 50), (20, 0), (40, 50), (20, 0))
+    whole = samples(force)
+    silent = np.ones(len(force), np.bool_)
+    silent[40:60] = False
+    result = record(whole.pick(silent))
+    assert in_ms(result.gaps.ravel()) == [39 * 5, 60 * 5]
+    assert result.stances.cut.tolist() == [Cut.GAP, Cut.WHOLE]
+    known = len(force) * 5 - 5 - 105
+    contact = 60 * 5 - 105 + 40 * 5
+    assert result.contact_fraction == pytest.approx(contact / known)
+
+
+def test_a_touchdown_in_a_dropout_is_not_known() -> None:
+    force = signal((40, 0), (40, 50), (20, 0))
+    silent = np.ones(len(force), np.bool_)
+    silent[30:50] = False
+    assert record(samples(force).pick(silent)).stances.cut.tolist() == [Cut.GAP]
+
+
+def test_a_slow_sensor_has_no_gaps() -> None:
+    time = START + np.arange(40, dtype=np.int64) * 100 * MS
+    result = record(samples(signal((10, 0), (10, 50), (20, 0)), time))
+    assert len(result.gaps) == 0
+    assert result.stances.whole.all()
+    # Trapezoid: 10 samples of 50 N, 100 ms apart, with slopes of one interval at both ends.
+    assert result.track.vertical_within(result.known) == pytest.approx(50.0)
+
+
+def test_duplicates_and_steps_back_are_left_out_and_counted() -> None:
+    force = signal((10, 0), (20, 50), (10, 0))
+    sound = record(samples(force))
+    order = np.array([*range(15), 14, 14, 12, 13, *range(15, 40)])
+    torn = record(samples(force).pick(order))
+    assert torn.not_advancing == 4
+    assert torn.stances.touchdown.tolist() == sound.stances.touchdown.tolist()
+    assert torn.stances.figures.mean_n.tolist() == sound.stances.figures.mean_n.tolist()
+
+
+def test_zero_stamps_are_left_out_when_stamps_are_forced() -> None:
+    given = samples(signal((5, 0), (10, 50), (5, 0)))
+    given.stamp[:3] = 0
+    result = record(given)
+    assert result.not_advancing == 3
+    assert result.start == START + 15 * MS
+
+
+def test_log_time_is_used_when_asked_for() -> None:
+    given = samples(signal((5, 0), (10, 50), (5, 0)))
+    given = replace(given, stamp=np.zeros(20, np.int64))
+    assert in_ms(record(given, clock=TimeSource.LOG).stances.touchdown) == [25]
+
+
+def test_what_is_not_finite_is_left_out_and_counted() -> None:
+    given = samples(signal((5, 0), (10, 50), (5, 0)))
+    given.force[8, 0] = np.nan
+    result = record(given)
+    assert result.not_finite == 1
+    assert result.stances.figures.peak_n.tolist() == [50.0]
+
+
+def test_link_frame_forces_have_no_vertical_part() -> None:
+    result = record(samples(signal((5, 0), (10, 50), (5, 0))), world=False)
+    assert result.stances.figures.peak_n.tolist() == [50.0]
+    assert np.isnan(result.stances.figures.peak_vertical_n).all()
+    assert in_ms(result.track.vertical_unknown.ravel()) == [20, 75]
+
+
+def test_forces_read_off_the_ground_are_in_the_world_anyway() -> None:
+    given = samples(signal((5, 0), (10, 50), (5, 0)))
+    given.in_world[:] = True
+    assert record(given, world=False).stances.figures.peak_vertical_n.tolist() == [50.0]
+
+
+def test_a_foot_that_stands_is_not_reduced_but_is_in_contact() -> None:
+    result = record(samples(signal((100, 0), (4000, 50), (100, 0))), block_rows=64)
+    assert in_ms(result.stances.touchdown) == [500]
+    assert in_ms(result.stances.liftoff) == [20_500]
+    assert result.stances.cut.tolist() == [Cut.STANDING]
+    assert np.isnan(result.stances.figures.peak_n).all()
+    assert result.track.vertical_within(result.known) == pytest.approx(1000.0)
+
+
+def test_impulses_are_those_of_all_samples_though_few_are_kept() -> None:
+    time = np.arange(2000) / 200.0
+    force = 100.0 + 50.0 * np.sin(2.0 * np.pi * time)
+    result = record(samples(force), block_rows=100)
+    assert len(result.track.time) < 300
+    spans = np.array([[START, START + 5_000 * MS]], np.int64)
+    assert result.track.vertical_within(spans) == pytest.approx(500.0, rel=1e-4)
+    assert result.track.force_within(timespans.no_spans()) == 0.0
+
+
+def naive_stances(force: list[float]) -> list[tuple[int, int]]:
+    """Debounce sample by sample, the obvious way: rows of touchdown and lift-off."""
+    runs: list[list[int]] = []
+    for row, value in enumerate(force):
+        if value <= 0.0:
+            continue
+        if runs and runs[-1][1] == row:
+            runs[-1][1] = row + 1
+        else:
+            runs.append([row, row + 1])
+    joined: list[list[int]] = []
+    for run in runs:
+        if joined and (run[0] - joined[-1][1]) * 5 < 20:
+            joined[-1][1] = run[1]
+        else:
+            joined.append(run)
+    last = len(force) - 1
+    return [
+        (start, min(end, last))
+        for start, end in joined
+        # A short one at either end of the log may be part of a longer one.
+        if (end - start) * 5 >= 20 or start == 0 or (last - end) * 5 < 20
+    ]
+
+
+patterns = st.lists(
+    st.tuples(st.integers(1, 7), st.sampled_from([0.0, 0.0, 40.0, 70.0])), min_size=1, max_size=30
+)
+
+
+@settings(max_examples=60, deadline=None)
+@given(patterns, st.lists(st.integers(0, 80), max_size=6), st.integers(1, 40))
+def test_batches_do_not_matter(
+    runs: list[tuple[int, float]], cuts: list[int], block_rows: int
+) -> None:
+    force = signal(*runs)
+    given_samples = samples(force)
+    whole = record(given_samples, block_rows=block_rows)
+    split = record(
+        given_samples,
+        cuts=tuple(cut for cut in cuts if cut <= len(force)),
+        block_rows=block_rows,
+    )
+    for name in ("touchdown", "liftoff", "cut", "figures"):
+        np.testing.assert_array_equal(getattr(whole.stances, name), getattr(split.stances, name))
+    for name in ("time", "force_impulse", "vertical_impulse", "vertical_force"):
+        np.testing.assert_array_equal(getattr(whole.track, name), getattr(split.track, name))
+    assert (whole.filled_swings, whole.dropped_stances) == (
+        split.filled_swings,
+        split.dropped_stances,
+    )
+
+
+@settings(max_examples=60, deadline=None)
+@given(patterns, st.integers(1, 40))
+def test_streaming_finds_what_the_obvious_way_finds(
+    runs: list[tuple[int, float]], block_rows: int
+) -> None:
+    force = signal(*runs)
+    result = record(samples(force), block_rows=block_rows)
+    found = [
+        (touchdown // 5, liftoff // 5)
+        for touchdown, liftoff in zip(
+            in_ms(result.stances.touchdown), in_ms(result.stances.liftoff), strict=True
+        )
+    ]
+    assert found == naive_stances(force.tolist())

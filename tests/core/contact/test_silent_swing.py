@@ -1,0 +1,107 @@
+"""Silence of sensors that speak only in contact, told as swing, however the log is cut."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from dogbot_logtool.core.blocks import concatenated
+from dogbot_logtool.core.contact.contacts import Samples
+from dogbot_logtool.core.contact.silent_swing import (
+    LONGEST_SWING_S,
+    SwingTeller,
+    last_heard,
+    with_swings,
+)
+
+MS = 1_000_000
+INTERVAL = 10 * MS
+ZERO = 1_000_000 * MS
+
+
+def in_contact(times_ms: list[int], foot: int = 0, stamp_rate: float = 1.0) -> Samples:
+    time = np.array(times_ms, np.int64) * MS
+    count = len(time)
+    return Samples(
+        foot=np.full(count, foot),
+        log_time=ZERO + time,
+        stamp=500 * MS + (time * stamp_rate).astype(np.int64),
+        in_contact=np.ones(count, np.bool_),
+        force=np.full((count, 3), 30.0),
+        in_world=np.ones(count, np.bool_),
+        points=np.ones(count, np.int64),
+        position=np.zeros((count, 3)),
+        normal=np.zeros((count, 3)),
+    )
+
+
+def told_ms(samples: Samples, *, contact: bool) -> list[int]:
+    rows = samples.in_contact == contact
+    times: list[int] = ((samples.log_time[rows] - ZERO) // MS).tolist()
+    return times
+
+
+def test_a_silence_begins_and_ends_one_interval_from_contact() -> None:
+    whole = with_swings(in_contact([0, 10, 20, 220, 230]), {0: INTERVAL}, {}, None)
+    free = told_ms(whole, contact=False)
+    assert (free[0], free[-1]) == (30, 210)
+    assert max(np.diff([20, *free, 220])) <= 40
+    assert told_ms(whole, contact=True) == [0, 10, 20, 220, 230]
+    assert (np.diff(whole.log_time) > 0).all()
+    assert not whole.force[~whole.in_contact].any()
+
+
+@pytest.mark.parametrize("silence_ms", [10, 20, 25, round(LONGEST_SWING_S * 1e3) + 1, 10**9])
+def test_jitter_and_drop_outs_are_no_swing(silence_ms: int) -> None:
+    samples = in_contact([0, 10, 10 + silence_ms])
+    assert with_swings(samples, {0: INTERVAL}, {}, None) is samples
+
+
+def test_feet_that_always_speak_stay_as_they_are() -> None:
+    samples = in_contact([0, 200], foot=1)
+    assert with_swings(samples, {0: INTERVAL}, {}, None) is samples
+
+
+def test_stamps_run_at_their_own_rate() -> None:
+    whole = with_swings(in_contact([0, 200], stamp_rate=0.5), {0: INTERVAL}, {}, None)
+    expected = 500 * MS + (whole.log_time - ZERO) // 2
+    assert whole.stamp.tolist() == expected.tolist()
+
+
+def test_the_log_s_ends_count_as_swing() -> None:
+    teller = SwingTeller({0: INTERVAL}, ZERO - 100 * MS, ZERO + 100 * MS)
+    told = [*teller.add([in_contact([0, 10])]), *teller.finish()]
+    free = told_ms(concatenated(told), contact=False)
+    assert (free[0], free[-1]) == (-100, 100)
+    assert -10 in free
+    assert 20 in free
+
+
+@given(
+    st.lists(st.integers(1, 400), min_size=2, max_size=40),
+    st.lists(st.integers(0, 1), min_size=40, max_size=40),
+    st.integers(1, 39),
+)
+def test_where_a_log_is_cut_makes_no_difference(
+    steps: list[int], feet: list[int], cut: int
+) -> None:
+    samples = in_contact(np.cumsum(steps).tolist())
+    samples = Samples(
+        np.array(feet[: len(steps)], np.int64),
+        *(getattr(samples, name) for name in list(Samples.__dataclass_fields__)[1:]),
+    )
+    intervals = {0: INTERVAL, 1: 20 * MS}
+    rows = np.arange(len(steps))
+    first, second = samples.pick(rows < cut), samples.pick(rows >= cut)
+
+    whole = with_swings(samples, intervals, {}, ZERO)
+    halves = [
+        with_swings(first, intervals, {}, ZERO),
+        with_swings(second, intervals, last_heard(first, {}), ZERO),
+    ]
+
+    for foot in (0, 1):
+        told = concatenated([half.pick(half.foot == foot) for half in halves])
+        mine = whole.pick(whole.foot == foot)
+        assert told.log_time.tolist() == mine.log_time.tolist()
+        assert told.stamp.tolist() == mine.stamp.tolist()

@@ -1,0 +1,153 @@
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from dogbot_logtool.core.frames.transform_buffer import Poses, TransformBuffer, frame_track
+from dogbot_logtool.core.geometry.arrays import Floats, Ints
+from dogbot_logtool.core.geometry.rotations import rotate
+
+MS = 1_000_000
+
+
+def about_z(angle: Floats) -> Floats:
+    zero = np.zeros_like(angle)
+    return np.stack([zero, zero, np.sin(angle / 2.0), np.cos(angle / 2.0)], axis=1)
+
+
+def about_x(angle: Floats) -> Floats:
+    zero = np.zeros_like(angle)
+    return np.stack([np.sin(angle / 2.0), zero, zero, np.cos(angle / 2.0)], axis=1)
+
+
+def at(*milliseconds: float) -> Ints:
+    return np.array([round(each * MS) for each in milliseconds], np.int64)
+
+
+def buffer_of(
+    parent: str,
+    child: str,
+    time: Ints,
+    log_time: Ints,
+    shift: Floats,
+    turn: Floats,
+    *,
+    static: bool = False,
+) -> TransformBuffer:
+    track = frame_track(parent, time, log_time, shift, turn, static=static)
+    return TransformBuffer({child: track} if track else {})
+
+
+def spinning(time: Ints, log_time: Ints | None = None) -> TransformBuffer:
+    """A base that turns about z at 1 rad/s and moves along x at 2 m/s; a link bent by 0.3 rad."""
+    seconds = time / 1e9
+    log_time = time if log_time is None else log_time
+    shift = np.stack([2.0 * seconds, 0.0 * seconds, 0.0 * seconds], axis=1)
+    bend, beside = about_x(np.array([0.3])), np.array([[0.0, 1.0, 0.0]])
+    base = buffer_of("/world", "base_link", time, log_time, shift, about_z(seconds))
+    return base.then(buffer_of("base_link", "leg", at(0), at(0), beside, bend, static=True))
+
+
+def look(buffer: TransformBuffer, time: Ints, world: str = "world") -> Poses:
+    return buffer.lookup("leg", world, time, time)
+
+
+def test_poses_are_interpolated_along_the_chain() -> None:
+    poses = look(spinning(at(0, 20, 40, 60)), at(33))
+    angle = 0.033
+    assert poses.known.all()
+    assert poses.translation[0] == pytest.approx([0.066 - np.sin(angle), np.cos(angle), 0.0])
+    # The link's z axis: bent about x by 0.3 rad, then turned about z.
+    axis = rotate(poses.rotation, np.array([[0.0, 0.0, 1.0]]))[0]
+    tilt = np.sin(0.3)
+    assert axis == pytest.approx([tilt * np.sin(angle), -tilt * np.cos(angle), np.cos(0.3)])
+
+
+def test_nothing_is_extrapolated_and_no_gap_is_bridged() -> None:
+    buffer = spinning(at(20, 40, 240, 260))
+    known = look(buffer, at(10, 20, 30, 40, 140, 240, 250, 270)).known
+    assert known.tolist() == [False, True, True, True, False, True, True, False]
+
+
+def test_what_was_recorded_long_before_or_after_is_not_used() -> None:
+    buffer = spinning(at(0, 20, 40), at(0, 20, 2100))
+    known = buffer.lookup("leg", "world", at(10, 30, 30, 10), at(10, 30, 101, 2010)).known
+    assert known.tolist() == [True, False, True, False]
+
+
+def test_frames_that_are_not_connected_are_not_known() -> None:
+    buffer = spinning(at(0, 20))
+    assert buffer.chain("leg", "elsewhere") is None
+    poses = look(buffer, at(10), "elsewhere")
+    assert not poses.known.any()
+    assert np.isnan(poses.rotation).all()
+
+
+def test_a_frame_is_where_it_is_in_itself() -> None:
+    poses = TransformBuffer().lookup("world", "world", at(5), at(5))
+    assert poses.known.all()
+    assert poses.translation.tolist() == [[0.0, 0.0, 0.0]]
+
+
+def test_a_loop_of_frames_ends() -> None:
+    buffer = TransformBuffer()
+    for parent, child in (("a", "b"), ("b", "a")):
+        buffer = buffer.then(
+            buffer_of(parent, child, at(0), at(0), np.zeros((1, 3)), about_z(np.zeros(1)))
+        )
+    assert buffer.chain("a", "world") is None
+
+
+def test_what_cannot_be_a_transform_is_left_out() -> None:
+    shift = np.zeros((5, 3))
+    shift[1, 0] = np.nan
+    turn = about_z(np.zeros(5))
+    turn[2] = 0.0
+    buffer = buffer_of("world", "base", at(0, 10, 20, 30, 30), at(0, 10, 20, 30, 40), shift, turn)
+    buffer = buffer.then(
+        buffer_of("world", "base", at(25), at(50), np.zeros((1, 3)), about_z(np.zeros(1)))
+    )
+    buffer = buffer.then(
+        buffer_of("other", "base", at(40), at(60), np.zeros((1, 3)), about_z(np.zeros(1)))
+    )
+    assert buffer.frames["base"].time.tolist() == at(0, 30).tolist()
+    assert buffer.frames["base"].parent == "world"
+
+
+def test_the_latest_static_transform_holds() -> None:
+    buffer = TransformBuffer()
+    for metres in (1.0, 2.0):
+        shift = np.array([[metres, 0.0, 0.0]])
+        buffer = buffer.then(
+            buffer_of("base", "leg", at(7), at(7), shift, about_z(np.zeros(1)), static=True)
+        )
+    assert buffer.lookup("leg", "base", at(0), at(0)).translation[0].tolist() == [2.0, 0.0, 0.0]
+
+
+def test_huge_numbers_are_no_error() -> None:
+    still = about_z(np.zeros(2))
+    shift = np.full((2, 3), 1e308) * np.array([[1.0], [-1.0]])
+    buffer = buffer_of("world", "leg", at(0, 20), at(0, 20), shift, still)
+    assert look(buffer, at(10)).known.all()
+
+
+@given(st.lists(st.integers(0, 5000), max_size=6), st.integers(0, 5000))
+def test_it_does_not_matter_where_a_log_is_cut(cuts: list[int], asked: int) -> None:
+    """Handing on tails, part by part, answers as the whole log does."""
+    times = at(*range(0, 5000, 20))
+    edges = [0, *sorted({20 * (cut // 20) for cut in cuts}), 5000]
+    buffer = TransformBuffer()
+    here = at(asked)
+    for start, end in pairwise(edges):
+        part = spinning(times[(times >= start * MS) & (times < end * MS)])
+        ahead = spinning(times[(times >= end * MS) & (times < (end + 2000) * MS)])
+        if start <= asked < end:
+            got = look(buffer.then(part).then(ahead), here)
+        buffer = buffer.then(part).tail(max(end * MS - 20 * MS, 0))
+    whole = look(spinning(times), here)
+    if asked < 5000:
+        np.testing.assert_array_equal(got.known, whole.known)
+        np.testing.assert_array_equal(got.rotation, whole.rotation)
+        np.testing.assert_array_equal(got.translation, whole.translation)

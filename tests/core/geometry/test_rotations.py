@@ -1,0 +1,57 @@
+import numpy as np
+import pytest
+
+from dogbot_logtool.core.geometry.arrays import Floats
+from dogbot_logtool.core.geometry.rotations import (
+    conjugate,
+    multiply,
+    normalised,
+    roll_pitch_yaw,
+    rotate,
+    slerp,
+)
+
+
+def about(axis: int, angle: float) -> Floats:
+    quaternion = np.zeros((1, 4))
+    quaternion[0, axis], quaternion[0, 3] = np.sin(angle / 2.0), np.cos(angle / 2.0)
+    return quaternion
+
+
+def test_a_quarter_turn_about_z_takes_x_to_y() -> None:
+    turned = rotate(about(2, np.pi / 2.0), np.array([[1.0, 0.0, 0.0]]))
+    np.testing.assert_allclose(turned, [[0.0, 1.0, 0.0]], atol=1e-15)
+
+
+def test_angles_come_back_from_their_quaternion() -> None:
+    quaternion = multiply(multiply(about(2, 2.5), about(1, -0.4)), about(0, 0.3))
+    np.testing.assert_allclose(roll_pitch_yaw(quaternion), [[0.3, -0.4, 2.5]], atol=1e-12)
+
+
+def test_a_product_is_one_rotation_after_the_other() -> None:
+    first, second = about(0, 0.7), about(2, -1.1)
+    vector = np.array([[0.2, -0.5, 1.3]])
+    np.testing.assert_allclose(
+        rotate(multiply(first, second), vector), rotate(first, rotate(second, vector)), atol=1e-12
+    )
+
+
+def test_the_conjugate_turns_back() -> None:
+    vector = np.array([[0.2, -0.5, 1.3]])
+    turn = about(1, 0.9)
+    np.testing.assert_allclose(rotate(conjugate(turn), rotate(turn, vector)), vector, atol=1e-12)
+
+
+def test_half_way_between_two_turns_is_half_the_turn() -> None:
+    half = slerp(about(2, 0.0), about(2, 1.0), np.array([0.5]))
+    np.testing.assert_allclose(half, about(2, 0.5), atol=1e-12)
+
+
+def test_interpolation_takes_the_shorter_arc() -> None:
+    half = slerp(about(2, 0.2), -about(2, 0.4), np.array([0.5]))
+    assert abs((half * about(2, 0.3)).sum()) == pytest.approx(1.0)
+
+
+@pytest.mark.parametrize("scale", [1e-200, 1.0, 1e200])
+def test_any_length_is_normalised(scale: float) -> None:
+    np.testing.assert_allclose(normalised(about(1, 0.8) * scale), about(1, 0.8), rtol=1e-12)

@@ -1,0 +1,481 @@
+"""Whole walks in closed form, measured: gaits, and the conventions that fool naive tools."""
+
+from dataclasses import dataclass, replace
+from itertools import pairwise
+from random import Random
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from dogbot_logtool.core.base.odometry import Odometry
+from dogbot_logtool.core.contact.contacts import Samples
+from dogbot_logtool.core.frames.wrench_frame import WrenchFrame
+from dogbot_logtool.core.geometry.arrays import Floats, Ints
+from dogbot_logtool.core.geometry.clock import TimeSource, UnusableStamps
+from dogbot_logtool.core.remarks import remarks
+from dogbot_logtool.core.settings import FootPlace, StatsSettings
+from dogbot_logtool.core.statistics import Stats, StatsAccumulator
+
+MASS_KG = 20.0
+WEIGHT_N = MASS_KG * 9.81
+START = 1_700_000_000_000_000_000
+RATE_HZ = 250.0
+CORNERS = {
+    "front_left": (0.3, 0.15),
+    "front_right": (0.3, -0.15),
+    "back_left": (-0.3, 0.15),
+    "back_right": (-0.3, -0.15),
+}
+FEET = tuple(
+    FootPlace(name, f"/{name}", (name.split("_")[0], name.split("_")[1])) for name in CORNERS
+)
+SETTINGS = StatsSettings(
+    FEET, mass_kg=MASS_KG, wrench_frame=WrenchFrame.WORLD, odometry_topic="/odom"
+)
+TROT = (0.0, 0.5, 0.5, 0.0)
+WALK = (0.0, 0.5, 0.75, 0.25)
+
+
+@dataclass(frozen=True)
+class Walk:
+    """A walk at constant speed along +x; each foot's force is a half sine over its stance."""
+
+    phases: tuple[float, ...] = TROT
+    duty: tuple[float, ...] = (0.6,) * 4
+    load: tuple[float, ...] = (1.0,) * 4
+    period_s: float = 0.8
+    seconds: float = 12.0
+    speed_mps: float = 0.5
+    begins_s: float = 0.0
+    """s: before, the robot stands."""
+
+    def times(self) -> Floats:
+        return np.arange(round(self.seconds * RATE_HZ) + 1, dtype=np.float64) / RATE_HZ
+
+    def cycle(self, foot: int, time: Floats) -> Floats:
+        # Touchdowns lie half a sample off the grid, so that rounding decides nothing.
+        return np.asarray((time - self.begins_s - 0.002) / self.period_s - self.phases[foot])
+
+    def force(self, foot: int, time: Floats) -> Floats:
+        cycle, duty = self.cycle(foot, time), self.duty[foot]
+        stance = (cycle % 1.0) / duty
+        mean_n = self.load[foot] * WEIGHT_N / 4.0 / duty
+        force = np.where(stance < 1.0, mean_n * np.pi / 2.0 * np.sin(np.pi * stance), 0.0)
+        # Bumpers report no contact at all in swing, and something in stance.
+        force = np.where((stance < 1.0) & (force < 12.0), 12.0, force)
+        return np.where(time < self.begins_s, WEIGHT_N / 4.0, force)
+
+    def touchdowns(self, foot: int) -> list[float]:
+        first = self.begins_s + 0.002 + self.phases[foot] * self.period_s
+        count = int((self.seconds - first) / self.period_s) + 1
+        return [first + stride * self.period_s for stride in range(count)]
+
+    def samples(self, foot: int) -> Samples:
+        time = self.times()
+        return foot_samples(foot, time, self.force(foot, time), self.points(foot, time))
+
+    def points(self, foot: int, time: Floats) -> Floats:
+        stride = np.floor(np.maximum(self.cycle(foot, time), 0.0))
+        x, y = list(CORNERS.values())[foot]
+        along = x + self.speed_mps * self.period_s * stride
+        return np.stack([along, np.full_like(time, y), np.zeros_like(time)], axis=1)
+
+    def odometry(self) -> Odometry:
+        time = self.times()
+        zero = np.zeros_like(time)
+        x = self.speed_mps * np.maximum(time - self.begins_s, 0.0)
+        stamp = START + np.round(time * 1e9).astype(np.int64)
+        level = np.stack([zero, zero, zero, zero + 1.0], axis=1)
+        velocity = np.stack([zero + self.speed_mps, zero, zero], axis=1)
+        position = np.stack([x, zero, zero + 0.45], axis=1)
+        return Odometry(stamp, stamp, position, level, velocity, np.zeros_like(position))
+
+    def measure(self, settings: StatsSettings = SETTINGS) -> Stats:
+        return measure([self.samples(foot) for foot in range(4)], self.odometry(), settings)
+
+
+def foot_samples(foot: int, time: Floats, force: Floats, point: Floats) -> Samples:
+    count = len(time)
+    touching = force > 0.0
+    up = np.tile([0.0, 0.0, 1.0], (count, 1))
+    unknown = np.where(touching, 0.0, np.nan)[:, None]
+    stamp = START + np.round(time * 1e9).astype(np.int64)
+    return Samples(
+        foot=np.full(count, foot, np.int64),
+        log_time=stamp + 700_000,
+        stamp=stamp,
+        in_contact=touching,
+        force=up * force[:, None],
+        in_world=np.zeros(count, np.bool_),
+        points=touching.astype(np.int64),
+        position=point + unknown,
+        normal=up + unknown,
+    )
+
+
+def measure(feet: list[Samples], odometry: Odometry, settings: StatsSettings = SETTINGS) -> Stats:
+    accumulator = StatsAccumulator(settings)
+    accumulator.add_odometry(odometry)
+    for samples in feet:
+        accumulator.add_contacts(samples)
+        topic = settings.feet[int(samples.foot[0])].topic
+        accumulator.add_message_times(topic, samples.log_time, samples.stamp)
+    return accumulator.finish()
+
+
+def codes(stats: Stats) -> set[str]:
+    return {remark.code for remark in remarks(stats)}
+
+
+def main_class(stats: Stats) -> str | None:
+    assert stats.main is not None
+    return stats.main.gait.name
+
+
+def test_a_trot_is_measured_right() -> None:
+    walk = Walk()
+    stats = walk.measure()
+    assert main_class(stats) == "trot"
+    for row, foot in enumerate(stats.feet):
+        true = [each for each in walk.touchdowns(row) if each > 0.01]
+        found = [each for each in stats.seconds(foot.touchdown) if each > 0.01]
+        assert found == pytest.approx(true, abs=1.0 / RATE_HZ)
+        assert foot.stride_frequency_hz == pytest.approx(1.25, rel=2e-3)
+        assert foot.duty_factor is not None
+        assert foot.duty_factor.mean == pytest.approx(0.6, abs=0.003)
+        assert foot.stride_length_m is not None
+        assert foot.stride_length_m.mean == pytest.approx(0.4, abs=0.002)
+        assert foot.peak_force_n is not None
+        assert foot.peak_force_n.mean == pytest.approx(WEIGHT_N / 4 / 0.6 * np.pi / 2, rel=1e-3)
+        assert foot.slip_distance_m is not None
+        assert foot.slip_distance_m.max == 0.0
+    assert stats.loads.vertical_impulse_over_weight == pytest.approx(1.0, abs=0.01)
+    assert stats.loads.shares == pytest.approx([0.25] * 4, abs=0.002)
+    assert stats.support is not None
+    # Each pair is down for 0.6 of the stride: both are for 0.2 of it.
+    assert stats.support.feet_down == pytest.approx([0, 0, 0.8, 0, 0.2], abs=0.01)
+    assert codes(stats) <= {"N_LOADING_RATE_UNRESOLVED", "N_TWIST_AMBIGUOUS"}
+
+
+def test_a_trot_with_a_duty_factor_above_one_half_is_a_trot_that_does_not_run() -> None:
+    stats = Walk(duty=(0.714,) * 4, period_s=1.142).measure()
+    assert main_class(stats) == "trot"
+    assert stats.main is not None
+    assert stats.main.duty_factor == pytest.approx(0.714, abs=0.003)
+
+
+def test_a_running_trot_has_flight() -> None:
+    stats = Walk(duty=(0.4,) * 4).measure()
+    assert main_class(stats) == "trot"
+    assert stats.support is not None
+    assert stats.support.flight_fraction == pytest.approx(0.2, abs=0.01)
+
+
+@pytest.mark.parametrize(
+    ("axis", "speed_mps", "said"),
+    [("+x", 0.5, ""), ("+y", 0.5, "right"), ("-y", 0.5, "left"), ("+y", 0.03, "")],
+)
+def test_a_robot_that_seems_to_walk_sideways_is_told(
+    axis: str, speed_mps: float, said: str
+) -> None:
+    stats = Walk(speed_mps=speed_mps).measure(replace(SETTINGS, forward_axis=axis))
+    found = [remark.text for remark in remarks(stats) if remark.code == "W_MOVES_SIDEWAYS"]
+    assert len(found) == bool(said)
+    assert all(f"to the {said} of its forward axis {axis}, at 0.50 m/s" in text for text in found)
+
+
+def test_a_walk_in_lateral_sequence() -> None:
+    stats = Walk(phases=WALK, duty=(0.8,) * 4, period_s=1.0).measure()
+    assert stats.main is not None
+    assert (stats.main.gait.name, stats.main.gait.sequence) == ("walk", "lateral")
+    assert stats.stability is not None
+    assert stats.stability.undefined_fraction == pytest.approx(0.0, abs=0.01)
+
+
+@pytest.mark.parametrize("phase", [0.99, 0.01])
+def test_phases_that_straddle_zero_do_not_spoil_the_class(phase: float) -> None:
+    stats = Walk(phases=(0.0, 0.5, 0.49, phase)).measure()
+    assert main_class(stats) == "trot"
+    assert stats.main is not None
+    last = stats.main.phases[3]
+    assert last is not None
+    assert abs((last.mean - phase + 0.5) % 1.0 - 0.5) < 0.005
+    assert last.consistency > 0.99
+
+
+def test_touchdowns_that_jitter_around_the_references_are_one_phase() -> None:
+    """The back right foot lands now 12 ms before the front left one, now 12 ms after it."""
+    walk = Walk()
+    feet = [walk.samples(foot) for foot in range(4)]
+    time = walk.times()
+    late = np.where(np.floor((time - 0.6) / 0.8) % 2 == 0, 0.012, -0.012)
+    feet[3] = foot_samples(3, time, walk.force(3, time + late), walk.points(3, time))
+    stats = measure(feet, walk.odometry())
+    assert main_class(stats) == "trot"
+    assert len(stats.segments) == 1
+
+
+def test_a_limp_is_a_trot_with_asymmetry() -> None:
+    stats = Walk(duty=(0.6, 0.6, 0.6, 0.5), load=(1.1, 1.0, 1.1, 0.8)).measure()
+    assert main_class(stats) == "trot"
+    assert len(stats.segments) == 1
+    shares = stats.loads.shares
+    assert shares is not None
+    assert shares[3] == pytest.approx(0.2, abs=0.005)
+    left, right = stats.feet[2].stance_s, stats.feet[3].stance_s
+    assert left is not None
+    assert right is not None
+    assert right.mean / left.mean == pytest.approx(5 / 6, abs=0.02)
+
+
+def test_a_gait_change_cuts_the_time_line() -> None:
+    walk = Walk(phases=WALK, duty=(0.8,) * 4, period_s=1.0, seconds=10.0)
+    trot = Walk(seconds=14.0)
+    first, second = walk.times()[:-1], trot.times()
+    time = np.concatenate([first, 10.0 + second])
+    feet = [
+        foot_samples(
+            foot,
+            time,
+            np.concatenate([walk.force(foot, first), trot.force(foot, second)]),
+            np.zeros((len(time), 3)),
+        )
+        for foot in range(4)
+    ]
+    stats = measure(feet, Walk(seconds=24.0).odometry())
+    assert [segment.gait.name for segment in stats.segments] == ["walk", "trot"]
+    change = (stats.segments[0].end - stats.origin) / 1e9
+    assert change == pytest.approx(10.0, abs=1.0)
+    assert stats.segments[0].stride_frequency_hz == pytest.approx(1.0, rel=0.02)
+    assert stats.segments[1].stride_frequency_hz == pytest.approx(1.25, rel=0.02)
+    assert main_class(stats) == "trot"
+    assert "N_SEVERAL_GAITS" in codes(stats)
+
+
+def test_a_change_of_pace_cuts_the_time_line_too() -> None:
+    slow, fast = Walk(period_s=1.2, seconds=12.0), Walk(period_s=0.6, seconds=9.0)
+    first, second = slow.times()[:-1], fast.times()
+    time = np.concatenate([first, 12.0 + second])
+    feet = [
+        foot_samples(
+            foot,
+            time,
+            np.concatenate([slow.force(foot, first), fast.force(foot, second)]),
+            np.zeros((len(time), 3)),
+        )
+        for foot in range(4)
+    ]
+    stats = measure(feet, Walk(seconds=21.0).odometry())
+    assert [segment.gait.name for segment in stats.segments] == ["trot", "trot"]
+
+
+def test_a_robot_that_stands() -> None:
+    walk = Walk(begins_s=100.0, speed_mps=0.0)
+    stats = walk.measure()
+    assert main_class(stats) == "stand"
+    assert stats.loads.vertical_impulse_over_weight == pytest.approx(1.0)
+    assert [foot.contact_fraction for foot in stats.feet] == [1.0] * 4
+    assert [foot.stride_frequency_hz for foot in stats.feet] == [None] * 4
+    assert [foot.peak_force_n for foot in stats.feet] == [None] * 4
+    assert "N_NO_STRIDES" in codes(stats)
+    assert stats.stability is not None
+    assert stats.stability.static_margin_m is not None
+    assert stats.stability.static_margin_m.mean == pytest.approx(0.15)
+
+
+def test_a_stand_before_a_walk_is_a_segment_of_its_own() -> None:
+    stats = Walk(begins_s=4.0).measure()
+    assert [segment.gait.name for segment in stats.segments] == ["stand", "trot"]
+    assert (stats.segments[0].end - stats.origin) / 1e9 == pytest.approx(4.0, abs=0.6)
+    assert main_class(stats) == "trot"
+
+
+def test_what_a_fallen_robots_feet_do_is_not_walking() -> None:
+    walk = Walk()
+    odometry = walk.odometry()
+    fallen = walk.times() >= 8.0
+    odometry.orientation[fallen] = (np.sqrt(0.5), 0.0, 0.0, np.sqrt(0.5))
+    stats = measure([walk.samples(foot) for foot in range(4)], odometry)
+    assert "W_FALL" in codes(stats)
+    assert (stats.fallen[0, 0] - stats.origin) / 1e9 == pytest.approx(8.0, abs=0.02)
+    for foot in stats.feet:
+        assert (foot.strides.end <= stats.fallen[0, 0]).all()
+        assert foot.discarded["fall"] >= 4
+
+
+def test_a_collapse_without_a_lean_is_a_fall_too_but_climbing_is_not() -> None:
+    walk = Walk()
+    feet = [walk.samples(foot) for foot in range(4)]
+    down = walk.odometry()
+    down.position[walk.times() >= 8.0, 2] = 0.1
+    assert "W_FALL" in codes(measure(feet, down))
+    up = walk.odometry()
+    up.position[:, 2] += walk.times()
+    for samples in feet:
+        samples.position[:, 2] += walk.times()
+    assert "W_FALL" not in codes(measure(feet, up))
+
+
+def test_link_frame_wrenches_have_magnitudes_only() -> None:
+    walk = Walk()
+    stats = walk.measure(replace(SETTINGS, wrench_frame=WrenchFrame.LINK))
+    world = walk.measure()
+    for foot, truth in zip(stats.feet, world.feet, strict=True):
+        assert foot.peak_force_n == truth.peak_force_n
+        assert foot.peak_vertical_force_n is None
+        assert foot.vertical_impulse_ns is None
+        assert foot.friction_use is None
+    assert stats.loads.vertical_impulse_over_weight is None
+    assert stats.loads.share_of == "force_impulse"
+    assert stats.stability is not None
+    assert stats.stability.pressure_forward_m is None
+    assert "N_VERTICAL_UNKNOWN" in codes(stats)
+
+
+def test_added_up_physics_steps_show_in_the_impulse() -> None:
+    stats = Walk(load=(4.0,) * 4).measure()
+    assert stats.loads.vertical_impulse_over_weight == pytest.approx(4.0, abs=0.05)
+    texts = [each.text for each in remarks(stats) if each.code == "W_IMPULSE_IS_NOT_WEIGHT"]
+    assert "physics steps" in texts[0]
+
+
+def test_a_dropout_is_not_a_swing() -> None:
+    walk = Walk()
+    feet = [walk.samples(foot) for foot in range(4)]
+    silent = (walk.times() > 5.0) & (walk.times() < 5.3)
+    feet[1] = feet[1].pick(~silent)
+    stats = measure(feet, walk.odometry())
+    assert stats.feet[1].discarded["gap"] >= 1
+    assert stats.feet[1].stride_frequency_hz == pytest.approx(1.25, rel=3e-3)
+    assert main_class(stats) == "trot"
+    assert "W_GAPS" in codes(stats)
+    assert stats.loads.vertical_impulse_over_weight == pytest.approx(1.0, abs=0.02)
+
+
+def with_stamps(samples: Samples, stamp: Ints) -> Samples:
+    return replace(samples, stamp=stamp)
+
+
+@pytest.mark.parametrize("fault", ["zero", "backwards"])
+def test_stamps_that_cannot_be_used_ask_for_a_pass_on_log_time(fault: str) -> None:
+    walk = Walk()
+    feet = [walk.samples(foot) for foot in range(4)]
+    stamp = feet[2].stamp.copy()
+    if fault == "zero":
+        stamp[:] = 0
+    else:
+        stamp[1000] = stamp[990]
+    feet[2] = with_stamps(feet[2], stamp)
+    with pytest.raises(UnusableStamps, match="/back_left") as unusable:
+        measure(feet, walk.odometry())
+    log_time = replace(SETTINGS, time_source=TimeSource.LOG, time_source_reason=str(unusable.value))
+    stats = measure(feet, walk.odometry(), log_time)
+    assert main_class(stats) == "trot"
+    assert stats.feet[2].stride_frequency_hz == pytest.approx(1.25, rel=2e-3)
+    assert "W_LOG_TIME_USED" in codes(stats)
+
+
+def test_duplicate_stamps_are_dropped_and_said() -> None:
+    walk = Walk()
+    feet = [walk.samples(foot) for foot in range(4)]
+    twice = np.sort(np.concatenate([np.arange(len(feet[0].stamp)), [500, 501, 502]]))
+    feet[0] = feet[0].pick(twice)
+    stats = measure(feet, walk.odometry())
+    assert stats.settings.clock is TimeSource.HEADER
+    assert stats.feet[0].record.not_advancing == 3
+    assert {"W_NOT_ADVANCING", "W_DUPLICATE_STAMPS"} <= codes(stats)
+    sound = walk.measure().feet[0]
+    assert stats.feet[0].touchdown.tolist() == sound.touchdown.tolist()
+    assert stats.feet[0].vertical_impulse_ns == sound.vertical_impulse_ns
+
+
+def test_a_foot_that_never_touches_is_dead_and_leaves_the_class_open() -> None:
+    walk = Walk()
+    feet = [walk.samples(foot) for foot in range(4)]
+    nothing = np.zeros(len(walk.times()))
+    feet[2] = foot_samples(2, walk.times(), nothing, np.zeros((len(nothing), 3)))
+    stats = measure(feet, walk.odometry())
+    assert stats.feet[2].contact_fraction is None
+    assert stats.support is None
+    assert stats.loads.shares is None
+    assert main_class(stats) is None
+    assert {"W_DEAD", "N_CLASS_UNKNOWN"} <= codes(stats)
+
+
+def test_a_lifted_foot_is_not_dead_when_the_others_carry_everything() -> None:
+    walk = Walk(load=(4 / 3, 4 / 3, 4 / 3, 4 / 3))
+    feet = [walk.samples(foot) for foot in range(4)]
+    nothing = np.zeros(len(walk.times()))
+    feet[2] = foot_samples(2, walk.times(), nothing, np.zeros((len(nothing), 3)))
+    stats = measure(feet, walk.odometry())
+    assert stats.feet[2].contact_fraction == 0.0
+    assert "N_LIFTED" in codes(stats)
+
+
+def test_a_stuck_and_a_saturated_sensor_are_told() -> None:
+    walk = Walk()
+    time = walk.times()
+    feet = [walk.samples(foot) for foot in range(4)]
+    down = walk.force(0, time) > 0.0
+    points = walk.points(0, time)
+    feet[0] = foot_samples(0, time, np.where(down, 55.0, 0.0), points)
+    feet[1] = foot_samples(1, time, np.minimum(walk.force(1, time), 100.0), points)
+    found = {(each.code, each.where) for each in remarks(measure(feet, walk.odometry()))}
+    assert ("W_STUCK", "feet.front_left") in found
+    assert ("W_SATURATED", "feet.front_right") in found
+    assert not {("W_STUCK", "feet.back_left"), ("W_SATURATED", "feet.back_left")} & found
+
+
+def test_a_log_without_odometry_or_mass_says_so_instead_of_guessing() -> None:
+    walk = Walk()
+    accumulator = StatsAccumulator(replace(SETTINGS, mass_kg=None))
+    for foot in range(4):
+        accumulator.add_contacts(walk.samples(foot))
+    stats = accumulator.finish()
+    assert stats.base is None
+    assert stats.stability is None
+    assert stats.feet[0].stride_length_m is None
+    assert stats.loads.vertical_impulse_over_weight is None
+    assert {"N_NO_ODOMETRY", "N_NO_MASS", "N_NO_STRIDE_LENGTH"} <= codes(stats)
+
+
+def test_an_empty_log_is_measured_without_complaint() -> None:
+    stats = StatsAccumulator(SETTINGS).finish()
+    assert stats.main is None
+    assert {"W_NO_MESSAGES", "N_NO_GAIT"} <= codes(stats)
+
+
+def test_two_feet_have_phases_but_no_class() -> None:
+    walk = Walk()
+    settings = replace(SETTINGS, feet=FEET[:2])
+    stats = measure([walk.samples(0), walk.samples(1)], walk.odometry(), settings)
+    assert stats.main is not None
+    phase = stats.main.phases[1]
+    assert phase is not None
+    assert phase.mean == pytest.approx(0.5, abs=0.005)
+    assert stats.main.gait.name is None
+
+
+@settings(max_examples=15, deadline=None)
+@given(st.lists(st.integers(0, 1000), max_size=4), st.randoms(use_true_random=False))
+def test_batches_and_the_order_of_feet_in_them_do_not_matter(
+    cuts: list[int], random: Random
+) -> None:
+    walk = Walk(seconds=4.0)
+    whole = walk.measure()
+    accumulator = StatsAccumulator(SETTINGS)
+    edges = [0, *sorted(cuts), 1001]
+    for start, end in pairwise(edges):
+        rows = np.arange(start, end)
+        order = [0, 1, 2, 3]
+        random.shuffle(order)
+        for foot in order:
+            samples = walk.samples(foot).pick(rows)
+            accumulator.add_contacts(samples)
+            accumulator.add_message_times(f"/{FEET[foot].name}", samples.log_time, samples.stamp)
+        accumulator.add_odometry(walk.odometry().pick(rows))
+    split = accumulator.finish()
+    with np.printoptions(threshold=1_000_000, floatmode="unique"):
+        assert repr(split) == repr(whole)

@@ -1,0 +1,369 @@
+"""Output that cannot be half."""
+
+import os
+import shutil
+import signal
+import socket
+import stat
+import subprocess
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from dogbot_logtool.errors import CallError, LogtoolError
+from dogbot_logtool.io.output import refuse_bad_target, whole_file
+
+
+def files(folder: Path) -> list[str]:
+    return sorted(file.name for file in folder.iterdir())
+
+
+@pytest.fixture(params=["unnamed", "named"])
+def way(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> str:
+    """Write as this system can, or as one that has no files without names."""
+    if request.param == "named":
+        monkeypatch.delattr(os, "O_TMPFILE", raising=False)
+    elif not hasattr(os, "O_TMPFILE"):
+        pytest.skip("this system has no files without names")
+    return str(request.param)
+
+
+def test_a_whole_file_appears_at_the_end(tmp_path: Path, way: str) -> None:
+    target = tmp_path / "x.mcap"
+    with whole_file(target, overwrite=False) as file:
+        file.write(b"whole")
+        assert not target.exists()
+        parts = files(tmp_path)
+        assert len(parts) == (0 if way == "unnamed" else 1)
+        assert all(part.startswith(".dogbot-logtool.") for part in parts)
+        assert all(part.endswith(".part") for part in parts)
+    assert target.read_bytes() == b"whole"
+    assert files(tmp_path) == ["x.mcap"]
+
+
+KILLED = """
+import os, signal, sys
+from pathlib import Path
+from dogbot_logtool.io.output import whole_file
+with whole_file(Path("x.mcap"), overwrite=bool(sys.argv[1:])) as file:
+    file.write(bytes(1 << 20))
+    os.kill(os.getpid(), signal.SIGKILL)
+"""
+
+
+@pytest.mark.skipif(not hasattr(os, "O_TMPFILE"), reason="there are no files without names")
+@pytest.mark.parametrize("words", [[], ["--overwrite"]], ids=["new", "replaced"])
+def test_a_killed_process_leaves_nothing(tmp_path: Path, words: list[str]) -> None:
+    if words:
+        (tmp_path / "x.mcap").write_bytes(b"old")
+    done = subprocess.run([sys.executable, "-c", KILLED, *words], cwd=tmp_path, check=False)  # noqa: S603
+    assert done.returncode == -signal.SIGKILL
+    assert files(tmp_path) == ["x.mcap"] * len(words)
+    assert not words or (tmp_path / "x.mcap").read_bytes() == b"old"
+
+
+def write(target: Path, *pieces: bytes, overwrite: bool = False) -> None:
+    with whole_file(target, overwrite=overwrite) as file:
+        for piece in pieces:
+            file.write(piece)
+
+
+def fail_midway(target: Path, error: type[BaseException], *, overwrite: bool) -> None:
+    with whole_file(target, overwrite=overwrite) as file:
+        file.write(b"half")
+        raise error
+
+
+@pytest.mark.parametrize("error", [ValueError, LogtoolError, KeyboardInterrupt, SystemExit])
+@pytest.mark.usefixtures("way")
+def test_any_error_leaves_nothing(tmp_path: Path, error: type[BaseException]) -> None:
+    with pytest.raises(error):
+        fail_midway(tmp_path / "x.mcap", error, overwrite=False)
+    assert files(tmp_path) == []
+
+
+@pytest.mark.parametrize("error", [ValueError, KeyboardInterrupt])
+@pytest.mark.usefixtures("way")
+def test_an_error_leaves_the_old_file(tmp_path: Path, error: type[BaseException]) -> None:
+    target = tmp_path / "x.mcap"
+    target.write_bytes(b"old")
+    with pytest.raises(error):
+        fail_midway(target, error, overwrite=True)
+    assert target.read_bytes() == b"old"
+    assert files(tmp_path) == ["x.mcap"]
+
+
+@pytest.mark.usefixtures("way")
+def test_overwriting(tmp_path: Path) -> None:
+    target = tmp_path / "x.mcap"
+    target.write_bytes(b"old")
+    with whole_file(target, overwrite=True) as file:
+        file.write(b"new")
+        assert target.read_bytes() == b"old"
+    assert target.read_bytes() == b"new"
+    assert files(tmp_path) == ["x.mcap"]
+
+
+@pytest.mark.usefixtures("way")
+def test_a_target_that_comes_to_exist_meanwhile_is_kept(tmp_path: Path) -> None:
+    target = tmp_path / "x.mcap"
+
+    def write_while_another_does() -> None:
+        with whole_file(target, overwrite=False) as file:
+            file.write(b"new")
+            target.write_bytes(b"someone else's")
+
+    with pytest.raises(CallError, match="exists already"):
+        write_while_another_does()
+    assert target.read_bytes() == b"someone else's"
+    assert files(tmp_path) == ["x.mcap"]
+
+
+@pytest.mark.usefixtures("way")
+def test_a_link_to_nowhere_is_kept(tmp_path: Path) -> None:
+    target = tmp_path / "x.mcap"
+    target.symlink_to(tmp_path / "nowhere")
+    with pytest.raises(CallError):
+        write(target, b"new")
+    assert files(tmp_path) == ["x.mcap"]
+    assert target.is_symlink()
+
+
+@pytest.mark.usefixtures("way")
+@pytest.mark.parametrize("mask", [0o022, 0o077, 0o002, 0])
+def test_permissions_follow_the_umask(tmp_path: Path, mask: int) -> None:
+    before = os.umask(mask)
+    try:
+        with whole_file(tmp_path / "x.mcap", overwrite=False) as file:
+            file.write(b"whole")
+        (tmp_path / "y").write_bytes(b"")
+    finally:
+        assert os.umask(before) == mask
+    plain = (tmp_path / "y").stat().st_mode
+    assert (tmp_path / "x.mcap").stat().st_mode == plain
+
+
+def test_the_umask_is_never_changed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """It is the whole process's: another thread would create files for everybody to write."""
+
+    def refuse(mask: int) -> int:
+        raise AssertionError(f"the umask was set to {mask:o}")
+
+    monkeypatch.setattr(os, "umask", refuse)
+    write(tmp_path / "x.mcap", b"new")
+    write(tmp_path / "x.mcap", b"newer", overwrite=True)
+    assert files(tmp_path) == ["x.mcap"]
+
+
+@pytest.mark.usefixtures("way")
+@pytest.mark.parametrize("mode", [0o600, 0o640, 0o444, 0o777])
+def test_a_file_that_is_replaced_keeps_its_permissions(tmp_path: Path, mode: int) -> None:
+    target = tmp_path / "x.mcap"
+    target.write_bytes(b"old")
+    target.chmod(mode)
+    with whole_file(target, overwrite=True) as file:
+        assert stat.S_IMODE(os.fstat(file.fileno()).st_mode) == mode
+        file.write(b"new")
+    assert target.read_bytes() == b"new"
+    assert stat.S_IMODE(target.stat().st_mode) == mode
+
+
+@pytest.mark.skipif(os.geteuid() != 0, reason="only root may give files away")
+def test_a_file_that_is_replaced_keeps_its_owner(tmp_path: Path) -> None:
+    target = tmp_path / "x.mcap"
+    target.write_bytes(b"old")
+    os.chown(target, 1234, 2345)
+    write(target, b"new", overwrite=True)
+    status = target.stat()
+    assert (status.st_uid, status.st_gid) == (1234, 2345)
+    assert target.read_bytes() == b"new"
+
+
+@pytest.mark.usefixtures("way")
+def test_a_link_stays_a_link(tmp_path: Path) -> None:
+    folder, target = tmp_path / "elsewhere", tmp_path / "x.mcap"
+    folder.mkdir()
+    (folder / "real.mcap").write_bytes(b"old")
+    (folder / "real.mcap").chmod(0o600)
+    target.symlink_to(Path("elsewhere") / "real.mcap")
+    refuse_bad_target(target, None, overwrite=True)
+    write(target, b"new", overwrite=True)
+    assert target.readlink() == Path("elsewhere") / "real.mcap"
+    assert (folder / "real.mcap").read_bytes() == b"new"
+    assert stat.S_IMODE((folder / "real.mcap").stat().st_mode) == 0o600
+    assert files(folder) == ["real.mcap"]
+
+
+def test_a_link_to_nowhere_is_told_before_any_work(tmp_path: Path) -> None:
+    target = tmp_path / "x.mcap"
+    target.symlink_to(tmp_path / "nowhere")
+    for overwrite in (False, True):
+        with pytest.raises(CallError, match="is a link to nothing"):
+            refuse_bad_target(target, None, overwrite=overwrite)
+    with pytest.raises(CallError, match="is a link to nothing"):
+        write(target, b"new", overwrite=True)
+    assert files(tmp_path) == ["x.mcap"]
+
+
+@pytest.fixture(params=["FIFO", "socket", "device"])
+def special(request: pytest.FixtureRequest, tmp_path: Path) -> Iterator[tuple[str, Path]]:
+    """Return what is no regular file: its kind and its name."""
+    target = tmp_path / "x.mcap"
+    if request.param == "FIFO":
+        os.mkfifo(target)
+    elif request.param == "device":
+        target.symlink_to(os.devnull)
+    else:
+        with socket.socket(socket.AF_UNIX) as one:
+            here = Path.cwd()
+            os.chdir(tmp_path)
+            try:
+                one.bind("x.mcap")
+            finally:
+                os.chdir(here)
+            yield request.param, target
+            return
+    yield request.param, target
+
+
+@pytest.mark.parametrize("overwrite", [False, True])
+def test_only_regular_files_are_replaced(special: tuple[str, Path], *, overwrite: bool) -> None:
+    kind, target = special
+    before = target.lstat()
+    with pytest.raises(CallError, match=f"is a {kind}, not a file"):
+        refuse_bad_target(target, None, overwrite=overwrite)
+    with pytest.raises(CallError):
+        write(target, b"new", overwrite=overwrite)
+    after = target.lstat()
+    assert (before.st_mode, before.st_ino) == (after.st_mode, after.st_ino)
+    assert files(target.parent) == ["x.mcap"]
+
+
+@pytest.mark.usefixtures("way")
+def test_a_missing_directory_is_made_when_the_file_is_whole(tmp_path: Path) -> None:
+    target = tmp_path / "a" / "b" / "x.mcap"
+    refuse_bad_target(target, None, overwrite=False, makes_folder=True)
+    with whole_file(target, overwrite=False, makes_folder=True) as file:
+        file.write(b"whole")
+        assert "a" not in files(tmp_path)
+    assert target.read_bytes() == b"whole"
+    assert files(tmp_path) == ["a"]
+    assert files(target.parent) == ["x.mcap"]
+
+
+def test_a_directory_cannot_be_made_in_a_file(tmp_path: Path) -> None:
+    (tmp_path / "a").write_bytes(b"")
+    target = tmp_path / "a" / "b" / "x.mcap"
+    with pytest.raises(CallError, match="a: is a file, not a folder"):
+        refuse_bad_target(target, None, overwrite=False, makes_folder=True)
+    with (
+        pytest.raises(LogtoolError, match="cannot be written"),
+        whole_file(target, overwrite=False, makes_folder=True),
+    ):
+        pass
+    assert files(tmp_path) == ["a"]
+
+
+@pytest.mark.parametrize("name", ["missing/x.mcap", "file/x.mcap"])
+def test_a_folder_that_is_none(tmp_path: Path, name: str) -> None:
+    (tmp_path / "file").write_bytes(b"")
+    target = tmp_path / name
+    with pytest.raises(LogtoolError, match="cannot be written"):
+        write(target, b"never")
+    with pytest.raises(CallError, match=r"no such folder|is a file"):
+        refuse_bad_target(target, None, overwrite=False)
+    assert files(tmp_path) == ["file"]
+
+
+@pytest.fixture
+def readonly(tmp_path: Path) -> Iterator[Path]:
+    """Return a folder that not even root may write to."""
+    folder = tmp_path / "readonly"
+    folder.mkdir()
+    if os.geteuid() != 0:
+        folder.chmod(0o555)
+        yield folder
+        folder.chmod(0o755)
+        return
+    _mount(folder, "ro,size=64k")
+    try:
+        yield folder
+    finally:
+        _unmount(folder)
+
+
+@pytest.fixture
+def tiny(tmp_path: Path) -> Iterator[Path]:
+    """Return a folder on a disk of 64 kB."""
+    folder = tmp_path / "tiny"
+    folder.mkdir()
+    _mount(folder, "size=64k")
+    try:
+        yield folder
+    finally:
+        _unmount(folder)
+
+
+def _mount(folder: Path, options: str) -> None:
+    mount = shutil.which("mount")
+    if mount is None or os.geteuid() != 0:
+        pytest.skip("only root can mount a small disk")
+    command = [mount, "-t", "tmpfs", "-o", options, "tmpfs", str(folder)]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)  # noqa: S603
+    if done.returncode:
+        pytest.skip(f"a small disk cannot be mounted here: {done.stderr.strip()}")
+
+
+def _unmount(folder: Path) -> None:
+    umount = shutil.which("umount")
+    assert umount is not None
+    subprocess.run([umount, str(folder)], check=True)  # noqa: S603
+
+
+def test_a_readonly_folder(readonly: Path) -> None:
+    target = readonly / "x.mcap"
+    with pytest.raises(LogtoolError, match=r"cannot be written: (Read-only|Permission)") as caught:
+        write(target, b"never")
+    assert caught.value.exit_code == 1
+    assert files(readonly) == []
+
+
+@pytest.mark.parametrize("piece", [1000, 1 << 20], ids=["amid pieces", "in one piece"])
+def test_a_full_disk(tiny: Path, piece: int) -> None:
+    old = tiny / "old"
+    old.write_bytes(b"old")
+    target = tiny / "x.mcap"
+    with pytest.raises(LogtoolError, match="cannot be written: No space left"):
+        write(target, *[bytes(piece)] * 100)
+    assert files(tiny) == ["old"]
+    assert old.read_bytes() == b"old"
+
+
+def test_a_disk_that_fills_with_the_last_bytes(tiny: Path) -> None:
+    """The last bytes are written when the file is closed."""
+    (tiny / "filler").write_bytes(bytes(60_000))
+    with pytest.raises(LogtoolError, match="No space left"):
+        write(tiny / "x.mcap", bytes(8_000))
+    assert files(tiny) == ["filler"]
+
+
+def test_bad_targets(tmp_path: Path) -> None:
+    log = tmp_path / "log.bag"
+    log.write_bytes(b"log")
+    with pytest.raises(CallError, match="is a directory"):
+        refuse_bad_target(tmp_path, None, overwrite=True)
+    with pytest.raises(CallError, match="input itself"):
+        refuse_bad_target(tmp_path / "." / "log.bag", log, overwrite=True)
+    link = tmp_path / "link"
+    link.hardlink_to(log)
+    with pytest.raises(CallError, match="input itself"):
+        refuse_bad_target(link, log, overwrite=True)
+    other = tmp_path / "other"
+    other.write_bytes(b"")
+    with pytest.raises(CallError, match="--overwrite"):
+        refuse_bad_target(other, log, overwrite=False)
+    refuse_bad_target(other, log, overwrite=True)
+    refuse_bad_target(tmp_path / "new", log, overwrite=False)
+    assert log.read_bytes() == b"log"

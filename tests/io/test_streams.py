@@ -1,0 +1,133 @@
+"""Standard streams that are closed, full, in ASCII, or whose reader has gone."""
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from tests.paths import SAMPLE_LOGS
+
+TROT, TROUBLED = (SAMPLE_LOGS / f"dogbot_{name}.bag" for name in ("trot", "troubled"))
+CUT = "cut.bag"
+
+RESULTS = {
+    "help": ("stats --help", 0),
+    "version": ("--version", 0),
+    "text": (f"info {TROUBLED}", 0),
+    "damaged": (f"info {CUT} {CUT} --json", 3),
+    "csv": (f"stats {TROUBLED} --csv", 0),
+    "different": (f"compare {TROT} {TROUBLED}", 1),
+    "layout": ("layout", 0),
+    "robot": ("robots dogbot", 0),
+}
+"""Calls that print results, and their exit codes."""
+
+each_result = pytest.mark.parametrize(("words", "code"), RESULTS.values(), ids=RESULTS)
+
+
+def shell(folder: Path, command: str, **environment: str) -> tuple[int, str, str]:
+    """Run a line of bash in which `logtool` is the command; return exit code, stdout and stderr."""
+    path = os.pathsep.join([str(Path(sys.executable).parent), os.environ["PATH"]])
+    done = subprocess.run(  # noqa: S603
+        [
+            "/bin/bash",
+            "-c",
+            f'logtool() {{ "{sys.executable}" -m dogbot_logtool "$@"; }}\n{command}',
+        ],
+        cwd=folder,
+        env=os.environ | {"PATH": path} | environment,
+        capture_output=True,
+        text=True,
+        check=False,
+        timeout=120,
+    )
+    return done.returncode, done.stdout, done.stderr
+
+
+@pytest.fixture
+def folder(tmp_path: Path) -> Path:
+    (tmp_path / CUT).write_bytes(TROT.read_bytes()[:-1000])
+    return tmp_path
+
+
+@each_result
+def test_a_reader_that_stops_early_changes_nothing(folder: Path, words: str, code: int) -> None:
+    line = f"logtool {words} 2>errors | true; exit ${{PIPESTATUS[0]}}"
+    assert shell(folder, line)[0] == code
+    assert (folder / "errors").read_text().count("Traceback") == 0
+
+
+@pytest.mark.parametrize("unbuffered", ["", "1"])
+def test_a_difference_is_seen_through_a_pipe(folder: Path, unbuffered: str) -> None:
+    """Much is printed, so that the reader has gone long before the end."""
+    call = f"logtool compare {TROT} {TROUBLED} --max-differences 9999"
+    line = f"{call} | grep -q different; exit ${{PIPESTATUS[0]}}"
+    assert shell(folder, line, PYTHONUNBUFFERED=unbuffered) == (1, "", "")
+
+
+@pytest.mark.parametrize(
+    ("target", "why"), [("&-", "it is closed"), ("/dev/full", "No space left on device")]
+)
+@each_result
+def test_results_that_cannot_be_written_are_an_error(
+    folder: Path, words: str, code: int, target: str, why: str
+) -> None:
+    del code
+    ended, _, err = shell(folder, f"logtool {words} >{target}")
+    assert ended == 1
+    assert err.splitlines()[-1] == f"error: stdout cannot be written: {why}"
+    assert "Traceback" not in err
+
+
+def test_completion_that_cannot_be_written_is_an_error(folder: Path) -> None:
+    line = "_DOGBOT_LOGTOOL_COMPLETE=bash_source dogbot-logtool"
+    code, out, err = shell(folder, line)
+    assert (code, err) == (0, "")
+    assert "complete" in out
+    assert shell(folder, f"{line} >/dev/full")[0] == 1
+    assert shell(folder, f"{line} >&-")[0] == 1
+
+
+def test_an_unwritable_stderr_changes_nothing(folder: Path) -> None:
+    for words, code in ((f"info {CUT} {CUT}", 3), (f"stats {CUT} no.bag --json", 2)):
+        usual = shell(folder, f"logtool {words}")
+        assert usual[0] == code
+        for stderr in ("&-", "/dev/full"):
+            assert shell(folder, f"logtool {words} 2>{stderr}") == (*usual[:2], "")
+
+
+@pytest.mark.parametrize(
+    "streams", [">&- 2>&-", "<&- >&- 2>&-", ">/dev/full 2>&1"], ids=["both", "all", "full"]
+)
+def test_all_streams_may_be_unwritable(folder: Path, streams: str) -> None:
+    for words in (f"stats {TROUBLED}", f"stats {TROUBLED} {TROUBLED} {TROT} --json"):
+        for unbuffered in ("", "1"):
+            done = shell(folder, f"logtool {words} {streams}", PYTHONUNBUFFERED=unbuffered)
+            assert done == (1, "", "")
+
+
+def test_what_prints_no_result_needs_no_stdout(folder: Path) -> None:
+    """Nor may the output get the number of a stream, and what is meant for that."""
+    for name, streams in (("open", ""), ("closed", "<&- >&- 2>&-")):
+        assert shell(folder, f"logtool convert {TROUBLED} -o {name}.mcap {streams}")[0] == 0
+    assert (folder / "open.mcap").read_bytes() == (folder / "closed.mcap").read_bytes()
+
+
+def test_a_wrong_call_stays_one(folder: Path) -> None:
+    for streams in ("2>&-", ">&-", "2>/dev/full"):
+        assert shell(folder, f"logtool stats no_such.bag {streams}")[0] == 2
+        assert shell(folder, f"logtool stats --nonsense {streams}")[0] == 2
+
+
+@pytest.mark.parametrize("encoding", ["ascii", "latin-1", "utf-8"])
+def test_any_encoding_will_do(folder: Path, encoding: str) -> None:
+    name = os.fsdecode("\u81ea\u884c-é-\x9b1m-".encode() + b"\xff.bag")
+    (folder / name).write_bytes((folder / CUT).read_bytes())
+    for words in ("info *-*.bag", "stats *-*.bag", "stats *-*.bag --csv", "info --frames *-*.bag"):
+        code, out, err = shell(
+            folder, f"logtool {words} | cat -v; exit ${{PIPESTATUS[0]}}", PYTHONIOENCODING=encoding
+        )
+        assert (code, err) == (3, "")
+        assert "\\xff.bag" in out.replace("\n", "")

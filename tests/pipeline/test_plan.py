@@ -1,0 +1,181 @@
+"""Decisions that are made before the first message is written."""
+
+from collections.abc import Iterator
+from dataclasses import replace
+from typing import Any
+
+import pytest
+
+from dogbot_logtool.core.frames.wrench_frame import WrenchFrame, WrenchFrameEvidence
+from dogbot_logtool.errors import LogError
+from dogbot_logtool.finding import Severity
+from dogbot_logtool.pipeline.plan import ConvertOptions, Plan, make_plan, without_tf
+from dogbot_logtool.pipeline.probe import Evidence, evidence_findings, look_into
+from dogbot_logtool.pipeline.selection import Selection, TopicOptions, select_topics
+from dogbot_logtool.reader.containers.log import Log
+from dogbot_logtool.reader.containers.opening import open_log
+from tests.paths import SAMPLE_LOGS
+
+UNKNOWN = WrenchFrameEvidence(WrenchFrame.UNKNOWN, None, 0)
+
+
+class Case:
+    """A sample log with its selection and evidence, to be varied."""
+
+    def __init__(self, log: Log) -> None:
+        self.log = log
+        self.selection: Selection = select_topics(log, TopicOptions())
+        self.evidence: Evidence = look_into(log, self.selection)
+
+    def plan(self, **options: Any) -> Plan:
+        return make_plan(self.log, self.selection, self.evidence, ConvertOptions(**options))
+
+    def see(self, **evidence: Any) -> None:
+        self.evidence = replace(self.evidence, **evidence)
+
+    def know(self, **robot: Any) -> None:
+        self.selection = replace(self.selection, robot=replace(self.selection.robot, **robot))
+
+
+@pytest.fixture
+def trot() -> Iterator[Case]:
+    log = open_log(SAMPLE_LOGS / "dogbot_trot.bag")
+    yield Case(log)
+    log.close()
+
+
+@pytest.fixture
+def walk() -> Iterator[Case]:
+    log = open_log(SAMPLE_LOGS / "dogbot_walk.mcap")
+    yield Case(log)
+    log.close()
+
+
+def codes(plan: Plan) -> set[str]:
+    return {finding.code for finding in plan.findings}
+
+
+def test_frames_are_the_robot_s(trot: Case) -> None:
+    trot.see(world_frames=("odom",), base_frames=("trunk",))
+    plan = trot.plan()
+    assert (plan.world_frame, plan.base_frame) == ("world", "base_link")
+
+
+@pytest.mark.parametrize(
+    ("recorded", "used"),
+    [
+        ((("odom",), ("trunk",)), ("odom", "trunk")),
+        ((("/odom",), ("/trunk",)), ("odom", "trunk")),
+        ((("",), ("",)), ("world", "base_link")),
+        ((("/",), ()), ("world", "base_link")),
+        ((("", "/map"), ("", "body")), ("map", "body")),
+    ],
+)
+def test_frames_are_the_log_s_where_the_robot_has_none(
+    trot: Case, recorded: tuple[tuple[str, ...], tuple[str, ...]], used: tuple[str, str]
+) -> None:
+    trot.know(world_frame=None, base_frame=None)
+    trot.see(world_frames=recorded[0], base_frames=recorded[1])
+    plan = trot.plan()
+    assert (plan.world_frame, plan.base_frame) == used
+
+
+@pytest.mark.parametrize("tf", ["auto", "always", "never"])
+@pytest.mark.parametrize("copy", [True, False])
+@pytest.mark.parametrize("parents", [frozenset(), {"world"}, {"map"}, {"map", "world"}])
+def test_a_second_parent(trot: Case, tf: str, parents: set[str], *, copy: bool) -> None:
+    trot.see(parents={"base_link": frozenset(parents)})
+    plan = trot.plan(tf=tf, copy=copy)
+    harm = "map" in parents and copy
+    assert plan.write_tf == (tf == "always" or (tf == "auto" and not harm))
+    assert ("W_TF_HAS_PARENT" in codes(plan)) == (tf == "auto" and harm)
+
+
+def test_a_second_parent_that_comes_late(trot: Case) -> None:
+    plan = trot.plan()
+    assert plan.write_tf
+    without = without_tf(plan, "map")
+    assert not without.write_tf
+    assert codes(without) == codes(plan) | {"W_TF_HAS_PARENT"}
+    assert list(without.findings) == sorted(without.findings)
+
+
+@pytest.mark.parametrize(
+    ("option", "seen", "in_world"),
+    [
+        ("auto", WrenchFrame.WORLD, True),
+        ("auto", WrenchFrame.LINK, False),
+        ("auto", WrenchFrame.UNKNOWN, False),
+        ("world", WrenchFrame.LINK, True),
+        ("link", WrenchFrame.WORLD, False),
+    ],
+)
+def test_the_wrench_frame(trot: Case, option: str, seen: WrenchFrame, *, in_world: bool) -> None:
+    trot.see(wrench_frame=WrenchFrameEvidence(seen, 0.5, 100))
+    plan = trot.plan(wrench_frame=option, style="force")
+    assert plan.force_in_world is in_world
+    turns = plan.frames is not None and any(plan.frames.links)
+    assert turns == (WrenchFrame.LINK in {option, seen} and not in_world)
+    assert ("W_MAGNITUDE_ONLY" in codes(plan)) == (not in_world and not turns)
+    assert f"WRENCH_FRAME_{seen.name}" in {code[2:] for code in codes(plan)}
+    assert "W_MAGNITUDE_ONLY" not in codes(trot.plan(wrench_frame=option, style="pressure"))
+
+
+def test_weight_and_arrow_style(trot: Case) -> None:
+    plan = trot.plan()
+    assert plan.body_weight_n == pytest.approx(21.261 * 9.81)
+    assert (plan.arrow_style.shaft_diameter_m, plan.arrow_style.lifetime_s) == (0.04, 0.5)
+    classic = trot.plan(style="classic").arrow_style
+    assert (classic.shaft_diameter_m, classic.lifetime_s) == (0.1, 0.0)
+    trot.know(mass_kg=None, shaft_diameter_m=0.02)
+    plan = trot.plan(style="force")
+    assert plan.body_weight_n is None
+    assert plan.arrow_style.shaft_diameter_m == 0.02
+    assert "N_NO_MASS" in codes(plan)
+
+
+def test_times_are_since_the_first_message(walk: Case) -> None:
+    plan = walk.plan(start_s=1.5, end_s=2.0)
+    assert walk.log.start_time == 5_000_000_000
+    assert (plan.start_time, plan.end_time) == (6_500_000_000, 7_000_000_000)
+    assert (walk.plan().start_time, walk.plan().end_time) == (None, None)
+    assert walk.plan(start_s=0.0).start_time == 5_000_000_000
+
+
+def test_without_anything_to_annotate(trot: Case) -> None:
+    trot.selection = replace(trot.selection, odometry=(), contacts=())
+    with pytest.raises(LogError) as caught:
+        trot.plan()
+    for topic in ("/dogbot/imu  sensor_msgs/Imu", "/tf  tf2_msgs/TFMessage"):
+        assert topic in str(caught.value)
+
+
+def test_without_odometry_there_is_no_transform(trot: Case) -> None:
+    trot.selection = replace(trot.selection, odometry=())
+    assert not trot.plan(tf="always").write_tf
+
+
+def test_findings_are_told_by_what_was_seen(trot: Case) -> None:
+    trot.see(
+        zero_stamps=frozenset({"/dogbot/odom"}),
+        slashed_frames=("/map",),
+        world_frames=("a", "b"),
+        wrench_frame=UNKNOWN,
+    )
+    found = {f.code: f for f in evidence_findings(trot.selection, trot.evidence)}
+    assert set(found) == {
+        "W_ZERO_STAMPS",
+        "W_SLASHED_FRAMES",
+        "W_WRENCH_FRAME_UNKNOWN",
+        "W_FRAMES_CHANGE",
+    }
+    assert "/dogbot/odom" in found["W_ZERO_STAMPS"].text
+    assert "/map" in found["W_SLASHED_FRAMES"].text
+    assert all(finding.severity is Severity.WARNING for finding in found.values())
+
+
+def test_findings_are_sorted_by_how_much_they_matter(trot: Case) -> None:
+    trot.see(slashed_frames=("/map",))
+    findings = trot.plan().findings
+    assert [f.severity for f in findings] == sorted(f.severity for f in findings)
+    assert findings[0].code == "W_SLASHED_FRAMES"

@@ -1,0 +1,110 @@
+"""What a quick look into a log shows, against the truth of the sample logs."""
+
+import json
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+import pytest
+
+from dogbot_logtool.core.frames.wrench_frame import WrenchFrame
+from dogbot_logtool.pipeline.probe import Evidence, left_after, look_into
+from dogbot_logtool.pipeline.selection import TopicOptions, select_topics
+from dogbot_logtool.reader.containers.opening import open_log
+from dogbot_logtool.reader.messages.contacts.source import StepTiming
+from tests.paths import SAMPLE_LOGS
+
+LOGS = ("dogbot_trot.bag", "dogbot_walk.mcap", "dogbot_troubled.bag")
+
+
+def look(name: str, options: TopicOptions | None = None) -> Evidence:
+    log = open_log(SAMPLE_LOGS / name)
+    try:
+        return look_into(log, select_topics(log, options or TopicOptions()))
+    finally:
+        log.close()
+
+
+def truth(name: str) -> dict[str, Any]:
+    path = (SAMPLE_LOGS / name).with_suffix(".truth.json")
+    told: dict[str, Any] = json.loads(path.read_text(encoding="utf-8"))
+    return told
+
+
+@pytest.mark.parametrize("name", LOGS)
+def test_the_wrench_frame_is_recognised(name: str) -> None:
+    seen = look(name).wrench_frame
+    assert seen.frame == WrenchFrame(truth(name)["forces"]["wrench_frame"])
+    assert seen.samples >= 20
+    assert seen.median_alignment is not None
+    assert 0 <= seen.median_alignment <= 1
+
+
+@pytest.mark.parametrize("name", LOGS)
+def test_frames_are_those_of_the_odometry(name: str) -> None:
+    told, seen = truth(name)["log"], look(name)
+    assert seen.world_frames == (told["world_frame_id"],)
+    assert seen.base_frames == (told["base_frame_id"],)
+    slashed = (told["world_frame_id"],) if told["world_frame_id"].startswith("/") else ()
+    assert seen.slashed_frames == slashed
+
+
+def test_a_foot_has_left_where_the_newest_step_is_older_than_the_stamp() -> None:
+    half_a_step = truth("dogbot_trot.bag")["log"]["physics_step_s"] / 2.0
+    assert look("dogbot_trot.bag").left_after_ns == pytest.approx(half_a_step * 1e9)
+
+
+@pytest.mark.parametrize("name", ["dogbot_walk.mcap", "dogbot_troubled.bag"])
+def test_single_steps_and_zero_stamps_do_not_tell_whether_a_foot_has_left(name: str) -> None:
+    assert look(name).left_after_ns is None
+
+
+def test_irregular_lags_do_not_tell_whether_a_foot_has_left() -> None:
+    step = np.full(30, 1_000_000)
+    regular, jittery = np.zeros(10, np.int64), np.arange(10) * 1_000_000
+    assert left_after([StepTiming(regular + 7, step)]) == 500_007
+    assert left_after([StepTiming(regular, step), StepTiming(jittery, step)]) is None
+
+
+@pytest.mark.parametrize("name", LOGS)
+def test_zero_stamps_are_seen(name: str) -> None:
+    zero = look(name).zero_stamps
+    if not truth(name)["damage"] or not truth(name)["damage"].get("zero_stamps"):
+        assert zero == frozenset()
+    else:
+        used = {t for t in truth(name)["log"]["messages"] if "contact" in t or "odom" in t}
+        assert zero == used
+
+
+@pytest.mark.parametrize("name", LOGS)
+def test_parents_are_those_of_the_legs(name: str) -> None:
+    parents = look(name).parents
+    for foot in ("front_left", "front_right", "back_left", "back_right"):
+        chain = [
+            "base_link",
+            *(f"{foot}_{part}" for part in ("hip", "upperleg", "lowerleg", "foot")),
+        ]
+        for parent, child in pairwise(chain):
+            assert parents[child] == {parent}
+    assert len(parents) == 16
+
+
+@pytest.mark.parametrize("name", LOGS)
+def test_only_a_few_chunks_are_read(name: str) -> None:
+    seen = look(name)
+    assert 1 <= seen.chunks_seen <= 9
+    assert seen.chunks >= seen.chunks_seen
+
+
+def test_without_feet_the_wrench_frame_is_unknown() -> None:
+    log = open_log(SAMPLE_LOGS / "dogbot_trot.bag")
+    try:
+        selection = select_topics(log, TopicOptions())
+        bare = look_into(log, type(selection)(selection.robot, (), (), {}, (), ()))
+    finally:
+        log.close()
+    assert bare.wrench_frame.frame is WrenchFrame.UNKNOWN
+    assert bare.wrench_frame.median_alignment is None
+    assert (bare.world_frames, bare.base_frames, bare.parents) == ((), (), {})
+    assert bare.zero_stamps == frozenset()
+    assert bare.chunks_seen == 0

@@ -1,0 +1,328 @@
+"""Which logs the words of a call name."""
+
+import json
+import os
+import shutil
+import subprocess
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+from upath import UPath
+
+from dogbot_logtool.errors import CallError
+from dogbot_logtool.io.storage import identity, location, shown
+from dogbot_logtool.run.inputs import find_logs
+from tests.paths import SAMPLE_LOGS
+
+TROUBLED = SAMPLE_LOGS / "dogbot_troubled.bag"
+MCAP = b"\x89MCAP0\r\n rest"
+
+
+@pytest.fixture
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A lab's directory."""
+    for name in (
+        "b.bag",
+        "a.mcap",
+        "a.annotated.mcap",
+        "run/walk.bag",
+        "run/walk.db3.zstd",
+        "run/deep/noted",
+        "run/deep/notes.txt",
+        "split/metadata.yaml",
+        "split/one.db3",
+        "split/two.db3",
+        "lost/lost_0.mcap",
+        "lost/lost_1.mcap",
+        ".hidden/x.bag",
+    ):
+        file = tmp_path / name
+        file.parent.mkdir(parents=True, exist_ok=True)
+        file.write_bytes(MCAP if name.endswith("noted") else b"x")
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+def names(*words: str) -> list[str]:
+    return find_logs(words).names
+
+
+@pytest.mark.usefixtures("folder")
+def test_a_directory_is_searched_and_a_ros2_bag_is_one_log() -> None:
+    fleet = find_logs(["."])
+    assert fleet.names == [
+        "a.mcap",
+        "b.bag",
+        "lost",
+        "run/deep/noted",
+        "run/walk.bag",
+        "run/walk.db3.zstd",
+        "split",
+    ]
+    assert [str(below) for below in fleet.below] == [".", ".", ".", "run/deep", "run", "run", "."]
+    assert fleet.left_out == 1
+
+
+@pytest.mark.usefixtures("folder")
+def test_words_keep_their_order_and_each_log_is_there_once() -> None:
+    assert names("run/walk.bag", "*.mcap", "run", "absent.bag") == [
+        "run/walk.bag",
+        "a.annotated.mcap",
+        "a.mcap",
+        "run/deep/noted",
+        "run/walk.db3.zstd",
+        "absent.bag",
+    ]
+    assert names("**/*.bag") == ["b.bag", "run/walk.bag"]
+
+
+def test_a_list_names_logs(folder: Path) -> None:
+    (folder / "list.txt").write_text("# mine\n\nb.bag\n  run \n")
+    assert names("@list.txt", "a.mcap")[::4] == ["b.bag", "a.mcap"]
+    (folder / "ours.txt").write_text("a.annotated.mcap\n")
+    assert names("@ours.txt") == ["a.annotated.mcap"]
+    (folder / "odd.txt").write_bytes(b"\xff\xfeb\0.\0")
+    with pytest.raises(CallError, match="not even text"):
+        names("@odd.txt")
+    with pytest.raises(CallError, match=r"^@absent.txt: no such file"):
+        names("@absent.txt")
+    with pytest.raises(CallError, match="cannot be opened: File name too long"):
+        names("@" + "x" * 5000)
+
+
+def test_a_list_may_come_from_any_editor(folder: Path) -> None:
+    """A byte-order mark, Windows' line ends, and separators that only Unicode knows."""
+    (folder / "odd\u2028name.bag").write_bytes(b"x")
+    (folder / "list.txt").write_bytes("\ufeffb.bag\r\n# mine\r\nodd\u2028name.bag\r\n".encode())
+    assert names("@list.txt") == ["b.bag", "odd\u2028name.bag"]
+
+
+def test_a_list_names_files_by_any_bytes(folder: Path) -> None:
+    for name in (b"\xff.bag", b" spaced.bag ", b"@at.bag", b"#hash.bag"):
+        Path(os.fsdecode(bytes(folder) + b"/" + name)).write_bytes(b"x")
+    lines = b"\xff.bag\n spaced.bag \n./@at.bag\n./#hash.bag\n"
+    (folder / "list.txt").write_bytes(lines)
+    assert names("@list.txt") == ["\\xff.bag", " spaced.bag ", "@at.bag", "#hash.bag"]
+
+
+def test_a_list_in_a_list_is_refused_with_its_line(folder: Path) -> None:
+    (folder / "list.txt").write_text("b.bag\n\n  @other.txt\n")
+    with pytest.raises(CallError, match=r"@list\.txt, line 3: @other\.txt: .*cannot name another"):
+        names("@list.txt")
+    (folder / "list.txt").write_text("b.bag\n*.nothing\n")
+    with pytest.raises(CallError, match=r"@list\.txt, line 2: \*\.nothing: no file"):
+        names("@list.txt")
+
+
+def test_a_list_is_a_regular_file(folder: Path) -> None:
+    os.mkfifo(folder / "fifo")
+    for word in ("@fifo", "@/dev/zero", "@run"):
+        done = called("info", word, cwd=folder)
+        assert done.returncode == 2
+        assert "not a regular file" in done.stderr
+
+
+@pytest.mark.usefixtures("folder")
+@pytest.mark.parametrize(
+    ("word", "sentence"),
+    [
+        ("*.nothing", "no file has such a name"),
+        (".hidden/..x*", "no file"),
+        ("s3x://y", "no known kind"),
+    ],
+)
+def test_a_word_that_names_nothing_is_a_wrong_call(word: str, sentence: str) -> None:
+    with pytest.raises(CallError, match=sentence):
+        names(word)
+
+
+def test_workers_are_told_whole_paths(folder: Path) -> None:
+    assert find_logs(["run", "b.bag"], for_workers=True).places[-1] == folder / "b.bag"
+
+
+def test_a_directory_without_logs_is_a_wrong_call(tmp_path: Path) -> None:
+    with pytest.raises(CallError, match="holds no logs"):
+        names(str(tmp_path))
+
+
+def test_a_store_is_searched_alike(folder: Path) -> None:
+    """The same files in a store, but for those that only their first bytes betray."""
+    root = UPath(f"memory://{folder.name}")
+    for file in folder.rglob("*"):
+        if file.is_file():
+            target = root / file.relative_to(folder).as_posix()
+            target.fs.pipe_file(target.path, file.read_bytes())
+    fleet = find_logs([f"memory://{folder.name}"])
+    expected = ["a.mcap", "b.bag", "lost", "run/walk.bag", "run/walk.db3.zstd", "split"]
+    found = [name.partition(f"{folder.name}/")[2] for name in fleet.names if ".hidden" not in name]
+    assert found == expected
+    below = dict(zip(fleet.names, map(str, fleet.below), strict=True))
+    assert {place for name, place in below.items() if "walk" in name} == {"run"}
+    assert len(names(f"memory://{folder.name}/run/*.bag")) == 1
+    with pytest.raises(CallError, match="no object has such a name"):
+        names(f"memory://{folder.name}/*.nothing")
+
+
+def test_an_object_may_have_the_name_of_a_pattern(tmp_path: Path) -> None:
+    root = UPath(f"memory://{tmp_path.name}")
+    for name in ("a*.bag", "ab.bag", "c[1].bag"):
+        root.fs.pipe_file((root / name).path, b"x")
+    assert [name.rpartition("/")[2] for name in names(f"{root}/a*.bag", f"{root}/c[1].bag")] == [
+        "a*.bag",
+        "ab.bag",
+        "c[1].bag",
+    ]
+
+
+def test_urls_are_told_from_paths() -> None:
+    assert location("file:///a%20b/c.bag") == Path("/a b/c.bag")
+    assert location("a/b:c.bag") == Path("a/b:c.bag")
+    with pytest.raises(CallError, match="of no known kind"):
+        location("nonsense://a")
+
+
+def test_secrets_of_a_url_are_not_shown() -> None:
+    assert shown("https://me:word@host/x.bag?X-Signature=1") == "https://host/x.bag"
+    assert shown("a@b/c?d.bag") == "a@b/c?d.bag"
+
+
+def called(*words: object, cwd: Path) -> "subprocess.CompletedProcess[str]":
+    """Run the command as a process of its own, which must not hang."""
+    done = subprocess.run(  # noqa: S603
+        [sys.executable, "-m", "dogbot_logtool", *map(str, words)],
+        cwd=cwd,
+        env={**os.environ, "PYTHONPATH": str(SAMPLE_LOGS.parent)},
+        capture_output=True,
+        text=True,
+        check=False,
+        timeout=60,
+    )
+    assert "Traceback" not in done.stderr, done.stderr
+    return done
+
+
+@pytest.fixture
+def unreadable(folder: Path) -> Iterator[Path]:
+    """Make a directory that cannot be listed, not even by root: its path is too long."""
+    name = "d" * 250
+    deepest = os.open(folder, os.O_RDONLY)
+    for _ in range(17):
+        os.mkdir(name, dir_fd=deepest)
+        inner = os.open(name, os.O_RDONLY, dir_fd=deepest)
+        os.close(deepest)
+        deepest = inner
+    os.close(deepest)
+    yield folder
+    shutil.rmtree(folder / name)
+
+
+def test_a_directory_that_cannot_be_read_does_not_stop_the_search(unreadable: Path) -> None:
+    whole = find_logs(["."])
+    assert len(whole.logs) == 7
+    assert [sentence.rpartition(": ")[2] for _, sentence in whole.failures] == [
+        "File name too long"
+    ]
+    for name in ("a.mcap", "b.bag"):
+        (unreadable / name).unlink()
+    for name in ("run", "lost", "split"):
+        shutil.rmtree(unreadable / name)
+    shutil.copy(TROUBLED, unreadable / "walk.bag")
+    done = called("stats", ".", "--json", cwd=unreadable)
+    assert done.returncode == 1
+    assert "cannot be searched: File name too long" in done.stderr
+    results = json.loads(done.stdout)
+    assert [each["log"]["path"] for each in results if "log" in each] == ["walk.bag"]
+
+
+def test_a_call_without_any_readable_directory_fails(unreadable: Path) -> None:
+    deep = next(unreadable.glob("dd*"))
+    done = called("info", deep.name, cwd=unreadable)
+    assert done.returncode == 1
+    assert "cannot be searched" in done.stderr
+
+
+def test_links_are_followed_once(folder: Path) -> None:
+    """To the directory itself, those above it, each other, and to logs that are here as well."""
+    (folder / "again").symlink_to(".")
+    (folder / "once more").symlink_to(folder)
+    (folder / "up").symlink_to("..")
+    (folder / "root").symlink_to("/")
+    (folder / "a link").symlink_to("run")
+    (folder / "run" / "other").symlink_to("../split")
+    (folder / "a latest.bag").symlink_to("run/walk.bag")
+    expected = ["a.mcap", "b.bag", "lost", "run/deep/noted", "run/walk.bag"]
+    assert names(".") == [*expected, "run/walk.db3.zstd", "split"]
+    assert names("**/*.bag", "again/**/walk.bag") == ["b.bag", "run/walk.bag"]
+    for pattern in ("*", "**", "**/*"):
+        found = names(pattern)
+        assert set(expected[1:]) - {"run/walk.bag"} < set(found)
+        assert not any(name.startswith(("root", "up")) for name in found)
+
+
+def test_links_to_logs_elsewhere_are_followed(folder: Path) -> None:
+    (folder / "run" / "here").mkdir()
+    (folder / "run" / "here" / "data").symlink_to(folder / "lost")
+    (folder / "run" / "here" / "walk.bag").symlink_to(folder / "b.bag")
+    fleet = find_logs(["run/here"])
+    assert fleet.names == ["run/here/data", "run/here/walk.bag"]
+
+
+def test_links_that_lead_nowhere_are_named(folder: Path) -> None:
+    (folder / "gone*.bag").symlink_to("nowhere")
+    (folder / "loop.bag").symlink_to("loop.bag")
+    assert names("g*.bag", "l*.bag") == ["gone*.bag", "loop.bag"]
+    assert names("gone*.bag") == ["gone*.bag"]
+    assert {"gone*.bag", "loop.bag"} < set(names("."))
+
+
+def test_a_glob_passes_over_directories_without_logs(folder: Path) -> None:
+    (folder / "empty").mkdir()
+    assert names("e*", "ru*")[0] == "run/deep/noted"
+    with pytest.raises(CallError, match="there are no logs"):
+        names("e*")
+
+
+def test_an_empty_name_is_refused() -> None:
+    with pytest.raises(CallError, match="an empty name"):
+        names("")
+
+
+def test_other_spellings_are_the_same_log(folder: Path) -> None:
+    (folder / "link.bag").symlink_to("b.bag")
+    assert names("b.bag", f"{folder}/b.bag", "run/../b.bag", "link.bag") == ["b.bag"]
+
+
+def test_a_special_file_in_a_directory_does_not_block(folder: Path) -> None:
+    os.mkfifo(folder / "run" / "pipe")
+    assert "run/pipe" not in names("run")
+
+
+def test_a_url_is_told_by_its_query_and_not_by_its_credentials() -> None:
+    one, two = (location(f"https://host/x.bag?run={run}") for run in (1, 2))
+    assert identity(one) != identity(two)
+    assert shown(one) == shown(two) == "https://host/x.bag"
+    assert identity(location("https://me:word@host/x.bag?run=1")) == identity(one)
+    assert identity(location("memory://a/x#1.bag")) != identity(location("memory://a/x#2.bag"))
+
+
+def test_a_name_that_is_not_utf_8_is_shown_as_utf_8() -> None:
+    assert shown(Path(os.fsdecode(b"a\xff\xc3\xa9"))) == "a\\xff\xe9"
+
+
+@pytest.mark.parametrize("words", [("info",), ("stats",), ("convert",), ("compare", "other.bag")])
+def test_json_names_files_in_utf_8(tmp_path: Path, words: tuple[str, ...]) -> None:
+    name = os.fsdecode(b"\xff.bag")
+    shutil.copy(TROUBLED, tmp_path / name)
+    shutil.copy(TROUBLED, tmp_path / "other.bag")
+    command, *others = words
+    done = called(command, "--json", name, *others, cwd=tmp_path)
+    assert done.returncode == 0
+    assert '"\\\\xff.bag"' in done.stdout
+    assert "\\ud" not in done.stdout
+    (tmp_path / name).write_bytes(b"nothing of the kind")
+    if command != "compare":
+        failed = called(command, "--json", name, *others, cwd=tmp_path)
+        assert failed.returncode in (1, 2)
+        assert "\\ud" not in failed.stdout
