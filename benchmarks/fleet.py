@@ -16,9 +16,8 @@ from upath import UPath
 
 from dogbot_logtool.commands.convert import convert
 from dogbot_logtool.commands.info import describe
-from dogbot_logtool.commands.stats import StatsOptions, measure
-from dogbot_logtool.pipeline.plan import ConvertOptions
-from dogbot_logtool.pipeline.selection import TopicOptions
+from dogbot_logtool.commands.stats import measure
+from dogbot_logtool.pipeline.options import ConvertOptions, StatsOptions, TopicOptions
 from dogbot_logtool.reader.containers.remote_source import RemoteSource
 from dogbot_logtool.run.cluster import Cluster
 from dogbot_logtool.run.relay import Progress

@@ -1,7 +1,15 @@
-"""What users should know about a log, one sentence each, with a code that scripts can match."""
+"""What users should know about a log: one kind of finding for the whole program.
 
+Every code is declared once, in ``findings.toml``, with its meaning and what to do about it.
+"""
+
+import tomllib
+from collections.abc import Mapping
 from dataclasses import dataclass
 from enum import IntEnum
+from functools import cache
+from pathlib import Path
+from typing import Final
 
 
 class Severity(IntEnum):
@@ -15,19 +23,55 @@ class Severity(IntEnum):
     """Good to know."""
 
 
-@dataclass(frozen=True, slots=True, order=True)
+_SEVERITIES: Final = {"E": Severity.ERROR, "W": Severity.WARNING, "N": Severity.NOTE}
+
+
+@dataclass(frozen=True, slots=True)
+class FindingKind:
+    """What a code means, whatever log it is found in."""
+
+    code: str
+    """E (error), W (warning) or N (note), then what it is."""
+    subject: str
+    meaning: str
+    """A sentence."""
+    remedy: str
+    """What to do about it: a sentence."""
+
+
+@cache
+def finding_kinds() -> Mapping[str, FindingKind]:
+    """Return every kind of finding by its code, in the order of the subjects."""
+    text = Path(__file__).with_name("findings.toml").read_text(encoding="utf-8")
+    return {
+        code: FindingKind(code, subject, **words)
+        for subject, kinds in tomllib.loads(text).items()
+        for code, words in kinds.items()
+    }
+
+
+@dataclass(frozen=True, slots=True)
 class Finding:
     """One fact about a log."""
 
-    severity: Severity
     code: str
-    """``W_ZERO_STAMPS`` ...: E, W or N for its severity, then what it is."""
+    """``W_ZERO_STAMPS`` ...: one of the `finding_kinds`."""
     text: str
     """A sentence."""
     where: str = ""
-    """The topic, if it is about one."""
+    """The topic or the figure, if it is about one."""
     command: str = ""
     """What to type about it, if that is known; `text` ends with it."""
+
+    @property
+    def severity(self) -> Severity:
+        """How much it matters."""
+        return _SEVERITIES[self.code[0]]
+
+    @property
+    def remedy(self) -> str:
+        """What to do about it."""
+        return finding_kinds()[self.code].remedy
 
     @property
     def sentence(self) -> str:
@@ -35,16 +79,21 @@ class Finding:
         return self.text.removesuffix(self.command).rstrip()
 
 
+def by_severity(finding: Finding) -> tuple[int, str, str, str]:
+    """Return the key that sorts findings: the worst first, then by code."""
+    return finding.severity, finding.code, finding.text, finding.where
+
+
 def error(code: str, text: str, where: str = "") -> Finding:
     """Return an error; the code is given without its letter."""
-    return Finding(Severity.ERROR, f"E_{code}", text, where)
+    return Finding(f"E_{code}", text, where)
 
 
 def warning(code: str, text: str, where: str = "") -> Finding:
     """Return a warning; the code is given without its letter."""
-    return Finding(Severity.WARNING, f"W_{code}", text, where)
+    return Finding(f"W_{code}", text, where)
 
 
 def note(code: str, text: str, where: str = "") -> Finding:
     """Return a note; the code is given without its letter."""
-    return Finding(Severity.NOTE, f"N_{code}", text, where)
+    return Finding(f"N_{code}", text, where)

@@ -18,8 +18,8 @@ from typing import Final
 
 from dogbot_logtool.commands.compare import update
 from dogbot_logtool.commands.convert import convert
-from dogbot_logtool.commands.stats import StatsOptions, measure
-from dogbot_logtool.pipeline.plan import ConvertOptions, EncodingName, Style
+from dogbot_logtool.commands.stats import measure
+from dogbot_logtool.pipeline.options import ConvertOptions, EncodingName, StatsOptions, Style
 from dogbot_logtool.report.stats_json import stats_json
 
 SAMPLES: Final = Path(__file__).parent

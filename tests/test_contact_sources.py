@@ -10,12 +10,12 @@ from mcap_ros2.decoder import DecoderFactory
 
 from dogbot_logtool.commands.convert import convert
 from dogbot_logtool.commands.info import describe
-from dogbot_logtool.commands.stats import StatsOptions, measure
+from dogbot_logtool.commands.stats import measure
 from dogbot_logtool.core.remarks import remarks
 from dogbot_logtool.errors import CallError
-from dogbot_logtool.pipeline.plan import ConvertOptions, Style
+from dogbot_logtool.pipeline.options import ConvertOptions, StatsOptions, Style, TopicOptions
 from dogbot_logtool.pipeline.probe import look_into
-from dogbot_logtool.pipeline.selection import TopicOptions, select_topics
+from dogbot_logtool.pipeline.selection import select_topics
 from dogbot_logtool.reader.containers.opening import open_log
 from dogbot_logtool.reader.messages.contacts.registry import read_contacts
 from dogbot_logtool.report.stats_json import stats_json

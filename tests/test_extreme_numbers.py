@@ -14,12 +14,11 @@ from mcap.writer import Writer as McapWriter
 from dogbot_logtool.commands.convert import convert
 from dogbot_logtool.commands.info import describe
 from dogbot_logtool.commands.report import Reports
-from dogbot_logtool.commands.stats import StatsOptions, measure
+from dogbot_logtool.commands.stats import measure
 from dogbot_logtool.core.plausible import FARTHEST_M
 from dogbot_logtool.io.plain_json import only_finite, to_json
 from dogbot_logtool.io.targets import Output
-from dogbot_logtool.pipeline.plan import ConvertOptions
-from dogbot_logtool.pipeline.selection import TopicOptions
+from dogbot_logtool.pipeline.options import ConvertOptions, StatsOptions, TopicOptions
 from dogbot_logtool.report.stats_json import stats_json
 from tests import walks
 

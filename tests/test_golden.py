@@ -10,7 +10,8 @@ import pytest
 from golden import GOLDEN, Case, cases
 from rich.console import Console
 
-from dogbot_logtool.commands.compare import CompareOptions, compare
+from dogbot_logtool.commands.compare import compare
+from dogbot_logtool.pipeline.options import CompareOptions
 from dogbot_logtool.report.comparison_text import show_comparison
 
 # Sines and powers differ in their last bits from one processor to the next.

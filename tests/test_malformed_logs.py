@@ -11,9 +11,8 @@ from pathlib import Path
 import pytest
 
 from dogbot_logtool.commands.convert import convert
-from dogbot_logtool.commands.stats import StatsOptions, measure
-from dogbot_logtool.pipeline.plan import ConvertOptions
-from dogbot_logtool.pipeline.selection import TopicOptions
+from dogbot_logtool.commands.stats import measure
+from dogbot_logtool.pipeline.options import ConvertOptions, StatsOptions, TopicOptions
 from dogbot_logtool.reader.containers.opening import open_log
 from tests import walks
 from tests.walks import Entry

@@ -12,9 +12,8 @@ from rich.console import Console
 from dogbot_logtool.commands.convert import convert
 from dogbot_logtool.commands.info import describe
 from dogbot_logtool.commands.layout import layout_for
-from dogbot_logtool.commands.stats import StatsOptions, measure
-from dogbot_logtool.pipeline.plan import ConvertOptions
-from dogbot_logtool.pipeline.selection import TopicOptions
+from dogbot_logtool.commands.stats import measure
+from dogbot_logtool.pipeline.options import ConvertOptions, StatsOptions, TopicOptions
 from dogbot_logtool.report.stats_json import stats_json
 from dogbot_logtool.report.stats_text import print_report
 from tests import walks

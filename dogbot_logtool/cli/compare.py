@@ -85,14 +85,11 @@ def compare(
     Exit code 0: the same; 1: different; 2: the call or a file is wrong; 3: the same as far as can
     be read, but a file is damaged.
     """
-    from dogbot_logtool.commands.compare import (  # noqa: PLC0415
-        CompareOptions,
-        refuse_bad_report,
-        update,
-    )
     from dogbot_logtool.commands.compare import compare as compare_files  # noqa: PLC0415
+    from dogbot_logtool.commands.compare import refuse_bad_report, update  # noqa: PLC0415
     from dogbot_logtool.io.output import whole_file  # noqa: PLC0415
     from dogbot_logtool.io.printable import printable  # noqa: PLC0415
+    from dogbot_logtool.pipeline.options import CompareOptions  # noqa: PLC0415
     from dogbot_logtool.report.comparison_json import comparison_json  # noqa: PLC0415
     from dogbot_logtool.report.comparison_text import show_comparison  # noqa: PLC0415
     from dogbot_logtool.report.console import results  # noqa: PLC0415

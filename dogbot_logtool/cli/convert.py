@@ -22,7 +22,7 @@ from dogbot_logtool.cli.options import (
 from dogbot_logtool.cli.outcomes import Outcomes
 
 if TYPE_CHECKING:
-    from dogbot_logtool.commands.convert import Conversion
+    from dogbot_logtool.results import Conversion
 
 
 @click.command()
@@ -105,7 +105,7 @@ def convert(
     from dogbot_logtool.commands.tasks import Convert, orders  # noqa: PLC0415
     from dogbot_logtool.io.storage import from_root  # noqa: PLC0415
     from dogbot_logtool.io.targets import may_be_several, output_at, targets  # noqa: PLC0415
-    from dogbot_logtool.pipeline.plan import ConvertOptions  # noqa: PLC0415
+    from dogbot_logtool.pipeline.options import ConvertOptions  # noqa: PLC0415
     from dogbot_logtool.report.convert_json import conversion_json  # noqa: PLC0415
     from dogbot_logtool.run.choice import runner_for  # noqa: PLC0415
     from dogbot_logtool.run.inputs import find_logs  # noqa: PLC0415

@@ -11,7 +11,7 @@ import click
 from dogbot_logtool.errors import CallError
 
 if TYPE_CHECKING:
-    from dogbot_logtool.pipeline.selection import TopicOptions
+    from dogbot_logtool.pipeline.options import TopicOptions
 
 LONGEST_S: Final = 1e9
 """No log lasts longer."""
@@ -177,7 +177,7 @@ def parse_topics(
     Raises:
         CallError: naming the option and what it must be.
     """
-    from dogbot_logtool.pipeline.selection import TopicOptions  # noqa: PLC0415
+    from dogbot_logtool.pipeline.options import TopicOptions  # noqa: PLC0415
 
     foot_topics: dict[str, str] = {}
     for foot in feet:

@@ -59,11 +59,12 @@ def report(
     from dogbot_logtool.report.page.libraries import require_libraries  # noqa: PLC0415
 
     require_libraries()
-    from dogbot_logtool.commands.report import Page, Reports  # noqa: PLC0415
-    from dogbot_logtool.commands.stats import StatsOptions  # noqa: PLC0415
+    from dogbot_logtool.commands.report import Reports  # noqa: PLC0415
     from dogbot_logtool.io.targets import may_be_several, output_at  # noqa: PLC0415
+    from dogbot_logtool.pipeline.options import StatsOptions  # noqa: PLC0415
     from dogbot_logtool.report.console import diagnostics  # noqa: PLC0415
     from dogbot_logtool.report.page.told import page_json, print_page  # noqa: PLC0415
+    from dogbot_logtool.results import Page  # noqa: PLC0415
     from dogbot_logtool.run.inputs import find_logs  # noqa: PLC0415
     from dogbot_logtool.run.runner import Here  # noqa: PLC0415
 

@@ -29,8 +29,8 @@ from dogbot_logtool.errors import CallError
 from dogbot_logtool.io.printable import printable
 
 if TYPE_CHECKING:
-    from dogbot_logtool.commands.tasks import Figures
     from dogbot_logtool.io.storage import Location
+    from dogbot_logtool.results import Figures
 
 
 @click.command()
@@ -87,10 +87,10 @@ def stats(
     **options: Any,  # noqa: ANN401 - click's words go straight into the dataclass
 ) -> None:
     """Measure a walk: which gait, how loaded, and can the recording be trusted."""
-    from dogbot_logtool.commands.stats import StatsOptions  # noqa: PLC0415
     from dogbot_logtool.commands.tasks import Measure  # noqa: PLC0415
     from dogbot_logtool.core.contact.curves import CurveDetail  # noqa: PLC0415
     from dogbot_logtool.io.storage import from_root, location  # noqa: PLC0415
+    from dogbot_logtool.pipeline.options import StatsOptions  # noqa: PLC0415
     from dogbot_logtool.report.stats_csv import write_strides  # noqa: PLC0415
     from dogbot_logtool.run.choice import runner_for  # noqa: PLC0415
     from dogbot_logtool.run.inputs import find_logs  # noqa: PLC0415
@@ -107,7 +107,8 @@ def stats(
     drawing = None
     fleet = find_logs(words, for_workers=scheduler is not None)
     if plot is not None:
-        from dogbot_logtool.commands.plot import PlotOptions, refuse_bad_plot  # noqa: PLC0415
+        from dogbot_logtool.commands.plot import refuse_bad_plot  # noqa: PLC0415
+        from dogbot_logtool.pipeline.options import PlotOptions  # noqa: PLC0415
 
         drawing = PlotOptions(plot, size, shown, overwrite=overwrite)
         refuse_bad_plot(drawing, fleet.places)
@@ -118,7 +119,8 @@ def stats(
     items: Sequence[object] = fleet.places
     dataset = todo = None
     if parquet is not None:
-        from dogbot_logtool.report.parquet import Keep, dataset_at  # noqa: PLC0415
+        from dogbot_logtool.commands.tasks import Keep  # noqa: PLC0415
+        from dogbot_logtool.report.parquet import dataset_at  # noqa: PLC0415
 
         dataset = dataset_at(from_root(location(parquet)), chosen)
         todo = dataset.todo(fleet)
@@ -131,11 +133,7 @@ def stats(
     measured: list[Figures] = []
     for done in outcomes.of(runner, work, items, fleet.names):
         if drawing is not None and done.drawn is not None and not quiet:
-            start, end = done.drawn
-            from dogbot_logtool.report.console import diagnostics, print_sentence  # noqa: PLC0415
-
-            span = f"{drawing.target}: {start:.2f} to {end:.2f} s"
-            print_sentence(diagnostics(), printable(span))
+            _print_drawn(drawing.target, done.drawn)
         measured.append(done)
         outcomes.add(done.json, done.exit_code)
     if as_csv:
@@ -145,6 +143,14 @@ def stats(
     if todo is not None and dataset is not None and not quiet:
         _print_kept(dataset.root, measured, todo.unchanged, len(outcomes.failures))
     outcomes.finish(as_json=as_json)
+
+
+def _print_drawn(target: Path, window: tuple[float, float]) -> None:
+    """Print which time a figure shows."""
+    from dogbot_logtool.report.console import diagnostics, print_sentence  # noqa: PLC0415
+
+    start, end = window
+    print_sentence(diagnostics(), printable(f"{target}: {start:.2f} to {end:.2f} s"))
 
 
 def _print(measured: "list[Figures]", *, window: tuple[float, float] | None, verbose: bool) -> None:

@@ -13,23 +13,8 @@ from dogbot_logtool.comparison.tolerances import Rules, load_rules
 from dogbot_logtool.errors import CallError, LogError
 from dogbot_logtool.io.output import refuse_bad_target, whole_file
 from dogbot_logtool.io.printable import printable
+from dogbot_logtool.pipeline.options import CompareOptions
 from dogbot_logtool.reader.containers.opening import open_log
-
-
-@dataclass(frozen=True, slots=True)
-class CompareOptions:
-    """What a user allows to differ, and how much is told."""
-
-    atol: float | None = None
-    """In each field's own unit; None: what the tolerance file says, else 0. Also `rtol`."""
-    rtol: float | None = None
-    tolerances: Path | None = None
-    """A TOML file of quantities, see `load_rules`."""
-    ignore: tuple[str, ...] = ()
-    """Globs: ``TOPIC``, ``FIELD`` or ``TOPIC:FIELD``."""
-    topics: tuple[str, ...] = ()
-    """Globs of the topics to compare; none: all, and metadata and attachments too."""
-    max_differences: int = 20
 
 
 @dataclass(frozen=True, slots=True)

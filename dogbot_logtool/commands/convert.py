@@ -10,7 +10,7 @@ from mcap import records
 
 from dogbot_logtool.core.plausible import IMPLAUSIBLE
 from dogbot_logtool.errors import LogError
-from dogbot_logtool.finding import Finding, note, warning
+from dogbot_logtool.finding import Finding, by_severity, note, warning
 from dogbot_logtool.io.output import refuse_bad_target, whole_file
 from dogbot_logtool.io.storage import Location, shown
 from dogbot_logtool.pipeline.annotated import open_recorded
@@ -18,7 +18,8 @@ from dogbot_logtool.pipeline.conversion.batch import BatchConverter, ConvertedBa
 from dogbot_logtool.pipeline.conversion.carried import Carried
 from dogbot_logtool.pipeline.conversion.channels import annotations_of
 from dogbot_logtool.pipeline.conversion.provenance_record import provenance_record
-from dogbot_logtool.pipeline.plan import ConvertOptions, Plan, make_plan, without_tf
+from dogbot_logtool.pipeline.options import ConvertOptions
+from dogbot_logtool.pipeline.plan import Plan, make_plan, without_tf
 from dogbot_logtool.pipeline.probe import look_into
 from dogbot_logtool.pipeline.selection import select_topics
 from dogbot_logtool.pipeline.time_span import refuse_empty_span
@@ -26,6 +27,7 @@ from dogbot_logtool.pipeline.world_frames import frame_findings
 from dogbot_logtool.reader.containers.log import Log, Loss
 from dogbot_logtool.reader.containers.mcap.extras import read_extra
 from dogbot_logtool.reader.salvage.losses import undecodable, wrong_statistics
+from dogbot_logtool.results import Conversion
 from dogbot_logtool.run.relay import Progress, relayed
 from dogbot_logtool.writer.annotations import Annotations
 from dogbot_logtool.writer.mcap_writer import McapWriter
@@ -57,30 +59,6 @@ class _Tally:
         self.recorded.update(batch.recorded)
         for chunk in batch.chunks:
             self.by_channel.update(chunk.counts)
-
-
-@dataclass(frozen=True, slots=True)
-class Conversion:
-    """What was done."""
-
-    source: Location
-    target: Location
-    container: str
-    plan: Plan
-    messages: int
-    """Recorded messages that were read."""
-    copied: int
-    """Recorded messages in the output."""
-    annotations: Mapping[str, int]
-    """Messages that were added, by topic."""
-    counts: Counts
-    findings: tuple[Finding, ...]
-    losses: tuple[Loss, ...]
-
-    @property
-    def exit_code(self) -> int:
-        """0: done; 3: done, but the input was damaged."""
-        return 3 if self.losses else 0
 
 
 def convert(
@@ -236,7 +214,7 @@ def _conversion(
         copied=copied,
         annotations=ours,
         counts=tally.counts,
-        findings=tuple(sorted(findings)),
+        findings=tuple(sorted(findings, key=by_severity)),
         losses=tuple(tally.losses),
     )
 

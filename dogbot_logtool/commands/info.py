@@ -1,74 +1,23 @@
 """`dogbot-logtool info`: what is in a log, what will be used, and what is wrong with it."""
 
-from collections.abc import Mapping
 from collections.abc import Set as AbstractSet
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 from dogbot_logtool.core.quality.quality import mean_rate_hz
-from dogbot_logtool.finding import Finding
+from dogbot_logtool.finding import Finding, by_severity
 from dogbot_logtool.io.storage import Location
 from dogbot_logtool.pipeline.annotated import without_annotations
 from dogbot_logtool.pipeline.frame_findings import frame_findings
 from dogbot_logtool.pipeline.frames import Frames, read_frames
-from dogbot_logtool.pipeline.plan import ConvertOptions, make_plan
+from dogbot_logtool.pipeline.options import ConvertOptions, TopicOptions
+from dogbot_logtool.pipeline.plan import make_plan
 from dogbot_logtool.pipeline.probe import Evidence, evidence_findings, look_into
-from dogbot_logtool.pipeline.selection import Selection, TopicOptions, select_topics
-from dogbot_logtool.reader.containers.log import Log, Loss
+from dogbot_logtool.pipeline.selection import Selection, select_topics
+from dogbot_logtool.reader.containers.log import Log
 from dogbot_logtool.reader.containers.opening import open_log
 from dogbot_logtool.reader.messages.transforms import TRANSFORM_TYPES
+from dogbot_logtool.results import LogInfo, TopicInfo
 from dogbot_logtool.run.relay import Progress
-
-
-@dataclass(frozen=True, slots=True)
-class TopicInfo:
-    """One topic as one type and encoding."""
-
-    topic: str
-    type_name: str
-    encoding: str
-    messages: int
-    rate_hz: float | None
-    """Messages a second over the log's duration; None where there are too few of them, or the log
-    is too short, for a rate."""
-    senders: int
-    use: str
-    """What it is used for: ``odometry``, ``foot front_left``, ``frames``, or nothing.
-    ``annotation``: `convert` added it."""
-
-
-@dataclass(frozen=True, slots=True)
-class LogInfo:
-    """What a log holds."""
-
-    path: Location
-    size: int
-    """Bytes."""
-    container: str
-    profile: str
-    compressions: tuple[str, ...]
-    start_time: int | None
-    """ns, log time of the first message; None for an empty log."""
-    duration_s: float | None
-    messages: int
-    chunks: int
-    topics: tuple[TopicInfo, ...]
-    robot: str
-    parents: Mapping[str, frozenset[str]]
-    """Parents of each frame, by the log's own transforms, in the chunks that were looked at unless
-    all `frames` were asked for."""
-    added_transform: tuple[str, str] | None
-    """Parent and child of the transform that `convert` adds."""
-    chunks_seen: int
-    """Chunks that were looked at for frames and stamps; the rest was not read."""
-    frames: Frames | None
-    """All transforms of the log, if they were asked for."""
-    findings: tuple[Finding, ...]
-    losses: tuple[Loss, ...]
-
-    @property
-    def exit_code(self) -> int:
-        """0: sound; 3: damaged."""
-        return 3 if self.losses else 0
 
 
 def describe(
@@ -129,7 +78,7 @@ def describe(
             added_transform=added,
             chunks_seen=evidence.chunks_seen,
             frames=frames,
-            findings=tuple(sorted(findings)),
+            findings=tuple(sorted(findings, key=by_severity)),
             losses=(*log.losses, *(frames.losses if frames else ())),
         )
     finally:

@@ -6,9 +6,10 @@ from typing import Any
 
 from dogbot_logtool.pipeline.annotated import open_recorded
 from dogbot_logtool.pipeline.feet.selection import assign_feet
-from dogbot_logtool.pipeline.plan import ConvertOptions, make_plan
+from dogbot_logtool.pipeline.options import ConvertOptions, TopicOptions
+from dogbot_logtool.pipeline.plan import make_plan
 from dogbot_logtool.pipeline.probe import DEFAULT_BASE, DEFAULT_WORLD, look_into
-from dogbot_logtool.pipeline.selection import TopicOptions, select_topics
+from dogbot_logtool.pipeline.selection import select_topics
 from dogbot_logtool.report.foot_pens import foot_colour
 from dogbot_logtool.robot import load_robot
 from dogbot_logtool.writer.annotations import SUPPORT_TOPIC, arrow_topic, load_topic

@@ -6,11 +6,13 @@ from typing import Final
 
 import numpy as np
 
-from dogbot_logtool.commands.stats import Measurement, StatsOptions, TimeSourceOption, measure
+from dogbot_logtool.commands.stats import measure
 from dogbot_logtool.core.contact.curves import Curve, CurveDetail, LoadCurves
 from dogbot_logtool.core.geometry.arrays import Ints
 from dogbot_logtool.errors import CallError, LogError
 from dogbot_logtool.io.storage import Location
+from dogbot_logtool.pipeline.options import StatsOptions, TimeSourceOption
+from dogbot_logtool.results import Measurement
 from dogbot_logtool.run.relay import Progress
 
 ENOUGH_BINS: Final = 1000

@@ -1,14 +1,12 @@
 """`stats --plot`: the gait diagram and the load curves of a walk, as a file for a paper."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
-from pathlib import Path
 
 from dogbot_logtool.commands.load_detail import load_curves_within
-from dogbot_logtool.commands.stats import Measurement, StatsOptions
 from dogbot_logtool.errors import CallError
 from dogbot_logtool.io.output import refuse_bad_target, whole_file
 from dogbot_logtool.io.storage import Location
+from dogbot_logtool.pipeline.options import PlotOptions, StatsOptions
 from dogbot_logtool.report.gait_diagram import default_window
 from dogbot_logtool.report.gait_figure import (
     FORMATS,
@@ -16,24 +14,8 @@ from dogbot_logtool.report.gait_figure import (
     require_matplotlib,
     write_figure,
 )
+from dogbot_logtool.results import Measurement
 from dogbot_logtool.run.relay import Progress
-
-
-@dataclass(frozen=True, slots=True)
-class PlotOptions:
-    """What a user asks of a figure."""
-
-    target: Path
-    size_mm: tuple[float, float | None] | None = None
-    """Width and height on paper; None: one column, as high as the feet need."""
-    window: tuple[float, float] | None = None
-    """s since the log's start, from and to; None: some strides."""
-    overwrite: bool = False
-
-    @property
-    def form(self) -> str:
-        """The format that the target's name tells: ``svg`` ..."""
-        return self.target.suffix[1:].lower()
 
 
 def refuse_bad_plot(plot: PlotOptions, logs: Sequence[Location]) -> None:

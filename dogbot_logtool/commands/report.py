@@ -2,37 +2,23 @@
 
 from collections.abc import Mapping, Sequence
 from contextlib import AbstractContextManager
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import BinaryIO, Final
 
 from dogbot_logtool.commands.load_detail import with_detail
-from dogbot_logtool.commands.stats import Measurement, StatsOptions, measure
+from dogbot_logtool.commands.stats import measure
 from dogbot_logtool.core.contact.curves import CurveDetail
 from dogbot_logtool.io.output import refuse_bad_target, whole_file
 from dogbot_logtool.io.storage import Location, file_name, is_folder, shown, version
 from dogbot_logtool.io.targets import Output, targets
+from dogbot_logtool.pipeline.options import StatsOptions
 from dogbot_logtool.report.gait_diagram import default_window
-from dogbot_logtool.report.page.render import IndexRow, Place, index, index_row, page
+from dogbot_logtool.report.page.render import Damage, IndexRow, index, index_row, page
+from dogbot_logtool.results import Measurement, Page
 from dogbot_logtool.run.relay import Progress
 
 DETAIL: Final = CurveDetail()
 """Half a minute at 250 Hz sample by sample; four feet make a page of up to 8 MB."""
-
-
-@dataclass(frozen=True, slots=True)
-class Page:
-    """A page that was written."""
-
-    source: Location
-    target: Location
-    size: int
-    """bytes."""
-    measured: Measurement
-
-    @property
-    def exit_code(self) -> int:
-        """0: done; 3: done, but the log was damaged."""
-        return self.measured.exit_code
 
 
 class Reports:
@@ -110,6 +96,6 @@ def _row_without_page(log: Location, failures: Mapping[str, str]) -> IndexRow:
 
 
 def _page_of(source: Location, measured: Measurement) -> bytes:
-    damage = [Place(loss.offset, loss.bytes, loss.what) for loss in measured.losses]
+    damage = [Damage(loss.offset, loss.bytes, loss.what) for loss in measured.losses]
     size = 0 if is_folder(source) else version(source)[0]
     return page(measured.stats, measured.facts, damage, size)

@@ -5,78 +5,32 @@ from collections.abc import Generator, Sequence
 from contextlib import closing
 from dataclasses import dataclass, field, replace
 from functools import partial
-from typing import Final, Literal
+from typing import Final
 
-from dogbot_logtool.core.contact.curves import CurveDetail
 from dogbot_logtool.core.contact.silent_swing import SwingTeller
 from dogbot_logtool.core.frames.wrench_frame import WrenchFrame
 from dogbot_logtool.core.geometry.clock import TimeSource, UnusableStamps
 from dogbot_logtool.core.plausible import IMPLAUSIBLE
 from dogbot_logtool.core.settings import FootPlace, StatsSettings
-from dogbot_logtool.core.statistics import Stats, StatsAccumulator
+from dogbot_logtool.core.statistics import StatsAccumulator
 from dogbot_logtool.errors import LogError
 from dogbot_logtool.finding import Finding, warning
 from dogbot_logtool.io.storage import Location, shown
 from dogbot_logtool.pipeline.annotated import open_recorded
 from dogbot_logtool.pipeline.batches import BatchReader
 from dogbot_logtool.pipeline.measuring import BatchMeasurer, MeasuredBatch
-from dogbot_logtool.pipeline.probe import (
-    Evidence,
-    WrenchFrameOption,
-    evidence_findings,
-    frame_names,
-    look_into,
-)
-from dogbot_logtool.pipeline.selection import (
-    Selection,
-    TopicOptions,
-    nothing_to_do,
-    select_topics,
-)
+from dogbot_logtool.pipeline.options import StatsOptions
+from dogbot_logtool.pipeline.probe import Evidence, evidence_findings, frame_names, look_into
+from dogbot_logtool.pipeline.selection import Selection, nothing_to_do, select_topics
 from dogbot_logtool.pipeline.time_span import TimeLimits, refuse_empty_span, time_limits
 from dogbot_logtool.pipeline.world_frames import StreamedFrames, WorldFrames, follow_frames
 from dogbot_logtool.reader.containers.log import Log, Loss, lost_messages
 from dogbot_logtool.reader.salvage.losses import undecodable, wrong_statistics
-from dogbot_logtool.report.stats_json import LogFacts
+from dogbot_logtool.results import LogFacts, Measurement
 from dogbot_logtool.robot import Robot
 from dogbot_logtool.run.relay import Progress, in_order
 
-TimeSourceOption = Literal["header", "log"]
 _FRAMES: Final = {"world": WrenchFrame.WORLD, "link": WrenchFrame.LINK}
-
-
-@dataclass(frozen=True, slots=True)
-class StatsOptions:
-    """What a user asks of `stats`. What is None is the robot's."""
-
-    topics: TopicOptions = field(default_factory=TopicOptions)
-    wrench_frame: WrenchFrameOption = "auto"
-    forward_axis: str | None = None
-    contact_on_n: float | None = None
-    contact_off_n: float | None = None
-    debounce_s: float | None = None
-    time_source: TimeSourceOption | None = None
-    """None: header stamps, or log time where those cannot be used."""
-    start_s: float | None = None
-    """s since the log's start; also `end_s`."""
-    end_s: float | None = None
-    jobs: int = 1
-    curves: CurveDetail | None = None
-    """Keep load curves for drawing; None: none."""
-
-
-@dataclass(frozen=True, slots=True)
-class Measurement:
-    """All figures of a log, and what is known of the log itself."""
-
-    stats: Stats
-    facts: LogFacts
-    losses: tuple[Loss, ...]
-
-    @property
-    def exit_code(self) -> int:
-        """0: done; 3: done, but the log was damaged."""
-        return 3 if self.losses else 0
 
 
 def measure(path: Location, options: StatsOptions, progress: Progress | None = None) -> Measurement:

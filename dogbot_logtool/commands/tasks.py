@@ -8,20 +8,22 @@ from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Final
 
 from dogbot_logtool.io import storage
 from dogbot_logtool.io.storage import Location
+from dogbot_logtool.results import Figures
 from dogbot_logtool.run.relay import Progress
 
 if TYPE_CHECKING:
-    from dogbot_logtool.commands.convert import Conversion
-    from dogbot_logtool.commands.info import LogInfo
-    from dogbot_logtool.commands.plot import PlotOptions
-    from dogbot_logtool.commands.stats import Measurement, StatsOptions
-    from dogbot_logtool.pipeline.plan import ConvertOptions
-    from dogbot_logtool.pipeline.selection import TopicOptions
-    from dogbot_logtool.report.stride_table import StrideTable
+    from dogbot_logtool.pipeline.options import (
+        ConvertOptions,
+        PlotOptions,
+        StatsOptions,
+        TopicOptions,
+    )
+    from dogbot_logtool.report.parquet import Dataset, Entry
+    from dogbot_logtool.results import Conversion, LogInfo, Measurement
 
 _CHECKS_AT_ONCE: Final = 16
 
@@ -91,22 +93,6 @@ def _is_free(target: Location) -> bool:
     return not storage.asked(target, lambda: target.fs.exists(target.path))
 
 
-@dataclass(frozen=True, slots=True)
-class Figures:
-    """What `stats` of a log comes to, small enough to be sent and kept."""
-
-    summary: tuple[str, ...]
-    """Its row among several logs."""
-    json: dict[str, Any]
-    strides: "StrideTable"
-    robot: str
-    exit_code: int
-    whole: "Measurement | None" = None
-    """All there is, if it was asked for."""
-    drawn: tuple[float, float] | None = None
-    """s since the log's start: the window of the figure, if one was drawn."""
-
-
 def figures_of(measured: "Measurement", *, whole: bool = False) -> Figures:
     """Return what is reported of a log, and the whole measurement if wanted."""
     from dogbot_logtool.report.stats_json import stats_json  # noqa: PLC0415
@@ -151,3 +137,17 @@ class Measure:
 
         drawn = write_plot(log, self.options, measured, self.drawing, tell)
         return replace(figures, drawn=drawn)
+
+
+@dataclass(frozen=True, slots=True)
+class Keep:
+    """`stats` of a log whose figures go into a dataset."""
+
+    measure: Measure
+    dataset: "Dataset"
+
+    def __call__(self, entry: "Entry", tell: Progress | None) -> Figures:
+        """Measure a log and keep its figures."""
+        figures = self.measure(entry.place, tell)
+        self.dataset.keep(figures, entry)
+        return figures

@@ -4,8 +4,8 @@ from dataclasses import dataclass
 
 from dogbot_logtool.core.contact.footfall import ContactRule, contact_rule
 from dogbot_logtool.core.frames.wrench_frame import WrenchFrame
-from dogbot_logtool.core.gait.gait import Place
 from dogbot_logtool.core.geometry.clock import TimeSource
+from dogbot_logtool.core.leg_position import LegPosition
 from dogbot_logtool.core.load.loads import body_weight_n
 
 
@@ -15,7 +15,7 @@ class FootPlace:
 
     name: str
     topic: str
-    place: Place | None = None
+    place: LegPosition | None = None
     has_force: bool = True
     """Whether its sensor tells a force, not only whether the foot touches."""
     silent_in_swing: bool = False

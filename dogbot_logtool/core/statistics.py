@@ -28,12 +28,12 @@ from dogbot_logtool.core.gait.foot_statistics import (
     foot_figures,
     overlap,
 )
-from dogbot_logtool.core.gait.gait import quadruped
 from dogbot_logtool.core.gait.segments import Segment, find_segments, main_segment, stands
 from dogbot_logtool.core.gait.support_pattern import Support, support
 from dogbot_logtool.core.geometry import timespans
 from dogbot_logtool.core.geometry.arrays import Ints, rows_by_group
 from dogbot_logtool.core.geometry.clock import StampWatch
+from dogbot_logtool.core.leg_position import quadruped
 from dogbot_logtool.core.load.load_figures import LoadFigures, dead_feet, load_figures
 from dogbot_logtool.core.quality.quality import TopicQuality, TopicWatch, with_gaps
 from dogbot_logtool.core.settings import StatsSettings

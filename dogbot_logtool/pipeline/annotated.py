@@ -12,13 +12,13 @@ from typing import TYPE_CHECKING, Final
 from dogbot_logtool.errors import LogError
 from dogbot_logtool.finding import Finding, note
 from dogbot_logtool.io.storage import Location, shown
-from dogbot_logtool.pipeline.provenance import PROVENANCE, is_marked
+from dogbot_logtool.provenance import PROVENANCE, is_marked
 from dogbot_logtool.reader.containers.log import Channel, Extra, Log
 from dogbot_logtool.reader.containers.opening import open_log
 from dogbot_logtool.reader.containers.recorded_log import EarlierAnnotations, RecordedLog
 
 if TYPE_CHECKING:
-    from dogbot_logtool.pipeline.plan import EncodingName
+    from dogbot_logtool.pipeline.options import EncodingName
 
 _NAME: Final = struct.pack("<I", len(PROVENANCE)) + PROVENANCE.encode()
 _LARGEST_RECORD: Final = 1 << 24

@@ -1,8 +1,8 @@
 """What `convert` will do with a log, decided before the first message is written."""
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field, replace
-from typing import Final, Literal
+from dataclasses import dataclass, replace
+from typing import Final
 
 from dogbot_logtool.core.contact.foot_tracker import Hearing
 from dogbot_logtool.core.contact.footfall import contact_rule
@@ -12,55 +12,18 @@ from dogbot_logtool.core.geometry.clock import TimeSource
 from dogbot_logtool.core.load.loads import body_weight_n
 from dogbot_logtool.core.scene.arrows import CLASSIC_DIAMETER_M, LIFETIME_S
 from dogbot_logtool.errors import LogError
-from dogbot_logtool.finding import Finding, note, warning
+from dogbot_logtool.finding import Finding, by_severity, note, warning
 from dogbot_logtool.pipeline.batches import BatchReader
-from dogbot_logtool.pipeline.probe import (
-    Evidence,
-    WrenchFrameOption,
-    evidence_findings,
-    frame_names,
-)
-from dogbot_logtool.pipeline.selection import Selection, TopicOptions, nothing_to_do
+from dogbot_logtool.pipeline.options import ConvertOptions, Style
+from dogbot_logtool.pipeline.probe import Evidence, evidence_findings, frame_names
+from dogbot_logtool.pipeline.selection import Selection, nothing_to_do
 from dogbot_logtool.pipeline.time_span import TimeLimits, time_limits
 from dogbot_logtool.pipeline.world_frames import WorldFrames, follow_frames
 from dogbot_logtool.reader.containers.log import Log
-from dogbot_logtool.writer.chunks import Compression
 from dogbot_logtool.writer.encodings.encoding import ArrowStyle, SupportStyle
-
-Style = Literal["classic", "pressure", "force"]
-EncodingName = Literal["foxglove", "ros1", "ros2"]
-TfOption = Literal["auto", "always", "never"]
 
 _MOST_FEET: Final = 16
 """Feet of which support is drawn: the work grows with the cube of their number."""
-
-
-@dataclass(frozen=True, slots=True)
-class ConvertOptions:
-    """What a user asks of `convert`."""
-
-    topics: TopicOptions = field(default_factory=TopicOptions)
-    style: Style = "pressure"
-    encoding: EncodingName = "foxglove"
-    copy: bool = True
-    """Whether the recorded messages go into the output too."""
-    wrench_frame: WrenchFrameOption = "auto"
-    tf: TfOption = "auto"
-    tf_rate_hz: float = 50.0
-    """0: every odometry message."""
-    start_s: float | None = None
-    """s since the log's start; messages recorded earlier are left out."""
-    end_s: float | None = None
-    scene: bool | None = None
-    """Whether `/support` is written; None: where it can be, but not in `classic`."""
-    compression: Compression | None = None
-    """None: zstd, and the chunks of an MCAP input as they are."""
-    jobs: int = 1
-    overwrite: bool = False
-    makes_folder: bool = False
-    """Whether the output's directory is made if it is missing."""
-    strict: bool = False
-    """Damage is an error."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -165,14 +128,16 @@ def make_plan(log: Log, selection: Selection, evidence: Evidence, options: Conve
         swings_from=log.start_time if start_time is None else None,
         start_time=start_time,
         end_time=end_time,
-        findings=tuple(sorted(findings)),
+        findings=tuple(sorted(findings, key=by_severity)),
     )
 
 
 def without_tf(plan: Plan, parent: str) -> Plan:
     """Return the plan for a log whose own transforms turn out to place the base."""
     finding = _second_parent(plan.base_frame, [parent])
-    return replace(plan, write_tf=False, findings=tuple(sorted((*plan.findings, finding))))
+    return replace(
+        plan, write_tf=False, findings=tuple(sorted((*plan.findings, finding), key=by_severity))
+    )
 
 
 def _wrench_frame(evidence: Evidence, options: ConvertOptions) -> WrenchFrame:

@@ -7,7 +7,7 @@ for every command.
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Final, Literal
+from typing import Final
 
 import numpy as np
 
@@ -33,8 +33,6 @@ from dogbot_logtool.reader.messages.transforms import (
 )
 from dogbot_logtool.robot import Robot
 
-WrenchFrameOption = Literal["auto", "world", "link"]
-"""What a user says of the wrenches; auto: by evidence."""
 DEFAULT_WORLD: Final = "world"
 DEFAULT_BASE: Final = "base_link"
 _LOOKS: Final = 8

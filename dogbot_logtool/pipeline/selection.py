@@ -22,6 +22,7 @@ from dogbot_logtool.pipeline.feet.selection import (
     check_topics,
     find_feet,
 )
+from dogbot_logtool.pipeline.options import TopicOptions
 from dogbot_logtool.pipeline.readable import (
     other_encodings,
     own_definition_findings,
@@ -44,18 +45,6 @@ from dogbot_logtool.robot import GENERIC, Robot, known_robots, load_robot
 
 _LIKELY_WORDS: Final = ("odom", "contact", "foot", "feet", "force", "wrench", "pose", "leg")
 """Words in topics and types that may tell of the base or the feet."""
-
-
-@dataclass(frozen=True, slots=True)
-class TopicOptions:
-    """What a user says about the robot and the topics."""
-
-    robot: str | None = None
-    """Name or TOML file; None: the known robot whose topics the log has, else the generic one."""
-    odometry_topic: str | None = None
-    foot_topics: Mapping[str, str] | None = None
-    """Topic by foot."""
-    mass_kg: float | None = None
 
 
 @dataclass(frozen=True, slots=True)

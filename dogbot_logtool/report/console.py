@@ -10,7 +10,7 @@ from rich.console import Console, ConsoleOptions, RenderableType
 from rich.segment import Segment
 from rich.text import Text
 
-from dogbot_logtool.finding import Finding, Severity
+from dogbot_logtool.finding import Finding, Severity, by_severity
 from dogbot_logtool.io.printable import printable, printable_lines
 from dogbot_logtool.io.streams import styled
 from dogbot_logtool.reader.containers.log import Loss, lost_messages
@@ -90,7 +90,7 @@ def print_note(console: Console, sentence: str) -> None:
 
 def print_findings(console: Console, findings: Iterable[Finding]) -> None:
     """Print findings, the worst first, a line each."""
-    for finding in sorted(findings):
+    for finding in sorted(findings, key=by_severity):
         label = f"{_LABELS[finding.severity]:>7}  ", _COLOURS[finding.severity]
         print_sentence(console, label, printable(finding.sentence), indent=_LABEL)
         if finding.command:

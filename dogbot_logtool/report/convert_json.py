@@ -4,9 +4,9 @@ from dataclasses import asdict
 from typing import Any
 
 from dogbot_logtool import __version__
-from dogbot_logtool.commands.convert import Conversion
 from dogbot_logtool.io.storage import shown
 from dogbot_logtool.report.damage import damage_json
+from dogbot_logtool.results import Conversion
 
 
 def conversion_json(done: Conversion) -> dict[str, Any]:

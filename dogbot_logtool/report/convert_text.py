@@ -2,10 +2,10 @@
 
 from rich.console import Console
 
-from dogbot_logtool.commands.convert import Conversion
 from dogbot_logtool.io.printable import printable
 from dogbot_logtool.io.storage import shown
 from dogbot_logtool.report.console import print_damage, print_findings, print_sentence
+from dogbot_logtool.results import Conversion
 
 
 def print_conversion(console: Console, done: Conversion, *, verbose: bool) -> None:

@@ -3,12 +3,12 @@
 from collections.abc import Sequence
 from typing import Final
 
-from dogbot_logtool.commands.info import LogInfo
 from dogbot_logtool.core.frames.frame_edges import FrameEdge
 from dogbot_logtool.core.frames.frame_tree import Pair, loops, second_parents
 from dogbot_logtool.io.printable import printable
 from dogbot_logtool.pipeline.frames import Frames
 from dogbot_logtool.report.frames_text import frame_pairs, milliseconds
+from dogbot_logtool.results import LogInfo
 
 _BROKEN: Final = "#d55e00"
 _ADDED: Final = "#0072b2"

@@ -2,11 +2,11 @@
 
 from typing import Any
 
-from dogbot_logtool.commands.info import LogInfo
 from dogbot_logtool.core.frames.frame_edges import FrameEdge
 from dogbot_logtool.core.frames.frame_tree import loops, roots, second_parents, trees
 from dogbot_logtool.pipeline.frames import Frames
 from dogbot_logtool.report.frames_text import frame_pairs
+from dogbot_logtool.results import LogInfo
 
 
 def frames_json(info: LogInfo) -> dict[str, Any]:

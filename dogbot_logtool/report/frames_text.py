@@ -6,13 +6,13 @@ from typing import Final
 from rich.console import Console
 from rich.text import Text
 
-from dogbot_logtool.commands.info import LogInfo
 from dogbot_logtool.core.frames.frame_edges import FrameEdge
 from dogbot_logtool.core.frames.frame_tree import Pair, TreeRow, walk
 from dogbot_logtool.io.printable import printable
 from dogbot_logtool.pipeline.frames import Frames
 from dogbot_logtool.report.console import print_sentence
 from dogbot_logtool.report.text_layout import NameTable, Row
+from dogbot_logtool.results import LogInfo
 
 _ADDED: Final = "added by convert, from odometry"
 _ARROW: Final = f"  <- {_ADDED}"

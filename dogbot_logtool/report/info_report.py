@@ -6,7 +6,6 @@ from typing import Any
 
 from rich.console import Console
 
-from dogbot_logtool.commands.info import LogInfo
 from dogbot_logtool.io.printable import printable
 from dogbot_logtool.io.storage import shown
 from dogbot_logtool.report.console import human_size, print_damage, print_findings, print_sentence
@@ -14,6 +13,7 @@ from dogbot_logtool.report.damage import damage_json
 from dogbot_logtool.report.frames_json import frames_json
 from dogbot_logtool.report.frames_text import print_frame_names, print_frames
 from dogbot_logtool.report.text_layout import NameTable, Row
+from dogbot_logtool.results import LogInfo
 
 _SIMULATED_BEFORE_S = 1_000_000_000
 """Log times before this are simulation time, not dates."""

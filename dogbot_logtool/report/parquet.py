@@ -23,17 +23,16 @@ from typing import TYPE_CHECKING, Any, Final
 from urllib.parse import quote
 
 from dogbot_logtool import __version__
-from dogbot_logtool.commands.tasks import Figures, Measure
 from dogbot_logtool.errors import CallError, ExtraMissingError, LogtoolError, StoreError
 from dogbot_logtool.io import storage
 from dogbot_logtool.io.output import whole_file
 from dogbot_logtool.io.plain_json import to_json
 from dogbot_logtool.io.storage import Location
+from dogbot_logtool.results import Figures
 from dogbot_logtool.run.inputs import Fleet, Found
-from dogbot_logtool.run.relay import Progress
 
 if TYPE_CHECKING:
-    from dogbot_logtool.commands.stats import StatsOptions
+    from dogbot_logtool.pipeline.options import StatsOptions
 
 try:
     import pyarrow as pa
@@ -276,20 +275,6 @@ class Dataset:
             "log_version": state.version,
             "settings_sha256": self.settings_sha256,
         }
-
-
-@dataclass(frozen=True, slots=True)
-class Keep:
-    """`stats` of a log whose figures go into a dataset."""
-
-    measure: Measure
-    dataset: Dataset
-
-    def __call__(self, entry: Entry, tell: Progress | None) -> Figures:
-        """Measure a log and keep its figures."""
-        figures = self.measure(entry.place, tell)
-        self.dataset.keep(figures, entry)
-        return figures
 
 
 def dataset_at(place: Location, options: "StatsOptions") -> Dataset:

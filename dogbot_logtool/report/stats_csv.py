@@ -9,8 +9,8 @@ import numpy as np
 from dogbot_logtool.core.remarks import remarks
 from dogbot_logtool.core.statistics import Stats
 from dogbot_logtool.io.printable import printable
-from dogbot_logtool.report.stats_json import LogFacts
-from dogbot_logtool.report.stride_table import COLUMNS, StrideTable
+from dogbot_logtool.report.stride_table import COLUMNS
+from dogbot_logtool.results import LogFacts, StrideTable
 
 STRIDE_COLUMNS: Final = ("log", "foot", *COLUMNS)
 SUMMARY_COLUMNS: Final = (

@@ -2,10 +2,9 @@
 
 import json
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
 from functools import cache
 from pathlib import Path
-from typing import Any, Final, Protocol
+from typing import Any, Final
 
 from dogbot_logtool import __version__
 from dogbot_logtool.core.base.base_motion import BaseMotion
@@ -17,47 +16,16 @@ from dogbot_logtool.core.load.load_figures import grouped_shares, symmetry_index
 from dogbot_logtool.core.quality.quality import TopicQuality
 from dogbot_logtool.core.remarks import remarks
 from dogbot_logtool.core.statistics import Stats
+from dogbot_logtool.finding import Finding
 from dogbot_logtool.io.listing import listed
 from dogbot_logtool.io.plain_json import not_finite, only_finite
+from dogbot_logtool.results import LogFacts
 
 SCHEMA_VERSION: Final = 1
 """Grows with every change of meaning."""
 LOADING_RATE_METHOD: Final = "slope from 20 % to 80 % of the rise to the first peak"
 
 Json = dict[str, Any]
-
-
-class Said(Protocol):
-    """A sentence about the log: a `Remark` or a `Finding`."""
-
-    @property
-    def code(self) -> str: ...  # noqa: D102
-    @property
-    def text(self) -> str: ...  # noqa: D102
-    @property
-    def where(self) -> str: ...  # noqa: D102
-
-
-@dataclass(frozen=True, slots=True)
-class LogFacts:
-    """What the reader knows of a log."""
-
-    path: str
-    container: str
-    profile: str
-    start_s: float | None
-    """s since the epoch, log time of the first message."""
-    duration_s: float | None
-    messages: int
-    lost_messages: int | None = 0
-    """None when something was lost and nobody knows how much."""
-    lost_bytes: int = 0
-    losses: Sequence[str] = ()
-    """What was lost, and where, a sentence each."""
-    findings: Sequence[Said] = field(default=())
-    """What choosing topics and frames brought up."""
-    robot: str = ""
-    """Name of the robot."""
 
 
 @cache
@@ -80,8 +48,8 @@ def stats_json(stats: Stats, log: LogFacts) -> Json:
 
 def _document(stats: Stats, log: LogFacts) -> Json:
     said = [*remarks(stats), *log.findings]
-    warnings = [_said(each) for each in said if not each.code.startswith("N_")]
-    notes = [_said(each) for each in said if each.code.startswith("N_")]
+    warnings = [_finding(each) for each in said if not each.code.startswith("N_")]
+    notes = [_finding(each) for each in said if each.code.startswith("N_")]
     return {
         "schema_version": SCHEMA_VERSION,
         "tool": {"name": "dogbot-logtool", "version": __version__},
@@ -111,7 +79,7 @@ def _document(stats: Stats, log: LogFacts) -> Json:
     }
 
 
-def _said(each: Said) -> Json:
+def _finding(each: Finding) -> Json:
     return {"code": each.code, "text": each.text, "where": each.where}
 
 

@@ -6,8 +6,8 @@ from dogbot_logtool.core.remarks import remarks
 from dogbot_logtool.core.statistics import Stats
 from dogbot_logtool.io.printable import printable
 from dogbot_logtool.report.numbers import NOTHING, decimal
-from dogbot_logtool.report.stats_json import LogFacts
 from dogbot_logtool.report.verdict import gait_name
+from dogbot_logtool.results import LogFacts
 
 
 def summary_row(stats: Stats, log: LogFacts) -> tuple[str, ...]:

@@ -26,9 +26,10 @@ from dogbot_logtool.report.gait_diagram import (
     support_line,
 )
 from dogbot_logtool.report.numbers import NOTHING, decimal, percent
-from dogbot_logtool.report.stats_json import LogFacts, Said, symmetry
+from dogbot_logtool.report.stats_json import symmetry
 from dogbot_logtool.report.text_layout import Hanging, NameTable, Row
 from dogbot_logtool.report.verdict import evidence, gait_name, how_sure, is_known
+from dogbot_logtool.results import LogFacts
 
 _STEPS: Final = (
     "foot",
@@ -303,7 +304,7 @@ def _base(stats: Stats) -> list[RenderableType]:
     ]
 
 
-def _findings(said: Sequence[Said], log: LogFacts, *, verbose: bool) -> list[RenderableType]:
+def _findings(said: Sequence[Finding], log: LogFacts, *, verbose: bool) -> list[RenderableType]:
     """Sentences by severity; what holds for several feet is said once."""
     lines: list[RenderableType] = []
     if log.lost_messages != 0 or log.lost_bytes:
@@ -319,7 +320,7 @@ def _findings(said: Sequence[Said], log: LogFacts, *, verbose: bool) -> list[Ren
     return lines or [Text("  nothing to complain about", style="green")]
 
 
-def _first_of_each(said: Sequence[Said]) -> list[Said]:
+def _first_of_each(said: Sequence[Finding]) -> list[Finding]:
     """Return the first sentence of each code."""
     return list({each.code: each for each in reversed(said)}.values())[::-1]
 

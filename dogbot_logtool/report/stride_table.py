@@ -1,23 +1,10 @@
 """The whole strides of a log, a row each: what CSV and Parquet hold."""
 
-from collections.abc import Mapping
-from dataclasses import dataclass
-
 import numpy as np
 
 from dogbot_logtool.core.geometry.arrays import Floats
 from dogbot_logtool.core.statistics import Stats
-
-
-@dataclass(frozen=True, slots=True)
-class StrideTable:
-    """Strides foot by foot, each foot's in order."""
-
-    foot: tuple[str, ...]
-    """(n,) names."""
-    columns: Mapping[str, Floats]
-    """(n,) by name, the unit at its end; NaN where not known. `start_s` counts from the log's
-    first message of use."""
+from dogbot_logtool.results import StrideTable
 
 
 def stride_table(stats: Stats) -> StrideTable:

@@ -11,9 +11,10 @@ import pytest
 from mcap.writer import Writer
 from rich.console import Console
 
-from dogbot_logtool.commands.compare import CompareOptions, compare, update
+from dogbot_logtool.commands.compare import compare, update
 from dogbot_logtool.comparison.outcome import Comparison
 from dogbot_logtool.errors import CallError
+from dogbot_logtool.pipeline.options import CompareOptions
 from dogbot_logtool.report.comparison_json import comparison_json
 from dogbot_logtool.report.comparison_text import show_comparison
 from dogbot_logtool.report.junit import junit_xml

@@ -37,10 +37,10 @@ from rosbags.rosbag1 import Writer as BagWriter
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 from rosbags.typesys.store import Typestore
 
-from dogbot_logtool.commands.convert import Conversion, convert
+from dogbot_logtool.commands.convert import convert
 from dogbot_logtool.errors import CallError, LogError
-from dogbot_logtool.pipeline.plan import ConvertOptions, EncodingName, Style
-from dogbot_logtool.pipeline.selection import TopicOptions
+from dogbot_logtool.pipeline.options import ConvertOptions, EncodingName, Style, TopicOptions
+from dogbot_logtool.results import Conversion
 from dogbot_logtool.writer.chunks import Compression
 from tests.frames_oracle import Frames, frames_of
 from tests.paths import SAMPLE_LOGS

@@ -12,8 +12,7 @@ from mcap_protobuf.decoder import DecoderFactory
 from dogbot_logtool.commands.convert import convert
 from dogbot_logtool.commands.layout import foxglove_layout, layout_for
 from dogbot_logtool.errors import CallError
-from dogbot_logtool.pipeline.plan import ConvertOptions
-from dogbot_logtool.pipeline.selection import TopicOptions
+from dogbot_logtool.pipeline.options import ConvertOptions, TopicOptions
 from dogbot_logtool.report.foot_pens import FOOT_COLOURS
 from tests.paths import SAMPLE_LOGS
 

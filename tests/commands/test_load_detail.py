@@ -4,8 +4,9 @@ import numpy as np
 import pytest
 
 from dogbot_logtool.commands.load_detail import load_curves_within, with_detail
-from dogbot_logtool.commands.stats import StatsOptions, measure
+from dogbot_logtool.commands.stats import measure
 from dogbot_logtool.core.contact.curves import CurveDetail
+from dogbot_logtool.pipeline.options import StatsOptions
 from tests.paths import SAMPLE_LOGS
 
 TROT = SAMPLE_LOGS / "dogbot_trot.bag"

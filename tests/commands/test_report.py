@@ -10,9 +10,9 @@ from pathlib import Path
 import pytest
 
 from dogbot_logtool.commands.report import Reports
-from dogbot_logtool.commands.stats import StatsOptions
 from dogbot_logtool.errors import CallError, LogError
 from dogbot_logtool.io.targets import Output
+from dogbot_logtool.pipeline.options import StatsOptions
 from tests.paths import SAMPLE_LOGS
 
 TROT, TROUBLED = SAMPLE_LOGS / "dogbot_trot.bag", SAMPLE_LOGS / "dogbot_troubled.bag"

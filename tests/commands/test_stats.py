@@ -13,9 +13,9 @@ from jsonschema import Draft202012Validator
 from mcap.reader import make_reader
 from mcap.writer import Writer
 
-from dogbot_logtool.commands.stats import StatsOptions, measure
+from dogbot_logtool.commands.stats import measure
 from dogbot_logtool.errors import CallError, LogError
-from dogbot_logtool.pipeline.selection import TopicOptions
+from dogbot_logtool.pipeline.options import StatsOptions, TopicOptions
 from dogbot_logtool.report.stats_json import stats_json, stats_schema
 from tests.reader.mcap_bytes import small_mcap
 from tests.walks import Walk as ContactWalk

@@ -22,10 +22,11 @@ from mcap.writer import CompressionType, IndexType, Writer
 from rosbags.typesys import Stores, get_typestore
 from rosbags.typesys.store import Typestore
 
-from dogbot_logtool.commands.compare import CompareOptions, compare
+from dogbot_logtool.commands.compare import compare
 from dogbot_logtool.comparison.outcome import Comparison, Tally
 from dogbot_logtool.comparison.windows import indexed_track, load, measured_track, plan_windows
 from dogbot_logtool.errors import CallError
+from dogbot_logtool.pipeline.options import CompareOptions
 from dogbot_logtool.reader.containers.log import Log
 from dogbot_logtool.reader.containers.opening import open_log
 

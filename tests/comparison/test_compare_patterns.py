@@ -11,11 +11,12 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from dogbot_logtool.commands.compare import CompareOptions, compare
+from dogbot_logtool.commands.compare import compare
 from dogbot_logtool.comparison.fields import Findings, Tree, compare_fields
 from dogbot_logtool.comparison.outcome import Comparison
 from dogbot_logtool.comparison.tolerances import FieldRules, Quantity, Rules, Tolerance
 from dogbot_logtool.errors import CallError
+from dogbot_logtool.pipeline.options import CompareOptions
 from tests.comparison.test_compare_logs import JSON, Recording, odometry, recording, ros_kind
 
 FIGURES: dict[str, Any] = {

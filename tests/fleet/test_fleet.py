@@ -14,11 +14,10 @@ import pytest
 from upath import UPath
 
 from dogbot_logtool.commands.convert import convert
-from dogbot_logtool.commands.stats import StatsOptions
 from dogbot_logtool.commands.tasks import Measure
 from dogbot_logtool.errors import CallError, StoreError
 from dogbot_logtool.io.output import whole_file
-from dogbot_logtool.pipeline.plan import ConvertOptions
+from dogbot_logtool.pipeline.options import ConvertOptions, StatsOptions
 from tests.fleet.services import (
     BUCKET,
     Store,

@@ -12,14 +12,21 @@ from mcap.records import Channel, Metadata
 from mcap.writer import Writer
 
 from dogbot_logtool.commands import convert as convert_module
-from dogbot_logtool.commands.compare import CompareOptions, compare
-from dogbot_logtool.commands.convert import Conversion, convert
-from dogbot_logtool.commands.stats import StatsOptions, measure
+from dogbot_logtool.commands.compare import compare
+from dogbot_logtool.commands.convert import convert
+from dogbot_logtool.commands.stats import measure
 from dogbot_logtool.pipeline.annotated import annotations_left_out, open_recorded
-from dogbot_logtool.pipeline.plan import ConvertOptions, EncodingName, Style
+from dogbot_logtool.pipeline.options import (
+    CompareOptions,
+    ConvertOptions,
+    EncodingName,
+    StatsOptions,
+    Style,
+)
 from dogbot_logtool.reader.containers.log import Chunk
 from dogbot_logtool.reader.containers.opening import open_log
 from dogbot_logtool.report.stats_json import stats_json
+from dogbot_logtool.results import Conversion
 from dogbot_logtool.writer import annotations
 from tests.test_cli import TROT, TROUBLED, WALK, Shell, shell
 

@@ -23,12 +23,12 @@ from rosbags.rosbag1 import Writer as BagWriter
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
 from dogbot_logtool.commands.convert import convert
-from dogbot_logtool.commands.info import LogInfo, describe
+from dogbot_logtool.commands.info import describe
 from dogbot_logtool.pipeline.frames import Frames
-from dogbot_logtool.pipeline.plan import ConvertOptions
-from dogbot_logtool.pipeline.selection import TopicOptions
+from dogbot_logtool.pipeline.options import ConvertOptions, TopicOptions
 from dogbot_logtool.report.frames_dot import frames_dot
 from dogbot_logtool.report.info_report import info_json, print_info
+from dogbot_logtool.results import LogInfo
 from tests.paths import SAMPLE_LOGS
 
 LOGS = [SAMPLE_LOGS / f"dogbot_{name}" for name in ("trot.bag", "walk.mcap", "troubled.bag")]

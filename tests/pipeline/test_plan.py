@@ -8,10 +8,11 @@ import pytest
 
 from dogbot_logtool.core.frames.wrench_frame import WrenchFrame, WrenchFrameEvidence
 from dogbot_logtool.errors import LogError
-from dogbot_logtool.finding import Severity
-from dogbot_logtool.pipeline.plan import ConvertOptions, Plan, make_plan, without_tf
+from dogbot_logtool.finding import Severity, by_severity
+from dogbot_logtool.pipeline.options import ConvertOptions, TopicOptions
+from dogbot_logtool.pipeline.plan import Plan, make_plan, without_tf
 from dogbot_logtool.pipeline.probe import Evidence, evidence_findings, look_into
-from dogbot_logtool.pipeline.selection import Selection, TopicOptions, select_topics
+from dogbot_logtool.pipeline.selection import Selection, select_topics
 from dogbot_logtool.reader.containers.log import Log
 from dogbot_logtool.reader.containers.opening import open_log
 from tests.paths import SAMPLE_LOGS
@@ -97,7 +98,7 @@ def test_a_second_parent_that_comes_late(trot: Case) -> None:
     without = without_tf(plan, "map")
     assert not without.write_tf
     assert codes(without) == codes(plan) | {"W_TF_HAS_PARENT"}
-    assert list(without.findings) == sorted(without.findings)
+    assert list(without.findings) == sorted(without.findings, key=by_severity)
 
 
 @pytest.mark.parametrize(

@@ -8,8 +8,9 @@ import numpy as np
 import pytest
 
 from dogbot_logtool.core.frames.wrench_frame import WrenchFrame
+from dogbot_logtool.pipeline.options import TopicOptions
 from dogbot_logtool.pipeline.probe import Evidence, left_after, look_into
-from dogbot_logtool.pipeline.selection import TopicOptions, select_topics
+from dogbot_logtool.pipeline.selection import select_topics
 from dogbot_logtool.reader.containers.opening import open_log
 from dogbot_logtool.reader.messages.contacts.source import StepTiming
 from tests.paths import SAMPLE_LOGS

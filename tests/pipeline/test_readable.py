@@ -7,7 +7,8 @@ import pytest
 from mcap.writer import Writer as McapWriter
 
 from dogbot_logtool.errors import LogError
-from dogbot_logtool.pipeline.selection import TopicOptions, nothing_to_do, select_topics
+from dogbot_logtool.pipeline.options import TopicOptions
+from dogbot_logtool.pipeline.selection import nothing_to_do, select_topics
 from dogbot_logtool.reader.containers.log import Log
 from dogbot_logtool.reader.containers.opening import open_log
 

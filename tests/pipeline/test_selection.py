@@ -9,7 +9,8 @@ from mcap.writer import Writer as McapWriter
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
 from dogbot_logtool.errors import CallError
-from dogbot_logtool.pipeline.selection import Selection, TopicOptions, select_topics
+from dogbot_logtool.pipeline.options import TopicOptions
+from dogbot_logtool.pipeline.selection import Selection, select_topics
 from dogbot_logtool.reader.containers.log import Log
 from dogbot_logtool.reader.containers.opening import open_log
 

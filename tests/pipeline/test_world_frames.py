@@ -12,11 +12,11 @@ import pytest
 from mcap.reader import make_reader
 from mcap_ros2.decoder import DecoderFactory
 
-from dogbot_logtool.commands.convert import Conversion, convert
-from dogbot_logtool.commands.stats import StatsOptions, measure
-from dogbot_logtool.pipeline.plan import ConvertOptions
-from dogbot_logtool.pipeline.selection import TopicOptions
+from dogbot_logtool.commands.convert import convert
+from dogbot_logtool.commands.stats import measure
+from dogbot_logtool.pipeline.options import ConvertOptions, StatsOptions, TopicOptions
 from dogbot_logtool.report.stats_json import stats_json
+from dogbot_logtool.results import Conversion
 from tests import walks
 from tests.frames_oracle import matrix_of
 from tests.paths import SAMPLE_LOGS

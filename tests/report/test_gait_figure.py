@@ -16,14 +16,15 @@ from pypdf import PdfReader
 from pypdf.generic import DictionaryObject
 
 from dogbot_logtool.commands.load_detail import load_curves_within
-from dogbot_logtool.commands.plot import PlotOptions, write_plot
-from dogbot_logtool.commands.stats import Measurement, StatsOptions, measure
+from dogbot_logtool.commands.plot import write_plot
+from dogbot_logtool.commands.stats import measure
 from dogbot_logtool.core.contact.curves import CurveDetail
 from dogbot_logtool.errors import CallError, LogError
-from dogbot_logtool.pipeline.selection import TopicOptions
+from dogbot_logtool.pipeline.options import PlotOptions, StatsOptions, TopicOptions
 from dogbot_logtool.report.gait_diagram import default_window
 from dogbot_logtool.report.gait_figure import FORMATS, gait_figure, write_figure
 from dogbot_logtool.report.stats_json import stats_json
+from dogbot_logtool.results import Measurement
 from tests import walks
 from tests.paths import SAMPLE_LOGS
 

@@ -14,15 +14,16 @@ from dogbot_logtool.core.base.odometry import Odometry
 from dogbot_logtool.core.contact.contacts import Samples
 from dogbot_logtool.core.frames.wrench_frame import WrenchFrame
 from dogbot_logtool.core.geometry.arrays import Floats
-from dogbot_logtool.core.remarks import Remark
 from dogbot_logtool.core.settings import FootPlace, StatsSettings
 from dogbot_logtool.core.statistics import Stats, StatsAccumulator
+from dogbot_logtool.finding import Finding
 from dogbot_logtool.report.gait_diagram import ASCII, default_window, gait_diagram
 from dogbot_logtool.report.stats_csv import write_strides, write_summary
-from dogbot_logtool.report.stats_json import LogFacts, several_logs, stats_json, stats_schema
+from dogbot_logtool.report.stats_json import several_logs, stats_json, stats_schema
 from dogbot_logtool.report.stats_summary import summary_row
 from dogbot_logtool.report.stats_text import print_report, print_summary, verdict
 from dogbot_logtool.report.stride_table import stride_table
+from dogbot_logtool.results import LogFacts
 
 START = 1_700_000_000_000_000_000
 PLACES = (("front", "left"), ("front", "right"), ("back", "left"), ("back", "right"))
@@ -159,7 +160,7 @@ def test_every_null_of_a_foot_has_a_reason() -> None:
 
 
 def test_what_the_reader_lost_and_found_is_in_the_quality(trot: Stats) -> None:
-    said = [Remark("N_ROBOT", "a robot", ""), Remark("E_BAD", "bad", "/x")]
+    said = [Finding("N_ROBOT", "a robot", ""), Finding("E_BAD", "bad", "/x")]
     log = LogFacts("a", "MCAP", "", None, None, 1, None, 77, ["a chunk"], said)
     quality = valid_json(trot, log)["quality"]
     assert (quality["lost_messages"], quality["lost_bytes"]) == (None, 77)

@@ -5,12 +5,17 @@ from typing import Final
 
 import numpy as np
 
-from dogbot_logtool.core.base.odometry import Odometry, first_at_each_tick, usable_poses
-from dogbot_logtool.core.blocks import BLOCK_ROWS, Blocks, GrowingTable
+from dogbot_logtool.core.base.odometry import Odometry, usable_poses
 from dogbot_logtool.core.geometry import timespans
 from dogbot_logtool.core.geometry.aggregates import IntervalHistogram
 from dogbot_logtool.core.geometry.arrays import Floats, Ints
-from dogbot_logtool.core.geometry.clock import TimeSource, absolute_time, advancing
+from dogbot_logtool.core.geometry.blocks import BLOCK_ROWS, Blocks, GrowingTable
+from dogbot_logtool.core.geometry.clock import (
+    TimeSource,
+    absolute_time,
+    advancing,
+    first_at_each_tick,
+)
 from dogbot_logtool.core.geometry.rotations import normalised, roll_pitch_yaw, rotate
 from dogbot_logtool.core.quality.quality import SILENCE_NS, steady_rhythm
 

@@ -5,7 +5,6 @@ from typing import Final
 
 import numpy as np
 
-from dogbot_logtool.core.blocks import BLOCK_ROWS, Blocks, GrowingTable
 from dogbot_logtool.core.contact.contacts import Samples
 from dogbot_logtool.core.contact.curves import CurveDetail, LoadCurveRecorder, LoadCurves
 from dogbot_logtool.core.contact.footfall import (
@@ -25,6 +24,7 @@ from dogbot_logtool.core.contact.track import FootTrack, TrackRecorder
 from dogbot_logtool.core.geometry import timespans
 from dogbot_logtool.core.geometry.aggregates import IntervalHistogram
 from dogbot_logtool.core.geometry.arrays import Flags, Ints, norms
+from dogbot_logtool.core.geometry.blocks import BLOCK_ROWS, Blocks, GrowingTable
 from dogbot_logtool.core.geometry.clock import TimeSource, absolute_time, advancing
 from dogbot_logtool.core.quality.quality import steady_rhythm
 

@@ -14,11 +14,11 @@ from typing import Final
 
 import numpy as np
 
-from dogbot_logtool.core.blocks import concatenated
 from dogbot_logtool.core.contact.contacts import Samples, no_samples
 from dogbot_logtool.core.contact.footfall import ContactRule, contact_groups, schmitt
 from dogbot_logtool.core.contact.silent_swing import LONGEST_SWING_S
 from dogbot_logtool.core.geometry.arrays import Flags, Floats, Ints, norms
+from dogbot_logtool.core.geometry.blocks import concatenated
 from dogbot_logtool.core.geometry.clock import advancing
 from dogbot_logtool.core.geometry.support_polygon import NEAR_NS
 

@@ -11,9 +11,9 @@ from typing import Final
 
 import numpy as np
 
-from dogbot_logtool.core.blocks import concatenated
 from dogbot_logtool.core.contact.contacts import Samples
 from dogbot_logtool.core.geometry.arrays import Floats, Ints
+from dogbot_logtool.core.geometry.blocks import concatenated
 
 MISSED_INTERVALS: Final = 2.5
 """A silence of more than so many intervals is a swing."""

@@ -9,10 +9,9 @@ from typing import Final
 
 import numpy as np
 
-from dogbot_logtool.core.base.odometry import first_at_each_tick
-from dogbot_logtool.core.blocks import GrowingTable
 from dogbot_logtool.core.geometry.arrays import Flags, Floats, Ints
-from dogbot_logtool.core.geometry.clock import absolute_time
+from dogbot_logtool.core.geometry.blocks import GrowingTable
+from dogbot_logtool.core.geometry.clock import absolute_time, first_at_each_tick
 
 TRACK_RATE_HZ: Final = 25.0
 """A day of four feet is half a gigabyte at this rate."""

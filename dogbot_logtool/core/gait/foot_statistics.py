@@ -9,12 +9,12 @@ from dogbot_logtool.core.base.base_motion import stride_lengths
 from dogbot_logtool.core.base.base_record import BaseRecord
 from dogbot_logtool.core.contact.foot_history import FootRecord
 from dogbot_logtool.core.contact.stances import Cut, Stances
-from dogbot_logtool.core.gait.gait import Place
 from dogbot_logtool.core.gait.segments import FootEvents
 from dogbot_logtool.core.gait.strides import Strides, cut_by_fall, strides_of
 from dogbot_logtool.core.geometry import timespans
 from dogbot_logtool.core.geometry.aggregates import Aggregate, aggregate
 from dogbot_logtool.core.geometry.arrays import Floats, Ints
+from dogbot_logtool.core.leg_position import LegPosition
 from dogbot_logtool.core.load.load_figures import vertical_impulse_ns
 
 
@@ -28,7 +28,7 @@ class FootFigures:
 
     name: str
     topic: str
-    place: Place | None
+    place: LegPosition | None
     record: FootRecord
     stances: Stances
     """All stances, those in a fall marked as cut."""
@@ -75,7 +75,7 @@ class FootFigures:
 def foot_figures(
     name: str,
     topic: str,
-    place: Place | None,
+    place: LegPosition | None,
     record: FootRecord,
     base: BaseRecord,
     *,

@@ -24,27 +24,8 @@ IRREGULAR: Final = "irregular"
 CLASSES: Final = ("pronk", "trot", "pace", "bound", "walk", "gallop")
 """Classes told apart by phases."""
 
-Place = tuple[str, str]
-"""("front" | "middle" | "back", "left" | "right" | "centre")."""
 QUADRUPED: Final = 4
 """Feet of the robots whose gaits have names."""
-CORNERS: Final[tuple[Place, ...]] = (
-    ("front", "left"),
-    ("front", "right"),
-    ("back", "left"),
-    ("back", "right"),
-)
-
-
-def quadruped(places: Sequence[Place | None]) -> tuple[int, int, int, int] | None:
-    """Return which foot is front left, front right, back left, back right.
-
-    None unless the robot has exactly these four.
-    """
-    if sorted(place for place in places if place) != sorted(CORNERS) or len(places) != 4:
-        return None
-    front_left, front_right, back_left, back_right = (places.index(corner) for corner in CORNERS)
-    return front_left, front_right, back_left, back_right
 
 
 def phases_in(reference: Strides, touchdown: Ints) -> Floats:

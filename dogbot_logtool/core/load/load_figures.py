@@ -7,8 +7,8 @@ from typing import Final
 import numpy as np
 
 from dogbot_logtool.core.contact.foot_history import FootRecord
-from dogbot_logtool.core.gait.gait import Place
 from dogbot_logtool.core.geometry import timespans
+from dogbot_logtool.core.leg_position import LegPosition
 
 NEAR_ZERO: Final = 1e-9
 ENOUGH: Final = 0.99
@@ -92,7 +92,7 @@ def load_figures(feet: Sequence[FootRecord], body_weight_n: float | None) -> Loa
 
 
 def grouped_shares(
-    shares: Sequence[float], places: Sequence[Place | None]
+    shares: Sequence[float], places: Sequence[LegPosition | None]
 ) -> Mapping[str, float | None]:
     """Add up the shares of fore, hind, left and right feet; None where places are not known."""
     groups = {"fore": "front", "hind": "back", "left": "left", "right": "right"}

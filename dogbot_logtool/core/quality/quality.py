@@ -5,11 +5,10 @@ from typing import Final
 
 import numpy as np
 
-from dogbot_logtool.core.base.odometry import first_at_each_tick
-from dogbot_logtool.core.blocks import BLOCK_ROWS, GrowingTable
 from dogbot_logtool.core.geometry.aggregates import IntervalHistogram
 from dogbot_logtool.core.geometry.arrays import Floats, Ints
-from dogbot_logtool.core.geometry.clock import TimeSource
+from dogbot_logtool.core.geometry.blocks import BLOCK_ROWS, GrowingTable
+from dogbot_logtool.core.geometry.clock import TimeSource, first_at_each_tick
 
 SILENCE_NS: Final = 50_000_000
 """ns: a shorter interval is never a gap."""

@@ -5,14 +5,11 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from dogbot_logtool.core.base.odometry import (
-    Odometry,
-    base_transforms,
-    first_at_each_tick,
-)
+from dogbot_logtool.core.base.odometry import Odometry, base_transforms
 from dogbot_logtool.core.contact.contacts import Samples
 from dogbot_logtool.core.contact.foot_tracker import Footing
 from dogbot_logtool.core.contact.silent_swing import with_swings
+from dogbot_logtool.core.geometry.clock import first_at_each_tick
 from dogbot_logtool.core.load.loads import Loads, foot_loads
 from dogbot_logtool.core.scene.arrows import (
     ArrowCounts,

@@ -41,8 +41,8 @@ from dogbot_logtool.report.page.tables import (
     topic_table,
 )
 from dogbot_logtool.report.page.time_figures import gait_diagram, load_curves
-from dogbot_logtool.report.stats_json import LogFacts
 from dogbot_logtool.report.verdict import headline
+from dogbot_logtool.results import LogFacts
 
 GLYPHS: Final = "▲▼■◆●✚"
 """The figures' markers of the feet, in text."""
@@ -62,7 +62,7 @@ INDEX_COLUMNS: Final = (
 
 
 @dataclass(frozen=True, slots=True)
-class Place:
+class Damage:
     """Damage somewhere in the file."""
 
     offset: int
@@ -85,7 +85,7 @@ class IndexRow:
     error: str = ""
 
 
-def page(stats: Stats, log: LogFacts, damage: Sequence[Place], file_size: int) -> bytes:
+def page(stats: Stats, log: LogFacts, damage: Sequence[Damage], file_size: int) -> bytes:
     """Return the HTML page of one log.
 
     Args:
@@ -227,7 +227,7 @@ def _about(log: LogFacts) -> str:
     return f"{log.container}, {duration}, {log.messages:,} messages"
 
 
-def _file_marks(damage: Sequence[Place], file_size: int) -> list[dict[str, Any]]:
+def _file_marks(damage: Sequence[Damage], file_size: int) -> list[dict[str, Any]]:
     """Places of damage in percent of the file."""
     if not file_size:
         return []

@@ -7,9 +7,10 @@ from typing import Final
 from dogbot_logtool.core.gait.gait import STAND
 from dogbot_logtool.core.remarks import remarks
 from dogbot_logtool.core.statistics import Stats
+from dogbot_logtool.finding import Finding
 from dogbot_logtool.report.numbers import decimal
-from dogbot_logtool.report.stats_json import LogFacts, Said
 from dogbot_logtool.report.verdict import evidence, gait_name, headline, is_known
+from dogbot_logtool.results import LogFacts
 
 GRAVE: Final = (
     "W_NO_MESSAGES",
@@ -91,7 +92,7 @@ def summary(stats: Stats, log: LogFacts) -> Summary:
 
 def findings(stats: Stats, log: LogFacts) -> list[Sentence]:
     """Return all that should be said of the log, the worst first."""
-    said: list[Said] = [*remarks(stats), *log.findings]
+    said: list[Finding] = [*remarks(stats), *log.findings]
     said.sort(key=lambda each: "EWN".find(each.code[:1]))
     return [Sentence(_SEVERITIES.get(each.code[:1], "note"), each.text, each.code) for each in said]
 

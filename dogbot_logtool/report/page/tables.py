@@ -13,7 +13,8 @@ from dogbot_logtool.core.load.load_figures import grouped_shares
 from dogbot_logtool.core.quality.outliers import LEAST_SHARE, MOST_DEVIATIONS, Outliers, outliers
 from dogbot_logtool.core.statistics import Stats
 from dogbot_logtool.report.numbers import NOTHING, decimal, percent
-from dogbot_logtool.report.stats_json import LogFacts, symmetry
+from dogbot_logtool.report.stats_json import symmetry
+from dogbot_logtool.results import LogFacts
 
 MOST_STRIDES: Final = 400
 """Rows of the stride table."""

@@ -5,7 +5,6 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from dogbot_logtool.core.blocks import concatenated
 from dogbot_logtool.core.contact.contacts import Samples
 from dogbot_logtool.core.contact.silent_swing import (
     LONGEST_SWING_S,
@@ -13,6 +12,7 @@ from dogbot_logtool.core.contact.silent_swing import (
     last_heard,
     with_swings,
 )
+from dogbot_logtool.core.geometry.blocks import concatenated
 
 MS = 1_000_000
 INTERVAL = 10 * MS

@@ -7,9 +7,9 @@ from dogbot_logtool.core.gait.gait import (
     diagonality,
     phases_by_stride,
     phases_in,
-    quadruped,
 )
 from dogbot_logtool.core.gait.strides import Strides
+from dogbot_logtool.core.leg_position import quadruped
 
 SURE = (1.0, 1.0, 1.0, 1.0)
 S = 1_000_000_000

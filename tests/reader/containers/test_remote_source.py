@@ -14,8 +14,7 @@ from dogbot_logtool.commands.convert import convert
 from dogbot_logtool.commands.info import describe
 from dogbot_logtool.errors import CallError, StoreError
 from dogbot_logtool.io import storage
-from dogbot_logtool.pipeline.plan import ConvertOptions
-from dogbot_logtool.pipeline.selection import TopicOptions
+from dogbot_logtool.pipeline.options import ConvertOptions, TopicOptions
 from dogbot_logtool.reader.containers.opening import open_log
 from dogbot_logtool.reader.containers.remote_source import RemoteSource
 from dogbot_logtool.report.info_report import info_json

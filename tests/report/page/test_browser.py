@@ -18,9 +18,9 @@ from selenium.webdriver.common.keys import Keys
 from selenium.webdriver.support.ui import WebDriverWait
 
 from dogbot_logtool.commands.report import Reports
-from dogbot_logtool.commands.stats import StatsOptions, measure
+from dogbot_logtool.commands.stats import measure
 from dogbot_logtool.io.targets import Output
-from dogbot_logtool.pipeline.selection import TopicOptions
+from dogbot_logtool.pipeline.options import StatsOptions, TopicOptions
 from dogbot_logtool.report.stats_json import stats_json
 from tests import walks
 from tests.paths import SAMPLE_LOGS

@@ -7,7 +7,7 @@ from html.parser import HTMLParser
 import numpy as np
 import pytest
 
-from dogbot_logtool.commands.stats import StatsOptions, measure
+from dogbot_logtool.commands.stats import measure
 from dogbot_logtool.core.base.odometry import Odometry
 from dogbot_logtool.core.contact.contacts import Samples
 from dogbot_logtool.core.contact.curves import CurveDetail
@@ -16,8 +16,9 @@ from dogbot_logtool.core.geometry.arrays import Floats
 from dogbot_logtool.core.settings import FootPlace, StatsSettings
 from dogbot_logtool.core.statistics import Stats, StatsAccumulator
 from dogbot_logtool.finding import warning
-from dogbot_logtool.report.page.render import IndexRow, Place, index, index_row, page
-from dogbot_logtool.report.stats_json import LogFacts
+from dogbot_logtool.pipeline.options import StatsOptions
+from dogbot_logtool.report.page.render import Damage, IndexRow, index, index_row, page
+from dogbot_logtool.results import LogFacts
 from tests.paths import SAMPLE_LOGS
 from tests.report.page.page_data import drawings, numbers, trace
 
@@ -76,7 +77,7 @@ def test_texts_of_a_log_stay_texts() -> None:
         losses=[HOSTILE],
         findings=[warning(HOSTILE, HOSTILE)],
     )
-    html = page(replace(stats, feet=feet, topics=topics), facts, [Place(1, 2, HOSTILE)], 100)
+    html = page(replace(stats, feet=feet, topics=topics), facts, [Damage(1, 2, HOSTILE)], 100)
     plain = Tags(page(*trot(), [], 0))
     tags = Tags(html)
     assert "img" not in tags.seen
@@ -114,10 +115,10 @@ def test_figures_agree_with_the_stats() -> None:
 
 
 def test_damage_is_marked_where_it_is_in_the_file() -> None:
-    html = page(*trot(), [Place(250, 100, "gone")], 1000).decode()
+    html = page(*trot(), [Damage(250, 100, "gone")], 1000).decode()
     assert "left:25.000%;width:10.000%" not in html  # told only beside losses
     stats, facts = trot()
-    html = page(stats, replace(facts, losses=["gone"]), [Place(250, 100, "gone")], 1000).decode()
+    html = page(stats, replace(facts, losses=["gone"]), [Damage(250, 100, "gone")], 1000).decode()
     assert "left:25.000%;width:10.000%" in html
     assert "The log is damaged" in html
 

@@ -13,8 +13,7 @@ from rosbags.highlevel import AnyReader
 from rosbags.typesys import Stores, get_typestore
 
 from dogbot_logtool.commands.convert import convert
-from dogbot_logtool.pipeline.plan import ConvertOptions
-from dogbot_logtool.pipeline.selection import TopicOptions
+from dogbot_logtool.pipeline.options import ConvertOptions, TopicOptions
 from dogbot_logtool.writer.encodings.encoding import ArrowStyle
 from dogbot_logtool.writer.encodings.ros2 import Ros2Encoding
 from dogbot_logtool.writer.template import Template

@@ -15,8 +15,9 @@ from rosbags.rosbag2 import Reader as Rosbag2Reader
 from rosbags.rosbag2 import Writer as Rosbag2Writer
 from rosbags.rosbag2.enums import CompressionFormat, CompressionMode, StoragePlugin
 
-from dogbot_logtool.commands.compare import CompareOptions, compare
+from dogbot_logtool.commands.compare import compare
 from dogbot_logtool.errors import CallError, LogError, LogtoolError
+from dogbot_logtool.pipeline.options import CompareOptions
 from dogbot_logtool.reader.containers.log import BATCH_SIZE
 from dogbot_logtool.reader.containers.mcap.extras import read_extra
 from dogbot_logtool.reader.containers.opening import open_log

@@ -3,9 +3,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from dogbot_logtool.core import blocks
 from dogbot_logtool.core.base.odometry import Odometry
-from dogbot_logtool.core.blocks import Blocks, GrowingTable
+from dogbot_logtool.core.geometry import blocks
+from dogbot_logtool.core.geometry.blocks import Blocks, GrowingTable
 
 
 def odometry(start: int, count: int) -> Odometry:

@@ -7,18 +7,30 @@ counted from its own start: the figures are the same to the bit however the log 
 
 from collections.abc import Iterator, Sequence
 from dataclasses import fields
-from typing import Any, Final, Generic, TypeVar
+from typing import Any, ClassVar, Final, Generic, Protocol, Self, TypeVar
 
 import numpy as np
 
-from dogbot_logtool.core.base.odometry import Odometry
-from dogbot_logtool.core.contact.contacts import Samples
-from dogbot_logtool.core.geometry.arrays import Floats
+from dogbot_logtool.core.geometry.arrays import Floats, Ints
 
 BLOCK_ROWS: Final = 16384
 """Large enough to make the cost of a numpy call vanish; 2 MB of contact samples."""
 
-Columns = TypeVar("Columns", Samples, Odometry)
+
+class ColumnTable(Protocol):
+    """A dataclass of columns, one row a message."""
+
+    __dataclass_fields__: ClassVar[dict[str, Any]]
+
+    @property
+    def log_time(self) -> Ints:
+        """(n,) ns."""
+
+    def pick(self, rows: Ints) -> Self:
+        """Return copies of some rows."""
+
+
+Columns = TypeVar("Columns", bound=ColumnTable)
 _LARGE_BYTES: Final = 33 << 20
 """glibc never keeps more than 32 MiB that was freed in one piece."""
 

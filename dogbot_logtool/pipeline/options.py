@@ -1,0 +1,109 @@
+"""What users ask of the commands, as the command line and the library pass it on."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Literal
+
+from dogbot_logtool.core.contact.curves import CurveDetail
+from dogbot_logtool.writer.chunks import Compression
+
+Style = Literal["classic", "pressure", "force"]
+EncodingName = Literal["foxglove", "ros1", "ros2"]
+TfOption = Literal["auto", "always", "never"]
+WrenchFrameOption = Literal["auto", "world", "link"]
+"""What a user says of the wrenches; auto: by evidence."""
+TimeSourceOption = Literal["header", "log"]
+
+
+@dataclass(frozen=True, slots=True)
+class TopicOptions:
+    """What a user says about the robot and the topics."""
+
+    robot: str | None = None
+    """Name or TOML file; None: the known robot whose topics the log has, else the generic one."""
+    odometry_topic: str | None = None
+    foot_topics: Mapping[str, str] | None = None
+    """Topic by foot."""
+    mass_kg: float | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class ConvertOptions:
+    """What a user asks of `convert`."""
+
+    topics: TopicOptions = field(default_factory=TopicOptions)
+    style: Style = "pressure"
+    encoding: EncodingName = "foxglove"
+    copy: bool = True
+    """Whether the recorded messages go into the output too."""
+    wrench_frame: WrenchFrameOption = "auto"
+    tf: TfOption = "auto"
+    tf_rate_hz: float = 50.0
+    """0: every odometry message."""
+    start_s: float | None = None
+    """s since the log's start; messages recorded earlier are left out."""
+    end_s: float | None = None
+    scene: bool | None = None
+    """Whether `/support` is written; None: where it can be, but not in `classic`."""
+    compression: Compression | None = None
+    """None: zstd, and the chunks of an MCAP input as they are."""
+    jobs: int = 1
+    overwrite: bool = False
+    makes_folder: bool = False
+    """Whether the output's directory is made if it is missing."""
+    strict: bool = False
+    """Damage is an error."""
+
+
+@dataclass(frozen=True, slots=True)
+class StatsOptions:
+    """What a user asks of `stats`. What is None is the robot's."""
+
+    topics: TopicOptions = field(default_factory=TopicOptions)
+    wrench_frame: WrenchFrameOption = "auto"
+    forward_axis: str | None = None
+    contact_on_n: float | None = None
+    contact_off_n: float | None = None
+    debounce_s: float | None = None
+    time_source: TimeSourceOption | None = None
+    """None: header stamps, or log time where those cannot be used."""
+    start_s: float | None = None
+    """s since the log's start; also `end_s`."""
+    end_s: float | None = None
+    jobs: int = 1
+    curves: CurveDetail | None = None
+    """Keep load curves for drawing; None: none."""
+
+
+@dataclass(frozen=True, slots=True)
+class CompareOptions:
+    """What a user allows to differ, and how much is told."""
+
+    atol: float | None = None
+    """In each field's own unit; None: what the tolerance file says, else 0. Also `rtol`."""
+    rtol: float | None = None
+    tolerances: Path | None = None
+    """A TOML file of quantities, see `load_rules`."""
+    ignore: tuple[str, ...] = ()
+    """Globs: ``TOPIC``, ``FIELD`` or ``TOPIC:FIELD``."""
+    topics: tuple[str, ...] = ()
+    """Globs of the topics to compare; none: all, and metadata and attachments too."""
+    max_differences: int = 20
+
+
+@dataclass(frozen=True, slots=True)
+class PlotOptions:
+    """What a user asks of a figure."""
+
+    target: Path
+    size_mm: tuple[float, float | None] | None = None
+    """Width and height on paper; None: one column, as high as the feet need."""
+    window: tuple[float, float] | None = None
+    """s since the log's start, from and to; None: some strides."""
+    overwrite: bool = False
+
+    @property
+    def form(self) -> str:
+        """The format that the target's name tells: ``svg`` ..."""
+        return self.target.suffix[1:].lower()

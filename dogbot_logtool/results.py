@@ -1,0 +1,169 @@
+"""The records that commands return and reports print."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+from dogbot_logtool.core.geometry.arrays import Floats
+from dogbot_logtool.core.statistics import Stats
+from dogbot_logtool.finding import Finding
+from dogbot_logtool.io.storage import Location
+from dogbot_logtool.pipeline.conversion.batch import Counts
+from dogbot_logtool.pipeline.frames import Frames
+from dogbot_logtool.pipeline.plan import Plan
+from dogbot_logtool.reader.containers.log import Loss
+
+
+@dataclass(frozen=True, slots=True)
+class TopicInfo:
+    """One topic as one type and encoding."""
+
+    topic: str
+    type_name: str
+    encoding: str
+    messages: int
+    rate_hz: float | None
+    """Messages a second over the log's duration; None where there are too few of them, or the log
+    is too short, for a rate."""
+    senders: int
+    use: str
+    """What it is used for: ``odometry``, ``foot front_left``, ``frames``, or nothing.
+    ``annotation``: `convert` added it."""
+
+
+@dataclass(frozen=True, slots=True)
+class LogInfo:
+    """What a log holds."""
+
+    path: Location
+    size: int
+    """Bytes."""
+    container: str
+    profile: str
+    compressions: tuple[str, ...]
+    start_time: int | None
+    """ns, log time of the first message; None for an empty log."""
+    duration_s: float | None
+    messages: int
+    chunks: int
+    topics: tuple[TopicInfo, ...]
+    robot: str
+    parents: Mapping[str, frozenset[str]]
+    """Parents of each frame, by the log's own transforms, in the chunks that were looked at unless
+    all `frames` were asked for."""
+    added_transform: tuple[str, str] | None
+    """Parent and child of the transform that `convert` adds."""
+    chunks_seen: int
+    """Chunks that were looked at for frames and stamps; the rest was not read."""
+    frames: Frames | None
+    """All transforms of the log, if they were asked for."""
+    findings: tuple[Finding, ...]
+    losses: tuple[Loss, ...]
+
+    @property
+    def exit_code(self) -> int:
+        """0: sound; 3: damaged."""
+        return 3 if self.losses else 0
+
+
+@dataclass(frozen=True, slots=True)
+class Conversion:
+    """What was done."""
+
+    source: Location
+    target: Location
+    container: str
+    plan: Plan
+    messages: int
+    """Recorded messages that were read."""
+    copied: int
+    """Recorded messages in the output."""
+    annotations: Mapping[str, int]
+    """Messages that were added, by topic."""
+    counts: Counts
+    findings: tuple[Finding, ...]
+    losses: tuple[Loss, ...]
+
+    @property
+    def exit_code(self) -> int:
+        """0: done; 3: done, but the input was damaged."""
+        return 3 if self.losses else 0
+
+
+@dataclass(frozen=True, slots=True)
+class LogFacts:
+    """What the reader knows of a log."""
+
+    path: str
+    container: str
+    profile: str
+    start_s: float | None
+    """s since the epoch, log time of the first message."""
+    duration_s: float | None
+    messages: int
+    lost_messages: int | None = 0
+    """None when something was lost and nobody knows how much."""
+    lost_bytes: int = 0
+    losses: Sequence[str] = ()
+    """What was lost, and where, a sentence each."""
+    findings: Sequence[Finding] = field(default=())
+    """What choosing topics and frames brought up."""
+    robot: str = ""
+    """Name of the robot."""
+
+
+@dataclass(frozen=True, slots=True)
+class Measurement:
+    """All figures of a log, and what is known of the log itself."""
+
+    stats: Stats
+    facts: LogFacts
+    losses: tuple[Loss, ...]
+
+    @property
+    def exit_code(self) -> int:
+        """0: done; 3: done, but the log was damaged."""
+        return 3 if self.losses else 0
+
+
+@dataclass(frozen=True, slots=True)
+class Page:
+    """A page that was written."""
+
+    source: Location
+    target: Location
+    size: int
+    """bytes."""
+    measured: Measurement
+
+    @property
+    def exit_code(self) -> int:
+        """0: done; 3: done, but the log was damaged."""
+        return self.measured.exit_code
+
+
+@dataclass(frozen=True, slots=True)
+class StrideTable:
+    """Strides foot by foot, each foot's in order."""
+
+    foot: tuple[str, ...]
+    """(n,) names."""
+    columns: Mapping[str, Floats]
+    """(n,) by name, the unit at its end; NaN where not known. `start_s` counts from the log's
+    first message of use."""
+
+
+@dataclass(frozen=True, slots=True)
+class Figures:
+    """What `stats` of a log comes to, small enough to be sent and kept."""
+
+    summary: tuple[str, ...]
+    """Its row among several logs."""
+    json: dict[str, Any]
+    strides: "StrideTable"
+    robot: str
+    exit_code: int
+    whole: "Measurement | None" = None
+    """All there is, if it was asked for."""
+    drawn: tuple[float, float] | None = None
+    """s since the log's start: the window of the figure, if one was drawn."""

@@ -1,0 +1,156 @@
+"""A log flows one way, reader -> core -> writer or report: which room may import which."""
+
+import ast
+import sys
+from collections import defaultdict
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import Final
+
+import pytest
+
+import dogbot_logtool
+
+PACKAGE: Final = "dogbot_logtool"
+ROOT: Final = Path(dogbot_logtool.__file__).parent
+MODULES: Final = sorted(ROOT.rglob("*.py"))
+FLOORS: Final = (
+    ("__main__",),
+    ("cli",),
+    ("commands",),
+    ("report",),
+    ("results",),
+    ("pipeline",),
+    ("comparison", "run"),
+    ("reader",),
+    ("robot",),
+    ("writer", "io"),
+    ("core",),
+    ("errors", "finding", "provenance"),
+    ("extras",),
+)
+"""Rooms, the highest first. A room imports only rooms on floors below its own."""
+ALONE: Final = {"core": {"finding"}}
+"""What else rooms may import that are to stand on their own."""
+SIDEWAYS: Final = {("writer", "io")}
+"""Rooms of one floor of which the first may import the second."""
+
+
+def name_of(file: Path) -> str:
+    """The dotted name of a module, ``__init__`` left out."""
+    parts = file.relative_to(ROOT.parent).with_suffix("").parts
+    return ".".join(parts[:-1] if parts[-1] == "__init__" else parts)
+
+
+def imports_of(file: Path) -> set[str]:
+    """Every module that a file imports: at its top, in functions, and for types only."""
+    imported = set()
+    package = file.parent.relative_to(ROOT.parent).parts
+    for node in ast.walk(ast.parse(file.read_text(encoding="utf-8"))):
+        if isinstance(node, ast.Import):
+            imported |= {alias.name for alias in node.names}
+        elif isinstance(node, ast.ImportFrom):
+            above = package[: len(package) - node.level + 1] if node.level else ()
+            module = ".".join([*above, *filter(None, [node.module])])
+            # What is imported may be a module itself: `from dogbot_logtool import cli`.
+            imported |= {module} | {f"{module}.{alias.name}" for alias in node.names}
+    return imported
+
+
+def is_module(name: str) -> bool:
+    path = ROOT.parent.joinpath(*name.split("."))
+    return path.is_dir() or path.with_suffix(".py").is_file()
+
+
+def own_imports(file: Path) -> Iterator[str]:
+    """The modules of the package that a file imports, without the package's own name."""
+    for name in imports_of(file):
+        if name.startswith(f"{PACKAGE}.") and is_module(name):
+            yield name.removeprefix(f"{PACKAGE}.")
+
+
+def floor_of(room: str) -> int:
+    return next(number for number, rooms in enumerate(FLOORS) if room in rooms)
+
+
+def room_of(file: Path) -> str:
+    return file.relative_to(ROOT).with_suffix("").parts[0]
+
+
+FILES: Final = [file for file in MODULES if file != ROOT / "__init__.py"]
+
+
+def test_relative_imports_are_seen(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    file = tmp_path / PACKAGE / "core" / "odd.py"
+    file.parent.mkdir(parents=True)
+    file.write_text(
+        "from . import arrays\nfrom ..reader import log\ndef f():\n    import rosbags.typesys\n"
+    )
+    monkeypatch.setattr(sys.modules[__name__], "ROOT", tmp_path / PACKAGE)
+
+    assert name_of(file) == "dogbot_logtool.core.odd"
+    assert imports_of(file) == {
+        "dogbot_logtool.core",
+        "dogbot_logtool.core.arrays",
+        "dogbot_logtool.reader",
+        "dogbot_logtool.reader.log",
+        "rosbags.typesys",
+    }
+
+
+def test_there_is_something_to_look_at() -> None:
+    rooms = {room_of(file) for file in FILES}
+    assert rooms == {room for floor in FLOORS for room in floor}
+    assert set(own_imports(ROOT / "core" / "load" / "loads.py")) >= {
+        "core.contact.contacts",
+        "core.geometry.arrays",
+    }
+
+
+@pytest.mark.parametrize("file", FILES, ids=name_of)
+def test_rooms_import_rooms_below_them(file: Path) -> None:
+    room = room_of(file)
+    above = {
+        name
+        for name in own_imports(file)
+        if (other := name.split(".")[0]) != room
+        and (room, other) not in SIDEWAYS
+        and (floor_of(other) <= floor_of(room) or other not in ALONE.get(room, {other}))
+    }
+    assert above == set()
+
+
+@pytest.mark.parametrize("file", sorted((ROOT / "core").rglob("*.py")), ids=name_of)
+def test_core_imports_numpy_and_the_standard_library_only(file: Path) -> None:
+    allowed = {PACKAGE, "numpy", *sys.stdlib_module_names}
+    assert {name for name in imports_of(file) if name.split(".")[0] not in allowed} == set()
+
+
+@pytest.mark.parametrize(
+    "file", [file for file in FILES if room_of(file) not in {"cli", "__main__"}], ids=name_of
+)
+def test_only_the_command_line_knows_click(file: Path) -> None:
+    assert not [name for name in imports_of(file) if name.split(".")[0] == "click"]
+
+
+def test_no_part_of_core_imports_itself_through_another() -> None:
+    graph: dict[str, set[str]] = defaultdict(set)
+    for file in (ROOT / "core").rglob("*.py"):
+        part = _part_of_core(name_of(file).removeprefix(f"{PACKAGE}."))
+        names = (name for name in own_imports(file) if name.startswith("core."))
+        graph[part] |= {_part_of_core(name) for name in names} - {part}
+    assert [part for part in graph if part in reached_from(graph, part)] == []
+
+
+def _part_of_core(name: str) -> str:
+    return ".".join(name.split(".")[:2])
+
+
+def reached_from(graph: Mapping[str, set[str]], start: str) -> set[str]:
+    reached: set[str] = set()
+    waiting = [start]
+    while waiting:
+        for name in graph.get(waiting.pop(), set()) - reached:
+            reached.add(name)
+            waiting.append(name)
+    return reached
