@@ -13,7 +13,7 @@ SAMPLE := sample_logs/dogbot_trot.bag
 export PIP_DISABLE_PIP_VERSION_CHECK := 1
 export PIP_NO_PYTHON_VERSION_WARNING := 1
 
-.PHONY: help demo test lint format samples golden fuzz torture bench clean
+.PHONY: help demo test lint format samples golden fuzz torture bench docs clean
 
 help:
 	@echo "make demo     convert a sample log and look at it"
@@ -24,6 +24,7 @@ help:
 	@echo "make fuzz     harm logs at random for SECONDS=600"
 	@echo "make torture  interrupt the program at random moments, TRIES=40 of each kind"
 	@echo "make golden   agree anew on what is made of the sample logs"
+	@echo "make docs     write the pages that are made of the program's tables"
 	@echo "make bench    measure against what one would use instead; some ten minutes"
 	@echo "make clean    remove what the others made"
 
@@ -58,7 +59,7 @@ demo: $(VENV)/runtime
 	@$(BIN)/dogbot-logtool info $(DEMO)/dogbot_trot.annotated.mcap
 
 test: $(VENV)/dev
-	$(BIN)/python -m pytest --numprocesses=auto
+	$(BIN)/python -m pytest --numprocesses=auto $(ARGS)
 
 lint: $(VENV)/dev
 	$(BIN)/ruff check
@@ -75,6 +76,9 @@ fuzz: $(VENV)/dev
 torture: $(VENV)/dev
 	$(BIN)/python -m tests.torture.signals --tries $(TRIES)
 	$(BIN)/python -m tests.torture.commands
+
+docs: $(VENV)/dev
+	$(BIN)/python docs/pages.py
 
 golden: $(VENV)/dev
 	$(BIN)/python sample_logs/golden.py
