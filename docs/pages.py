@@ -13,7 +13,8 @@ _HEAD: Final = """# Findings
 
 What `info`, `convert`, `stats` and `report` say about a log, with a code that scripts can match.
 **Errors** name something that cannot be had, **warnings** what makes numbers or pictures
-misleading, **notes** what is good to know. This page is made of `dogbot_logtool/findings.toml` by `make docs`.
+misleading, **notes** what is good to know. This page is made of `dogbot_logtool/findings.toml` by
+`make docs`.
 """
 
 
