@@ -14,6 +14,7 @@ from dogbot_logtool.errors import CallError, LogError
 from dogbot_logtool.printable import printable
 from dogbot_logtool.reader.opening import open_log
 from dogbot_logtool.writer.output import refuse_bad_target, whole_file
+from dogbot_logtool.writer.targets import refuse_other_format
 
 
 @dataclass(frozen=True, slots=True)
@@ -91,6 +92,7 @@ def refuse_bad_report(target: Path, expected: Path, actual: Path, *, overwrite: 
     for path in (expected, actual):
         if target.exists() and path.exists() and target.samefile(path):
             raise CallError(f"{target}: is one of the files compared; --junit must name another")
+    refuse_other_format(target, ".xml")
     refuse_bad_target(target, None, overwrite=overwrite)
 
 
