@@ -158,6 +158,14 @@ def test_the_usual_rate_of_short_bursts_is_that_of_their_messages() -> None:
         assert quality.median_rate_hz == pytest.approx(size * 50.0, rel=0.01)
 
 
+def test_the_usual_rate_counts_messages_of_equal_times() -> None:
+    """Messages that arrive together may get one log time."""
+    times = S + np.arange(2000) // 20 * 40 * MS
+    quality = watched(times, times)
+    assert (quality.gaps, quality.duplicate_log_times) == (0, 1900)
+    assert quality.median_rate_hz == pytest.approx(500.0, rel=0.02)
+
+
 @pytest.mark.parametrize("size", [2, 5, 40])
 def test_the_usual_rate_of_bursts_is_that_of_their_messages(size: int) -> None:
     times = random_times(f"{size} in a burst", 2400, 5)
