@@ -91,9 +91,9 @@ def test_relative_imports_are_seen(tmp_path: Path, monkeypatch: pytest.MonkeyPat
     assert name_of(file) == "dogbot_logtool.core.odd"
     assert imports_of(file) == {
         "dogbot_logtool.core",
-        "dogbot_logtool.core.arrays",
+        "dogbot_logtool.core.geometry.arrays",
         "dogbot_logtool.reader",
-        "dogbot_logtool.reader.log",
+        "dogbot_logtool.reader.containers.log",
         "rosbags.typesys",
     }
 

@@ -96,13 +96,18 @@ def test_a_folder_that_nobody_asked_for_is_not_made(shell: Shell, logs: Path) ->
         ["stats", TROUBLED, "--plot", "-"],
         ["layout", "-o", "-"],
         ["info", TROUBLED, "--dot", "-o", "-"],
+        ["compare", TROUBLED, TROUBLED, "--junit", "-"],
+        ["stats", TROUBLED, "--parquet", "-"],
     ],
     ids=lambda words: words[0],
 )
-def test_a_dash_is_no_output(shell: Shell, words: list[object]) -> None:
+def test_a_dash_or_nothing_is_no_output(shell: Shell, words: list[object]) -> None:
     done = shell(*words)
     assert (done.code, done.out, shell.files()) == (2, "", [])
     assert "does not stand for stdout" in done.err
+    done = shell(*words[:-1], "")
+    assert (done.code, done.out, shell.files()) == (2, "", [])
+    assert "an empty name names no output" in done.err
 
 
 @pytest.mark.parametrize(
@@ -114,6 +119,8 @@ def test_a_dash_is_no_output(shell: Shell, words: list[object]) -> None:
         (["info", TROUBLED, "--dot", "-o", "x.png"], "of a picture, but a graph"),
         (["stats", TROUBLED, "--plot", "x.svg/"], "is a directory's name"),
         (["layout", "-o", "x/"], "is a directory's name"),
+        (["compare", TROUBLED, TROUBLED, "--junit", "x.bag"], "of a ROS 1 bag, but XML"),
+        (["compare", TROUBLED, TROUBLED, "--junit", "x/"], "is a directory's name"),
     ],
     ids=lambda each: each[0] if isinstance(each, list) else "",
 )

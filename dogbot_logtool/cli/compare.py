@@ -5,7 +5,7 @@ from pathlib import Path
 
 import click
 
-from dogbot_logtool.cli.options import json_option, number, quietness
+from dogbot_logtool.cli.options import json_option, number, output_file, quietness
 from dogbot_logtool.errors import CallError
 
 
@@ -46,7 +46,7 @@ from dogbot_logtool.errors import CallError
 )
 @click.option(
     "--junit",
-    type=click.Path(path_type=Path),
+    type=output_file,
     metavar="FILE",
     help="Write JUnit XML as well, to a new file.",
 )

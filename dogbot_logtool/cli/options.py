@@ -22,16 +22,27 @@ def seconds(text: str) -> float:
     return _number(text, -LONGEST_S, LONGEST_S, "a number of seconds")
 
 
-def output_file(text: str) -> Path:
-    """Parse the name of a file to be written; a directory and stdout are refused.
+def output_name(text: str) -> str:
+    """Parse the name of what is to be written; no name and stdout are refused.
 
     Raises:
         CallError: it is one of them.
     """
-    from dogbot_logtool.io.targets import ends_in_slash, refuse_stdout  # noqa: PLC0415
+    from dogbot_logtool.io.targets import refuse_no_name  # noqa: PLC0415
 
-    refuse_stdout(text)
-    if ends_in_slash(text):
+    refuse_no_name(text)
+    return text
+
+
+def output_file(text: str) -> Path:
+    """Parse the name of a file to be written; a directory is refused, too.
+
+    Raises:
+        CallError: see `output_name`; or it is a directory's name.
+    """
+    from dogbot_logtool.io.targets import ends_in_slash  # noqa: PLC0415
+
+    if ends_in_slash(output_name(text)):
         raise CallError(f"{text}: is a directory's name; name a file in it")
     return Path(text)
 

@@ -72,7 +72,8 @@ class Outcomes:
         for name, exit_code in logs:
             self.add({"input": name, "unchanged": True}, exit_code)
         if logs:
-            self._note(f"{len(logs)} logs are there already, unchanged")
+            many = "log is" if len(logs) == 1 else "logs are"
+            self._note(f"{len(logs)} {many} there already, unchanged")
 
     def _add_failure(self, name: str, sentence: str, exit_code: int) -> None:
         sentence = valid_unicode(sentence)
@@ -89,7 +90,8 @@ class Outcomes:
         for name, sentence in fleet.failures:
             self._add_failure(name, sentence, LogtoolError.exit_code)
         if fleet.left_out:
-            self._note(f"{fleet.left_out} annotated logs were left out; a glob names them, too")
+            many = "log was" if fleet.left_out == 1 else "logs were"
+            self._note(f"{fleet.left_out} annotated {many} left out; a glob names them, too")
 
     def _note(self, text: str) -> None:
         if not self._quiet:

@@ -16,6 +16,7 @@ from dogbot_logtool.cli.options import (
     logs_argument,
     measuring_options,
     output_file,
+    output_name,
     overwrite_option,
     parse_topics,
     quietness,
@@ -59,6 +60,7 @@ if TYPE_CHECKING:
 @click.option("--csv", "as_csv", is_flag=True, help="Print a row for each stride of each foot.")
 @click.option(
     "--parquet",
+    type=output_name,
     metavar="DIR|URL",
     help="Keep the figures of all logs there, for SQL; logs that are there unchanged are skipped.",
 )

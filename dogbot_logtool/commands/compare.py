@@ -13,6 +13,7 @@ from dogbot_logtool.comparison.tolerances import Rules, load_rules
 from dogbot_logtool.errors import CallError, LogError
 from dogbot_logtool.io.output import refuse_bad_target, whole_file
 from dogbot_logtool.io.printable import printable
+from dogbot_logtool.io.targets import refuse_other_format
 from dogbot_logtool.pipeline.options import CompareOptions
 from dogbot_logtool.reader.containers.opening import open_log
 
@@ -76,6 +77,7 @@ def refuse_bad_report(target: Path, expected: Path, actual: Path, *, overwrite: 
     for path in (expected, actual):
         if target.exists() and path.exists() and target.samefile(path):
             raise CallError(f"{target}: is one of the files compared; --junit must name another")
+    refuse_other_format(target, ".xml")
     refuse_bad_target(target, None, overwrite=overwrite)
 
 

@@ -107,9 +107,11 @@ def _uploaded_object(target: "UPath", *, overwrite: bool) -> Iterator[BinaryIO]:
             file.commit()
         except BaseException:
             # Whatever closes it later must not complete the upload.
-            file.closed = True
+            with contextlib.suppress(AttributeError):
+                file.closed = True
             file.discard()
             raise
     except (OSError, NotImplementedError) as error:
-        what = str(error) or type(error).__name__
+        is_refused = isinstance(error, NotImplementedError)
+        what = "this kind of store is read only" if is_refused else str(error) or "no reason given"
         raise StoreError(f"{storage.shown(target)}: cannot be written: {what}") from error

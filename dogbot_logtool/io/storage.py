@@ -60,10 +60,12 @@ def location(word: str) -> Location:
 
     Raises:
         ExtraMissingError: it is a URL, and what reads URLs is not installed.
-        CallError: it is a URL of a sort that nothing installed reads.
+        CallError: it is a URL of a sort that nothing installed reads, or no valid one.
+        StoreError: its store cannot be opened.
     """
     if not _URL.match(word):
         return Path(word)
+    _refuse_bad_url(word)
     if word.startswith("file://"):
         return Path(unquote(urlsplit(word).path))
     try:
@@ -77,7 +79,25 @@ def location(word: str) -> Location:
         raise CallError(f"{shown(word)}: {error}") from error
     except ValueError as error:
         raise CallError(f"{shown(word)}: is a URL of no known kind ({error})") from error
+    except OSError as error:
+        raise StoreError(f"{shown(word)}: cannot be opened: {error.strerror or error}") from error
     return place
+
+
+def _refuse_bad_url(word: str) -> None:
+    """Refuse a URL whose host or port cannot be, or that has neither a host nor a path.
+
+    Raises:
+        CallError: it is one.
+    """
+    try:
+        parts = urlsplit(word)
+        if parts.scheme in {"http", "https"}:
+            _ = parts.port  # is checked only when it is asked for
+    except ValueError as error:
+        raise CallError(f"{shown(word)}: is no valid URL ({error})") from error
+    if not (parts.netloc or parts.path):
+        raise CallError(f"{parts.scheme}://: names no host, bucket or file")
 
 
 def from_root(place: Location) -> Location:
@@ -101,7 +121,10 @@ def shown(place: Location | str) -> str:
     text = str(place)
     if not _URL.match(text):
         return valid_unicode(text)
-    parts = urlsplit(text)
+    try:
+        parts = urlsplit(text)
+    except ValueError:
+        return valid_unicode(re.split("[?#]", _CREDENTIALS.sub("", text, 1))[0])
     return urlunsplit((parts.scheme, parts.netloc.rpartition("@")[2], parts.path, "", ""))
 
 

@@ -61,7 +61,7 @@ def output_at(word: str | None, ending: str, *, several: bool) -> Output:
     """
     if word is None:
         return Output(Path(), is_folder=True)
-    refuse_stdout(word)
+    refuse_no_name(word)
     place = storage.location(word)
     if ends_in_slash(word) or _is_folder(place):
         return Output(place, is_folder=True)
@@ -82,12 +82,14 @@ def may_be_several(words: Sequence[str], logs: Sequence[Location]) -> bool:
     return storage.from_root(named) != storage.from_root(found)
 
 
-def refuse_stdout(word: str) -> None:
-    """Refuse the usual name of stdout as an output.
+def refuse_no_name(word: str) -> None:
+    """Refuse what names no output: nothing, and the usual name of stdout.
 
     Raises:
-        CallError: it is that.
+        CallError: it is one of them.
     """
+    if not word:
+        raise CallError("an empty name names no output; is a variable of the shell empty?")
     if word == "-":
         raise CallError("-: does not stand for stdout here; name a file")
 

@@ -13,6 +13,8 @@ from dogbot_logtool.reader.containers.log import Channel, Log
 
 _COMPARED: Final = 2000
 """Topics that a wrong name is compared with."""
+_KINDS_SHOWN: Final = 3
+"""Types that are named all together."""
 
 
 def recorded_topics(log: Log, types: AbstractSet[str]) -> list[str]:
@@ -52,8 +54,12 @@ def require_topic(log: Log, option: str, topic: str, wanted: AbstractSet[str]) -
         return
     usable = topics_of_type(log, wanted)
     if types:
-        names = " or ".join(wanted)
-        raise CallError(f"{where}: {topic} is of type {', '.join(sorted(types))}, not {names}")
+        kinds = list(wanted)
+        names = " or ".join(kinds) if len(kinds) <= _KINDS_SHOWN else f"one of {listed(kinds, 3)}"
+        raise CallError(
+            f"{where}: {topic} is of type {', '.join(sorted(types))}, not {names}. "
+            f"Topics that can be used: {listed(usable) or 'none'}"
+        )
     # The slash at the beginning is forgotten most often.
     close = get_close_matches(topic, usable[:_COMPARED], n=3)
     close = [one for one in usable if one.strip("/") == topic.strip("/")] or close

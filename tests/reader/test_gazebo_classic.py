@@ -5,16 +5,15 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
-
-from dogbot_logtool.reader.decode.columns import Texts
-from dogbot_logtool.reader.messages.contacts.collisions import link_of_collision
-from dogbot_logtool.reader.messages.contacts.physics_steps import (
+from dogbot_logtool.reader.decode.decode.columns import Texts
+from dogbot_logtool.reader.messages.messages.contacts.collisions import link_of_collision
+from dogbot_logtool.reader.messages.messages.contacts.physics_steps import (
     newest_lag,
     newest_step,
     steps_of_messages,
 )
+from hypothesis import given
+from hypothesis import strategies as st
 
 
 def texts(strings: list[str]) -> Texts:

@@ -5,11 +5,7 @@ from collections.abc import Iterator
 
 import numpy as np
 import pytest
-from hypothesis import HealthCheck, given, settings
-from hypothesis import strategies as st
-
-from dogbot_logtool.errors import DefinitionError
-from dogbot_logtool.reader.decode.definition import (
+from dogbot_logtool.reader.decode.decode.definition import (
     FieldType,
     FixedArray,
     Primitive,
@@ -18,6 +14,10 @@ from dogbot_logtool.reader.decode.definition import (
     VariableArray,
     parse_definition,
 )
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+from dogbot_logtool.errors import DefinitionError
 from tests.reader import adapters
 from tests.reader.adapters import DECODED
 

@@ -183,6 +183,26 @@ def test_urls_are_told_from_paths() -> None:
         location("nonsense://a")
 
 
+@pytest.mark.parametrize(
+    ("word", "said"),
+    [
+        ("s3://[", "s3://[: is no valid URL (Invalid IPv6 URL)"),
+        ("http://me:secret@[::1/x.bag?key=secret", "http://[::1/x.bag: is no valid URL"),
+        ("file://[", "is no valid URL"),
+        ("http://127.0.0.1:99999/x.bag", "is no valid URL (Port out of range"),
+        ("http://127.0.0.1:port/x.bag", "is no valid URL"),
+        ("s3://", "s3://: names no host, bucket or file"),
+        ("file://", "names no host, bucket or file"),
+        ("s3://?x", "names no host, bucket or file"),
+    ],
+)
+def test_what_is_no_url_is_refused(word: str, said: str) -> None:
+    with pytest.raises(CallError) as refused:
+        location(word)
+    assert said in str(refused.value)
+    assert "secret" not in str(refused.value)
+
+
 def test_secrets_of_a_url_are_not_shown() -> None:
     assert shown("https://me:word@host/x.bag?X-Signature=1") == "https://host/x.bag"
     assert shown("a@b/c?d.bag") == "a@b/c?d.bag"

@@ -296,7 +296,9 @@ def _usual_rate_hz(
 ) -> float | None:
     gaps = intervals.longer_than(found.gap_ns)
     rate_hz = mean_rate_hz(number - gaps.count, span - gaps.total)
-    if found.usual_ns is None or rate_hz is None or found.in_bursts:
+    # Intervals of 0 are not in the histogram: most messages then share their times with others.
+    in_bursts = found.in_bursts or number > 2 * intervals.count
+    if found.usual_ns is None or rate_hz is None or in_bursts:
         return None if found.usual_ns is None else rate_hz
     median = intervals.percentile(50.0)
     return 1e9 / median if median else None

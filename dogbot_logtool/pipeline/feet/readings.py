@@ -11,6 +11,7 @@ from dogbot_logtool.pipeline.feet.words import (
     LETTERS,
     MERITS,
     NEUTRAL,
+    ROWS,
     SIDE_FIRST,
     SIDES,
     LegPosition,
@@ -61,6 +62,7 @@ def readings_of(words: Sequence[Word]) -> Iterator[Reading]:
     yield from corners(words)
     yield from sides(words)
     yield from numbers(words)
+    yield from rows(words)
 
 
 def corners(words: Sequence[Word]) -> Iterator[Reading]:
@@ -165,6 +167,50 @@ def numbers(words: Sequence[Word]) -> Iterator[Reading]:
             yield Reading("numbers", f"{parts[-1]}_{word.text}", None, order, scheme, slots)
 
 
+def rows(words: Sequence[Word]) -> Iterator[Reading]:
+    """Read a name as that of one of two rows of numbered legs: ``l1``, ``left_leg_1``, ``leg1_l``.
+
+    Which end the numbers begin at is not known, so such a leg has no position.
+    """
+    for index, word in enumerate(words):
+        if word.text in ROWS:
+            row, side = ROWS[word.text]
+            yield _row_reading(side, row, frozenset({index}), "row and side")
+        if not word.text.isdecimal():
+            continue
+        for step in (-1, 1):
+            at = index + step
+            if 0 <= at < len(words) and words[at].part is Part.LEG:
+                at += step
+            if not 0 <= at < len(words) or words[at].segment != word.segment:
+                continue
+            before = words[index - 1] if index else None
+            if step > 0 and before and before.segment == word.segment and not before.is_leg:
+                # The number of something else, as in `robot1_left_leg`.
+                continue
+            side_word = words[at].text
+            slots = frozenset({index, at})
+            if side_word in SIDES and not (
+                _one_foot(words, slots) or _may_number_sensors(words, slots)
+            ):
+                scheme = f"{len(side_word) > 1} {step}"
+                yield _row_reading(SIDES[side_word], word.text, slots, scheme)
+
+
+def _may_number_sensors(words: Sequence[Word], slots: frozenset[int]) -> bool:
+    """Tell whether a number may be that of one of a foot's sensors, as in ``left_foot_1``."""
+    one, other = min(slots), max(slots)
+    inside = {word.part for word in words if word.segment == words[one].segment}
+    is_one_word = other == one + 1 and not words[other].gap
+    return Part.FOOT in inside and Part.LEG not in inside and not is_one_word
+
+
+def _row_reading(side: str, row: str, slots: frozenset[int], scheme: str) -> Reading:
+    number = int(row[:9]) if row.isdecimal() else ord(row) - ord("a")
+    order = (number, _ORDER.index(side))
+    return Reading("numbers", f"{side}_{row}", None, order, f"rows {scheme}", slots)
+
+
 def _one_foot(words: Sequence[Word], slots: frozenset[int]) -> bool:
     """Tell whether the words outside the slots name one foot: its siblings are its sensors."""
     for index, (one, other) in enumerate(pairwise(words)):
@@ -219,6 +265,12 @@ def named_part(words: Sequence[Word], slots: frozenset[int]) -> Part:
 
 
 def is_doubtful(words: Sequence[Word], slots: frozenset[int]) -> bool:
-    """Tell whether the segment before the leg's names something that is no foot."""
+    """Tell whether the segment before the leg's names something that is no foot.
+
+    So are the numbers in ``foot_l1`` doubtful: they may be those of the sensors of one foot.
+    """
     first = words[min(slots)].segment
+    inside = {word.part for word in words if word.segment == first}
+    if len(slots) > 1 and any(words[index].text.isdecimal() for index in slots):
+        return Part.FOOT in inside and Part.LEG not in inside
     return any(word.part is Part.NOT_A_FOOT for word in words if word.segment == first - 1)

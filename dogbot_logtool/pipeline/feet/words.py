@@ -17,9 +17,9 @@ LegPosition = tuple[str, str]
 """("front" | "middle" | "back", "left" | "right")."""
 
 ENDS: Final[Mapping[str, str]] = {
-    **dict.fromkeys(("front", "fore"), "front"),
-    **dict.fromkeys(("middle", "mid"), "middle"),
-    **dict.fromkeys(("back", "hind", "rear", "aft"), "back"),
+    **dict.fromkeys(("front", "fore", "anterior"), "front"),
+    **dict.fromkeys(("middle", "mid", "center", "centre"), "middle"),
+    **dict.fromkeys(("back", "hind", "rear", "aft", "posterior"), "back"),
 }
 SIDES: Final[Mapping[str, str]] = {"left": "left", "l": "left", "right": "right", "r": "right"}
 SIDE_FIRST: Final[Mapping[str, LegPosition]] = {
@@ -34,6 +34,10 @@ END_FIRST: Final[Mapping[str, LegPosition]] = {
     for end, word in {"f": "front", "m": "middle", "h": "hind", "b": "back", "r": "rear"}.items()
 }
 """Unitree, Spot, quad-sdk: FL, FR, RL, RR; HL, HR; BL, BR."""
+ROWS: Final[Mapping[str, tuple[str, str]]] = {
+    row + side: (row, SIDES[side]) for row in "abcd" for side in "lr"
+}
+"""Syropod's hexapods: AL, AR, BL, BR, CL, CR; their rows are lettered, as others number them."""
 LETTERS: Final = {**SIDE_FIRST, **END_FIRST}
 """Both ways name the same leg, except ``rr``, which is the right rear in both."""
 
@@ -59,10 +63,11 @@ _UPPER_LEG: Final = (
     "abad calf coxa femur haunch hip hips knee knees lowerleg shank shin thigh tibia upperleg"
 )
 _NOT_A_FOOT: Final = (
-    "arm arms claw drill elbow endeffector finger fingers flange forearm gripper grippers hand "
-    "handle hands head jaw manipulator neck palm peg propeller rotor seat shoulder shoulders "
-    "spindle steering suspension tail tcp thruster thumb tire tires tool torso trunk tyre tyres "
-    "waist wheel wheels winch wrist wrists"
+    "arm arms axle brake cable cables caster casters claw drill elbow endeffector engine finger "
+    "fingers flange flipper flippers forearm gripper grippers hand handle hands head jack jaw "
+    "manipulator motor motors neck outrigger outriggers palm peg propeller rope rotor seat "
+    "shoulder shoulders spindle stabilizer stabilizers steering suspension tail tcp thruster thumb "
+    "tire tires tool torso track tracks trunk tyre tyres waist wheel wheels winch wing wrist wrists"
 )
 _NEUTRAL: Final = (
     "axis bumper bumpers contact contacts contactsensor data force forces ft grf load raw sensor "

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dogbot_logtool.core.geometry.arrays import Bytes, Flags, Ints
-from dogbot_logtool.reader.decode.columns import (
+from dogbot_logtool.reader.decode.decode.columns import (
     Nested,
     Rows,
     Table,
@@ -22,7 +22,13 @@ from dogbot_logtool.reader.decode.columns import (
     concatenate,
     gather,
 )
-from dogbot_logtool.reader.decode.message_layout import ArrayStep, Layout, Run, Step, TextStep
+from dogbot_logtool.reader.decode.decode.message_layout import (
+    ArrayStep,
+    Layout,
+    Run,
+    Step,
+    TextStep,
+)
 
 MAX_VARIABLE_ELEMENTS: Final = 20_000
 """A message with a longer array of elements of varying size counts as malformed: each position

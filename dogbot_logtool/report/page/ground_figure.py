@@ -7,7 +7,11 @@ import plotly.graph_objects as go
 
 from dogbot_logtool.core.base.base_motion import FORWARD_ANGLES
 from dogbot_logtool.core.geometry.arrays import Floats, Ints
-from dogbot_logtool.core.stability.ground_projection import Places, footprints, pressure_path
+from dogbot_logtool.core.stability.stability.ground_projection import (
+    Places,
+    footprints,
+    pressure_path,
+)
 from dogbot_logtool.core.statistics import Stats
 from dogbot_logtool.report.foot_pens import foot_colour
 from dogbot_logtool.report.page.drawing import (

@@ -1,11 +1,11 @@
 import numpy as np
 import pytest
+from dogbot_logtool.core.quality.quality.quality import TopicQuality, TopicWatch, mean_rate_hz
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from dogbot_logtool.core.geometry.arrays import Ints
 from dogbot_logtool.core.geometry.clock import TimeSource
-from dogbot_logtool.core.quality.quality import TopicQuality, TopicWatch, mean_rate_hz
 
 MS = 1_000_000
 S = 1_000 * MS
@@ -156,6 +156,14 @@ def test_the_usual_rate_of_short_bursts_is_that_of_their_messages() -> None:
         quality = watched(times, times)
         assert quality.gaps == 0
         assert quality.median_rate_hz == pytest.approx(size * 50.0, rel=0.01)
+
+
+def test_the_usual_rate_counts_messages_of_equal_times() -> None:
+    """Messages that arrive together may get one log time."""
+    times = S + np.arange(2000) // 20 * 40 * MS
+    quality = watched(times, times)
+    assert (quality.gaps, quality.duplicate_log_times) == (0, 1900)
+    assert quality.median_rate_hz == pytest.approx(500.0, rel=0.02)
 
 
 @pytest.mark.parametrize("size", [2, 5, 40])

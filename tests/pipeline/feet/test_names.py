@@ -45,6 +45,15 @@ def six(pattern: str, ends: Sequence[str] = ("front", "middle", "hind")) -> dict
     }
 
 
+def rows(pattern: str, numbers: Sequence[object] = (1, 2, 3)) -> dict[str, str]:
+    """Topics of two rows of legs; the pattern is given l or r, the side and the number."""
+    return {
+        f"{side}_{number}": pattern.format(side[0], side, number)
+        for number in numbers
+        for side in SIDES
+    }
+
+
 def topics(*sets: Mapping[str, str]) -> list[str]:
     return [topic for one in sets for topic in one.values()]
 
@@ -143,6 +152,19 @@ CLEAR: dict[str, tuple[bool, dict[str, str], list[str]]] = {
     "legs from 0": (CONTACTS, numbered("/leg{}/contact", range(4)), []),
     "numbered feet": (CONTACTS, numbered("/robot_1/foot_{}", range(1, 9), "foot"), []),
     "a number alone": (CONTACTS, numbered("/leg/{}/force", range(1, 7)), []),
+    "rows of legs": (WRENCHES, rows("/crab/{0}{2}/foot_force"), []),
+    "rows of legs in words": (WRENCHES, rows("/{1}_leg_{2}/force"), []),
+    "rows of legs glued": (CONTACTS, rows("/hexapod/leg_{0}{2}/contact"), []),
+    "rows, number first": (CONTACTS, rows("/leg{2}_{1}"), []),
+    "anterior and posterior": (
+        WRENCHES,
+        {
+            f"{end}_{side}": f"/{word}_{side}/grf"
+            for end, word in (("front", "anterior"), ("back", "posterior"))
+            for side in SIDES
+        },
+        [],
+    ),
     "three of four": (
         CONTACTS,
         {leg: f"/{leg}_foot" for leg in ("front_left", "front_right", "back_left")},
@@ -173,6 +195,17 @@ UNSURE: dict[str, tuple[bool, list[str], dict[str, str]]] = {
         WRENCHES,
         topics(legs("/left_foot/{}", 1), legs("/right_foot/{}", 1)),
         two("/{}_foot/fl"),
+    ),
+    "rows of feet": (CONTACTS, topics(rows("/foot_{0}{2}")), rows("/foot_{0}{2}")),
+    "lettered rows": (
+        WRENCHES,
+        topics(rows("/{2}{0}_tip/wrench", "abc")),
+        rows("/{2}{0}_tip/wrench", "abc"),
+    ),
+    "legs of two robots": (
+        WRENCHES,
+        topics(two("/robot1_{}_leg"), two("/robot2_{}_leg")),
+        two("/robot1_{}_leg"),
     ),
     "offset of what": (
         WRENCHES,
@@ -214,6 +247,8 @@ NO_FEET: dict[str, tuple[bool, list[str]]] = {
     "two arms by their make": (WRENCHES, topics(two("/{}_ur5/wrench"))),
     "wheels": (WRENCHES, topics(legs("/wheel_{}/wrench", 1))),
     "head": (WRENCHES, ["/head/ft", "/neck_ft"]),
+    "flippers": (WRENCHES, topics(legs("/{}_flipper/force", 3))),
+    "outriggers of a crane": (WRENCHES, topics(legs("/crane/outrigger_{}/force", 1))),
 }
 
 
