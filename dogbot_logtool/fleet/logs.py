@@ -3,7 +3,6 @@
 import codecs
 import os
 import re
-import stat
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path, PurePath, PurePosixPath
@@ -144,8 +143,6 @@ def _lines(place: Location) -> list[str]:
     """Return the lines of a list: names of files may be any bytes, so these need not be UTF-8."""
     name = f"@{storage.shown(place)}"
     try:
-        if isinstance(place, Path) and not stat.S_ISREG(place.stat().st_mode):
-            raise CallError(f"{name}: is no regular file; save the list to one first")
         data = storage.content(place, _LARGEST_LIST)
     except CallError as error:
         raise CallError(f"@{error}") from error

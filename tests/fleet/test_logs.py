@@ -88,7 +88,7 @@ def test_a_list_names_logs(folder: Path) -> None:
         names("@odd.txt")
     with pytest.raises(CallError, match=r"^@absent.txt: no such file"):
         names("@absent.txt")
-    with pytest.raises(CallError, match="cannot be read: File name too long"):
+    with pytest.raises(CallError, match="cannot be opened: File name too long"):
         names("@" + "x" * 5000)
 
 
@@ -121,7 +121,7 @@ def test_a_list_is_a_regular_file(folder: Path) -> None:
     for word in ("@fifo", "@/dev/zero", "@run"):
         done = called("info", word, cwd=folder)
         assert done.returncode == 2
-        assert "is no regular file" in done.stderr
+        assert "not a regular file" in done.stderr
 
 
 @pytest.mark.usefixtures("folder")

@@ -8,7 +8,7 @@ import sqlite3
 import struct
 import tempfile
 from pathlib import Path
-from typing import Any
+from typing import Any, Final
 
 import pytest
 import zstandard
@@ -91,8 +91,10 @@ def test_every_other_file_opens_or_gives_a_sentence(path: Path) -> None:
         assert "\n" not in str(error)  # noqa: PT017 - an error is one of two good outcomes
         return
     assert sum(reading.counts.values()) == len(reading.messages)
+    # Some recordings were not closed, which costs no message.
+    lost = [loss for loss in reading.losses if "has no index" not in loss.what]
     if "truncated" not in path.name and "unindexed" not in path.name:
-        assert not reading.losses
+        assert not lost
 
 
 def scan_bag(data: bytes) -> list[Read]:
@@ -168,6 +170,9 @@ def test_a_truncated_mcap_gives_the_messages_of_its_whole_chunks(cut: str, whole
     assert reading.losses
 
 
+OTHER_VERSION: Final = re.compile(r"^metadata\.yaml does not name \S+@\w+\.\w+, so")
+
+
 def rosbag2_logs() -> list[Path]:
     """Return the directories of ROS 2 bags, and the databases that have none."""
     bags = {path.parent for path in FOLDER.rglob("metadata.yaml")}
@@ -205,4 +210,5 @@ def test_rosbag2_counts_equal_an_independent_count(path: Path) -> None:
     reading = read_file(path)
     assert sum(reading.counts.values()) == count_independently(path)
     assert len(reading.messages) == count_independently(path)
-    assert reading.losses == ()
+    # The corpus keeps other versions of a file, marked with an @, beside it.
+    assert [loss for loss in reading.losses if not OTHER_VERSION.search(loss.what)] == []
