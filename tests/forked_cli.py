@@ -22,7 +22,7 @@ from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Final
+from typing import IO, Any, Final
 
 ROOT: Final = Path(__file__).parents[1]
 CLOSED: Final = -100
@@ -75,11 +75,12 @@ def run(
         special |= {subprocess.STDOUT: stdout, subprocess.PIPE: err.fileno()}
         streams = special.get(stdin, stdin), stdout, special.get(stderr, stderr)
         code, peak_mb = _server().run(words, folder, environment or {}, streams, timeout)
-        texts = []
-        for file in (out, err):
-            file.seek(0)
-            texts.append(file.read().decode("utf-8", "surrogateescape"))
-        return Ended(code, *texts, peak_mb)
+        return Ended(code, _text(out), _text(err), peak_mb)
+
+
+def _text(file: IO[bytes]) -> str:
+    file.seek(0)
+    return file.read().decode("utf-8", "surrogateescape")
 
 
 def run_on_terminal(
@@ -224,9 +225,9 @@ def _become(request: dict[str, Any], streams: Sequence[int]) -> None:
         os.close(stream)
     names = ("stdin", "stdout", "stderr")
     for number, (name, is_open) in enumerate(zip(names, request["is_open"], strict=True)):
-        stream = _standard_stream(number) if is_open else None
-        setattr(sys, name, stream)
-        setattr(sys, f"__{name}__", stream)
+        file = _standard_stream(number) if is_open else None
+        setattr(sys, name, file)
+        setattr(sys, f"__{name}__", file)
 
 
 def _standard_stream(number: int) -> io.TextIOWrapper:

@@ -95,6 +95,18 @@ def run(*words: object, folder: Path) -> Outcome:
     return Outcome(done.returncode, done.stdout, done.stderr)
 
 
+def run_afresh(*words: object, folder: Path) -> Outcome:
+    """Run the command in an interpreter of its own."""
+    done = subprocess.run(  # noqa: S603
+        [sys.executable, "-m", "dogbot_logtool", *map(str, words)],
+        cwd=folder,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    return Outcome(done.returncode, done.stdout, done.stderr)
+
+
 def string_log(path: Path, messages: Sequence[tuple[str, bytes]]) -> Path:
     """Write an MCAP of std_msgs/String messages, one channel a topic."""
     with path.open("wb") as stream:
@@ -561,10 +573,10 @@ def test_without_matplotlib_it_is_said_how_to_install_it(
     (absent / "matplotlib.py").write_text("raise ImportError")
     root = str(Path(__file__).parents[1])
     monkeypatch.setenv("PYTHONPATH", os.pathsep.join([str(absent), root]))
-    refused = run("stats", WALK, "--plot", "walk.pdf", folder=tmp_path)
+    refused = run_afresh("stats", WALK, "--plot", "walk.pdf", folder=tmp_path)
     assert refused.code == 1
     assert install_command("plot") in refused.err
-    assert run("stats", WALK, "-q", folder=tmp_path).code == 0
+    assert run_afresh("stats", WALK, "-q", folder=tmp_path).code == 0
 
 
 def test_info_of_several_logs(shell: Shell) -> None:
