@@ -3,7 +3,6 @@
 import contextlib
 import json
 import os
-import pty
 import resource
 import signal
 import struct
@@ -26,6 +25,7 @@ from dogbot_logtool import __version__
 from dogbot_logtool.cli import cli, main
 from dogbot_logtool.extras import install_command
 from dogbot_logtool.robot import known_robots
+from tests import forked_cli
 from tests.paths import ROOT, SAMPLE_LOGS
 from tests.unfinished import unfinished
 
@@ -91,6 +91,12 @@ def shell(
 
 def run(*words: object, folder: Path) -> Outcome:
     """Run the command as a process of its own."""
+    done = forked_cli.run(*words, folder=folder)
+    return Outcome(done.returncode, done.stdout, done.stderr)
+
+
+def run_afresh(*words: object, folder: Path) -> Outcome:
+    """Run the command in an interpreter of its own."""
     done = subprocess.run(  # noqa: S603
         [sys.executable, "-m", "dogbot_logtool", *map(str, words)],
         cwd=folder,
@@ -567,10 +573,10 @@ def test_without_matplotlib_it_is_said_how_to_install_it(
     (absent / "matplotlib.py").write_text("raise ImportError")
     root = str(ROOT)
     monkeypatch.setenv("PYTHONPATH", os.pathsep.join([str(absent), root]))
-    refused = run("stats", WALK, "--plot", "walk.pdf", folder=tmp_path)
+    refused = run_afresh("stats", WALK, "--plot", "walk.pdf", folder=tmp_path)
     assert refused.code == 1
     assert install_command("plot") in refused.err
-    assert run("stats", WALK, "-q", folder=tmp_path).code == 0
+    assert run_afresh("stats", WALK, "-q", folder=tmp_path).code == 0
 
 
 def test_info_of_several_logs(shell: Shell) -> None:
@@ -771,9 +777,15 @@ def test_a_full_disk_leaves_nothing(tmp_path: Path) -> None:
 
 
 def test_the_command_is_the_module(tmp_path: Path) -> None:
-    done = run("--version", folder=tmp_path)
-    assert (done.code, done.err) == (0, "")
-    assert __version__ in done.out
+    done = subprocess.run(
+        [sys.executable, "-m", "dogbot_logtool", "--version"],
+        cwd=tmp_path,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert (done.returncode, done.stderr) == (0, "")
+    assert __version__ in done.stdout
 
 
 def test_no_progress_bar_where_there_is_no_terminal(tmp_path: Path) -> None:
@@ -789,27 +801,11 @@ def test_a_terminal_shows_in_the_end_what_a_pipe_gets(
     tmp_path: Path, command: str, logs: list[Path]
 ) -> None:
     output = {"convert": ["-o", "./", "--overwrite"], "info": ["--frames"]}.get(command, [])
-    words = [sys.executable, "-m", "dogbot_logtool", command, *map(str, logs), *output]
+    words = [command, *map(str, logs), *output]
     size = {"COLUMNS": "160", "LINES": "200", "TERM": "xterm"}
-    done = subprocess.run(  # noqa: S603
-        words,
-        cwd=tmp_path,
-        env=os.environ | size,
-        stdout=subprocess.PIPE,
-        stderr=subprocess.STDOUT,
-        text=True,
-        check=True,
-    )
-    process, terminal = pty.fork()
-    if not process:
-        os.chdir(tmp_path)
-        os.execve(sys.executable, words, os.environ | size)  # noqa: S606
-    shown = b""
-    with contextlib.suppress(OSError):
-        while data := os.read(terminal, 1 << 16):
-            shown += data
-    os.close(terminal)
-    assert os.waitstatus_to_exitcode(os.waitpid(process, 0)[1]) == 0
+    done = forked_cli.run(*words, folder=tmp_path, environment=size, stderr=subprocess.STDOUT)
+    code, shown = forked_cli.run_on_terminal(*words, folder=tmp_path, environment=size)
+    assert (done.returncode, code) == (0, 0)
 
     screen = pyte.Screen(160, 200)
     pyte.Stream(screen).feed(shown.decode())

@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from dogbot_logtool.reader.messages.messages.contacts.registry import read_contacts
+from dogbot_logtool.reader.messages.messages.messages.contacts.registry import read_contacts
 from mcap.reader import make_reader
 from mcap_ros2.decoder import DecoderFactory
 

@@ -3,8 +3,6 @@
 import io
 import json
 import struct
-import subprocess
-import sys
 import zlib
 from collections.abc import Callable
 from pathlib import Path
@@ -14,19 +12,11 @@ import pytest
 from mcap.reader import make_reader
 from mcap.writer import IndexType, Writer
 
+from tests.forked_cli import run
 from tests.reader.mcap_bytes import CHANNEL, MAGIC, STATISTICS
 
 WALK = Path(__file__).parent.parent / "sample_logs" / "dogbot_walk.mcap"
 FEET = ("/dogbot/front_left_contactsensor_state", "/dogbot/front_right_contactsensor_state")
-
-
-def run(*words: object) -> "subprocess.CompletedProcess[str]":
-    return subprocess.run(  # noqa: S603
-        [sys.executable, "-m", "dogbot_logtool", *map(str, words)],
-        capture_output=True,
-        text=True,
-        check=False,
-    )
 
 
 def run_json(*words: object) -> tuple[int, dict[str, Any]]:

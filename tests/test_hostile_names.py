@@ -2,13 +2,8 @@
 
 import csv
 import io
-import os
-import pty
 import re
-import subprocess
-import sys
 from collections.abc import Sequence
-from contextlib import suppress
 from pathlib import Path
 
 import pytest
@@ -16,6 +11,7 @@ from mcap.reader import make_reader
 from mcap.writer import CompressionType
 from mcap.writer import Writer as McapWriter
 
+from tests.forked_cli import run, run_on_terminal
 from tests.paths import SAMPLE_LOGS
 
 WALK = SAMPLE_LOGS / "dogbot_walk.mcap"
@@ -34,13 +30,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     _write_hostile(log)
     (folder / f"cut{EVIL}.mcap").write_bytes(log.read_bytes()[:-200_000])
     (folder / f"bad\n{EVIL}.bag").write_text(f"no log {EVIL}", encoding="utf-8")
-    robot = subprocess.run(
-        [sys.executable, "-m", "dogbot_logtool", "robots", "dogbot"],
-        capture_output=True,
-        text=True,
-        check=True,
-    ).stdout
-    robot = robot.replace("/dogbot/", f"/{_in_toml(EVIL)}/")
+    robot = run("robots", "dogbot").stdout.replace("/dogbot/", f"/{_in_toml(EVIL)}/")
     robot = robot.replace("[feet.front_left]", f'[feet."=front\\n{_in_toml(EVIL)}"]')
     robot = robot.replace('name = "dogbot"', f'name = "dogbot\\n{_in_toml(EVIL)}"')
     robot = robot.replace('base = "base_link"', f'base = "{_in_toml(BASE)}"')
@@ -94,15 +84,13 @@ def command(words: Sequence[str], count: int) -> list[str]:
     """Return the words of a call with the first of the logs."""
     logs = [f"=walk\n{EVIL}[red].mcap", f"cut{EVIL}.mcap", f"bad\n{EVIL}.bag"]
     count = {"layout": 1, "compare": 2}.get(words[0], count)
-    return [sys.executable, "-m", "dogbot_logtool", *words, *logs[:count]]
+    return [*words, *logs[:count]]
 
 
 @each_call
 def test_no_control_character_is_printed(folder: Path, words: list[str]) -> None:
-    done = subprocess.run(  # noqa: S603
-        command(words, 3), cwd=folder, capture_output=True, check=False
-    )
-    text = (done.stdout + done.stderr).decode("utf-8")
+    done = run(*command(words, 3), folder=folder)
+    text = done.stdout + done.stderr
     assert done.returncode in {0, 1, 2, 3}
     assert "Traceback" not in text
     assert [c for c in text if not c.isprintable() and c != "\n"] == []
@@ -111,16 +99,7 @@ def test_no_control_character_is_printed(folder: Path, words: list[str]) -> None
 
 @each_call
 def test_no_control_character_reaches_a_terminal(folder: Path, words: list[str]) -> None:
-    process, terminal = pty.fork()
-    if not process:
-        os.chdir(folder)
-        os.execve(sys.executable, command(words, 1), os.environ | {"TERM": "xterm"})  # noqa: S606
-    shown = b""
-    with suppress(OSError):
-        while data := os.read(terminal, 1 << 16):
-            shown += data
-    os.close(terminal)
-    os.waitpid(process, 0)
+    _, shown = run_on_terminal(*command(words, 1), folder=folder, environment={"TERM": "xterm"})
     text = shown.decode("utf-8")
     assert "Traceback" not in text
     assert "\x1b[8m" not in text
@@ -130,13 +109,7 @@ def test_no_control_character_reaches_a_terminal(folder: Path, words: list[str])
 
 
 def test_text_in_csv_is_no_formula(folder: Path) -> None:
-    done = subprocess.run(  # noqa: S603
-        command(["stats", "--csv", *ROBOT], 1),
-        cwd=folder,
-        capture_output=True,
-        text=True,
-        check=True,
-    )
+    done = run(*command(["stats", "--csv", *ROBOT], 1), folder=folder)
     rows = list(csv.DictReader(io.StringIO(done.stdout)))
     assert {row["log"][:6] for row in rows} == {"'=walk"}
     assert {row["foot"] for row in rows if "front" in row["foot"]} > {"front_right"}

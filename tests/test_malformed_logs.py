@@ -1,8 +1,6 @@
 """Logs of several batches, of which one holds nothing but messages that cannot be decoded."""
 
 import json
-import subprocess
-import sys
 from collections.abc import Callable
 from dataclasses import replace
 from itertools import groupby
@@ -15,6 +13,7 @@ from dogbot_logtool.commands.stats import measure
 from dogbot_logtool.pipeline.options import ConvertOptions, StatsOptions, TopicOptions
 from dogbot_logtool.reader.containers.opening import open_log
 from tests import walks
+from tests.forked_cli import run
 from tests.walks import Entry
 
 FILLER = "/filler"
@@ -89,19 +88,8 @@ def test_every_command_says_the_loss(tmp_path: Path, batch: int) -> None:
     path = spoiled_walk(tmp_path, GAZEBO, everything, batch)
     assert number_of_batches(path) == BATCHES
     for words in (["stats", "--json"], ["convert", "-o", "out.mcap"], ["report", "-o", "out.html"]):
-        done = run(tmp_path, *words, str(path))
+        done = run(*words, path, folder=tmp_path)
         assert done.returncode == 3, done.stderr
         assert "200 messages of /odom could not be decoded" in done.stderr + done.stdout
         if "--json" in words:
             assert json.loads(done.stdout)["quality"]["lost_messages"] == 5 * 200
-
-
-def run(folder: Path, *words: str) -> subprocess.CompletedProcess[str]:
-    return subprocess.run(  # noqa: S603
-        [sys.executable, "-W", "error", "-m", "dogbot_logtool", *words],
-        cwd=folder,
-        capture_output=True,
-        text=True,
-        timeout=120,
-        check=False,
-    )

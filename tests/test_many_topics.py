@@ -1,18 +1,15 @@
 """Small logs that describe thousands of topics: every command stays within 10 s and 500 MB."""
 
 import bz2
-import os
 import sqlite3
 import struct
-import subprocess
-import sys
 from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 import zstandard
 
-from tests.paths import ROOT
+from tests.forked_cli import run
 from tests.reader import bag_bytes, mcap_bytes
 from tests.reader.bag_bytes import U32
 from tests.reader.mcap_bytes import MAGIC, channel, file_header, record, schema, text
@@ -22,22 +19,6 @@ SIZE = 1 << 20
 MOST_MEMORY_MB = 500
 MOST_SECONDS = 60
 """On a busy machine; mostly it is below ten."""
-
-MEASURED = """
-import contextlib, sys
-from pathlib import Path
-with contextlib.suppress(OSError):
-    # Else the peak is that of the parent, whose memory this process had for a moment.
-    Path("/proc/self/clear_refs").write_text("5")
-from dogbot_logtool.cli import main
-try:
-    main()
-finally:
-    status = Path("/proc/self/status")
-    if status.exists():
-        lines = status.read_text().splitlines()
-        print(next(line for line in lines if line.startswith("VmHWM")), file=sys.stderr)
-"""
 
 
 def many_channels(_path: Path) -> bytes:
@@ -126,30 +107,14 @@ def test_every_command_stays_within_bounds(tmp_path: Path, name: str) -> None:
         ("convert", "-o", "out.mcap", str(log)),
         ("compare", str(log), str(log)),
     ):
-        done = subprocess.run(  # noqa: S603 - our own interpreter
-            [sys.executable, "-c", MEASURED, *call],
-            capture_output=True,
-            text=True,
-            timeout=MOST_SECONDS,
-            check=False,
-            cwd=tmp_path,
-            env={**os.environ, "PYTHONPATH": str(ROOT)},
-        )
+        done = run(*call, folder=tmp_path, timeout=MOST_SECONDS)
         assert done.returncode in {0, 1, 3}, done.stderr[-1000:]
         assert "Traceback" not in done.stderr
-        peak = done.stderr.splitlines()[-1].split()
-        assert peak[0] != "VmHWM:" or int(peak[1]) >> 10 < MOST_MEMORY_MB
+        assert done.peak_mb < MOST_MEMORY_MB
 
 
 def test_a_table_of_very_many_topics_is_cut(tmp_path: Path) -> None:
     log = tmp_path / "log.mcap"
     log.write_bytes(many_channels(log))
-    done = subprocess.run(  # noqa: S603 - our own interpreter
-        [sys.executable, "-m", "dogbot_logtool", "info", str(log)],
-        capture_output=True,
-        text=True,
-        timeout=MOST_SECONDS,
-        check=False,
-        cwd=ROOT,
-    )
+    done = run("info", log, timeout=MOST_SECONDS)
     assert "and 15,000 more topics; --json lists all" in done.stdout

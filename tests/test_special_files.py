@@ -2,8 +2,6 @@
 
 import os
 import socket
-import subprocess
-import sys
 from collections.abc import Callable
 from pathlib import Path
 
@@ -12,22 +10,15 @@ import pytest
 from dogbot_logtool.comparison.tolerances import load_rules
 from dogbot_logtool.errors import CallError
 from dogbot_logtool.robot import load_robot
-from tests.paths import ROOT
+from tests import forked_cli
+from tests.forked_cli import Ended
 from tests.reader.mcap_bytes import small_mcap
 
 MOST_SECONDS = 30
 
 
-def run(*words: str | Path) -> subprocess.CompletedProcess[str]:
-    return subprocess.run(  # noqa: S603 - our own interpreter
-        [sys.executable, "-m", "dogbot_logtool", *map(str, words)],
-        capture_output=True,
-        text=True,
-        timeout=MOST_SECONDS,
-        check=False,
-        stdin=subprocess.DEVNULL,
-        cwd=ROOT,
-    )
+def run(*words: str | Path) -> Ended:
+    return forked_cli.run(*words, timeout=MOST_SECONDS)
 
 
 def pipe(folder: Path) -> Path:

@@ -11,9 +11,12 @@ from typing import Any
 
 import numpy as np
 import pytest
-from dogbot_logtool.core.stability.stability.stability import feet_down
-from dogbot_logtool.reader.messages.messages.contacts.registry import read_contacts
-from dogbot_logtool.reader.messages.messages.odometry import decode_odometry, odometry_columns
+from dogbot_logtool.core.stability.stability.stability.stability import feet_down
+from dogbot_logtool.reader.messages.messages.messages.contacts.registry import read_contacts
+from dogbot_logtool.reader.messages.messages.messages.odometry import (
+    decode_odometry,
+    odometry_columns,
+)
 
 from dogbot_logtool.commands.convert import convert
 from dogbot_logtool.core.base.base_record import BaseRecorder

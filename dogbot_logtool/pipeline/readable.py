@@ -8,11 +8,17 @@ from dogbot_logtool.errors import DefinitionError
 from dogbot_logtool.finding import Finding, error, note, warning
 from dogbot_logtool.io.listing import listed
 from dogbot_logtool.reader.containers.log import Channel
-from dogbot_logtool.reader.messages.messages.contacts.registry import SOURCES, check_contacts
-from dogbot_logtool.reader.messages.messages.foxglove_transforms import FOXGLOVE_TYPES
-from dogbot_logtool.reader.messages.messages.messages import SERIALISATIONS
-from dogbot_logtool.reader.messages.messages.odometry import ODOMETRY_TYPE, check_odometry
-from dogbot_logtool.reader.messages.messages.transforms import TRANSFORM_TYPES, check_transforms
+from dogbot_logtool.reader.messages.messages.messages.contacts.registry import (
+    SOURCES,
+    check_contacts,
+)
+from dogbot_logtool.reader.messages.messages.messages.foxglove_transforms import FOXGLOVE_TYPES
+from dogbot_logtool.reader.messages.messages.messages.messages import SERIALISATIONS
+from dogbot_logtool.reader.messages.messages.messages.odometry import ODOMETRY_TYPE, check_odometry
+from dogbot_logtool.reader.messages.messages.messages.transforms import (
+    TRANSFORM_TYPES,
+    check_transforms,
+)
 
 _MOST_REASONS: Final = 3
 _NOT_USED: Final = "; not used"

@@ -13,6 +13,7 @@ from dogbot_logtool.commands.report import Reports
 from dogbot_logtool.errors import CallError, LogError
 from dogbot_logtool.io.targets import Output
 from dogbot_logtool.pipeline.options import StatsOptions
+from tests.forked_cli import run
 from tests.paths import SAMPLE_LOGS
 
 TROT, TROUBLED = SAMPLE_LOGS / "dogbot_trot.bag", SAMPLE_LOGS / "dogbot_troubled.bag"
@@ -55,14 +56,7 @@ def test_the_index_leads_to_pages_of_any_name(tmp_path: Path) -> None:
     """Names may be any bytes; a log that cannot be used stands in the index with the reason."""
     shutil.copy(TROUBLED, Path(os.fsdecode(bytes(tmp_path) + b"/<\xff>.bag")))
     (tmp_path / "bad.bag").write_bytes(b"nothing of the kind")
-    done = subprocess.run(
-        [sys.executable, "-m", "dogbot_logtool", "report", "."],
-        cwd=tmp_path,
-        env={**os.environ, "PYTHONPATH": str(SAMPLE_LOGS.parent)},
-        capture_output=True,
-        text=True,
-        check=False,
-    )
+    done = run("report", ".", folder=tmp_path)
     assert done.returncode == 1
     assert "Traceback" not in done.stderr
     index = (tmp_path / "index.html").read_text()

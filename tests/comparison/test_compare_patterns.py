@@ -1,8 +1,6 @@
 """What patterns and tolerances name is what they act on, and nothing passes by mistake."""
 
 import json
-import subprocess
-import sys
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -17,7 +15,9 @@ from dogbot_logtool.comparison.outcome import Comparison
 from dogbot_logtool.comparison.tolerances import FieldRules, Quantity, Rules, Tolerance
 from dogbot_logtool.errors import CallError
 from dogbot_logtool.pipeline.options import CompareOptions
+from tests import forked_cli
 from tests.comparison.test_compare_logs import JSON, Recording, odometry, recording, ros_kind
+from tests.forked_cli import Ended
 
 FIGURES: dict[str, Any] = {
     "tool": {"name": "dogbot-logtool", "version": "1"},
@@ -288,14 +288,8 @@ def test_a_key_that_stands_twice_is_no_json(tmp_path: Path, text: str) -> None:
         compare(path, path, CompareOptions())
 
 
-def run(*words: object, timeout: float | None = None) -> "subprocess.CompletedProcess[str]":
-    return subprocess.run(  # noqa: S603
-        [sys.executable, "-m", "dogbot_logtool", "compare", *map(str, words)],
-        capture_output=True,
-        text=True,
-        check=False,
-        timeout=timeout,
-    )
+def run(*words: object, timeout: float = 120.0) -> Ended:
+    return forked_cli.run("compare", *words, timeout=timeout)
 
 
 def test_a_report_replaces_nothing_unasked(tmp_path: Path) -> None:

@@ -3,27 +3,21 @@
 import json
 import os
 import shlex
-import subprocess
-import sys
 from pathlib import Path
 
 import pytest
 
+from tests import forked_cli
 from tests.feet_logs import CONTACTS, WRENCH, write_log
+from tests.forked_cli import Ended
 
 SIDES = ("left", "right")
 SENSORS = {f"/{side} {part}/wrench": WRENCH for side in SIDES for part in ("toe", "heel")}
 CORNERS = ("front_left", "front_right", "back_left", "back_right")
 
 
-def run(*words: object, columns: int = 80) -> "subprocess.CompletedProcess[str]":
-    return subprocess.run(  # noqa: S603
-        [sys.executable, "-m", "dogbot_logtool", *map(str, words)],
-        capture_output=True,
-        text=True,
-        check=False,
-        env=os.environ | {"COLUMNS": str(columns)},
-    )
+def run(*words: object, columns: int = 80) -> Ended:
+    return forked_cli.run(*words, environment={"COLUMNS": str(columns)})
 
 
 def command(printed: str) -> list[str]:

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from dogbot_logtool.reader.messages.messages.contacts.source import StepTiming
+from dogbot_logtool.reader.messages.messages.messages.contacts.source import StepTiming
 
 from dogbot_logtool.core.frames.wrench_frame import WrenchFrame
 from dogbot_logtool.pipeline.options import TopicOptions

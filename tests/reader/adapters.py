@@ -6,22 +6,22 @@ from functools import cache
 from typing import Any, Final
 
 import numpy as np
-from dogbot_logtool.reader.messages.messages.contacts.registry import (
+from dogbot_logtool.reader.messages.messages.messages.contacts.registry import (
     SOURCES,
     check_contacts,
     read_contacts,
 )
-from dogbot_logtool.reader.messages.messages.contacts.source import FootChannels
-from dogbot_logtool.reader.messages.messages.foxglove_transforms import foxglove_transforms
-from dogbot_logtool.reader.messages.messages.messages import malformed_in
-from dogbot_logtool.reader.messages.messages.odometry import (
+from dogbot_logtool.reader.messages.messages.messages.contacts.source import FootChannels
+from dogbot_logtool.reader.messages.messages.messages.foxglove_transforms import foxglove_transforms
+from dogbot_logtool.reader.messages.messages.messages.messages import malformed_in
+from dogbot_logtool.reader.messages.messages.messages.odometry import (
     ODOMETRY_TYPE,
     check_odometry,
     decode_odometry,
     joined_odometry,
     odometry_frames,
 )
-from dogbot_logtool.reader.messages.messages.transforms import (
+from dogbot_logtool.reader.messages.messages.messages.transforms import (
     TRANSFORM_TYPES,
     check_transforms,
     decode_transforms,

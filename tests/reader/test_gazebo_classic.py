@@ -5,9 +5,9 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from dogbot_logtool.reader.decode.decode.columns import Texts
-from dogbot_logtool.reader.messages.messages.contacts.collisions import link_of_collision
-from dogbot_logtool.reader.messages.messages.contacts.physics_steps import (
+from dogbot_logtool.reader.decode.decode.decode.columns import Texts
+from dogbot_logtool.reader.messages.messages.messages.contacts.collisions import link_of_collision
+from dogbot_logtool.reader.messages.messages.messages.contacts.physics_steps import (
     newest_lag,
     newest_step,
     steps_of_messages,

@@ -5,7 +5,7 @@ from collections.abc import Iterator
 
 import numpy as np
 import pytest
-from dogbot_logtool.reader.decode.decode.definition import (
+from dogbot_logtool.reader.decode.decode.decode.definition import (
     FieldType,
     FixedArray,
     Primitive,

@@ -13,6 +13,7 @@ import pytest
 
 from dogbot_logtool.errors import LogError
 from dogbot_logtool.reader.containers.opening import open_log
+from tests.forked_cli import run
 from tests.paths import ROOT
 from tests.reader.reading import Read, read_file
 
@@ -280,15 +281,7 @@ def with_shared_pages(path: Path, table: str, levels: int = 14) -> Path:
 def test_pages_that_are_shared_end_the_reading(tmp_path: Path, table: str, command: str) -> None:
     path = with_shared_pages(tmp_path / "log.db3", table)
     words = [str(path)] * (2 if command == "compare" else 1)
-    done = subprocess.run(  # noqa: S603 - our own interpreter
-        [sys.executable, "-m", "dogbot_logtool", command, *words],
-        capture_output=True,
-        text=True,
-        check=False,
-        timeout=30,
-        cwd=tmp_path,
-        env={**os.environ, "PYTHONPATH": str(ROOT)},
-    )
+    done = run(command, *words, folder=tmp_path, timeout=30)
     assert done.returncode in {1, 2, 3}, done.stderr
     if command in {"info", "compare"}:
         said = " ".join((done.stdout + done.stderr).split())

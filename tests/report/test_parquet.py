@@ -4,8 +4,6 @@ import functools
 import http.server
 import os
 import shutil
-import subprocess
-import sys
 import threading
 import urllib.parse
 from collections.abc import Iterator
@@ -15,22 +13,15 @@ from typing import Any
 import pyarrow.dataset as ds
 import pytest
 
+from tests.forked_cli import Ended, run
 from tests.paths import SAMPLE_LOGS
 
 TROT, TROUBLED = SAMPLE_LOGS / "dogbot_trot.bag", SAMPLE_LOGS / "dogbot_troubled.bag"
 
 
-def stats(folder: Path, *words: object) -> "subprocess.CompletedProcess[str]":
-    """Run `stats --parquet figures` as a process of its own."""
-    done = subprocess.run(  # noqa: S603
-        [sys.executable, "-m", "dogbot_logtool", "stats", *words, "--parquet", "figures"],  # type: ignore[list-item]
-        cwd=folder,
-        env={**os.environ, "PYTHONPATH": str(SAMPLE_LOGS.parent)},
-        capture_output=True,
-        text=True,
-        check=False,
-        timeout=120,
-    )
+def stats(folder: Path, *words: object, jobs: int = 1) -> Ended:
+    """Run `stats --parquet figures`."""
+    done = run("stats", *words, "--parquet", "figures", "--jobs", jobs, folder=folder)
     assert "Traceback" not in done.stderr, done.stderr
     return done
 
@@ -45,7 +36,7 @@ def test_what_was_done_is_said_and_damaged_logs_are_named(tmp_path: Path) -> Non
     (tmp_path / "cut.bag").write_bytes(TROT.read_bytes()[:900_000])
     (tmp_path / "sound.bag").write_bytes(TROUBLED.read_bytes())
     (tmp_path / "no.bag").write_bytes(b"nothing of the kind")
-    first = stats(tmp_path, ".")
+    first = stats(tmp_path, ".", jobs=2)
     assert (first.returncode, first.stdout) == (1, "")
     assert "figures: 2 written, 1 failed; 1 damaged\n damage  cut.bag: " in first.stderr
     assert " bytes lost\n" in first.stderr
@@ -59,7 +50,7 @@ def test_what_was_done_is_said_and_damaged_logs_are_named(tmp_path: Path) -> Non
 def test_names_of_any_bytes_are_rows(tmp_path: Path) -> None:
     for name in (b"\xff.bag", b"\xfe.bag", b"a=b.bag", "é.bag".encode()):
         shutil.copy(TROUBLED, Path(os.fsdecode(os.fsencode(tmp_path) + b"/" + name)))
-    assert stats(tmp_path, ".").returncode == 0
+    assert stats(tmp_path, ".", jobs=2).returncode == 0
     names = sorted(row["log"].rpartition("/")[2] for row in rows(tmp_path))
     assert names == ["\\xfe.bag", "\\xff.bag", "a=b.bag", "é.bag"]
     assert "4 unchanged" in stats(tmp_path, ".").stderr
@@ -129,7 +120,7 @@ def server(tmp_path: Path) -> Iterator[str]:
 
 def test_urls_that_differ_in_their_query_are_two_logs(tmp_path: Path, server: str) -> None:
     urls = [f"{server}?run={run}&token=secret" for run in (1, 2)]
-    done = stats(tmp_path, *urls)
+    done = stats(tmp_path, *urls, jobs=2)
     assert done.returncode == 3, done.stderr
     assert [row["log"] for row in rows(tmp_path)] == [server, server]
     assert len({row["log_id"] for row in rows(tmp_path)}) == 2

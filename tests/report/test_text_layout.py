@@ -1,9 +1,7 @@
 """Sentences and tables on terminals of any width."""
 
 import io
-import os
 import subprocess
-import sys
 from pathlib import Path
 
 import pytest
@@ -11,6 +9,7 @@ from rich.console import Console
 from rich.text import Text
 
 from dogbot_logtool.report.text_layout import Hanging, NameTable, Row
+from tests.forked_cli import run
 from tests.paths import SAMPLE_LOGS
 
 TROT, TROUBLED = (SAMPLE_LOGS / f"dogbot_{name}.bag" for name in ("trot", "troubled"))
@@ -77,15 +76,8 @@ def test_no_command_breaks_a_word(tmp_path: Path, words: list[str]) -> None:
     def output(columns: int) -> list[str]:
         for file in tmp_path.glob("x_*"):
             file.unlink()
-        done = subprocess.run(  # noqa: S603
-            [sys.executable, "-m", "dogbot_logtool", *words],
-            cwd=tmp_path,
-            env=os.environ | {"COLUMNS": str(columns)},
-            stdout=subprocess.PIPE,
-            stderr=subprocess.STDOUT,
-            text=True,
-            check=False,
-        )
+        size = {"COLUMNS": str(columns)}
+        done = run(*words, folder=tmp_path, environment=size, stderr=subprocess.STDOUT)
         return done.stdout.splitlines()
 
     lines = output(80)
@@ -98,13 +90,7 @@ def test_no_command_breaks_a_word(tmp_path: Path, words: list[str]) -> None:
 
 def test_a_damaged_log_is_marked_among_several(tmp_path: Path) -> None:
     (tmp_path / LONG).write_bytes(TROT.read_bytes()[:-200_000])
-    done = subprocess.run(  # noqa: S603
-        [sys.executable, "-m", "dogbot_logtool", "stats", str(TROT), LONG],
-        cwd=tmp_path,
-        capture_output=True,
-        text=True,
-        check=False,
-    )
+    done = run("stats", TROT, LONG, folder=tmp_path)
     assert done.returncode == 3
     heading, whole, *cut = done.stdout.splitlines()
     assert heading.split()[-1] == "damage"

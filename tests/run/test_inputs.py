@@ -3,8 +3,6 @@
 import json
 import os
 import shutil
-import subprocess
-import sys
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -14,6 +12,8 @@ from upath import UPath
 from dogbot_logtool.errors import CallError
 from dogbot_logtool.io.storage import identity, location, shown
 from dogbot_logtool.run.inputs import find_logs
+from tests import forked_cli
+from tests.forked_cli import Ended
 from tests.paths import SAMPLE_LOGS
 
 TROUBLED = SAMPLE_LOGS / "dogbot_troubled.bag"
@@ -208,17 +208,9 @@ def test_secrets_of_a_url_are_not_shown() -> None:
     assert shown("a@b/c?d.bag") == "a@b/c?d.bag"
 
 
-def called(*words: object, cwd: Path) -> "subprocess.CompletedProcess[str]":
-    """Run the command as a process of its own, which must not hang."""
-    done = subprocess.run(  # noqa: S603
-        [sys.executable, "-m", "dogbot_logtool", *map(str, words)],
-        cwd=cwd,
-        env={**os.environ, "PYTHONPATH": str(SAMPLE_LOGS.parent)},
-        capture_output=True,
-        text=True,
-        check=False,
-        timeout=60,
-    )
+def called(*words: object, cwd: Path) -> Ended:
+    """Run the command, which must not hang."""
+    done = forked_cli.run(*words, folder=cwd, timeout=60)
     assert "Traceback" not in done.stderr, done.stderr
     return done
 

@@ -10,6 +10,7 @@ import argparse
 import json
 import os
 import random
+import signal
 import subprocess
 import sys
 import tempfile
@@ -18,8 +19,9 @@ from collections import Counter
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import IO, Final
+from typing import Final
 
+from tests.forked_cli import Ended, run
 from tests.paths import ROOT
 from tests.reader.mutation import CASES, random_mutation
 
@@ -48,34 +50,13 @@ OUTPUTS: Final = {
     "page.html",
     "view.json",
     "figures",
-    "stdout",
-    "stderr",
 }
 SUFFIXES: Final = (".bag", ".mcap", ".db3", ".active", ".zstd")
 PATIENCE_S: Final = 120.0
-SERVER: Final = """
-import json, os, signal, sys
-sys.path.insert(0, sys.argv[1])
-from dogbot_logtool.cli import main
-from dogbot_logtool.commands import convert, report, stats
-
-for line in sys.stdin:
-    request = json.loads(line)
-    child = os.fork()
-    if child == 0:
-        os.chdir(request["folder"])
-        for stream, name in ((0, os.devnull), (1, "stdout"), (2, "stderr")):
-            os.dup2(os.open(name, os.O_RDWR | os.O_CREAT | os.O_TRUNC), stream)
-        signal.alarm(int(request["patience_s"]))
-        sys.argv = ["dogbot-logtool", *request["words"]]
-        main()
-    print(os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]), flush=True)
-"""
-"""Runs commands in forked copies of a process that has the program loaded, to save its start-up."""
 
 
 @dataclass(frozen=True, slots=True)
-class Ended:
+class Attempt:
     """How a command ended."""
 
     exit_code: int
@@ -83,52 +64,23 @@ class Ended:
     faults: tuple[str, ...]
 
 
-class Server:
-    """A process that runs commands one after the other."""
-
-    def __init__(self) -> None:
-        self._process = subprocess.Popen(  # noqa: S603 - our own interpreter
-            [sys.executable, "-c", SERVER, str(ROOT)],
-            stdin=subprocess.PIPE,
-            stdout=subprocess.PIPE,
-            text=True,
-        )
-
-    def run(self, words: Sequence[str], folder: Path) -> int:
-        """Run a command in a folder; return its exit code."""
-        request = {"words": words, "folder": str(folder), "patience_s": PATIENCE_S}
-        sending, receiving = _pipe(self._process.stdin), _pipe(self._process.stdout)
-        sending.write(json.dumps(request) + "\n")
-        sending.flush()
-        return int(receiving.readline())
-
-    def close(self) -> None:
-        """End the process."""
-        _pipe(self._process.stdin).close()
-        _pipe(self._process.stdout).close()
-        self._process.wait()
-
-
-def _pipe(pipe: IO[str] | None) -> IO[str]:
-    assert pipe is not None
-    return pipe
-
-
-def attempt(server: Server, command: str, log: Path) -> Ended:
+def attempt(command: str, log: Path) -> Attempt:
     """Run a command on a log, in a folder of its own."""
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         words = [word.format(log=log) for word in command.split()]
         begin = time.monotonic()
-        code = server.run(words, folder)
+        try:
+            ended = run(*words, folder=folder, timeout=PATIENCE_S)
+        except subprocess.TimeoutExpired:
+            return Attempt(-signal.SIGKILL, PATIENCE_S, ("does not end",))
         seconds = time.monotonic() - begin
-        return Ended(code, seconds, tuple(faults_of(code, words, folder)))
+        return Attempt(ended.returncode, seconds, tuple(faults_of(ended, words, folder)))
 
 
-def faults_of(code: int, words: Sequence[str], folder: Path) -> Iterator[str]:
+def faults_of(ended: Ended, words: Sequence[str], folder: Path) -> Iterator[str]:
     """Yield what is wrong with how a command ended."""
-    out = (folder / "stdout").read_text(errors="replace")
-    err = (folder / "stderr").read_text(errors="replace")
+    code, out, err = ended.returncode, ended.stdout, ended.stderr
     if not 0 <= code <= 3:
         yield f"exit code {code}: {err[-2000:]}"
     if "Traceback" in out + err or "Exception ignored" in err:
@@ -178,12 +130,12 @@ def damaged_logs(folder: Path, count: int, seed: int) -> Iterator[Path]:
 
 
 def torture(
-    server: Server, logs: Iterator[Path], commands: Sequence[str] = COMMANDS
-) -> Iterator[tuple[str, Path, Ended]]:
+    logs: Iterator[Path], commands: Sequence[str] = COMMANDS
+) -> Iterator[tuple[str, Path, Attempt]]:
     """Run commands on logs; yield how each ended."""
     for log in logs:
         for command in commands:
-            yield command, log, attempt(server, command, log)
+            yield command, log, attempt(command, log)
 
 
 def main() -> None:
@@ -196,16 +148,14 @@ def main() -> None:
         seed = random.SystemRandom().randrange(1 << 32)
     codes: dict[str, Counter[int]] = {command: Counter() for command in COMMANDS}
     faults, slowest = 0, (0.0, "")
-    server = Server()
     with tempfile.TemporaryDirectory() as name:
         for logs in (iter(real_logs()), damaged_logs(Path(name), arguments.damaged, seed)):
-            for command, log, ended in torture(server, logs):
+            for command, log, ended in torture(logs):
                 codes[command][ended.exit_code] += 1
                 slowest = max(slowest, (ended.seconds, command.format(log=log.name)))
                 for fault in ended.faults:
                     print(f"{command.format(log=log)}: {fault}", flush=True)  # noqa: T201
                     faults += 1
-    server.close()
     print(f"seed {seed}; the slowest, {slowest[0]:.1f} s: {slowest[1]}")  # noqa: T201
     for command, counter in codes.items():
         ends = ", ".join(f"{count} x {code}" for code, count in sorted(counter.items()))

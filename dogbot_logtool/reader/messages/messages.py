@@ -10,12 +10,20 @@ import numpy as np
 from dogbot_logtool.core.geometry.arrays import Ints
 from dogbot_logtool.errors import DefinitionError
 from dogbot_logtool.reader.containers.log import Batch, Channel
-from dogbot_logtool.reader.decode.decode.columns import Table
-from dogbot_logtool.reader.decode.decode.decode import decode
-from dogbot_logtool.reader.decode.decode.definition import Struct, parse_definition, short_type_name
-from dogbot_logtool.reader.decode.decode.fields import Fields, check_fields, column_paths
-from dogbot_logtool.reader.decode.decode.known_definitions import known_definition
-from dogbot_logtool.reader.decode.decode.message_layout import Layout, Serialisation, compile_layout
+from dogbot_logtool.reader.decode.decode.decode.columns import Table
+from dogbot_logtool.reader.decode.decode.decode.decode import decode
+from dogbot_logtool.reader.decode.decode.decode.definition import (
+    Struct,
+    parse_definition,
+    short_type_name,
+)
+from dogbot_logtool.reader.decode.decode.decode.fields import Fields, check_fields, column_paths
+from dogbot_logtool.reader.decode.decode.decode.known_definitions import known_definition
+from dogbot_logtool.reader.decode.decode.decode.message_layout import (
+    Layout,
+    Serialisation,
+    compile_layout,
+)
 
 SERIALISATIONS: Final[Mapping[str, Serialisation]] = {"ros1": "ros1", "cdr": "cdr"}
 """By the names of messages' encodings."""

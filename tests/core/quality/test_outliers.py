@@ -1,6 +1,6 @@
 import numpy as np
 import pytest
-from dogbot_logtool.core.quality.quality.outliers import outliers
+from dogbot_logtool.core.quality.quality.quality.outliers import outliers
 from hypothesis import given
 from hypothesis import strategies as st
 

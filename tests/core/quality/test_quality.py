@@ -1,6 +1,10 @@
 import numpy as np
 import pytest
-from dogbot_logtool.core.quality.quality.quality import TopicQuality, TopicWatch, mean_rate_hz
+from dogbot_logtool.core.quality.quality.quality.quality import (
+    TopicQuality,
+    TopicWatch,
+    mean_rate_hz,
+)
 from hypothesis import given, settings
 from hypothesis import strategies as st
 

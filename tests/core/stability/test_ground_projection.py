@@ -1,6 +1,9 @@
 import numpy as np
 import pytest
-from dogbot_logtool.core.stability.stability.ground_projection import footprints, pressure_path
+from dogbot_logtool.core.stability.stability.stability.ground_projection import (
+    footprints,
+    pressure_path,
+)
 
 from dogbot_logtool.core.contact.contacts import Samples
 from dogbot_logtool.core.contact.foot_history import FootRecord, FootRecorder

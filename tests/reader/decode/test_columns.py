@@ -1,7 +1,7 @@
 """Columns of texts, against a plain list of strings."""
 
 import numpy as np
-from dogbot_logtool.reader.decode.decode.columns import Texts
+from dogbot_logtool.reader.decode.decode.decode.columns import Texts
 from hypothesis import given, settings
 from hypothesis import strategies as st
 

@@ -9,10 +9,14 @@ from typing import Any, Final, Literal
 
 import numpy as np
 import pytest
-from dogbot_logtool.reader.decode.decode.columns import Table, Texts
-from dogbot_logtool.reader.decode.decode.decode import MAX_VARIABLE_ELEMENTS, Decoded, decode
-from dogbot_logtool.reader.decode.decode.definition import parse_definition
-from dogbot_logtool.reader.decode.decode.message_layout import Layout, Serialisation, compile_layout
+from dogbot_logtool.reader.decode.decode.decode.columns import Table, Texts
+from dogbot_logtool.reader.decode.decode.decode.decode import MAX_VARIABLE_ELEMENTS, Decoded, decode
+from dogbot_logtool.reader.decode.decode.decode.definition import parse_definition
+from dogbot_logtool.reader.decode.decode.decode.message_layout import (
+    Layout,
+    Serialisation,
+    compile_layout,
+)
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from rosbags.serde import SerdeError

@@ -3,7 +3,7 @@
 from typing import Final
 
 import pytest
-from dogbot_logtool.reader.decode.decode.definition import (
+from dogbot_logtool.reader.decode.decode.decode.definition import (
     FieldType,
     FixedArray,
     Primitive,

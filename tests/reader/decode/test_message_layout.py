@@ -4,8 +4,8 @@ from dataclasses import replace
 from typing import Final
 
 import numpy as np
-from dogbot_logtool.reader.decode.decode.definition import parse_definition
-from dogbot_logtool.reader.decode.decode.message_layout import (
+from dogbot_logtool.reader.decode.decode.decode.definition import parse_definition
+from dogbot_logtool.reader.decode.decode.decode.message_layout import (
     ArrayStep,
     Layout,
     Leaf,

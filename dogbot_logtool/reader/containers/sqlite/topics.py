@@ -11,7 +11,10 @@ from dogbot_logtool.errors import LogError
 from dogbot_logtool.io.storage import Location
 from dogbot_logtool.reader.containers.log import Channel, Schema
 from dogbot_logtool.reader.containers.sqlite.database import Database
-from dogbot_logtool.reader.decode.decode.known_definitions import known_definition, long_type_name
+from dogbot_logtool.reader.decode.decode.decode.known_definitions import (
+    known_definition,
+    long_type_name,
+)
 
 _MOST_TOPICS: Final = 0xFFFF
 """Channel ids of an MCAP."""

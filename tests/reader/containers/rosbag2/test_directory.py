@@ -11,8 +11,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 import zstandard
-from dogbot_logtool.reader.messages.messages.contacts.registry import read_contacts
-from dogbot_logtool.reader.messages.messages.contacts.source import FootChannels
+from dogbot_logtool.reader.messages.messages.messages.contacts.registry import read_contacts
+from dogbot_logtool.reader.messages.messages.messages.contacts.source import FootChannels
 from rosbags.rosbag2 import Reader as Rosbag2Reader
 from rosbags.rosbag2 import Writer as Rosbag2Writer
 from rosbags.rosbag2.enums import CompressionFormat, CompressionMode, StoragePlugin
