@@ -5,7 +5,6 @@ from typing import Any
 
 import numpy as np
 import pytest
-from dogbot_logtool.reader.messages.messages.messages.contacts.registry import read_contacts
 from mcap.reader import make_reader
 from mcap_ros2.decoder import DecoderFactory
 
@@ -18,6 +17,7 @@ from dogbot_logtool.pipeline.options import ConvertOptions, StatsOptions, Style,
 from dogbot_logtool.pipeline.probe import look_into
 from dogbot_logtool.pipeline.selection import select_topics
 from dogbot_logtool.reader.containers.opening import open_log
+from dogbot_logtool.reader.messages.contacts.registry import read_contacts
 from dogbot_logtool.report.stats_json import stats_json
 from tests import walks
 from tests.feet_logs import WRENCH, write_log

@@ -11,12 +11,6 @@ from typing import Any
 
 import numpy as np
 import pytest
-from dogbot_logtool.core.stability.stability.stability.stability import feet_down
-from dogbot_logtool.reader.messages.messages.messages.contacts.registry import read_contacts
-from dogbot_logtool.reader.messages.messages.messages.odometry import (
-    decode_odometry,
-    odometry_columns,
-)
 
 from dogbot_logtool.commands.convert import convert
 from dogbot_logtool.core.base.base_record import BaseRecorder
@@ -25,9 +19,15 @@ from dogbot_logtool.core.contact.footfall import contact_rule
 from dogbot_logtool.core.geometry.clock import TimeSource
 from dogbot_logtool.core.geometry.support_polygon import margin_in_hull
 from dogbot_logtool.core.scene.support_scene import margin_colour
+from dogbot_logtool.core.stability.stability import feet_down
 from dogbot_logtool.pipeline.options import ConvertOptions, EncodingName, Style, TopicOptions
 from dogbot_logtool.pipeline.selection import select_topics
 from dogbot_logtool.reader.containers.opening import open_log
+from dogbot_logtool.reader.messages.contacts.registry import read_contacts
+from dogbot_logtool.reader.messages.odometry import (
+    decode_odometry,
+    odometry_columns,
+)
 from dogbot_logtool.results import Conversion
 from tests import walks
 from tests.commands.test_convert import (

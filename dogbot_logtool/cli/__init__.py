@@ -61,20 +61,25 @@ def main() -> NoReturn:
 
 def _run() -> int:
     """Run the command that was called; return its exit code."""
+    code = 0
     try:
         cli.main(standalone_mode=False)
     except Stopped as stopped:
         click.echo("interrupted: nothing was left behind", err=True)
-        return stopped.exit_code
+        code = stopped.exit_code
     except SystemExit as ended:
-        return ended.code if isinstance(ended.code, int) else 0
+        code = ended.code if isinstance(ended.code, int) else 0
     except click.ClickException as error:
         error.show()
-        return error.exit_code
+        code = error.exit_code
     except LogtoolError as error:
         say_error(error)
-        return error.exit_code
+        code = error.exit_code
+    except MemoryError:
+        # What prints other sentences is perhaps not loaded yet, and takes some.
+        click.echo("error: there is not enough memory; with --jobs 1 the least is needed", err=True)
+        code = 1
     except Exception:  # noqa: BLE001 - a fault of ours is shown as a whole, on a stream that is safe
         traceback.print_exc()
-        return 1
-    return 0
+        code = 1
+    return code

@@ -3,7 +3,7 @@
 from collections.abc import Set as AbstractSet
 from dataclasses import replace
 
-from dogbot_logtool.core.quality.quality.quality.quality import mean_rate_hz
+from dogbot_logtool.core.quality.quality import mean_rate_hz
 from dogbot_logtool.finding import Finding, by_severity
 from dogbot_logtool.io.storage import Location
 from dogbot_logtool.pipeline.annotated import without_annotations
@@ -15,7 +15,7 @@ from dogbot_logtool.pipeline.probe import Evidence, evidence_findings, look_into
 from dogbot_logtool.pipeline.selection import Selection, select_topics
 from dogbot_logtool.reader.containers.log import Log
 from dogbot_logtool.reader.containers.opening import open_log
-from dogbot_logtool.reader.messages.messages.messages.transforms import TRANSFORM_TYPES
+from dogbot_logtool.reader.messages.transforms import TRANSFORM_TYPES
 from dogbot_logtool.results import LogInfo, TopicInfo
 from dogbot_logtool.run.relay import Progress
 

@@ -15,7 +15,7 @@ import numpy as np
 
 from dogbot_logtool.comparison.fields import Tree
 from dogbot_logtool.reader.containers.log import Channel, Schema
-from dogbot_logtool.reader.decode.decode.decode.definition import short_type_name
+from dogbot_logtool.reader.decode.definition import short_type_name
 
 if TYPE_CHECKING:
     from google.protobuf.descriptor_pb2 import FileDescriptorProto

@@ -10,7 +10,7 @@ import numpy as np
 
 from dogbot_logtool.comparison.windows import Block
 from dogbot_logtool.core.geometry.arrays import Flags, Ints
-from dogbot_logtool.reader.decode.decode.decode.columns import gather
+from dogbot_logtool.reader.decode.columns import gather
 
 
 @dataclass(frozen=True, slots=True)

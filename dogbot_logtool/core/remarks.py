@@ -6,12 +6,12 @@ from typing import Final
 import numpy as np
 
 from dogbot_logtool.core.base.base_motion import BaseMotion
-from dogbot_logtool.core.gait.gait.gait.foot_statistics import FootFigures
-from dogbot_logtool.core.gait.gait.gait.gait import CONSISTENT, IRREGULAR, QUADRUPED
+from dogbot_logtool.core.gait.foot_statistics import FootFigures
+from dogbot_logtool.core.gait.gait import CONSISTENT, IRREGULAR, QUADRUPED
 from dogbot_logtool.core.geometry import timespans
 from dogbot_logtool.core.geometry.arrays import norms
 from dogbot_logtool.core.load.load_figures import is_saturated, is_stuck, vertical_is_known
-from dogbot_logtool.core.quality.quality.quality.quality import TopicQuality
+from dogbot_logtool.core.quality.quality import TopicQuality
 from dogbot_logtool.core.statistics import Stats
 from dogbot_logtool.finding import Finding, Severity
 

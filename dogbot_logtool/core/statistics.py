@@ -22,22 +22,22 @@ from dogbot_logtool.core.base.odometry import Odometry
 from dogbot_logtool.core.contact.contacts import Samples
 from dogbot_logtool.core.contact.curves import CurveDetail
 from dogbot_logtool.core.contact.foot_history import FootRecord, FootRecorder
-from dogbot_logtool.core.gait.gait.gait.foot_statistics import (
+from dogbot_logtool.core.gait.foot_statistics import (
     FootFigures,
     contact_time_without_pose_s,
     foot_figures,
     overlap,
 )
-from dogbot_logtool.core.gait.gait.gait.segments import Segment, find_segments, main_segment, stands
-from dogbot_logtool.core.gait.gait.gait.support_pattern import Support, support
+from dogbot_logtool.core.gait.segments import Segment, find_segments, main_segment, stands
+from dogbot_logtool.core.gait.support_pattern import Support, support
 from dogbot_logtool.core.geometry import timespans
 from dogbot_logtool.core.geometry.arrays import Ints, rows_by_group
 from dogbot_logtool.core.geometry.clock import StampWatch
 from dogbot_logtool.core.leg_position import quadruped
 from dogbot_logtool.core.load.load_figures import LoadFigures, dead_feet, load_figures
-from dogbot_logtool.core.quality.quality.quality.quality import TopicQuality, TopicWatch, with_gaps
+from dogbot_logtool.core.quality.quality import TopicQuality, TopicWatch, with_gaps
 from dogbot_logtool.core.settings import StatsSettings
-from dogbot_logtool.core.stability.stability.stability.stability import Stability, stability
+from dogbot_logtool.core.stability.stability import Stability, stability
 
 
 @dataclass(frozen=True, slots=True)

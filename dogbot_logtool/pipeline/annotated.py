@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Final
 from dogbot_logtool.errors import LogError
 from dogbot_logtool.finding import Finding, note
 from dogbot_logtool.io.storage import Location, shown
-from dogbot_logtool.pipeline.provenance import PROVENANCE, is_marked
+from dogbot_logtool.provenance import PROVENANCE, is_marked
 from dogbot_logtool.reader.containers.log import Channel, Extra, Log
 from dogbot_logtool.reader.containers.opening import open_log
 from dogbot_logtool.reader.containers.recorded_log import EarlierAnnotations, RecordedLog

@@ -12,17 +12,17 @@ from dogbot_logtool.core.plausible import plausible_odometry
 from dogbot_logtool.pipeline.selection import Selection
 from dogbot_logtool.pipeline.world_frames import BatchFrames, WorldFrames
 from dogbot_logtool.reader.containers.log import Batch, Chunk, Log, Span
-from dogbot_logtool.reader.messages.messages.messages.contacts.registry import (
+from dogbot_logtool.reader.messages.contacts.registry import (
     ContactsRead,
     read_contacts,
 )
-from dogbot_logtool.reader.messages.messages.messages.contacts.source import FootChannels
-from dogbot_logtool.reader.messages.messages.messages.messages import DecodedMessages, malformed_in
-from dogbot_logtool.reader.messages.messages.messages.odometry import (
+from dogbot_logtool.reader.messages.contacts.source import FootChannels
+from dogbot_logtool.reader.messages.messages import DecodedMessages, malformed_in
+from dogbot_logtool.reader.messages.odometry import (
     decode_odometry,
     joined_odometry,
 )
-from dogbot_logtool.reader.messages.messages.messages.transforms import decode_transforms
+from dogbot_logtool.reader.messages.transforms import decode_transforms
 
 _MOST_CHUNKS_AHEAD: Final = 256
 """Where chunks do not say when they begin, no more are looked into."""

@@ -11,12 +11,12 @@ from dogbot_logtool.core.frames.recorded_transforms import (
     concatenate_transforms,
 )
 from dogbot_logtool.reader.containers.log import Channel, Log, Loss, Span
-from dogbot_logtool.reader.messages.messages.messages.foxglove_transforms import (
+from dogbot_logtool.reader.messages.foxglove_transforms import (
     FOXGLOVE_TYPES,
     foxglove_transforms,
 )
-from dogbot_logtool.reader.messages.messages.messages.messages import malformed_in
-from dogbot_logtool.reader.messages.messages.messages.transforms import (
+from dogbot_logtool.reader.messages.messages import malformed_in
+from dogbot_logtool.reader.messages.transforms import (
     decode_transforms,
     is_static,
     transform_columns,

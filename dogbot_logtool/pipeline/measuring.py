@@ -11,8 +11,8 @@ from dogbot_logtool.core.geometry.arrays import Ints, rows_by_group
 from dogbot_logtool.pipeline.batches import BatchReader
 from dogbot_logtool.pipeline.world_frames import BatchFrames
 from dogbot_logtool.reader.containers.log import Batch, Log, Loss, Span
-from dogbot_logtool.reader.decode.decode.decode.columns import Texts
-from dogbot_logtool.reader.messages.messages.messages.messages import DecodedMessages
+from dogbot_logtool.reader.decode.columns import Texts
+from dogbot_logtool.reader.messages.messages import DecodedMessages
 
 
 @dataclass(frozen=True, slots=True)

@@ -22,14 +22,14 @@ from dogbot_logtool.core.geometry.arrays import Floats, Ints
 from dogbot_logtool.finding import Finding, note, warning
 from dogbot_logtool.pipeline.selection import Selection
 from dogbot_logtool.reader.containers.log import Batch, Chunk, Log
-from dogbot_logtool.reader.messages.messages.messages.contacts.registry import read_contacts
-from dogbot_logtool.reader.messages.messages.messages.contacts.source import StepTiming
-from dogbot_logtool.reader.messages.messages.messages.frame_tracks import static_tracks
-from dogbot_logtool.reader.messages.messages.messages.odometry import (
+from dogbot_logtool.reader.messages.contacts.registry import read_contacts
+from dogbot_logtool.reader.messages.contacts.source import StepTiming
+from dogbot_logtool.reader.messages.frame_tracks import static_tracks
+from dogbot_logtool.reader.messages.odometry import (
     decode_odometry,
     odometry_frames,
 )
-from dogbot_logtool.reader.messages.messages.messages.transforms import (
+from dogbot_logtool.reader.messages.transforms import (
     decode_transforms,
     frame_pairs,
     transform_columns,

@@ -8,14 +8,14 @@ from dogbot_logtool.errors import DefinitionError
 from dogbot_logtool.finding import Finding, error, note, warning
 from dogbot_logtool.io.listing import listed
 from dogbot_logtool.reader.containers.log import Channel
-from dogbot_logtool.reader.messages.messages.messages.contacts.registry import (
+from dogbot_logtool.reader.messages.contacts.registry import (
     SOURCES,
     check_contacts,
 )
-from dogbot_logtool.reader.messages.messages.messages.foxglove_transforms import FOXGLOVE_TYPES
-from dogbot_logtool.reader.messages.messages.messages.messages import SERIALISATIONS
-from dogbot_logtool.reader.messages.messages.messages.odometry import ODOMETRY_TYPE, check_odometry
-from dogbot_logtool.reader.messages.messages.messages.transforms import (
+from dogbot_logtool.reader.messages.foxglove_transforms import FOXGLOVE_TYPES
+from dogbot_logtool.reader.messages.messages import SERIALISATIONS
+from dogbot_logtool.reader.messages.odometry import ODOMETRY_TYPE, check_odometry
+from dogbot_logtool.reader.messages.transforms import (
     TRANSFORM_TYPES,
     check_transforms,
 )

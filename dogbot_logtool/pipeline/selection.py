@@ -37,13 +37,13 @@ from dogbot_logtool.pipeline.topics import (
     topics_of_type,
 )
 from dogbot_logtool.reader.containers.log import Channel, Log
-from dogbot_logtool.reader.messages.messages.messages.contacts.registry import SOURCES
-from dogbot_logtool.reader.messages.messages.messages.contacts.source import (
+from dogbot_logtool.reader.messages.contacts.registry import SOURCES
+from dogbot_logtool.reader.messages.contacts.source import (
     ContactSource,
     FootChannels,
 )
-from dogbot_logtool.reader.messages.messages.messages.odometry import ODOMETRY_TYPE
-from dogbot_logtool.reader.messages.messages.messages.transforms import TRANSFORM_TYPES, is_static
+from dogbot_logtool.reader.messages.odometry import ODOMETRY_TYPE
+from dogbot_logtool.reader.messages.transforms import TRANSFORM_TYPES, is_static
 from dogbot_logtool.robot import GENERIC, Robot, known_robots, load_robot
 
 _LIKELY_WORDS: Final = ("odom", "contact", "foot", "feet", "force", "wrench", "pose", "leg")

@@ -25,9 +25,9 @@ from dogbot_logtool.core.geometry.clock import TimeSource
 from dogbot_logtool.finding import Finding, note, warning
 from dogbot_logtool.pipeline.probe import Evidence
 from dogbot_logtool.pipeline.selection import Selection
-from dogbot_logtool.reader.messages.messages.messages.frame_tracks import moving_tracks
-from dogbot_logtool.reader.messages.messages.messages.messages import DecodedMessages
-from dogbot_logtool.reader.messages.messages.messages.transforms import transform_columns
+from dogbot_logtool.reader.messages.frame_tracks import moving_tracks
+from dogbot_logtool.reader.messages.messages import DecodedMessages
+from dogbot_logtool.reader.messages.transforms import transform_columns
 
 
 @dataclass(frozen=True, slots=True)

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, BinaryIO, Final, Literal
 import numpy as np
 
 from dogbot_logtool.core.contact.curves import Curve, LoadCurves
-from dogbot_logtool.core.gait.gait.gait.foot_statistics import FootFigures
+from dogbot_logtool.core.gait.foot_statistics import FootFigures
 from dogbot_logtool.core.geometry import timespans
 from dogbot_logtool.core.geometry.arrays import Floats, Ints
 from dogbot_logtool.core.statistics import Stats

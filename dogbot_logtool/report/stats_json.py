@@ -8,12 +8,12 @@ from typing import Any, Final
 
 from dogbot_logtool import __version__
 from dogbot_logtool.core.base.base_motion import BaseMotion
-from dogbot_logtool.core.gait.gait.gait.foot_statistics import FootFigures
-from dogbot_logtool.core.gait.gait.gait.gait import diagonality
-from dogbot_logtool.core.gait.gait.gait.segments import Segment
+from dogbot_logtool.core.gait.foot_statistics import FootFigures
+from dogbot_logtool.core.gait.gait import diagonality
+from dogbot_logtool.core.gait.segments import Segment
 from dogbot_logtool.core.geometry.aggregates import Aggregate
 from dogbot_logtool.core.load.load_figures import grouped_shares, symmetry_index_percent
-from dogbot_logtool.core.quality.quality.quality.quality import TopicQuality
+from dogbot_logtool.core.quality.quality import TopicQuality
 from dogbot_logtool.core.remarks import remarks
 from dogbot_logtool.core.statistics import Stats
 from dogbot_logtool.finding import Finding

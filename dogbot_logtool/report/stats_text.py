@@ -9,7 +9,7 @@ from rich.console import Console, Group, RenderableType
 from rich.padding import Padding
 from rich.text import Text
 
-from dogbot_logtool.core.gait.gait.gait.gait import STAND
+from dogbot_logtool.core.gait.gait import STAND
 from dogbot_logtool.core.geometry.aggregates import Aggregate
 from dogbot_logtool.core.load.load_figures import grouped_shares
 from dogbot_logtool.core.remarks import remarks

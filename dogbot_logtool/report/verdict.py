@@ -2,8 +2,8 @@
 
 import math
 
-from dogbot_logtool.core.gait.gait.gait.gait import IRREGULAR, QUADRUPED, STAND, TOLERANCE
-from dogbot_logtool.core.gait.gait.gait.segments import Segment
+from dogbot_logtool.core.gait.gait import IRREGULAR, QUADRUPED, STAND, TOLERANCE
+from dogbot_logtool.core.gait.segments import Segment
 from dogbot_logtool.core.statistics import Stats
 
 

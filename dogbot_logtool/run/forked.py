@@ -18,6 +18,7 @@ from concurrent.futures import Future, ThreadPoolExecutor
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from functools import partial
+from multiprocessing.connection import wait
 from multiprocessing.context import ForkProcess
 from typing import Any, BinaryIO, Final, Generic
 
@@ -28,6 +29,7 @@ from dogbot_logtool.run.signals import held_back, leave_to_parent
 _FORK: Final = multiprocessing.get_context("fork")
 _STARTING: Final = threading.Lock()
 """Held while workers start: another thread's would inherit both ends of their pipes."""
+_LOOK_EVERY_S: Final = 1.0
 
 
 class _PeerEndedError(Exception):
@@ -149,9 +151,6 @@ def _workers(
     """Start workers, yield the ends at which their results arrive, and end the workers."""
     pipes = _Pipes()
     workers: list[ForkProcess] = []
-    # A garbage collection writes to all that it looks at: each process would get its own pages of
-    # what was there before, an index of an hour for one.
-    gc.freeze()
     try:
         # A signal's exception amid a start would leave a process that nobody knows of.
         with _STARTING, held_back():
@@ -163,7 +162,6 @@ def _workers(
         for process in workers:
             process.join()
         pipes.close_all_but()
-        gc.unfreeze()
 
 
 def _start(
@@ -187,7 +185,7 @@ def _start(
             states_out = states[(number + 1) % jobs][1]
             ends = _Ends(alive, states[number][0], states_out, results[number][1])
             given = [] if number else [first]
-            serve = partial(_serve, work, items[number::jobs], ends, given, pipes)
+            serve = partial(_serve, work, items[number::jobs], ends, given, pipes, os.getpid())
             process = _FORK.Process(target=serve, daemon=True)
             process.start()
             workers.append(process)
@@ -206,13 +204,18 @@ def _serve(
     ends: _Ends,
     first: list[State],
     pipes: _Pipes,
+    parent: int,
 ) -> None:
     """Work on some items; runs in a copy of the process."""
     leave_to_parent()
+    # A garbage collection writes to all that it looks at: each process would get its own pages of
+    # what was there before, an index of an hour for one.
+    gc.freeze()
     pipes.close_all_but(ends.parent, ends.states_in, ends.states_out, ends.results)
-    threading.Thread(target=_end_with_parent, args=(ends.parent,), daemon=True).start()
+    threading.Thread(target=_end_with, args=(ends.parent, parent), daemon=True).start()
     baton = _Piped(ends, first)
-    with suppress(_PeerEndedError, BrokenPipeError), ThreadPoolExecutor(1) as sender:
+    # Where even sending takes too much memory, the first process finds that this one ended.
+    with suppress(_PeerEndedError, BrokenPipeError, MemoryError), ThreadPoolExecutor(1) as sender:
         sent: Future[None] = sender.submit(lambda: None)
         for item in items:
             try:
@@ -230,6 +233,8 @@ def _serve(
         sent.result()
 
 
-def _end_with_parent(parent: BinaryIO) -> None:
-    parent.read(1)
+def _end_with(parent: BinaryIO, process: int) -> None:
+    # Whatever else the first process forked has the pipe open, too, so it is not enough.
+    while not wait([parent.fileno()], _LOOK_EVERY_S) and os.getppid() == process:
+        pass
     os._exit(1)

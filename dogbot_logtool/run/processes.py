@@ -13,8 +13,9 @@ import os
 import signal
 import threading
 import time
+from collections.abc import Iterator
 from concurrent.futures import BrokenExecutor, Future, ProcessPoolExecutor
-from contextlib import suppress
+from contextlib import contextmanager, suppress
 from functools import partial
 from multiprocessing.connection import Connection
 from typing import Any, Final
@@ -22,11 +23,19 @@ from typing import Any, Final
 from dogbot_logtool.errors import LogtoolError
 from dogbot_logtool.run.executor import ExecutorRunner
 from dogbot_logtool.run.runner import Failure, Result, Watcher, Work, attempt
-from dogbot_logtool.run.signals import Stopped, held_back, leave_to_parent, raise_stopped
+from dogbot_logtool.run.signals import (
+    Stopped,
+    held_back,
+    leave_to_parent,
+    raise_again_if_lost,
+    raise_stopped,
+)
 
 _SPAWN: Final = multiprocessing.get_context("spawn")
 _CLEAN_UP_S: Final = 5.0
 """Time for a worker to remove what it has begun to write."""
+_END_S: Final = 8.0
+"""Time for a worker to end: one that was stopped, or that got no memory for it, never does."""
 
 
 class _Worker:
@@ -60,7 +69,15 @@ class _Worker:
 
     def close(self) -> None:
         """Wait for the end of the process."""
-        self._pool.shutdown(cancel_futures=True)
+        # A pool whose thread could not be started has none to wait for.
+        with suppress(RuntimeError):
+            self._pool.shutdown(cancel_futures=True)
+
+    def kill(self) -> None:
+        """End the process at once, if it has not ended yet."""
+        # Python 3.14 has a method for this, which takes them from there, too.
+        for process in list((self._pool._processes or {}).values()):  # noqa: SLF001
+            process.kill()
 
 
 class Processes(ExecutorRunner[Result]):
@@ -76,7 +93,7 @@ class Processes(ExecutorRunner[Result]):
         self.jobs = jobs
         self.capacity = workers
         # Whatever is started here must not be ended by a signal that reaches all processes.
-        with held_back():
+        with held_back(), _started(workers):
             ends, self._lifeline = _SPAWN.Pipe(duplex=False)
             self._workers = [_Worker(ends) for _ in range(workers)]
         self._idle = list(self._workers)
@@ -85,13 +102,8 @@ class Processes(ExecutorRunner[Result]):
     def submit(self, number: int, work: Work[Result], item: object) -> "Future[Result | Failure]":
         """See `ExecutorRunner.submit`."""
         worker = self._idle.pop()
-        try:
-            with held_back():
-                future = worker.submit(work, item)
-        except OSError as error:
-            raise LogtoolError(
-                f"{self.capacity} processes cannot be started: {error.strerror}; try fewer --jobs"
-            ) from error
+        with held_back(), _started(self.capacity):
+            future = worker.submit(work, item)
         self._busy[number] = worker
         future.add_done_callback(partial(self._freed, number))
         return future
@@ -115,8 +127,32 @@ class Processes(ExecutorRunner[Result]):
     def close(self) -> None:
         """End the processes, which first remove what they have begun to write."""
         self._lifeline.close()
+        last_resort = threading.Timer(_END_S, self._kill)
+        with suppress(RuntimeError):
+            last_resort.start()
         for worker in self._workers:
             worker.close()
+        last_resort.cancel()
+
+    def _kill(self) -> None:
+        for worker in self._workers:
+            worker.kill()
+
+
+@contextmanager
+def _started(workers: int) -> Iterator[None]:
+    """Explain why the processes that a block starts cannot be started.
+
+    Raises:
+        LogtoolError: there are not as many processes, threads or files to be had, or no memory.
+    """
+    try:
+        yield
+    except (OSError, RuntimeError, MemoryError) as error:
+        why = getattr(error, "strerror", None) or str(error) or "not enough memory"
+        raise LogtoolError(
+            f"{workers} processes cannot be started: {why}; try fewer --jobs"
+        ) from error
 
 
 _progress: Any = None
@@ -128,6 +164,7 @@ def _begin(lifeline: Connection, progress: Any) -> None:  # noqa: ANN401 - ctype
     global _progress  # noqa: PLW0603 - there is no other way to reach a function of a pool
     _progress = progress
     leave_to_parent()
+    raise_again_if_lost()
     threading.Thread(target=_end_with, args=(lifeline,), daemon=True).start()
 
 

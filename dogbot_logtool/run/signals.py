@@ -2,11 +2,15 @@
 
 import math
 import signal
+import sys
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from types import FrameType
-from typing import Final
+from typing import TYPE_CHECKING, Final
+
+if TYPE_CHECKING:
+    from sys import UnraisableHookArgs
 
 _ENDING: Final = [
     signal.Signals[name]
@@ -16,6 +20,7 @@ _ENDING: Final = [
 """Ctrl-C, `kill`, and a terminal that was closed; not every system has the last."""
 
 _CLEAN_UP_S: Final = 10.0
+_AGAIN_AFTER_S: Final = 0.01
 _last_raised = -math.inf
 
 
@@ -35,6 +40,31 @@ def raise_on_signals() -> None:
     for number in _ENDING:
         if signal.getsignal(number) is not signal.SIG_IGN:
             signal.signal(number, raise_stopped)
+    raise_again_if_lost()
+
+
+def raise_again_if_lost() -> None:
+    """Raise `Stopped` once more where it was lost.
+
+    A signal may come while a finalizer or the callback of a weak reference runs, out of which no
+    exception passes: the interpreter prints it and goes on.
+    """
+    sys.unraisablehook = _raise_again
+
+
+def _raise_again(unraisable: "UnraisableHookArgs") -> None:
+    global _last_raised  # noqa: PLW0603 - a process has one
+    stopped = unraisable.exc_value
+    if not isinstance(stopped, Stopped):
+        sys.__unraisablehook__(unraisable)
+        return
+    _last_raised = -math.inf
+    number = stopped.exit_code - 128
+    # Raised here, it would be lost, too. A timer of the system needs no lock, which whatever was
+    # interrupted may hold.
+    if hasattr(signal, "setitimer"):
+        signal.signal(signal.SIGALRM, lambda _alarm, frame: raise_stopped(number, frame))
+        signal.setitimer(signal.ITIMER_REAL, _AGAIN_AFTER_S)
 
 
 def ignore_signals() -> None:

@@ -15,7 +15,7 @@ from dogbot_logtool.core.load.loads import Loads
 from dogbot_logtool.core.scene.arrows import Arrows
 from dogbot_logtool.core.scene.support_scene import SupportScene
 from dogbot_logtool.errors import LogtoolError
-from dogbot_logtool.pipeline.provenance import ANNOTATION_MARK
+from dogbot_logtool.provenance import ANNOTATION_MARK
 from dogbot_logtool.writer.encodings.encoding import (
     SHAFT_SHARE,
     ArrowStyle,

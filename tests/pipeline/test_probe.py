@@ -6,13 +6,13 @@ from typing import Any
 
 import numpy as np
 import pytest
-from dogbot_logtool.reader.messages.messages.messages.contacts.source import StepTiming
 
 from dogbot_logtool.core.frames.wrench_frame import WrenchFrame
 from dogbot_logtool.pipeline.options import TopicOptions
 from dogbot_logtool.pipeline.probe import Evidence, left_after, look_into
 from dogbot_logtool.pipeline.selection import select_topics
 from dogbot_logtool.reader.containers.opening import open_log
+from dogbot_logtool.reader.messages.contacts.source import StepTiming
 from tests.paths import SAMPLE_LOGS
 
 LOGS = ("dogbot_trot.bag", "dogbot_walk.mcap", "dogbot_troubled.bag")

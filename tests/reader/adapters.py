@@ -6,33 +6,33 @@ from functools import cache
 from typing import Any, Final
 
 import numpy as np
-from dogbot_logtool.reader.messages.messages.messages.contacts.registry import (
+from foxglove_schemas_protobuf.FrameTransform_pb2 import FrameTransform
+from foxglove_schemas_protobuf.FrameTransforms_pb2 import FrameTransforms
+
+from dogbot_logtool.core.geometry.arrays import Ints
+from dogbot_logtool.reader.containers.log import Batch, Channel, Messages, Schema
+from dogbot_logtool.reader.messages.contacts.registry import (
     SOURCES,
     check_contacts,
     read_contacts,
 )
-from dogbot_logtool.reader.messages.messages.messages.contacts.source import FootChannels
-from dogbot_logtool.reader.messages.messages.messages.foxglove_transforms import foxglove_transforms
-from dogbot_logtool.reader.messages.messages.messages.messages import malformed_in
-from dogbot_logtool.reader.messages.messages.messages.odometry import (
+from dogbot_logtool.reader.messages.contacts.source import FootChannels
+from dogbot_logtool.reader.messages.foxglove_transforms import foxglove_transforms
+from dogbot_logtool.reader.messages.messages import malformed_in
+from dogbot_logtool.reader.messages.odometry import (
     ODOMETRY_TYPE,
     check_odometry,
     decode_odometry,
     joined_odometry,
     odometry_frames,
 )
-from dogbot_logtool.reader.messages.messages.messages.transforms import (
+from dogbot_logtool.reader.messages.transforms import (
     TRANSFORM_TYPES,
     check_transforms,
     decode_transforms,
     frame_pairs,
     transform_columns,
 )
-from foxglove_schemas_protobuf.FrameTransform_pb2 import FrameTransform
-from foxglove_schemas_protobuf.FrameTransforms_pb2 import FrameTransforms
-
-from dogbot_logtool.core.geometry.arrays import Ints
-from dogbot_logtool.reader.containers.log import Batch, Channel, Messages, Schema
 from dogbot_logtool.robot import Foot
 from tests import walks
 

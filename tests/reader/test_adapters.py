@@ -2,8 +2,8 @@
 
 import numpy as np
 import pytest
-from dogbot_logtool.reader.messages.messages.messages.contacts.registry import SOURCES
 
+from dogbot_logtool.reader.messages.contacts.registry import SOURCES
 from tests.reader import adapters
 from tests.reader.adapters import ALL, DAMAGES, FOXGLOVE, Outcome
 

@@ -5,15 +5,16 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from dogbot_logtool.reader.decode.decode.decode.columns import Texts
-from dogbot_logtool.reader.messages.messages.messages.contacts.collisions import link_of_collision
-from dogbot_logtool.reader.messages.messages.messages.contacts.physics_steps import (
+from hypothesis import given
+from hypothesis import strategies as st
+
+from dogbot_logtool.reader.decode.columns import Texts
+from dogbot_logtool.reader.messages.contacts.collisions import link_of_collision
+from dogbot_logtool.reader.messages.contacts.physics_steps import (
     newest_lag,
     newest_step,
     steps_of_messages,
 )
-from hypothesis import given
-from hypothesis import strategies as st
 
 
 def texts(strings: list[str]) -> Texts:

@@ -5,7 +5,11 @@ from collections.abc import Iterator
 
 import numpy as np
 import pytest
-from dogbot_logtool.reader.decode.decode.decode.definition import (
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+from dogbot_logtool.errors import DefinitionError
+from dogbot_logtool.reader.decode.definition import (
     FieldType,
     FixedArray,
     Primitive,
@@ -14,10 +18,6 @@ from dogbot_logtool.reader.decode.decode.decode.definition import (
     VariableArray,
     parse_definition,
 )
-from hypothesis import HealthCheck, given, settings
-from hypothesis import strategies as st
-
-from dogbot_logtool.errors import DefinitionError
 from tests.reader import adapters
 from tests.reader.adapters import DECODED
 

@@ -17,7 +17,7 @@ from dogbot_logtool.core.geometry.clock import (
     first_at_each_tick,
 )
 from dogbot_logtool.core.geometry.rotations import normalised, roll_pitch_yaw, rotate
-from dogbot_logtool.core.quality.quality.quality.quality import SILENCE_NS, steady_rhythm
+from dogbot_logtool.core.quality.quality import SILENCE_NS, steady_rhythm
 
 POSE_RATE_HZ: Final = 100.0
 """A day at this rate is half a gigabyte."""

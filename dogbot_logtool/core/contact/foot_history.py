@@ -26,7 +26,7 @@ from dogbot_logtool.core.geometry.aggregates import IntervalHistogram
 from dogbot_logtool.core.geometry.arrays import Flags, Ints, norms
 from dogbot_logtool.core.geometry.blocks import BLOCK_ROWS, Blocks, GrowingTable
 from dogbot_logtool.core.geometry.clock import TimeSource, absolute_time, advancing
-from dogbot_logtool.core.quality.quality.quality.quality import steady_rhythm
+from dogbot_logtool.core.quality.quality import steady_rhythm
 
 _TOUCH_N: Final = 1.0
 """Stands for the force of a contact whose force is not known; no figure shows it."""

@@ -9,7 +9,7 @@ import numpy as np
 from dogbot_logtool.core.frames.recorded_transforms import RecordedTransforms
 from dogbot_logtool.core.geometry.arrays import Flags, Floats, Ints, all_finite, stable_order
 from dogbot_logtool.core.geometry.clock import TimeSource
-from dogbot_logtool.core.quality.quality.quality.quality import TopicQuality, TopicWatch
+from dogbot_logtool.core.quality.quality import TopicQuality, TopicWatch
 
 NORM_TOLERANCE: Final = 0.01
 """A quaternion whose squared norm is further from 1 is not normalised. tf2's tolerance: it

@@ -9,8 +9,8 @@ from dogbot_logtool.core.base.base_motion import stride_lengths
 from dogbot_logtool.core.base.base_record import BaseRecord
 from dogbot_logtool.core.contact.foot_history import FootRecord
 from dogbot_logtool.core.contact.stances import Cut, Stances
-from dogbot_logtool.core.gait.gait.gait.segments import FootEvents
-from dogbot_logtool.core.gait.gait.gait.strides import Strides, cut_by_fall, strides_of
+from dogbot_logtool.core.gait.segments import FootEvents
+from dogbot_logtool.core.gait.strides import Strides, cut_by_fall, strides_of
 from dogbot_logtool.core.geometry import timespans
 from dogbot_logtool.core.geometry.aggregates import Aggregate, aggregate
 from dogbot_logtool.core.geometry.arrays import Floats, Ints

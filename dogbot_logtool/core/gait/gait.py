@@ -11,7 +11,7 @@ from typing import Final
 
 import numpy as np
 
-from dogbot_logtool.core.gait.gait.gait.strides import Strides
+from dogbot_logtool.core.gait.strides import Strides
 from dogbot_logtool.core.geometry.aggregates import wrapped
 from dogbot_logtool.core.geometry.arrays import Floats, Ints
 

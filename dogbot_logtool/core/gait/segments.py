@@ -6,7 +6,7 @@ from typing import Final
 
 import numpy as np
 
-from dogbot_logtool.core.gait.gait.gait.gait import (
+from dogbot_logtool.core.gait.gait import (
     STAND,
     TOLERANCE,
     UNKNOWN_GAIT,
@@ -16,7 +16,7 @@ from dogbot_logtool.core.gait.gait.gait.gait import (
     phases_by_stride,
     phases_in,
 )
-from dogbot_logtool.core.gait.gait.gait.strides import Strides
+from dogbot_logtool.core.gait.strides import Strides
 from dogbot_logtool.core.geometry import timespans
 from dogbot_logtool.core.geometry.aggregates import CircularMean, circular_mean
 from dogbot_logtool.core.geometry.arrays import Floats, Ints

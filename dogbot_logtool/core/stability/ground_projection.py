@@ -9,7 +9,7 @@ from dogbot_logtool.core.contact.foot_history import FootRecord
 from dogbot_logtool.core.geometry import timespans
 from dogbot_logtool.core.geometry.arrays import Floats, Ints
 from dogbot_logtool.core.geometry.support_polygon import centre_of_pressure
-from dogbot_logtool.core.stability.stability.stability.stability import feet_down
+from dogbot_logtool.core.stability.stability import feet_down
 
 
 @dataclass(frozen=True, slots=True)

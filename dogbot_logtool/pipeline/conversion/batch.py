@@ -11,7 +11,7 @@ from dogbot_logtool.pipeline.conversion.drawing import Drawn, draw
 from dogbot_logtool.pipeline.conversion.reading import ReadBatch, read_batch
 from dogbot_logtool.pipeline.plan import Plan
 from dogbot_logtool.reader.containers.log import Batch, Log, Loss, Span
-from dogbot_logtool.reader.messages.messages.messages.transforms import frame_pairs
+from dogbot_logtool.reader.messages.transforms import frame_pairs
 from dogbot_logtool.run.relay import Baton
 from dogbot_logtool.writer.annotations import Annotations
 from dogbot_logtool.writer.chunks import FinishedChunk, finish_chunks

@@ -5,7 +5,7 @@ from collections.abc import Mapping
 from dogbot_logtool.pipeline.options import EncodingName
 from dogbot_logtool.pipeline.plan import Plan
 from dogbot_logtool.reader.containers.log import Log
-from dogbot_logtool.reader.decode.decode.decode.definition import short_type_name
+from dogbot_logtool.reader.decode.definition import short_type_name
 from dogbot_logtool.writer.annotations import FALLBACK_PREFIX, Annotations, IdSource
 from dogbot_logtool.writer.encodings.encoding import Encoding, MessageType
 

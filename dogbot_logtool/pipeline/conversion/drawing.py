@@ -23,7 +23,7 @@ from dogbot_logtool.core.scene.support_scene import support_scene
 from dogbot_logtool.pipeline.conversion.carried import Carried
 from dogbot_logtool.pipeline.conversion.reading import ReadBatch
 from dogbot_logtool.pipeline.plan import Plan
-from dogbot_logtool.reader.messages.messages.messages.contacts.registry import ContactsRead
+from dogbot_logtool.reader.messages.contacts.registry import ContactsRead
 from dogbot_logtool.writer.annotations import AnnotationColumns
 
 

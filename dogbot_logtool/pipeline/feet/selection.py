@@ -18,7 +18,7 @@ from dogbot_logtool.pipeline.topics import (
     topics_of_type,
 )
 from dogbot_logtool.reader.containers.log import Log
-from dogbot_logtool.reader.messages.messages.messages.contacts.registry import SOURCES
+from dogbot_logtool.reader.messages.contacts.registry import SOURCES
 from dogbot_logtool.robot import Foot, Robot
 
 _MOST_OFFERED: Final = 16

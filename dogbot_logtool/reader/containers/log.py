@@ -14,8 +14,8 @@ import numpy as np
 from dogbot_logtool.core.geometry.arrays import Bytes, Flags, Ints
 from dogbot_logtool.reader.containers.channel_ids import UNKNOWN_CHANNEL, ChannelIds
 from dogbot_logtool.reader.containers.source import ByteSource
-from dogbot_logtool.reader.decode.decode.decode.definition import short_type_name
-from dogbot_logtool.reader.decode.decode.decode.message_table import Messages, concatenate_messages
+from dogbot_logtool.reader.decode.definition import short_type_name
+from dogbot_logtool.reader.decode.message_table import Messages, concatenate_messages
 from dogbot_logtool.reader.salvage.losses import Loss, lost_messages
 
 __all__ = [

@@ -9,7 +9,7 @@ import zstandard
 from dogbot_logtool.core.geometry.arrays import Bytes, Flags
 from dogbot_logtool.reader.containers.log import Batch, Loss, Messages
 from dogbot_logtool.reader.containers.signatures import ZSTD_MAGIC
-from dogbot_logtool.reader.decode.decode.decode.columns import gather
+from dogbot_logtool.reader.decode.columns import gather
 
 _BUDGET: Final = 64 << 20
 _MAX_RATIO: Final = 40

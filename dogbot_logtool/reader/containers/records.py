@@ -14,7 +14,7 @@ import numpy as np
 
 from dogbot_logtool.core.geometry.arrays import Bytes, Flags, Ints
 from dogbot_logtool.reader.containers.source import ByteSource
-from dogbot_logtool.reader.decode.decode.decode.message_table import Messages, concatenate_messages
+from dogbot_logtool.reader.decode.message_table import Messages, concatenate_messages
 
 _FIRST_WINDOW: Final = 1 << 12
 _LARGEST_WINDOW: Final = 1 << 20

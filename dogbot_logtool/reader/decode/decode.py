@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dogbot_logtool.core.geometry.arrays import Bytes, Flags, Ints
-from dogbot_logtool.reader.decode.decode.decode.columns import (
+from dogbot_logtool.reader.decode.columns import (
     Nested,
     Rows,
     Table,
@@ -22,7 +22,7 @@ from dogbot_logtool.reader.decode.decode.decode.columns import (
     concatenate,
     gather,
 )
-from dogbot_logtool.reader.decode.decode.decode.message_layout import (
+from dogbot_logtool.reader.decode.message_layout import (
     ArrayStep,
     Layout,
     Run,

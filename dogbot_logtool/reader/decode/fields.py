@@ -16,7 +16,7 @@ from enum import Enum
 from typing import Final, assert_never
 
 from dogbot_logtool.errors import DefinitionError
-from dogbot_logtool.reader.decode.decode.decode.definition import (
+from dogbot_logtool.reader.decode.definition import (
     FieldType,
     FixedArray,
     Primitive,

@@ -3,8 +3,8 @@
 from functools import lru_cache
 from typing import TYPE_CHECKING, Final
 
-from dogbot_logtool.reader.decode.decode.decode.definition import short_type_name
-from dogbot_logtool.reader.decode.decode.decode.message_layout import Serialisation
+from dogbot_logtool.reader.decode.definition import short_type_name
+from dogbot_logtool.reader.decode.message_layout import Serialisation
 
 if TYPE_CHECKING:
     from rosbags.typesys.store import Typestore

@@ -13,7 +13,7 @@ from typing import Final, Literal
 
 import numpy as np
 
-from dogbot_logtool.reader.decode.decode.decode.definition import (
+from dogbot_logtool.reader.decode.definition import (
     FieldType,
     FixedArray,
     Primitive,

@@ -10,16 +10,16 @@ import numpy as np
 from dogbot_logtool.core.geometry.arrays import Ints
 from dogbot_logtool.errors import DefinitionError
 from dogbot_logtool.reader.containers.log import Batch, Channel
-from dogbot_logtool.reader.decode.decode.decode.columns import Table
-from dogbot_logtool.reader.decode.decode.decode.decode import decode
-from dogbot_logtool.reader.decode.decode.decode.definition import (
+from dogbot_logtool.reader.decode.columns import Table
+from dogbot_logtool.reader.decode.decode import decode
+from dogbot_logtool.reader.decode.definition import (
     Struct,
     parse_definition,
     short_type_name,
 )
-from dogbot_logtool.reader.decode.decode.decode.fields import Fields, check_fields, column_paths
-from dogbot_logtool.reader.decode.decode.decode.known_definitions import known_definition
-from dogbot_logtool.reader.decode.decode.decode.message_layout import (
+from dogbot_logtool.reader.decode.fields import Fields, check_fields, column_paths
+from dogbot_logtool.reader.decode.known_definitions import known_definition
+from dogbot_logtool.reader.decode.message_layout import (
     Layout,
     Serialisation,
     compile_layout,

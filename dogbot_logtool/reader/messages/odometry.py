@@ -5,8 +5,8 @@ from typing import Final
 
 from dogbot_logtool.core.base.odometry import Odometry, concatenate_odometry
 from dogbot_logtool.reader.containers.log import Batch, Channel
-from dogbot_logtool.reader.decode.decode.decode.fields import text, time, vector
-from dogbot_logtool.reader.messages.messages.messages.messages import (
+from dogbot_logtool.reader.decode.fields import text, time, vector
+from dogbot_logtool.reader.messages.messages import (
     DecodedMessages,
     check_channel,
     decode_channels,

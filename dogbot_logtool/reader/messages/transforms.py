@@ -8,8 +8,8 @@ import numpy as np
 from dogbot_logtool.core.frames.recorded_transforms import RecordedTransforms
 from dogbot_logtool.core.plausible import plausible_translations
 from dogbot_logtool.reader.containers.log import Batch, Channel
-from dogbot_logtool.reader.decode.decode.decode.fields import table, text, time, vector
-from dogbot_logtool.reader.messages.messages.messages.messages import (
+from dogbot_logtool.reader.decode.fields import table, text, time, vector
+from dogbot_logtool.reader.messages.messages import (
     DecodedMessages,
     check_channel,
     decode_channels,

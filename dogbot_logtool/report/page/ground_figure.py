@@ -7,7 +7,7 @@ import plotly.graph_objects as go
 
 from dogbot_logtool.core.base.base_motion import FORWARD_ANGLES
 from dogbot_logtool.core.geometry.arrays import Floats, Ints
-from dogbot_logtool.core.stability.stability.stability.ground_projection import (
+from dogbot_logtool.core.stability.ground_projection import (
     Places,
     footprints,
     pressure_path,

@@ -5,9 +5,9 @@ from typing import Any, Final
 import numpy as np
 import plotly.graph_objects as go
 
-from dogbot_logtool.core.gait.gait.gait.foot_statistics import FootFigures
-from dogbot_logtool.core.gait.gait.gait.gait import phases_in
-from dogbot_logtool.core.gait.gait.gait.segments import Segment
+from dogbot_logtool.core.gait.foot_statistics import FootFigures
+from dogbot_logtool.core.gait.gait import phases_in
+from dogbot_logtool.core.gait.segments import Segment
 from dogbot_logtool.core.statistics import Stats
 from dogbot_logtool.report.foot_pens import foot_colour, short_names
 from dogbot_logtool.report.page.drawing import SYMBOLS, Drawing, label, thinned

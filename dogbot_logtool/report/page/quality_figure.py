@@ -8,7 +8,7 @@ import plotly.graph_objects as go
 
 from dogbot_logtool.core.geometry import timespans
 from dogbot_logtool.core.geometry.arrays import Ints
-from dogbot_logtool.core.quality.quality.quality.quality import TopicQuality
+from dogbot_logtool.core.quality.quality import TopicQuality
 from dogbot_logtool.core.statistics import Stats
 from dogbot_logtool.report.page.drawing import (
     BAD,

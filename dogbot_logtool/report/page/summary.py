@@ -4,7 +4,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import Final
 
-from dogbot_logtool.core.gait.gait.gait.gait import STAND
+from dogbot_logtool.core.gait.gait import STAND
 from dogbot_logtool.core.remarks import remarks
 from dogbot_logtool.core.statistics import Stats
 from dogbot_logtool.finding import Finding

@@ -6,11 +6,11 @@ from typing import Final
 
 import numpy as np
 
-from dogbot_logtool.core.gait.gait.gait.foot_statistics import FootFigures
+from dogbot_logtool.core.gait.foot_statistics import FootFigures
 from dogbot_logtool.core.geometry.aggregates import Aggregate
 from dogbot_logtool.core.geometry.arrays import Floats, Ints
 from dogbot_logtool.core.load.load_figures import grouped_shares
-from dogbot_logtool.core.quality.quality.quality.outliers import (
+from dogbot_logtool.core.quality.outliers import (
     LEAST_SHARE,
     MOST_DEVIATIONS,
     Outliers,

@@ -6,7 +6,7 @@ import numpy as np
 import plotly.graph_objects as go
 
 from dogbot_logtool.core.contact.curves import Curve
-from dogbot_logtool.core.gait.gait.gait.foot_statistics import FootFigures
+from dogbot_logtool.core.gait.foot_statistics import FootFigures
 from dogbot_logtool.core.geometry import timespans
 from dogbot_logtool.core.geometry.arrays import Floats, Ints
 from dogbot_logtool.core.statistics import Stats

@@ -1,14 +1,14 @@
 import numpy as np
 import pytest
-from dogbot_logtool.core.gait.gait.gait.gait import (
+
+from dogbot_logtool.core.gait.gait import (
     class_distances,
     classify,
     diagonality,
     phases_by_stride,
     phases_in,
 )
-from dogbot_logtool.core.gait.gait.gait.strides import Strides
-
+from dogbot_logtool.core.gait.strides import Strides
 from dogbot_logtool.core.leg_position import quadruped
 
 SURE = (1.0, 1.0, 1.0, 1.0)

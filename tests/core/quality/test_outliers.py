@@ -1,8 +1,9 @@
 import numpy as np
 import pytest
-from dogbot_logtool.core.quality.quality.quality.outliers import outliers
 from hypothesis import given
 from hypothesis import strategies as st
+
+from dogbot_logtool.core.quality.outliers import outliers
 
 EVEN = [0.50, 0.51, 0.49, 0.50, 0.52, 0.48, 0.51, 0.49]
 

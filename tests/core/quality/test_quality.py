@@ -1,15 +1,15 @@
 import numpy as np
 import pytest
-from dogbot_logtool.core.quality.quality.quality.quality import (
-    TopicQuality,
-    TopicWatch,
-    mean_rate_hz,
-)
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from dogbot_logtool.core.geometry.arrays import Ints
 from dogbot_logtool.core.geometry.clock import TimeSource
+from dogbot_logtool.core.quality.quality import (
+    TopicQuality,
+    TopicWatch,
+    mean_rate_hz,
+)
 
 MS = 1_000_000
 S = 1_000 * MS

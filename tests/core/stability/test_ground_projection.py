@@ -1,15 +1,15 @@
 import numpy as np
 import pytest
-from dogbot_logtool.core.stability.stability.stability.ground_projection import (
-    footprints,
-    pressure_path,
-)
 
 from dogbot_logtool.core.contact.contacts import Samples
 from dogbot_logtool.core.contact.foot_history import FootRecord, FootRecorder
 from dogbot_logtool.core.contact.footfall import ContactRule
 from dogbot_logtool.core.geometry.arrays import Floats
 from dogbot_logtool.core.geometry.clock import TimeSource
+from dogbot_logtool.core.stability.ground_projection import (
+    footprints,
+    pressure_path,
+)
 
 MS = 1_000_000
 

@@ -1,9 +1,10 @@
 """Columns of texts, against a plain list of strings."""
 
 import numpy as np
-from dogbot_logtool.reader.decode.decode.decode.columns import Texts
 from hypothesis import given, settings
 from hypothesis import strategies as st
+
+from dogbot_logtool.reader.decode.columns import Texts
 
 
 def texts_of(values: list[str]) -> Texts:

@@ -9,14 +9,6 @@ from typing import Any, Final, Literal
 
 import numpy as np
 import pytest
-from dogbot_logtool.reader.decode.decode.decode.columns import Table, Texts
-from dogbot_logtool.reader.decode.decode.decode.decode import MAX_VARIABLE_ELEMENTS, Decoded, decode
-from dogbot_logtool.reader.decode.decode.decode.definition import parse_definition
-from dogbot_logtool.reader.decode.decode.decode.message_layout import (
-    Layout,
-    Serialisation,
-    compile_layout,
-)
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from rosbags.serde import SerdeError
@@ -24,6 +16,14 @@ from rosbags.typesys import get_types_from_msg
 from rosbags.typesys.store import Typestore
 
 from dogbot_logtool.errors import DefinitionError
+from dogbot_logtool.reader.decode.columns import Table, Texts
+from dogbot_logtool.reader.decode.decode import MAX_VARIABLE_ELEMENTS, Decoded, decode
+from dogbot_logtool.reader.decode.definition import parse_definition
+from dogbot_logtool.reader.decode.message_layout import (
+    Layout,
+    Serialisation,
+    compile_layout,
+)
 
 Wire = Literal["ros1", "cdr little-endian", "cdr big-endian"]
 WIRES: Final[tuple[Wire, ...]] = ("ros1", "cdr little-endian", "cdr big-endian")

@@ -3,7 +3,12 @@
 from typing import Final
 
 import pytest
-from dogbot_logtool.reader.decode.decode.decode.definition import (
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from rosbags.typesys import Stores, get_typestore
+
+from dogbot_logtool.errors import DefinitionError
+from dogbot_logtool.reader.decode.definition import (
     FieldType,
     FixedArray,
     Primitive,
@@ -15,11 +20,6 @@ from dogbot_logtool.reader.decode.decode.decode.definition import (
     short_type_name,
     smallest_size,
 )
-from hypothesis import given, settings
-from hypothesis import strategies as st
-from rosbags.typesys import Stores, get_typestore
-
-from dogbot_logtool.errors import DefinitionError
 
 SEPARATOR: Final = "=" * 80
 F8, U4, I4, U1 = Primitive("f8"), Primitive("u4"), Primitive("i4"), Primitive("u1")

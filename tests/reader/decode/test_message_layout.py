@@ -4,8 +4,10 @@ from dataclasses import replace
 from typing import Final
 
 import numpy as np
-from dogbot_logtool.reader.decode.decode.decode.definition import parse_definition
-from dogbot_logtool.reader.decode.decode.decode.message_layout import (
+from rosbags.typesys import Stores, get_typestore
+
+from dogbot_logtool.reader.decode.definition import parse_definition
+from dogbot_logtool.reader.decode.message_layout import (
     ArrayStep,
     Layout,
     Leaf,
@@ -16,7 +18,6 @@ from dogbot_logtool.reader.decode.decode.decode.message_layout import (
     TextStep,
     compile_layout,
 )
-from rosbags.typesys import Stores, get_typestore
 
 SEPARATOR: Final = "=" * 80
 

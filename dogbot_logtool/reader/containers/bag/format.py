@@ -18,8 +18,8 @@ from dogbot_logtool.reader.containers.bag.records import (
     record_in_file,
 )
 from dogbot_logtool.reader.containers.records import Readable, Records, blank_messages
-from dogbot_logtool.reader.decode.decode.decode.columns import gather, gather_bytes, rows_like
-from dogbot_logtool.reader.decode.decode.decode.message_table import Messages
+from dogbot_logtool.reader.decode.columns import gather, gather_bytes, rows_like
+from dogbot_logtool.reader.decode.message_table import Messages
 
 INDEX_ENTRY_SIZE: Final = 12
 _IN_CHUNK: Final = (BagOp.MESSAGE, BagOp.CONNECTION)

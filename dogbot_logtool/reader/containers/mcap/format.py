@@ -20,7 +20,7 @@ from dogbot_logtool.reader.containers.mcap.records import (
 )
 from dogbot_logtool.reader.containers.records import Readable, Records, blank_messages
 from dogbot_logtool.reader.containers.signatures import MCAP_MAGIC
-from dogbot_logtool.reader.decode.decode.decode.columns import gather
+from dogbot_logtool.reader.decode.columns import gather
 
 MESSAGE_HEAD: Final = np.dtype(
     [

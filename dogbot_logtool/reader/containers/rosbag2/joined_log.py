@@ -7,7 +7,7 @@ import numpy as np
 
 from dogbot_logtool.core.geometry.arrays import Bytes, Ints
 from dogbot_logtool.io.storage import Location, file_name
-from dogbot_logtool.pipeline.provenance import is_marked
+from dogbot_logtool.provenance import is_marked
 from dogbot_logtool.reader.containers.log import (
     Batch,
     Channel,

@@ -11,7 +11,7 @@ from dogbot_logtool.errors import LogError
 from dogbot_logtool.io.storage import Location
 from dogbot_logtool.reader.containers.log import Channel, Schema
 from dogbot_logtool.reader.containers.sqlite.database import Database
-from dogbot_logtool.reader.decode.decode.decode.known_definitions import (
+from dogbot_logtool.reader.decode.known_definitions import (
     known_definition,
     long_type_name,
 )

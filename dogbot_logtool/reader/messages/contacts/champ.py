@@ -5,9 +5,9 @@ from typing import Final
 import numpy as np
 
 from dogbot_logtool.core.frames.wrench_frame import WrenchFrame
-from dogbot_logtool.reader.decode.decode.decode.fields import numbers, text, time
-from dogbot_logtool.reader.decode.decode.decode.message_layout import ELEMENT
-from dogbot_logtool.reader.messages.messages.messages.contacts.source import (
+from dogbot_logtool.reader.decode.fields import numbers, text, time
+from dogbot_logtool.reader.decode.message_layout import ELEMENT
+from dogbot_logtool.reader.messages.contacts.source import (
     ContactSource,
     Felt,
     FootChannels,
@@ -15,7 +15,7 @@ from dogbot_logtool.reader.messages.messages.messages.contacts.source import (
     each_foot,
     only_contact,
 )
-from dogbot_logtool.reader.messages.messages.messages.messages import DecodedMessages
+from dogbot_logtool.reader.messages.messages import DecodedMessages
 
 _LEGS: Final = ("front_left", "front_right", "back_left", "back_right")
 

@@ -13,7 +13,7 @@ from dogbot_logtool.core.contact.contacts import (
     NOT_THIS_FOOT,
 )
 from dogbot_logtool.core.geometry.arrays import Ints
-from dogbot_logtool.reader.decode.decode.decode.columns import Texts
+from dogbot_logtool.reader.decode.columns import Texts
 from dogbot_logtool.robot import Foot
 
 _GROUND_WORDS: Final = ("ground", "plane", "terrain", "heightmap", "floor", "world")

@@ -12,17 +12,17 @@ from dogbot_logtool.core.contact.contacts import (
     contact_samples,
 )
 from dogbot_logtool.core.geometry.arrays import Ints
-from dogbot_logtool.reader.decode.decode.decode.fields import table, text, time, vector
-from dogbot_logtool.reader.messages.messages.messages.contacts.collisions import (
+from dogbot_logtool.reader.decode.fields import table, text, time, vector
+from dogbot_logtool.reader.messages.contacts.collisions import (
     foot_sides,
     link_of_collision,
 )
-from dogbot_logtool.reader.messages.messages.messages.contacts.physics_steps import (
+from dogbot_logtool.reader.messages.contacts.physics_steps import (
     newest_lag,
     newest_step,
     steps_of_messages,
 )
-from dogbot_logtool.reader.messages.messages.messages.contacts.source import (
+from dogbot_logtool.reader.messages.contacts.source import (
     ContactSource,
     Felt,
     FootChannels,
@@ -30,7 +30,7 @@ from dogbot_logtool.reader.messages.messages.messages.contacts.source import (
     StepTiming,
     vectors_inside,
 )
-from dogbot_logtool.reader.messages.messages.messages.messages import DecodedMessages
+from dogbot_logtool.reader.messages.messages import DecodedMessages
 
 _FIELDS: Final = (
     time("header.stamp"),

@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dogbot_logtool.core.geometry.arrays import Bytes, Flags, Ints
-from dogbot_logtool.reader.decode.decode.decode.columns import Texts, gather_bytes
-from dogbot_logtool.reader.messages.messages.messages.contacts.source import StepTiming
+from dogbot_logtool.reader.decode.columns import Texts, gather_bytes
+from dogbot_logtool.reader.messages.contacts.source import StepTiming
 
 _INFO_TAIL: Final = 48
 """Bytes at the end of `info` that hold the time of the physics step, and more."""

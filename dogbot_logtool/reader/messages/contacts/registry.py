@@ -6,8 +6,8 @@ from typing import Final
 
 from dogbot_logtool.core.plausible import plausible_samples
 from dogbot_logtool.reader.containers.log import Batch, Channel
-from dogbot_logtool.reader.decode.decode.decode.fields import without
-from dogbot_logtool.reader.messages.messages.messages.contacts import (
+from dogbot_logtool.reader.decode.fields import without
+from dogbot_logtool.reader.messages.contacts import (
     champ,
     gazebo,
     gazebo_classic,
@@ -15,14 +15,14 @@ from dogbot_logtool.reader.messages.messages.messages.contacts import (
     unitree,
     wrench,
 )
-from dogbot_logtool.reader.messages.messages.messages.contacts.source import (
+from dogbot_logtool.reader.messages.contacts.source import (
     ContactSource,
     Felt,
     FootChannels,
     FootLinks,
     StepTiming,
 )
-from dogbot_logtool.reader.messages.messages.messages.messages import (
+from dogbot_logtool.reader.messages.messages import (
     DecodedMessages,
     check_channel,
     decode_channels,

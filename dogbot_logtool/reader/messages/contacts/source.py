@@ -9,9 +9,9 @@ from dogbot_logtool.core.contact.contacts import Contacts, Samples
 from dogbot_logtool.core.frames.wrench_frame import WrenchFrame
 from dogbot_logtool.core.geometry.arrays import Floats, Ints, norms
 from dogbot_logtool.core.geometry.blocks import concatenated
-from dogbot_logtool.reader.decode.decode.decode.columns import Nested, Table
-from dogbot_logtool.reader.decode.decode.decode.fields import Fields
-from dogbot_logtool.reader.messages.messages.messages.messages import DecodedMessages
+from dogbot_logtool.reader.decode.columns import Nested, Table
+from dogbot_logtool.reader.decode.fields import Fields
+from dogbot_logtool.reader.messages.messages import DecodedMessages
 from dogbot_logtool.robot import Foot
 
 

@@ -5,8 +5,8 @@ from typing import Final
 import numpy as np
 
 from dogbot_logtool.core.frames.wrench_frame import WrenchFrame
-from dogbot_logtool.reader.decode.decode.decode.fields import number, table
-from dogbot_logtool.reader.messages.messages.messages.contacts.source import (
+from dogbot_logtool.reader.decode.fields import number, table
+from dogbot_logtool.reader.messages.contacts.source import (
     ContactSource,
     Felt,
     FootChannels,
@@ -14,7 +14,7 @@ from dogbot_logtool.reader.messages.messages.messages.contacts.source import (
     each_foot,
     only_contact,
 )
-from dogbot_logtool.reader.messages.messages.messages.messages import DecodedMessages
+from dogbot_logtool.reader.messages.messages import DecodedMessages
 
 _LEGS: Final = ("front_left", "front_right", "back_left", "back_right")
 _MADE, _LOST = 1, 2

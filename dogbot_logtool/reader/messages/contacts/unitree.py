@@ -12,14 +12,14 @@ import numpy as np
 
 from dogbot_logtool.core.frames.wrench_frame import WrenchFrame
 from dogbot_logtool.core.geometry.arrays import Floats
-from dogbot_logtool.reader.decode.decode.decode.fields import fixed_numbers
-from dogbot_logtool.reader.messages.messages.messages.contacts.source import (
+from dogbot_logtool.reader.decode.fields import fixed_numbers
+from dogbot_logtool.reader.messages.contacts.source import (
     ContactSource,
     Felt,
     FootChannels,
     each_foot,
 )
-from dogbot_logtool.reader.messages.messages.messages.messages import DecodedMessages
+from dogbot_logtool.reader.messages.messages import DecodedMessages
 from dogbot_logtool.robot import Foot
 
 _LEGS: Final = ("front_right", "front_left", "back_right", "back_left")

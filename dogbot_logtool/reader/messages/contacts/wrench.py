@@ -5,8 +5,8 @@ from typing import Final
 import numpy as np
 
 from dogbot_logtool.core.frames.wrench_frame import WrenchFrame
-from dogbot_logtool.reader.decode.decode.decode.fields import text, time, vector
-from dogbot_logtool.reader.messages.messages.messages.contacts.source import (
+from dogbot_logtool.reader.decode.fields import text, time, vector
+from dogbot_logtool.reader.messages.contacts.source import (
     ContactSource,
     Felt,
     FootChannels,
@@ -14,7 +14,7 @@ from dogbot_logtool.reader.messages.messages.messages.contacts.source import (
     flat_samples,
     released,
 )
-from dogbot_logtool.reader.messages.messages.messages.messages import DecodedMessages
+from dogbot_logtool.reader.messages.messages import DecodedMessages
 
 _FIELDS: Final = (time("header.stamp"), text("header.frame_id"), *vector("wrench.force"))
 

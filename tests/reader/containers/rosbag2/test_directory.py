@@ -11,8 +11,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 import zstandard
-from dogbot_logtool.reader.messages.messages.messages.contacts.registry import read_contacts
-from dogbot_logtool.reader.messages.messages.messages.contacts.source import FootChannels
 from rosbags.rosbag2 import Reader as Rosbag2Reader
 from rosbags.rosbag2 import Writer as Rosbag2Writer
 from rosbags.rosbag2.enums import CompressionFormat, CompressionMode, StoragePlugin
@@ -23,6 +21,8 @@ from dogbot_logtool.pipeline.options import CompareOptions
 from dogbot_logtool.reader.containers.log import BATCH_SIZE
 from dogbot_logtool.reader.containers.mcap.extras import read_extra
 from dogbot_logtool.reader.containers.opening import open_log
+from dogbot_logtool.reader.messages.contacts.registry import read_contacts
+from dogbot_logtool.reader.messages.contacts.source import FootChannels
 from dogbot_logtool.robot import Foot
 from tests.paths import ROOT
 from tests.reader.mcap_bytes import attachment, metadata, small_mcap
