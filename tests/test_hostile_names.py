@@ -110,6 +110,7 @@ def test_no_control_character_reaches_a_terminal(folder: Path, words: list[str])
 
 def test_text_in_csv_is_no_formula(folder: Path) -> None:
     done = run(*command(["stats", "--csv", *ROBOT], 1), folder=folder)
+    assert done.returncode == 0
     rows = list(csv.DictReader(io.StringIO(done.stdout)))
     assert {row["log"][:6] for row in rows} == {"'=walk"}
     assert {row["foot"] for row in rows if "front" in row["foot"]} > {"front_right"}

@@ -164,7 +164,7 @@ def test_a_wrong_call_stays_one(folder: Path) -> None:
 def test_any_encoding_will_do(folder: Path, encoding: str) -> None:
     name = os.fsdecode("\u81ea\u884c-é-\x9b1m-".encode() + b"\xff.bag")
     (folder / name).write_bytes((folder / CUT).read_bytes())
-    for words in ("info *-*.bag", "stats *-*.bag --csv"):
+    for words in ("info *-*.bag", "stats *-*.bag", "stats *-*.bag --csv", "info --frames *-*.bag"):
         code, out, err = shell(
             folder, f"logtool {words} | cat -v; exit ${{PIPESTATUS[0]}}", PYTHONIOENCODING=encoding
         )
