@@ -10,7 +10,7 @@ from dogbot_logtool import storage
 from dogbot_logtool.errors import LogError
 from dogbot_logtool.reader import not_a_log
 from dogbot_logtool.reader.log import Log, Loss
-from dogbot_logtool.reader.signatures import BAG_MAGIC, MCAP_MAGIC, SQLITE_MAGIC, ZSTD_MAGIC
+from dogbot_logtool.reader.signatures import BAG_MAGIC, MCAP_MAGIC, SQLITE_MAGIC, is_zstd
 from dogbot_logtool.reader.source import ByteSource
 from dogbot_logtool.storage import Location
 
@@ -75,14 +75,14 @@ def _open_source(source: ByteSource, distribution: str, *, packed: bool) -> Log:
         from dogbot_logtool.reader.sqlite_log import open_sqlite  # noqa: PLC0415
 
         return open_sqlite(source, distribution)
-    if magic.startswith(ZSTD_MAGIC) and packed:
+    if is_zstd(magic) and packed:
         from dogbot_logtool.reader.zstd_file import open_zstd  # noqa: PLC0415
 
         # Only once: a file within a file within a file is nobody's log.
         log = open_zstd(source, lambda inner: _open_file(inner, distribution, packed=False))
         source.close()
         return log
-    if (what := not_a_log.changed_line_ends(magic)) is not None:
+    if (what := not_a_log.changed_as_text(magic)) is not None:
         raise LogError(f"{storage.shown(source.path)}: {what}")
     known = not_a_log.is_known(magic)
     if not known and _resembles(magic, MCAP_MAGIC):
