@@ -131,6 +131,8 @@ class _Server:
             return self.end()
         except TimeoutError:
             self.close()
+            # The next call starts another server.
+            _server.cache_clear()
             os.killpg(self._pid, signal.SIGKILL)
             raise subprocess.TimeoutExpired([*map(str, words)], timeout) from None
         finally:

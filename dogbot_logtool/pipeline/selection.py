@@ -157,13 +157,17 @@ def nothing_to_do(log: Log, selection: Selection) -> str:
     if because := reasons(selection.findings):
         return f"{path}: has no odometry and no contact messages that can be read: {because}"
     found = sorted({(c.topic, c.type_name) for c in log.channels.values()}, key=_unlikely)
-    lines = [f"\n  {printable(topic)}  {printable(kind)}" for topic, kind in found[:MOST]]
+    lines = [
+        f"\n  {printable(topic)}  {printable(kind) or '(of no type)'}"
+        for topic, kind in found[:MOST]
+    ]
     if len(found) > MOST:
         lines.append(f"\n  and {len(found) - MOST:,} more; `dogbot-logtool info` lists them")
+    damage = f" It is damaged: {log.losses[0].what}." if log.losses else ""
     return (
         f"{path}: has neither nav_msgs/Odometry nor contact messages such as "
-        "gazebo_msgs/ContactsState that can be used (--odom-topic and --foot name topics). "
-        f"It has:{''.join(lines) or ' nothing'}"
+        "gazebo_msgs/ContactsState that can be used (--odom-topic and --foot name topics)."
+        f"{damage} It has:{''.join(lines) or ' nothing'}"
     )
 
 

@@ -111,6 +111,62 @@ def test_topics_of_other_types_are_not_described(tmp_path: Path, change: str) ->
     assert "nowhere described" in reading.sentences
 
 
+@pytest.mark.parametrize("missing", [1, 4096, 5000, 40_000])
+def test_what_is_there_of_a_file_that_is_cut_off_is_read(tmp_path: Path, missing: int) -> None:
+    path = make(tmp_path / "log.db3", rows=5000)
+    data = path.read_bytes()
+    path.write_bytes(data[:-missing])
+    reading = read_file(path)
+    count = len(reading.messages)
+    assert 5000 * (len(data) - missing - 20_000) // len(data) < count < 5000
+    assert list(reading.messages) == expected(count)
+    assert f"it promises {len(data)} bytes, but has {len(data) - missing}" in reading.sentences
+    assert reading.lost is None
+
+
+def test_a_topic_that_stands_there_twice_is_said(tmp_path: Path) -> None:
+    def with_rows(name: str, *rows: str) -> Path:
+        made = "CREATE TABLE topics AS SELECT 1 id, '/a' name, 'std_msgs/msg/String' type"
+        values = [f"INSERT INTO topics VALUES {row}" for row in rows]  # noqa: S608
+        return make(tmp_path / name, "DROP TABLE topics", made, *values)
+
+    same = read_file(with_rows("same.db3", "(1, '/a', 'std_msgs/msg/String')"))
+    assert list(same.messages) == expected()
+    assert same.losses == ()
+    other = read_file(with_rows("other.db3", "(1, '/b', 'std_msgs/msg/Bool')"))
+    assert list(other.messages) == expected()
+    assert other.sentences == (
+        "topic 1 is described in two ways: as /a (std_msgs/msg/String, cdr) and as "
+        "/b (std_msgs/msg/Bool, cdr); the former was used"
+    )
+
+
+def test_definitions_that_differ_are_said(tmp_path: Path) -> None:
+    table = "CREATE TABLE message_definitions (topic_type, encoding, encoded_message_definition)"
+    rows = [
+        f"INSERT INTO message_definitions VALUES ('std_msgs/msg/String', 'ros2msg', '{text}')"  # noqa: S608
+        for text in ("string data", "string data", "string data\nint32 more")
+    ]
+    log = open_log(make(tmp_path / "log.db3", table, *rows))
+    (channel,) = log.channels.values()
+    assert channel.schema is not None
+    assert channel.schema.data == b"string data"
+    (loss,) = log.losses
+    assert loss.what.startswith("std_msgs/msg/String is described in two ways: as ")
+    log.close()
+
+
+def test_row_numbers_may_be_as_far_apart_as_they_can(tmp_path: Path) -> None:
+    change = "UPDATE messages SET id = -9223372036854775808 WHERE id = 1"
+    reading = read_file(make(tmp_path / "log.db3", change))
+    assert list(reading.messages) == expected()
+
+
+def test_names_of_tables_have_no_case(tmp_path: Path) -> None:
+    path = make(tmp_path / "log.db3", messages=MESSAGES.replace("messages", "Messages"))
+    assert list(read_file(path).messages) == expected()
+
+
 def test_a_topic_without_serialisation_is_cdr(tmp_path: Path) -> None:
     path = make(tmp_path / "log.db3", "UPDATE topics SET serialization_format = NULL")
     log = open_log(path)

@@ -1,29 +1,53 @@
 """What a file is that is no log, as far as its first bytes tell, and what to do about it."""
 
 import json
+import re
 from typing import Final
 
-from dogbot_logtool.reader.containers.signatures import BAG_MAGIC, MCAP_MAGIC, ROSBAG2_METADATA
+from dogbot_logtool.reader.containers.signatures import (
+    BAG_MAGIC,
+    MCAP_MAGIC,
+    ROSBAG2_METADATA,
+    ZSTD_MAGIC,
+)
 from dogbot_logtool.reader.containers.source import ByteSource
 
 _HEAD: Final = 4096
 _SAMPLES: Final = 64
 """Blocks, spread over a file, that are looked at to tell whether all of it is zero."""
 _BYTE_ORDER_MARK: Final = b"\xef\xbb\xbf"
+_BEFORE_POINTERS: Final = re.compile(rb"\A(?:\xef\xbb\xbf)?(?:\.\./)*")
+"""A byte-order mark, and the way up from a link that was written as a file."""
 _TEXT_MODE: Final = (
     "was changed by a transfer in text mode: its line ends are no longer the recorded ones, and so "
     "are bytes everywhere in it; copy it again in binary mode"
 )
+_SAVED_AS_TEXT: Final = (
+    "was saved as text on its way (by an editor, a script or a download that took it for text), so "
+    "that bytes everywhere in it are no longer the recorded ones; copy it again in binary mode"
+)
 _CHANGED_LINE_ENDS: Final = (
     MCAP_MAGIC.replace(b"\r\n", b"\n"),
+    MCAP_MAGIC.replace(b"\r\n", b"\r\x01"),
     MCAP_MAGIC.replace(b"\n", b"\r\n"),
     BAG_MAGIC.replace(b"\n", b"\r\n"),
 )
+_RECODED: Final = (
+    _BYTE_ORDER_MARK + MCAP_MAGIC,
+    _BYTE_ORDER_MARK + BAG_MAGIC,
+    *(start + MCAP_MAGIC[1:] for start in (b"\xef\xbf\xbd", b"\xc2\x89", b"\xe2\x80\xb0", b"?")),
+    MCAP_MAGIC[1:],
+)
+"""How a log begins with a byte-order mark before it; and an MCAP that was read as UTF-8, Latin-1,
+Windows-1252 or ASCII and written again."""
 _STARTS: Final = {
     b"version https://git-lfs.github.com/spec/": (
         "is a Git LFS pointer, not the log itself; 'git lfs pull' fetches the log"
     ),
     b"/annex/objects/": "is a git-annex pointer, not the log itself; 'git annex get' fetches it",
+    b".git/annex/objects/": (
+        "is a git-annex pointer, not the log itself; 'git annex get' fetches it"
+    ),
     b"outs:\n- md5:": "is a DVC pointer, not the log itself; 'dvc pull' fetches the log",
     b"#ROSBAG V1": (
         "is a bag of an older format than 2.0; 'rosbag fix' or 'rosbag migrate' updates it"
@@ -32,7 +56,12 @@ _STARTS: Final = {
     b"BZh": "is a bzip2-compressed file; decompress it first ('bunzip2')",
     b"\xfd7zXZ\0": "is an xz-compressed file; decompress it first ('unxz')",
     b"\x04\x22\x4d\x18": "is an lz4-compressed file; decompress it first ('unlz4')",
+    ZSTD_MAGIC: "was compressed with zstd twice; decompress it once ('unzstd')",
+    b"Salted__": "is encrypted (openssl enc); decrypt it first",
+    b"age-encryption.org/": "is encrypted (age); decrypt it first",
+    b"-----BEGIN PGP MESSAGE": "is encrypted (PGP); decrypt it first ('gpg -d')",
     b"PK\x03\x04": "is a zip archive; unpack it first ('unzip')",
+    b"PK\x07\x08": "is a part of a split zip archive; join the parts and unpack it ('unzip')",
     b"PK\x05\x06": "is an empty zip archive",
     b"7z\xbc\xaf\x27\x1c": "is a 7z archive; unpack it first ('7z x')",
     b"Rar!\x1a\x07": "is a RAR archive; unpack it first ('unrar x')",
@@ -51,12 +80,14 @@ _STARTS: Final = {
 }
 
 
-def changed_line_ends(magic: bytes) -> str | None:
-    """Return what is wrong with a log whose line ends were changed on the way; None: nothing.
+def changed_as_text(magic: bytes) -> str | None:
+    """Return what is wrong with a log that was taken for text on the way; None: nothing.
 
     Lengths and offsets no longer hold in it, so what it says must not be believed.
     """
-    return _TEXT_MODE if magic.startswith(_CHANGED_LINE_ENDS) else None
+    if magic.startswith(_CHANGED_LINE_ENDS):
+        return _TEXT_MODE
+    return _SAVED_AS_TEXT if magic.startswith(_RECODED) else None
 
 
 def is_known(magic: bytes) -> bool:
@@ -69,8 +100,9 @@ def describe(source: ByteSource) -> str:
     head = source.read(0, _HEAD)
     if not head:
         return "is empty (0 bytes): nothing was recorded or copied into it"
+    known = _BEFORE_POINTERS.sub(b"", head)
     for start, what in _STARTS.items():
-        if head.startswith(start):
+        if known.startswith(start):
             return what
     if head[257:262] == b"ustar":
         return "is a tar archive; unpack it first ('tar xf')"

@@ -11,12 +11,7 @@ from dogbot_logtool.io import storage
 from dogbot_logtool.io.storage import Location
 from dogbot_logtool.reader.containers import not_a_log
 from dogbot_logtool.reader.containers.log import Log, Loss
-from dogbot_logtool.reader.containers.signatures import (
-    BAG_MAGIC,
-    MCAP_MAGIC,
-    SQLITE_MAGIC,
-    ZSTD_MAGIC,
-)
+from dogbot_logtool.reader.containers.signatures import BAG_MAGIC, MCAP_MAGIC, SQLITE_MAGIC, is_zstd
 from dogbot_logtool.reader.containers.source import ByteSource
 
 if TYPE_CHECKING:
@@ -80,14 +75,14 @@ def _open_source(source: ByteSource, distribution: str, *, packed: bool) -> Log:
         from dogbot_logtool.reader.containers.sqlite.log import open_sqlite  # noqa: PLC0415
 
         return open_sqlite(source, distribution)
-    if magic.startswith(ZSTD_MAGIC) and packed:
+    if is_zstd(magic) and packed:
         from dogbot_logtool.reader.containers.zstd_file import open_zstd  # noqa: PLC0415
 
         # Only once: a file within a file within a file is nobody's log.
         log = open_zstd(source, lambda inner: _open_file(inner, distribution, packed=False))
         source.close()
         return log
-    if (what := not_a_log.changed_line_ends(magic)) is not None:
+    if (what := not_a_log.changed_as_text(magic)) is not None:
         raise LogError(f"{storage.shown(source.path)}: {what}")
     known = not_a_log.is_known(magic)
     if not known and _resembles(magic, MCAP_MAGIC):

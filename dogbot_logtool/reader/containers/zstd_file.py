@@ -1,17 +1,20 @@
 """Logs that were compressed whole, as ROS 2 recorders can: decompressed into a temporary file."""
 
 import tempfile
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import IO, Final
+from typing import IO, BinaryIO, Final
 
 import zstandard
 
 from dogbot_logtool.errors import LogError
 from dogbot_logtool.io.storage import Location, file_stem, shown
 from dogbot_logtool.reader.containers.log import Log
+from dogbot_logtool.reader.containers.signatures import is_zstd
 from dogbot_logtool.reader.containers.source import ByteSource
 
+_PIECE: Final = 1 << 20
+_MAGIC_SIZE: Final = 4
 _MOST_FREE: Final = 256 << 20
 _MAX_RATIO: Final = 200
 """A file must not swell to more than this times its size, or `_MOST_FREE`."""
@@ -44,7 +47,7 @@ def _decompress(path: Location, size: int, target: IO[bytes]) -> None:
     written = 0
     try:
         with path.open("rb") as compressed:
-            for piece in zstandard.ZstdDecompressor().read_to_iter(compressed):
+            for piece in _content(compressed):
                 written += len(piece)
                 if written > most:
                     raise LogError(f"{shown(path)}: its {size} bytes swell to over {most}")
@@ -54,3 +57,22 @@ def _decompress(path: Location, size: int, target: IO[bytes]) -> None:
         raise LogError(f"{shown(path)}: its zstd data is damaged ({error})") from error
     except OSError as error:
         raise LogError(f"{shown(path)}: cannot be decompressed: {error.strerror}") from error
+
+
+def _content(file: BinaryIO) -> Iterator[bytes]:
+    """Yield what the frames of a file hold, in pieces.
+
+    Parallel compressors write many frames, and such as are to be skipped before them. Whatever
+    follows the last one is no part of the content.
+    """
+    zstd = zstandard.ZstdDecompressor()
+    data = file.read(_PIECE)
+    while is_zstd(data):
+        frame = zstd.decompressobj()
+        while data:
+            yield frame.decompress(data)
+            if frame.eof:
+                break
+            data = file.read(_PIECE)
+        rest = frame.unused_data
+        data = rest if len(rest) >= _MAGIC_SIZE else rest + file.read(_PIECE)

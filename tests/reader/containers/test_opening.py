@@ -99,6 +99,19 @@ def zipped(data: bytes) -> bytes:
         (MCAP.replace(b"\r\n", b"\n"), "text mode"),
         (MCAP.replace(b"\n", b"\r\n"), "text mode"),
         (BAG.replace(b"\n", b"\r\n"), "text mode"),
+        (MCAP.replace(b"\r\n", b"\r"), "text mode"),
+        (b"\xef\xbb\xbf" + MCAP, "saved as text"),
+        (b"\xef\xbb\xbf" + BAG, "saved as text"),
+        (MCAP.decode("utf-8", "replace").encode(), "saved as text"),
+        (MCAP.decode("utf-8", "ignore").encode(), "saved as text"),
+        (MCAP.decode("latin-1").encode(), "saved as text"),
+        (MCAP.decode("ascii", "replace").encode("ascii", "replace"), "saved as text"),
+        (b"\xef\xbb\xbfversion https://git-lfs.github.com/spec/v1\n", "git lfs pull"),
+        (b"../../.git/annex/objects/4d/7a/SHA256E-s1--a.bag", "git annex get"),
+        (zstandard.compress(zstandard.compress(BAG)), "twice"),
+        (zstandard.compress(gzip.compress(BAG)), "gunzip"),
+        (b"Salted__" + bytes(range(100)), "decrypt"),
+        (b"PK\x07\x08PK\x03\x04", "split zip"),
         (b"<!DOCTYPE html>\n<html><body>404</body></html>", "is a web page"),
         (b"\xef\xbb\xbf\r\n <HTML lang='en'>", "is a web page"),
         (b'<?xml version="1.0"?><Error><Code>AccessDenied</Code></Error>', "is an XML text"),
@@ -130,6 +143,22 @@ def test_common_accidents_have_their_names(tmp_path: Path, data: bytes, says: st
         open_log(path)
     assert str(caught.value).startswith(f"{path}: ")
     assert "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    "packed",
+    [
+        zstandard.compress(MCAP[:50]) + zstandard.compress(MCAP[50:]),
+        b"\x50\x2a\x4d\x18\4\0\0\0size" + zstandard.compress(MCAP),
+        zstandard.compress(MCAP) + b"\x5f\x2a\x4d\x18\0\0\0\0",
+        zstandard.compress(MCAP) + bytes(3),
+        zstandard.compress(MCAP) + bytes(3000),
+    ],
+)
+def test_all_frames_of_a_compressed_log_are_read(tmp_path: Path, packed: bytes) -> None:
+    reading = read_bytes(tmp_path, packed)
+    assert list(reading.messages) == written_mcap(small_mcap())
+    assert reading.losses == ()
 
 
 def test_no_file_is_a_wrong_call(tmp_path: Path) -> None:

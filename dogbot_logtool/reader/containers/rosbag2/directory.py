@@ -1,6 +1,7 @@
 """ROS 2 bags: a directory of files, and a metadata.yaml that names them."""
 
 import re
+from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -19,6 +20,8 @@ from dogbot_logtool.reader.containers.signatures import ANNOTATED, ROSBAG2_METAD
 
 _SUFFIXES: Final = (".db3", ".mcap")
 _PACKED: Final = ".zstd"
+_LONGEST_NAME: Final = 255
+"""Bytes that a name of a file may have on any disk."""
 
 
 class OpenFile(Protocol):
@@ -35,8 +38,8 @@ class _Bag:
     files: tuple[Location, ...]
     distribution: str
     losses: tuple[Loss, ...]
-    messages: int | None = None
-    """As many as metadata promises; None if it does not tell."""
+    metadata: Metadata | None = None
+    """What promises how many messages there are; None if it cannot be used."""
 
 
 def open_rosbag2(path: Location, open_file: OpenFile) -> Log:
@@ -59,8 +62,8 @@ def open_rosbag2(path: Location, open_file: OpenFile) -> Log:
     if not logs:
         told = losses[0].what if losses else f"{ROSBAG2_METADATA} names no files"
         raise LogError(f"{shown(path)}: nothing of this ROS 2 bag can be read: {told}")
-    if bag.messages is not None:
-        losses.extend(_compare_count(bag.messages, logs, losses))
+    if bag.metadata is not None:
+        losses.extend(_compare_counts(bag.metadata, logs, losses))
     return JoinedLog(path, logs, losses)
 
 
@@ -74,12 +77,16 @@ def _find_files(folder: Location) -> _Bag:
 def _named_files(folder: Location, metadata: Metadata) -> _Bag:
     """Return the files that metadata names; say which are missing, and which it does not name."""
     present = {file.name: file for file in files_in(folder)}
+    if any(map(_is_log, present.values())) and not any(
+        _present(present, n) for n in metadata.files
+    ):
+        raise UnusableMetadata("it names none of the files that are there")
     files: dict[str, Location] = {}
     losses: list[Loss] = []
     for name in metadata.files:
         file = _present(present, name)
         if file is None:
-            base = Path(name).name
+            base = Path(name).name[:_LONGEST_NAME]
             what = f"{ROSBAG2_METADATA} names {base}, which is not there"
             losses.append(Loss(0, what, 0, metadata.messages_by_file.get(base)))
         else:
@@ -89,21 +96,41 @@ def _named_files(folder: Location, metadata: Metadata) -> _Bag:
         if _is_log(file) and name.removesuffix(_PACKED) not in named:
             what = f"{ROSBAG2_METADATA} does not name {name}, so it was left out"
             losses.append(Loss(0, what, 0, None))
-    return _Bag(tuple(files.values()), metadata.distribution, tuple(losses), metadata.messages)
+    return _Bag(tuple(files.values()), metadata.distribution, tuple(losses), metadata)
 
 
-def _compare_count(promised: int, logs: Sequence[Log], losses: Sequence[Loss]) -> Iterator[Loss]:
-    """Say where the files hold other than the promised number of messages.
+def _compare_counts(
+    metadata: Metadata, logs: Sequence[Log], losses: Sequence[Loss]
+) -> Iterator[Loss]:
+    """Say where the files hold other than the promised numbers of messages.
 
     Messages that other losses explain are not counted twice.
     """
-    found = sum(sum(log.counts.values()) for log in logs)
-    if promised == found:
-        return
-    known = lost_messages([*losses, *(loss for log in logs for loss in log.losses)])
-    missing = 0 if known is None else max(promised - found - known, 0)
-    what = f"{ROSBAG2_METADATA} counts {promised} messages, but {found} were found"
-    yield Loss(0, what, 0, missing)
+    promised, found = metadata.messages, sum(sum(log.counts.values()) for log in logs)
+    if promised is not None and promised != found:
+        known = lost_messages([*losses, *(loss for log in logs for loss in log.losses)])
+        missing = 0 if known is None else max(promised - found - known, 0)
+        what = f"{ROSBAG2_METADATA} counts {promised} messages, but {found} were found"
+        yield Loss(0, what, 0, missing)
+    elif not losses and (what := _differing_topic(metadata, logs)):
+        yield Loss(0, what)
+
+
+def _differing_topic(metadata: Metadata, logs: Sequence[Log]) -> str:
+    """Say of which topic metadata counts other messages than there are; of none: an empty text."""
+    found: Counter[str] = Counter()
+    for log in logs:
+        for number, channel in log.channels.items():
+            found[channel.topic] += log.counts.get(number, 0)
+    promised = metadata.messages_by_topic
+    wrong = [topic for topic in sorted(promised) if promised[topic] != found[topic]]
+    if not wrong:
+        return ""
+    more = f", and is wrong of {len(wrong) - 1} more topics" if len(wrong) > 1 else ""
+    return (
+        f"{ROSBAG2_METADATA} counts {promised[wrong[0]]} messages of {wrong[0]}, but "
+        f"{found[wrong[0]]} were found{more}"
+    )
 
 
 def _present(files: Mapping[str, Location], name: str) -> Location | None:

@@ -1,6 +1,7 @@
 """The metadata.yaml of a ROS 2 bag: which files it has, and how many messages they hold."""
 
 import re
+from collections import Counter
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -36,6 +37,8 @@ class Metadata:
     """In all files; None if not told."""
     messages_by_file: Mapping[str, int]
     """By the last part of the file's name; newer recorders count these, too."""
+    messages_by_topic: Mapping[str, int]
+    """In all files; empty if not told."""
 
 
 def read_metadata(folder: Location) -> Metadata:
@@ -54,6 +57,7 @@ def read_metadata(folder: Location) -> Metadata:
         distribution=_text(information.get("ros_distro")),
         messages=_count(information.get("message_count")),
         messages_by_file=dict(_counts_by_file(information.get("files"))),
+        messages_by_topic=_counts_by_topic(information.get("topics_with_message_count")),
     )
 
 
@@ -127,3 +131,15 @@ def _counts_by_file(files: object) -> Iterator[tuple[str, int]]:
         name, count = _text(facts.get("path")), _count(facts.get("message_count"))
         if name and count is not None:
             yield Path(name).name, count
+
+
+def _counts_by_topic(topics: object) -> Mapping[str, int]:
+    """Return the counts by topic; one that stands there with several types has their sum."""
+    counts: Counter[str] = Counter()
+    for topic in topics if isinstance(topics, list) else []:
+        facts = _mapping(topic)
+        name = _text(_mapping(facts.get("topic_metadata")).get("name"))
+        count = _count(facts.get("message_count"))
+        if name and count is not None:
+            counts[name] += count
+    return counts

@@ -3,10 +3,12 @@
 import os
 import shutil
 import sqlite3
+import struct
 import tempfile
 import threading
 from collections.abc import Iterator, Sequence
 from contextlib import closing
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Final
 from urllib.parse import quote
@@ -22,6 +24,7 @@ _STEPS_PER_BYTE: Final = 10
 """A row takes eight bytes at least, and a query some thirty steps of SQLite's machine for it."""
 _WAL: Final = "-wal"
 _JOURNAL: Final = "-journal"
+_HEADER_SIZE: Final = 100
 _JOURNAL_MAGIC: Final = bytes.fromhex("d9d505f920a163d7")
 
 
@@ -63,8 +66,16 @@ class Database:
                     raise PagesSharedError from error
                 raise
 
-    def rows(self, query: str, parameters: Sequence[Any] = ()) -> list[Any]:
+    def rows(
+        self, query: str, parameters: Sequence[Any] = (), last: int | None = None
+    ) -> list[Any]:
         """Return all rows of a query.
+
+        Args:
+            query: in SQL.
+            parameters: of it.
+            last: what the last row begins with, so that nothing is looked for behind it, where
+                the database may be damaged.
 
         Raises:
             sqlite3.Error: see `each`; or the rows hold more than the file.
@@ -76,6 +87,8 @@ class Database:
             if size > self.size:
                 raise PagesSharedError
             found.append(row)
+            if last is not None and row[0] == last:
+                break
         return found
 
     def columns(self, table: str) -> frozenset[str]:
@@ -83,7 +96,7 @@ class Database:
 
         Columns that are computed are left out, and views and virtual tables are no plain tables.
         """
-        query = "SELECT sql FROM sqlite_master WHERE type = 'table' AND name = ?"
+        query = "SELECT sql FROM sqlite_master WHERE type = 'table' AND name = ? COLLATE NOCASE"
         statements = self.rows(query, (table,))
         if not statements or not str(statements[0][0]).lstrip().upper().startswith("CREATE TABLE"):
             return frozenset()
@@ -117,7 +130,10 @@ def open_database(source: ByteSource) -> tuple[Database, list[Loss]]:
     path = Path(str(source.path)).resolve()
     journals = _journals(path)
     if not journals:
-        return _connect(path), []
+        cut = _cut_off(path)
+        return (
+            (_connect(path), []) if cut is None else (_connect_whole_pages(path, cut), [cut.loss])
+        )
     with tempfile.TemporaryDirectory(prefix="dogbot-logtool.") as folder:
         copy = Path(folder) / "copy.db3"
         try:
@@ -137,6 +153,39 @@ def open_database(source: ByteSource) -> tuple[Database, list[Loss]]:
                 "TMPDIR to a directory with more room"
             ) from error
     return database, [_rolled_back(path)] if _JOURNAL in journals else []
+
+
+@dataclass(frozen=True, slots=True)
+class _CutOff:
+    """A file that has fewer bytes than its header promises."""
+
+    loss: Loss
+    whole: int
+    """Bytes of its whole pages. SQLite would fill the last one up with zeros."""
+
+
+def _cut_off(path: Path) -> _CutOff | None:
+    with path.open("rb") as file:
+        header = file.read(_HEADER_SIZE)
+        size = file.seek(0, os.SEEK_END)
+    if len(header) < _HEADER_SIZE or header[24:28] != header[92:96]:
+        # Old writers leave the number of pages as it was.
+        return None
+    page_size, pages = struct.unpack(">16xH10xI68x", header)
+    page_size = page_size if page_size != 1 else 1 << 16
+    if size >= page_size * pages:
+        return None
+    what = f"the file is cut off: it promises {page_size * pages} bytes, but has {size}"
+    return _CutOff(Loss(size, f"{what}; copy it again", 0, None), size - size % page_size)
+
+
+def _connect_whole_pages(path: Path, cut: _CutOff) -> Database:
+    if path.stat().st_size == cut.whole:
+        return _connect(path, cut_off=True)
+    with tempfile.NamedTemporaryFile(prefix="dogbot-logtool.") as copy:
+        shutil.copyfile(path, copy.name)
+        os.truncate(copy.name, cut.whole)
+        return _connect(Path(copy.name), cut_off=True)
 
 
 def _rolled_back(path: Path) -> Loss:
@@ -187,14 +236,18 @@ def _settle(copy: Path) -> None:
         connection.execute("PRAGMA journal_mode = DELETE").fetchone()
 
 
-def _connect(path: Path) -> Database:
+def _connect(path: Path, *, cut_off: bool = False) -> Database:
     # Names on a disk may be any bytes.
     name = quote(os.fsencode(path))
     connection = sqlite3.connect(f"file:{name}?immutable=1", uri=True, check_same_thread=False)
     try:
         connection.text_factory = _text
         database = Database(connection, path.stat().st_size)
-        for setting in ("trusted_schema = OFF", "query_only = ON"):
+        settings = ["trusted_schema = OFF", "query_only = ON"]
+        if cut_off:
+            # Else SQLite does not read the pages that are there.
+            settings.append("writable_schema = ON")
+        for setting in settings:
             database.rows(f"PRAGMA {setting}")
         database.rows("SELECT 1 FROM sqlite_master LIMIT 1")
     except BaseException:

@@ -2,8 +2,8 @@
 
 import sqlite3
 from collections.abc import Iterator
-from itertools import islice, pairwise
-from typing import Final
+from itertools import pairwise
+from typing import Any, Final
 
 import numpy as np
 
@@ -110,7 +110,7 @@ class _Rows:
         """Yield (n, 4) row number, topic id, time in ns, and size of messages, in file order.
 
         Raises:
-            sqlite3.Error: the database is damaged.
+            sqlite3.Error: the database is damaged, behind the rows that were yielded.
         """
         query = (
             f"SELECT {self._key}, topic_id, timestamp, length(data) FROM messages "  # noqa: S608
@@ -119,7 +119,7 @@ class _Rows:
         rows = self._database.each(query)
         last: int | None = None
         size = 0
-        while found := list(islice(rows, _ROWS_AT_ONCE)):
+        for found in _in_parts(rows):
             table = np.array(found, np.int64)
             size += int(table[:, 3].sum())
             sound = _ascending(table[:, 0], last) if size <= self._database.size else 0
@@ -140,7 +140,7 @@ class _Rows:
             f"SELECT {self._key}, topic_id, timestamp, data FROM messages "  # noqa: S608
             f"WHERE {self._key} BETWEEN ? AND ? AND {_SOUND} ORDER BY {self._key}"
         )
-        rows = self._database.rows(query, (chunk.data_offset, chunk.end))
+        rows = self._database.rows(query, (chunk.data_offset, chunk.end), last=chunk.end)
         if _ascending(np.array([row[0] for row in rows], np.int64), None) < len(rows):
             raise PagesSharedError
         channel = topics.channel_of(np.array([row[1] for row in rows], np.int64))
@@ -154,6 +154,23 @@ class _Rows:
 
     def close(self) -> None:
         self._database.close()
+
+
+def _in_parts(rows: Iterator[Any]) -> Iterator[list[Any]]:
+    """Yield rows in lists; those before the one that cannot be read, too, and then raise."""
+    part: list[Any] = []
+    try:
+        for row in rows:
+            part.append(row)
+            if len(part) == _ROWS_AT_ONCE:
+                yield part
+                part = []
+    except sqlite3.Error:
+        if part:
+            yield part
+        raise
+    if part:
+        yield part
 
 
 def _row_number(database: Database, path: Location) -> str:
@@ -177,7 +194,8 @@ def _ascending(numbers: Ints, last: int | None) -> int:
     """Return how many numbers, from the first on, are each larger than the one before."""
     if len(numbers) and last is not None and numbers[0] <= last:
         return 0
-    falls = np.flatnonzero(np.diff(numbers) <= 0)
+    # A difference may not fit 64 bits.
+    falls = np.flatnonzero(numbers[1:] <= numbers[:-1])
     return int(falls[0]) + 1 if len(falls) else len(numbers)
 
 
@@ -198,7 +216,7 @@ def open_sqlite(source: ByteSource, distribution: str = "") -> SqliteLog:
         check_tables(database, source.path)
         topics = read_topics(database, distribution)
         rows = _Rows(database, source.path)
-        contents = _contents(rows, topics, losses)
+        contents = _contents(rows, topics, [*losses, *topics.losses])
         return SqliteLog(source, contents, rows, topics)
     except BaseException as error:
         if database is not None:

@@ -1,20 +1,18 @@
 """The tables of a .db3 file that tell what its messages are."""
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
+from zlib_ng.zlib_ng import crc32
 
 from dogbot_logtool.core.geometry.arrays import Ints
 from dogbot_logtool.errors import LogError
 from dogbot_logtool.io.storage import Location
-from dogbot_logtool.reader.containers.log import Channel, Schema
+from dogbot_logtool.reader.containers.log import Channel, Loss, Schema
 from dogbot_logtool.reader.containers.sqlite.database import Database
-from dogbot_logtool.reader.decode.known_definitions import (
-    known_definition,
-    long_type_name,
-)
+from dogbot_logtool.reader.decode.known_definitions import known_definition, long_type_name
 
 _MOST_TOPICS: Final = 0xFFFF
 """Channel ids of an MCAP."""
@@ -33,6 +31,8 @@ class Topics:
     """(t,) topic ids, sorted."""
     numbers: Ints
     """(t,) the channel of each."""
+    losses: tuple[Loss, ...] = ()
+    """What the tables say in two ways."""
 
     def channel_of(self, topic: Ints) -> Ints:
         """(n,) channel ids of topic ids; 0: not described."""
@@ -59,7 +59,8 @@ def check_tables(database: Database, path: Location) -> None:
 
 def read_topics(database: Database, distribution: str) -> Topics:
     """Read the topics, and find the definitions of their types: the log's own go first."""
-    recorded = _recorded_definitions(database)
+    losses: list[Loss] = []
+    recorded = _recorded_definitions(database, losses)
     distribution = _distribution(database) or distribution
     # Columns that the first recorders did not write yet.
     later = {"serialization_format": "'cdr'", "offered_qos_profiles": "''"}
@@ -68,12 +69,13 @@ def read_topics(database: Database, distribution: str) -> Topics:
         f"coalesce({column}, {default})" if column in present else default
         for column, default in later.items()
     )
-    rows = database.rows(
+    found = database.rows(
         f"SELECT id, name, type, {columns} FROM topics "  # noqa: S608
         "WHERE typeof(id) = 'integer' AND typeof(name) = 'text' AND typeof(type) = 'text' "
         "ORDER BY id LIMIT ?",
         (_MOST_TOPICS,),
     )
+    rows = _each_once(found, losses)
     schemas: dict[str, Schema] = {}
     channels: dict[int, Channel] = {}
     for number, (_, name, type_name, serialisation, profiles) in enumerate(rows, start=1):
@@ -84,7 +86,31 @@ def read_topics(database: Database, distribution: str) -> Topics:
         metadata = {"offered_qos_profiles": str(profiles)} if profiles else {}
         channels[number] = Channel(number, str(name), str(serialisation), schemas[kind], metadata)
     ids = np.array([row[0] for row in rows], np.int64)
-    return Topics(channels, ids, np.arange(1, len(rows) + 1))
+    return Topics(channels, ids, np.arange(1, len(rows) + 1), tuple(losses))
+
+
+def _each_once(rows: Iterable[tuple[Any, ...]], losses: list[Loss]) -> list[tuple[Any, ...]]:
+    """Return the first row of each topic id; add what others say differently to the losses.
+
+    A table without a primary key, as hand-made ones are, may have an id several times.
+    """
+    chosen: dict[int, tuple[Any, ...]] = {}
+    contradicted: set[int] = set()
+    for row in rows:
+        first = chosen.setdefault(row[0], row)
+        if first[1:4] != row[1:4] and row[0] not in contradicted:
+            contradicted.add(row[0])
+            losses.append(_said_twice(f"topic {row[0]}", _topic(first), _topic(row)))
+    return list(chosen.values())
+
+
+def _topic(row: tuple[object, ...]) -> str:
+    return f"{row[1]} ({row[2]}, {row[3]})"
+
+
+def _said_twice(what: str, chosen: str, other: str) -> Loss:
+    text = f"{what} is described in two ways: as {chosen} and as {other}"
+    return Loss(0, f"{text}; the former was used")
 
 
 def _known(kind: str, distribution: str) -> tuple[str, str]:
@@ -92,17 +118,31 @@ def _known(kind: str, distribution: str) -> tuple[str, str]:
     return ("", "") if text is None else ("ros2msg", text)
 
 
-def _recorded_definitions(database: Database) -> dict[str, tuple[str, str]]:
-    """Return encoding and text by type, as newer recorders write them."""
+def _recorded_definitions(database: Database, losses: list[Loss]) -> dict[str, tuple[str, str]]:
+    """Return encoding and text by type, as newer recorders write them.
+
+    The first definition of a type is taken; of one that differs the losses tell.
+    """
     needed = ("topic_type", "encoding", "encoded_message_definition")
     if not database.columns("message_definitions").issuperset(needed):
         return {}
     rows = database.rows(f"SELECT {', '.join(needed)} FROM message_definitions")  # noqa: S608
-    return {
-        long_type_name(str(kind)): (str(encoding), str(text))
-        for kind, encoding, text in rows
-        if encoding in {"ros2msg", "ros2idl"} and text
-    }
+    chosen: dict[str, tuple[str, str]] = {}
+    contradicted: set[str] = set()
+    for name, encoding, text in rows:
+        if encoding not in {"ros2msg", "ros2idl"} or not text:
+            continue
+        kind, one = long_type_name(str(name)), (str(encoding), str(text))
+        first = chosen.setdefault(kind, one)
+        if first != one and kind not in contradicted:
+            contradicted.add(kind)
+            losses.append(_said_twice(kind, _definition(first), _definition(one)))
+    return chosen
+
+
+def _definition(one: tuple[str, str]) -> str:
+    encoding, text = one
+    return f"{crc32(text.encode()):08x} ({encoding}, {len(text)} characters)"
 
 
 def _distribution(database: Database) -> str:

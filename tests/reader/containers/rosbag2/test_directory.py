@@ -166,6 +166,28 @@ def test_metadata_that_counts_other_messages_is_said(
     assert reading.lost == lost
 
 
+def test_metadata_that_counts_messages_of_other_topics_is_said(tmp_path: Path) -> None:
+    bag = write(tmp_path / "bag")
+    topics = sorted({entry.topic for entry in ENTRIES})
+    metadata_of(bag, (f"name: {topics[0]}", "name: /elsewhere"))
+    reading = read_file(bag)
+    assert list(reading.messages) == expected()
+    assert re.match(
+        r"metadata.yaml counts \d+ messages of /elsewhere, but 0 were found$", reading.sentences
+    )
+
+
+def test_files_that_were_renamed_are_read(tmp_path: Path) -> None:
+    bag = write(tmp_path / "bag")
+    database(bag).rename(bag / "renamed.db3")
+    reading = read_file(bag)
+    assert list(reading.messages) == expected()
+    assert reading.sentences == (
+        "metadata.yaml cannot be used (it names none of the files that are there); the files were "
+        "taken by their names"
+    )
+
+
 def test_messages_of_a_missing_file_are_counted_once(tmp_path: Path) -> None:
     bag = write(tmp_path / "bag")
     (name,) = [file.name for file in bag.glob("*.db3")]
@@ -460,7 +482,7 @@ def test_any_log_may_be_packed_once(tmp_path: Path) -> None:
     path.write_bytes(packed)
     assert len(read_file(path).messages) > 0
     path.write_bytes(zstandard.ZstdCompressor().compress(packed))
-    with pytest.raises(LogError, match="neither"):
+    with pytest.raises(LogError, match="twice"):
         open_log(path)
 
 
