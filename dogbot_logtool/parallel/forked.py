@@ -235,6 +235,6 @@ def _serve(
 
 def _end_with(parent: BinaryIO, process: int) -> None:
     # Whatever else the first process forked has the pipe open, too, so it is not enough.
-    while not wait([parent], _LOOK_EVERY_S) and os.getppid() == process:
+    while not wait([parent.fileno()], _LOOK_EVERY_S) and os.getppid() == process:
         pass
     os._exit(1)
