@@ -75,11 +75,15 @@ def _run() -> int:
     except LogtoolError as error:
         say_error(error)
         code = error.exit_code
-    except MemoryError:
-        # What prints other sentences is perhaps not loaded yet, and takes some.
-        click.echo("error: there is not enough memory; with --jobs 1 the least is needed", err=True)
-        code = 1
-    except Exception:  # noqa: BLE001 - a fault of ours is shown as a whole, on a stream that is safe
-        traceback.print_exc()
+    except Exception as error:  # noqa: BLE001 - a fault of ours is shown as a whole, on a stream that is safe
+        _show_fault(error)
         code = 1
     return code
+
+
+def _show_fault(error: Exception) -> None:
+    if isinstance(error, MemoryError):
+        # What prints other sentences is perhaps not loaded yet, and takes some.
+        click.echo("error: there is not enough memory; with --jobs 1 the least is needed", err=True)
+    else:
+        traceback.print_exception(error)

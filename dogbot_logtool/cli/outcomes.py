@@ -9,7 +9,7 @@ import click
 from dogbot_logtool.errors import LogtoolError
 from dogbot_logtool.io.plain_json import to_json
 from dogbot_logtool.io.printable import printable
-from dogbot_logtool.io.storage import valid_unicode
+from dogbot_logtool.io.storage import valid_unicode, without_secrets
 
 if TYPE_CHECKING:
     from dogbot_logtool.run.inputs import Fleet
@@ -76,7 +76,7 @@ class Outcomes:
             self._note(f"{len(logs)} {many} there already, unchanged")
 
     def _add_failure(self, name: str, sentence: str, exit_code: int) -> None:
-        sentence = valid_unicode(sentence)
+        sentence = without_secrets(valid_unicode(sentence))
         self._failed.append((name, sentence))
         self.add({"input": name, "error": sentence}, exit_code)
 
@@ -133,7 +133,7 @@ def say(sentence: str) -> None:
         print_sentence,
     )
 
-    first, *others = map(printable, sentence.split(_NEW_LINE))
+    first, *others = map(printable, without_secrets(sentence).split(_NEW_LINE))
     print_sentence(diagnostics(), ("error: ", "red"), first, indent=7)
     for line in others:
         if line.startswith("dogbot-logtool "):

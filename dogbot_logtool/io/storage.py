@@ -12,7 +12,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, BinaryIO, Final, TypeVar
-from urllib.parse import unquote, urlsplit, urlunsplit
+from urllib.parse import unquote, urlsplit
 
 from dogbot_logtool.errors import CallError, ExtraMissingError, StoreError
 from dogbot_logtool.io.printable import printable
@@ -39,6 +39,12 @@ ANSWER_WITHIN_S = 120.0
 """A request that takes longer has stalled."""
 _URL: Final = re.compile(r"[A-Za-z][A-Za-z0-9+.-]*://")
 _CREDENTIALS: Final = re.compile(r"(?<=://)[^/?#]*@")
+_SECRET_END: Final = re.compile(r"[?#]")
+_CREDENTIALS_WITHIN: Final = re.compile(r"(\b[A-Za-z][A-Za-z0-9+.-]*:/{1,2})[^\s/?#]*@")
+"""What becomes of a URL that is taken for a path has one slash."""
+_QUERY_WITHIN: Final = re.compile(
+    r"(\b[A-Za-z][A-Za-z0-9+.-]*:/{1,2}[^\s?#]*)[?#]\S*?(?=[\]:;,.)'\"]*(?:\s|$))"
+)
 _KINDS: Final = {
     stat.S_IFDIR: "a directory",
     stat.S_IFIFO: "a named pipe",
@@ -79,8 +85,9 @@ def location(word: str) -> Location:
         raise CallError(f"{shown(word)}: {error}") from error
     except ValueError as error:
         raise CallError(f"{shown(word)}: is a URL of no known kind ({error})") from error
-    except OSError as error:
-        raise StoreError(f"{shown(word)}: cannot be opened: {error.strerror or error}") from error
+    except (AttributeError, OSError) as error:
+        # upath cannot tell its parts, or it is a file within another one that cannot be had.
+        raise StoreError(f"{shown(word)}: cannot be opened: {error}") from error
     return place
 
 
@@ -121,11 +128,12 @@ def shown(place: Location | str) -> str:
     text = str(place)
     if not _URL.match(text):
         return valid_unicode(text)
-    try:
-        parts = urlsplit(text)
-    except ValueError:
-        return valid_unicode(re.split("[?#]", _CREDENTIALS.sub("", text, 1))[0])
-    return urlunsplit((parts.scheme, parts.netloc.rpartition("@")[2], parts.path, "", ""))
+    return _SECRET_END.split(_CREDENTIALS.sub("", text, 1), 1)[0]
+
+
+def without_secrets(text: str) -> str:
+    """Return a text whose URLs have no passwords and signatures."""
+    return _QUERY_WITHIN.sub(r"\1", _CREDENTIALS_WITHIN.sub(r"\1", text))
 
 
 def valid_unicode(text: str) -> str:

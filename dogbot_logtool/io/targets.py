@@ -155,7 +155,10 @@ def targets(
     taken: set[Location] = set()
     for log, target in pairs:
         if target in taken:
-            raise CallError(f"{log}: another log has the same name, so both would go to {target}")
+            raise CallError(
+                f"{storage.shown(log)}: another log has the same name, so both would go to "
+                f"{storage.shown(target)}"
+            )
         taken.add(target)
     return pairs
 

@@ -14,6 +14,7 @@ from typing import Any
 import pytest
 
 from dogbot_logtool.errors import CallError, StoreError
+from dogbot_logtool.run import processes
 from dogbot_logtool.run.choice import runner_for
 from dogbot_logtool.run.processes import Processes
 from dogbot_logtool.run.relay import Progress
@@ -241,3 +242,50 @@ def test_a_store_that_fails_is_tried_once_more() -> None:
 def test_a_scheduler_is_an_address(word: str) -> None:
     with pytest.raises(CallError, match="must be an address"):
         runner_for(2, 2, word)
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="looks into /proc")
+def test_closing_ends_a_worker_that_is_stopped(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(processes, "_END_S", 0.2)
+    with Processes[str](2) as runner:
+        results = runner.run(work, [("endless", tmp_path)] * 2, Watcher())
+        threading.Thread(target=stop_one, args=(tmp_path,)).start()
+        with pytest.raises(InterruptedError):
+            next(results)
+        workers = wait_for_endless(tmp_path, 2)
+    wait_for_the_end_of(*workers)
+
+
+def stop_one(folder: Path) -> None:
+    os.kill(wait_for_endless(folder, 2)[0], signal.SIGSTOP)
+    signal.raise_signal(signal.SIGUSR1)
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="limits files")
+@pytest.mark.parametrize("files", [15, 20, 24])
+def test_processes_that_cannot_be_started_are_told(files: int) -> None:
+    script = f"""
+import dogbot_logtool.run.processes, dogbot_logtool.report.console
+from resource import RLIMIT_NOFILE, setrlimit
+from dogbot_logtool.errors import LogtoolError
+from tests.run.test_runner import Watcher
+
+if __name__ == "__main__":
+    setrlimit(RLIMIT_NOFILE, ({files}, {files}))
+    try:
+        with dogbot_logtool.run.processes.Processes(9) as runner:
+            list(runner.run(str, range(9), Watcher()))
+    except LogtoolError as error:
+        print(error)
+"""
+    done = subprocess.run(  # noqa: S603
+        [sys.executable, "-c", script],
+        capture_output=True,
+        text=True,
+        check=True,
+        timeout=60.0,
+        cwd=Path(__file__).parents[2],
+    )
+    assert done.stdout == "9 processes cannot be started: Too many open files; try fewer --jobs\n"

@@ -1,0 +1,57 @@
+"""Signals that ask the program to end."""
+
+import signal
+import subprocess
+import sys
+
+import pytest
+
+NEEDED = "there is not enough memory; with --jobs 1 the least is needed"
+
+
+@pytest.mark.skipif(not hasattr(signal, "setitimer"), reason="has no timer that sends a signal")
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM], ids=lambda n: n.name)
+@pytest.mark.parametrize("where", ["weakref.finalize(thing, fall)", "weakref.ref(thing, fall)"])
+def test_a_signal_in_a_finalizer_is_not_lost(number: signal.Signals, where: str) -> None:
+    script = f"""
+import os, time, weakref
+from dogbot_logtool.run.signals import raise_on_signals
+
+class Thing:
+    pass
+
+def fall(*_):
+    os.kill(os.getpid(), {int(number)})
+    list(range(100))
+
+raise_on_signals()
+thing = Thing()
+kept = {where}
+del thing
+time.sleep(30.0)
+print("lost")
+"""
+    done = subprocess.run(  # noqa: S603
+        [sys.executable, "-c", script], capture_output=True, text=True, check=False, timeout=60.0
+    )
+    assert (done.returncode, done.stdout, done.stderr) == (128 + number, "", "")
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="limits memory")
+def test_too_little_memory_is_told() -> None:
+    script = """
+import sys
+import numpy
+from resource import RLIMIT_AS, setrlimit
+from dogbot_logtool.cli import convert, main
+
+with open("/proc/self/statm") as file:
+    used = int(file.read().split()[0]) * 4096
+setrlimit(RLIMIT_AS, (used + (24 << 20), used + (24 << 20)))
+sys.argv = ["dogbot-logtool", "stats", "sample_logs/dogbot_trot.bag", "--jobs", "1"]
+main()
+"""
+    done = subprocess.run(  # noqa: S603
+        [sys.executable, "-c", script], capture_output=True, text=True, check=False, timeout=60.0
+    )
+    assert (done.returncode, done.stderr) == (1, f"error: {NEEDED}\n")
