@@ -12,6 +12,7 @@ from dogbot_logtool.errors import CallError
 from dogbot_logtool.robot import load_robot
 from tests import forked_cli
 from tests.forked_cli import Ended
+from tests.paths import SAMPLE_LOGS
 from tests.reader.mcap_bytes import small_mcap
 
 MOST_SECONDS = 30
@@ -156,3 +157,25 @@ def test_huge_numbers_are_compared(tmp_path: Path) -> None:
         done = run("compare", *options, one, other)
         assert done.returncode == 1, done.stderr
         assert "Traceback" not in done.stderr
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        "info {name}",
+        "stats {name} --json",
+        "convert {name} -o out/",
+        "report {name} -o out/",
+        "layout {name}",
+        "compare {name} {name}",
+        "compare --update {name} {log}",
+        "convert {log} -o {name}",
+    ],
+)
+def test_a_name_that_no_disk_takes_is_told(tmp_path: Path, words: str) -> None:
+    log = SAMPLE_LOGS / "dogbot_troubled.bag"
+    done = forked_cli.run(*words.format(name="x" * 5000, log=log).split(), folder=tmp_path)
+    assert done.returncode in {1, 2}
+    assert "File name too long" in done.stderr
+    assert "Traceback" not in done.stderr
+    assert list(tmp_path.iterdir()) == []

@@ -10,7 +10,7 @@ from dogbot_logtool.comparison.fields import Findings, Tree, compare_fields, joi
 from dogbot_logtool.comparison.outcome import Comparison, Differences, Kind, Tally
 from dogbot_logtool.comparison.tolerances import FieldRules, Rules, nothing_left
 from dogbot_logtool.errors import CallError, LogError
-from dogbot_logtool.io.storage import content, open_file
+from dogbot_logtool.io.storage import content, is_folder, open_file
 
 _PROVENANCE: Final = ("tool.version", "log.path")
 """Where figures come from, not what they are."""
@@ -26,7 +26,7 @@ def looks_like_json(path: Path) -> bool:
     Raises:
         CallError: there is no such file, or it cannot be opened.
     """
-    if path.is_dir():
+    if is_folder(path):
         return False
     with open_file(path) as file:
         return file.read(64).removeprefix(b"\xef\xbb\xbf").lstrip()[:1] in {b"{", b"["}

@@ -118,9 +118,13 @@ def identity(place: Location) -> str:
     It is the real path, whatever the spelling and the links, or the whole URL but for user and
     password. A query may hold other secrets: print `shown`, never this.
     """
-    return (
-        os.path.realpath(place) if isinstance(place, Path) else _CREDENTIALS.sub("", str(place), 1)
-    )
+    if not isinstance(place, Path):
+        return _CREDENTIALS.sub("", str(place), 1)
+    try:
+        return os.path.realpath(place)
+    except (OSError, ValueError):
+        # A name that no disk takes; opening it will say so.
+        return str(place)
 
 
 def shown(place: Location | str) -> str:
@@ -184,7 +188,9 @@ def is_folder(place: Location) -> bool:
         CallError: it is a URL, and nothing is there.
         StoreError: the store fails.
     """
-    return place.is_dir() if isinstance(place, Path) else facts(place).is_folder
+    if isinstance(place, Path):
+        return os.path.isdir(place)  # noqa: PTH112 - false for a name that no disk takes
+    return facts(place).is_folder
 
 
 def files_in(folder: Location) -> list[Location]:

@@ -34,7 +34,7 @@ def open_log(path: Location) -> Log:
         StoreError: the store fails.
     """
     if isinstance(path, Path):
-        return _open_folder(path) if path.is_dir() else _open_file(path)
+        return _open_folder(path) if storage.is_folder(path) else _open_file(path)
     facts = storage.facts(path)
     return _open_folder(path) if facts.is_folder else _open_object(path, "", facts)
 
