@@ -2,16 +2,18 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from dogbot_logtool.core.geometry.arrays import Floats
-from dogbot_logtool.core.statistics import Stats
-from dogbot_logtool.finding import Finding
-from dogbot_logtool.io.storage import Location
-from dogbot_logtool.pipeline.conversion.batch import Counts
-from dogbot_logtool.pipeline.frames import Frames
-from dogbot_logtool.pipeline.plan import Plan
-from dogbot_logtool.reader.containers.log import Loss
+# A command needs not load what only other commands' records are made of.
+if TYPE_CHECKING:
+    from dogbot_logtool.core.geometry.arrays import Floats
+    from dogbot_logtool.core.statistics import Stats
+    from dogbot_logtool.finding import Finding
+    from dogbot_logtool.io.storage import Location
+    from dogbot_logtool.pipeline.conversion.batch import Counts
+    from dogbot_logtool.pipeline.frames import Frames
+    from dogbot_logtool.pipeline.plan import Plan
+    from dogbot_logtool.reader.containers.log import Loss
 
 
 @dataclass(frozen=True, slots=True)
@@ -35,7 +37,7 @@ class TopicInfo:
 class LogInfo:
     """What a log holds."""
 
-    path: Location
+    path: "Location"
     size: int
     """Bytes."""
     container: str
@@ -55,10 +57,10 @@ class LogInfo:
     """Parent and child of the transform that `convert` adds."""
     chunks_seen: int
     """Chunks that were looked at for frames and stamps; the rest was not read."""
-    frames: Frames | None
+    frames: "Frames | None"
     """All transforms of the log, if they were asked for."""
-    findings: tuple[Finding, ...]
-    losses: tuple[Loss, ...]
+    findings: "tuple[Finding, ...]"
+    losses: "tuple[Loss, ...]"
 
     @property
     def exit_code(self) -> int:
@@ -70,19 +72,19 @@ class LogInfo:
 class Conversion:
     """What was done."""
 
-    source: Location
-    target: Location
+    source: "Location"
+    target: "Location"
     container: str
-    plan: Plan
+    plan: "Plan"
     messages: int
     """Recorded messages that were read."""
     copied: int
     """Recorded messages in the output."""
     annotations: Mapping[str, int]
     """Messages that were added, by topic."""
-    counts: Counts
-    findings: tuple[Finding, ...]
-    losses: tuple[Loss, ...]
+    counts: "Counts"
+    findings: "tuple[Finding, ...]"
+    losses: "tuple[Loss, ...]"
 
     @property
     def exit_code(self) -> int:
@@ -106,7 +108,7 @@ class LogFacts:
     lost_bytes: int = 0
     losses: Sequence[str] = ()
     """What was lost, and where, a sentence each."""
-    findings: Sequence[Finding] = field(default=())
+    findings: "Sequence[Finding]" = field(default=())
     """What choosing topics and frames brought up."""
     robot: str = ""
     """Name of the robot."""
@@ -116,9 +118,9 @@ class LogFacts:
 class Measurement:
     """All figures of a log, and what is known of the log itself."""
 
-    stats: Stats
+    stats: "Stats"
     facts: LogFacts
-    losses: tuple[Loss, ...]
+    losses: "tuple[Loss, ...]"
 
     @property
     def exit_code(self) -> int:
@@ -130,8 +132,8 @@ class Measurement:
 class Page:
     """A page that was written."""
 
-    source: Location
-    target: Location
+    source: "Location"
+    target: "Location"
     size: int
     """bytes."""
     measured: Measurement
@@ -148,7 +150,7 @@ class StrideTable:
 
     foot: tuple[str, ...]
     """(n,) names."""
-    columns: Mapping[str, Floats]
+    columns: "Mapping[str, Floats]"
     """(n,) by name, the unit at its end; NaN where not known. `start_s` counts from the log's
     first message of use."""
 

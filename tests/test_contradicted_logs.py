@@ -13,9 +13,10 @@ from mcap.reader import make_reader
 from mcap.writer import IndexType, Writer
 
 from tests.forked_cli import run
+from tests.paths import SAMPLE_LOGS
 from tests.reader.mcap_bytes import CHANNEL, MAGIC, STATISTICS
 
-WALK = Path(__file__).parent.parent / "sample_logs" / "dogbot_walk.mcap"
+WALK = SAMPLE_LOGS / "dogbot_walk.mcap"
 FEET = ("/dogbot/front_left_contactsensor_state", "/dogbot/front_right_contactsensor_state")
 
 

@@ -90,10 +90,10 @@ def test_relative_imports_are_seen(tmp_path: Path, monkeypatch: pytest.MonkeyPat
 
     assert name_of(file) == "dogbot_logtool.core.odd"
     assert imports_of(file) == {
-        "dogbot_logtool.core",
-        "dogbot_logtool.core.geometry.arrays",
-        "dogbot_logtool.reader",
-        "dogbot_logtool.reader.containers.log",
+        f"{PACKAGE}.core",
+        f"{PACKAGE}.core.arrays",
+        f"{PACKAGE}.reader",
+        f"{PACKAGE}.reader.log",
         "rosbags.typesys",
     }
 

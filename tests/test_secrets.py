@@ -2,13 +2,12 @@
 
 import subprocess
 import sys
-from pathlib import Path
 
 import pytest
 
 from dogbot_logtool.io.storage import shown, without_secrets
+from tests.paths import ROOT
 
-ROOT = Path(__file__).parents[1]
 SAMPLE = str(ROOT / "sample_logs/dogbot_trot.bag")
 QUERY = "?signature=SECRET&x=SECRET"
 URL = f"http://user:SECRET@127.0.0.1:1/a.bag{QUERY}"

@@ -3,10 +3,12 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Literal
+from typing import TYPE_CHECKING, Literal
 
-from dogbot_logtool.core.contact.curves import CurveDetail
-from dogbot_logtool.writer.chunks import Compression
+# `stats` does without the writer, `convert` without curves.
+if TYPE_CHECKING:
+    from dogbot_logtool.core.contact.curves import CurveDetail
+    from dogbot_logtool.writer.chunks import Compression
 
 Style = Literal["classic", "pressure", "force"]
 EncodingName = Literal["foxglove", "ros1", "ros2"]
@@ -46,7 +48,7 @@ class ConvertOptions:
     end_s: float | None = None
     scene: bool | None = None
     """Whether `/support` is written; None: where it can be, but not in `classic`."""
-    compression: Compression | None = None
+    compression: "Compression | None" = None
     """None: zstd, and the chunks of an MCAP input as they are."""
     jobs: int = 1
     overwrite: bool = False
@@ -72,7 +74,7 @@ class StatsOptions:
     """s since the log's start; also `end_s`."""
     end_s: float | None = None
     jobs: int = 1
-    curves: CurveDetail | None = None
+    curves: "CurveDetail | None" = None
     """Keep load curves for drawing; None: none."""
 
 

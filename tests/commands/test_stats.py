@@ -17,21 +17,21 @@ from dogbot_logtool.commands.stats import measure
 from dogbot_logtool.errors import CallError, LogError
 from dogbot_logtool.pipeline.options import StatsOptions, TopicOptions
 from dogbot_logtool.report.stats_json import stats_json, stats_schema
+from tests.paths import ROOT, SAMPLE_LOGS
 from tests.reader.mcap_bytes import small_mcap
 from tests.walks import Walk as ContactWalk
 from tests.walks import write_mcap
 
-SAMPLES = Path(__file__).parent.parent / "sample_logs"
 WALKS = ("dogbot_trot.bag", "dogbot_walk.mcap")
 
 
 def figures(log: str, options: StatsOptions | None = None) -> dict[str, Any]:
-    done = measure(SAMPLES / log, options or StatsOptions())
+    done = measure(SAMPLE_LOGS / log, options or StatsOptions())
     return stats_json(done.stats, done.facts)
 
 
 def truth(log: str) -> dict[str, Any]:
-    text = (SAMPLES / f"{Path(log).stem}.truth.json").read_text(encoding="utf-8")
+    text = (SAMPLE_LOGS / f"{Path(log).stem}.truth.json").read_text(encoding="utf-8")
     known: dict[str, Any] = json.loads(text)
     return known
 
@@ -119,7 +119,7 @@ def test_the_base_moves_as_it_should(walk: Walk) -> None:
 def test_without_its_transforms_a_link_frame_log_has_no_vertical_figures(tmp_path: Path) -> None:
     # A robot whose frames the log's transforms do not name: nothing can be turned.
     robot = tmp_path / "stranger.toml"
-    text = (SAMPLES.parent / "dogbot_logtool/robots/dogbot.toml").read_text(encoding="utf-8")
+    text = (ROOT / "dogbot_logtool/robots/dogbot.toml").read_text(encoding="utf-8")
     robot.write_text(text.replace('base = "base_link"', 'base = "trunk"'), encoding="utf-8")
     options = StatsOptions(topics=TopicOptions(robot=str(robot)))
     got = figures("dogbot_trot.bag", options)
@@ -182,7 +182,7 @@ def test_a_missing_file_is_a_wrong_call(tmp_path: Path) -> None:
 def test_times_of_several_senders_of_a_topic_stand_in_the_order_of_the_log(tmp_path: Path) -> None:
     """Both of the topics that are decoded and of those that are not."""
     log = tmp_path / "log.mcap"
-    with (SAMPLES / "dogbot_walk.mcap").open("rb") as stream, log.open("wb") as copy:
+    with (SAMPLE_LOGS / "dogbot_walk.mcap").open("rb") as stream, log.open("wb") as copy:
         writer = Writer(copy)
         writer.start("ros2")
         topics: dict[str, list[int]] = {}

@@ -286,6 +286,6 @@ if __name__ == "__main__":
         text=True,
         check=True,
         timeout=60.0,
-        cwd=Path(__file__).parents[2],
+        cwd=ROOT,
     )
     assert done.stdout == "9 processes cannot be started: Too many open files; try fewer --jobs\n"
