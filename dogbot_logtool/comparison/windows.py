@@ -119,15 +119,23 @@ def plan_windows(tracks: Sequence[Track], window_size: int = WINDOW_SIZE) -> Ite
     first = _FIRST
     if len(size):
         count = int(size.sum() / max(window_size, 2 * size.max(), 1))
-        for cut in _cuts(start.astype(np.float64), end.astype(np.float64), size, count):
+        origin = int(start.min())
+        for later in _cuts(_since(origin, start), _since(origin, end), size, count):
+            cut = min(origin + later, _LAST)
             if cut > first:
                 yield Window(first, cut - 1)
                 first = cut
     yield Window(first, _LAST)
 
 
+def _since(origin: int, time: Ints) -> Floats:
+    """Return ns since the origin, to the nanosecond within some weeks, whatever the origin."""
+    # The difference of two times can be beyond the signed numbers, but not the unsigned.
+    return (time.view(np.uint64) - np.uint64(origin % 2**64)).astype(np.float64)
+
+
 def _cuts(start: Floats, end: Floats, size: Floats, count: int) -> list[int]:
-    """Return the times that cut the bytes into `count` equal parts; 256 ns do not matter here."""
+    """Return the times that cut the bytes into `count` equal parts."""
     # A chunk has some length, also where a nanosecond more is no other float.
     end = np.maximum(end + 1.0, np.nextafter(start, np.inf))
     density = size / (end - start)
@@ -137,10 +145,7 @@ def _cuts(start: Floats, end: Floats, size: Floats, count: int) -> list[int]:
     time, slope = time[order], np.maximum(np.cumsum(slope[order]), 0.0)
     bytes_before = np.concatenate([[0.0], np.cumsum(slope[:-1] * np.diff(time))])
     wanted = bytes_before[-1] * np.arange(1, count) / max(count, 1)
-    # The last time of all, as a float, is one too many for an int64.
-    cuts = np.minimum(np.interp(wanted, bytes_before, time), np.nextafter(2.0**63, 0.0))
-    times: list[int] = cuts.astype(np.int64).tolist()
-    return times
+    return [int(cut) for cut in np.interp(wanted, bytes_before, time).tolist()]
 
 
 def load(track: Track, window: Window) -> Block:
