@@ -8,12 +8,13 @@ CONSTRAINTS := .ci/constraints.txt
 DEMO := demo_output
 SECONDS := 600
 TRIES := 40
+MUTANTS := 60
 SAMPLE := sample_logs/dogbot_trot.bag
 
 export PIP_DISABLE_PIP_VERSION_CHECK := 1
 export PIP_NO_PYTHON_VERSION_WARNING := 1
 
-.PHONY: help demo test lint format samples golden fuzz torture bench docs clean
+.PHONY: help demo test lint format samples golden fuzz torture mutants bench docs validate clean
 
 help:
 	@echo "make demo     convert a sample log and look at it"
@@ -23,8 +24,10 @@ help:
 	@echo "make samples  write the sample logs anew"
 	@echo "make fuzz     harm logs at random for SECONDS=600"
 	@echo "make torture  interrupt the program at random moments, TRIES=40 of each kind"
+	@echo "make mutants  change the core at random, MUTANTS=60 times, and see whether tests notice"
 	@echo "make golden   agree anew on what is made of the sample logs"
 	@echo "make docs     write the pages that are made of the program's tables"
+	@echo "make validate measure logs of known truth, and write docs/validation.md"
 	@echo "make bench    measure against what one would use instead; some ten minutes"
 	@echo "make clean    remove what the others made"
 
@@ -59,7 +62,7 @@ demo: $(VENV)/runtime
 	@$(BIN)/dogbot-logtool info $(DEMO)/dogbot_trot.annotated.mcap
 
 test: $(VENV)/dev
-	$(BIN)/python -m pytest --numprocesses=auto $(ARGS)
+	$(BIN)/python -m pytest --numprocesses=auto --dist=worksteal $(ARGS)
 
 lint: $(VENV)/dev
 	$(BIN)/ruff check
@@ -77,8 +80,16 @@ torture: $(VENV)/dev
 	$(BIN)/python -m tests.torture.signals --tries $(TRIES)
 	$(BIN)/python -m tests.torture.commands
 
+mutants: $(VENV)/dev
+	@$(BIN)/python -m pip install --quiet --editable '.[dev,mutants]' --constraint $(CONSTRAINTS)
+	$(BIN)/python -m tests.mutants.sample --count $(MUTANTS)
+
 docs: $(VENV)/dev
 	$(BIN)/python docs/pages.py
+
+# LOGTOOL_LABELLED=FOLDER adds real logs with labelled events: NAME.mcap, NAME.events.json.
+validate: $(VENV)/dev
+	$(BIN)/python -m tests.truth.validate
 
 golden: $(VENV)/dev
 	$(BIN)/python sample_logs/golden.py

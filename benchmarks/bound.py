@@ -21,8 +21,8 @@ from zlib_ng.zlib_ng import crc32
 
 from dogbot_logtool.reader.containers.compression import decompress_into
 from dogbot_logtool.reader.containers.log import Chunk, Log
-from dogbot_logtool.reader.containers.opening import open_log
-from dogbot_logtool.run.relay import in_order
+from dogbot_logtool.reader.opening import open_log
+from dogbot_logtool.run.in_order import in_order
 from dogbot_logtool.writer.chunks import ZSTD
 
 _CODEC = zstandard.ZstdCompressor(compression_params=ZSTD)

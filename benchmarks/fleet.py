@@ -19,8 +19,8 @@ from dogbot_logtool.commands.info import describe
 from dogbot_logtool.commands.stats import measure
 from dogbot_logtool.pipeline.options import ConvertOptions, StatsOptions, TopicOptions
 from dogbot_logtool.reader.containers.remote_source import RemoteSource
-from dogbot_logtool.run.cluster import Cluster
-from dogbot_logtool.run.relay import Progress
+from dogbot_logtool.run.cluster import ClusterRunner
+from dogbot_logtool.run.in_order import OnProgress
 
 TASKS: Final = 10_000
 
@@ -28,22 +28,22 @@ TASKS: Final = 10_000
 class Silent:
     """Follows a run without a word."""
 
-    def told(self, number: int, done: int, total: int) -> None:
-        """See `Watcher`."""
+    def update(self, number: int, done: int, total: int) -> None:
+        """See `Progress`."""
 
     def finished(self, number: int) -> None:
-        """See `Watcher`."""
+        """See `Progress`."""
 
     def lost(self, number: int) -> None:
-        """See `Watcher`."""
+        """See `Progress`."""
 
     def say(self, sentence: str) -> None:
-        """See `Watcher`."""
+        """See `Progress`."""
 
 
-def nothing(item: object, tell: Progress | None) -> object:
+def nothing(item: object, on_progress: OnProgress | None) -> object:
     """Do nothing, on a worker."""
-    del tell
+    del on_progress
     return item
 
 
@@ -104,7 +104,7 @@ def main() -> None:
                 print(f"  {name}: {requests} requests, {read / 1e6:.1f} MB ({read / size:.1%})")
     with (
         LocalCluster(2, threads_per_worker=1, host="127.0.0.1", dashboard_address=None) as local,
-        Cluster[object](local.scheduler_address) as runner,
+        ClusterRunner[object](local.scheduler_address) as runner,
     ):
         names = [f"s3://lab/2026/11/robot/log{number:05}.mcap" for number in range(TASKS)]
         start, wall = time.process_time(), time.perf_counter()

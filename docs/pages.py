@@ -1,10 +1,15 @@
 """Writes the pages that are made of the program's own tables: ``make docs``."""
 
+from collections.abc import Callable, Iterator
 from itertools import groupby
 from pathlib import Path
-from typing import Final
+from typing import Any, Final
 
 from dogbot_logtool.finding import finding_kinds
+from dogbot_logtool.io.plain_json import to_json
+from dogbot_logtool.report.figures.document import DOCUMENT, STRIDE_ROWS
+from dogbot_logtool.report.figures.figure import STATISTICS, Figure, Kind, Scope, all_figures
+from dogbot_logtool.report.figures.schema import schema
 
 HERE: Final = Path(__file__).parent
 _SEVERITIES: Final = {"E": "error", "W": "warning", "N": "note"}
@@ -22,9 +27,7 @@ def findings_page() -> str:
     """Return the page of all findings."""
     parts = [_HEAD]
     for subject, kinds in groupby(finding_kinds().values(), key=lambda kind: kind.subject):
-        parts.append(
-            f"\n## {subject}\n\n| code | | what it means | what to do |\n|---|---|---|---|\n"
-        )
+        parts.append(f"\n## {subject}\n\n{_COLUMNS}")
         parts += [
             f"| `{kind.code}` | {_SEVERITIES[kind.code[0]]} | {kind.meaning} | {kind.remedy} |\n"
             for kind in kinds
@@ -32,9 +35,70 @@ def findings_page() -> str:
     return "".join(parts)
 
 
+_FIGURES_HEAD: Final = """# Figures
+
+Everything that `stats --json` reports, and every column of `stats --csv` and `--parquet`. SI units;
+the unit stands in the key. A figure that cannot be known is `null`, and a finding says why. `*`
+stands for the name of a foot or topic, `[]` for the items of a list; the last column names the
+tables that show the figure, too. This page is made of the table
+in `dogbot_logtool/report/figures/` by `make docs`.
+
+An **aggregate** is an object: {statistics}.
+
+"""
+_FIGURES_COLUMNS: Final = (
+    "| key | unit | what it is | null when | tables |\n|---|---|---|---|---|\n"
+)
+
+
+def figures_page() -> str:
+    """Return the page of all figures."""
+    statistics = ", ".join(f"`{name}` ({words})" for name, words in STATISTICS.items())
+    parts = [_FIGURES_HEAD.format(statistics=statistics)]
+    for scope in DOCUMENT.members:
+        if isinstance(scope, Scope):
+            parts += _section(scope, scope.key)
+    parts += _section(STRIDE_ROWS, "stride")
+    return "".join(parts).replace("\n\n\n", "\n\n")
+
+
+def _section(scope: Scope, key: str) -> Iterator[str]:
+    null = f" `null`: {scope.null}." if scope.null else ""
+    yield f"\n## {key}\n\n{scope.definition[0].upper()}{scope.definition[1:]}.{null}\n\n"
+    yield _FIGURES_COLUMNS
+    root = Scope("", (scope,), scope.of, "")
+    for path, figure in all_figures(root):
+        yield _figure_row(path, figure)
+
+
+def _figure_row(path: str, figure: Figure[Any]) -> str:
+    words = figure.definition
+    if figure.choices:
+        words += f" ({', '.join(f'`{choice}`' for choice in figure.choices)})"
+    if figure.kind is Kind.AGGREGATE:
+        words += " (aggregate)"
+    tables = dict.fromkeys(column.table.value for column in figure.columns)
+    cells = (f"`{path}`", figure.unit, words, figure.null, "; ".join(tables))
+    return "| " + " | ".join(cell.replace("|", "\\|") for cell in cells) + " |\n"
+
+
+def schema_file() -> str:
+    """Return the JSON Schema of `stats --json`."""
+    return to_json(schema(), indent=1) + "\n"
+
+
+PAGES: Final[dict[Path, Callable[[], str]]] = {
+    HERE / "findings.md": findings_page,
+    HERE / "figures.md": figures_page,
+    HERE.parent / "dogbot_logtool" / "report" / "stats.schema.json": schema_file,
+}
+"""What is made, and what makes it."""
+
+
 def main() -> None:
     """Write all pages."""
-    (HERE / "findings.md").write_text(findings_page(), encoding="utf-8")
+    for path, made in PAGES.items():
+        path.write_text(made(), encoding="utf-8")
 
 
 if __name__ == "__main__":

@@ -1,4 +1,4 @@
-"""What users should know about a log: one kind of finding for the whole program.
+"""Findings about a log: one kind for the whole program.
 
 Every code is declared once, in ``findings.toml``, with its meaning and what to do about it.
 """
@@ -22,21 +22,26 @@ class Severity(IntEnum):
     NOTE = 2
     """Good to know."""
 
+    @property
+    def word(self) -> str:
+        """``error``, ``warning`` or ``note``."""
+        return self.name.lower()
+
 
 _SEVERITIES: Final = {"E": Severity.ERROR, "W": Severity.WARNING, "N": Severity.NOTE}
 
 
 @dataclass(frozen=True, slots=True)
 class FindingKind:
-    """What a code means, whatever log it is found in."""
+    """The meaning of a code in any log."""
 
     code: str
     """E (error), W (warning) or N (note), then what it is."""
     subject: str
     meaning: str
     """A sentence."""
-    remedy: str
-    """What to do about it: a sentence."""
+    remedy: str = ""
+    """A sentence on what to do about it; empty: nothing."""
 
 
 @cache
@@ -61,7 +66,7 @@ class Finding:
     where: str = ""
     """The topic or the figure, if it is about one."""
     command: str = ""
-    """What to type about it, if that is known; `text` ends with it."""
+    """A command to type, if one is known; `text` ends with it."""
 
     @property
     def severity(self) -> Severity:
@@ -70,8 +75,9 @@ class Finding:
 
     @property
     def remedy(self) -> str:
-        """What to do about it."""
-        return finding_kinds()[self.code].remedy
+        """The remedy; empty: nothing to do."""
+        kind = finding_kinds().get(self.code)
+        return kind.remedy if kind else ""
 
     @property
     def sentence(self) -> str:

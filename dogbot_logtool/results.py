@@ -29,13 +29,13 @@ class TopicInfo:
     is too short, for a rate."""
     senders: int
     use: str
-    """What it is used for: ``odometry``, ``foot front_left``, ``frames``, or nothing.
+    """Its use: ``odometry``, ``foot front_left``, ``frames``, or nothing.
     ``annotation``: `convert` added it."""
 
 
 @dataclass(frozen=True, slots=True)
 class LogInfo:
-    """What a log holds."""
+    """The contents of a log."""
 
     path: "Location"
     size: int
@@ -70,7 +70,7 @@ class LogInfo:
 
 @dataclass(frozen=True, slots=True)
 class Conversion:
-    """What was done."""
+    """The result of `convert`."""
 
     source: "Location"
     target: "Location"
@@ -94,7 +94,7 @@ class Conversion:
 
 @dataclass(frozen=True, slots=True)
 class LogFacts:
-    """What the reader knows of a log."""
+    """Facts about a log, from its reader."""
 
     path: str
     container: str
@@ -104,12 +104,12 @@ class LogFacts:
     duration_s: float | None
     messages: int
     lost_messages: int | None = 0
-    """None when something was lost and nobody knows how much."""
+    """None when an unknown number was lost."""
     lost_bytes: int = 0
     losses: Sequence[str] = ()
-    """What was lost, and where, a sentence each."""
+    """Sentences on what was lost and where."""
     findings: "Sequence[Finding]" = field(default=())
-    """What choosing topics and frames brought up."""
+    """Found while topics and frames were chosen."""
     robot: str = ""
     """Name of the robot."""
 
@@ -157,7 +157,7 @@ class StrideTable:
 
 @dataclass(frozen=True, slots=True)
 class Figures:
-    """What `stats` of a log comes to, small enough to be sent and kept."""
+    """The results of `stats` for one log, small enough to send and store."""
 
     summary: tuple[str, ...]
     """Its row among several logs."""

@@ -21,6 +21,34 @@ _PLACES: Final = (
 _ALL_KEYS: Final = "'dogbot-logtool robots dogbot' shows all that are."
 
 
+NEWTONS: Final = {"N": 1.0, "kN": 1e3, "kg": 9.80665, "g": 9.80665e-3, "lbf": 4.4482216152605}
+"""Newtons in units of force."""
+KINDS: Final = ("force", "contact")
+"""What a field can be read as."""
+_AXES_OF_SENSOR: Final = ("x", "y", "z", "-x", "-y", "-z")
+_SIGNS: Final = {"+": 1, "-": -1}
+
+
+@dataclass(frozen=True, slots=True)
+class FootField:
+    """A field of a message of any type that is a foot's force or contact."""
+
+    path: str
+    """From the message: ``data[3]``, ``legs[2].force``."""
+    kind: str = ""
+    """``force`` or ``contact``; empty: booleans and integers are contacts, all others forces."""
+    scale: float = 1.0
+    """Units a recorded number."""
+    newtons_per_unit: float = 1.0
+    sign: int = 1
+    """1 or -1: which sign a load has; of contacts, -1 where the field says that a foot is up."""
+    axis: str = ""
+    """``x``, ``-z`` ...: the axis of a vector along which the ground pushes the foot; empty: the
+    vector is used as a whole."""
+    threshold: float = 0.0
+    """A number above it is a contact."""
+
+
 @dataclass(frozen=True, slots=True)
 class Foot:
     """One foot of a robot."""
@@ -38,8 +66,14 @@ class Foot:
     """m, where the foot touches, in that frame."""
     element: int | None = None
     """Place in the arrays of a message that tells of all feet; None: told by the message type."""
+    label: str = ""
+    """What messages that name their feet call it; empty: found by its name and leg."""
+    field: FootField | None = None
+    """Which field of its messages is the foot's; None: the type of the messages tells."""
     offset: float = 0.0
-    """Counts of a raw sensor that is not loaded."""
+    """Counts of a raw sensor, or a field's number, without load."""
+    offset_n: tuple[float, float, float] | None = None
+    """N, what its sensor reads without load; None: estimated from the log."""
     newtons_per_count: float | None = None
     """Of a raw sensor; None: nobody has measured what its counts mean."""
 
@@ -52,8 +86,8 @@ class Robot:
     description: str = ""
     mass_kg: float | None = None
     forward_axis: str = "+x"
-    foot_rolling_m: float = 0.0
-    """m: how far a rolling foot's contact point travels in a stance without slipping."""
+    foot_rolling_m: float | None = None
+    """m: how far a foot's contact point travels in a stance without slipping; None: not known."""
     odometry_topic: str | None = None
     world_frame: str | None = None
     base_frame: str | None = None
@@ -62,13 +96,14 @@ class Robot:
     newtons_per_metre: float = 100.0
     shaft_diameter_m: float = 0.04
     contact_on_n: float | None = None
-    """N: |F| from which a foot is in contact; None: max(10 N, 5 % of body weight)."""
+    """N: |F| from which a foot is in contact; None: a share of the weight, above the noise."""
     contact_off_n: float | None = None
-    """N: |F| below which contact ends; None: half of `contact_on_n`."""
+    """N: |F| below which contact ends; None: as `contact_on_n`."""
     contact_on_counts: float | None = None
     """Counts above a foot's `offset` from which a raw sensor without a scale is in contact."""
-    debounce_s: float = 0.020
-    """s: shorter swings are filled, then shorter stances dropped."""
+    debounce_s: float | None = None
+    """s: shorter swings are filled, then shorter stances dropped; None: 20 ms, or 1.5
+    sampling intervals where that is more."""
 
     @property
     def topics(self) -> frozenset[str]:
@@ -77,6 +112,10 @@ class Robot:
         if self.odometry_topic is not None:
             named.add(self.odometry_topic)
         return frozenset(named)
+
+    def feet_of(self, topic: str) -> tuple[Foot, ...]:
+        """Return the feet that a topic's messages are about."""
+        return tuple(foot for foot in self.feet if foot.topic == topic)
 
     def with_mass(self, mass_kg: float | None) -> "Robot":
         """Return this robot with another mass, where one is given."""
@@ -137,7 +176,7 @@ def parse_robot(text: str, source: str) -> Robot:
         description=table.text("description") or "",
         mass_kg=table.positive("mass_kg"),
         forward_axis=table.choice("forward_axis", AXES) or "+x",
-        foot_rolling_m=table.positive("foot_rolling_m") or 0.0,
+        foot_rolling_m=table.positive("foot_rolling_m"),
         odometry_topic=topics.text("odometry"),
         world_frame=frames.frame("world"),
         base_frame=frames.frame("base"),
@@ -147,7 +186,7 @@ def parse_robot(text: str, source: str) -> Robot:
         contact_on_n=contact.positive("on_n"),
         contact_off_n=contact.positive("off_n"),
         contact_on_counts=contact.positive("on_counts"),
-        debounce_s=contact.positive("debounce_s") or 0.020,
+        debounce_s=contact.positive("debounce_s"),
     )
     for section in (topics, frames, arrows, contact, feet, table):
         section.refuse_leftovers(_ALL_KEYS)
@@ -170,23 +209,50 @@ def _foot(table: TomlTable, name: str) -> Foot:
         frame=table.frame("frame"),
         contact_point_m=table.vector("contact_point_m") or (0.0, 0.0, 0.0),
         element=table.count("element"),
+        label=table.text("label") or "",
+        field=_field(table),
         offset=table.number("offset") or 0.0,
+        offset_n=table.vector("offset_n"),
         newtons_per_count=table.positive("newtons_per_count"),
     )
     table.refuse_leftovers(_ALL_KEYS)
     return foot
 
 
+def _field(table: TomlTable) -> FootField | None:
+    """Return which field is a foot's; None where the file names none."""
+    path = table.text("field")
+    if not path:
+        for key in ("kind", "scale", "unit", "sign", "axis", "threshold"):
+            if key in table.names:
+                raise table.fault(key, f"{table.path(key)} needs {table.path('field')}")
+        return None
+    scale = table.number("scale")
+    if scale == 0.0:
+        raise table.fault("scale", f"{table.path('scale')} is 0; nothing would be left")
+    return FootField(
+        path,
+        kind=table.choice("kind", KINDS) or "",
+        scale=1.0 if scale is None else scale,
+        newtons_per_unit=NEWTONS[table.choice("unit", tuple(NEWTONS)) or "N"],
+        sign=_SIGNS[table.choice("sign", tuple(_SIGNS)) or "+"],
+        axis=table.choice("axis", _AXES_OF_SENSOR) or "",
+        threshold=table.number("threshold") or 0.0,
+    )
+
+
 def _check_elements(robot: Robot, file: TomlFile) -> None:
     """Refuse two feet that one element of a message would tell of."""
-    seen: dict[str, list[int | None]] = {}
+    seen: dict[str, list[int | str | None]] = {}
     for foot in robot.feet:
         others = seen.setdefault(foot.topic, [])
-        if others and (foot.element is None or None in others or foot.element in others):
-            key = "topic" if foot.element is None or None in others else "element"
+        own = foot.element if foot.field is None else foot.field.path
+        if others and (own is None or None in others or own in others):
+            key = "topic" if own is None or None in others else "element"
+            key = "field" if foot.field is not None and own in others else key
             text = (
                 f"two feet have the topic {foot.topic}; where its messages tell of several "
-                "feet, each needs an element of its own"
+                "feet, each needs an element or a field of its own"
             )
             raise file.fault(("feet", foot.name, key), text)
-        others.append(foot.element)
+        others.append(own)

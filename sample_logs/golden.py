@@ -19,13 +19,13 @@ from typing import Final
 from dogbot_logtool.commands.compare import update
 from dogbot_logtool.commands.convert import convert
 from dogbot_logtool.commands.stats import measure
-from dogbot_logtool.pipeline.options import ConvertOptions, EncodingName, StatsOptions, Style
+from dogbot_logtool.pipeline.options import ConvertOptions, StatsOptions
 from dogbot_logtool.report.stats_json import stats_json
 
 SAMPLES: Final = Path(__file__).parent
 GOLDEN: Final = SAMPLES / "golden"
-_STYLES: Final[tuple[Style, ...]] = ("classic", "pressure", "force")
-_ENCODINGS: Final[tuple[EncodingName, ...]] = ("foxglove", "ros1")
+_STYLES: Final[tuple[str, ...]] = ("classic", "pressure", "force")
+_ENCODINGS: Final[tuple[str, ...]] = ("foxglove", "ros1")
 _SPANS_S: Final = {
     "dogbot_trot.bag": (1.0, 4.0),
     "dogbot_walk.mcap": (2.0, 4.5),
@@ -38,8 +38,8 @@ class GoldenLog:
     """Annotations of a sample log."""
 
     log: str
-    style: Style
-    encoding: EncodingName
+    style: str
+    encoding: str
 
     @property
     def name(self) -> str:

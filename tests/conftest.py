@@ -1,6 +1,10 @@
 import os
+from pathlib import Path
 
+import pytest
 from hypothesis import HealthCheck, settings
+
+from tests.shell import Shell
 
 # How long an example takes says more of the machine than of the code.
 settings.register_profile("untimed", deadline=None, suppress_health_check=[HealthCheck.too_slow])
@@ -9,3 +13,14 @@ settings.load_profile("untimed")
 # pytest-xdist sets these, and programs that are started would take their output for a terminal's.
 for name in ("COLUMNS", "LINES"):
     os.environ.pop(name, None)
+# Programs that are started compile all modules anew where they may not keep them.
+os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
+
+
+@pytest.fixture
+def shell(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> Shell:
+    folder = tmp_path / "here"
+    folder.mkdir()
+    return Shell(folder, monkeypatch, capsys)

@@ -5,3 +5,6 @@ from typing import Final
 
 ROOT: Final = Path(__file__).parents[1]
 SAMPLE_LOGS: Final = ROOT / "sample_logs"
+TROT, WALK, TROUBLED = (
+    SAMPLE_LOGS / f"dogbot_{name}" for name in ("trot.bag", "walk.mcap", "troubled.bag")
+)

@@ -10,6 +10,7 @@ from dogbot_logtool.errors import CallError
 from dogbot_logtool.robot import (
     AXES,
     Foot,
+    FootField,
     Robot,
     known_robots,
     load_robot,
@@ -89,6 +90,44 @@ def test_topics_are_those_of_the_odometry_and_of_the_feet() -> None:
 
     assert "/dogbot/odom" in topics
     assert len(topics) == 5
+
+
+def test_the_hexapod_s_legs_are_numbered_around_the_body() -> None:
+    feet = {foot.name: foot.topic for foot in load_robot("hexapod").feet}
+    assert feet["front_right"] == "/leg_1/foot_contact"
+    assert feet["back_left"] == "/leg_4/foot_contact"
+    assert feet["front_left"] == "/leg_6/foot_contact"
+
+
+@pytest.mark.parametrize(
+    ("text", "key"),
+    [
+        ('field = "data"\nkind = "weight"', "kind"),
+        ('field = "data"\nunit = "pound"', "unit"),
+        ('field = "data"\nsign = "down"', "sign"),
+        ('field = "data"\naxis = "w"', "axis"),
+        ('field = "data"\nscale = 0', "scale"),
+        ('field = "data"\nthreshold = "x"', "threshold"),
+        ('kind = "force"', "kind"),
+    ],
+)
+def test_bad_words_of_a_field_are_named_with_their_line(text: str, key: str) -> None:
+    message = refused(f"{FOOT}{text}")
+    assert f"feet.left.{key}" in message
+    assert f"line {2 + len(text.splitlines())}" in message
+
+
+def test_every_key_of_a_field_is_read() -> None:
+    keys = 'field = "a[1].b"\nkind = "force"\nscale = 2\nunit = "kN"\nsign = "-"\naxis = "-z"\n'
+    foot = parse_robot(f"{FOOT}{keys}threshold = 3\noffset = 4", "mine.toml").feet[0]
+    assert foot.field == FootField("a[1].b", "force", 2.0, 1000.0, -1, "-z", 3.0)
+    assert foot.offset == 4.0
+
+
+def test_two_feet_cannot_be_one_field() -> None:
+    other = FOOT.replace("feet.left", "feet.right")
+    assert "a field of its own" in refused(f'{FOOT}field = "a"\n{other}field = "a"')
+    assert len(parse_robot(f'{FOOT}field = "a"\n{other}field = "b"', "mine.toml").feet) == 2
 
 
 # --- a robot of one's own ---------------------------------------------------------------------

@@ -12,6 +12,7 @@ from typing import NoReturn
 import click
 
 from dogbot_logtool import __version__
+from dogbot_logtool.cli.check import check
 from dogbot_logtool.cli.compare import compare
 from dogbot_logtool.cli.convert import convert
 from dogbot_logtool.cli.info import info
@@ -33,12 +34,12 @@ def cli() -> None:
     LOG is a ROS 1 bag, a ROS 2 bag or an MCAP; a directory or glob of them; @FILE, a list of them;
     or a URL (s3://, gs://, http:// ...). Results go to stdout, everything else to stderr.
 
-    Exit codes: 0 done; 1 it could not be done, or a difference was found; 2 the call was wrong;
-    3 done, but the input was damaged.
+    Exit codes: 0 done; 1 it could not be done, or a difference or a broken rule was found; 2 the
+    call was wrong; 3 done, but the input was damaged.
     """
 
 
-for _command in (info, convert, stats, report, compare, layout, robots):
+for _command in (info, convert, stats, report, check, compare, layout, robots):
     cli.add_command(_command)
 
 
@@ -46,7 +47,7 @@ def main() -> NoReturn:
     """Run the command line; every failure ends as a sentence and an exit code."""
     raise_on_signals()
     # numpy's linear algebra, which we do not use, starts threads that burn 0.1 s of every core, and
-    # a process with threads is ill copied.
+    # a process with threads must not be forked.
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     with safe_streams() as stdout:
         code = _run()
@@ -83,7 +84,7 @@ def _run() -> int:
 
 def _show_fault(error: Exception) -> None:
     if isinstance(error, MemoryError):
-        # What prints other sentences is perhaps not loaded yet, and takes some.
+        # Modules that print other sentences may not be loaded yet, and would take some.
         click.echo("error: there is not enough memory; with --jobs 1 the least is needed", err=True)
     else:
         traceback.print_exception(error)

@@ -1,12 +1,19 @@
 """The words of `compare`."""
 
 import sys
+from collections.abc import Mapping
 from pathlib import Path
+from typing import TYPE_CHECKING, NoReturn
 
 import click
 
 from dogbot_logtool.cli.options import json_option, number, output_file, quietness
+from dogbot_logtool.cli.outcomes import Outcomes, say
 from dogbot_logtool.errors import CallError
+
+if TYPE_CHECKING:
+    from dogbot_logtool.results import Figures
+    from dogbot_logtool.run.runner import Runner
 
 
 @click.command()
@@ -42,7 +49,7 @@ from dogbot_logtool.errors import CallError
     metavar="N",
     default=20,
     show_default=True,
-    help="Differences that are told one by one.",
+    help="Differences that are printed one by one.",
 )
 @click.option(
     "--junit",
@@ -56,6 +63,12 @@ from dogbot_logtool.errors import CallError
     "write_over",
     is_flag=True,
     help="Write ACTUAL over EXPECTED and say what changed, a line a topic.",
+)
+@click.option(
+    "--gait",
+    "by_gait",
+    is_flag=True,
+    help="Compare how the robot walks in two logs, or groups of logs: which figures differ?",
 )
 @json_option
 @quietness
@@ -72,6 +85,7 @@ def compare(
     *,
     overwrite: bool,
     write_over: bool,
+    by_gait: bool,
     as_json: bool,
     quiet: bool,
     verbose: bool,
@@ -84,36 +98,40 @@ def compare(
 
     Exit code 0: the same; 1: different; 2: the call or a file is wrong; 3: the same as far as can
     be read, but a file is damaged.
+
+    With --gait, either side is a log, a directory, a glob or @LIST; its strides are compared figure
+    by figure, with intervals. Exit code 1: some differ, or the runs are not comparable.
     """
     from dogbot_logtool.commands.compare import compare as compare_files  # noqa: PLC0415
-    from dogbot_logtool.commands.compare import refuse_bad_report, update  # noqa: PLC0415
+    from dogbot_logtool.commands.compare import update  # noqa: PLC0415
     from dogbot_logtool.io.output import whole_file  # noqa: PLC0415
     from dogbot_logtool.io.printable import printable  # noqa: PLC0415
+    from dogbot_logtool.io.targets import refuse_bad_report  # noqa: PLC0415
     from dogbot_logtool.pipeline.options import CompareOptions  # noqa: PLC0415
     from dogbot_logtool.report.comparison_json import comparison_json  # noqa: PLC0415
     from dogbot_logtool.report.comparison_text import show_comparison  # noqa: PLC0415
     from dogbot_logtool.report.console import results  # noqa: PLC0415
     from dogbot_logtool.report.junit import junit_xml  # noqa: PLC0415
 
-    del verbose
+    others = {
+        "--atol": atol is not None,
+        "--rtol": rtol is not None,
+        "--tolerances": tolerances is not None,
+        "--ignore": ignore,
+        "--topics": topics,
+        "--junit": junit is not None,
+    }
+    if by_gait:
+        _refuse("--gait compares figures of strides", {**others, "--update": write_over})
+        _compare_gait(expected, actual, as_json=as_json, quiet=quiet, verbose=verbose)
     if write_over:
-        others = {
-            "--atol": atol is not None,
-            "--rtol": rtol is not None,
-            "--tolerances": tolerances is not None,
-            "--ignore": ignore,
-            "--topics": topics,
-            "--junit": junit is not None,
-            "--json": as_json,
-        }
-        for option in (name for name, given in others.items() if given):
-            raise CallError(f"--update writes the whole file: {option} has no meaning with it")
+        _refuse("--update writes the whole file", {**others, "--json": as_json})
         done = update(expected, actual)
         for line in done.lines or ("nothing changed",):
             click.echo(line)
         return
     if junit is not None:
-        refuse_bad_report(junit, expected, actual, overwrite=overwrite)
+        refuse_bad_report(junit, (expected, actual), overwrite=overwrite)
     options = CompareOptions(atol, rtol, tolerances, ignore, topics, max_differences)
     comparison = compare_files(expected, actual, options)
     if junit is not None:
@@ -126,3 +144,48 @@ def compare(
     elif not quiet:
         show_comparison(comparison, results())
     sys.exit(comparison.exit_code)
+
+
+def _refuse(why: str, options: Mapping[str, object]) -> None:
+    """Refuse options that have no meaning with another one.
+
+    Raises:
+        CallError: one is given.
+    """
+    for option in (name for name, given in options.items() if given):
+        raise CallError(f"{why}: {option} has no meaning with it")
+
+
+def _compare_gait(
+    expected: Path, actual: Path, *, as_json: bool, quiet: bool, verbose: bool
+) -> NoReturn:
+    """Compare how the robot walks on either side; exit."""
+    from dogbot_logtool.cli.options import jobs_or_cores  # noqa: PLC0415
+    from dogbot_logtool.commands.compare_gait import compare_gait  # noqa: PLC0415
+    from dogbot_logtool.commands.tasks import Measure  # noqa: PLC0415
+    from dogbot_logtool.io.plain_json import to_json  # noqa: PLC0415
+    from dogbot_logtool.pipeline.options import StatsOptions, TopicOptions  # noqa: PLC0415
+    from dogbot_logtool.report.console import results  # noqa: PLC0415
+    from dogbot_logtool.report.gait_comparison import (  # noqa: PLC0415
+        gait_comparison_json,
+        print_gait_comparison,
+    )
+    from dogbot_logtool.run.choice import runner_for  # noqa: PLC0415
+    from dogbot_logtool.run.inputs import find_logs  # noqa: PLC0415
+
+    sides: list[list[Figures]] = []
+    for word in (expected, actual):
+        log_set = find_logs((str(word),))
+        runner: Runner[Figures] = runner_for(len(log_set.paths), jobs_or_cores(None), None)
+        outcomes = Outcomes(quiet=quiet)
+        outcomes.mention_left_out(log_set)
+        work = Measure(StatsOptions(TopicOptions(), jobs=runner.jobs))
+        sides.append(list(outcomes.of(runner, work, log_set.paths, log_set.names)))
+        for name, sentence in outcomes.failures:
+            say(f"{name}: {sentence}" if not sentence.startswith(name) else sentence)
+    found = compare_gait(*sides)
+    if as_json:
+        click.echo(to_json(gait_comparison_json(found), indent=2))
+    elif not quiet:
+        print_gait_comparison(results(), found, verbose=verbose)
+    sys.exit(found.exit_code)

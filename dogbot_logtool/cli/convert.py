@@ -1,7 +1,9 @@
 """The words of `convert`."""
 
+from collections.abc import Iterable
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Final
 
 import click
 
@@ -15,14 +17,26 @@ from dogbot_logtool.cli.options import (
     parse_topics,
     quietness,
     scheduler_option,
+    tare_option,
     time_range,
     topic_options,
     wrench_frame_option,
 )
 from dogbot_logtool.cli.outcomes import Outcomes
+from dogbot_logtool.core.scene.styles import ARROW_STYLES, DEFAULT_STYLE, ArrowStyle
+from dogbot_logtool.writer.encodings.registry import DEFAULT_ENCODING, ENCODINGS, OutputEncoding
 
 if TYPE_CHECKING:
     from dogbot_logtool.results import Conversion
+
+_NO_SUPPORT: Final = ", ".join(
+    each.name for each in ARROW_STYLES.values() if not each.draws_support
+)
+
+
+def _summaries(entries: Iterable[ArrowStyle | OutputEncoding]) -> str:
+    """Return the names of a registry and what they mean."""
+    return ", ".join(f"{each.name} ({each.summary})" for each in entries)
 
 
 @click.command()
@@ -36,23 +50,38 @@ if TYPE_CHECKING:
 )
 @click.option(
     "--style",
-    type=click.Choice(["classic", "pressure", "force"]),
-    default="pressure",
+    type=click.Choice(list(ARROW_STYLES)),
+    default=DEFAULT_STYLE,
     show_default=True,
-    help="Arrows: as arrows_rviz.py drew them, load straight up, or the force itself.",
+    help=f"Arrows: {_summaries(ARROW_STYLES.values())}.",
 )
 @click.option(
     "--encoding",
-    type=click.Choice(["foxglove", "ros1", "ros2"]),
-    default="foxglove",
+    type=click.Choice(list(ENCODINGS)),
+    default=DEFAULT_ENCODING,
     show_default=True,
-    help="Messages that are added: Foxglove's, or ROS markers and transforms.",
+    help=f"Messages that are added: {_summaries(ENCODINGS.values())}.",
 )
 @click.option(
     "--copy/--no-copy", default=True, show_default=True, help="Copy the recorded messages too."
 )
 @topic_options
+@tare_option
 @wrench_frame_option
+@click.option(
+    "--topics",
+    "copied_topics",
+    multiple=True,
+    metavar="GLOB",
+    help="Copy only these recorded topics; may be given several times. Annotations stay.",
+)
+@click.option(
+    "--without",
+    "topics_left_out",
+    multiple=True,
+    metavar="GLOB",
+    help="Do not copy these recorded topics, such as '/camera/*'; may be given several times.",
+)
 @click.option(
     "--tf",
     type=click.Choice(["auto", "always", "never"]),
@@ -72,7 +101,26 @@ if TYPE_CHECKING:
 @click.option(
     "--scene/--no-scene",
     default=None,
-    help="Draw what the robot stands on in /support; default: yes, but not in classic.",
+    help=f"Draw what the robot stands on in /support; default: yes, but not in {_NO_SUPPORT}.",
+)
+@click.option(
+    "--labels/--no-labels",
+    default=True,
+    show_default=True,
+    help="Write each foot's load beside it.",
+)
+@click.option(
+    "--urdf",
+    type=click.Path(path_type=Path, exists=True, dir_okay=False),
+    metavar="FILE",
+    help="Robot to draw; default: the log's own, else one of boxes and cylinders.",
+)
+@click.option(
+    "--events/--no-events",
+    default=False,
+    show_default=True,
+    help="Measure the log first and write /events for log panels (slips, falls, gaps ...) and the "
+    "/gait as it changes; takes half as long again.",
 )
 @time_range
 @click.option(
@@ -93,6 +141,7 @@ def convert(
     odom_topic: str | None,
     feet: tuple[str, ...],
     mass_kg: float | None,
+    tares: tuple[str, ...],
     jobs: int | None,
     scheduler: str | None,
     *,
@@ -102,7 +151,7 @@ def convert(
     **options: Any,  # noqa: ANN401 - click's words go straight into the dataclass
 ) -> None:
     """Write an annotated MCAP: /tf, arrows and loads of the feet, /support, and the log itself."""
-    from dogbot_logtool.commands.tasks import Convert, orders  # noqa: PLC0415
+    from dogbot_logtool.commands.tasks import Convert, conversion_tasks  # noqa: PLC0415
     from dogbot_logtool.io.storage import from_root  # noqa: PLC0415
     from dogbot_logtool.io.targets import may_be_several, output_at, targets  # noqa: PLC0415
     from dogbot_logtool.pipeline.options import ConvertOptions  # noqa: PLC0415
@@ -110,21 +159,21 @@ def convert(
     from dogbot_logtool.run.choice import runner_for  # noqa: PLC0415
     from dogbot_logtool.run.inputs import find_logs  # noqa: PLC0415
 
-    topics = parse_topics(robot, odom_topic, feet, mass_kg)
-    fleet = find_logs(words, for_workers=scheduler is not None)
-    several = may_be_several(words, fleet.places)
+    topics = parse_topics(robot, odom_topic, feet, mass_kg, tares)
+    log_set = find_logs(words, for_workers=scheduler is not None)
+    several = may_be_several(words, log_set.paths)
     where = output_at(output, ".annotated.mcap", several=several)
     if scheduler is not None:
-        where = replace(where, place=from_root(where.place))
-    pairs = targets(fleet.places, where, ".annotated.mcap", fleet.below)
+        where = replace(where, path=from_root(where.path))
+    pairs = targets(log_set.paths, where, ".annotated.mcap", log_set.below)
     runner = runner_for(len(pairs), jobs_or_cores(jobs), scheduler)
     chosen = ConvertOptions(
         topics=topics, jobs=runner.jobs, makes_folder=where.is_folder, **options
     )
-    work = orders(pairs, may_repeat=runner.may_repeat)
+    work = conversion_tasks(pairs, may_repeat=runner.may_repeat)
     outcomes = Outcomes(quiet=quiet)
-    outcomes.mention_left_out(fleet)
-    for done in outcomes.of(runner, Convert(chosen), work, fleet.names):
+    outcomes.mention_left_out(log_set)
+    for done in outcomes.of(runner, Convert(chosen), work, log_set.names):
         outcomes.add(conversion_json(done), done.exit_code)
         if not quiet:
             _print(done, verbose=verbose)

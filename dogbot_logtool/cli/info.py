@@ -68,19 +68,19 @@ def info(
     if dot and as_json:
         raise CallError("--dot and --json: choose one")
     options = parse_topics(robot, odom_topic, feet, mass_kg)
-    fleet = find_logs(words, for_workers=scheduler is not None)
+    log_set = find_logs(words, for_workers=scheduler is not None)
     if output is not None:
         if not dot:
             raise CallError("-o says where --dot writes; without --dot results go to stdout")
         refuse_other_format(output, ".dot")
-        for source in fleet.places:
+        for source in log_set.paths:
             refuse_bad_target(output, source, overwrite=overwrite)
-    runner = runner_for(len(fleet.logs), jobs_or_cores(jobs), scheduler)
+    runner = runner_for(len(log_set.logs), jobs_or_cores(jobs), scheduler)
     describe = Describe(options, all_frames=all_frames or dot, jobs=runner.jobs)
     outcomes = Outcomes()
-    outcomes.mention_left_out(fleet)
+    outcomes.mention_left_out(log_set)
     graphs: list[str] = []
-    for found in outcomes.of(runner, describe, fleet.places, fleet.names):
+    for found in outcomes.of(runner, describe, log_set.paths, log_set.names):
         outcomes.add(info_json(found), found.exit_code)
         if found.frames is not None and dot:
             graphs.append(frames_dot(found, found.frames))

@@ -6,16 +6,25 @@ import click
 
 from dogbot_logtool.cli.options import output_file, overwrite_option, parse_topics, topic_options
 from dogbot_logtool.io.plain_json import to_json
+from dogbot_logtool.report.layouts.viewers import DEFAULT_VIEWER, VIEWERS
 
 
 @click.command()
 @click.argument("log", required=False, type=click.Path(path_type=Path))
 @click.option("-o", "--output", type=output_file, metavar="FILE", help="Default: stdout.")
+@click.option(
+    "--viewer",
+    type=click.Choice(list(VIEWERS)),
+    default=DEFAULT_VIEWER,
+    show_default=True,
+    help=", ".join(f"{each.name} ({each.summary})" for each in VIEWERS.values()) + ".",
+)
 @overwrite_option
 @topic_options
 def layout(
     log: Path | None,
     output: Path | None,
+    viewer: str,
     robot: str | None,
     odom_topic: str | None,
     feet: tuple[str, ...],
@@ -23,19 +32,20 @@ def layout(
     *,
     overwrite: bool,
 ) -> None:
-    """Print a Foxglove layout for annotated logs: the robot, its loads and its gait diagram.
+    """Print a viewer's layout for annotated logs: the robot, its loads and its gait diagram.
 
     The feet are those of the robot (default: dogbot), or those found in LOG.
     """
-    from dogbot_logtool.commands.layout import layout_for  # noqa: PLC0415
+    from dogbot_logtool.commands.layout import view_of  # noqa: PLC0415
     from dogbot_logtool.io.output import refuse_bad_target, whole_file  # noqa: PLC0415
     from dogbot_logtool.io.targets import refuse_other_format  # noqa: PLC0415
 
+    chosen = VIEWERS[viewer]
     options = parse_topics(robot, odom_topic, feet, mass_kg)
     if output is not None:
-        refuse_other_format(output, ".json")
+        refuse_other_format(output, chosen.suffix)
         refuse_bad_target(output, log, overwrite=overwrite)
-    text = to_json(layout_for(log, options), indent=2) + "\n"
+    text = to_json(chosen.layout(view_of(log, options)), indent=2) + "\n"
     if output is None:
         click.echo(text, nl=False)
         return

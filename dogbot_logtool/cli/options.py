@@ -16,6 +16,9 @@ if TYPE_CHECKING:
 LONGEST_S: Final = 1e9
 """No log lasts longer."""
 
+_STRONGEST_N: Final = 1e6
+"""N; no sensor reads more without load."""
+
 
 def seconds(text: str) -> float:
     """Parse a number of seconds; NaN and what no log can last are refused."""
@@ -133,14 +136,14 @@ def measuring_options(command: Command) -> Command:
         "contact_on_n",
         type=number(1e-6, 1e6),
         metavar="N",
-        help="Force from which a foot is in contact; default: 10 N or 5 % of the body weight.",
+        help="Force from which a foot is in contact; default: a share of the weight.",
     )
     contact_off = click.option(
         "--contact-off",
         "contact_off_n",
         type=number(1e-6, 1e6),
         metavar="N",
-        help="Force below which contact ends; default: when the sensor reports no contact.",
+        help="Force below which contact ends; default: a share of the weight.",
     )
     debounce = click.option(
         "--debounce",
@@ -162,17 +165,21 @@ def topic_options(command: Command) -> Command:
     robot = click.option(
         "--robot",
         metavar="NAME|FILE.toml",
-        help="Known robot or a robot's file; default: told by the log's topics.",
+        help="Known robot or a robot's file; default: guessed from the log's topics.",
     )
     odometry = click.option(
-        "--odom-topic", metavar="TOPIC", help="Odometry topic, instead of the one found."
+        "--odom-topic",
+        metavar="TOPIC[:WHICH]",
+        help="Topic of the base's poses, instead of the one found: odometry, poses, robot states; "
+        "also /tf:odom/base_link, /gazebo/model_states:MODEL, or TOPIC:FIELD.",
     )
     feet = click.option(
         "--foot",
         "feet",
         multiple=True,
-        metavar="NAME=TOPIC",
-        help="Contact topic of a foot; may be given several times.",
+        metavar="NAME=TOPIC[:FIELD]",
+        help="Contact topic of a foot, or a field of any message (/feet:data[3]); may be given "
+        "several times.",
     )
     mass = click.option(
         "--mass", "mass_kg", type=number(1e-3, 1e6), metavar="KG", help="Mass of the robot."
@@ -180,8 +187,25 @@ def topic_options(command: Command) -> Command:
     return robot(odometry(feet(mass(command))))
 
 
+def tare_option(command: Command) -> Command:
+    """Add --tare."""
+    tare = click.option(
+        "--tare",
+        "tares",
+        multiple=True,
+        metavar="FOOT=FX,FY,FZ",
+        help="Force in N that an unloaded sensor reads; may be given several times; none: "
+        "offsets stay in. Default: the robot's, else estimated from the log.",
+    )
+    return tare(command)
+
+
 def parse_topics(
-    robot: str | None, odom_topic: str | None, feet: tuple[str, ...], mass_kg: float | None
+    robot: str | None,
+    odom_topic: str | None,
+    feet: tuple[str, ...],
+    mass_kg: float | None,
+    tares: tuple[str, ...] = (),
 ) -> "TopicOptions":
     """Check the words of `topic_options`.
 
@@ -199,7 +223,33 @@ def parse_topics(
             raise CallError(f"--foot {foot}: a foot's name has letters, digits and _ only")
         if foot_topics.setdefault(name, topic) != topic or feet.count(foot) > 1:
             raise CallError(f"--foot {name}: is given twice; a foot has one topic")
-    return TopicOptions(robot, odom_topic, foot_topics, mass_kg)
+    given = tuple(tare for tare in tares if tare != "none")
+    if given and len(given) < len(tares):
+        raise CallError("--tare none: goes with no other --tare")
+    return TopicOptions(
+        robot,
+        odom_topic,
+        foot_topics,
+        mass_kg,
+        offsets_n=dict(_parse_tare(tare) for tare in given),
+        takes_offsets="none" not in tares,
+    )
+
+
+def _parse_tare(tare: str) -> tuple[str, tuple[float, float, float]]:
+    """Return a foot and what its unloaded sensor reads.
+
+    Raises:
+        CallError: the words are no FOOT=FX,FY,FZ.
+    """
+    foot, _, numbers = tare.partition("=")
+    try:
+        x, y, z = map(float, numbers.split(","))
+    except ValueError:
+        x = y = z = math.nan
+    if not foot or not all(abs(part) <= _STRONGEST_N for part in (x, y, z)):
+        raise CallError(f"--tare {tare}: must be FOOT=FX,FY,FZ in newtons, such as left=3,-2,-60")
+    return foot, (x, y, z)
 
 
 def jobs_or_cores(jobs: int | None) -> int:

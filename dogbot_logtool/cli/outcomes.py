@@ -12,7 +12,7 @@ from dogbot_logtool.io.printable import printable
 from dogbot_logtool.io.storage import valid_unicode, without_secrets
 
 if TYPE_CHECKING:
-    from dogbot_logtool.run.inputs import Fleet
+    from dogbot_logtool.run.inputs import LogSet
     from dogbot_logtool.run.runner import Runner, Work
 
 Result = TypeVar("Result")
@@ -22,7 +22,7 @@ _NEW_LINE: Final = "\n  "
 
 
 class Outcomes:
-    """Collects what became of each log."""
+    """Collects the outcome of each log."""
 
     def __init__(self, *, quiet: bool = False) -> None:
         """Begin.
@@ -42,7 +42,7 @@ class Outcomes:
         items: Sequence[object],
         names: Sequence[str],
     ) -> Iterator[Result]:
-        """Work on all logs; yield the results in order. What fails is told, and is an outcome.
+        """Work on all logs; yield the results in order. A failure is reported, and is an outcome.
 
         Args:
             runner: works on them; is closed at the end.
@@ -85,13 +85,13 @@ class Outcomes:
         """Names of the logs and directories that could not be used, and why."""
         return self._failed
 
-    def mention_left_out(self, fleet: "Fleet") -> None:
+    def mention_left_out(self, log_set: "LogSet") -> None:
         """Say which annotated logs were left out; directories that cannot be read are failures."""
-        for name, sentence in fleet.failures:
+        for name, sentence in log_set.failures:
             self._add_failure(name, sentence, LogtoolError.exit_code)
-        if fleet.left_out:
-            many = "log was" if fleet.left_out == 1 else "logs were"
-            self._note(f"{fleet.left_out} annotated {many} left out; a glob names them, too")
+        if log_set.left_out:
+            many = "log was" if log_set.left_out == 1 else "logs were"
+            self._note(f"{log_set.left_out} annotated {many} left out; a glob names them, too")
 
     def _note(self, text: str) -> None:
         if not self._quiet:

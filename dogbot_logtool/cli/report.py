@@ -13,6 +13,7 @@ from dogbot_logtool.cli.options import (
     overwrite_option,
     parse_topics,
     quietness,
+    tare_option,
     time_range,
     topic_options,
     wrench_frame_option,
@@ -29,6 +30,7 @@ from dogbot_logtool.cli.outcomes import Outcomes
     help="File, or a directory (ends in /, or several logs); default: <log>.report.html here.",
 )
 @topic_options
+@tare_option
 @wrench_frame_option
 @measuring_options
 @time_range
@@ -43,6 +45,7 @@ def report(
     odom_topic: str | None,
     feet: tuple[str, ...],
     mass_kg: float | None,
+    tares: tuple[str, ...],
     jobs: int | None,
     *,
     overwrite: bool,
@@ -63,23 +66,23 @@ def report(
     from dogbot_logtool.io.targets import may_be_several, output_at  # noqa: PLC0415
     from dogbot_logtool.pipeline.options import StatsOptions  # noqa: PLC0415
     from dogbot_logtool.report.console import diagnostics  # noqa: PLC0415
-    from dogbot_logtool.report.page.told import page_json, print_page  # noqa: PLC0415
+    from dogbot_logtool.report.page.page_result import page_json, print_page  # noqa: PLC0415
     from dogbot_logtool.results import Page  # noqa: PLC0415
     from dogbot_logtool.run.inputs import find_logs  # noqa: PLC0415
-    from dogbot_logtool.run.runner import Here  # noqa: PLC0415
+    from dogbot_logtool.run.runner import SerialRunner  # noqa: PLC0415
 
-    topics = parse_topics(robot, odom_topic, feet, mass_kg)
+    topics = parse_topics(robot, odom_topic, feet, mass_kg, tares)
     chosen = StatsOptions(topics=topics, jobs=jobs_or_cores(jobs), **options)
     console = diagnostics()
-    fleet = find_logs(words)
-    several = may_be_several(words, fleet.places)
+    log_set = find_logs(words)
+    several = may_be_several(words, log_set.paths)
     where = output_at(output, ".report.html", several=several)
-    reports = Reports(fleet.places, where, chosen, overwrite=overwrite)
+    reports = Reports(log_set.paths, where, chosen, overwrite=overwrite)
     outcomes = Outcomes(quiet=quiet)
-    outcomes.mention_left_out(fleet)
+    outcomes.mention_left_out(log_set)
     # One after the other, since the index needs them all.
-    here: Here[Page] = Here(chosen.jobs)
-    for done in outcomes.of(here, reports.write, fleet.places, fleet.names):
+    runner: SerialRunner[Page] = SerialRunner(chosen.jobs)
+    for done in outcomes.of(runner, reports.write, log_set.paths, log_set.names):
         outcomes.add(page_json(done), done.exit_code)
         if not quiet:
             print_page(console, done, verbose=verbose)

@@ -1,18 +1,61 @@
 """The words of `robots`."""
 
+import re
+import shlex
+from pathlib import Path
+from typing import TYPE_CHECKING
+
 import click
 
-from dogbot_logtool.cli.options import json_option
+from dogbot_logtool.cli.options import (
+    json_option,
+    output_file,
+    overwrite_option,
+    parse_topics,
+    topic_options,
+)
+from dogbot_logtool.errors import CallError
 from dogbot_logtool.io.plain_json import to_json
+
+if TYPE_CHECKING:
+    from dogbot_logtool.pipeline.options import TopicOptions
 
 
 @click.command()
 @click.argument("name", required=False)
+@click.argument("log", required=False, type=click.Path(path_type=Path))
+@click.option(
+    "-o", "--output", type=output_file, metavar="FILE.toml", help="Of new; default: stdout."
+)
+@overwrite_option
+@topic_options
 @json_option
-def robots(name: str | None, *, as_json: bool) -> None:
-    """List the known robots, or print one's file to copy and edit."""
+def robots(
+    name: str | None,
+    log: Path | None,
+    output: Path | None,
+    robot: str | None,
+    odom_topic: str | None,
+    feet: tuple[str, ...],
+    mass_kg: float | None,
+    *,
+    overwrite: bool,
+    as_json: bool,
+) -> None:
+    """List the known robots, or print one's file to copy and edit.
+
+    `robots new LOG` writes a robot's file from a log, with the evidence as comments. Feet are
+    looked for in messages of any type.
+    """
     from dogbot_logtool.robot import known_robots, load_robot, robot_toml  # noqa: PLC0415
 
+    if name == "new" and log is not None:
+        _new(log, output, parse_topics(robot, odom_topic, feet, mass_kg), overwrite=overwrite)
+        return
+    if name == "new":
+        raise CallError("robots new: name the log, as in 'dogbot-logtool robots new walk.mcap'")
+    if log is not None or output is not None:
+        raise CallError("robots: a log and -o go with 'new' only")
     if name is not None:
         click.echo(robot_toml(name), nl=False)
         return
@@ -20,5 +63,28 @@ def robots(name: str | None, *, as_json: bool) -> None:
     if as_json:
         click.echo(to_json(known, indent=2))
         return
-    for robot, description in known.items():
-        click.echo(f"{robot:<12}{description}")
+    width = max(map(len, known)) + 2
+    for each, description in known.items():
+        click.echo(f"{each:<{width}}{description}")
+
+
+def _new(log: Path, output: Path | None, options: "TopicOptions", *, overwrite: bool) -> None:
+    from dogbot_logtool.commands.new_robot import new_robot  # noqa: PLC0415
+    from dogbot_logtool.io.output import refuse_bad_target, whole_file  # noqa: PLC0415
+    from dogbot_logtool.io.targets import refuse_other_format  # noqa: PLC0415
+
+    if output is not None:
+        refuse_other_format(output, ".toml")
+        refuse_bad_target(output, log, overwrite=overwrite)
+    stem = (output or log).stem
+    found = new_robot(log, re.sub(r"[^A-Za-z0-9]+", "_", stem).strip("_") or "robot", options)
+    if output is None:
+        click.echo(found.text, nl=False)
+    else:
+        with whole_file(output, overwrite=overwrite) as file:
+            file.write(found.text.encode())
+    for other in found.runners_up[:3]:
+        click.echo(f"not chosen: {other.fields} ({'; '.join(other.reasons)})", err=True)
+    file_name = str(output or "robot.toml")
+    command = shlex.join(["dogbot-logtool", "stats", str(log), "--robot", file_name])
+    click.echo(f"  {command}", err=True)

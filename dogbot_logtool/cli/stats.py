@@ -21,6 +21,7 @@ from dogbot_logtool.cli.options import (
     parse_topics,
     quietness,
     scheduler_option,
+    tare_option,
     time_range,
     topic_options,
     wrench_frame_option,
@@ -31,12 +32,14 @@ from dogbot_logtool.io.printable import printable
 
 if TYPE_CHECKING:
     from dogbot_logtool.io.storage import Location
+    from dogbot_logtool.pipeline.options import PlotOptions
     from dogbot_logtool.results import Figures
 
 
 @click.command()
 @logs_argument
 @topic_options
+@tare_option
 @wrench_frame_option
 @measuring_options
 @time_range
@@ -59,6 +62,12 @@ if TYPE_CHECKING:
 @overwrite_option
 @click.option("--csv", "as_csv", is_flag=True, help="Print a row for each stride of each foot.")
 @click.option(
+    "--events",
+    type=output_file,
+    metavar="FILE.csv",
+    help="Write what happened there, a row for each event: slips, stumbles, falls, gaps ...",
+)
+@click.option(
     "--parquet",
     type=output_name,
     metavar="DIR|URL",
@@ -74,7 +83,9 @@ def stats(
     odom_topic: str | None,
     feet: tuple[str, ...],
     mass_kg: float | None,
+    tares: tuple[str, ...],
     window: str | None,
+    events: Path | None,
     parquet: str | None,
     plot: Path | None,
     plot_size: str | None,
@@ -101,50 +112,87 @@ def stats(
         raise CallError("--csv and --json: choose one")
     shown = _parse_window(window)
     chosen = StatsOptions(
-        topics=parse_topics(robot, odom_topic, feet, mass_kg),
+        topics=parse_topics(robot, odom_topic, feet, mass_kg, tares),
         curves=CurveDetail() if plot else None,
         **options,
     )
-    size = _parse_size(plot_size)
-    drawing = None
-    fleet = find_logs(words, for_workers=scheduler is not None)
-    if plot is not None:
-        from dogbot_logtool.commands.plot import refuse_bad_plot  # noqa: PLC0415
-        from dogbot_logtool.pipeline.options import PlotOptions  # noqa: PLC0415
-
-        drawing = PlotOptions(plot, size, shown, overwrite=overwrite)
-        refuse_bad_plot(drawing, fleet.places)
-    elif plot_size or overwrite:
-        raise CallError("--plot-size and --overwrite go with --plot")
+    log_set = find_logs(words, for_workers=scheduler is not None)
+    drawing = _plot_options(plot, plot_size, shown, log_set.paths, overwrite=overwrite)
+    if overwrite and plot is None and events is None:
+        raise CallError("--overwrite goes with --plot and --events")
+    if events is not None:
+        _refuse_bad_events_file(events, log_set.paths, parquet, overwrite=overwrite)
     outcomes = Outcomes(quiet=quiet)
-    outcomes.mention_left_out(fleet)
-    items: Sequence[object] = fleet.places
-    dataset = todo = None
+    outcomes.mention_left_out(log_set)
+    items: Sequence[object] = log_set.paths
+    dataset = pending = None
     if parquet is not None:
-        from dogbot_logtool.commands.tasks import Keep  # noqa: PLC0415
+        from dogbot_logtool.commands.tasks import MeasureIntoDataset  # noqa: PLC0415
         from dogbot_logtool.report.parquet import dataset_at  # noqa: PLC0415
 
         dataset = dataset_at(from_root(location(parquet)), chosen)
-        todo = dataset.todo(fleet)
-        outcomes.add_unchanged(todo.unchanged)
-        fleet, items = todo.fleet, todo.entries
+        pending = dataset.pending(log_set)
+        outcomes.add_unchanged(pending.unchanged)
+        log_set, items = pending.log_set, pending.entries
     runner = runner_for(len(items), jobs_or_cores(jobs), scheduler)
     whole = len(items) == 1 and dataset is None
     measure = Measure(replace(chosen, jobs=runner.jobs), drawing, whole=whole, window=shown)
-    work = measure if dataset is None else Keep(measure, dataset)
+    work = measure if dataset is None else MeasureIntoDataset(measure, dataset)
     measured: list[Figures] = []
-    for done in outcomes.of(runner, work, items, fleet.names):
+    for done in outcomes.of(runner, work, items, log_set.names):
         if drawing is not None and done.drawn is not None and not quiet:
             _print_drawn(drawing.target, done.drawn)
+        _write_events(events, done, overwrite=overwrite)
         measured.append(done)
         outcomes.add(done.json, done.exit_code)
     if as_csv:
         write_strides(sys.stdout, [(done.json["log"]["path"], done.strides) for done in measured])
     elif not as_json and measured and dataset is None:
         _print(measured, window=shown, verbose=verbose)
-    if todo is not None and dataset is not None and not quiet:
-        _print_kept(dataset.root, measured, todo.unchanged, len(outcomes.failures))
+    if pending is not None and dataset is not None and not quiet:
+        _print_dataset(dataset.root, measured, pending.unchanged, len(outcomes.failures))
     outcomes.finish(as_json=as_json)
+
+
+def _plot_options(
+    plot: Path | None,
+    plot_size: str | None,
+    window: tuple[float, float] | None,
+    logs: "Sequence[Location]",
+    *,
+    overwrite: bool,
+) -> "PlotOptions | None":
+    """Return what is asked of a figure, checked before any work is done."""
+    size = _parse_size(plot_size)
+    if plot is None:
+        if plot_size:
+            raise CallError("--plot-size goes with --plot")
+        return None
+    from dogbot_logtool.commands.plot import refuse_bad_plot  # noqa: PLC0415
+    from dogbot_logtool.pipeline.options import PlotOptions  # noqa: PLC0415
+
+    drawing = PlotOptions(plot, size, window, overwrite=overwrite)
+    refuse_bad_plot(drawing, logs)
+    return drawing
+
+
+def _refuse_bad_events_file(
+    target: Path, logs: "Sequence[Location]", parquet: str | None, *, overwrite: bool
+) -> None:
+    """Check the file of --events before any work is done."""
+    from dogbot_logtool.commands.events_file import refuse_bad_events_file  # noqa: PLC0415
+
+    if parquet is not None:
+        raise CallError("--events and --parquet: choose one; the dataset has the events, too")
+    refuse_bad_events_file(target, logs, overwrite=overwrite)
+
+
+def _write_events(target: Path | None, done: "Figures", *, overwrite: bool) -> None:
+    """Write the file of --events, if it is wanted."""
+    if target is not None:
+        from dogbot_logtool.commands.events_file import write_events_file  # noqa: PLC0415
+
+        write_events_file(target, done.json["events"], overwrite=overwrite)
 
 
 def _print_drawn(target: Path, window: tuple[float, float]) -> None:
@@ -167,7 +215,7 @@ def _print(measured: "list[Figures]", *, window: tuple[float, float] | None, ver
         print_summary(results(), [done.summary for done in measured])
 
 
-def _print_kept(
+def _print_dataset(
     root: "Location",
     measured: "list[Figures]",
     unchanged: Sequence[tuple[str, int]],
@@ -176,10 +224,10 @@ def _print_kept(
     """Print what was written to a dataset: on stderr, since the result itself is in the dataset."""
     from dogbot_logtool.io.storage import shown  # noqa: PLC0415
     from dogbot_logtool.report.console import diagnostics  # noqa: PLC0415 - rich costs 40 ms
-    from dogbot_logtool.report.dataset_text import print_kept  # noqa: PLC0415
+    from dogbot_logtool.report.dataset_text import print_dataset  # noqa: PLC0415
 
     kept = [done.json for done in measured]
-    print_kept(diagnostics(), shown(root), kept, unchanged, failed)
+    print_dataset(diagnostics(), shown(root), kept, unchanged, failed)
 
 
 def _parse_window(window: str | None) -> tuple[float, float] | None:

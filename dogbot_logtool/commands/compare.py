@@ -12,12 +12,11 @@ from dogbot_logtool.comparison.outcome import RECORDS, Comparison
 from dogbot_logtool.comparison.stats_json import compare_json, looks_like_json
 from dogbot_logtool.comparison.tolerances import Rules, load_rules
 from dogbot_logtool.errors import CallError, LogError
-from dogbot_logtool.io.output import refuse_bad_target, whole_file
+from dogbot_logtool.io.output import whole_file
 from dogbot_logtool.io.printable import printable
 from dogbot_logtool.io.storage import is_folder
-from dogbot_logtool.io.targets import refuse_other_format
 from dogbot_logtool.pipeline.options import CompareOptions
-from dogbot_logtool.reader.containers.opening import open_log
+from dogbot_logtool.reader.opening import open_log
 
 
 @dataclass(frozen=True, slots=True)
@@ -26,7 +25,7 @@ class Update:
 
     written: bool
     lines: tuple[str, ...]
-    """What changed, one line a topic."""
+    """The changes, one line a topic."""
 
 
 def compare(expected: Path, actual: Path, options: CompareOptions) -> Comparison:
@@ -45,7 +44,7 @@ def compare(expected: Path, actual: Path, options: CompareOptions) -> Comparison
     try:
         comparison = _compare(expected, actual, rules, options.max_differences)
     except LogError as error:
-        # Whoever compares chose the files: one that cannot be read is a wrong call.
+        # The user named both files, so one that cannot be read is a wrong call.
         raise CallError(str(error)) from error
     warnings = _warnings(expected, actual, comparison)
     return replace(comparison, warnings=(*warnings, *comparison.warnings))
@@ -68,19 +67,6 @@ def _compare(expected: Path, actual: Path, rules: Rules, max_differences: int) -
         raise CallError(f"{json_file} is JSON, but {log_file} is not: they cannot be compared")
     with closing(open_log(expected)) as one, closing(open_log(actual)) as other:
         return compare_logs(one, other, rules, max_differences)
-
-
-def refuse_bad_report(target: Path, expected: Path, actual: Path, *, overwrite: bool) -> None:
-    """Check where a report goes before any work is done.
-
-    Raises:
-        CallError: it is one of the files, exists and may not be overwritten, or has no folder.
-    """
-    for path in (expected, actual):
-        if target.exists() and path.exists() and target.samefile(path):
-            raise CallError(f"{target}: is one of the files compared; --junit must name another")
-    refuse_other_format(target, ".xml")
-    refuse_bad_target(target, None, overwrite=overwrite)
 
 
 def update(expected: Path, actual: Path) -> Update:

@@ -1,49 +1,44 @@
-"""`dogbot-logtool convert`: a recorded walk becomes an annotated MCAP."""
+"""`dogbot-logtool convert`: write an annotated MCAP of a log."""
 
 from collections import Counter
 from collections.abc import Generator, Iterator, Mapping
 from contextlib import closing
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import BinaryIO
 
 from mcap import records
 
 from dogbot_logtool.core.plausible import IMPLAUSIBLE
+from dogbot_logtool.core.scene.arrows import ArrowCounts
 from dogbot_logtool.errors import LogError
 from dogbot_logtool.finding import Finding, by_severity, note, warning
 from dogbot_logtool.io.output import refuse_bad_target, whole_file
 from dogbot_logtool.io.storage import Location, shown
 from dogbot_logtool.pipeline.annotated import open_recorded
 from dogbot_logtool.pipeline.conversion.batch import BatchConverter, ConvertedBatch, Counts
-from dogbot_logtool.pipeline.conversion.carried import Carried
+from dogbot_logtool.pipeline.conversion.batch_state import BatchState
 from dogbot_logtool.pipeline.conversion.channels import annotations_of
+from dogbot_logtool.pipeline.conversion.events import WalkEvents, event_records, walk_events
 from dogbot_logtool.pipeline.conversion.provenance_record import provenance_record
-from dogbot_logtool.pipeline.options import ConvertOptions
+from dogbot_logtool.pipeline.options import ConvertOptions, StatsOptions
 from dogbot_logtool.pipeline.plan import Plan, make_plan, without_tf
-from dogbot_logtool.pipeline.probe import look_into
+from dogbot_logtool.pipeline.probe import probe_log
 from dogbot_logtool.pipeline.selection import select_topics
 from dogbot_logtool.pipeline.time_span import refuse_empty_span
 from dogbot_logtool.pipeline.world_frames import frame_findings
 from dogbot_logtool.reader.containers.log import Log, Loss
 from dogbot_logtool.reader.containers.mcap.extras import read_extra
-from dogbot_logtool.reader.salvage.losses import undecodable, wrong_statistics
+from dogbot_logtool.reader.salvage.losses import malformed_messages, wrong_statistics
 from dogbot_logtool.results import Conversion
-from dogbot_logtool.run.relay import Progress, relayed
+from dogbot_logtool.run.in_order import OnProgress, in_order_with_state
 from dogbot_logtool.writer.annotations import Annotations
+from dogbot_logtool.writer.chunks import finish_chunk, finish_chunks
 from dogbot_logtool.writer.mcap_writer import McapWriter
-
-
-class _BaseHasParent(Exception):  # noqa: N818 - it never leaves this module
-    """The log's own transforms place the base, which a quick look had not shown."""
-
-    def __init__(self, parent: str) -> None:
-        super().__init__(parent)
-        self.parent = parent
 
 
 @dataclass(slots=True)
 class _Tally:
-    """What has happened so far."""
+    """Counts of what was converted so far."""
 
     counts: Counts = field(default_factory=Counts)
     by_channel: Counter[int] = field(default_factory=Counter)
@@ -51,8 +46,11 @@ class _Tally:
     recorded: Counter[int] = field(default_factory=Counter)
     losses: list[Loss] = field(default_factory=list)
     moved_topics: Mapping[str, str] = field(default_factory=dict)
+    second_parent: str | None = None
+    """See `ConvertedBatch.second_parent`."""
 
     def add(self, batch: ConvertedBatch) -> None:
+        self.second_parent = batch.second_parent
         self.counts += batch.counts
         self.losses.extend(batch.losses)
         self.malformed.update(batch.malformed)
@@ -65,15 +63,15 @@ def convert(
     source: Location,
     target: Location,
     options: ConvertOptions,
-    progress: Progress | None = None,
+    progress: OnProgress | None = None,
 ) -> Conversion:
     """Write the annotated MCAP of a log.
 
     Args:
-        source: a ROS 1 bag or an MCAP.
-        target: the file to write; it appears only when it is whole.
-        options: what is asked for.
-        progress: is told how far it has come.
+        source: a ROS 1 bag, a ROS 2 bag or an MCAP.
+        target: the file to write; it appears when it is complete.
+        options: what the user asks for.
+        progress: called with the bytes done and the bytes in all.
 
     Raises:
         CallError: no such file, a target that may not be written, a topic or time that the log
@@ -86,57 +84,137 @@ def convert(
     log = open_recorded(source)
     try:
         selection = select_topics(log, options.topics)
-        plan = make_plan(log, selection, look_into(log, selection), options)
-        try:
-            return _write(log, target, plan, progress)
-        except _BaseHasParent as surprise:
-            plan = without_tf(plan, surprise.parent)
-            return _write(log, target, plan, progress)
+        plan = make_plan(log, selection, probe_log(log, selection), options)
+        events = _events(source, log, options, progress)
+        annotations, tally = _write(log, target, plan, events, progress)
+        if tally.second_parent is not None:
+            # The probe, which reads a few chunks only, had not seen it: begin anew without /tf.
+            plan = without_tf(plan, tally.second_parent)
+            annotations, tally = _write(log, target, plan, events, progress)
+        return _conversion(log, target, plan, annotations, tally)
     finally:
         log.close()
 
 
-def _write(log: Log, target: Location, plan: Plan, progress: Progress | None) -> Conversion:
+def _events(
+    source: Location, log: Log, options: ConvertOptions, progress: OnProgress | None
+) -> WalkEvents | None:
+    """Measure the log for its events; None: they are not wanted."""
+    if not options.events:
+        return None
+    from dogbot_logtool.commands.stats import measure  # noqa: PLC0415 - only where it is wanted
+
+    wanted = StatsOptions(
+        topics=options.topics,
+        wrench_frame=options.wrench_frame,
+        start_s=options.start_s,
+        end_s=options.end_s,
+        jobs=options.jobs,
+    )
+    stats = measure(source, wanted, progress).stats
+    return walk_events(stats, log.start_time, log.end_time)
+
+
+def _write(
+    log: Log,
+    target: Location,
+    plan: Plan,
+    events: WalkEvents | None,
+    progress: OnProgress | None,
+) -> tuple[Annotations, _Tally]:
+    """Write the output, or nothing where a second parent of the base contradicts the plan."""
+    options = plan.options
+    annotations, moved_topics = annotations_of(log, plan)
+    tally = _Tally(losses=list(log.losses), moved_topics=moved_topics)
+    with whole_file(
+        target,
+        overwrite=options.overwrite,
+        makes_folder=options.makes_folder,
+        is_wanted=lambda: tally.second_parent is None,
+    ) as file:
+        writer = _start(file, log, plan, annotations)
+        _write_robot_description(writer, plan, annotations, tally)
+        _write_batches(writer, log, plan, annotations, tally, progress)
+        if tally.second_parent is None and events is not None:
+            _write_events(writer, plan, annotations, events, tally)
+        if tally.second_parent is None:
+            _write_end(writer, log, plan, tally)
+    return annotations, tally
+
+
+def _write_batches(
+    writer: McapWriter,
+    log: Log,
+    plan: Plan,
+    annotations: Annotations,
+    tally: _Tally,
+    progress: OnProgress | None,
+) -> None:
+    """Convert and write all batches, up to a second parent of the base."""
     total = sum(chunk.data_size for chunk in log.chunks)
     done = 0
-    options = plan.options
-    with whole_file(target, overwrite=options.overwrite, makes_folder=options.makes_folder) as file:
-        annotations, moved_topics = annotations_of(log, plan)
-        tally = _Tally(losses=list(log.losses), moved_topics=moved_topics)
-        writer = _start(file, log, plan, annotations)
-        with closing(_converted(log, plan, annotations)) as converted:
-            for batch in converted:
-                if batch.other_parent is not None:
-                    raise _BaseHasParent(batch.other_parent)
-                tally.add(batch)
-                for chunk in batch.chunks:
-                    writer.add_chunk(chunk)
-                done += batch.stored_size
-                if progress is not None:
-                    progress(done, total)
-        if not tally.losses:
-            refuse_empty_span(log, plan.limits, tally.recorded.total())
-        if options.copy:
-            _copy_extras(log, writer, tally)
-        _account_for_damage(log, plan, tally)
-        writer.add_metadata(provenance_record(log, plan, tally.losses))
-        writer.finish()
-    return _conversion(log, target, plan, annotations, tally)
+    with closing(_converted(log, plan, annotations)) as converted:
+        for batch in converted:
+            tally.add(batch)
+            if tally.second_parent is not None:
+                return
+            for chunk in batch.chunks:
+                writer.add_chunk(chunk)
+            done += batch.stored_size
+            if progress is not None:
+                progress(done, total)
+
+
+def _write_robot_description(
+    writer: McapWriter, plan: Plan, annotations: Annotations, tally: _Tally
+) -> None:
+    """Write the robot's description at the output's first time."""
+    if plan.urdf is None or plan.opening_time is None:
+        return
+    message = annotations.robot_description(plan.urdf, plan.opening_time)
+    chunk = finish_chunk(message, plan.options.compression or "zstd")
+    writer.add_chunk(chunk)
+    tally.by_channel.update(chunk.counts)
+
+
+def _write_events(
+    writer: McapWriter,
+    plan: Plan,
+    annotations: Annotations,
+    events: WalkEvents,
+    tally: _Tally,
+) -> None:
+    """Write the messages of `/gait` and `/events`, in chunks of their own."""
+    for messages in event_records(annotations, events):
+        for chunk in finish_chunks(messages, plan.options.compression or "zstd"):
+            writer.add_chunk(chunk)
+            tally.by_channel.update(chunk.counts)
+
+
+def _write_end(writer: McapWriter, log: Log, plan: Plan, tally: _Tally) -> None:
+    """Write what follows the messages."""
+    if not tally.losses:
+        refuse_empty_span(log, plan.limits, tally.recorded.total())
+    if plan.options.copy:
+        _copy_extras(log, writer, tally)
+    _account_for_damage(log, plan, tally)
+    writer.add_metadata(provenance_record(log, plan, tally.losses))
+    writer.finish()
 
 
 def _start(file: BinaryIO, log: Log, plan: Plan, annotations: Annotations) -> McapWriter:
-    """Write the header and everything that messages refer to."""
-    ours = "" if plan.options.encoding == "foxglove" else plan.options.encoding
-    writer = McapWriter(file, log.profile if plan.options.copy else ours)
+    """Write the header, schemas and channels."""
+    writer = McapWriter(file, log.profile if plan.options.copy else plan.encoding.profile)
     if plan.options.copy:
-        schemas = {c.schema.id: c.schema for c in log.channels.values() if c.schema is not None}
+        copied = {n: c for n, c in log.channels.items() if n not in plan.left_out}
+        schemas = {c.schema.id: c.schema for c in copied.values() if c.schema is not None}
         for _, schema in sorted(schemas.items()):
             writer.add_schema(
                 records.Schema(
                     id=schema.id, name=schema.name, encoding=schema.encoding, data=schema.data
                 )
             )
-        for _, channel in sorted(log.channels.items()):
+        for _, channel in sorted(copied.items()):
             writer.add_channel(
                 records.Channel(
                     id=channel.id,
@@ -157,11 +235,11 @@ def _converted(
     log: Log, plan: Plan, annotations: Annotations
 ) -> Generator[ConvertedBatch, None, None]:
     """Convert all batches of a log."""
-    return relayed(
+    return in_order_with_state(
         BatchConverter(log, plan, annotations),
         log.spans(*plan.limits),
         plan.options.jobs,
-        Carried.nothing(plan),
+        BatchState.initial(plan),
         forks=log.can_fork,
     )
 
@@ -189,11 +267,11 @@ def _account_for_damage(log: Log, plan: Plan, tally: _Tally) -> None:
     if plan.limits == (None, None):
         tally.losses.extend(wrong_statistics(log, tally.recorded, tally.losses))
     consequence = ": copied, but not annotated"
-    tally.losses.extend(undecodable(log.channels, tally.malformed, consequence))
+    tally.losses.extend(malformed_messages(log.channels, tally.malformed, consequence))
     if tally.losses and plan.options.strict:
         first = tally.losses[0]
         raise LogError(
-            f"{shown(log.source.path)}: is damaged, and --strict refuses that: {first.what}"
+            f"{shown(log.source.path)}: is damaged, which --strict refuses: {first.what}"
             + (f" (and {len(tally.losses) - 1} more)" if len(tally.losses) > 1 else "")
         )
 
@@ -220,36 +298,51 @@ def _conversion(
 
 
 def _findings(plan: Plan, tally: _Tally) -> Iterator[Finding]:
-    """Say what was counted on the way."""
+    """Yield findings about what was counted while converting."""
     if plan.frames is not None:
         yield from frame_findings(plan.frames, tally.counts.frames)
     for topic, name in tally.moved_topics.items():
-        text = f"the log has a topic {topic} of another type, so ours is {name}"
+        text = f"the log has a topic {topic} of another type: ours is {name}"
         yield note("TOPIC_MOVED", text, name)
-    counts, arrows = tally.counts, tally.counts.arrows
-    unknown, unweighed = counts.support_unknown, counts.support_unweighed
-    untimed = 0 if plan.options.style == "classic" else counts.untimed_messages
-    for count, say, code, text in (
-        (counts.bad_poses, warning, "BAD_POSES", "poses not written for NaN or a zero quaternion"),
-        (counts.implausible, warning, "IMPLAUSIBLE", IMPLAUSIBLE),
-        (arrows.not_finite, warning, "NOT_FINITE", "contacts not drawn for NaN or infinity"),
-        (arrows.no_position, warning, "NO_POSITION", "contacts not drawn for want of a point"),
-        (arrows.no_direction, warning, "NO_DIRECTION", "contacts not drawn for want of a normal"),
-        (arrows.overflow, warning, "OVERFLOW", "forces skipped, as live, for overflow of a square"),
-        (untimed, warning, "UNTIMED_STATES", "contacts that tell no physics step, taken for one"),
+    counts = tally.counts
+    untimed = 0 if plan.style.needs_contact_states else counts.untimed_messages
+    for count, finding in (
+        (counts.bad_poses, warning("BAD_POSES", "poses with NaN or a zero quaternion (no /tf)")),
+        (counts.implausible, warning("IMPLAUSIBLE", IMPLAUSIBLE)),
+        (untimed, warning("UNTIMED_STATES", "contacts without a physics step (taken as one step)")),
         (
-            unknown,
-            note,
-            "SUPPORT_UNKNOWN",
-            "/support without polygon, not knowing which feet are down",
+            counts.foreign_states,
+            note("FOREIGN_STATES", "contact states between other bodies (ignored)"),
+        ),
+        *_arrow_findings(counts.arrows),
+        (
+            counts.support_unknown,
+            note(
+                "SUPPORT_UNKNOWN",
+                "/support messages without a polygon (contact of some foot unknown)",
+            ),
         ),
         (
-            unweighed,
-            note,
-            "NO_PRESSURE",
-            "/support without centre of pressure, not knowing vertical forces",
+            counts.support_unweighed,
+            note(
+                "NO_PRESSURE",
+                "/support messages without a centre of pressure (vertical forces unknown)",
+            ),
         ),
-        (counts.foreign_states, note, "FOREIGN_STATES", "contact states of other pairs, left out"),
     ):
         if count:
-            yield say(code, f"{text}: {count:,}")
+            yield replace(finding, text=f"{finding.text}: {count:,}")
+
+
+def _arrow_findings(skipped: ArrowCounts) -> Iterator[tuple[int, Finding]]:
+    """Yield the contacts without an arrow by reason, with their finding."""
+    yield (
+        skipped.not_finite,
+        warning("NOT_FINITE", "contacts with NaN or infinity (not drawn)"),
+    )
+    yield skipped.no_position, warning("NO_POSITION", "contacts without a point (not drawn)")
+    yield skipped.no_direction, warning("NO_DIRECTION", "contacts without a normal (not drawn)")
+    yield (
+        skipped.overflow,
+        warning("OVERFLOW", "contacts whose force squared overflows (not drawn, as live)"),
+    )

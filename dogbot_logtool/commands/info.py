@@ -7,17 +7,20 @@ from dogbot_logtool.core.quality.quality import mean_rate_hz
 from dogbot_logtool.finding import Finding, by_severity
 from dogbot_logtool.io.storage import Location
 from dogbot_logtool.pipeline.annotated import without_annotations
+from dogbot_logtool.pipeline.feet.candidates import candidates_finding
+from dogbot_logtool.pipeline.feet.message_feet import is_planned
 from dogbot_logtool.pipeline.frame_findings import frame_findings
 from dogbot_logtool.pipeline.frames import Frames, read_frames
 from dogbot_logtool.pipeline.options import ConvertOptions, TopicOptions
 from dogbot_logtool.pipeline.plan import make_plan
-from dogbot_logtool.pipeline.probe import Evidence, evidence_findings, look_into
+from dogbot_logtool.pipeline.probe import Probe, evidence_findings, probe_log
 from dogbot_logtool.pipeline.selection import Selection, select_topics
 from dogbot_logtool.reader.containers.log import Log
-from dogbot_logtool.reader.containers.opening import open_log
+from dogbot_logtool.reader.messages.bases.poses import ODOMETRY
 from dogbot_logtool.reader.messages.transforms import TRANSFORM_TYPES
+from dogbot_logtool.reader.opening import open_log
 from dogbot_logtool.results import LogInfo, TopicInfo
-from dogbot_logtool.run.relay import Progress
+from dogbot_logtool.run.in_order import OnProgress
 
 
 def describe(
@@ -26,7 +29,7 @@ def describe(
     *,
     all_frames: bool = False,
     jobs: int = 1,
-    progress: Progress | None = None,
+    progress: OnProgress | None = None,
 ) -> LogInfo:
     """Look at a log: its index, and a few chunks for what an index does not tell.
 
@@ -35,7 +38,7 @@ def describe(
         options: which topics to use.
         all_frames: read every transform, not only those in a few chunks.
         jobs: how many batches are read at once.
-        progress: is told bytes done and bytes in all.
+        progress: called with bytes done and bytes in all.
 
     Raises:
         CallError: no such file, or a topic in the options that the log does not have.
@@ -46,7 +49,7 @@ def describe(
         recorded = without_annotations(log)
         ours = frozenset(log.channels.keys() - recorded.channels.keys())
         selection = select_topics(recorded, options)
-        evidence = look_into(recorded, selection)
+        probe = probe_log(recorded, selection)
         frames = None
         if all_frames:
             added_transforms = [
@@ -55,8 +58,11 @@ def describe(
                 if number in ours and channel.type_name in TRANSFORM_TYPES
             ]
             frames = read_frames(log, [*selection.transforms, *added_transforms], jobs, progress)
-            evidence = _with_all_frames(evidence, frames, ours)
-        findings, added = _outlook(recorded, selection, evidence)
+            probe = _with_all_frames(probe, frames, ours)
+        findings, added = _outlook(recorded, selection, probe)
+        if not selection.contacts and selection.offered_feet is None:
+            possible = candidates_finding(recorded)
+            findings += [possible] if possible else []
         if frames is not None:
             findings += frame_findings(frames, added)
         duration_ns = None
@@ -74,9 +80,9 @@ def describe(
             chunks=len(log.chunks),
             topics=_topics(log, selection, duration_ns or 0, frames, ours),
             robot=selection.robot.name,
-            parents=evidence.parents if frames is None else frames.parents(),
+            parents=probe.parents if frames is None else frames.parents(),
             added_transform=added,
-            chunks_seen=evidence.chunks_seen,
+            chunks_seen=probe.chunks_seen,
             frames=frames,
             findings=tuple(sorted(findings, key=by_severity)),
             losses=(*log.losses, *(frames.losses if frames else ())),
@@ -85,25 +91,33 @@ def describe(
         log.close()
 
 
-def _with_all_frames(evidence: Evidence, frames: Frames, ours: AbstractSet[int]) -> Evidence:
+def _with_all_frames(probe: Probe, frames: Frames, ours: AbstractSet[int]) -> Probe:
     """Return the evidence, with every recorded transform instead of those in a few chunks."""
-    slashed = {*evidence.slashed_frames, *frames.recorded.slashed}
+    slashed = {*probe.slashed_frames, *frames.recorded.slashed}
     return replace(
-        evidence,
+        probe,
         parents=frames.parents(ros_only=True, without=ours),
         slashed_frames=tuple(sorted(slashed)),
     )
 
 
 def _outlook(
-    log: Log, selection: Selection, evidence: Evidence
+    log: Log, selection: Selection, probe: Probe
 ) -> tuple[list[Finding], tuple[str, str] | None]:
     """Return the findings, and the transform that `convert` would add."""
     if not selection.odometry and not selection.contacts:
-        return [*selection.findings, *evidence_findings(selection, evidence)], None
-    plan = make_plan(log, selection, evidence, ConvertOptions())
+        return [*selection.findings, *evidence_findings(selection, probe)], None
+    plan = make_plan(log, selection, probe, ConvertOptions())
     added = (plan.world_frame, plan.base_frame) if plan.write_tf else None
     return list(plan.findings), added
+
+
+def _base_use(selection: Selection) -> str:
+    """Return what the channels of the base's poses are used for."""
+    base = selection.base
+    if base is None or base.source is ODOMETRY:
+        return "odometry"
+    return f"base {base.element}".rstrip()
 
 
 def _topics(
@@ -113,13 +127,14 @@ def _topics(
     frames: Frames | None,
     ours: AbstractSet[int],
 ) -> tuple[TopicInfo, ...]:
-    uses = {channel.id: "odometry" for channel in selection.odometry}
-    uses |= {channel.id: "frames" for channel in selection.transforms}
+    uses = {channel.id: "frames" for channel in selection.transforms}
     uses |= dict.fromkeys(ours, "annotation")
     uses |= dict.fromkeys(frames.channels if frames else (), "frames")
+    uses |= {channel.id: _base_use(selection) for channel in selection.odometry}
     for number, feet in selection.feet_of.items():
         names = ", ".join(selection.robot.feet[foot].name for foot in feet)
-        uses[number] = f"{'foot' if len(feet) == 1 else 'feet'} {names}"
+        planned = "planned " if is_planned(log.channels[number]) else ""
+        uses[number] = f"{planned}{'foot' if len(feet) == 1 else 'feet'} {names}"
     groups: dict[tuple[str, str, str], list[int]] = {}
     for channel in log.channels.values():
         key = (channel.topic, channel.type_name, channel.message_encoding)

@@ -13,7 +13,7 @@ from dogbot_logtool.errors import CallError, LogError
 from dogbot_logtool.io.storage import Location
 from dogbot_logtool.pipeline.options import StatsOptions, TimeSourceOption
 from dogbot_logtool.results import Measurement
-from dogbot_logtool.run.relay import Progress
+from dogbot_logtool.run.in_order import OnProgress
 
 ENOUGH_BINS: Final = 1000
 """Bins over a window from which its curves need no second look."""
@@ -29,19 +29,19 @@ def load_curves_within(
     options: StatsOptions,
     measured: Measurement,
     window: tuple[float, float],
-    progress: Progress | None = None,
+    progress: OnProgress | None = None,
 ) -> FeetCurves:
     """Return the load curves of all feet; reads the log again where theirs are too coarse.
 
     Only the part around the window is read, if that gives all the points that are known already;
-    else, where the clocks drift or frames are told only at the log's start, the whole log is.
+    else, where the clocks drift or frames are recorded only at the log's start, the whole log is.
 
     Args:
         path: the log.
         options: those that it was measured with.
         measured: its figures.
         window: s since the log's start, from and to.
-        progress: is told bytes done and in all.
+        progress: called with bytes done and bytes in all.
 
     Returns:
         at least the curves over the window.
@@ -73,7 +73,7 @@ def with_detail(
     options: StatsOptions,
     measured: Measurement,
     window: tuple[float, float],
-    progress: Progress | None = None,
+    progress: OnProgress | None = None,
 ) -> Measurement:
     """Return the figures with load curves that are in full detail over a window."""
     stats = measured.stats
@@ -93,7 +93,7 @@ def with_detail(
     return replace(measured, stats=replace(stats, feet=feet))
 
 
-def _curves(path: Location, options: StatsOptions, progress: Progress | None) -> FeetCurves:
+def _curves(path: Location, options: StatsOptions, progress: OnProgress | None) -> FeetCurves:
     return tuple(foot.record.curves for foot in measure(path, options, progress).stats.feet)
 
 

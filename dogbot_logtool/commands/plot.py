@@ -15,7 +15,7 @@ from dogbot_logtool.report.gait_figure import (
     write_figure,
 )
 from dogbot_logtool.results import Measurement
-from dogbot_logtool.run.relay import Progress
+from dogbot_logtool.run.in_order import OnProgress
 
 
 def refuse_bad_plot(plot: PlotOptions, logs: Sequence[Location]) -> None:
@@ -39,7 +39,7 @@ def write_plot(
     options: StatsOptions,
     measured: Measurement,
     plot: PlotOptions,
-    progress: Progress | None = None,
+    progress: OnProgress | None = None,
 ) -> tuple[float, float]:
     """Draw a log that was measured.
 

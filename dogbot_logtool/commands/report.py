@@ -15,7 +15,7 @@ from dogbot_logtool.pipeline.options import StatsOptions
 from dogbot_logtool.report.gait_diagram import default_window
 from dogbot_logtool.report.page.render import Damage, IndexRow, index, index_row, page
 from dogbot_logtool.results import Measurement, Page
-from dogbot_logtool.run.relay import Progress
+from dogbot_logtool.run.in_order import OnProgress
 
 DETAIL: Final = CurveDetail()
 """Half a minute at 250 Hz sample by sample; four feet make a page of up to 8 MB."""
@@ -44,15 +44,15 @@ class Reports:
         self._rows: dict[Location, IndexRow] = {}
         self._index: Location | None = None
         if len(logs) > 1:
-            self._index = output.place / "index.html"
+            self._index = output.path / "index.html"
             self._refuse_bad_target(self._index, None)
 
-    def write(self, source: Location, progress: Progress | None = None) -> Page:
+    def write(self, source: Location, progress: OnProgress | None = None) -> Page:
         """Measure a log and write its page.
 
         Args:
             source: one of the logs.
-            progress: is told bytes done and in all.
+            progress: called with bytes done and bytes in all.
 
         Raises:
             CallError: no such file, or the target may not be written.

@@ -7,12 +7,13 @@ from dataclasses import dataclass, field, replace
 from functools import partial
 from typing import Final
 
-from dogbot_logtool.core.contact.silent_swing import SwingTeller
+from dogbot_logtool.core.accumulator import StatsAccumulator
+from dogbot_logtool.core.contact.contact_rule import Thresholds
+from dogbot_logtool.core.contact.silent_swing import SilentFeet, SwingInserter
 from dogbot_logtool.core.frames.wrench_frame import WrenchFrame
 from dogbot_logtool.core.geometry.clock import TimeSource, UnusableStamps
 from dogbot_logtool.core.plausible import IMPLAUSIBLE
-from dogbot_logtool.core.settings import FootPlace, StatsSettings
-from dogbot_logtool.core.statistics import StatsAccumulator
+from dogbot_logtool.core.settings import FootSettings, StatsSettings
 from dogbot_logtool.errors import LogError
 from dogbot_logtool.finding import Finding, warning
 from dogbot_logtool.io.storage import Location, shown
@@ -20,26 +21,29 @@ from dogbot_logtool.pipeline.annotated import open_recorded
 from dogbot_logtool.pipeline.batches import BatchReader
 from dogbot_logtool.pipeline.measuring import BatchMeasurer, MeasuredBatch
 from dogbot_logtool.pipeline.options import StatsOptions
-from dogbot_logtool.pipeline.probe import Evidence, evidence_findings, frame_names, look_into
+from dogbot_logtool.pipeline.probe import Probe, evidence_findings, frame_names, probe_log
 from dogbot_logtool.pipeline.selection import Selection, nothing_to_do, select_topics
+from dogbot_logtool.pipeline.sensors import LearntSensors, learn_sensors
 from dogbot_logtool.pipeline.time_span import TimeLimits, refuse_empty_span, time_limits
 from dogbot_logtool.pipeline.world_frames import StreamedFrames, WorldFrames, follow_frames
 from dogbot_logtool.reader.containers.log import Log, Loss, lost_messages
-from dogbot_logtool.reader.salvage.losses import undecodable, wrong_statistics
+from dogbot_logtool.reader.salvage.losses import malformed_messages, wrong_statistics
 from dogbot_logtool.results import LogFacts, Measurement
 from dogbot_logtool.robot import Robot
-from dogbot_logtool.run.relay import Progress, in_order
+from dogbot_logtool.run.in_order import OnProgress, in_order
 
 _FRAMES: Final = {"world": WrenchFrame.WORLD, "link": WrenchFrame.LINK}
 
 
-def measure(path: Location, options: StatsOptions, progress: Progress | None = None) -> Measurement:
+def measure(
+    path: Location, options: StatsOptions, progress: OnProgress | None = None
+) -> Measurement:
     """Work out all figures of a log.
 
     Args:
         path: the log.
         options: what is asked for.
-        progress: is told how far it has come.
+        progress: called with bytes done and bytes in all.
 
     Raises:
         CallError: no such file, or a topic or time in the options that the log does not have.
@@ -50,44 +54,58 @@ def measure(path: Location, options: StatsOptions, progress: Progress | None = N
         selection = select_topics(log, options.topics)
         if not selection.odometry and not selection.contacts:
             raise LogError(nothing_to_do(log, selection))
-        evidence = look_into(log, selection)
+        probe = probe_log(log, selection)
+        selection = selection.without_forces(probe.forceless)
+        given = Thresholds(options.contact_on_n, options.contact_off_n, options.debounce_s)
+        sensors = learn_sensors(log, selection, probe, options.topics, given)
         try:
-            settings = _settings(selection, evidence, options)
-            return _pass(log, selection, evidence, settings, options, progress)
+            settings = _settings(selection, probe, sensors, options)
+            return _pass(log, selection, probe, sensors.silent, settings, options, progress)
         except UnusableStamps as reason:
-            settings = _settings(selection, evidence, options, log_time_because=str(reason))
-            return _pass(log, selection, evidence, settings, options, progress)
+            because = str(reason)
+            settings = _settings(selection, probe, sensors, options, log_time_because=because)
+            return _pass(log, selection, probe, sensors.silent, settings, options, progress)
     finally:
         log.close()
 
 
 def _settings(
-    selection: Selection, evidence: Evidence, options: StatsOptions, log_time_because: str = ""
+    selection: Selection,
+    probe: Probe,
+    sensors: LearntSensors,
+    options: StatsOptions,
+    log_time_because: str = "",
 ) -> StatsSettings:
     robot: Robot = selection.robot
-    headless = [source.type_name for source in selection.sources if not source.has_header]
-    if headless and not options.time_source and not log_time_because:
-        log_time_because = f"messages of {headless[0]} have no header"
+    headless = selection.without_header
+    if not options.time_source and not log_time_because:
+        if headless:
+            log_time_because = f"messages of {headless[0]} have no header"
+        elif probe.zero_stamps:
+            used = {channel.topic for channel in (*selection.odometry, *selection.contacts)}
+            of = "" if probe.zero_stamps >= used else f" of {', '.join(sorted(probe.zero_stamps))}"
+            log_time_because = f"header stamps{of} are zero"
     chosen = TimeSource(options.time_source) if options.time_source else None
     return StatsSettings(
         feet=tuple(
-            FootPlace(
+            FootSettings(
                 foot.name,
                 foot.topic,
                 foot.place,
                 has_force=selection.knows_force(index),
-                silent_in_swing=index in evidence.intervals,
+                sensor=sensors.feet[index],
+                silent_in_swing=index in probe.intervals,
             )
             for index, foot in enumerate(robot.feet)
         ),
         mass_kg=robot.mass_kg,
+        mass_is_assumed=selection.robot_is_guessed and options.topics.mass_kg is None,
+        estimated_weight_n=sensors.estimated_weight_n,
         forward_axis=options.forward_axis or robot.forward_axis,
+        forward_axis_is_assumed=selection.robot_is_guessed and options.forward_axis is None,
         foot_rolling_m=robot.foot_rolling_m,
-        contact_on_n=options.contact_on_n or robot.contact_on_n,
-        contact_off_n=options.contact_off_n or robot.contact_off_n,
         contact_on_counts=robot.contact_on_counts,
-        debounce_s=robot.debounce_s if options.debounce_s is None else options.debounce_s,
-        wrench_frame=_FRAMES.get(options.wrench_frame, evidence.wrench_frame.frame),
+        wrench_frame=_FRAMES.get(options.wrench_frame, probe.wrench_frame.frame),
         time_source=TimeSource.LOG if log_time_because else chosen,
         time_source_reason=log_time_because,
         odometry_topic=selection.odometry[0].topic if selection.odometry else "",
@@ -97,22 +115,21 @@ def _settings(
 def _pass(
     log: Log,
     selection: Selection,
-    evidence: Evidence,
+    probe: Probe,
+    silent: SilentFeet,
     settings: StatsSettings,
     options: StatsOptions,
-    progress: Progress | None,
+    progress: OnProgress | None,
 ) -> Measurement:
     """Read the log once, feeding all messages to the figures in order."""
     limits = time_limits(log, options.start_s, options.end_s)
-    frames = _frames(selection, evidence, settings)
-    feet = replace(
-        selection.foot_channels(settings.contact_on_n, settings.contact_off_n),
-        left_after_ns=evidence.left_after_ns,
-    )
-    measurer = BatchMeasurer(BatchReader(selection, feet, frames, limits))
+    frames = _frames(selection, probe, settings)
+    feet = replace(selection.foot_channels(), left_after_ns=probe.left_after_ns)
+    sensors = [settings.sensor(foot) for foot in range(len(settings.feet))]
+    measurer = BatchMeasurer(BatchReader(selection, feet, frames, sensors, limits))
     feed = _Feed(
         StatsAccumulator(settings, options.curves),
-        _swings(log, evidence, limits),
+        _swings(log, silent, limits),
         StreamedFrames(frames) if frames else None,
         list(log.losses),
     )
@@ -127,7 +144,7 @@ def _pass(
         refuse_empty_span(log, limits, feed.counts.total())
     if limits == (None, None):
         feed.losses.extend(wrong_statistics(log, feed.counts, feed.losses))
-    return feed.finish(log, selection, evidence)
+    return feed.finish(log, selection, probe)
 
 
 def _measured(log: Log, measurer: BatchMeasurer, jobs: int) -> Generator[MeasuredBatch, None, None]:
@@ -136,11 +153,11 @@ def _measured(log: Log, measurer: BatchMeasurer, jobs: int) -> Generator[Measure
     return in_order(partial(measurer, log), spans, jobs, forks=log.can_fork)
 
 
-def _swings(log: Log, evidence: Evidence, limits: TimeLimits) -> SwingTeller:
+def _swings(log: Log, silent: SilentFeet, limits: TimeLimits) -> SwingInserter:
     """Return what tells the swings of silent sensors, up to the log's ends if all of it is read."""
     start, end = limits
-    return SwingTeller(
-        evidence.intervals,
+    return SwingInserter(
+        silent,
         log.start_time if start is None else None,
         log.end_time if end is None else None,
     )
@@ -151,7 +168,7 @@ class _Feed:
     """Hands batches, in their order, to the figures."""
 
     accumulator: StatsAccumulator
-    swings: SwingTeller
+    swings: SwingInserter
     forces: StreamedFrames | None
     losses: list[Loss]
     malformed: Counter[int] = field(default_factory=Counter)
@@ -175,13 +192,13 @@ class _Feed:
         self.counts.update(batch.counts)
         self.implausible += batch.implausible
 
-    def finish(self, log: Log, selection: Selection, evidence: Evidence) -> Measurement:
+    def finish(self, log: Log, selection: Selection, probe: Probe) -> Measurement:
         """End the log."""
         for samples in self.swings.finish():
             self.accumulator.add_contacts(samples)
-        losses = [*self.losses, *undecodable(log.channels, self.malformed)]
+        losses = [*self.losses, *malformed_messages(log.channels, self.malformed)]
         # The figures have a finding of their own for each topic's stamps.
-        seen = [f for f in evidence_findings(selection, evidence) if f.code != "W_ZERO_STAMPS"]
+        seen = [f for f in evidence_findings(selection, probe) if f.code != "W_ZERO_STAMPS"]
         findings = [*selection.findings, *seen]
         if self.implausible:
             findings.append(warning("IMPLAUSIBLE", f"{self.implausible:,} {IMPLAUSIBLE}"))
@@ -191,18 +208,16 @@ class _Feed:
         return Measurement(self.accumulator.finish(), facts, tuple(losses))
 
 
-def _frames(
-    selection: Selection, evidence: Evidence, settings: StatsSettings
-) -> WorldFrames | None:
+def _frames(selection: Selection, probe: Probe, settings: StatsSettings) -> WorldFrames | None:
     """Return the frames that turn forces into the world, where they need it.
 
-    Places of sensors are left out: the origin of a foot's frame is no contact point, so neither
+    Positions of sensors are left out: the origin of a foot's frame is no contact point, so neither
     slip nor the support polygon may be measured with it.
     """
-    world, base = frame_names(selection.robot, evidence)
+    world, base = frame_names(selection.robot, probe)
     return follow_frames(
         selection,
-        evidence,
+        probe,
         world,
         base,
         settings.clock,

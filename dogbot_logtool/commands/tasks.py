@@ -1,4 +1,4 @@
-"""What is done to one log of many: small objects that can be sent to another process.
+"""Tasks for one log of many: small objects that can be sent to another process.
 
 Each imports its command when it is called, so that a command need not load the others.
 """
@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Final
 from dogbot_logtool.io import storage
 from dogbot_logtool.io.storage import Location
 from dogbot_logtool.results import Figures
-from dogbot_logtool.run.relay import Progress
+from dogbot_logtool.run.in_order import OnProgress
 
 if TYPE_CHECKING:
     from dogbot_logtool.pipeline.options import (
@@ -38,12 +38,12 @@ class Describe:
     jobs: int = 1
     """How many batches are read at once."""
 
-    def __call__(self, log: Location, tell: Progress | None) -> "LogInfo":
+    def __call__(self, log: Location, on_progress: OnProgress | None) -> "LogInfo":
         """Describe it."""
         from dogbot_logtool.commands.info import describe  # noqa: PLC0415
 
         return describe(
-            log, self.options, all_frames=self.all_frames, jobs=self.jobs, progress=tell
+            log, self.options, all_frames=self.all_frames, jobs=self.jobs, progress=on_progress
         )
 
 
@@ -53,38 +53,43 @@ class Convert:
 
     options: "ConvertOptions"
 
-    def __call__(self, order: "Order", tell: Progress | None) -> "Conversion":
+    def __call__(self, task: "ConversionTask", on_progress: OnProgress | None) -> "Conversion":
         """Convert it."""
         from dogbot_logtool.commands.convert import convert  # noqa: PLC0415
 
-        overwrite = self.options.overwrite or order.was_free
+        overwrite = self.options.overwrite or task.target_was_free
         options = replace(self.options, overwrite=overwrite)
-        return convert(order.log, order.target, options, tell)
+        return convert(task.log, task.target, options, on_progress)
 
 
 @dataclass(frozen=True, slots=True)
-class Order:
-    """A log that is to be converted."""
+class ConversionTask:
+    """A log to convert."""
 
     log: Location
     target: Location
-    was_free: bool
-    """Nothing was there when the call began: what is there now, a worker wrote that was lost before
-    it could tell, and may be replaced by the same."""
+    target_was_free: bool
+    """The target did not exist when the call began: if it exists now, a worker that was lost wrote
+    it, and it may be replaced."""
 
 
-def orders(pairs: Sequence[tuple[Location, Location]], *, may_repeat: bool) -> list[Order]:
-    """See which outputs are free.
+def conversion_tasks(
+    pairs: Sequence[tuple[Location, Location]], *, may_repeat: bool
+) -> list[ConversionTask]:
+    """Make a task of each log, after a look at which outputs exist.
 
     Args:
         pairs: logs and outputs.
         may_repeat: a log may be begun more than once.
     """
     if not may_repeat:
-        return [Order(log, target, was_free=False) for log, target in pairs]
+        return [ConversionTask(log, target, target_was_free=False) for log, target in pairs]
     with ThreadPoolExecutor(_CHECKS_AT_ONCE) as pool:
         free = pool.map(_is_free, [target for _, target in pairs])
-        return [Order(*pair, was_free) for pair, was_free in zip(pairs, free, strict=True)]
+        return [
+            ConversionTask(*pair, target_was_free)
+            for pair, target_was_free in zip(pairs, free, strict=True)
+        ]
 
 
 def _is_free(target: Location) -> bool:
@@ -116,18 +121,18 @@ class Measure:
 
     options: "StatsOptions"
     drawing: "PlotOptions | None" = None
-    """A figure to be drawn of it."""
+    """The figure to draw; None: none."""
     whole: bool = False
-    """Whether to return all there is, base's path and every stance included."""
+    """Whether to return all results, with the base's path and every stance."""
     window: tuple[float, float] | None = None
-    """s since the log's start, what is to be shown; None: that is chosen."""
+    """s since the log's start, the time to show; None: chosen by the log."""
 
-    def __call__(self, log: Location, tell: Progress | None) -> Figures:
+    def __call__(self, log: Location, on_progress: OnProgress | None) -> Figures:
         """Measure it."""
         from dogbot_logtool.commands.stats import measure  # noqa: PLC0415
         from dogbot_logtool.pipeline.time_span import refuse_window  # noqa: PLC0415
 
-        measured = measure(log, self.options, tell)
+        measured = measure(log, self.options, on_progress)
         if self.window is not None:
             refuse_window(self.window, (measured.stats.end - measured.stats.origin) / 1e9)
         figures = figures_of(measured, whole=self.whole)
@@ -135,19 +140,19 @@ class Measure:
             return figures
         from dogbot_logtool.commands.plot import write_plot  # noqa: PLC0415
 
-        drawn = write_plot(log, self.options, measured, self.drawing, tell)
+        drawn = write_plot(log, self.options, measured, self.drawing, on_progress)
         return replace(figures, drawn=drawn)
 
 
 @dataclass(frozen=True, slots=True)
-class Keep:
-    """`stats` of a log whose figures go into a dataset."""
+class MeasureIntoDataset:
+    """`stats` of a log, written to a dataset."""
 
     measure: Measure
     dataset: "Dataset"
 
-    def __call__(self, entry: "Entry", tell: Progress | None) -> Figures:
-        """Measure a log and keep its figures."""
-        figures = self.measure(entry.place, tell)
-        self.dataset.keep(figures, entry)
+    def __call__(self, entry: "Entry", on_progress: OnProgress | None) -> Figures:
+        """Measure a log and write its figures to the dataset."""
+        figures = self.measure(entry.location, on_progress)
+        self.dataset.write(figures, entry)
         return figures

@@ -1,6 +1,6 @@
 """Messages decoded by their formats' official libraries, from the definitions in the log.
 
-Decoding is for the few messages whose bytes differ, so it is done one by one. What comes out is
+Decoding is for the few messages whose bytes differ, so it is done one by one. The result is
 a tree as `fields` compares it.
 """
 
@@ -220,7 +220,7 @@ def _dependencies_first(files: "list[FileDescriptorProto]") -> "Iterator[FileDes
 
 
 def protobuf_tree(message: "Message") -> dict[str, Tree]:
-    """Turn a message into a tree; what is unset but could be told from a default is None."""
+    """Turn a message into a tree; a field that is unset, though presence is tracked, is None."""
     from google.protobuf.unknown_fields import UnknownFieldSet  # noqa: PLC0415
 
     tree: dict[str, Tree] = {

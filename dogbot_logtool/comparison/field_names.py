@@ -12,7 +12,7 @@ from dogbot_logtool.comparison.fields import Tree, join
 from dogbot_logtool.reader.containers.log import Channel, Schema
 
 ALWAYS: Final = ("publish_time", "payload")
-"""What every message has, besides its own fields."""
+"""Fields that every message has besides its own."""
 _MOST_NAMES: Final = 10_000
 """Definitions that hold one another many times over have more than anybody would count."""
 

@@ -26,7 +26,7 @@ _NOTHING: Final = "nothing"
 
 @dataclass(frozen=True, slots=True)
 class FieldDifference:
-    """One place at which two values differ."""
+    """One field in which two values differ."""
 
     path: str
     """``entities[0].arrows[0].pose.position.z``."""
@@ -38,7 +38,7 @@ class FieldDifference:
 
 @dataclass(slots=True)
 class Findings:
-    """What comparing two values found."""
+    """Differences between two values."""
 
     limit: int
     """Differences to keep."""
@@ -222,8 +222,8 @@ class _Comparer:
             self._findings.differ(path, f"{len(expected)} bytes", f"{len(actual)} bytes")
             return
         pairs = enumerate(zip(expected, actual, strict=True))
-        place, (one, other) = next(pair for pair in pairs if pair[1][0] != pair[1][1])
-        self._findings.differ(f"{path}[{place}]", f"0x{one:02x}", f"0x{other:02x}")
+        index, (one, other) = next(pair for pair in pairs if pair[1][0] != pair[1][1])
+        self._findings.differ(f"{path}[{index}]", f"0x{one:02x}", f"0x{other:02x}")
 
     def _floats(self, expected: float, actual: float, path: str, name: str) -> None:
         deviation = abs(expected - actual)
@@ -244,8 +244,8 @@ class _Comparer:
         if apart <= allowed:
             self._findings.loose += 1
             return
-        told = deviation if math.isfinite(deviation) else None
-        self._findings.differ(path, text_of(expected), text_of(actual), told)
+        finite = deviation if math.isfinite(deviation) else None
+        self._findings.differ(path, text_of(expected), text_of(actual), finite)
 
 
 def join(path: str, key: str) -> str:

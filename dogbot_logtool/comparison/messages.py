@@ -20,7 +20,7 @@ _EXTRA: Final = 2
 
 
 class _Side:
-    """What is known of the channels of one of the logs, and how much of it was seen."""
+    """The channels of one of the logs, and how many of their messages were read."""
 
     def __init__(self, topics: Sequence[Topic], channels: Sequence[Channel]) -> None:
         self._channels = {channel.id: channel for channel in channels}
@@ -37,7 +37,7 @@ class _Side:
         return np.array(kinds, np.int64)[which]
 
     def positions(self, block: Block, order: Ints) -> Ints:
-        """Return (n,) the place of each row among its topic's messages, from the log's first."""
+        """Return (n,) the index of each row among its topic's messages, from the log's first."""
         topic = block.topic[order]
         counts = np.bincount(topic, minlength=len(self._seen))
         first = np.cumsum(counts) - counts
@@ -73,7 +73,7 @@ class MessageSweep:
 
         Args:
             topics: the topics; a block's topic numbers count them.
-            origin: ns, what times of messages are told from.
+            origin: ns, the time from which times of messages are counted.
             differences: where to note what is found.
         """
         self._topics = topics
@@ -143,7 +143,7 @@ class MessageSweep:
     def _in_time_order(
         self, expected: Block, actual: Block, pairing: Pairing, equal: Flags
     ) -> Iterator[tuple[int, int]]:
-        """Yield what needs a word: pair, missing or extra, and its place in the pairing.
+        """Yield what to report: pair, missing or extra, and its index in the pairing.
 
         Topics that only one log has were named once and for all.
         """

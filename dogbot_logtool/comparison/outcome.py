@@ -1,4 +1,4 @@
-"""What a comparison found: the words that all reports share."""
+"""Results of a comparison, and the words that all reports share."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
@@ -15,11 +15,11 @@ DIFFERENT: Final = 1
 DAMAGED: Final = 3
 """Nothing differs in what could be read, but not all could: the exit code of damaged input."""
 RECORDS: Final = "(records)"
-"""What stands for a topic where profile, metadata and attachments are meant."""
+"""Stands for a topic in differences of profile, metadata and attachments."""
 
 
 class Kind(StrEnum):
-    """What differs."""
+    """Kinds of differences."""
 
     TOPIC = "topic"
     """A whole topic is missing or extra."""
@@ -35,7 +35,7 @@ class Kind(StrEnum):
 
 @dataclass(frozen=True, slots=True)
 class Difference:
-    """One difference, with the place where it is."""
+    """One difference, and the message and field in which it is."""
 
     kind: Kind
     topic: str
@@ -46,8 +46,8 @@ class Difference:
     deviation: float | None = None
     """|expected - actual| where both are finite numbers."""
     index: int | None = None
-    """Of the message among the topic's, in time order from 0: in the actual file for an extra one,
-    else in the expected file."""
+    """Index of the message among the topic's, in time order from 0: in the actual file for an
+    extra one, else in the expected file."""
     time_s: float | None = None
     """s, the message's log time since the first message of the expected log."""
 
@@ -92,11 +92,11 @@ class Tally:
     deviation: float = 0.0
     """The largest between two finite numbers, within tolerance or not."""
     deviation_path: str = ""
-    """Where that is."""
+    """The field or file in which it is."""
     only_in: Literal["", "expected", "actual"] = ""
     """The file that alone has the topic."""
     note: str = ""
-    """What to know of the comparison: that it was one of bytes, for instance."""
+    """A remark on the comparison: that it was one of bytes, for instance."""
 
     @property
     def same(self) -> bool:
@@ -160,7 +160,7 @@ class Differences:
         index: int | None = None,
         time_s: float | None = None,
     ) -> None:
-        """Take over what was found in fields, with the place where it is."""
+        """Add differences of fields, with the message in which they are."""
         for found in findings.differences[: self.room]:
             self.kept.append(field_difference(found, topic, kind, index, time_s))
         self.count += findings.count
@@ -176,12 +176,12 @@ class FileLoss:
 
 @dataclass(frozen=True, slots=True)
 class Comparison:
-    """What comparing two files found."""
+    """The result of comparing two files."""
 
     expected: Location
     actual: Location
     unit: str
-    """What the tallies count: ``messages`` or ``values``."""
+    """The unit of the tallies: ``messages`` or ``values``."""
     tallies: Sequence[Tally]
     """A topic each, sorted; topics without a message too."""
     differences: Sequence[Difference]
@@ -214,8 +214,8 @@ class Comparison:
                 (sum(tally.extra for tally in self.tallies), "extra"),
                 (sum(tally.faults for tally in self.tallies), "described differently"),
             ]
-            told = ", ".join(f"{count} {word}" for count, word in counts if count)
-            text = f"different: {told}, of {what} and {compared} {self.unit}{tail}"
+            listed = ", ".join(f"{count} {word}" for count, word in counts if count)
+            text = f"different: {listed}, of {what} and {compared} {self.unit}{tail}"
         if self.losses:
             lossless = all(found.loss.messages == found.loss.bytes == 0 for found in self.losses)
             what = "nothing is known to be lost" if lossless else "what is lost was not compared"

@@ -1,7 +1,7 @@
 """Which message of the one log belongs to which of the other, and which pairs are equal bytes.
 
 Messages belong together when topic and log time are the same, and, where several of a topic have
-the same log time, when they have the same place among those in the order of the file.
+the same log time, when they have the same index among those in the order of the file.
 """
 
 from dataclasses import dataclass
@@ -51,7 +51,7 @@ def pair_messages(
     row = np.concatenate([expected_order, actual_order])
     topic = np.concatenate([one[0], other[0]])
     time = np.concatenate([one[1], other[1]])
-    place = np.concatenate([_place_among_equals(*one), _place_among_equals(*other)])
+    place = np.concatenate([_index_among_equals(*one), _index_among_equals(*other)])
     is_actual = np.arange(len(row)) >= len(expected_order)
     order = np.lexsort((is_actual, place, time, topic))
     row, topic, time, place = row[order], topic[order], time[order], place[order]
@@ -65,8 +65,8 @@ def pair_messages(
     return Pairing(row[first], row[first + 1], row[alone & ~is_actual], row[alone & is_actual])
 
 
-def _place_among_equals(topic: Ints, time: Ints) -> Ints:
-    """Return the place of each row among those of the same topic and time, which stand together."""
+def _index_among_equals(topic: Ints, time: Ints) -> Ints:
+    """Return the index of each row among those of the same topic and time, which stand together."""
     row = np.arange(len(topic))
     begins = np.ones(len(topic), np.bool_)
     begins[1:] = (topic[1:] != topic[:-1]) | (time[1:] != time[:-1])

@@ -1,4 +1,4 @@
-"""What a log holds beside its messages, as a tree: profile, metadata records, attachments."""
+"""The contents of a log beside its messages, as a tree: profile, metadata, attachments."""
 
 import hashlib
 import struct
@@ -24,8 +24,8 @@ _LARGEST_METADATA: Final = 64 << 20
 def records_tree(log: Log) -> Mapping[str, Tree]:
     """Return a log's records beside its messages, by the names that patterns know them by.
 
-    Attachments are told by type, size and the hash of their content, so that their size does not
-    matter; their times are when somebody attached them, not what they say.
+    Attachments are compared by type, size and the hash of their content, which bounds the memory.
+    Their times are not compared: they say when a file was attached, not what it holds.
     """
     metadata: dict[str, Tree] = {}
     attachments: dict[str, Tree] = {}
@@ -40,7 +40,7 @@ def records_tree(log: Log) -> Mapping[str, Tree]:
 
 
 def _add(named: dict[str, Tree], name: str, value: Tree) -> None:
-    """Add a value; a second of the same name is told from the first."""
+    """Add a value; a second of the same name gets a number."""
     number = 1
     unique = name
     while unique in named:

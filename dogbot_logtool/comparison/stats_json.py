@@ -13,7 +13,7 @@ from dogbot_logtool.errors import CallError, LogError
 from dogbot_logtool.io.storage import content, is_folder, open_file
 
 _PROVENANCE: Final = ("tool.version", "log.path")
-"""Where figures come from, not what they are."""
+"""Keys that say where figures come from."""
 _WHOLE: Final = "(document)"
 _NOTHING: Final = object()
 """What `_picked` leaves of a value that is not wanted."""
@@ -39,7 +39,7 @@ def compare_json(expected: Path, actual: Path, rules: Rules, max_differences: in
         CallError: none of the keys is wanted.
         LogError: one of the files is not JSON.
     """
-    documents = _load(expected), _load(actual)
+    documents = load_json(expected), load_json(actual)
     differences = Differences(max_differences)
     tallies: list[Tally] = []
     compared: list[int] = []
@@ -109,7 +109,13 @@ def _compare_part(
     return findings.compared + findings.empty + findings.missing + findings.extra
 
 
-def _load(path: Path) -> Tree:
+def load_json(path: Path) -> Tree:
+    """Read a JSON document.
+
+    Raises:
+        CallError: it cannot be read.
+        LogError: it is not JSON.
+    """
     try:
         data = content(path, _LARGEST)
         if data is None:

@@ -40,7 +40,7 @@ class Quantity:
 
 @dataclass(frozen=True, slots=True)
 class Rules:
-    """What a user allows to differ."""
+    """Differences that a user allows."""
 
     default: Tolerance = Tolerance()
     """For every float that no quantity claims. Integers are exact unless a quantity claims them."""
@@ -77,7 +77,7 @@ class Rules:
 
     @property
     def unmatched(self) -> Mapping[str, str]:
-        """What gave each glob that has fitted nothing so far."""
+        """The option or file of each glob that has matched nothing so far."""
         given = dict.fromkeys(self.ignore, "--ignore") | dict.fromkeys(self.topics, "--topics")
         for quantity in self.quantities:
             given |= dict.fromkeys(quantity.fields, f"tolerance [{quantity.name}]")

@@ -1,7 +1,7 @@
 """Two logs cut into the same windows of log time, each small enough to hold in memory.
 
 Chunks need not be in the order of time, and may overlap. So the axis of time is cut where about
-as many bytes lie between cuts, told by the chunks' own times; then each window is loaded from
+as many bytes lie between cuts, by the chunks' own times; then each window is loaded from
 both logs by reading every chunk that reaches into it. A chunk across a cut is read twice, which
 costs little, since windows are larger than chunks. Memory is bounded by the size of a window,
 whatever the order of the chunks; only messages of one and the same log time cannot be parted.
@@ -32,7 +32,7 @@ _LAST: Final = int(np.iinfo(np.int64).max)
 
 
 class UntrueTimes(Exception):  # noqa: N818 - the caller measures them then
-    """A chunk holds messages outside the time that the log's index tells, or none is told."""
+    """A chunk holds messages outside the time that the log's index has, or the index has none."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,8 +1,9 @@
 """What decides the figures: thresholds, mass, frames, clock."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
-from dogbot_logtool.core.contact.footfall import ContactRule, contact_rule
+from dogbot_logtool.core.contact.contact_rule import FootSensor, Thresholds, contact_rule
+from dogbot_logtool.core.contact.sensor_level import zero_reading
 from dogbot_logtool.core.frames.wrench_frame import WrenchFrame
 from dogbot_logtool.core.geometry.clock import TimeSource
 from dogbot_logtool.core.leg_position import LegPosition
@@ -10,7 +11,7 @@ from dogbot_logtool.core.load.loads import body_weight_n
 
 
 @dataclass(frozen=True, slots=True)
-class FootPlace:
+class FootSettings:
     """One foot, in the order in which `Samples.foot` counts them."""
 
     name: str
@@ -18,6 +19,8 @@ class FootPlace:
     place: LegPosition | None = None
     has_force: bool = True
     """Whether its sensor tells a force, not only whether the foot touches."""
+    sensor: FootSensor | None = None
+    """How its sensor reads; None: exactly zero in swing."""
     silent_in_swing: bool = False
     """Whether its sensor sends no messages while the foot is in the air."""
 
@@ -26,16 +29,23 @@ class FootPlace:
 class StatsSettings:
     """Settings of the figures; all of them are echoed beside the numbers."""
 
-    feet: tuple[FootPlace, ...]
+    feet: tuple[FootSettings, ...]
     """The first is the reference for phases."""
     mass_kg: float | None = None
+    estimated_weight_n: float | None = None
+    """N, what contact thresholds rest on where no mass is given."""
+    mass_is_assumed: bool = False
+    """Whether the mass is that of a robot that was only guessed from the topics."""
     forward_axis: str = "+x"
-    foot_rolling_m: float = 0.0
-    contact_on_n: float | None = None
-    contact_off_n: float | None = None
+    forward_axis_is_assumed: bool = False
+    """Whether it is that of a robot that was only guessed; then evidence may correct it."""
+    forward_axis_reason: str = ""
+    """Why it is not that of the robot, when evidence corrected it."""
+    foot_rolling_m: float | None = None
+    """m, way of the contact point in a stance without slip; None: not known."""
+    thresholds: Thresholds = field(default_factory=Thresholds)
     contact_on_counts: float | None = None
     """Of raw sensors without a scale; the reader has applied it."""
-    debounce_s: float = 0.020
     wrench_frame: WrenchFrame = WrenchFrame.UNKNOWN
     """Frame of the forces in `Samples`; samples that are `in_world` are in the world anyway."""
     time_source: TimeSource | None = None
@@ -54,12 +64,13 @@ class StatsSettings:
         """N; None when the mass is not known."""
         return body_weight_n(self.mass_kg)
 
-    @property
-    def rule(self) -> ContactRule:
-        """What counts as contact."""
-        return contact_rule(
-            self.contact_on_n, self.contact_off_n, self.debounce_s, self.body_weight_n
-        )
+    def sensor(self, foot: int) -> FootSensor:
+        """Return how a foot's sensor reads, and what counts as contact of it."""
+        known = self.feet[foot].sensor
+        if known is not None:
+            return known
+        level = zero_reading()
+        return FootSensor(level, contact_rule(level, self.body_weight_n, self.thresholds))
 
     @property
     def force_in_world(self) -> bool:

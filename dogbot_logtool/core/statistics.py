@@ -1,43 +1,70 @@
-"""All figures of a walk: fed batch by batch, finished once.
-
-    settings = StatsSettings(feet, mass_kg=19.2, wrench_frame=WrenchFrame.WORLD)
-    accumulator = StatsAccumulator(settings)
-    for batch in log:
-        accumulator.add_odometry(odometry)
-        accumulator.add_contacts(samples)
-    stats = accumulator.finish()
-
-Figures do not depend on where batches end. If header stamps turn out to be unusable, `add_...`
-raises `UnusableStamps`: then a second pass with ``time_source=TimeSource.LOG`` measures on log
-time.
-"""
+"""All figures of a walk, worked out from what was kept of its log."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
+from typing import Final
 
-from dogbot_logtool.core.base.base_motion import BaseMotion, base_motion
-from dogbot_logtool.core.base.base_record import BaseRecord, BaseRecorder
+import numpy as np
+
+from dogbot_logtool.core.base.base_history import BaseHistory
+from dogbot_logtool.core.base.base_motion import BaseMotion, BaseTrack, base_motion
 from dogbot_logtool.core.base.falls import fallen_spans
-from dogbot_logtool.core.base.odometry import Odometry
-from dogbot_logtool.core.contact.contacts import Samples
-from dogbot_logtool.core.contact.curves import CurveDetail
-from dogbot_logtool.core.contact.foot_history import FootRecord, FootRecorder
+from dogbot_logtool.core.base.forward_axis import with_forward_axis
+from dogbot_logtool.core.base.ground import height_over_feet
+from dogbot_logtool.core.base.pose_jumps import PoseJumps, find_jumps, without_jumps
+from dogbot_logtool.core.base.tipping import Tipping, find_tipping
+from dogbot_logtool.core.base.travel import find_travel
+from dogbot_logtool.core.consistency.silences import all_silent
+from dogbot_logtool.core.consistency.worlds import Worlds, compare_worlds
+from dogbot_logtool.core.contact.foot_history import FootHistory
 from dogbot_logtool.core.gait.foot_statistics import (
-    FootFigures,
+    FootStatistics,
     contact_time_without_pose_s,
-    foot_figures,
+    foot_statistics,
     overlap,
 )
-from dogbot_logtool.core.gait.segments import Segment, find_segments, main_segment, stands
+from dogbot_logtool.core.gait.segments import (
+    GaitInput,
+    Segment,
+    find_segments,
+    main_segment,
+    transition_strides,
+)
+from dogbot_logtool.core.gait.standing import Standing, find_standing, steps_apart, typical_period_s
+from dogbot_logtool.core.gait.strides import (
+    Strides,
+    cut_by_fall,
+    cut_by_standing,
+    no_strides,
+    strides_of,
+)
 from dogbot_logtool.core.gait.support_pattern import Support, support
 from dogbot_logtool.core.geometry import timespans
-from dogbot_logtool.core.geometry.arrays import Ints, rows_by_group
-from dogbot_logtool.core.geometry.clock import StampWatch
-from dogbot_logtool.core.leg_position import quadruped
-from dogbot_logtool.core.load.load_figures import LoadFigures, dead_feet, load_figures
-from dogbot_logtool.core.quality.quality import TopicQuality, TopicWatch, with_gaps
+from dogbot_logtool.core.geometry.arrays import Ints
+from dogbot_logtool.core.leg_position import legs_in_order, quadruped
+from dogbot_logtool.core.load.load_figures import LoadFigures, dead_feet, is_saturated, load_figures
+from dogbot_logtool.core.quality.clocks import (
+    ClockDifference,
+)
+from dogbot_logtool.core.quality.quality import TopicQuality
 from dogbot_logtool.core.settings import StatsSettings
 from dogbot_logtool.core.stability.stability import Stability, stability
+
+CLOCK_SHARE_OF_STRIDE: Final = 0.05
+"""Share of a stride by which clocks may differ before figures of both are left out. Also
+`LONGEST_DELAY_S`, since a message may be delayed by so much on its way."""
+LONGEST_DELAY_S: Final = 0.06
+
+
+@dataclass(frozen=True, slots=True)
+class SegmentFigures:
+    """All figures of a segment, like those of the log."""
+
+    base: BaseMotion | None
+    feet: tuple[FootStatistics, ...]
+    support: Support | None
+    loads: LoadFigures
+    stability: Stability | None
 
 
 @dataclass(frozen=True, slots=True)
@@ -49,15 +76,23 @@ class Stats:
     """ns on the clock used: the earliest time of any used message; what times are counted from."""
     end: int
     """ns, the latest."""
-    feet: tuple[FootFigures, ...]
+    feet: tuple[FootStatistics, ...]
     reference: int
-    """The foot that phases are measured against: the first that has strides."""
+    """The foot that phases are measured against: left fore, or the first that has strides."""
     corners: tuple[int, int, int, int] | None
     """Which foot is front left, front right, back left, back right; None: no quadruped, or
     not known."""
-    base_record: BaseRecord
+    base_history: BaseHistory
+    """As recorded, jumps and all."""
     base: BaseMotion | None
+    jumps: PoseJumps
+    tipping: Tipping | None
+    """The robot is tipping when the recording ends."""
     segments: tuple[Segment, ...]
+    segment_figures: tuple[SegmentFigures, ...]
+    """Of each segment."""
+    transition_strides: int
+    """Strides of the reference foot that belong to no segment."""
     main: Segment | None
     """The longest segment: its class is the log's."""
     support: Support | None
@@ -70,162 +105,316 @@ class Stats:
     """s, time known to all feet that have messages and to the base."""
     contact_without_pose_s: tuple[float, ...]
     """s a foot, time in contact further than 0.1 s from every pose."""
+    clocks: tuple[ClockDifference, ...] = ()
+    """How far topics' clocks are from that of the feet; nothing on log time."""
+    clocks_apart: frozenset[str] = frozenset()
+    """Topics whose clocks are too far from the others' for figures of both."""
+    worlds: Worlds | None = None
+    """Where the base is among the feet; None where contact points do not tell."""
+    all_silent: Ints = field(default_factory=timespans.no_spans)
+    """(s, 2) ns, spans in which no foot's sensor sends anything, though the odometry does."""
+
+    @property
+    def base_clock_is_apart(self) -> bool:
+        """Whether the odometry's clock is too far from that of the feet."""
+        return self.settings.odometry_topic in self.clocks_apart
+
+    @property
+    def feet_clocks_are_apart(self) -> bool:
+        """Whether the clock of a foot is too far from that of the others."""
+        return any(foot.topic in self.clocks_apart for foot in self.settings.feet)
+
+    @property
+    def worlds_differ(self) -> bool:
+        """Whether contact points and base are not in one world."""
+        return self.worlds is not None and not self.worlds.agree
 
     def seconds(self, time: Ints) -> list[float]:
         """Return times as seconds since the origin, to the nanosecond."""
         return [each / 1e9 for each in (time - self.origin).tolist()]
 
 
-class StatsAccumulator:
-    """Measures a walk while its log streams past.
+@dataclass(frozen=True, slots=True)
+class Recorded:
+    """What was kept of a log while it streamed past."""
+
+    feet: tuple[FootHistory, ...]
+    base: BaseHistory
+    clocks: tuple[ClockDifference, ...]
+    """How far topics' clocks are from that of the feet; nothing on log time."""
+    topics: tuple[TopicQuality, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class _Walk:
+    """What the figures of a log, or of a part of it, are taken from."""
+
+    settings: StatsSettings
+    records: tuple[FootHistory, ...]
+    base: BaseHistory
+    """Poses without jumps."""
+    recorded_base: BaseHistory
+    track: BaseTrack
+    fallen: Ints
+    standing: Standing
+    dead: tuple[bool, ...]
+    saturated: tuple[bool, ...]
+    apart: frozenset[str]
+    """Topics whose clocks are too far from the others'."""
+    worlds: Worlds | None
+    vertical_known: bool
+    direction_known: bool
+    """Whether nothing says that the feet's vertical forces miss the weight."""
+
+    @property
+    def feet_apart(self) -> bool:
+        """Whether the clock of a foot is too far from that of the others."""
+        return any(foot.topic in self.apart for foot in self.settings.feet)
+
+    @property
+    def base_apart(self) -> bool:
+        """Whether the base is on another clock than the feet, or in another world."""
+        differ = self.worlds is not None and not self.worlds.agree
+        return self.settings.odometry_topic in self.apart or differ
+
+    def feet(self, within: Ints | None = None) -> tuple[FootStatistics, ...]:
+        """Return the figures of all feet, in some spans or in the whole log."""
+        settings = self.settings
+        return tuple(
+            _on_clock(
+                foot_statistics(
+                    foot.name,
+                    foot.topic,
+                    foot.place,
+                    record,
+                    self.base,
+                    fallen=self.fallen,
+                    forward_axis=settings.forward_axis,
+                    standing=self.standing,
+                    foot_rolling_m=settings.foot_rolling_m,
+                    is_dead=is_dead,
+                    is_saturated=cut_off,
+                    direction_known=self.direction_known,
+                    within=within,
+                ),
+                settings.odometry_topic,
+                self.apart,
+            )
+            for foot, record, is_dead, cut_off in zip(
+                settings.feet, self.records, self.dead, self.saturated, strict=True
+            )
+        )
+
+    def support(self, within: Ints | None = None) -> Support | None:
+        """Return the support pattern; where one foot's state is not known, none is."""
+        return None if any(self.dead) or self.feet_apart else support(self.records, within)
+
+    def stability(self, within: Ints | None = None) -> Stability | None:
+        """Return the figures of stability."""
+        if any(self.dead) or self.feet_apart or self.base_apart:
+            return None
+        return stability(
+            self.records,
+            self.recorded_base,
+            self.settings.forward_axis,
+            vertical_known=self.vertical_known,
+            within=within,
+        )
+
+    def loads(self, strides: Ints, within: Ints | None = None) -> LoadFigures:
+        """Return the loads of all feet over whole strides, (s, 2) ns."""
+        loads = load_figures(
+            self.records,
+            self.settings.body_weight_n,
+            strides,
+            within,
+            mass_is_assumed=self.settings.mass_is_assumed,
+        )
+        return replace(loads, share_of=None, shares=None) if any(self.dead) else loads
+
+
+def work_out(settings: StatsSettings, recorded: Recorded) -> Stats:
+    """Work out all figures of a log.
 
     Args:
         settings: what decides the figures.
-        curves: keep load curves for drawing, in this detail; None keeps none, and costs nothing.
+        recorded: what was kept of the log.
     """
+    walk, jumps = _walk(settings, recorded)
+    settings, records = walk.settings, walk.records
+    feet = walk.feet()
+    supported = walk.support()
+    gait = _gait_input(feet, walk.standing, supported)
+    segments = find_segments(gait) if feet and not walk.feet_apart else ()
+    strides = _reference_strides(feet)
+    origin, end = _extent(records, walk.base)
+    return Stats(
+        settings=settings,
+        origin=origin,
+        end=end,
+        feet=feet,
+        reference=gait.reference,
+        corners=quadruped([foot.place for foot in settings.feet]),
+        base_history=recorded.base,
+        base=base_motion(walk.track, settings.forward_axis),
+        jumps=jumps,
+        tipping=find_tipping(recorded.base, settings.forward_axis),
+        segments=segments,
+        segment_figures=tuple(_segment_figures(walk, each.spans, strides) for each in segments),
+        transition_strides=_transition_strides(segments, feet, gait.reference),
+        main=main_segment(segments),
+        support=supported,
+        loads=walk.loads(strides.spans),
+        stability=walk.stability(),
+        fallen=walk.fallen,
+        topics=recorded.topics,
+        overlap_s=timespans.total(overlap(records, walk.base)) / 1e9,
+        contact_without_pose_s=tuple(
+            contact_time_without_pose_s(record, walk.base) for record in records
+        ),
+        clocks=recorded.clocks,
+        clocks_apart=walk.apart,
+        worlds=walk.worlds,
+        all_silent=all_silent(records, walk.base),
+    )
 
-    def __init__(self, settings: StatsSettings, curves: CurveDetail | None = None) -> None:
-        self._settings = settings
-        self._feet = [
-            FootRecorder(
-                settings.rule,
-                settings.clock,
-                force_in_world=settings.force_in_world,
-                has_force=foot.has_force,
-                curves=curves,
-            )
-            for foot in settings.feet
-        ]
-        self._base = BaseRecorder(settings.clock)
-        self._stamps = [StampWatch(foot.topic) for foot in settings.feet]
-        self._base_stamps = StampWatch(settings.odometry_topic or "the odometry")
-        self._topics: dict[str, TopicWatch] = {}
 
-    def add_contacts(self, samples: Samples) -> None:
-        """Take in contact samples of any feet; each foot's in the order of the log.
+def _walk(settings: StatsSettings, recorded: Recorded) -> tuple[_Walk, PoseJumps]:
+    """Find jumps, falls, stands, dead sensors and clocks that cannot be compared."""
+    records = recorded.feet
+    jumps = find_jumps(recorded.base)
+    base = without_jumps(recorded.base, jumps)
+    height = height_over_feet(recorded.base, records)
+    fallen = fallen_spans(recorded.base, records, height, jumps.spans)
+    loads = load_figures(
+        records, settings.body_weight_n, _any_strides(records, fallen, timespans.no_spans())
+    )
+    dead = tuple(dead_feet(records, loads))
+    apart = _too_far_apart(recorded.clocks, typical_period_s([each.stances for each in records]))
+    feet_apart = any(foot.topic in apart for foot in settings.feet)
+    supported = None if any(dead) or feet_apart else support(records)
+    standing = _standing(records, supported, base, fallen)
+    strides = _any_strides(records, fallen, standing.without_steps)
+    track = BaseTrack(base, find_travel(base), height, records, standing.still)
+    walk = _Walk(
+        settings=with_forward_axis(settings, track),
+        records=records,
+        base=base,
+        recorded_base=recorded.base,
+        track=track,
+        fallen=fallen,
+        standing=standing,
+        dead=dead,
+        saturated=_saturated(settings, records),
+        apart=apart,
+        worlds=compare_worlds([record.track for record in records], base),
+        vertical_known=loads.share_of == "vertical_impulse",
+        direction_known=not load_figures(
+            records,
+            settings.body_weight_n,
+            strides,
+            mass_is_assumed=settings.mass_is_assumed,
+        ).direction_refuted,
+    )
+    return walk, jumps
 
-        Raises:
-            UnusableStamps: a header stamp is zero or goes backwards, and nobody chose a clock.
-        """
-        for foot, rows in rows_by_group(samples.foot):
-            of_foot = samples.pick(rows)
-            if self._settings.time_source is None:
-                self._stamps[foot].watch(of_foot.stamp)
-            self._feet[foot].add(of_foot)
 
-    def add_odometry(self, odometry: Odometry) -> None:
-        """Take in odometry in the order of the log.
-
-        Raises:
-            UnusableStamps: as `add_contacts`.
-        """
-        if self._settings.time_source is None:
-            self._base_stamps.watch(odometry.stamp)
-        self._base.add(odometry)
-
-    def add_message_times(
-        self, topic: str, log_time: Ints, stamp: Ints | None, frame_ids: Sequence[str] = ()
-    ) -> None:
-        """Take in the times of a topic's messages, in the order of the log, for its quality.
-
-        Args:
-            topic: any topic of the log.
-            log_time: (n,) ns.
-            stamp: (n,) ns, header stamps; None for messages without a header.
-            frame_ids: header frame ids seen among them.
-        """
-        watch = self._topics.setdefault(topic, TopicWatch(topic))
-        watch.add(log_time, stamp, tuple(frame_ids))
-
-    def finish(self) -> Stats:
-        """End the log and work out all figures."""
-        settings = self._settings
-        records = [recorder.finish() for recorder in self._feet]
-        base = self._base.finish()
-        fallen = fallen_spans(base, records)
-        loads = load_figures(records, settings.body_weight_n)
-        dead = dead_feet(records, loads)
-        feet = tuple(
-            foot_figures(
-                foot.name,
-                foot.topic,
-                foot.place,
-                record,
-                base,
-                fallen=fallen,
-                foot_rolling_m=settings.foot_rolling_m,
-                is_dead=is_dead,
-            )
-            for foot, record, is_dead in zip(settings.feet, records, dead, strict=True)
+def _saturated(settings: StatsSettings, records: Sequence[FootHistory]) -> tuple[bool, ...]:
+    """Tell which feet's sensors are cut off at a limit, in an axis or in the magnitude."""
+    levels = [settings.sensor(foot).level for foot in range(len(records))]
+    return tuple(
+        level.limit_n is not None
+        or is_saturated(
+            record, [each for each in records if each is not record], level.resolution_n
         )
-        reference = next((row for row, foot in enumerate(feet) if len(foot.strides.stance)), 0)
-        corners = quadruped([foot.place for foot in settings.feet])
-        # Where one foot's state is not known, it is not known which feet are down.
-        supported = None if any(dead) else support(records)
-        segments = _segments(feet, reference, corners, supported, fallen)
-        origin, end = _extent(records, base)
-        return Stats(
-            settings=settings,
-            origin=origin,
-            end=end,
-            feet=feet,
-            reference=reference,
-            corners=corners,
-            base_record=base,
-            base=base_motion(base, settings.forward_axis),
-            segments=segments,
-            main=main_segment(segments),
-            support=supported,
-            loads=replace(loads, share_of=None, shares=None) if any(dead) else loads,
-            stability=None if any(dead) else self._stability(records, base, loads),
-            fallen=fallen,
-            topics=self._topic_qualities(records),
-            overlap_s=timespans.total(overlap(records, base)) / 1e9,
-            contact_without_pose_s=tuple(
-                contact_time_without_pose_s(record, base) for record in records
-            ),
-        )
-
-    def _topic_qualities(self, records: Sequence[FootRecord]) -> tuple[TopicQuality, ...]:
-        """Return the timing of all topics; a swing is no gap of a sensor that is silent in swing.
-
-        Such a topic has a gap where none of its feet is known to swing or to stand.
-        """
-        found = {name: watch.finish(self._settings.clock) for name, watch in self._topics.items()}
-        gaps: dict[str, list[Ints]] = {}
-        for foot, record in zip(self._settings.feet, records, strict=True):
-            if foot.silent_in_swing and record.start is not None:
-                gaps.setdefault(foot.topic, []).append(record.gaps)
-        for topic, spans in gaps.items():
-            if topic in found:
-                found[topic] = with_gaps(found[topic], timespans.intersect(spans))
-        return tuple(quality for _, quality in sorted(found.items()))
-
-    def _stability(
-        self, records: Sequence[FootRecord], base: BaseRecord, loads: LoadFigures
-    ) -> Stability | None:
-        known = loads.share_of == "vertical_impulse"
-        return stability(records, base, self._settings.forward_axis, vertical_known=known)
+        for level, record in zip(levels, records, strict=True)
+    )
 
 
-def _segments(
-    feet: Sequence[FootFigures],
-    reference: int,
-    corners: tuple[int, int, int, int] | None,
-    supported: Support | None,
-    fallen: Ints,
-) -> tuple[Segment, ...]:
-    if not feet:
-        return ()
-    period = feet[reference].stride_period_s
-    all_down = supported.all_down if supported else timespans.no_spans()
+def _segment_figures(walk: _Walk, spans: Ints, strides: Strides) -> SegmentFigures:
+    """Measure a segment."""
+    return SegmentFigures(
+        base=base_motion(walk.track, walk.settings.forward_axis, spans),
+        feet=walk.feet(spans),
+        support=walk.support(spans),
+        loads=walk.loads(strides.within(spans).spans, spans),
+        stability=walk.stability(spans),
+    )
+
+
+def _transition_strides(
+    segments: Sequence[Segment], feet: Sequence[FootStatistics], reference: int
+) -> int:
+    return transition_strides(segments, feet[reference].strides) if feet else 0
+
+
+def _any_strides(records: Sequence[FootHistory], fallen: Ints, standing: Ints) -> Ints:
+    """(s, 2) ns, the strides of the first foot that has any.
+
+    Args:
+        records: of all feet.
+        fallen: (f, 2) ns, spans in which the robot lies.
+        standing: (s, 2) ns, spans without steps, as far as they are known.
+    """
+    for record in records:
+        stances = cut_by_fall(record.stances, fallen)
+        stances = cut_by_standing(stances, steps_apart(standing, stances))
+        strides, _ = strides_of(stances, record.gaps, fallen)
+        if len(strides.stance):
+            return strides.spans
+    return timespans.no_spans()
+
+
+def _reference_strides(feet: Sequence[FootStatistics]) -> Strides:
+    """Return the whole strides of the first foot that has any."""
+    return next((foot.strides for foot in feet if len(foot.strides.stance)), no_strides())
+
+
+def _too_far_apart(clocks: Sequence[ClockDifference], period_s: float | None) -> frozenset[str]:
+    """Return the topics whose clocks differ by more than a few per cent of a stride."""
+    least = max(CLOCK_SHARE_OF_STRIDE * (period_s or 0.0), LONGEST_DELAY_S)
+    return frozenset(each.topic for each in clocks if each.is_apart and each.most_s > least)
+
+
+def _on_clock(foot: FootStatistics, odometry_topic: str, apart: frozenset[str]) -> FootStatistics:
+    """Leave out the lengths of a foot's strides where its clock is not the odometry's."""
+    if not apart & {foot.topic, odometry_topic}:
+        return foot
+    return replace(foot, length_m=np.full_like(foot.length_m, np.nan), stride_length_m=None)
+
+
+def _standing(
+    records: Sequence[FootHistory], supported: Support | None, base: BaseHistory, fallen: Ints
+) -> Standing:
+    # Sensors that never report a contact say nothing of where the feet are.
+    if supported is None or not any(len(each.in_contact) for each in records):
+        return Standing(timespans.no_spans(), timespans.no_spans(), timespans.no_spans())
     # A robot that lies with its feet on the ground does not stand.
-    upright = timespans.subtract(all_down, fallen)
-    standing = stands(upright, period.median if period else None)
-    return find_segments([foot.events for foot in feet], reference, corners, standing)
+    all_down = timespans.subtract(supported.all_down, fallen)
+    in_flight = timespans.subtract(supported.in_flight, fallen)
+    period = typical_period_s([each.stances for each in records])
+    return find_standing(all_down, in_flight, period, base)
 
 
-def _extent(feet: Sequence[FootRecord], base: BaseRecord) -> tuple[int, int]:
+def _gait_input(
+    feet: Sequence[FootStatistics], standing: Standing, supported: Support | None
+) -> GaitInput:
+    """Choose the feet that phases are measured against."""
+    places = [foot.place for foot in feet]
+    order = legs_in_order(places)
+    walking = [row for row in order or range(len(feet)) if len(feet[row].strides.stance)]
+    hind = places.index(("back", "left")) if ("back", "left") in places else None
+    return GaitInput(
+        feet=tuple(foot.events for foot in feet),
+        reference=walking[0] if walking else 0,
+        hind_reference=hind if hind in walking else None,
+        order=order,
+        standing=standing,
+        support=supported,
+    )
+
+
+def _extent(feet: Sequence[FootHistory], base: BaseHistory) -> tuple[int, int]:
     """First and last time of any used message, ns; zeros in an empty log."""
     starts = [foot.start for foot in feet if foot.start is not None]
     ends = [foot.end for foot in feet if foot.end is not None]

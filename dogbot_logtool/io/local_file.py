@@ -8,7 +8,7 @@ import contextlib
 import os
 import secrets
 import stat
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import BinaryIO, Final
 
@@ -30,7 +30,7 @@ def status_of(target: Path) -> os.stat_result | None:
 
     Raises:
         CallError: there is something that is no regular file, or a link to nothing.
-        OSError: it cannot be told.
+        OSError: this cannot be found out.
     """
     try:
         status = target.stat()
@@ -52,7 +52,9 @@ def exists_already(target: Path) -> CallError:
 
 
 @contextlib.contextmanager
-def local_file(target: Path, *, overwrite: bool, makes_folder: bool) -> Iterator[BinaryIO]:
+def local_file(
+    target: Path, *, overwrite: bool, makes_folder: bool, is_wanted: Callable[[], bool]
+) -> Iterator[BinaryIO]:
     """Open a file that gets its name when the block ends without an error; else nothing stays.
 
     A file that is replaced hands on its permissions and, where that is allowed, its owner. A link
@@ -62,6 +64,7 @@ def local_file(target: Path, *, overwrite: bool, makes_folder: bool) -> Iterator
         target: the name.
         overwrite: replace what has that name.
         makes_folder: make its directory if it is missing.
+        is_wanted: called when the block has ended; where it returns false, nothing stays.
 
     Raises:
         LogtoolError: the file cannot be written, a full disk for instance.
@@ -74,6 +77,8 @@ def local_file(target: Path, *, overwrite: bool, makes_folder: bool) -> Iterator
             if replaced is not None:
                 part.resemble(replaced)
             yield part.file
+            if not is_wanted():
+                return
             part.file.flush()
             os.fsync(part.file.fileno())
             if makes_folder:

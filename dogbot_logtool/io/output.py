@@ -5,9 +5,9 @@ there when the store has all of it.
 """
 
 import contextlib
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING, BinaryIO
+from typing import TYPE_CHECKING, Any, BinaryIO
 
 from dogbot_logtool.errors import CallError, StoreError
 from dogbot_logtool.io import storage
@@ -71,7 +71,11 @@ def _refuse_object(target: "UPath", source: Location | None, *, overwrite: bool)
 
 @contextlib.contextmanager
 def whole_file(
-    target: Location, *, overwrite: bool, makes_folder: bool = False
+    target: Location,
+    *,
+    overwrite: bool,
+    makes_folder: bool = False,
+    is_wanted: Callable[[], bool] = lambda: True,
 ) -> Iterator[BinaryIO]:
     """Open a file that becomes the target when the block ends without an error.
 
@@ -81,37 +85,47 @@ def whole_file(
         target: where the output is to be.
         overwrite: replace a file that is there.
         makes_folder: make its directory if it is missing.
+        is_wanted: called when the block has ended; where it returns false, nothing is kept.
 
     Raises:
         LogtoolError: the file cannot be written, a full disk for instance.
         CallError: the target has come to exist in the meantime and may not be overwritten.
     """
     opened = (
-        local_file(target, overwrite=overwrite, makes_folder=makes_folder)
+        local_file(target, overwrite=overwrite, makes_folder=makes_folder, is_wanted=is_wanted)
         if isinstance(target, Path)
-        else _uploaded_object(target, overwrite=overwrite)
+        else _uploaded_object(target, overwrite=overwrite, is_wanted=is_wanted)
     )
     with opened as file:
         yield file
 
 
 @contextlib.contextmanager
-def _uploaded_object(target: "UPath", *, overwrite: bool) -> Iterator[BinaryIO]:
+def _uploaded_object(
+    target: "UPath", *, overwrite: bool, is_wanted: Callable[[], bool]
+) -> Iterator[BinaryIO]:
     target.fs.invalidate_cache()
     try:
         file = target.fs.open(target.path, "wb", autocommit=False)
         try:
             yield file
-            file.close()
-            _refuse_object(target, None, overwrite=overwrite)
-            file.commit()
+            if is_wanted():
+                file.close()
+                _refuse_object(target, None, overwrite=overwrite)
+                file.commit()
+            else:
+                _discard(file)
         except BaseException:
-            # Whatever closes it later must not complete the upload.
-            with contextlib.suppress(AttributeError):
-                file.closed = True
-            file.discard()
+            _discard(file)
             raise
     except (OSError, NotImplementedError) as error:
         is_refused = isinstance(error, NotImplementedError)
         what = "this kind of store is read only" if is_refused else str(error) or "no reason given"
         raise StoreError(f"{storage.shown(target)}: cannot be written: {what}") from error
+
+
+def _discard(file: Any) -> None:  # noqa: ANN401 - a file of fsspec, or of one of its stores
+    # A later close must not complete the upload.
+    with contextlib.suppress(AttributeError):
+        file.closed = True
+    file.discard()

@@ -1,4 +1,4 @@
-"""Where logs lie and results go: on a disk, or in any filesystem of fsspec (s3://, gs://, http://).
+"""Paths of logs and results: on a disk, or in any filesystem of fsspec (s3://, gs://, http://).
 
 fsspec comes with the extra `fleet` and is imported only when a URL is met.
 """
@@ -41,7 +41,7 @@ _URL: Final = re.compile(r"[A-Za-z][A-Za-z0-9+.-]*://")
 _CREDENTIALS: Final = re.compile(r"(?<=://)[^/?#]*@")
 _SECRET_END: Final = re.compile(r"[?#]")
 _CREDENTIALS_WITHIN: Final = re.compile(r"(\b[A-Za-z][A-Za-z0-9+.-]*:/{1,2})[^\s/?#]*@")
-"""What becomes of a URL that is taken for a path has one slash."""
+"""A URL that was treated as a path has one slash."""
 _QUERY_WITHIN: Final = re.compile(
     r"(\b[A-Za-z][A-Za-z0-9+.-]*:/{1,2}[^\s?#]*)[?#]\S*?(?=[\]:;,.)'\"]*(?:\s|$))"
 )
@@ -62,7 +62,7 @@ _HOPELESS: Final = (FileNotFoundError, PermissionError, IsADirectoryError, FileE
 
 
 def location(word: str) -> Location:
-    """Return the place that a word of the command line names.
+    """Return the path that a word of the command line names.
 
     Raises:
         ExtraMissingError: it is a URL, and what reads URLs is not installed.
@@ -79,8 +79,8 @@ def location(word: str) -> Location:
     except ImportError as error:
         raise ExtraMissingError(word, "fleet") from error
     try:
-        place = UPath(word)
-        place.fs  # noqa: B018 - finds out whether its filesystem is installed
+        path = UPath(word)
+        path.fs  # noqa: B018 - finds out whether its filesystem is installed
     except ImportError as error:
         raise CallError(f"{shown(word)}: {error}") from error
     except ValueError as error:
@@ -88,7 +88,7 @@ def location(word: str) -> Location:
     except (AttributeError, OSError) as error:
         # upath cannot tell its parts, or it is a file within another one that cannot be had.
         raise StoreError(f"{shown(word)}: cannot be opened: {error}") from error
-    return place
+    return path
 
 
 def _refuse_bad_url(word: str) -> None:
@@ -107,29 +107,29 @@ def _refuse_bad_url(word: str) -> None:
         raise CallError(f"{parts.scheme}://: names no host, bucket or file")
 
 
-def from_root(place: Location) -> Location:
-    """Return a place by a name that does not depend on where a process stands."""
-    return place.absolute() if isinstance(place, Path) else place
+def from_root(path: Location) -> Location:
+    """Return an absolute path, the same for all processes."""
+    return path.absolute() if isinstance(path, Path) else path
 
 
-def identity(place: Location) -> str:
+def identity(path: Location) -> str:
     """Return what is equal for all names of one log, and for no other.
 
     It is the real path, whatever the spelling and the links, or the whole URL but for user and
     password. A query may hold other secrets: print `shown`, never this.
     """
-    if not isinstance(place, Path):
-        return _CREDENTIALS.sub("", str(place), 1)
+    if not isinstance(path, Path):
+        return _CREDENTIALS.sub("", str(path), 1)
     try:
-        return os.path.realpath(place)
+        return os.path.realpath(path)
     except (OSError, ValueError):
         # A name that no disk takes; opening it will say so.
-        return str(place)
+        return str(path)
 
 
-def shown(place: Location | str) -> str:
-    """Return a place as it may be printed: a URL without passwords and signatures."""
-    text = str(place)
+def shown(path: Location | str) -> str:
+    """Return a path as it may be printed: a URL without passwords and signatures."""
+    text = str(path)
     if not _URL.match(text):
         return valid_unicode(text)
     return _SECRET_END.split(_CREDENTIALS.sub("", text, 1), 1)[0]
@@ -145,19 +145,19 @@ def valid_unicode(text: str) -> str:
     return text.encode("utf-8", "surrogateescape").decode("utf-8", "backslashreplace")
 
 
-def file_name(place: Location) -> str:
-    """Return the last part of a place; a URL's query is no part of it."""
-    return place.name if isinstance(place, Path) else place.name.partition("?")[0]
+def file_name(path: Location) -> str:
+    """Return the last part of a path; a URL's query is no part of it."""
+    return path.name if isinstance(path, Path) else path.name.partition("?")[0]
 
 
-def file_stem(place: Location) -> str:
+def file_stem(path: Location) -> str:
     """Return `file_name` without its last suffix."""
-    return Path(file_name(place)).stem
+    return Path(file_name(path)).stem
 
 
 @dataclass(frozen=True, slots=True)
 class Facts:
-    """What a store knows of an object."""
+    """Size and version of an object in a store."""
 
     is_folder: bool
     """It is a directory, or the common beginning of objects' names."""
@@ -167,30 +167,30 @@ class Facts:
     """Changes whenever the content does; empty if the store has no such thing."""
 
 
-def facts(place: "UPath") -> Facts:
+def facts(path: "UPath") -> Facts:
     """Ask a store about an object.
 
     Raises:
         CallError: there is none.
         StoreError: the store fails.
     """
-    info = asked(place, lambda: place.fs.info(place.path))
+    info = asked(path, lambda: path.fs.info(path.path))
     tags = ("ETag", "etag", "md5Hash", "mtime", "LastModified", "last_modified", "created")
     tag = next((str(info[name]) for name in tags if info.get(name)), "")
     size = info.get("size")
     return Facts(info.get("type") == "directory", None if size is None else int(size), tag)
 
 
-def is_folder(place: Location) -> bool:
+def is_folder(path: Location) -> bool:
     """Tell whether it is a directory, or the common beginning of objects' names.
 
     Raises:
         CallError: it is a URL, and nothing is there.
         StoreError: the store fails.
     """
-    if isinstance(place, Path):
-        return os.path.isdir(place)  # noqa: PTH112 - false for a name that no disk takes
-    return facts(place).is_folder
+    if isinstance(path, Path):
+        return os.path.isdir(path)  # noqa: PTH112 - false for a name that no disk takes
+    return facts(path).is_folder
 
 
 def files_in(folder: Location) -> list[Location]:
@@ -244,7 +244,7 @@ def _refuse_special(path: Path, mode: int) -> None:
     raise CallError(f"{path}: is {kind}, not a regular file{remedy}")
 
 
-def content(place: Location, most: int) -> bytes | None:
+def content(path: Location, most: int) -> bytes | None:
     """Return all bytes of a file; None if there are more than `most`.
 
     Raises:
@@ -252,16 +252,16 @@ def content(place: Location, most: int) -> bytes | None:
         StoreError: the store fails.
         OSError: the disk fails.
     """
-    if isinstance(place, Path):
-        with open_file(place) as file:
+    if isinstance(path, Path):
+        with open_file(path) as file:
             size = os.fstat(file.fileno()).st_size
             return file.read(size) if size <= most else None
-    if (facts(place).size or 0) > most:
+    if (facts(path).size or 0) > most:
         return None
-    return bytes(asked(place, lambda: place.fs.cat_file(place.path)))
+    return bytes(asked(path, lambda: path.fs.cat_file(path.path)))
 
 
-def version(place: Location) -> tuple[int, str]:
+def version(path: Location) -> tuple[int, str]:
     """Return the size, bytes, of a file or of all in a directory, and what changes with them.
 
     The latter is the time of the last change or the store's own tag; empty if it has none.
@@ -271,19 +271,19 @@ def version(place: Location) -> tuple[int, str]:
         StoreError: the store fails.
         OSError: it cannot be seen on the disk.
     """
-    if isinstance(place, Path):
-        status = place.stat()
-        size, tag, folder = status.st_size, str(status.st_mtime_ns), place.is_dir()
+    if isinstance(path, Path):
+        status = path.stat()
+        size, tag, folder = status.st_size, str(status.st_mtime_ns), path.is_dir()
     else:
-        found = facts(place)
+        found = facts(path)
         size, tag, folder = found.size or 0, found.version, found.is_folder
     if not folder:
         return size, tag
-    parts = [version(file) for file in files_in(place)]
+    parts = [version(file) for file in files_in(path)]
     return sum(part[0] for part in parts), " ".join(part[1] for part in parts)
 
 
-def asked(place: Location, request: Callable[[], Result]) -> Result:
+def asked(path: Location, request: Callable[[], Result]) -> Result:
     """Return what a store answers; a request that fails or stalls is made again, a few times.
 
     Raises:
@@ -302,25 +302,25 @@ def asked(place: Location, request: Callable[[], Result]) -> Result:
         retry=retry_if_exception(_may_pass),
         stop=stop_after_attempt(TRIES),
         wait=wait_exponential(FIRST_WAIT_S, LONGEST_WAIT_S) + wait_random(0.0, FIRST_WAIT_S),
-        before_sleep=lambda state: _say_again(place, state),
+        before_sleep=lambda state: _say_again(path, state),
         reraise=True,
     )
     try:
         return tries(lambda: _answer(request))
     except FileNotFoundError as error:
-        raise CallError(f"{shown(place)}: no such file") from error
+        raise CallError(f"{shown(path)}: no such file") from error
     except PermissionError as error:
-        raise CallError(f"{shown(place)}: access is denied ({_first_line(error)})") from error
+        raise CallError(f"{shown(path)}: access is denied ({_first_line(error)})") from error
     except Exception as error:
         if _is_refused(error):
             raise CallError(
-                f"{shown(place)}: access is denied ({_first_line(error)})"
+                f"{shown(path)}: access is denied ({_first_line(error)})"
                 if getattr(error, "status", 0) in {401, 403, 407}
-                else f"{shown(place)}: the server refuses the request ({_first_line(error)})"
+                else f"{shown(path)}: the server refuses the request ({_first_line(error)})"
             ) from error
         if not _may_pass(error) and not isinstance(error, OSError):
             raise
-        raise StoreError(f"{shown(place)}: the store fails: {_first_line(error)}") from error
+        raise StoreError(f"{shown(path)}: the store fails: {_first_line(error)}") from error
 
 
 def _answer(request: Callable[[], Result]) -> Result:
@@ -349,11 +349,11 @@ def _is_refused(error: BaseException) -> bool:
     return 400 <= status < 500 and status not in _LATER
 
 
-def _say_again(place: Location, state: "RetryCallState") -> None:
+def _say_again(path: Location, state: "RetryCallState") -> None:
     """Say that a request is made again: on stderr, or wherever a worker keeps its log."""
     error = state.outcome.exception() if state.outcome else None
     what = _first_line(error) if isinstance(error, Exception) else "no answer"
-    _LOG.warning("%s: the store fails (%s); it is asked again", shown(place), printable(what))
+    _LOG.warning("%s: the store fails (%s); it is asked again", shown(path), printable(what))
 
 
 def _may_pass(error: BaseException) -> bool:

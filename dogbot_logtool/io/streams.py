@@ -27,7 +27,7 @@ class LastingStream(io.TextIOBase):
         self.error: OSError | None = None
         """Why text was dropped; None if that is only because its reader wanted no more."""
         if isinstance(stream, io.TextIOWrapper):
-            # What the encoding of a terminal does not have is escaped.
+            # Characters that the encoding of a terminal lacks are escaped.
             stream.reconfigure(errors="backslashreplace")
 
     def write(self, text: str, /) -> int:

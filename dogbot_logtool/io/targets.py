@@ -1,4 +1,4 @@
-"""Where the output of each log goes: what -o means."""
+"""Output paths of logs, from the word of -o."""
 
 import os
 from collections.abc import Sequence
@@ -8,6 +8,7 @@ from typing import Final
 
 from dogbot_logtool.errors import CallError
 from dogbot_logtool.io import storage
+from dogbot_logtool.io.output import refuse_bad_target
 from dogbot_logtool.io.storage import Location
 
 _FORMATS: Final = {
@@ -31,14 +32,14 @@ _FORMATS: Final = {
     **dict.fromkeys((".zstd", ".zst", ".lz4", ".gz", ".bz2", ".xz"), "a compressed file"),
     **dict.fromkeys((".zip", ".tar", ".tgz", ".7z"), "an archive"),
 }
-"""What well-known suffixes promise."""
+"""Formats by well-known suffixes."""
 
 
 @dataclass(frozen=True, slots=True)
 class Output:
-    """Where results go."""
+    """The file or directory for results."""
 
-    place: Location
+    path: Location
     is_folder: bool
     """It is a directory, which is made if it is missing; else a file."""
 
@@ -62,19 +63,19 @@ def output_at(word: str | None, ending: str, *, several: bool) -> Output:
     if word is None:
         return Output(Path(), is_folder=True)
     refuse_no_name(word)
-    place = storage.location(word)
-    if ends_in_slash(word) or _is_folder(place):
-        return Output(place, is_folder=True)
+    path = storage.location(word)
+    if ends_in_slash(word) or _is_folder(path):
+        return Output(path, is_folder=True)
     suffix = "." + ending.rpartition(".")[2]
-    refuse_other_format(place, suffix)
-    is_file = place.suffix == suffix or (not several and isinstance(place, Path))
-    return Output(place, is_folder=not is_file)
+    refuse_other_format(path, suffix)
+    is_file = path.suffix == suffix or (not several and isinstance(path, Path))
+    return Output(path, is_folder=not is_file)
 
 
 def may_be_several(words: Sequence[str], logs: Sequence[Location]) -> bool:
     """Tell whether words may name several logs: all but one that names the one log itself.
 
-    What a directory, a glob or a list holds may change, and results should not go elsewhere then.
+    The contents of a directory, a glob or a list may change; results go to the same path still.
     """
     if len(words) > 1 or len(logs) > 1:
         return True
@@ -118,9 +119,9 @@ def ends_in_slash(word: str) -> bool:
     return word.endswith(tuple({"/", os.sep}))
 
 
-def _is_folder(place: Location) -> bool:
+def _is_folder(path: Location) -> bool:
     try:
-        return isinstance(place, Path) and place.is_dir()
+        return isinstance(path, Path) and path.is_dir()
     except OSError:
         # A name that no disk takes; opening it tells.
         return False
@@ -143,13 +144,13 @@ def targets(
     if not output.is_folder:
         if len(logs) > 1:
             raise CallError(
-                f"{storage.shown(output.place)}: is a file's name, and there are {len(logs)} logs; "
-                f"name a directory, such as {output.place.with_suffix('').name}/"
+                f"{storage.shown(output.path)}: is a file's name, and there are {len(logs)} logs; "
+                f"name a directory, such as {output.path.with_suffix('').name}/"
             )
-        return [(logs[0], output.place)]
+        return [(logs[0], output.path)]
     folders = below or [PurePath()] * len(logs)
     pairs = [
-        (log, _below(output.place, folder) / f"{storage.file_stem(log)}{ending}")
+        (log, _below(output.path, folder) / f"{storage.file_stem(log)}{ending}")
         for log, folder in zip(logs, folders, strict=True)
     ]
     taken: set[Location] = set()
@@ -166,3 +167,16 @@ def targets(
 def _below(folder: Location, below: PurePath) -> Location:
     # A store takes a dot for a name.
     return folder / below if below.parts else folder
+
+
+def refuse_bad_report(target: Path, inputs: Sequence[Location], *, overwrite: bool) -> None:
+    """Check where --junit writes before any work is done.
+
+    Raises:
+        CallError: it is one of the inputs, exists and may not be overwritten, or has no folder.
+    """
+    for path in inputs:
+        if isinstance(path, Path) and target.exists() and path.exists() and target.samefile(path):
+            raise CallError(f"{target}: is one of the inputs; --junit must name another file")
+    refuse_other_format(target, ".xml")
+    refuse_bad_target(target, None, overwrite=overwrite)

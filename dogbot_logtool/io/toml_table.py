@@ -1,4 +1,4 @@
-"""TOML tables whose every fault is told by key and line."""
+"""TOML tables whose errors name key and line."""
 
 import re
 import tomllib
@@ -101,11 +101,11 @@ class TomlFile:
 
         Args:
             keys: where it stands: ``("feet", "left", "topic")``.
-            text: what is wrong, a sentence that follows the place.
+            text: what is wrong, a sentence that follows file and line.
         """
         line = self._line_of(keys)
-        place = self._source if line is None else f"{self._source}, line {line}"
-        return CallError(f"{place}: {text}")
+        where = self._source if line is None else f"{self._source}, line {line}"
+        return CallError(f"{where}: {text}")
 
     def _line_of(self, keys: Sequence[str]) -> int | None:
         """Return the first line of what defines a key; None: nothing does.
@@ -247,7 +247,7 @@ class TomlTable:
         raise self._wrong(key, value, f"a pair such as {example}")
 
     def refuse_leftovers(self, hint: str) -> None:
-        """Refuse keys that nobody took.
+        """Refuse keys that were not read.
 
         Raises:
             CallError: there is one; `hint` ends the sentence.

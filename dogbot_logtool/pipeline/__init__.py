@@ -1,1 +1,1 @@
-"""What is decided about a log before it is read through, and how its batches are read."""
+"""Decisions about a log before it is read through, and how its batches are read."""

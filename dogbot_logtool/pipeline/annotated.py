@@ -7,22 +7,19 @@ definitions tell.
 import struct
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
-from typing import TYPE_CHECKING, Final
+from typing import Final
 
 from dogbot_logtool.errors import LogError
 from dogbot_logtool.finding import Finding, note
 from dogbot_logtool.io.storage import Location, shown
 from dogbot_logtool.provenance import PROVENANCE, is_marked
 from dogbot_logtool.reader.containers.log import Channel, Extra, Log
-from dogbot_logtool.reader.containers.opening import open_log
 from dogbot_logtool.reader.containers.recorded_log import EarlierAnnotations, RecordedLog
-
-if TYPE_CHECKING:
-    from dogbot_logtool.pipeline.options import EncodingName
+from dogbot_logtool.reader.opening import open_log
+from dogbot_logtool.writer.encodings.registry import ENCODINGS, OutputEncoding
 
 _NAME: Final = struct.pack("<I", len(PROVENANCE)) + PROVENANCE.encode()
 _LARGEST_RECORD: Final = 1 << 24
-_ENCODINGS: Final[tuple["EncodingName", ...]] = ("foxglove", "ros1", "ros2")
 
 
 def open_recorded(path: Location) -> Log:
@@ -52,15 +49,15 @@ def open_recorded(path: Location) -> Log:
 def without_annotations(log: Log) -> Log:
     """Return a log without what `convert` added; the log itself if that is nothing."""
     made = list(_provenance(log))
-    told = tuple(record for _, record in made)
+    records = tuple(record for _, record in made)
     channels = frozenset(n for n, channel in log.channels.items() if is_marked(channel.metadata))
-    if not channels and told:
-        channels = _unmarked(log.channels, told)
-    if not channels and not told:
+    if not channels and records:
+        channels = _unmarked(log.channels, records)
+    if not channels and not records:
         return log
     messages = sum(log.counts.get(number, 0) for number in channels)
     extras = tuple(extra for extra, _ in made)
-    return RecordedLog(log, EarlierAnnotations(channels, extras, told, messages))
+    return RecordedLog(log, EarlierAnnotations(channels, extras, records, messages))
 
 
 def annotations_left_out(log: Log) -> EarlierAnnotations | None:
@@ -69,7 +66,7 @@ def annotations_left_out(log: Log) -> EarlierAnnotations | None:
 
 
 def annotation_findings(log: Log) -> Iterator[Finding]:
-    """Say what was left out of a log."""
+    """Report what was left out of a log."""
     annotations = annotations_left_out(log)
     if annotations is not None and annotations.channels:
         text = (
@@ -100,7 +97,9 @@ def _provenance(log: Log) -> Iterator[tuple[Extra, Mapping[str, str]]]:
                 yield extra, metadata.metadata
 
 
-def _unmarked(channels: Mapping[int, Channel], told: Sequence[Mapping[str, str]]) -> frozenset[int]:
+def _unmarked(
+    channels: Mapping[int, Channel], records: Sequence[Mapping[str, str]]
+) -> frozenset[int]:
     """Return the channels that were added by versions that did not mark them.
 
     They have our topics and our very definitions, and the highest ids, without a gap: one channel
@@ -108,13 +107,13 @@ def _unmarked(channels: Mapping[int, Channel], told: Sequence[Mapping[str, str]]
 
     Args:
         channels: of the log.
-        told: a record for each time that it was annotated.
+        records: a record for each time that it was annotated.
     """
     alike = sorted(
         {
             channel.id
-            for encoding in _ENCODINGS
-            if any(record.get("encoding") == encoding for record in told)
+            for name, encoding in ENCODINGS.items()
+            if any(record.get("encoding") == name for record in records)
             for channel in _alike(list(channels.values()), encoding)
         },
         reverse=True,
@@ -123,16 +122,15 @@ def _unmarked(channels: Mapping[int, Channel], told: Sequence[Mapping[str, str]]
     times: Counter[str] = Counter()
     for number in alike:
         topic = channels[number].topic
-        if (found and number + 1 not in found) or times[topic] == len(told):
+        if (found and number + 1 not in found) or times[topic] == len(records):
             break
         times[topic] += 1
         found.add(number)
     return frozenset(found)
 
 
-def _alike(channels: Sequence[Channel], encoding_name: "EncodingName") -> Iterator[Channel]:
+def _alike(channels: Sequence[Channel], output_encoding: OutputEncoding) -> Iterator[Channel]:
     """Yield the channels that look like ours in an encoding."""
-    from dogbot_logtool.pipeline.conversion.channels import encoding_named  # noqa: PLC0415
     from dogbot_logtool.writer.annotations import (  # noqa: PLC0415
         FALLBACK_PREFIX,
         SUPPORT_TOPIC,
@@ -142,7 +140,7 @@ def _alike(channels: Sequence[Channel], encoding_name: "EncodingName") -> Iterat
     )
     from dogbot_logtool.writer.encodings.encoding import MessageType  # noqa: PLC0415
 
-    encoding = encoding_named(encoding_name)
+    encoding = output_encoding.load()
 
     def kind_of(channel: Channel) -> MessageType | None:
         schema = channel.schema

@@ -1,27 +1,29 @@
 """A batch of a log as columns of what the robot did and felt: `convert` and `stats` begin here."""
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import islice
 from typing import Final
 
+import numpy as np
+
 from dogbot_logtool.core.base.odometry import Odometry
+from dogbot_logtool.core.contact.contact_rule import FootSensor
 from dogbot_logtool.core.contact.contacts import Samples
+from dogbot_logtool.core.contact.offsets import without_offsets
 from dogbot_logtool.core.frames.transform_buffer import LONGEST_DELAY_S, TransformBuffer
 from dogbot_logtool.core.plausible import plausible_odometry
 from dogbot_logtool.pipeline.selection import Selection
 from dogbot_logtool.pipeline.world_frames import BatchFrames, WorldFrames
 from dogbot_logtool.reader.containers.log import Batch, Chunk, Log, Span
+from dogbot_logtool.reader.messages.bases.registry import joined_poses
+from dogbot_logtool.reader.messages.bases.source import BasePoses
 from dogbot_logtool.reader.messages.contacts.registry import (
-    ContactsRead,
+    DecodedContacts,
     read_contacts,
 )
 from dogbot_logtool.reader.messages.contacts.source import FootChannels
 from dogbot_logtool.reader.messages.messages import DecodedMessages, malformed_in
-from dogbot_logtool.reader.messages.odometry import (
-    decode_odometry,
-    joined_odometry,
-)
 from dogbot_logtool.reader.messages.transforms import decode_transforms
 
 _MOST_CHUNKS_AHEAD: Final = 256
@@ -33,14 +35,14 @@ class BatchColumns:
     """A batch and its columns. It knows nothing of other batches, but for the frames ahead."""
 
     batch: Batch
-    odometry_messages: tuple[DecodedMessages, ...]
+    base: tuple[BasePoses, ...]
     odometry: Odometry
     """The same as columns, also poses that cannot be used."""
-    contacts: tuple[ContactsRead, ...]
+    contacts: tuple[DecodedContacts, ...]
     transforms: tuple[DecodedMessages, ...]
     """The log's own transforms, where they matter."""
     frames: BatchFrames | None
-    """What places feet in the world; None where that is not needed."""
+    """Places feet in the world; None where that is not needed."""
     implausible: int
     """Poses and contact samples with numbers that no robot reaches; those are NaN."""
     stored_size: int
@@ -49,13 +51,22 @@ class BatchColumns:
     @property
     def samples(self) -> tuple[Samples, ...]:
         """Of each sort of contact messages."""
-        return tuple(read.felt.samples for read in self.contacts)
+        return tuple(read.reduced.samples for read in self.contacts)
+
+    @property
+    def end_time(self) -> int | None:
+        """ns, the latest log time; None: it is empty."""
+        log_time = self.batch.messages.log_time
+        return int(log_time.max()) if len(log_time) else None
 
     @property
     def malformed(self) -> Mapping[int, int]:
         """Messages that could not be decoded, by channel id."""
         contacts = [read.messages for read in self.contacts]
-        return malformed_in([*self.odometry_messages, *contacts, *self.transforms])
+        messages = malformed_in([*contacts, *self.transforms])
+        for poses in self.base:
+            messages |= poses.malformed
+        return messages
 
 
 @dataclass(frozen=True, slots=True)
@@ -65,7 +76,9 @@ class BatchReader:
     selection: Selection
     feet: FootChannels
     frames: WorldFrames | None
-    """What turns forces into the world and places sensors; None where that is not needed."""
+    """Turns forces into the world and places sensors; None where that is not needed."""
+    sensors: Sequence[FootSensor]
+    """How each foot's sensor reads; empty: as it is recorded."""
     limits: tuple[int | None, int | None]
     """ns, log times from which and up to which messages are taken; None: no limit."""
     reads_transforms: bool = False
@@ -75,29 +88,52 @@ class BatchReader:
         """Read and decode one batch."""
         selection = self.selection
         batch = log.read(span).cropped(*self.limits)
-        decoded = decode_odometry(batch, selection.odometry)
-        odometry, implausible = plausible_odometry(joined_odometry(decoded))
-        contacts = read_contacts(batch, selection.contacts, self.feet)
+        base = selection.read_base(batch)
+        odometry, implausible = plausible_odometry(joined_poses(base))
+        contacts = [
+            self._without_offsets(self._only_in_world(read))
+            for read in read_contacts(batch, selection.contacts, self.feet)
+        ]
         transforms: Sequence[DecodedMessages] = ()
         if self.reads_transforms or self.frames is not None:
             transforms = decode_transforms(batch, selection.transforms)
         frames = None
         if self.frames is not None:
             own = self.frames.tracks(transforms, odometry)
-            felt = [read.felt.samples for read in contacts if len(read.felt.samples.log_time)]
-            ahead = self._frames_ahead(self.frames, log, span, own, felt)
+            reduced = [
+                read.reduced.samples for read in contacts if len(read.reduced.samples.log_time)
+            ]
+            ahead = self._frames_ahead(self.frames, log, span, own, reduced)
             log_time = batch.messages.log_time
             frames = BatchFrames(own, ahead, int(log_time.max()) if len(log_time) else None)
         return BatchColumns(
             batch=batch,
-            odometry_messages=tuple(decoded),
+            base=tuple(base),
             odometry=odometry,
             contacts=tuple(contacts),
             transforms=tuple(transforms),
             frames=frames,
-            implausible=implausible + sum(read.felt.implausible for read in contacts),
+            implausible=implausible + sum(read.reduced.implausible for read in contacts),
             stored_size=sum(chunk.data_size for chunk in span),
         )
+
+    def _only_in_world(self, read: DecodedContacts) -> DecodedContacts:
+        """Leave out positions in the base's frame where nothing can turn them into the world."""
+        if self.frames is not None or not read.source.in_base:
+            return read
+        samples = read.reduced.samples
+        nowhere = replace(samples, position=np.full_like(samples.position, np.nan))
+        return replace(read, reduced=replace(read.reduced, samples=nowhere))
+
+    def _without_offsets(self, read: DecodedContacts) -> DecodedContacts:
+        """Take the sensors' offsets off, so that what is drawn is what is measured."""
+        samples = without_offsets(
+            read.reduced.samples,
+            self.sensors,
+            lists_contacts=read.source.lists_contacts,
+            only_presses=read.source.is_raw or read.source.one_axis,
+        )
+        return replace(read, reduced=replace(read.reduced, samples=samples))
 
     def _frames_ahead(
         self,
@@ -105,7 +141,7 @@ class BatchReader:
         log: Log,
         span: Span,
         own: TransformBuffer,
-        felt: Sequence[Samples],
+        reduced: Sequence[Samples],
     ) -> TransformBuffer:
         """Look ahead of a batch, as far as its samples may need it, for what places the feet.
 
@@ -114,19 +150,18 @@ class BatchReader:
             log: the log.
             span: the batch's chunks.
             own: what it tells of the frames itself.
-            felt: what feet felt in it, none of it empty.
+            reduced: what feet felt in it, none of it empty.
         """
         ahead = TransformBuffer()
-        if not felt:
+        if not reduced:
             return ahead
-        latest = max(int(frames.clock.of(each).max()) for each in felt)
-        until = max(int(each.log_time.max()) for each in felt) + round(LONGEST_DELAY_S * 1e9)
+        latest = max(int(frames.clock.of(each).max()) for each in reduced)
+        until = max(int(each.log_time.max()) for each in reduced) + round(LONGEST_DELAY_S * 1e9)
         for chunk in self._chunks_ahead(log, span, until):
             if frames.tell_until(own.then(ahead), latest):
                 break
             later = log.read((chunk,)).cropped(*self.limits)
-            decoded = decode_odometry(later, self.selection.odometry)
-            poses, _ = plausible_odometry(joined_odometry(decoded))
+            poses, _ = plausible_odometry(joined_poses(self.selection.read_base(later)))
             transforms = decode_transforms(later, self.selection.transforms)
             ahead = ahead.then(frames.tracks(transforms, poses))
         return ahead

@@ -1,4 +1,4 @@
-"""What is wrong with the frames of a log, in sentences."""
+"""Findings about the frames of a log."""
 
 from collections.abc import Iterable, Sequence
 from typing import Final
@@ -72,9 +72,9 @@ def _rotation_findings(edges: Sequence[FrameEdge]) -> Iterable[Finding]:
             [edge.not_normalised for edge in edges],
         ),
     ):
-        harmed = [edge for edge, count in zip(edges, counts, strict=True) if count]
-        if harmed:
-            text = f"{sum(counts):,} transforms {what}, and tf2 ignores them: {_edges(harmed)}"
+        affected = [edge for edge, count in zip(edges, counts, strict=True) if count]
+        if affected:
+            text = f"{sum(counts):,} transforms {what}, and tf2 ignores them: {_edges(affected)}"
             yield warning(code, text)
 
 

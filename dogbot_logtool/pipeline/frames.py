@@ -11,6 +11,7 @@ from dogbot_logtool.core.frames.recorded_transforms import (
     concatenate_transforms,
 )
 from dogbot_logtool.reader.containers.log import Channel, Log, Loss, Span
+from dogbot_logtool.reader.decode.objects import OBJECT_ENCODINGS
 from dogbot_logtool.reader.messages.foxglove_transforms import (
     FOXGLOVE_TYPES,
     foxglove_transforms,
@@ -21,13 +22,13 @@ from dogbot_logtool.reader.messages.transforms import (
     is_static,
     transform_columns,
 )
-from dogbot_logtool.reader.salvage.losses import undecodable
-from dogbot_logtool.run.relay import Progress, in_order
+from dogbot_logtool.reader.salvage.losses import malformed_messages
+from dogbot_logtool.run.in_order import OnProgress, in_order
 
 
 @dataclass(frozen=True, slots=True)
 class Frames:
-    """What all transforms of a log say, and who sent them."""
+    """All transforms of a log, and their senders."""
 
     recorded: RecordedFrames
     channels: Mapping[int, Channel]
@@ -74,7 +75,7 @@ class _ReadBatch:
 
 
 def read_frames(
-    log: Log, ros_channels: Sequence[Channel], jobs: int, progress: Progress | None = None
+    log: Log, ros_channels: Sequence[Channel], jobs: int, progress: OnProgress | None = None
 ) -> Frames:
     """Read every transform of a log.
 
@@ -82,10 +83,10 @@ def read_frames(
         log: the log.
         ros_channels: the channels of tf2 and tf messages that can be read.
         jobs: how many batches are read at once.
-        progress: is told bytes done and bytes in all.
+        progress: called with bytes done and bytes in all.
     """
     foxglove = [c for c in log.channels.values() if c.type_name in FOXGLOVE_TYPES]
-    readable = [channel for channel in foxglove if channel.message_encoding == "protobuf"]
+    readable = [channel for channel in foxglove if channel.message_encoding in OBJECT_ENCODINGS]
     channels = {channel.id: channel for channel in (*ros_channels, *readable)}
     spans = _useful_spans(log, channels)
     total, done = sum(chunk.data_size for span in spans for chunk in span), 0
@@ -103,7 +104,7 @@ def read_frames(
         done += batch.stored_size
         if progress is not None:
             progress(done, total)
-    losses.extend(undecodable(channels, malformed))
+    losses.extend(malformed_messages(channels, malformed))
     unread = tuple(channel for channel in foxglove if channel.id not in channels)
     return Frames(recorder.finish(), channels, unread, tuple(losses))
 

@@ -12,6 +12,7 @@ from dogbot_logtool.pipeline.batches import BatchReader
 from dogbot_logtool.pipeline.world_frames import BatchFrames
 from dogbot_logtool.reader.containers.log import Batch, Log, Loss, Span
 from dogbot_logtool.reader.decode.columns import Texts
+from dogbot_logtool.reader.messages.bases.source import BasePoses
 from dogbot_logtool.reader.messages.messages import DecodedMessages
 
 
@@ -27,12 +28,12 @@ class MessageTimes:
 
 @dataclass(frozen=True, slots=True)
 class MeasuredBatch:
-    """What a batch holds of use."""
+    """The columns of a batch that figures need."""
 
     samples: Sequence[Samples]
     odometry: Odometry
     frames: BatchFrames | None
-    """What it tells of the links; None where no force must be turned into the world."""
+    """Poses of the links; None if no force must be turned into the world."""
     times: Sequence[MessageTimes]
     malformed: Mapping[int, int]
     implausible: int
@@ -54,7 +55,11 @@ class BatchMeasurer:
         columns = self.reader.read(log, span)
         with_header = [read.messages for read in columns.contacts if read.source.has_header]
         stamped: dict[str, MessageTimes] = {}
-        for messages in (*columns.odometry_messages, *with_header):
+        source = self.reader.selection.base
+        if source is not None and source.source.has_header and source.source.has_one_pose:
+            for poses in columns.base:
+                stamped.update(_pose_times(log, poses))
+        for messages in with_header:
             stamped.update(_stamped_times(log, messages))
         return MeasuredBatch(
             samples=columns.samples,
@@ -89,8 +94,17 @@ def _stamped_times(log: Log, messages: DecodedMessages) -> dict[str, MessageTime
     return topics
 
 
+def _pose_times(log: Log, base: BasePoses) -> dict[str, MessageTimes]:
+    """Return log times, stamps and frames of the base's poses, which are of one topic."""
+    poses = base.poses
+    return {
+        topic: MessageTimes(topic, poses.log_time[rows], poses.stamp[rows], base.worlds)
+        for topic, rows in _by_topic(log, base.channel)
+    }
+
+
 def _by_topic(log: Log, channel: Ints) -> Iterator[tuple[str, Ints]]:
-    """Yield each topic, whoever sends on it, with the rows of its messages in their order."""
+    """Yield each topic, of all its senders, with the rows of its messages in their order."""
     topics = sorted({each.topic for each in log.channels.values()})
     number = {topic: row for row, topic in enumerate(topics)}
     ids = sorted(log.channels)

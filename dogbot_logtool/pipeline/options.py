@@ -1,44 +1,58 @@
-"""What users ask of the commands, as the command line and the library pass it on."""
+"""Options of the commands, for the command line and the library."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
+from dogbot_logtool.core.scene.styles import DEFAULT_STYLE
+from dogbot_logtool.writer.encodings.registry import DEFAULT_ENCODING
+
 # `stats` does without the writer, `convert` without curves.
 if TYPE_CHECKING:
     from dogbot_logtool.core.contact.curves import CurveDetail
+    from dogbot_logtool.robot import Foot
     from dogbot_logtool.writer.chunks import Compression
 
-Style = Literal["classic", "pressure", "force"]
-EncodingName = Literal["foxglove", "ros1", "ros2"]
 TfOption = Literal["auto", "always", "never"]
 WrenchFrameOption = Literal["auto", "world", "link"]
-"""What a user says of the wrenches; auto: by evidence."""
+"""The frame of the wrenches as a user gives it; auto: by evidence."""
 TimeSourceOption = Literal["header", "log"]
 
 
 @dataclass(frozen=True, slots=True)
 class TopicOptions:
-    """What a user says about the robot and the topics."""
+    """Options about the robot and the topics."""
 
     robot: str | None = None
     """Name or TOML file; None: the known robot whose topics the log has, else the generic one."""
     odometry_topic: str | None = None
     foot_topics: Mapping[str, str] | None = None
-    """Topic by foot."""
+    """Topic by foot, and the field where one is named: ``/feet:data[3]``."""
     mass_kg: float | None = None
+    offsets_n: Mapping[str, tuple[float, float, float]] | None = None
+    """N, what unloaded sensors read, by foot; None: the robot's, else estimated from the log."""
+    takes_offsets: bool = True
+    """Whether offsets are estimated and taken off the forces of feet without a given one."""
+    feet: "tuple[Foot, ...]" = ()
+    """Feet that were found in the log; none: the robot's."""
 
 
 @dataclass(frozen=True, slots=True)
 class ConvertOptions:
-    """What a user asks of `convert`."""
+    """Options of `convert`."""
 
     topics: TopicOptions = field(default_factory=TopicOptions)
-    style: Style = "pressure"
-    encoding: EncodingName = "foxglove"
+    style: str = DEFAULT_STYLE
+    """One of `ARROW_STYLES`."""
+    encoding: str = DEFAULT_ENCODING
+    """One of `ENCODINGS`."""
     copy: bool = True
     """Whether the recorded messages go into the output too."""
+    copied_topics: tuple[str, ...] = ()
+    """Globs of the topics that are copied; none: all."""
+    topics_left_out: tuple[str, ...] = ()
+    """Globs of the topics that are not copied."""
     wrench_frame: WrenchFrameOption = "auto"
     tf: TfOption = "auto"
     tf_rate_hz: float = 50.0
@@ -47,7 +61,13 @@ class ConvertOptions:
     """s since the log's start; messages recorded earlier are left out."""
     end_s: float | None = None
     scene: bool | None = None
-    """Whether `/support` is written; None: where it can be, but not in `classic`."""
+    """Whether `/support` is written; None: where the style draws it."""
+    urdf: Path | None = None
+    """The robot description to write; None: the log's own, else one of primitives."""
+    labels: bool = True
+    """Whether each foot's load is written beside it."""
+    events: bool = False
+    """Whether the log is measured first, for `/events` and `/gait`."""
     compression: "Compression | None" = None
     """None: zstd, and the chunks of an MCAP input as they are."""
     jobs: int = 1
@@ -60,7 +80,7 @@ class ConvertOptions:
 
 @dataclass(frozen=True, slots=True)
 class StatsOptions:
-    """What a user asks of `stats`. What is None is the robot's."""
+    """Options of `stats`. None stands for the robot's value."""
 
     topics: TopicOptions = field(default_factory=TopicOptions)
     wrench_frame: WrenchFrameOption = "auto"
@@ -80,7 +100,7 @@ class StatsOptions:
 
 @dataclass(frozen=True, slots=True)
 class CompareOptions:
-    """What a user allows to differ, and how much is told."""
+    """Options of `compare`: allowed differences, and how many are printed."""
 
     atol: float | None = None
     """In each field's own unit; None: what the tolerance file says, else 0. Also `rtol`."""
@@ -96,7 +116,7 @@ class CompareOptions:
 
 @dataclass(frozen=True, slots=True)
 class PlotOptions:
-    """What a user asks of a figure."""
+    """Options of `stats --plot`."""
 
     target: Path
     size_mm: tuple[float, float | None] | None = None

@@ -1,57 +1,78 @@
 """What `convert` will do with a log, decided before the first message is written."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
-from typing import Final
+from typing import Final, TypeVar
 
-from dogbot_logtool.core.contact.foot_tracker import Hearing
-from dogbot_logtool.core.contact.footfall import contact_rule
-from dogbot_logtool.core.contact.silent_swing import MISSED_INTERVALS
+from dogbot_logtool.core.contact.contact_rule import FootSensor
+from dogbot_logtool.core.contact.foot_tracker import ContactSensor
+from dogbot_logtool.core.contact.silent_swing import LONGEST_SWING_S, SilentFeet
+from dogbot_logtool.core.findings.sensors import sensor_findings
 from dogbot_logtool.core.frames.wrench_frame import WrenchFrame
 from dogbot_logtool.core.geometry.clock import TimeSource
 from dogbot_logtool.core.load.loads import body_weight_n
-from dogbot_logtool.core.scene.arrows import CLASSIC_DIAMETER_M, LIFETIME_S
-from dogbot_logtool.errors import LogError
+from dogbot_logtool.core.load.silences import MessageRate, message_rate
+from dogbot_logtool.core.scene.styles import ARROW_STYLES, LIFETIME_S, ArrowStyle
+from dogbot_logtool.errors import CallError, LogError
 from dogbot_logtool.finding import Finding, by_severity, note, warning
 from dogbot_logtool.pipeline.batches import BatchReader
-from dogbot_logtool.pipeline.options import ConvertOptions, Style
-from dogbot_logtool.pipeline.probe import Evidence, evidence_findings, frame_names
+from dogbot_logtool.pipeline.copied_topics import channels_left_out, copy_findings
+from dogbot_logtool.pipeline.options import ConvertOptions
+from dogbot_logtool.pipeline.probe import Probe, evidence_findings, frame_names
+from dogbot_logtool.pipeline.robot_model.description import robot_description
 from dogbot_logtool.pipeline.selection import Selection, nothing_to_do
+from dogbot_logtool.pipeline.sensors import LearntSensors, learn_sensors
 from dogbot_logtool.pipeline.time_span import TimeLimits, time_limits
 from dogbot_logtool.pipeline.world_frames import WorldFrames, follow_frames
-from dogbot_logtool.reader.containers.log import Log
-from dogbot_logtool.writer.encodings.encoding import ArrowStyle, SupportStyle
+from dogbot_logtool.reader.containers.log import Channel, Log
+from dogbot_logtool.writer.encodings.encoding import ArrowLook, SupportLook
+from dogbot_logtool.writer.encodings.registry import ENCODINGS, OutputEncoding
 
+Entry = TypeVar("Entry")
 _MOST_FEET: Final = 16
-"""Feet of which support is drawn: the work grows with the cube of their number."""
+"""Feet for which support is drawn: the work grows with the cube of their number."""
 
 
 @dataclass(frozen=True, slots=True)
 class Plan:
-    """Decisions."""
+    """What `convert` does with one log."""
 
     selection: Selection
     options: ConvertOptions
+    style: ArrowStyle
+    encoding: OutputEncoding
     world_frame: str
     base_frame: str
     write_tf: bool
     force_in_world: bool
     """Whether wrenches are recorded in the world frame."""
     frames: WorldFrames | None
-    """How links' frames hang in the world; None: not needed, or not connected."""
+    """How the links' frames are connected to the world; None: not needed, or not connected."""
     body_weight_n: float | None
-    arrow_style: ArrowStyle
-    support_style: SupportStyle
-    hearings: tuple[Hearing, ...]
-    """How to understand each foot where support is drawn; empty where it is not."""
-    swing_intervals: Mapping[int, int]
-    """ns between messages in contact, by foot, of the feet that are silent in swing."""
+    arrow_look: ArrowLook
+    support_look: SupportLook
+    force_sensors: tuple[FootSensor, ...]
+    """How each foot's sensor reads with and without load."""
+    sensors: tuple[ContactSensor, ...]
+    """The contact sensor of each foot."""
+    rates: tuple[MessageRate, ...]
+    """How the messages of each foot follow one another."""
+    draws_support: bool
+    """Whether `/support` is written."""
+    urdf: str | None
+    """The robot description that is written; None: none."""
+    opening_time: int | None
+    """ns, log time of the output's first message; None: the log is empty."""
+    silent: SilentFeet
+    """The feet that are silent in swing."""
     swings_from: int | None
-    """ns, log time from which a foot that was not heard yet may be said to swing; None: none."""
+    """ns, log time from which a foot without messages counts as swinging; None: at no time."""
     start_time: int | None
-    """ns, log time from which on messages are taken; None: all; also `end_time`."""
+    """ns, log time of the first message to take; None: the log's first; also `end_time`."""
     end_time: int | None
     findings: tuple[Finding, ...]
+    left_out: frozenset[int] = frozenset()
+    """Ids of the channels that are not copied."""
 
     @property
     def limits(self) -> TimeLimits:
@@ -60,137 +81,177 @@ class Plan:
 
     @property
     def reader(self) -> BatchReader:
-        """What reads the log's batches."""
-        # Only arrows along the force may have to stand along a normal instead.
-        feet = replace(self.selection.foot_channels(), normals=self.options.style == "force")
+        """The reader of the log's batches."""
+        # Normals are the fallback for arrows along forces of unknown direction.
+        feet = replace(self.selection.foot_channels(), normals=self.style.needs_directions)
         return BatchReader(
             self.selection,
             feet,
             self.frames,
+            self.force_sensors,
             self.limits,
             reads_transforms=self.base_may_have_parent,
         )
 
     @property
+    def draws_labels(self) -> bool:
+        """Whether each foot's load is written beside it; not where arrows are those of old."""
+        return self.options.labels and not self.style.needs_contact_states
+
+    @property
     def base_may_have_parent(self) -> bool:
-        """Whether transforms that are copied may yet turn out to place the base, against ours."""
-        return self.write_tf and self.options.copy and self.options.tf != "always"
+        """Whether copied transforms may give the base another parent than ours does."""
+        copies = _copies(self.selection.transforms, self.options, self.left_out)
+        return self.write_tf and copies and self.options.tf != "always"
 
 
-def make_plan(log: Log, selection: Selection, evidence: Evidence, options: ConvertOptions) -> Plan:
+def make_plan(log: Log, selection: Selection, probe: Probe, options: ConvertOptions) -> Plan:
     """Decide what to do.
 
     Raises:
         LogError: the log has neither odometry nor contacts.
-        CallError: the log has no such time as is asked for.
+        CallError: no such style or encoding; the log has no messages at the wanted times.
     """
+    style = _registered(ARROW_STYLES, "arrow style", options.style)
+    encoding = _registered(ENCODINGS, "encoding", options.encoding)
     if not selection.odometry and not selection.contacts:
         raise LogError(nothing_to_do(log, selection))
+    selection = selection.without_forces(probe.forceless)
     robot = selection.robot
-    findings = [*selection.findings, *evidence_findings(selection, evidence)]
-    world, base = frame_names(robot, evidence)
-    wrench_frame = _wrench_frame(evidence, options)
-    hearings = _hearings(selection, evidence, options, findings)
+    findings = [*selection.findings, *evidence_findings(selection, probe)]
+    world, base = frame_names(robot, probe)
+    wrench_frame = _wrench_frame(probe, options)
+    learnt = learn_sensors(log, selection, probe, options.topics)
+    weight = body_weight_n(robot.mass_kg)
+    names = [foot.name for foot in robot.feet]
+    findings.extend(sensor_findings(names, learnt.feet, weight or learnt.estimated_weight_n))
+    wants_support = style.draws_support if options.scene is None else options.scene
+    draws_support = wants_support and _can_draw_support(selection, probe, findings)
     frames = follow_frames(
         selection,
-        evidence,
+        probe,
         world,
         base,
-        _clock(selection, evidence),
-        # The centre of pressure of a support needs vertical forces too.
-        turn_forces=wrench_frame is WrenchFrame.LINK
-        and (options.style == "force" or bool(hearings)),
-        place_sensors=options.style != "classic",
+        _clock(selection, probe),
+        # The centre of pressure needs vertical forces.
+        turn_forces=wrench_frame is WrenchFrame.LINK and (style.needs_directions or draws_support),
+        place_sensors=style.needs_sensor_positions,
     )
     findings.extend(_without_points(selection, frames))
-    if options.style == "force" and wrench_frame is not WrenchFrame.WORLD:
+    if style.needs_directions and wrench_frame is not WrenchFrame.WORLD:
         findings.extend(_magnitude_only(selection, frames))
-    weight = body_weight_n(robot.mass_kg)
-    if options.style == "force" and weight is None:
-        text = "the robot's mass is not known: arrows are coloured by newtons (--mass tells it)"
+    if style.coloured_by_weight and weight is None:
+        text = "the robot's mass is unknown: arrows are coloured by newtons (give it with --mass)"
         findings.append(note("NO_MASS", text))
-    if options.style == "classic":
-        findings.extend(_without_classic(selection))
+    if style.needs_contact_states:
+        findings.extend(_without_states(selection, style))
+    left_out = channels_left_out(log, options)
+    findings.extend(copy_findings(log, options, left_out))
     start_time, end_time = time_limits(log, options.start_s, options.end_s)
+    description = robot_description(log, selection, probe, base, options.urdf, copy=options.copy)
+    findings.extend(description.findings)
     return Plan(
         selection=selection,
         options=options,
+        style=style,
+        encoding=encoding,
         world_frame=world,
         base_frame=base,
-        write_tf=_write_tf(selection, evidence, options, (world, base), findings),
+        write_tf=_write_tf(selection, probe, options, (world, base), left_out, findings),
         force_in_world=wrench_frame is WrenchFrame.WORLD,
         frames=frames,
         body_weight_n=weight,
-        arrow_style=_arrow_style(options.style, robot.shaft_diameter_m),
-        support_style=_support_style(robot.shaft_diameter_m, options.tf_rate_hz),
-        hearings=hearings,
-        swing_intervals=evidence.intervals,
+        arrow_look=_arrow_look(style, robot.shaft_diameter_m),
+        support_look=_support_look(robot.shaft_diameter_m, options.tf_rate_hz),
+        force_sensors=learnt.feet,
+        sensors=_contact_sensors(probe, learnt),
+        rates=_message_rates(selection, probe),
+        draws_support=draws_support,
+        urdf=description.urdf,
+        opening_time=log.start_time if start_time is None else start_time,
+        silent=learnt.silent,
         swings_from=log.start_time if start_time is None else None,
         start_time=start_time,
         end_time=end_time,
         findings=tuple(sorted(findings, key=by_severity)),
+        left_out=left_out,
     )
 
 
+def _registered(registry: Mapping[str, Entry], kind: str, name: str) -> Entry:
+    """Return an entry of a registry.
+
+    Raises:
+        CallError: it has no such entry.
+    """
+    if name not in registry:
+        raise CallError(f"there is no {kind} {name!r}; known: {', '.join(registry)}")
+    return registry[name]
+
+
 def without_tf(plan: Plan, parent: str) -> Plan:
-    """Return the plan for a log whose own transforms turn out to place the base."""
+    """Return the plan for a log whose own transforms give the base another parent."""
     finding = _second_parent(plan.base_frame, [parent])
     return replace(
         plan, write_tf=False, findings=tuple(sorted((*plan.findings, finding), key=by_severity))
     )
 
 
-def _wrench_frame(evidence: Evidence, options: ConvertOptions) -> WrenchFrame:
-    """Return the frame of the recorded wrenches: what the user says, else what was seen."""
+def _wrench_frame(probe: Probe, options: ConvertOptions) -> WrenchFrame:
+    """Return the frame of the recorded wrenches: the user's, else the one that the probe found."""
     if options.wrench_frame == "auto":
-        return evidence.wrench_frame.frame
+        return probe.wrench_frame.frame
     return WrenchFrame(options.wrench_frame)
 
 
-def _clock(selection: Selection, evidence: Evidence) -> TimeSource:
+def _clock(selection: Selection, probe: Probe) -> TimeSource:
     """Return the clock of samples and transforms: header stamps, where all have them."""
-    all_stamped = all(source.has_header for source in selection.sources)
-    return TimeSource.HEADER if all_stamped and not evidence.zero_stamps else TimeSource.LOG
+    all_stamped = not selection.without_header
+    return TimeSource.HEADER if all_stamped and not probe.zero_stamps else TimeSource.LOG
 
 
 def _without_points(selection: Selection, frames: WorldFrames | None) -> Iterator[Finding]:
-    """Say where the arrows of sensors stand that tell a force but no contact point."""
-    places = frames.points if frames else (None,) * len(selection.robot.feet)
+    """Yield findings about sensors with forces but without contact points."""
+    points = frames.points if frames else (None,) * len(selection.robot.feet)
     at_frames: list[str] = []
     nowhere: list[str] = []
-    for number, (foot, place) in enumerate(zip(selection.robot.feet, places, strict=True)):
+    for number, (foot, point) in enumerate(zip(selection.robot.feet, points, strict=True)):
         sources = selection.sources_of(number)
-        if place is not None:
-            at_frames.append(f"{foot.name} at {place.frame}")
-        elif selection.knows_force(number) and any(not source.has_points for source in sources):
+        if point is not None and point.recorded:
+            continue
+        if point is not None:
+            at_frames.append(f"{foot.name} at {point.frame}")
+        elif selection.knows_force(number) and any(
+            source.in_base or not source.has_points for source in sources
+        ):
             nowhere.append(foot.name)
     if at_frames:
-        text = f"sensors tell no contact points: arrows stand at frames, {', '.join(at_frames)}"
+        text = f"sensors without contact points: arrows start at frames, {', '.join(at_frames)}"
         yield note("FEET_AT_FRAMES", text)
     if nowhere:
         text = (
-            f"neither a contact point nor a frame of {', '.join(nowhere)} is known: loads are "
-            "written, but no arrows are drawn (`frame` in the robot's file names one)"
+            f"no contact point and no frame known for {', '.join(nowhere)}: loads are written, "
+            "but no arrows (set `frame` in the robot's file)"
         )
         yield note("NO_POINTS", text)
 
 
 def _magnitude_only(selection: Selection, frames: WorldFrames | None) -> Iterator[Finding]:
-    """Say of which feet only the magnitude of the force is known, so far as that is sure."""
+    """Yield a finding about feet of which only the magnitude of the force is known."""
     feet = selection.robot.feet
     links = frames.links if frames else (None,) * len(feet)
     lacking = [foot.name for foot, link in zip(feet, links, strict=True) if link is None]
     if lacking:
         whose = "" if len(lacking) == len(feet) else f" of {', '.join(lacking)}"
         text = (
-            f"only the magnitude of forces{whose} is known: arrows stand along the contact normals"
+            f"only the magnitude of forces{whose} is known: arrows point along the contact normals"
         )
         yield warning("MAGNITUDE_ONLY", text)
 
 
-def _without_classic(selection: Selection) -> list[Finding]:
+def _without_states(selection: Selection, style: ArrowStyle) -> list[Finding]:
     return [
-        warning("NO_CLASSIC", f"{source.type_name} has no contact states: nothing classic to draw")
+        warning("NO_CLASSIC", f"{source.type_name} has no contact states: no {style.name} arrows")
         for source in selection.sources
         if source.has_force and not source.has_points
     ]
@@ -198,55 +259,58 @@ def _without_classic(selection: Selection) -> list[Finding]:
 
 def _write_tf(
     selection: Selection,
-    evidence: Evidence,
+    probe: Probe,
     options: ConvertOptions,
     frames: tuple[str, str],
+    left_out: frozenset[int],
     findings: list[Finding],
 ) -> bool:
     if not selection.odometry or options.tf == "never":
         return False
     world, base = frames
-    # The same transform once more does no harm; only another parent breaks the tree.
-    others = evidence.parents.get(base, frozenset()) - {world}
-    if others and options.copy and options.tf == "auto":
+    may_repeat = options.tf == "always"
+    from_transforms = selection.base is not None and selection.base.source.is_transform
+    if from_transforms and not may_repeat and _copies(selection.odometry, options, left_out):
+        text = f"the log's own transforms place {base} in {world}: /tf is not written again"
+        findings.append(note("TF_IS_RECORDED", text))
+        return False
+    # The same transform twice is harmless; only another parent breaks the tree.
+    others = probe.parents.get(base, frozenset()) - {world}
+    if others and not may_repeat and _copies(selection.transforms, options, left_out):
         findings.append(_second_parent(base, sorted(others)))
         return False
     return True
 
 
+def _copies(channels: Iterable[Channel], options: ConvertOptions, left_out: frozenset[int]) -> bool:
+    """Tell whether the output has recorded messages of some channels."""
+    return options.copy and any(channel.id not in left_out for channel in channels)
+
+
 def _second_parent(base: str, parents: list[str]) -> Finding:
     text = (
-        f"the log's own transforms place {base} in {', '.join(parents)}; a second parent would "
-        "break the tree, so none is written (--tf always does)"
+        f"the log's own transforms already give {base} a parent ({', '.join(parents)}): /tf is not "
+        "written, since a second one would break the tree (--tf always writes it)"
     )
     return warning("TF_HAS_PARENT", text)
 
 
-def _arrow_style(style: Style, shaft_diameter_m: float) -> ArrowStyle:
-    if style == "classic":
-        return ArrowStyle(CLASSIC_DIAMETER_M, lifetime_s=0.0)
-    return ArrowStyle(shaft_diameter_m, LIFETIME_S)
+def _arrow_look(style: ArrowStyle, shaft_diameter_m: float) -> ArrowLook:
+    fixed = style.shaft_diameter_m
+    return ArrowLook(shaft_diameter_m if fixed is None else fixed, style.lifetime_s)
 
 
-def _support_style(shaft_diameter_m: float, tf_rate_hz: float) -> SupportStyle:
-    return SupportStyle(
+def _support_look(shaft_diameter_m: float, tf_rate_hz: float) -> SupportLook:
+    return SupportLook(
         line_m=shaft_diameter_m / 2.0,
         mark_m=shaft_diameter_m,
-        # What is drawn anew at a low rate must last until then.
+        # At a low rate, support lasts until the next message.
         lifetime_s=max(LIFETIME_S, 2.0 / tf_rate_hz if tf_rate_hz else 0.0),
     )
 
 
-def _hearings(
-    selection: Selection,
-    evidence: Evidence,
-    options: ConvertOptions,
-    findings: list[Finding],
-) -> tuple[Hearing, ...]:
-    """Return how to understand each foot; nothing where support is not drawn, with a reason."""
-    wanted = options.style != "classic" if options.scene is None else options.scene
-    if not wanted:
-        return ()
+def _can_draw_support(selection: Selection, probe: Probe, findings: list[Finding]) -> bool:
+    """Tell whether the log has what support needs; a finding says what it lacks."""
     robot = selection.robot
     why_not = ""
     if not selection.odometry:
@@ -254,23 +318,36 @@ def _hearings(
     elif not any(source.has_points for source in selection.sources):
         why_not = "the log has no contact points"
     elif len(robot.feet) > _MOST_FEET:
-        why_not = f"{len(robot.feet)} feet are more than {_MOST_FEET}"
+        why_not = f"the robot has {len(robot.feet)} feet, more than {_MOST_FEET}"
     if why_not:
-        findings.append(note("NO_SUPPORT", f"there is no /support: {why_not}"))
-        return ()
-    idle = [foot.name for number, foot in enumerate(robot.feet) if number not in evidence.touching]
+        findings.append(note("NO_SUPPORT", f"/support is not written: {why_not}"))
+        return False
+    idle = [foot.name for number, foot in enumerate(robot.feet) if number not in probe.touching]
     if idle:
-        text = f"/support has no polygon until these feet touch, which were not seen to: {idle[0]}"
-        findings.append(note("NOT_SEEN_TOUCHING", ", ".join([text, *idle[1:]])))
-    weight = body_weight_n(robot.mass_kg)
-    rule = contact_rule(robot.contact_on_n, robot.contact_off_n, robot.debounce_s, weight)
+        text = f"no contact seen yet, no /support polygon until the first one: {', '.join(idle)}"
+        findings.append(note("NOT_SEEN_TOUCHING", text))
+    return True
+
+
+def _contact_sensors(probe: Probe, learnt: LearntSensors) -> tuple[ContactSensor, ...]:
+    """Return the contact sensor of each foot."""
     return tuple(
-        Hearing(
-            rule,
-            round(MISSED_INTERVALS * evidence.intervals[foot])
-            if foot in evidence.intervals
-            else None,
-            works=foot in evidence.touching,
+        ContactSensor(
+            sensor.rule,
+            learnt.silent.swing_from_ns(foot) if foot in probe.intervals else None,
+            works=foot in probe.touching,
         )
-        for foot in range(len(robot.feet))
+        for foot, sensor in enumerate(learnt.feet)
+    )
+
+
+def _message_rates(selection: Selection, probe: Probe) -> tuple[MessageRate, ...]:
+    """Return how the messages of each foot follow one another."""
+    seen = probe.contacts
+    return tuple(
+        message_rate(
+            seen.log_time[seen.foot == foot],
+            round(LONGEST_SWING_S * 1e9) if foot in probe.intervals else None,
+        )
+        for foot in range(len(selection.robot.feet))
     )

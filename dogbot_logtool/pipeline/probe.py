@@ -5,30 +5,40 @@ what the frames are called, whether the base has a parent already. They are made
 for every command.
 """
 
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from math import atan, degrees
 from typing import Final
 
 import numpy as np
 
+from dogbot_logtool.core.contact.contacts import Samples, no_samples
 from dogbot_logtool.core.frames.transform_buffer import TransformBuffer
 from dogbot_logtool.core.frames.wrench_frame import (
+    FrameFit,
     WrenchFrame,
     WrenchFrameEvidence,
-    alignment,
+    frame_fit,
     judge_wrench_frame,
 )
-from dogbot_logtool.core.geometry.arrays import Floats, Ints
+from dogbot_logtool.core.geometry.arrays import Flags, Ints
+from dogbot_logtool.core.geometry.blocks import concatenated
+from dogbot_logtool.core.geometry.clock import TimeSource
+from dogbot_logtool.core.load.loads import body_weight_n
+from dogbot_logtool.core.plausible import plausible_odometry
 from dogbot_logtool.finding import Finding, note, warning
+from dogbot_logtool.pipeline.chunks import spread_chunks
+from dogbot_logtool.pipeline.robot_model.skeleton import FramePose, Point
+from dogbot_logtool.pipeline.robot_model.soles import SoleFinder, first_poses
 from dogbot_logtool.pipeline.selection import Selection
+from dogbot_logtool.pipeline.world_frames import WorldFrames, follow_frames
 from dogbot_logtool.reader.containers.log import Batch, Chunk, Log
+from dogbot_logtool.reader.messages.bases.registry import joined_poses
+from dogbot_logtool.reader.messages.bases.source import BasePoses
 from dogbot_logtool.reader.messages.contacts.registry import read_contacts
 from dogbot_logtool.reader.messages.contacts.source import StepTiming
 from dogbot_logtool.reader.messages.frame_tracks import static_tracks
-from dogbot_logtool.reader.messages.odometry import (
-    decode_odometry,
-    odometry_frames,
-)
+from dogbot_logtool.reader.messages.messages import DecodedMessages
 from dogbot_logtool.reader.messages.transforms import (
     decode_transforms,
     frame_pairs,
@@ -38,8 +48,6 @@ from dogbot_logtool.robot import Robot
 
 DEFAULT_WORLD: Final = "world"
 DEFAULT_BASE: Final = "base_link"
-_LOOKS: Final = 8
-"""Chunks that are looked at, besides those with static transforms."""
 _REGULAR: Final = 0.75
 """Share of messages that must have the usual lag. Only the last of each stance should not."""
 _USUAL_INTERVAL_NS: Final = 10_000_000
@@ -47,8 +55,8 @@ _USUAL_INTERVAL_NS: Final = 10_000_000
 
 
 @dataclass(frozen=True, slots=True)
-class Evidence:
-    """What was seen."""
+class Probe:
+    """The results of the probe."""
 
     wrench_frame: WrenchFrameEvidence
     world_frames: tuple[str, ...]
@@ -68,36 +76,56 @@ class Evidence:
     """See `FootChannels.left_after_ns`."""
     touching: frozenset[int]
     """Feet that were seen in contact."""
+    contacts: Samples
+    """All contact samples that were seen, as recorded."""
     zero_stamps: frozenset[str]
     """Topics whose header stamps are all zero."""
     chunks_seen: int
     chunks: int
+    frame_poses: Mapping[str, FramePose] = field(default_factory=dict)
+    """The first pose that was seen of each frame, by name without a leading slash."""
+    soles: Mapping[int, Point] = field(default_factory=dict)
+    """m, where feet touch the ground in the frames of their `links`, as far as it is known."""
+
+    @property
+    def forceless(self) -> frozenset[int]:
+        """Feet whose wrenches are zero in every contact: some physics engines tell none."""
+        touching = self.contacts.pick(self.contacts.in_contact)
+        loaded = touching.foot[(touching.force != 0.0).any(axis=1)]
+        return frozenset(np.setdiff1d(touching.foot, loaded).tolist())
 
 
-def look_into(log: Log, selection: Selection) -> Evidence:
+def probe_log(log: Log, selection: Selection) -> Probe:
     """Look into chunks from the start to the end of a log."""
-    look = _Look(selection)
+    look = _Prober(selection)
     chosen = _spread(log, selection)
     for span in log.grouped(chosen):
         look.take(log.read(span))
-    return look.evidence(len(chosen), len(log.chunks))
+    return look.probe(len(chosen), len(log.chunks))
 
 
 def _spread(log: Log, selection: Selection) -> list[Chunk]:
     """Choose chunks: evenly spaced among those that hold used topics, and all static frames."""
     used = {c.id for c in (*selection.odometry, *selection.contacts, *selection.transforms)}
     static = selection.static_transforms
-    useful = [c for c in log.chunks if c.counts is None or not used.isdisjoint(c.counts)]
-    places = np.unique(np.linspace(0, max(len(useful) - 1, 0), _LOOKS).round().astype(int))
-    chosen = {useful[place].offset for place in places.tolist() if useful}
-    chosen |= {c.offset for c in useful if c.counts and not static.isdisjoint(c.counts)}
-    return [chunk for chunk in useful if chunk.offset in chosen]
+    chosen = {chunk.offset for chunk in spread_chunks(log, used)}
+    chosen |= {c.offset for c in log.chunks if c.counts and not static.isdisjoint(c.counts)}
+    return [chunk for chunk in log.chunks if chunk.offset in chosen]
 
 
+@dataclass(frozen=True, slots=True)
 class _Look:
+    """Samples of a batch that show the frame of the wrenches."""
+
+    samples: Sequence[Samples]
+    base: Sequence[BasePoses]
+    transforms: Sequence[DecodedMessages]
+
+
+class _Prober:
     def __init__(self, selection: Selection) -> None:
         self._selection = selection
-        self._alignments: list[Floats] = []
+        self._looks: list[_Look] = []
         self._world: set[str] = set()
         self._base: set[str] = set()
         self._parents: dict[str, set[str]] = {}
@@ -108,18 +136,20 @@ class _Look:
         self._steps: dict[int, list[Ints]] = {}
         self._timings: list[StepTiming] = []
         self._touching: set[int] = set()
+        self._frame_poses: dict[str, FramePose] = {}
+        self._contacts: list[Samples] = [no_samples()]
 
     def take(self, batch: Batch) -> None:
         """Look at the messages of a batch."""
         selection = self._selection
-        for messages in decode_odometry(batch, selection.odometry):
-            parents, children = odometry_frames(messages)
-            self._world.update(parents)
-            self._base.update(children)
-            self._see_stamps(messages.channel, messages.table.nanoseconds("header.stamp"))
-        for read in read_contacts(batch, selection.contacts, selection.foot_channels()):
-            samples = read.felt.samples
-            self._alignments.append(alignment(samples))
+        base = selection.read_base(batch)
+        contacts = read_contacts(batch, selection.contacts, selection.foot_channels())
+        transforms = decode_transforms(batch, selection.transforms)
+        self._looks.append(_Look([read.reduced.samples for read in contacts], base, transforms))
+        self._take_base(base)
+        for read in contacts:
+            samples = read.reduced.samples
+            self._contacts.append(samples)
             self._timings.append(read.timing)
             self._touching.update(np.unique(samples.foot[samples.in_contact]).tolist())
             for foot, names in read.links.items():
@@ -131,13 +161,28 @@ class _Look:
                 for foot in np.unique(samples.foot).tolist():
                     steps = _steps(samples.log_time[samples.foot == foot], _begins(batch))
                     self._steps.setdefault(foot, []).append(steps)
-        for messages in decode_transforms(batch, selection.transforms):
-            for parent, child in frame_pairs(messages):
-                self._slashed.update(name for name in (parent, child) if name.startswith("/"))
-                self._parents.setdefault(child.lstrip("/"), set()).add(parent.lstrip("/"))
-            if selection.static_transforms:
-                tracks = static_tracks(transform_columns(messages), selection.static_transforms)
-                self._statics = self._statics.then(tracks)
+        for messages in transforms:
+            self._see_frames(messages)
+
+    def _see_frames(self, messages: DecodedMessages) -> None:
+        """Note parents, first poses, and transforms that hold for ever."""
+        static = self._selection.static_transforms
+        for parent, child in frame_pairs(messages):
+            self._slashed.update(name for name in (parent, child) if name.startswith("/"))
+            self._parents.setdefault(child.lstrip("/"), set()).add(parent.lstrip("/"))
+        columns = transform_columns(messages)
+        for child, pose in first_poses(columns, static).items():
+            self._frame_poses.setdefault(child, pose)
+        if static:
+            self._statics = self._statics.then(static_tracks(columns, static))
+
+    def _take_base(self, base: Sequence[BasePoses]) -> None:
+        chosen = self._selection.base
+        for poses in base:
+            self._world.update(poses.worlds)
+            self._base.update(poses.bases)
+            if chosen is not None and chosen.source.has_header:
+                self._see_stamps(poses.channel, poses.poses.stamp)
 
     def _see_stamps(self, channel: Ints, stamp: Ints) -> None:
         topics = {c.id: c.topic for c in (*self._selection.odometry, *self._selection.contacts)}
@@ -146,13 +191,12 @@ class _Look:
             topic = topics[number]
             self._stamped[topic] = self._stamped.get(topic, False) or stamped
 
-    def evidence(self, seen: int, chunks: int) -> Evidence:
+    def probe(self, seen: int, chunks: int) -> Probe:
         """Sum up."""
-        alignments = np.concatenate([np.empty(0), *self._alignments])
         frames = self._world | self._base
         self._slashed.update(name for name in frames if name.startswith("/"))
-        return Evidence(
-            wrench_frame=self._wrench_frame(alignments),
+        probe = Probe(
+            wrench_frame=WrenchFrameEvidence(WrenchFrame.UNKNOWN),
             world_frames=tuple(sorted(self._world)),
             base_frames=tuple(sorted(self._base)),
             parents={child: frozenset(names) for child, names in sorted(self._parents.items())},
@@ -165,16 +209,63 @@ class _Look:
             intervals={foot: _interval(steps) for foot, steps in sorted(self._steps.items())},
             left_after_ns=left_after(self._timings),
             touching=frozenset(self._touching),
+            contacts=concatenated(self._contacts),
             zero_stamps=frozenset(topic for topic, stamped in self._stamped.items() if not stamped),
             chunks_seen=seen,
             chunks=chunks,
+            frame_poses=self._frame_poses,
         )
+        probe = replace(probe, wrench_frame=self._wrench_frame(probe))
+        return replace(probe, soles=self._soles(probe))
 
-    def _wrench_frame(self, alignments: Floats) -> WrenchFrameEvidence:
+    def _soles(self, probe: Probe) -> Mapping[int, Point]:
+        """Return where feet touch the ground, in the frames of their links."""
+        frames = self._frames(probe)
+        if frames is None:
+            return {}
+        finder = SoleFinder(frames)
+        for look in self._looks:
+            poses, _ = plausible_odometry(joined_poses(look.base))
+            finder.add(look.samples, frames.tracks(look.transforms, poses))
+        return finder.points()
+
+    def _wrench_frame(self, probe: Probe) -> WrenchFrameEvidence:
         """Decide by what the types of messages promise, else by evidence."""
         promised = {source.frame for source in self._selection.sources}
         (frame,) = promised if len(promised) == 1 else (None,)
-        return judge_wrench_frame(alignments) if frame is None else WrenchFrameEvidence(frame)
+        if frame is not None:
+            return WrenchFrameEvidence(frame)
+        recorded = [samples for look in self._looks for samples in look.samples]
+        weight_n = body_weight_n(self._selection.robot.mass_kg)
+        return judge_wrench_frame(frame_fit(recorded), self._turned(probe), weight_n)
+
+    def _frames(self, probe: Probe) -> WorldFrames | None:
+        """Return how the frames of the feet's links hang in the world."""
+        return follow_frames(
+            self._selection,
+            probe,
+            *frame_names(self._selection.robot, probe),
+            TimeSource.LOG if probe.zero_stamps else TimeSource.HEADER,
+            turn_forces=True,
+            place_sensors=False,
+        )
+
+    def _turned(self, probe: Probe) -> FrameFit | None:
+        """Fit the forces turned from the links' frames into the world by the log's transforms."""
+        frames = self._frames(probe)
+        if frames is None:
+            return None
+        samples: list[Samples] = []
+        turned: list[Flags] = []
+        for look in self._looks:
+            poses, _ = plausible_odometry(joined_poses(look.base))
+            tracks = frames.tracks(look.transforms, poses)
+            for before, after in zip(
+                look.samples, frames.place(look.samples, tracks).samples, strict=True
+            ):
+                samples.append(after)
+                turned.append(after.in_world & ~before.in_world)
+        return frame_fit(samples, turned)
 
 
 def left_after(timings: list[StepTiming]) -> int | None:
@@ -213,11 +304,11 @@ def _interval(steps: list[Ints]) -> int:
     return int(np.median(known)) if len(known) else _USUAL_INTERVAL_NS
 
 
-def frame_names(robot: Robot, evidence: Evidence) -> tuple[str, str]:
+def frame_names(robot: Robot, probe: Probe) -> tuple[str, str]:
     """Return the world's and the base's frame: the robot's, else the odometry's, else ROS'."""
     return (
-        robot.world_frame or _frame(evidence.world_frames, DEFAULT_WORLD),
-        robot.base_frame or _frame(evidence.base_frames, DEFAULT_BASE),
+        robot.world_frame or _frame(probe.world_frames, DEFAULT_WORLD),
+        robot.base_frame or _frame(probe.base_frames, DEFAULT_BASE),
     )
 
 
@@ -226,42 +317,58 @@ def _frame(recorded: tuple[str, ...], default: str) -> str:
     return names[0] if names else default
 
 
-def evidence_findings(selection: Selection, evidence: Evidence) -> list[Finding]:
+def evidence_findings(selection: Selection, probe: Probe) -> list[Finding]:
     """Return what a user should know of what was seen."""
     findings: list[Finding] = []
-    if evidence.zero_stamps:
+    if probe.zero_stamps:
         used = {c.topic for c in (*selection.odometry, *selection.contacts)}
-        everywhere = evidence.zero_stamps >= used
-        topics = "everywhere" if everywhere else "on " + ", ".join(sorted(evidence.zero_stamps))
+        everywhere = probe.zero_stamps >= used
+        topics = "everywhere" if everywhere else "on " + ", ".join(sorted(probe.zero_stamps))
         text = f"header stamps are zero {topics}: log time is used instead"
         findings.append(warning("ZERO_STAMPS", text))
-    if evidence.slashed_frames:
-        frames = ", ".join(evidence.slashed_frames)
+    if probe.slashed_frames:
+        frames = ", ".join(probe.slashed_frames)
         text = f"frame ids begin with a slash, which viewers of today do not accept: {frames}"
         findings.append(warning("SLASHED_FRAMES", text))
     feet = range(len(selection.robot.feet))
     if any(selection.sources_of(foot) and selection.knows_force(foot) for foot in feet):
-        findings.append(_wrench_frame_finding(evidence))
-    if len(evidence.world_frames) > 1 or len(evidence.base_frames) > 1:
-        frames = ", ".join((*evidence.world_frames, *evidence.base_frames))
+        findings.append(_wrench_frame_finding(probe))
+    if len(probe.world_frames) > 1 or len(probe.base_frames) > 1:
+        frames = ", ".join((*probe.world_frames, *probe.base_frames))
         findings.append(warning("FRAMES_CHANGE", f"the odometry names several frames: {frames}"))
     return findings
 
 
-def _wrench_frame_finding(evidence: Evidence) -> Finding:
-    seen = evidence.wrench_frame
+def _wrench_frame_finding(probe: Probe) -> Finding:
+    seen = probe.wrench_frame
     if seen.frame is WrenchFrame.UNKNOWN:
         text = (
-            f"the frame of the wrenches is not known ({seen.samples} loaded samples with normals "
-            "were seen): only magnitudes are used; --wrench-frame says which"
+            f"the frame of the wrenches is not known ({_evidence(seen)}): only magnitudes are "
+            "used; --wrench-frame says which"
         )
         return warning("WRENCH_FRAME_UNKNOWN", text)
-    told = "(as their type promises)"
-    if seen.median_alignment is not None:
-        told = f"(median |F.n|/|F| is {seen.median_alignment:.3f} over {seen.samples} samples)"
     if seen.frame is WrenchFrame.WORLD:
-        return note("WRENCH_FRAME_WORLD", f"wrenches are in the world frame {told}")
+        return note("WRENCH_FRAME_WORLD", f"wrenches are in the world frame ({_evidence(seen)})")
     return note(
         "WRENCH_FRAME_LINK",
-        f"wrenches are not in the world frame but in a link's {told}",
+        f"wrenches are not in the world frame but in a link's ({_evidence(seen)})",
+    )
+
+
+def _evidence(seen: WrenchFrameEvidence) -> str:
+    """Return the numbers that decided the frame, in words."""
+    if seen.world is None:
+        if seen.frame is WrenchFrame.UNKNOWN:
+            return "too few loaded samples with normals were seen"
+        return "as their type promises"
+    text = f"as recorded, {_fit_text(seen.world)}"
+    if seen.link is not None:
+        text += f"; turned from the links' frames, {_fit_text(seen.link)}"
+    return f"{text}; {seen.samples} samples"
+
+
+def _fit_text(fit: FrameFit) -> str:
+    return (
+        f"{fit.in_cone:.0%} of the load lies within the friction cone and its sum leans "
+        f"{degrees(atan(fit.net_tilt)):.0f} degrees from the vertical"
     )

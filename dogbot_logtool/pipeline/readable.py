@@ -8,13 +8,11 @@ from dogbot_logtool.errors import DefinitionError
 from dogbot_logtool.finding import Finding, error, note, warning
 from dogbot_logtool.io.listing import listed
 from dogbot_logtool.reader.containers.log import Channel
-from dogbot_logtool.reader.messages.contacts.registry import (
-    SOURCES,
-    check_contacts,
-)
+from dogbot_logtool.reader.messages.bases.poses import ODOMETRY_TYPE
+from dogbot_logtool.reader.messages.bases.registry import BASE_SOURCES, check_base
+from dogbot_logtool.reader.messages.contacts.registry import check_contacts, source_of
 from dogbot_logtool.reader.messages.foxglove_transforms import FOXGLOVE_TYPES
 from dogbot_logtool.reader.messages.messages import SERIALISATIONS
-from dogbot_logtool.reader.messages.odometry import ODOMETRY_TYPE, check_odometry
 from dogbot_logtool.reader.messages.transforms import (
     TRANSFORM_TYPES,
     check_transforms,
@@ -23,17 +21,34 @@ from dogbot_logtool.reader.messages.transforms import (
 _MOST_REASONS: Final = 3
 _NOT_USED: Final = "; not used"
 _CHECKS: Final = {
-    ODOMETRY_TYPE: check_odometry,
+    **dict.fromkeys(BASE_SOURCES, check_base),
     **dict.fromkeys(TRANSFORM_TYPES, check_transforms),
-    **dict.fromkeys(SOURCES, check_contacts),
 }
-"""What checks a channel, by the type of its messages."""
+"""What checks a channel, by the type of its messages; all others may be of feet."""
+_ALWAYS_USED: Final = frozenset((ODOMETRY_TYPE, *TRANSFORM_TYPES))
+"""Types that cannot be about anything else, like those of feet: what they would tell is missed."""
 
 
 def why_unreadable(channel: Channel) -> str:
     """Return why the messages of a channel cannot be decoded; empty if they can be."""
     try:
-        _CHECKS[channel.type_name](channel)
+        _check(channel)
+    except DefinitionError as reason:
+        return str(reason)
+    return ""
+
+
+def _check(channel: Channel) -> str:
+    if source_of(channel) is not None:
+        return check_contacts(channel)
+    check = _CHECKS.get(channel.type_name)
+    return check(channel) if check else ""
+
+
+def why_no_poses(channel: Channel) -> str:
+    """Return why the poses in the messages of a channel cannot be decoded; empty: they can be."""
+    try:
+        check_base(channel)
     except DefinitionError as reason:
         return str(reason)
     return ""
@@ -53,19 +68,22 @@ def unreadable_findings(
     """
     lost: dict[tuple[bool, str], set[str]] = {}
     for channel in channels:
-        if channel.type_name in _CHECKS and (reason := why_unreadable(channel)):
-            key = _is_lost(channel.type_name, odometry, contacts), reason
+        used = channel.type_name in _ALWAYS_USED or source_of(channel) is not None
+        if used and (reason := why_unreadable(channel)):
+            key = _is_lost(channel, odometry, contacts), reason
             lost.setdefault(key, set()).add(channel.topic)
     for (is_error, reason), topics in sorted(lost.items()):
         say = error if is_error else warning
         yield _about(topics, reason + _NOT_USED, partial(say, "UNREADABLE"))
 
 
-def _is_lost(type_name: str, odometry: Collection[Channel], contacts: Collection[Channel]) -> bool:
-    """Tell whether what a type of messages would tell is not known for any other."""
-    if type_name == ODOMETRY_TYPE:
+def _is_lost(
+    channel: Channel, odometry: Collection[Channel], contacts: Collection[Channel]
+) -> bool:
+    """Tell whether what a channel's messages would tell is not known from any other."""
+    if channel.type_name == ODOMETRY_TYPE:
         return not odometry
-    source = SOURCES.get(type_name)
+    source = source_of(channel)
     # Messages that can be about anything need not be about feet.
     return source is not None and not source.anything and not contacts
 
@@ -74,11 +92,22 @@ def own_definition_findings(used: Iterable[Channel]) -> Iterator[Finding]:
     """Say for which of the used channels this program's definition stands in for the log's."""
     found: dict[str, set[str]] = {}
     for channel in used:
-        if because := _CHECKS[channel.type_name](channel):
+        if because := _own_definition_because(channel):
             found.setdefault(because, set()).add(channel.topic)
     for because, topics in sorted(found.items()):
         text = f"{because}; the one that comes with dogbot-logtool is used"
         yield _about(topics, text, partial(note, "OWN_DEFINITION"))
+
+
+def _own_definition_because(channel: Channel) -> str:
+    """Return why this program's definition is used for a channel; empty: the log's is."""
+    for check in (_check, check_base):
+        try:
+            return check(channel)
+        except DefinitionError:
+            # It is used for something else: a robot's state may have a base and no feet.
+            continue
+    return ""
 
 
 def _about(topics: Collection[str], text: str, say: "partial[Finding]") -> Finding:

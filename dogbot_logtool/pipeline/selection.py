@@ -1,6 +1,6 @@
 """What of a log is used: which topics for what.
 
-Topics are told by the robot's file, by options, or found.
+Topics are given by the robot's file or options, or found.
 """
 
 import shlex
@@ -8,19 +8,26 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Final
 
-from dogbot_logtool.core.contact.footfall import contact_rule
-from dogbot_logtool.core.load.loads import body_weight_n
 from dogbot_logtool.finding import Finding, note, warning
-from dogbot_logtool.io.listing import MOST
+from dogbot_logtool.io.listing import MOST, listed
 from dogbot_logtool.io.printable import printable
 from dogbot_logtool.io.storage import shown
 from dogbot_logtool.pipeline.annotated import annotation_findings
+from dogbot_logtool.pipeline.base import check_named_base, choose_base
+from dogbot_logtool.pipeline.feet.candidates import candidates_finding
+from dogbot_logtool.pipeline.feet.message_feet import (
+    compare_flags,
+    flag_findings,
+    is_planned,
+)
+from dogbot_logtool.pipeline.feet.raw_levels import RawLevels, with_raw_levels
 from dogbot_logtool.pipeline.feet.selection import (
     FootOffer,
     assign_feet,
     check_feet_differ,
     check_topics,
     find_feet,
+    foot_channels,
 )
 from dogbot_logtool.pipeline.options import TopicOptions
 from dogbot_logtool.pipeline.readable import (
@@ -30,19 +37,24 @@ from dogbot_logtool.pipeline.readable import (
     unreadable_findings,
 )
 from dogbot_logtool.pipeline.topics import (
-    most_frequent,
     readable_channels,
     recorded_topics,
-    require_topic,
+    split_topic,
     topics_of_type,
 )
-from dogbot_logtool.reader.containers.log import Channel, Log
-from dogbot_logtool.reader.messages.contacts.registry import SOURCES
+from dogbot_logtool.reader.containers.log import Batch, Channel, Log
+from dogbot_logtool.reader.messages.bases.poses import ODOMETRY_TYPE
+from dogbot_logtool.reader.messages.bases.registry import Base
+from dogbot_logtool.reader.messages.bases.source import BasePoses, BaseSource
+from dogbot_logtool.reader.messages.contacts.registry import (
+    contact_types,
+    source_of,
+    without_flags,
+)
 from dogbot_logtool.reader.messages.contacts.source import (
     ContactSource,
     FootChannels,
 )
-from dogbot_logtool.reader.messages.odometry import ODOMETRY_TYPE
 from dogbot_logtool.reader.messages.transforms import TRANSFORM_TYPES, is_static
 from dogbot_logtool.robot import GENERIC, Robot, known_robots, load_robot
 
@@ -57,6 +69,7 @@ class Selection:
     robot: Robot
     """With the feet that the log has, and their topics."""
     odometry: tuple[Channel, ...]
+    """What the base's poses are read from."""
     contacts: tuple[Channel, ...]
     feet_of: Mapping[int, tuple[int, ...]]
     """Indices of the feet in `robot.feet` by channel id."""
@@ -65,6 +78,36 @@ class Selection:
     findings: tuple[Finding, ...]
     offered_feet: Finding | None = None
     """Which topics may be feet, and how to say so, where none surely is; also in `findings`."""
+    forceless: frozenset[int] = frozenset()
+    """Feet whose messages have forces that are always zero."""
+    ignores_flags: bool = False
+    """Whether forces decide contact, since they contradict the contact flags of the messages."""
+    base: Base | None = None
+    """How the base's poses are read; None: there are none."""
+
+    @property
+    def without_header(self) -> tuple[str, ...]:
+        """The types of used messages that have no header."""
+        used: list[ContactSource | BaseSource] = [*self.sources]
+        used += [self.base.source] if self.base else []
+        return tuple(source.type_name for source in used if not source.has_header)
+
+    @property
+    def base_name(self) -> str | None:
+        """What names the base's poses, as ``--odom-topic`` takes it; None: there are none."""
+        if self.base is None or not self.odometry:
+            return None
+        topic, element = self.odometry[0].topic, self.base.element
+        return f"{topic}:{element}" if element else topic
+
+    def read_base(self, batch: Batch) -> list[BasePoses]:
+        """Read the base's poses of a batch."""
+        return self.base.read(batch, self.odometry) if self.base else []
+
+    @property
+    def robot_is_guessed(self) -> bool:
+        """Whether the robot was guessed from the log's topics."""
+        return any(finding.code == "N_ROBOT_GUESSED" for finding in self.findings)
 
     @property
     def static_transforms(self) -> frozenset[int]:
@@ -74,34 +117,49 @@ class Selection:
     @property
     def sources(self) -> tuple[ContactSource, ...]:
         """The types of contact messages that are used."""
-        types = sorted({channel.type_name for channel in self.contacts})
-        return tuple(SOURCES[name] for name in types)
+        return self._sources(self.contacts)
 
     def sources_of(self, foot: int) -> tuple[ContactSource, ...]:
         """Return the types of contact messages that tell of a foot."""
-        types = {c.type_name for c in self.contacts if foot in self.feet_of[c.id]}
-        return tuple(SOURCES[name] for name in sorted(types))
+        return self._sources([c for c in self.contacts if foot in self.feet_of[c.id]])
+
+    def _sources(self, channels: Sequence[Channel]) -> tuple[ContactSource, ...]:
+        """Return the different sources of channels, by type name."""
+        feet = self.robot.feet_of
+        found = [source for c in channels if (source := source_of(c, feet(c.topic)))]
+        different = {id(source): source for source in found}.values()
+        ordered = sorted(different, key=lambda source: source.type_name)
+        return tuple(without_flags(source, self.foot_channels()) for source in ordered)
+
+    def has_flags(self, foot: int) -> bool:
+        """Tell whether contact flags of the messages decide a foot's contact."""
+        sources = self.sources_of(foot)
+        return bool(sources) and all(source.has_flags for source in sources)
 
     def knows_force(self, foot: int) -> bool:
         """Tell whether a foot's messages give its force in newtons, not only whether it touches."""
         scaled = self.robot.feet[foot].newtons_per_count is not None
-        return all(
+        return foot not in self.forceless and all(
             source.has_force and (scaled or not source.is_raw) for source in self.sources_of(foot)
         )
 
-    def foot_channels(
-        self, contact_on_n: float | None = None, contact_off_n: float | None = None
-    ) -> FootChannels:
-        """Return what reading contacts needs; thresholds, N, are the robot's unless given."""
-        robot = self.robot
-        rule = contact_rule(
-            contact_on_n or robot.contact_on_n,
-            contact_off_n or robot.contact_off_n,
-            robot.debounce_s,
-            body_weight_n(robot.mass_kg),
+    def without_forces(self, forceless: frozenset[int]) -> "Selection":
+        """Return the selection for a log whose wrenches of some feet are always zero."""
+        if not forceless:
+            return self
+        names = [self.robot.feet[foot].name for foot in sorted(forceless)]
+        text = f"all wrenches of {listed(names)} are zero: contacts without forces"
+        findings = (*self.findings, note("ZERO_WRENCHES", text))
+        return replace(self, forceless=forceless, findings=findings)
+
+    def foot_channels(self) -> FootChannels:
+        """Return what reading contacts needs."""
+        return FootChannels(
+            self.robot.feet,
+            self.feet_of,
+            self.robot.contact_on_counts,
+            ignores_flags=self.ignores_flags,
         )
-        release_n = rule.off_n or rule.on_n / 2.0
-        return FootChannels(robot.feet, self.feet_of, release_n, robot.contact_on_counts)
 
 
 def select_topics(log: Log, options: TopicOptions) -> Selection:
@@ -113,9 +171,11 @@ def select_topics(log: Log, options: TopicOptions) -> Selection:
     """
     findings: list[Finding] = [*annotation_findings(log)]
     robot = _apply_options(log, _choose_robot(log, options, findings), options)
-    if options.robot is not None and robot.topics.isdisjoint(_usable_topics(log)):
-        findings.extend(_without_topics(robot))
-    odometry = _choose_odometry(log, robot, findings)
+    named = robot
+    chosen = choose_base(log, robot, findings)
+    if options.robot is not None and not _shows(log, named, chosen.channels):
+        findings.extend(_without_topics(named))
+    robot, odometry = chosen.robot, chosen.channels
     robot, offer = find_feet(log, robot, findings)
     offered = None if offer is None else _offered(log, options, offer)
     findings.extend([offered] if offered else [])
@@ -123,10 +183,14 @@ def select_topics(log: Log, options: TopicOptions) -> Selection:
     feet_of: dict[int, tuple[int, ...]] = {}
     for topic in dict.fromkeys(foot.topic for foot in robot.feet):
         feet = tuple(index for index, foot in enumerate(robot.feet) if foot.topic == topic)
-        for channel in readable_channels(log, topic, SOURCES.keys()):
+        for channel in foot_channels(log, robot, topic):
             contacts.append(channel)
             feet_of[channel.id] = feet
-    findings.extend(_source_findings(contacts, robot))
+    levels = with_raw_levels(log, contacts, feet_of, robot)
+    robot = levels.robot
+    findings.extend(_source_findings(contacts, levels))
+    check = compare_flags(log, contacts, robot)
+    findings.extend(flag_findings(check))
     transforms = [
         channel
         for topic in recorded_topics(log, TRANSFORM_TYPES)
@@ -139,12 +203,14 @@ def select_topics(log: Log, options: TopicOptions) -> Selection:
     findings.extend(own_definition_findings([*odometry, *contacts, *transforms]))
     return Selection(
         robot,
-        tuple(odometry),
+        odometry,
         tuple(contacts),
         feet_of,
         tuple(transforms),
-        tuple(findings),
+        tuple(dict.fromkeys(findings)),
         offered,
+        ignores_flags=check.are_useless,
+        base=chosen.base,
     )
 
 
@@ -154,6 +220,12 @@ def nothing_to_do(log: Log, selection: Selection) -> str:
     if selection.offered_feet is not None:
         offered = selection.offered_feet
         return f"{path}: there is no nav_msgs/Odometry, and {offered.sentence}\n  {offered.command}"
+    if (possible := candidates_finding(log)) is not None:
+        none = "there is neither nav_msgs/Odometry nor a known type of contact messages"
+        return f"{path}: {none}, but {possible.sentence}\n  {possible.command}"
+    for finding in selection.findings:
+        if finding.code == "W_NO_ODOMETRY" and "--odom-topic" in finding.text:
+            return f"{path}: there are no contact messages, and {finding.text}"
     if because := reasons(selection.findings):
         return f"{path}: has no odometry and no contact messages that can be read: {because}"
     found = sorted({(c.topic, c.type_name) for c in log.channels.values()}, key=_unlikely)
@@ -184,14 +256,24 @@ def _choose_robot(log: Log, options: TopicOptions, findings: list[Finding]) -> R
         topics = _usable_topics(log)
         known = [load_robot(name) for name in known_robots()]
         robot = max(known, key=lambda one: (len(one.topics & topics), one.name == GENERIC))
-        text = f"the robot is taken to be {robot.name!r}; --robot says otherwise"
+        text = f"robot: {robot.name} (guessed from the topics; change with --robot)"
         findings.append(note("ROBOT_GUESSED", text))
     return robot.with_mass(options.mass_kg)
 
 
 def _usable_topics(log: Log) -> frozenset[str]:
     """Return the topics with odometry or contacts: a name alone makes no robot known."""
-    return frozenset(topics_of_type(log, {ODOMETRY_TYPE, *SOURCES}))
+    return frozenset(topics_of_type(log, {ODOMETRY_TYPE, *contact_types(log.channels.values())}))
+
+
+def _shows(log: Log, robot: Robot, base: Sequence[Channel]) -> bool:
+    """Tell whether the log has a topic that the robot's file names, and that can be used."""
+    fields = {foot.topic for foot in robot.feet if foot.field is not None}
+    if not fields.isdisjoint(log.channels_by_topic):
+        return True
+    if base and split_topic(robot.odometry_topic or "", log.channels_by_topic)[0] == base[0].topic:
+        return True
+    return not robot.topics.isdisjoint(_usable_topics(log))
 
 
 def _without_topics(robot: Robot) -> Iterator[Finding]:
@@ -206,8 +288,10 @@ def _without_topics(robot: Robot) -> Iterator[Finding]:
 
 def _apply_options(log: Log, robot: Robot, options: TopicOptions) -> Robot:
     if options.odometry_topic is not None:
-        require_topic(log, "--odom-topic", options.odometry_topic, {ODOMETRY_TYPE})
+        check_named_base(log, robot, options.odometry_topic)
         robot = replace(robot, odometry_topic=options.odometry_topic)
+    if options.feet:
+        robot = replace(robot, feet=options.feet)
     if options.foot_topics:
         given, guessed = options.foot_topics, options.robot is None
         check_topics(log, given)
@@ -231,59 +315,50 @@ def _offered(log: Log, options: TopicOptions, offer: FootOffer) -> Finding:
     return replace(warning("FEET_UNSURE", text), command=command)
 
 
-def _choose_odometry(log: Log, robot: Robot, findings: list[Finding]) -> list[Channel]:
-    topic = robot.odometry_topic
-    if topic is not None:
-        own = readable_channels(log, topic, {ODOMETRY_TYPE})
-        if own:
-            return own
-    topics = topics_of_type(log, {ODOMETRY_TYPE})
-    if not topics:
-        found = any(channel.type_name == ODOMETRY_TYPE for channel in log.channels.values())
-        none = "no odometry can be read" if found else "there is no odometry"
-        text = f"{none}: no /tf and no figures of the base's motion"
-        findings.append(warning("NO_ODOMETRY", text))
-        return []
-    # The one with the most messages is most likely the one to follow.
-    chosen = most_frequent(log, topics)
-    rest = ", ".join(one for one in topics if one != chosen)
-    text = f"odometry is taken from {chosen}, found by its type"
-    if topic is not None:
-        recorded = recorded_topics(log, {ODOMETRY_TYPE})
-        why = "cannot be used" if topic in recorded else "is missing"
-        text += f", since the robot's {topic} {why}"
-    text += f"; there are also {rest} (--odom-topic chooses)" if rest else ""
-    findings.append(note("ODOMETRY_FOUND", text, chosen))
-    return readable_channels(log, chosen, {ODOMETRY_TYPE})
-
-
-def _source_findings(contacts: Sequence[Channel], robot: Robot) -> list[Finding]:
+def _source_findings(contacts: Sequence[Channel], levels: RawLevels) -> list[Finding]:
     """Say what contact messages do not tell."""
     findings: list[Finding] = []
-    for name in sorted({channel.type_name for channel in contacts}):
-        source = SOURCES[name]
+    for channel in sorted(contacts, key=lambda channel: channel.type_name):
+        name, source = channel.type_name, source_of(channel, levels.robot.feet_of(channel.topic))
+        if source is None:
+            continue
         if not source.has_force:
             text = f"{name} tells contact, not force: gait figures only, no arrows, no loads"
             findings.append(note("NO_FORCE", text))
         if source.is_raw:
-            findings.extend(_not_calibrated(name, robot))
+            findings.extend(_not_calibrated(name, levels))
         if not source.has_header:
             findings.append(note("NO_HEADER", f"{name} has no header: log time is used for it"))
         if source.silent_in_swing:
             text = f"{name} is published only in contact: silence is taken for swing"
             findings.append(note("SILENT_SWING", text))
-    return findings
+    findings.extend(_planned(contacts))
+    return list(dict.fromkeys(findings))
 
 
-def _not_calibrated(name: str, robot: Robot) -> Iterator[Finding]:
-    """Say what the counts of raw sensors do not tell as long as nobody has said what they mean."""
+def _planned(contacts: Sequence[Channel]) -> Iterator[Finding]:
+    """Say which topics tell what was planned, not what was measured."""
+    for channel in contacts:
+        if is_planned(channel):
+            text = (
+                f"{channel.topic} is a plan, not a measurement: contacts, forces and figures are "
+                "the planned ones"
+            )
+            yield note("PLANNED", text, channel.topic)
+
+
+def _not_calibrated(name: str, levels: RawLevels) -> Iterator[Finding]:
+    """Warn of figures that are missing while the counts of raw sensors have no scale."""
+    robot = levels.robot
     unscaled = [foot.name for foot in robot.feet if foot.newtons_per_count is None]
     if not unscaled:
         return
-    text = f"{name} tells raw counts, and the robot's file has no newtons_per_count for "
+    text = f"{name} has raw counts, and the robot's file has no newtons_per_count for "
     text += f"{', '.join(unscaled)}: no forces"
     if robot.contact_on_counts is None:
         text += ", and without contact.on_counts no contact either"
+        text += f" (it cannot be estimated from the log; {levels.reason})" if levels.reason else ""
     else:
         text += f"; contact from {robot.contact_on_counts:g} counts above a foot's offset on"
+        text += " (both estimated from the log)" if levels.estimated else ""
     yield warning("NOT_CALIBRATED", text)

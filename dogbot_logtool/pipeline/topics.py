@@ -1,6 +1,7 @@
 """Topics of a log by type, and what is said where an option names one that does not fit."""
 
-from collections.abc import Iterable
+import re
+from collections.abc import Container, Iterable
 from collections.abc import Set as AbstractSet
 from difflib import get_close_matches
 from typing import Final
@@ -37,8 +38,32 @@ def most_frequent(log: Log, topics: Iterable[str]) -> str:
     return max(counts, key=lambda one: (counts[one], -len(one), one))
 
 
-def require_topic(log: Log, option: str, topic: str, wanted: AbstractSet[str]) -> None:
+def split_topic(name: str, topics: Container[str]) -> tuple[str, str]:
+    """Split ``/topic:field`` into the topic and what is named in its messages; empty: nothing is.
+
+    Args:
+        name: what the user wrote.
+        topics: those of the log, whose names may have colons.
+    """
+    if name in topics:
+        return name, ""
+    colons = [match.start() for match in re.finditer(":", name)]
+    known = (colon for colon in colons if name[:colon] in topics)
+    colon = next(known, colons[0] if colons else len(name))
+    return name[:colon], name[colon + 1 :]
+
+
+def require_topic(
+    log: Log, option: str, topic: str, wanted: AbstractSet[str], otherwise: str = ""
+) -> None:
     """Check that the topic of an option is in the log, and of a type that can be used.
+
+    Args:
+        log: the log.
+        option: the option, as sentences name it.
+        topic: its topic.
+        wanted: the types.
+        otherwise: what can be done with a topic of another type.
 
     Raises:
         CallError: it is not; with the topics that could be meant.
@@ -58,7 +83,7 @@ def require_topic(log: Log, option: str, topic: str, wanted: AbstractSet[str]) -
         names = " or ".join(kinds) if len(kinds) <= _KINDS_SHOWN else f"one of {listed(kinds, 3)}"
         raise CallError(
             f"{where}: {topic} is of type {', '.join(sorted(types))}, not {names}. "
-            f"Topics that can be used: {listed(usable) or 'none'}"
+            f"Topics that can be used: {listed(usable) or 'none'}{otherwise and '. '}{otherwise}"
         )
     # The slash at the beginning is forgotten most often.
     close = get_close_matches(topic, usable[:_COMPARED], n=3)

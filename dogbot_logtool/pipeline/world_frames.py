@@ -1,12 +1,13 @@
 """What the log's own frames tell of its feet: link-frame forces in the world, places of sensors.
 
-Transforms before and after a sample are needed, so whoever reads a log in parts keeps the tail of
+Transforms before and after a sample are needed, so a reader of a log in parts keeps the tail of
 what came before, and looks a little ahead. What is found does not depend on where the parts end:
 `LONGEST_DELAY_S` says how far a transform may stand from a sample that it is used for.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from typing import Protocol
 
 from dogbot_logtool.core.base.odometry import Odometry, usable_poses
 from dogbot_logtool.core.contact.contacts import Samples
@@ -23,11 +24,26 @@ from dogbot_logtool.core.frames.transform_buffer import (
 )
 from dogbot_logtool.core.geometry.clock import TimeSource
 from dogbot_logtool.finding import Finding, note, warning
-from dogbot_logtool.pipeline.probe import Evidence
 from dogbot_logtool.pipeline.selection import Selection
 from dogbot_logtool.reader.messages.frame_tracks import moving_tracks
 from dogbot_logtool.reader.messages.messages import DecodedMessages
 from dogbot_logtool.reader.messages.transforms import transform_columns
+
+
+class RecordedFrames(Protocol):
+    """What a log's transforms tell of its frames; a `Probe` is one."""
+
+    @property
+    def parents(self) -> Mapping[str, frozenset[str]]:
+        """Parents that the transforms give each frame."""
+
+    @property
+    def statics(self) -> TransformBuffer:
+        """Transforms that hold for ever."""
+
+    @property
+    def links(self) -> tuple[str | None, ...]:
+        """Link of each foot, in whose frame its wrenches may be."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -99,7 +115,7 @@ class Placed:
 
 def follow_frames(
     selection: Selection,
-    evidence: Evidence,
+    probe: RecordedFrames,
     world: str,
     base: str,
     clock: TimeSource,
@@ -111,7 +127,7 @@ def follow_frames(
 
     Args:
         selection: what is read.
-        evidence: parents that the log's own transforms give frames, and the links of the feet.
+        probe: parents that the log's own transforms give frames, and the links of the feet.
         world: frame to turn to.
         base: frame that odometry places in it.
         clock: the clock of samples and transforms.
@@ -122,17 +138,21 @@ def follow_frames(
         None where no foot's frame is needed and connected.
     """
     parents = {
-        child: next(iter(names)) for child, names in evidence.parents.items() if len(names) == 1
+        child: next(iter(names)) for child, names in probe.parents.items() if len(names) == 1
     }
     if selection.odometry:
         # Odometry places the base; a second opinion would only contradict it.
         parents[base] = world
     links = tuple(
         link if turn_forces and link and chain_of_frames(parents, link, world) is not None else None
-        for link in evidence.links
+        for link in probe.links
     )
     sensors = [
-        _sensor(selection, evidence, foot) if place_sensors else None
+        FramePoint(base, recorded=True)
+        if any(source.in_base for source in selection.sources_of(foot))
+        else _sensor(selection, probe, foot)
+        if place_sensors
+        else None
         for foot in range(len(selection.robot.feet))
     ]
     # The world itself is no place of a foot.
@@ -152,18 +172,19 @@ def follow_frames(
         world=world,
         base=base,
         odometry_places_base=bool(selection.odometry),
-        moving={each: parents[each] for each in needed - evidence.statics.frames.keys()},
-        statics=evidence.statics.only(needed),
+        moving={each: parents[each] for each in needed - probe.statics.frames.keys()},
+        statics=probe.statics.only(needed),
         clock=clock,
     )
 
 
-def _sensor(selection: Selection, evidence: Evidence, foot: int) -> FramePoint | None:
+def _sensor(selection: Selection, probe: RecordedFrames, foot: int) -> FramePoint | None:
     """Return the place of a foot whose sensor tells forces but no contact points."""
-    if not selection.knows_force(foot) or any(s.has_points for s in selection.sources_of(foot)):
+    sources = selection.sources_of(foot)
+    if not selection.knows_force(foot) or any(source.has_points for source in sources):
         return None
     described = selection.robot.feet[foot]
-    frame = described.frame or evidence.links[foot]
+    frame = described.frame or probe.links[foot]
     return FramePoint(frame, described.contact_point_m) if frame else None
 
 
@@ -187,7 +208,7 @@ class BatchFrames:
 
 
 class StreamedFrames:
-    """Places the samples of a log that streams past, batch by batch and in order."""
+    """GroundPoints the samples of a log that streams past, batch by batch and in order."""
 
     def __init__(self, frames: WorldFrames) -> None:
         self._frames = frames
@@ -217,7 +238,14 @@ def frame_findings(frames: WorldFrames, counts: FrameCounts) -> Iterator[Finding
             "link-frame forces turned into the world by the log's own transforms",
         ),
         (
-            any(frames.points),
+            any(point and point.recorded for point in frames.points),
+            counts.placed,
+            counts.not_placed,
+            "FEET_PLACED",
+            "positions of feet in the base's frame turned into the world",
+        ),
+        (
+            any(point and not point.recorded for point in frames.points),
             counts.placed,
             counts.not_placed,
             "FEET_PLACED",

@@ -14,18 +14,15 @@ from dogbot_logtool.finding import Finding, Severity, by_severity
 from dogbot_logtool.io.printable import printable, printable_lines
 from dogbot_logtool.io.streams import styled
 from dogbot_logtool.reader.containers.log import Loss, lost_messages
-from dogbot_logtool.report.text_layout import Hanging
+from dogbot_logtool.report.text_layout import HangingIndent
 
 _COLOURS = {Severity.ERROR: "red", Severity.WARNING: "yellow", Severity.NOTE: "cyan"}
-_LABELS = {Severity.ERROR: "error", Severity.WARNING: "warning", Severity.NOTE: "note"}
-
-
 _LABEL = 9
 """Columns of ``warning`` and the like, and of the blanks behind them."""
 _PIPE_WIDTH = 120
 """Columns of output that is not read on a terminal."""
-_TOLD = 10
-"""Places of damage that are listed one by one."""
+_LISTED = 10
+"""Losses that are listed one by one."""
 
 
 class _PrintableConsole(Console):
@@ -75,7 +72,7 @@ def _console(file: TextIO, width: int | None) -> Console:
 
 def print_sentence(console: Console, *parts: str | tuple[str, str] | Text, indent: int = 2) -> None:
     """Print a sentence in parts, as they are or with a style; its further lines are indented."""
-    console.print(Hanging(Text.assemble(*parts), indent), crop=False)
+    console.print(HangingIndent(Text.assemble(*parts), indent), crop=False)
 
 
 def print_command(console: Console, command: str, indent: int) -> None:
@@ -91,7 +88,7 @@ def print_note(console: Console, sentence: str) -> None:
 def print_findings(console: Console, findings: Iterable[Finding]) -> None:
     """Print findings, the worst first, a line each."""
     for finding in sorted(findings, key=by_severity):
-        label = f"{_LABELS[finding.severity]:>7}  ", _COLOURS[finding.severity]
+        label = f"{finding.severity.word:>7}  ", _COLOURS[finding.severity]
         print_sentence(console, label, printable(finding.sentence), indent=_LABEL)
         if finding.command:
             print_command(console, finding.command, _LABEL)
@@ -99,10 +96,10 @@ def print_findings(console: Console, findings: Iterable[Finding]) -> None:
 
 def print_damage(console: Console, losses: Sequence[Loss]) -> None:
     """Print what was lost, and where."""
-    for loss in losses[:_TOLD]:
+    for loss in losses[:_LISTED]:
         print_sentence(console, (" damage  ", "red"), printable(loss.what), indent=_LABEL)
-    if len(losses) > _TOLD:
-        console.print(f" damage  and {len(losses) - _TOLD} more places")
+    if len(losses) > _LISTED:
+        console.print(f" damage  and {len(losses) - _LISTED} more losses")
     if losses:
         messages = lost_messages(losses)
         count = "an unknown number of" if messages is None else f"{messages:,}"

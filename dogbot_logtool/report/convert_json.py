@@ -6,6 +6,7 @@ from typing import Any
 from dogbot_logtool import __version__
 from dogbot_logtool.io.storage import shown
 from dogbot_logtool.report.damage import damage_json
+from dogbot_logtool.report.figures.recording import finding_json
 from dogbot_logtool.results import Conversion
 
 
@@ -29,8 +30,6 @@ def conversion_json(done: Conversion) -> dict[str, Any]:
         "messages": {"read": done.messages, "copied": done.copied},
         "annotations": dict(done.annotations),
         "skipped": {**asdict(done.counts.arrows), "bad_poses": done.counts.bad_poses},
-        "findings": [
-            {"code": f.code, "text": f.text, "where": f.where or None} for f in done.findings
-        ],
+        "findings": [finding_json(each) for each in done.findings],
         "damage": damage_json(done.losses),
     }

@@ -9,10 +9,10 @@ from rich.text import Text
 from dogbot_logtool.io.printable import printable
 
 
-def print_kept(
+def print_dataset(
     console: Console,
     dataset: str,
-    kept: Sequence[dict[str, Any]],
+    written: Sequence[dict[str, Any]],
     unchanged: Sequence[tuple[str, int]],
     failed: int,
 ) -> None:
@@ -21,16 +21,16 @@ def print_kept(
     Args:
         console: where to print.
         dataset: name of the dataset, as it may be shown.
-        kept: figures of the logs that were written, as in `--json`.
+        written: figures of the logs that were written, as in `--json`.
         unchanged: names and exit codes of the logs that were there already.
-        failed: how many logs could not be measured or kept.
+        failed: how many logs could not be measured or written.
     """
-    damaged = [(said["log"]["path"], _lost(said["quality"])) for said in kept]
+    damaged = [(each["log"]["path"], _lost(each["quality"])) for each in written]
     damaged = [(name, lost) for name, lost in damaged if lost]
     damaged += [
         (name, "unchanged, damaged when it was measured") for name, code in unchanged if code
     ]
-    counts = ((len(kept), "written"), (len(unchanged), "unchanged"), (failed, "failed"))
+    counts = ((len(written), "written"), (len(unchanged), "unchanged"), (failed, "failed"))
     words = [f"{count:,} {what}" for count, what in counts if count or what == "written"]
     text = f": {', '.join(words)}; {len(damaged):,} damaged"
     console.print(Text.assemble(Text(printable(dataset), style="bold"), text), soft_wrap=True)

@@ -53,8 +53,11 @@ def default_window(stats: Stats) -> tuple[float, float]:
     length = STRIDES_SHOWN / main.stride_frequency_hz
     touchdowns = stats.feet[stats.reference].strides.within(main.spans).touchdown
     earliest = [each for each in stats.seconds(touchdowns) if each + length <= end]
-    begin = earliest[len(earliest) // 2] if earliest else start
-    return begin, begin + length
+    whole = (stats.end - stats.origin) / 1e9
+    # With too few strides for a window of that length, what there is is shown.
+    otherwise = max(min(start, whole - length), 0.0)
+    begin = earliest[len(earliest) // 2] if earliest else otherwise
+    return begin, min(begin + length, whole)
 
 
 def gait_diagram(

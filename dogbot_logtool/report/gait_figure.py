@@ -12,14 +12,14 @@ from typing import TYPE_CHECKING, Any, BinaryIO, Final, Literal
 import numpy as np
 
 from dogbot_logtool.core.contact.curves import Curve, LoadCurves
-from dogbot_logtool.core.gait.foot_statistics import FootFigures
+from dogbot_logtool.core.gait.foot_statistics import FootStatistics
 from dogbot_logtool.core.geometry import timespans
 from dogbot_logtool.core.geometry.arrays import Floats, Ints
+from dogbot_logtool.core.scene.foot_style import foot_colour, short_names
 from dogbot_logtool.core.statistics import Stats
 from dogbot_logtool.errors import CallError, ExtraMissingError, LogError
 from dogbot_logtool.io.printable import printable
 from dogbot_logtool.pipeline.time_span import refuse_window
-from dogbot_logtool.report.foot_pens import foot_colour, short_names
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -85,7 +85,7 @@ def require_matplotlib() -> None:
 
 @dataclass(frozen=True, slots=True)
 class _Layout:
-    """Where things stand."""
+    """Positions of the figure's parts."""
 
     width: float
     height: float
@@ -95,7 +95,7 @@ class _Layout:
     right: float
 
     def axes(self, figure: "Figure", below_top: float, height: float) -> "Axes":
-        """Add axes over the whole width, at a place given in usual heights."""
+        """Add axes over the whole width, at a height given in usual heights."""
         top = self.height - _TOP - below_top * self.scale
         inner = self.width - self.left - self.right
         return figure.add_axes(
@@ -161,15 +161,15 @@ def gait_figure(
         _draw_rows(rows, stats, names, window)
         top = len(names) * _ROW + _BELOW_ROWS
         panels = []
-        for place, (row, force) in enumerate(forces.items()):
-            axes = layout.axes(figure, top + place * (_PANEL + _BELOW_PANEL), _PANEL)
+        for index, (row, force) in enumerate(forces.items()):
+            axes = layout.axes(figure, top + index * (_PANEL + _BELOW_PANEL), _PANEL)
             _draw_load(axes, stats, row, force, window)
             _name(axes, names[row], (1.0, 0.5), "axes fraction", 1)
             panels.append(axes)
         _scale_loads(panels)
         _time_axis([rows, *panels], window)
         if panels:
-            unit = "N" if stats.settings.body_weight_n is None else "body weights"
+            unit = "N" if stats.loads.weight_n is None else "body weights"
             height = len(panels) * (_PANEL + _BELOW_PANEL) - _BELOW_PANEL
             at = 0.6 / layout.width, layout.middle(top, height)
             figure.text(*at, f"Load ({unit})", rotation=90, va="center")
@@ -234,21 +234,21 @@ def _draw_load(
 
 
 def _line(
-    stats: Stats, foot: FootFigures, force: Curve, window: tuple[float, float]
+    stats: Stats, foot: FootStatistics, force: Curve, window: tuple[float, float]
 ) -> tuple[Floats, Floats]:
     """Return s since the log's start, and body weights or N, over a window and no further."""
     time, load = force.line(foot.record.gaps)
     start, end = _limits(stats, window)
     first = max(int(np.searchsorted(time, start)) - 1, 0)
     last = int(np.searchsorted(time, end, side="right")) + 1
-    weight = stats.settings.body_weight_n or 1.0
+    weight = stats.loads.weight_n or 1.0
     return (time[first:last] - stats.origin) / 1e9, load[first:last] / weight
 
 
 def _shade_unknown(
     axes: "Axes",
     stats: Stats,
-    foot: FootFigures,
+    foot: FootStatistics,
     window: tuple[float, float],
     height: Mapping[str, Any],
 ) -> None:

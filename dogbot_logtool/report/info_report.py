@@ -10,6 +10,7 @@ from dogbot_logtool.io.printable import printable
 from dogbot_logtool.io.storage import shown
 from dogbot_logtool.report.console import human_size, print_damage, print_findings, print_sentence
 from dogbot_logtool.report.damage import damage_json
+from dogbot_logtool.report.figures.recording import finding_json
 from dogbot_logtool.report.frames_json import frames_json
 from dogbot_logtool.report.frames_text import print_frame_names, print_frames
 from dogbot_logtool.report.text_layout import NameTable, Row
@@ -47,9 +48,7 @@ def info_json(info: LogInfo) -> dict[str, Any]:
             for topic in info.topics
         ],
         "frames": frames_json(info),
-        "findings": [
-            {"code": f.code, "text": f.text, "where": f.where or None} for f in info.findings
-        ],
+        "findings": [finding_json(each) for each in info.findings],
         "damage": damage_json(info.losses),
     }
 

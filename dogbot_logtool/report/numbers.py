@@ -1,5 +1,6 @@
 """Numbers as people read them."""
 
+from collections.abc import Sequence
 from typing import Final
 
 NOTHING: Final = "-"
@@ -15,3 +16,9 @@ def decimal(value: float | None, decimals: int) -> str:
 def percent(value: float | None) -> str:
     """Write a share as a percentage."""
     return NOTHING if value is None else f"{value:.1%}"
+
+
+def span_of(values: Sequence[float]) -> str:
+    """Write the lowest and the highest of some numbers; once, where they are the same."""
+    written = list(dict.fromkeys(f"{value:.3g}" for value in sorted(values)))
+    return " to ".join([written[0], *written[1:][-1:]]) if written else NOTHING

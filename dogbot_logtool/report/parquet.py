@@ -2,12 +2,13 @@
 
     logs/robot=dogbot/month=2026-11/<log>.parquet        one row a log
     strides/robot=dogbot/month=2026-11/<log>.parquet     one row a stride of a foot
+    events/robot=dogbot/month=2026-11/<log>.parquet      one row an event
 
-Each log has a file of its own in both, named by a hash of its real path or its whole URL, that is
+Each log has a file of its own in each, named by a hash of its real path or its whole URL, that is
 replaced as a whole: workers write them without asking each other, and whatever is written twice is
 there once. The column `log` has no query of a URL, since it may hold secrets. `log_id` changes with
-the log and the settings; tables joined on it never mix old and new. A log's strides are written
-before its row of `logs`, and that row is what a later run looks for.
+the log and the settings; tables joined on it never mix old and new. A log's strides and
+events are written before its row of `logs`, and that row is what a later run looks for.
 """
 
 import hashlib
@@ -28,8 +29,11 @@ from dogbot_logtool.io import storage
 from dogbot_logtool.io.output import whole_file
 from dogbot_logtool.io.plain_json import to_json
 from dogbot_logtool.io.storage import Location
+from dogbot_logtool.report.figures.events import EVENTS
+from dogbot_logtool.report.figures.figure import Kind, TableName
+from dogbot_logtool.report.figures.tables import at, columns_of
 from dogbot_logtool.results import Figures
-from dogbot_logtool.run.inputs import Fleet, Found
+from dogbot_logtool.run.inputs import Found, LogSet
 
 if TYPE_CHECKING:
     from dogbot_logtool.pipeline.options import StatsOptions
@@ -41,32 +45,35 @@ try:
 except ImportError as error:
     raise ExtraMissingError("--parquet", "fleet") from error
 
-SCHEMA_VERSION: Final = 1
+SCHEMA_VERSION: Final = 3
 """Grows with every change of the columns' meaning."""
 _SIMULATED_BEFORE_S: Final = 1_000_000_000
 """Log times before this are simulation time, not dates."""
 _NEVER_S: Final = 1e11
 _ASKED_AT_ONCE: Final = 16
+_TYPES: Final = {
+    Kind.TEXT: pa.string(),
+    Kind.COUNT: pa.int64(),
+    Kind.INTEGER: pa.int64(),
+    Kind.FLAG: pa.bool_(),
+}
+"""Of columns; of all other kinds of figures, float64."""
+
+
+def _figure_columns(table: TableName) -> list[tuple[str, pa.DataType]]:
+    return [
+        (each.column.header, _TYPES.get(each.figure.kind, pa.float64()))
+        for each in columns_of(table)
+    ]
+
+
 _LOGS: Final = pa.schema(
     [
         ("log", pa.string()),
         ("log_id", pa.string()),
-        ("container", pa.string()),
         ("start_time", pa.timestamp("us", "UTC")),
-        ("start_s", pa.float64()),
-        ("duration_s", pa.float64()),
-        ("messages", pa.int64()),
         ("damaged", pa.bool_()),
-        ("lost_messages", pa.int64()),
-        ("lost_bytes", pa.int64()),
-        ("gait", pa.string()),
-        ("sequence", pa.string()),
-        ("duty_factor", pa.float64()),
-        ("stride_frequency_hz", pa.float64()),
-        ("forward_speed_mps", pa.float64()),
-        ("path_length_m", pa.float64()),
-        ("vertical_impulse_over_weight", pa.float64()),
-        ("mass_kg", pa.float64()),
+        *_figure_columns(TableName.LOG_ROWS),
         ("warnings", pa.int64()),
         ("figures_json", pa.string()),
         ("log_size_bytes", pa.int64()),
@@ -81,16 +88,17 @@ _STRIDES: Final = pa.schema(
         ("foot", pa.string()),
         ("place_end", pa.string()),
         ("place_side", pa.string()),
-        ("start_s", pa.float64()),
-        ("stance_s", pa.float64()),
-        ("swing_s", pa.float64()),
-        ("duty_factor", pa.float64()),
-        ("length_m", pa.float64()),
-        ("peak_force_n", pa.float64()),
-        ("vertical_impulse_ns", pa.float64()),
-        ("slip_m", pa.float64()),
+        *_figure_columns(TableName.STRIDE_ROWS),
     ]
 )
+_EVENTS: Final = pa.schema(
+    [
+        ("log", pa.string()),
+        ("log_id", pa.string()),
+        *((figure.key, _TYPES.get(figure.kind, pa.float64())) for figure in EVENTS),
+    ]
+)
+_TABLES: Final = ("strides", "events", "logs")
 
 
 @dataclass(frozen=True, slots=True)
@@ -110,8 +118,8 @@ class State:
 
 
 @dataclass(frozen=True, slots=True)
-class Kept:
-    """What is in the dataset of a log."""
+class StoredLog:
+    """A log whose figures are in the dataset."""
 
     log_id: str
     partition: str
@@ -121,19 +129,19 @@ class Kept:
 
 @dataclass(frozen=True, slots=True)
 class Entry:
-    """A log that is to be measured and kept."""
+    """A log that is to be measured and written."""
 
-    place: Location
+    location: Location
     state: State
-    old: Kept | None
+    old: StoredLog | None
 
 
 @dataclass(frozen=True, slots=True)
-class Todo:
-    """What a run has to do."""
+class Pending:
+    """The work that a run has to do."""
 
     entries: tuple[Entry, ...]
-    fleet: Fleet
+    log_set: LogSet
     """Logs of the entries, likewise."""
     unchanged: tuple[tuple[str, int], ...]
     """Names and exit codes of logs whose figures are there already."""
@@ -141,7 +149,7 @@ class Todo:
 
 @dataclass(frozen=True, slots=True)
 class Dataset:
-    """A directory or a URL with the two tables."""
+    """A directory or a URL with the tables."""
 
     root: Location
     settings: str
@@ -149,11 +157,11 @@ class Dataset:
 
     @property
     def settings_sha256(self) -> str:
-        """What tells settings apart; another version of this program counts as another setting."""
-        told = f"{SCHEMA_VERSION} {__version__} {self.settings}"
-        return hashlib.sha256(told.encode()).hexdigest()
+        """A hash of the settings; another version of this program counts as another setting."""
+        text = f"{SCHEMA_VERSION} {__version__} {self.settings}"
+        return hashlib.sha256(text.encode()).hexdigest()
 
-    def todo(self, fleet: Fleet) -> Todo:
+    def pending(self, log_set: LogSet) -> Pending:
         """Look which logs are not there, or not as they are now.
 
         Raises:
@@ -161,22 +169,22 @@ class Dataset:
             LogtoolError: the dataset cannot be read.
         """
         with ThreadPoolExecutor(_ASKED_AT_ONCE) as pool:
-            states = list(pool.map(self._state, fleet.places))
-        kept = dict(self._kept())
+            states = list(pool.map(self._state, log_set.paths))
+        stored = dict(self._stored())
         entries: list[Entry] = []
         logs: list[Found] = []
         unchanged: list[tuple[str, int]] = []
-        for log, state in zip(fleet.logs, states, strict=True):
-            old = kept.get(state.key)
+        for log, state in zip(log_set.logs, states, strict=True):
+            old = stored.get(state.key)
             if old is not None and old.log_id == state.log_id and state.version:
-                unchanged.append((storage.shown(log.place), 3 if old.damaged else 0))
+                unchanged.append((storage.shown(log.path), 3 if old.damaged else 0))
             else:
-                entries.append(Entry(log.place, state, old))
+                entries.append(Entry(log.path, state, old))
                 logs.append(log)
-        return Todo(tuple(entries), replace(fleet, logs=tuple(logs)), tuple(unchanged))
+        return Pending(tuple(entries), replace(log_set, logs=tuple(logs)), tuple(unchanged))
 
-    def keep(self, figures: Figures, entry: Entry) -> None:
-        """Write, or replace, what is known of a log.
+    def write(self, figures: Figures, entry: Entry) -> None:
+        """Write, or replace, the figures of a log.
 
         Raises:
             LogtoolError: it cannot be written.
@@ -184,14 +192,15 @@ class Dataset:
         partition = _partition(figures.robot, _month(figures.json["log"]["start_s"]))
         file = f"{entry.state.key}.parquet"
         strides = pa.table(_stride_columns(figures, entry.state), _STRIDES)
+        events = pa.Table.from_pylist(_event_rows(figures, entry.state), _EVENTS)
         logs = pa.Table.from_pylist([self._log_row(figures, entry.state)], _LOGS)
-        for table, rows in (("strides", strides), ("logs", logs)):
+        for table, rows in zip(_TABLES, (strides, events, logs), strict=True):
             self._write(self.root / table / partition / file, rows)
         if entry.old is not None and entry.old.partition != partition:
-            for table in ("logs", "strides"):
+            for table in reversed(_TABLES):
                 _remove(self.root / table / entry.old.partition / file)
 
-    def _kept(self) -> Iterator[tuple[str, Kept]]:
+    def _stored(self) -> Iterator[tuple[str, StoredLog]]:
         folder = self.root / "logs"
         try:
             if not storage.is_folder(folder):
@@ -213,27 +222,31 @@ class Dataset:
         for row in table.to_pylist():
             file = PurePosixPath(Path(row["__filename"]).as_posix())
             partition = f"{file.parts[-3]}/{file.parts[-2]}"
-            yield file.stem, Kept(row["log_id"], partition, bool(row["damaged"]))
+            yield file.stem, StoredLog(row["log_id"], partition, bool(row["damaged"]))
 
-    def _state(self, place: Location) -> State:
-        identity = os.fsencode(storage.identity(place))
+    def _state(self, location: Location) -> State:
+        identity = os.fsencode(storage.identity(location))
         try:
-            size, version = storage.version(place)
+            size, version = storage.version(location)
         except (LogtoolError, OSError):
-            # Whoever opens it will say what is wrong.
+            # Opening it reports what is wrong.
             size, version = 0, ""
-        told = "\n".join((str(size), version, self.settings_sha256)).encode()
+        text = "\n".join((str(size), version, self.settings_sha256)).encode()
         return State(
-            name=storage.shown(storage.from_root(place)),
+            name=storage.shown(storage.from_root(location)),
             key=hashlib.sha256(identity).hexdigest()[:24],
             size=size,
             version=version,
-            log_id=hashlib.sha256(identity + b"\n" + told).hexdigest()[:32],
+            log_id=hashlib.sha256(identity + b"\n" + text).hexdigest()[:32],
         )
 
     def _write(self, target: Location, rows: pa.Table) -> None:
-        told = {"schema_version": SCHEMA_VERSION, "version": __version__, "settings": self.settings}
-        metadata = {f"dogbot_logtool.{key}": str(value) for key, value in told.items()}
+        origin = {
+            "schema_version": SCHEMA_VERSION,
+            "version": __version__,
+            "settings": self.settings,
+        }
+        metadata = {f"dogbot_logtool.{key}": str(value) for key, value in origin.items()}
         buffer = io.BytesIO()
         pq.write_table(rows.replace_schema_metadata(metadata), buffer, compression="zstd")
         if isinstance(target, Path):
@@ -248,56 +261,46 @@ class Dataset:
             storage.asked(target, lambda: target.fs.pipe_file(target.path, buffer.getvalue()))
 
     def _log_row(self, figures: Figures, state: State) -> dict[str, Any]:
-        said = figures.json
-        log, gait, base, quality = said["log"], said["gait"], said["base"], said["quality"]
+        document = figures.json
+        quality = document["quality"]
         return {
             "log": state.name,
             "log_id": state.log_id,
-            "container": log["container"],
-            "start_time": _date(log["start_s"]),
-            "start_s": log["start_s"],
-            "duration_s": log["duration_s"],
-            "messages": log["messages"],
+            "start_time": _date(document["log"]["start_s"]),
             "damaged": bool(quality["losses"]),
-            "lost_messages": quality["lost_messages"],
-            "lost_bytes": quality["lost_bytes"],
-            "gait": gait["class"],
-            "sequence": gait["sequence"],
-            "duty_factor": gait["duty_factor"],
-            "stride_frequency_hz": gait["stride_frequency_hz"],
-            "forward_speed_mps": base and base["forward_speed_mps"],
-            "path_length_m": base and base["path_length_m"],
-            "vertical_impulse_over_weight": said["forces"]["vertical_impulse_over_weight"],
-            "mass_kg": said["settings"]["mass_kg"],
-            "warnings": len(quality["findings"]),
-            "figures_json": to_json(said),
+            **{
+                each.column.header: at(document, each.path)
+                for each in columns_of(TableName.LOG_ROWS)
+            },
+            "warnings": sum(each["severity"] != "note" for each in document["findings"]),
+            "figures_json": to_json(document),
             "log_size_bytes": state.size,
             "log_version": state.version,
             "settings_sha256": self.settings_sha256,
         }
 
 
-def dataset_at(place: Location, options: "StatsOptions") -> Dataset:
-    """Return the dataset at a place, for figures with some options.
+def dataset_at(location: Location, options: "StatsOptions") -> Dataset:
+    """Return the dataset at a path or URL, for figures with some options.
 
     Raises:
         CallError: no dataset can be there.
     """
-    if isinstance(place, Path):
-        _refuse_bad_root(place)
-    told = asdict(replace(options, jobs=1))
+    if isinstance(location, Path):
+        _refuse_bad_root(location)
+    settings = asdict(replace(options, jobs=1))
     robot = options.topics.robot
     if robot is not None and robot.endswith(".toml"):
         # The file may change while its name does not.
-        told["robot_file"] = storage.content(Path(robot), 1 << 20)
-    return Dataset(place, json.dumps(told, sort_keys=True, default=repr))
+        settings["robot_file"] = storage.content(Path(robot), 1 << 20)
+    return Dataset(location, json.dumps(settings, sort_keys=True, default=repr))
 
 
-def _refuse_bad_root(place: Path) -> None:
-    name = storage.shown(place)
-    if name != str(place):
+def _refuse_bad_root(path: Path) -> None:
+    name = storage.shown(path)
+    if name != str(path):
         raise CallError(f"--parquet {name}: its name must be UTF-8, which all readers of it need")
-    if place.exists() and not place.is_dir():
+    if path.exists() and not path.is_dir():
         raise CallError(f"--parquet {name}: is no directory")
 
 
@@ -318,18 +321,23 @@ def _partition(robot: str, month: str) -> str:
 
 def _stride_columns(figures: Figures, state: State) -> dict[str, Sequence[Any]]:
     strides = figures.strides
-    places = {name: foot["place"] or (None, None) for name, foot in figures.json["feet"].items()}
+    positions = {name: foot["place"] or (None, None) for name, foot in figures.json["feet"].items()}
     return {
         "log": [state.name] * len(strides.foot),
         "log_id": [state.log_id] * len(strides.foot),
         "foot": strides.foot,
-        "place_end": [places[foot][0] for foot in strides.foot],
-        "place_side": [places[foot][1] for foot in strides.foot],
+        "place_end": [positions[foot][0] for foot in strides.foot],
+        "place_side": [positions[foot][1] for foot in strides.foot],
         **{
             name: pa.array(column, from_pandas=True)  # NaN becomes null
             for name, column in strides.columns.items()
         },
     }
+
+
+def _event_rows(figures: Figures, state: State) -> list[dict[str, Any]]:
+    log = {"log": state.name, "log_id": state.log_id}
+    return [{**log, **event} for event in figures.json["events"]]
 
 
 def _remove(file: Location) -> None:

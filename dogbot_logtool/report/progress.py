@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
 
 class ProgressBars:
-    """Follows work on logs; may be told from any thread."""
+    """Shows how work on logs goes on; may be called from any thread."""
 
     def __init__(self, names: Sequence[str], *, shown: bool) -> None:
         """Set up.
@@ -42,7 +42,7 @@ class ProgressBars:
         if self._bars is not None:
             self._bars.stop()
 
-    def told(self, number: int, done: int, total: int) -> None:
+    def update(self, number: int, done: int, total: int) -> None:
         """Show how far a log has come, in bytes."""
         with self._lock:
             if self._bars is None or number in self._finished:

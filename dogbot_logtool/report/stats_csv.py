@@ -1,29 +1,17 @@
-"""One row a stride, for spreadsheets; one row a log, where there are several."""
+"""One row a stride, or an event, for spreadsheets."""
 
 import csv
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from typing import Final, TextIO
 
 import numpy as np
 
-from dogbot_logtool.core.remarks import remarks
-from dogbot_logtool.core.statistics import Stats
 from dogbot_logtool.io.printable import printable
-from dogbot_logtool.report.stride_table import COLUMNS
-from dogbot_logtool.results import LogFacts, StrideTable
+from dogbot_logtool.report.figures.events import EVENT_COLUMNS
+from dogbot_logtool.report.figures.figure import Json, TableName
+from dogbot_logtool.report.figures.tables import headers
+from dogbot_logtool.results import StrideTable
 
-STRIDE_COLUMNS: Final = ("log", "foot", *COLUMNS)
-SUMMARY_COLUMNS: Final = (
-    "log",
-    "class",
-    "sequence",
-    "duty_factor",
-    "stride_frequency_hz",
-    "forward_speed_mps",
-    "vertical_impulse_over_weight",
-    "segments",
-    "warnings",
-)
 _FORMULA: Final = ("=", "+", "-", "@", "\t", "\r")
 _DIGITS: Final = 9
 """Significant digits; stamps are nanoseconds, forces are not that good."""
@@ -31,36 +19,22 @@ _DIGITS: Final = 9
 
 def write_strides(file: TextIO, results: Iterable[tuple[str, StrideTable]]) -> None:
     """Write a row for each stride, given logs' names and strides; what is not known is empty."""
+    figures = headers(TableName.STRIDE_ROWS)
     writer = csv.writer(file, lineterminator="\n")
-    writer.writerow(STRIDE_COLUMNS)
+    writer.writerow(["log", "foot", *figures])
     for path, strides in results:
-        columns = [strides.columns[name].tolist() for name in COLUMNS]
-        for foot, *figures in zip(strides.foot, *columns, strict=True):
-            writer.writerow([_word(path), _word(foot), *map(_text, figures)])
+        columns = [strides.columns[name].tolist() for name in figures]
+        for foot, *values in zip(strides.foot, *columns, strict=True):
+            writer.writerow([_word(path), _word(foot), *map(_text, values)])
 
 
-def write_summary(file: TextIO, results: Sequence[tuple[Stats, LogFacts]]) -> None:
-    """Write a row for each log."""
+def write_events(file: TextIO, events: Iterable[Json]) -> None:
+    """Write a row for each event of a log's JSON; what is not known is empty."""
     writer = csv.writer(file, lineterminator="\n")
-    writer.writerow(SUMMARY_COLUMNS)
-    for stats, log in results:
-        writer.writerow(_summary_row(stats, log))
-
-
-def _summary_row(stats: Stats, log: LogFacts) -> list[str]:
-    main = stats.main
-    said = (*remarks(stats), *log.findings)
-    return [
-        _word(log.path),
-        (main.gait.name or "") if main else "",
-        (main.gait.sequence or "") if main else "",
-        _text(main.duty_factor if main else None),
-        _text(main.stride_frequency_hz if main else None),
-        _text(stats.base.forward_speed_mps if stats.base else None),
-        _text(stats.loads.vertical_impulse_over_weight),
-        str(len(stats.segments)),
-        str(sum(not each.code.startswith("N_") for each in said)),
-    ]
+    writer.writerow(EVENT_COLUMNS)
+    for event in events:
+        cells = (event[name] for name in EVENT_COLUMNS)
+        writer.writerow([_word(each) if isinstance(each, str) else _text(each) for each in cells])
 
 
 def _word(text: str) -> str:

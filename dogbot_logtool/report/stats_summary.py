@@ -1,28 +1,29 @@
 """The figures of a log among several: a row of a few."""
 
 from pathlib import Path
+from typing import Final
 
-from dogbot_logtool.core.remarks import remarks
 from dogbot_logtool.core.statistics import Stats
 from dogbot_logtool.io.printable import printable
-from dogbot_logtool.report.numbers import NOTHING, decimal
+from dogbot_logtool.report.figures.document import DOCUMENT, log_source
+from dogbot_logtool.report.figures.figure import TableName
+from dogbot_logtool.report.figures.tables import cells_of, headers
+from dogbot_logtool.report.numbers import NOTHING
 from dogbot_logtool.report.verdict import gait_name
 from dogbot_logtool.results import LogFacts
+
+SUMMARY_HEADERS: Final = ("log", "gait", *headers(TableName.SUMMARY), "warnings", "damage")
+"""Headings of a `summary_row`."""
 
 
 def summary_row(stats: Stats, log: LogFacts) -> tuple[str, ...]:
     """Return the row of a log among several."""
-    main = stats.main
-    base = stats.base
-    warnings = sum(not one.code.startswith("N_") for one in (*remarks(stats), *log.findings))
+    main, source = stats.main, log_source(stats, log)
     return (
         printable(Path(log.path).name),
         NOTHING if main is None or main.gait.name is None else gait_name(main).lower(),
-        decimal(main.duty_factor if main else None, 3),
-        decimal(main.stride_frequency_hz if main else None, 3),
-        decimal(base.forward_speed_mps if base else None, 3),
-        decimal(stats.loads.vertical_impulse_over_weight, 4),
-        str(warnings),
+        *cells_of(TableName.SUMMARY, DOCUMENT.plain(source)),
+        str(source.doubts),
         _damage(log),
     )
 

@@ -9,15 +9,19 @@ from rich.console import Console, Group, RenderableType
 from rich.padding import Padding
 from rich.text import Text
 
+from dogbot_logtool.core.events.event import STEPS
+from dogbot_logtool.core.findings.findings import first_of
 from dogbot_logtool.core.gait.gait import STAND
 from dogbot_logtool.core.geometry.aggregates import Aggregate
-from dogbot_logtool.core.load.load_figures import grouped_shares
-from dogbot_logtool.core.remarks import remarks
+from dogbot_logtool.core.scene.foot_style import short_names
 from dogbot_logtool.core.statistics import Stats
-from dogbot_logtool.finding import Finding
+from dogbot_logtool.finding import Finding, Severity
 from dogbot_logtool.io.printable import printable
 from dogbot_logtool.report.console import print_command
-from dogbot_logtool.report.foot_pens import short_names
+from dogbot_logtool.report.figures.document import DOCUMENT, log_source
+from dogbot_logtool.report.figures.figure import Json, TableName
+from dogbot_logtool.report.figures.loads import load_source
+from dogbot_logtool.report.figures.tables import cells_of, headers
 from dogbot_logtool.report.gait_diagram import (
     ASCII,
     UNICODE,
@@ -25,50 +29,18 @@ from dogbot_logtool.report.gait_diagram import (
     gait_diagram,
     support_line,
 )
-from dogbot_logtool.report.numbers import NOTHING, decimal, percent
-from dogbot_logtool.report.stats_json import symmetry
-from dogbot_logtool.report.text_layout import Hanging, NameTable, Row
-from dogbot_logtool.report.verdict import evidence, gait_name, how_sure, is_known
+from dogbot_logtool.report.numbers import NOTHING, decimal
+from dogbot_logtool.report.stats_summary import SUMMARY_HEADERS
+from dogbot_logtool.report.text_layout import HangingIndent, NameTable, Row
+from dogbot_logtool.report.verdict import evidence, fall_headline, gait_name, how_sure, is_known
 from dogbot_logtool.results import LogFacts
 
-_STEPS: Final = (
-    "foot",
-    "contact",
-    "strides",
-    "stance s",
-    "swing s",
-    "duty",
-    "phase",
-    "R",
-    "length m",
-)
-_LOADS: Final = (
-    "foot",
-    "share",
-    "peak |F|",
-    "mean |F|",
-    "peak Fz",
-    "impact",
-    "friction",
-    "travel",
-    "slip",
-)
-_SUMMARY: Final = (
-    "log",
-    "gait",
-    "duty",
-    "strides/s",
-    "m/s",
-    "impulse/weight",
-    "warnings",
-    "damage",
-)
 _INDENT: Final = 4
 """Of the further lines of what does not fit one."""
-_SEVERITIES: Final[Mapping[str, tuple[str, str]]] = {
-    "E": ("error", "bold red"),
-    "W": ("warning", "yellow"),
-    "N": ("note", "dim"),
+_STYLES: Final[Mapping[Severity, str]] = {
+    Severity.ERROR: "bold red",
+    Severity.WARNING: "yellow",
+    Severity.NOTE: "dim",
 }
 
 
@@ -89,6 +61,8 @@ def print_report(
         window: s since the log's start, from and to, of the gait diagram; None chooses one.
         verbose: say also what is merely good to know, foot by foot.
     """
+    source = log_source(stats, log)
+    document = DOCUMENT.plain(source)
     glyphs = ASCII if console.options.ascii_only else UNICODE
     start, end = window or default_window(stats)
     diagram = gait_diagram(stats, console.width - 2, window=(start, end), glyphs=glyphs)
@@ -100,35 +74,37 @@ def print_report(
         Text(),
         verdict(stats),
         *_segments(stats),
+        *_first(source.findings),
         Text(),
+        *_events(document),
         _heading("Gait diagram", f"{start:.2f} to {end:.2f} s; {legend}"),
         Padding(Group(*diagram), (0, 0, 0, 2), expand=False),
         Text(),
         _heading("Steps", "medians over whole strides"),
-        _steps(console, stats),
+        _foot_table(console, TableName.STEPS, document),
         _support(stats),
         Text(),
         _heading("Loads", _load_unit(stats)),
-        _loads(console, stats),
-        *_load_lines(stats),
+        _foot_table(console, TableName.LOADS, document),
+        *_load_lines(stats, document),
         Text(),
         _heading("Base"),
         *_base(stats),
         Text(),
         _heading("Findings"),
-        *_findings([*remarks(stats), *log.findings], log, verbose=verbose),
+        *_findings(source.findings, verbose=verbose),
     ]
     # A report keeps its width where no terminal shows it.
     console.print(Group(*parts), highlight=False, soft_wrap=False, crop=False)
     for each in log.findings:
-        if isinstance(each, Finding) and each.command:
+        if each.command:
             print_command(console, each.command, 2)
 
 
-def _title(log: LogFacts) -> Hanging:
+def _title(log: LogFacts) -> HangingIndent:
     duration = NOTHING if log.duration_s is None else f"{log.duration_s:.2f} s"
     facts = f"  {log.container}, {duration}, {log.messages} messages"
-    return Hanging(Text.assemble((printable(log.path), "bold"), facts), 2)
+    return HangingIndent(Text.assemble((printable(log.path), "bold"), facts), 2)
 
 
 def _heading(words: str, aside: str = "") -> Text:
@@ -137,6 +113,11 @@ def _heading(words: str, aside: str = "") -> Text:
 
 def verdict(stats: Stats) -> Text:
     """Say in a line or two which gait it is, and how sure that is."""
+    fall = fall_headline(stats)
+    return Text.assemble((f"{fall}\n", "bold red"), _gait(stats)) if fall else _gait(stats)
+
+
+def _gait(stats: Stats) -> Text:
     main = stats.main
     if main is None:
         return Text("Gait not known: no foot makes a whole stride.", style="bold yellow")
@@ -148,8 +129,7 @@ def verdict(stats: Stats) -> Text:
     line = Text.assemble((gait_name(main), style), f", {sure}" if sure else "")
     line.append(f"\n{evidence(main)}")
     if main.duty_factor is not None:
-        kind = "running" if main.duty_factor < 0.5 else "not running"
-        line.append(f"\nduty factor {main.duty_factor:.3f} ({kind})")
+        line.append(f"\nduty factor {main.duty_factor:.3f}")
     if main.stride_frequency_hz is not None:
         line.append(f", {main.stride_frequency_hz:.3f} strides a second")
     if stats.base is not None and stats.base.forward_speed_mps is not None:
@@ -162,11 +142,11 @@ def _segments(stats: Stats) -> list[RenderableType]:
         return []
     parts = []
     for segment in stats.segments:
-        start, end = (each / 1e9 for each in (segment.spans[0] - stats.origin).tolist())
+        start, end = ((each - stats.origin) / 1e9 for each in (segment.start, segment.end))
         frequency = segment.stride_frequency_hz
         pace = "" if frequency is None else f", {frequency:.2f} strides/s"
         parts.append(f"{start:.1f}-{end:.1f} s {gait_name(segment).lower()}{pace}")
-    return [Hanging(Text("in turn: " + "; ".join(parts)), _INDENT)]
+    return [HangingIndent(Text("in turn: " + "; ".join(parts)), _INDENT)]
 
 
 def _table(console: Console, headings: Sequence[str], rows: Sequence[Row]) -> NameTable:
@@ -174,49 +154,18 @@ def _table(console: Console, headings: Sequence[str], rows: Sequence[Row]) -> Na
     return NameTable(headings, rows, margin=2, gap=gap, heading_style="dim")
 
 
-def _steps(console: Console, stats: Stats) -> NameTable:
-    rows = []
-    for number, foot in enumerate(stats.feet):
-        phase = stats.main.phases[number] if stats.main else None
-        cells = [
-            percent(foot.contact_fraction),
-            str(len(foot.strides.stance)),
-            _median(foot.stance_s, 3),
-            _median(foot.swing_s, 3),
-            _median(foot.duty_factor, 3),
-            NOTHING if phase is None else f"{phase.mean:.3f}",
-            NOTHING if phase is None else f"{phase.consistency:.2f}",
-            _median(foot.stride_length_m, 3),
-        ]
-        rows.append(Row([printable(foot.name)], cells))
-    return _table(console, _STEPS, rows)
-
-
-def _loads(console: Console, stats: Stats) -> NameTable:
-    weight = stats.settings.body_weight_n
-    rows = []
-    for number, foot in enumerate(stats.feet):
-        share = stats.loads.shares[number] if stats.loads.shares else None
-        cells = [
-            percent(share),
-            _force(foot.peak_force_n, weight),
-            _force(foot.mean_force_n, weight),
-            _force(foot.peak_vertical_force_n, weight),
-            _median(foot.impact_ratio, 2),
-            _median(foot.friction_use, 2),
-            _millimetres(foot.contact_travel_m),
-            _millimetres(foot.slip_distance_m),
-        ]
-        rows.append(Row([printable(foot.name)], cells))
-    return _table(console, _LOADS, rows)
+def _foot_table(console: Console, table: TableName, document: Json) -> NameTable:
+    """Return a table of figures with a row a foot."""
+    rows = [Row([printable(name)], cells_of(table, document, name)) for name in document["feet"]]
+    return _table(console, ("foot", *headers(table)), rows)
 
 
 def _load_unit(stats: Stats) -> str:
-    unit = "newtons" if stats.settings.body_weight_n is None else "body weights"
+    unit = "newtons" if stats.loads.weight_n is None else "body weights"
     return f"medians over whole stances; forces in {unit}, travel and slip in mm"
 
 
-def _support(stats: Stats) -> Hanging:
+def _support(stats: Stats) -> HangingIndent:
     names = short_names([printable(foot.name) for foot in stats.feet])
     line = Text("  feet down: ", style="dim")
     if stats.support is not None:
@@ -228,37 +177,32 @@ def _support(stats: Stats) -> Hanging:
         line.append(", ".join(shares) + f"  ({support_line(stats, names)})", style="default")
     else:
         line.append("not known")
-    return Hanging(line, _INDENT)
+    return HangingIndent(line, _INDENT)
 
 
-def _load_lines(stats: Stats) -> list[RenderableType]:
+def _load_lines(stats: Stats, document: Json) -> list[RenderableType]:
     loads = stats.loads
     lines: list[RenderableType] = []
     if loads.vertical_impulse_over_weight is not None:
         ratio = loads.vertical_impulse_over_weight
         lines.append(_line("vertical impulse over weight", f"{ratio:.4f}  (1 is right)"))
-    if loads.shares is not None:
-        grouped = grouped_shares(loads.shares, [foot.place for foot in stats.feet])
-        words = [f"{name} {share:.1%}" for name, share in grouped.items() if share is not None]
+    shares = load_source(stats).shares
+    if shares is not None:
+        words = [
+            f"{name} {share:.1%}" for name, share in shares.groups.items() if share is not None
+        ]
         of = "vertical impulse" if loads.share_of == "vertical_impulse" else "impulse of |F|"
         if words:
             lines.append(_line(f"share of {of}", ", ".join(words)))
-    indices = symmetry(stats)
-    if indices is not None:
+    indices = document["forces"]["symmetry_index_percent"] or {}
+    for key, name in (("peak_force_n", "peak force"), ("duty_factor", "duty factor")):
         words = [
-            f"{pair} {value:+.1f} %"
+            f"{pair} {index[key]:+.1f} %"
             for pair, index in indices.items()
-            if (value := index["peak_force_n"]) is not None
-        ]
-        duty = [
-            f"{pair} {value:+.1f} %"
-            for pair, index in indices.items()
-            if (value := index["duty_factor"]) is not None
+            if index[key] is not None
         ]
         if words:
-            lines.append(_line("right over left, peak force", ", ".join(words)))
-        if duty:
-            lines.append(_line("right over left, duty factor", ", ".join(duty)))
+            lines.append(_line(f"right over left, {name}", ", ".join(words)))
     stability = stats.stability
     if stability is not None and stability.static_margin_m is not None:
         margin = stability.static_margin_m
@@ -272,8 +216,8 @@ def _load_lines(stats: Stats) -> list[RenderableType]:
     return lines
 
 
-def _line(name: str, value: str) -> Hanging:
-    return Hanging(Text.assemble(("  " + name + ": ", "dim"), printable(value)), _INDENT)
+def _line(name: str, value: str) -> HangingIndent:
+    return HangingIndent(Text.assemble(("  " + name + ": ", "dim"), printable(value)), _INDENT)
 
 
 def _base(stats: Stats) -> list[RenderableType]:
@@ -304,58 +248,67 @@ def _base(stats: Stats) -> list[RenderableType]:
     ]
 
 
-def _findings(said: Sequence[Finding], log: LogFacts, *, verbose: bool) -> list[RenderableType]:
-    """Sentences by severity; what holds for several feet is said once."""
+def _first(findings: Sequence[Finding]) -> list[RenderableType]:
+    """Return what to look at first, each with its remedy; nothing where nothing is grave."""
     lines: list[RenderableType] = []
-    if log.lost_messages != 0 or log.lost_bytes:
-        lost = "an unknown number of" if log.lost_messages is None else str(log.lost_messages)
-        text = f"{lost} messages and {log.lost_bytes} bytes of the log could not be read"
-        lines.append(_finding("W_LOST", text))
-    ordered = sorted(said, key=lambda one: "EWN".index(one.code[:1]))
-    alike = Counter(each.code for each in ordered)
-    for each in ordered if verbose else _first_of_each(ordered):
+    for each in first_of(findings):
+        text = Text.assemble(("  " + printable(each.sentence) + ". ", "yellow"), each.remedy)
+        lines.append(HangingIndent(text, _INDENT))
+    return [Text(), _heading("What to look at first"), *lines] if lines else []
+
+
+def _events(document: Json) -> list[RenderableType]:
+    """Return how often each event happened, and when first; touchdowns and lift-offs left out."""
+    happened = [each for each in document["events"] if each["type"] not in STEPS]
+    if not happened:
+        return []
+    first = {each["type"]: each["onset_s"] for each in reversed(happened)}
+    counts = Counter(each["type"] for each in happened)
+    words = [
+        f"{kind.replace('_', ' ')} {counts[kind]} (at {at:.2f} s)"
+        if counts[kind] == 1
+        else f"{kind.replace('_', ' ')} {counts[kind]} (first at {at:.2f} s)"
+        for kind, at in sorted(first.items(), key=lambda item: item[1])
+    ]
+    return [
+        _heading("Events", "--events FILE.csv writes all"),
+        _line("happened", ", ".join(words)),
+        Text(),
+    ]
+
+
+def _findings(findings: Sequence[Finding], *, verbose: bool) -> list[RenderableType]:
+    """Return the findings, the worst first; of those with one code the first, unless verbose."""
+    lines: list[RenderableType] = []
+    alike = Counter(each.code for each in findings)
+    for each in findings if verbose else _first_of_each(findings):
         more = "" if verbose or alike[each.code] == 1 else f" (and {alike[each.code] - 1} more)"
-        text = each.sentence if isinstance(each, Finding) else each.text
-        lines.append(_finding(each.code, text + more))
+        lines.append(_finding(each, more))
     return lines or [Text("  nothing to complain about", style="green")]
 
 
-def _first_of_each(said: Sequence[Finding]) -> list[Finding]:
-    """Return the first sentence of each code."""
-    return list({each.code: each for each in reversed(said)}.values())[::-1]
+def _first_of_each(findings: Sequence[Finding]) -> list[Finding]:
+    """Return the first finding of each code."""
+    return list({each.code: each for each in reversed(findings)}.values())[::-1]
 
 
-def _finding(code: str, text: str) -> RenderableType:
-    word, style = _SEVERITIES.get(code[:1], _SEVERITIES["N"])
-    label = f"  {word:<7} "
-    sentence = Text.assemble((label, style), printable(text), (f"  {printable(code)}", "dim"))
-    return Hanging(sentence, len(label))
+def _finding(finding: Finding, more: str = "") -> RenderableType:
+    label = f"  {finding.severity.word:<7} ", _STYLES[finding.severity]
+    text = printable(finding.sentence + more)
+    sentence = Text.assemble(label, text, (f"  {printable(finding.code)}", "dim"))
+    return HangingIndent(sentence, len(label[0]))
 
 
 def print_summary(console: Console, rows: Sequence[Sequence[str]]) -> None:
     """Print a `summary_row` a log; whether it is damaged only where some are."""
     is_damaged = [row[-1] != NOTHING for row in rows]
-    count = len(_SUMMARY) if any(is_damaged) else len(_SUMMARY) - 1
+    count = len(SUMMARY_HEADERS) if any(is_damaged) else len(SUMMARY_HEADERS) - 1
     lines = [
         Row([row[0]], row[1:count], "yellow" if damaged else "")
         for row, damaged in zip(rows, is_damaged, strict=True)
     ]
-    table = replace(_table(console, _SUMMARY[:count], lines), margin=0)
+    table = replace(_table(console, SUMMARY_HEADERS[:count], lines), margin=0)
     console.print(table, crop=False)
-
-
-def _median(value: Aggregate | None, decimals: int) -> str:
-    return decimal(value.median if value else None, decimals)
-
-
-def _force(value: Aggregate | None, weight_n: float | None) -> str:
-    if value is None:
-        return NOTHING
-    return f"{value.median:.1f}" if weight_n is None else f"{value.median / weight_n:.2f}"
-
-
-def _millimetres(value: Aggregate | None) -> str:
-    return NOTHING if value is None else f"{value.median * 1e3:.1f}"
 
 
 def _spread(value: Aggregate | None, unit: str) -> str:

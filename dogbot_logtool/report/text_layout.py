@@ -14,7 +14,7 @@ _WORD: Final = re.compile(r"(\S+)\s*")
 
 
 @dataclass(frozen=True, slots=True)
-class Hanging:
+class HangingIndent:
     """A sentence that wraps between words; its further lines are indented.
 
     A word longer than a line runs over the edge, so that it can be copied as a whole.

@@ -1,19 +1,34 @@
 """Which gait it is, and how sure that is, in words."""
 
 import math
+from typing import Final
 
-from dogbot_logtool.core.gait.gait import IRREGULAR, QUADRUPED, STAND, TOLERANCE
+from dogbot_logtool.core.findings.wording import counted
+from dogbot_logtool.core.gait.gait import IRREGULAR, STAND
+from dogbot_logtool.core.gait.gait_classes import BIPED, HEXAPOD, QUADRUPED, TOLERANCE
 from dogbot_logtool.core.gait.segments import Segment
 from dogbot_logtool.core.statistics import Stats
 
+FEWEST_STRIDES: Final = 3
+"""Strides from which phases can be consistent."""
+
 
 def headline(stats: Stats) -> str:
-    """Name the gait of the longest segment in a few words."""
+    """Name the gait of the longest segment in a few words; before that, when the robot falls."""
     main = stats.main
-    if main is None:
-        return "Gait not known"
-    name = gait_name(main)
-    return f"{name}, {sure}" if (sure := how_sure(main)) else name
+    name = "Gait not known" if main is None else gait_name(main)
+    if main is not None and (sure := how_sure(main)):
+        name = f"{name}, {sure}"
+    fall = fall_headline(stats)
+    return f"{fall}; {name.lower()}" if fall else name
+
+
+def fall_headline(stats: Stats) -> str:
+    """``Falls at 8.02 s``; empty if the robot does not fall."""
+    if not len(stats.fallen):
+        return ""
+    times = ", ".join(f"{at:.2f} s" for at in stats.seconds(stats.fallen[:3, 0]))
+    return f"Falls at {times}"
 
 
 def is_known(stats: Stats) -> bool:
@@ -24,6 +39,10 @@ def is_known(stats: Stats) -> bool:
 def gait_name(segment: Segment) -> str:
     """Name a gait as people do: ``Lateral-sequence walk``."""
     gait = segment.gait
+    if segment.moves_without_steps:
+        return "Moves without steps"
+    if segment.is_lifted:
+        return "No foot loaded"
     if gait.name is None:
         return "Gait not known"
     sequence = {"lateral": "lateral-sequence ", "diagonal": "diagonal-sequence "}
@@ -32,10 +51,12 @@ def gait_name(segment: Segment) -> str:
 
 
 def how_sure(segment: Segment) -> str:
-    """``clearly`` or ``fairly`` for a gait that the phases name; empty for any other."""
+    """``clearly`` or ``fairly`` for a gait that phases of some strides name; empty for others."""
     gait = segment.gait
     if gait.name in {None, IRREGULAR, STAND} or gait.distance is None or not _consistency(segment):
         return ""
+    if segment.strides < FEWEST_STRIDES:
+        return "by few strides"
     sure = gait.distance <= TOLERANCE / 2.0 and min(_consistency(segment)) > 0.95
     return "clearly" if sure else "fairly"
 
@@ -44,15 +65,20 @@ def evidence(segment: Segment) -> str:
     """Say by what a gait was named."""
     gait, consistency = segment.gait, _consistency(segment)
     feet = len(segment.phases)
-    if feet != QUADRUPED:
-        return f"only gaits of four feet have names; this robot has {feet}"
+    if segment.moves_without_steps:
+        return "all feet stay in contact while the base moves: wheels, or wrong contacts"
+    if segment.is_lifted:
+        return "the robot is held in the air, or lies on its body"
+    if feet not in {BIPED, QUADRUPED, HEXAPOD}:
+        return f"only gaits of two, four or six feet have names; this robot has {feet}"
     if gait.name is None or gait.distance is None or not consistency:
-        return "phases of all four feet are needed to name one"
+        return f"phases of all {feet} feet are needed to name one"
     if gait.name == IRREGULAR:
         phases = f"nearest to {gait.nearest}: phases {gait.distance:.2f} cycles off"
     else:
         phases = f"phases within {gait.distance:.3f} cycles"
-    return f"{phases}, R at least {_floor(min(consistency))}, {segment.strides} strides"
+    strides = counted(segment.strides, "stride")
+    return f"{phases}, R at least {_floor(min(consistency))}, {strides}"
 
 
 def _consistency(segment: Segment) -> list[float]:

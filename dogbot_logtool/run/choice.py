@@ -2,7 +2,7 @@
 
 from typing import Any
 
-from dogbot_logtool.run.runner import Here, Runner
+from dogbot_logtool.run.runner import Runner, SerialRunner
 
 
 def runner_for(logs: int, jobs: int, scheduler: str | None) -> Runner[Any]:
@@ -21,11 +21,11 @@ def runner_for(logs: int, jobs: int, scheduler: str | None) -> Runner[Any]:
         LogtoolError: no scheduler answers, or the extra `fleet` is not installed.
     """
     if scheduler is not None:
-        from dogbot_logtool.run.cluster import Cluster  # noqa: PLC0415 - needs the extra
+        from dogbot_logtool.run.cluster import ClusterRunner  # noqa: PLC0415 - needs the extra
 
-        return Cluster(scheduler)
+        return ClusterRunner(scheduler)
     if min(logs, jobs) <= 1:
-        return Here(jobs)
-    from dogbot_logtool.run.processes import Processes  # noqa: PLC0415 - slow to import
+        return SerialRunner(jobs)
+    from dogbot_logtool.run.processes import ProcessRunner  # noqa: PLC0415 - slow to import
 
-    return Processes(min(logs, jobs), max(jobs // logs, 1))
+    return ProcessRunner(min(logs, jobs), max(jobs // logs, 1))

@@ -18,7 +18,7 @@ from dogbot_logtool import __version__
 from dogbot_logtool.errors import CallError, ExtraMissingError, LogtoolError
 from dogbot_logtool.io.storage import shown
 from dogbot_logtool.run.executor import AHEAD, ExecutorRunner, RunLost
-from dogbot_logtool.run.runner import Failure, Result, Watcher, Work, attempt, seldom
+from dogbot_logtool.run.runner import Failure, Progress, Result, Work, attempt, throttled
 
 try:
     import distributed
@@ -38,7 +38,7 @@ _WAIT_S: Final = 0.2
 _CLOSE_S: Final = 5
 
 
-class Cluster(ExecutorRunner[Result]):
+class ClusterRunner(ExecutorRunner[Result]):
     """The workers of a scheduler.
 
     The scheduler gives what a lost worker had in hand to others, several times.
@@ -74,7 +74,7 @@ class Cluster(ExecutorRunner[Result]):
         self._lost = False
 
     def run(
-        self, work: Work[Result], items: Sequence[Any], watcher: Watcher, ahead: int = AHEAD
+        self, work: Work[Result], items: Sequence[Any], progress: Progress, ahead: int = AHEAD
     ) -> Iterator[Result | Failure]:
         """See `ExecutorRunner.run`.
 
@@ -82,17 +82,17 @@ class Cluster(ExecutorRunner[Result]):
             LogtoolError: there are no workers, or some of them cannot do it.
         """
         try:
-            self._await_workers(watcher)
+            self._await_workers(progress)
             self._check_workers()
         except OSError as error:
             raise LogtoolError(f"--scheduler {self._name}: it was lost; start it again") from error
-        yield from super().run(work, items, watcher, ahead)
+        yield from super().run(work, items, progress, ahead)
 
-    def _await_workers(self, watcher: Watcher) -> None:
+    def _await_workers(self, progress: Progress) -> None:
         end = time.monotonic() + _FIRST_WORKER_S
         self._workers = self._present()
         if not self._workers:
-            watcher.say(f"{self._name} has no workers; waiting {_FIRST_WORKER_S} s for one")
+            progress.say(f"{self._name} has no workers; waiting {_FIRST_WORKER_S} s for one")
         while not self._workers:
             if time.monotonic() > end:
                 raise LogtoolError(
@@ -137,11 +137,11 @@ class Cluster(ExecutorRunner[Result]):
         # The client cancels everything when it loses the scheduler.
         self._lost |= future.cancelled()
 
-    def look(self, watcher: Watcher) -> None:
+    def look(self, progress: Progress) -> None:
         """See `ExecutorRunner.look`."""
         while self._news:
             number, (done, total) = self._news.popitem()
-            watcher.told(number, done, total)
+            progress.update(number, done, total)
         now = time.monotonic()
         if self._lost or self._client.status != "running":
             raise self._run_lost()
@@ -153,9 +153,9 @@ class Cluster(ExecutorRunner[Result]):
         except OSError as error:
             raise self._run_lost() from error
         for worker in sorted(self._workers - present):
-            watcher.say(f"worker {worker} left; others do what it had in hand")
+            progress.say(f"worker {worker} left; others do what it had in hand")
         if self._workers and not present:
-            watcher.say(f"{self._name} has no workers; waiting {_NEXT_WORKER_S} s for one")
+            progress.say(f"{self._name} has no workers; waiting {_NEXT_WORKER_S} s for one")
         self._workers = present
         if present:
             self._workers_seen = now
@@ -172,7 +172,7 @@ class Cluster(ExecutorRunner[Result]):
     def explain(self, error: Exception) -> str:
         """See `ExecutorRunner.explain`."""
         if isinstance(error, distributed.KilledWorker):
-            return "every worker that worked on it died: perhaps for want of memory"
+            return "every worker that worked on it died, perhaps because memory ran out"
         if isinstance(error, ModuleNotFoundError):
             return f"a worker cannot do it: {error}; install dogbot-logtool there"
         return f"the cluster failed: {type(error).__name__}: {error}"
@@ -191,7 +191,7 @@ def _connected(scheduler: str) -> "distributed.Client":
     Raises:
         LogtoolError: no scheduler answers, or one of another version.
     """
-    # What goes wrong is reported in a sentence.
+    # Errors are reported in a sentence.
     logging.getLogger("distributed").setLevel(logging.CRITICAL)
     warnings.simplefilter("ignore", distributed.versions.VersionMismatchWarning)
     try:
@@ -241,5 +241,5 @@ def _attempt(
         return Failure(f"the worker has dogbot-logtool {__version__}, not {version}", 1)
     worker = distributed.get_worker()
     return attempt(
-        work, item, seldom(lambda done, total: worker.log_event(topic, (number, done, total)))
+        work, item, throttled(lambda done, total: worker.log_event(topic, (number, done, total)))
     )

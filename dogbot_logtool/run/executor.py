@@ -7,20 +7,20 @@ from dataclasses import dataclass, field
 from queue import Empty, SimpleQueue
 from typing import Any, ClassVar, Final, Generic
 
-from dogbot_logtool.run.runner import Failure, Result, Runner, Watcher, Work
+from dogbot_logtool.run.runner import Failure, Progress, Result, Runner, Work
 
 AHEAD: Final = 2000
 """Items that are begun beyond the first one whose outcome is waited for: they bound the memory."""
 _LOOK_EVERY_S: Final = 0.25
 
 
-class RunLost(Exception):  # noqa: N818 - an end of the run, which every item left is told
+class RunLost(Exception):  # noqa: N818 - the outcome of all items that are left
     """No worker is left; the message is the outcome of every item that was not done."""
 
 
 @dataclass(slots=True)
 class _Items(Generic[Result]):
-    """Where the items of a run stand."""
+    """The state of the items of a run."""
 
     count: int
     begun: int = 0
@@ -65,7 +65,7 @@ class ExecutorRunner(Runner[Result]):
         """
 
     @abstractmethod
-    def look(self, watcher: Watcher) -> None:
+    def look(self, progress: Progress) -> None:
         """Pass on how items get on; called several times a second.
 
         Raises:
@@ -77,32 +77,32 @@ class ExecutorRunner(Runner[Result]):
         """Return the outcome, in words, of an item whose worker was lost for good."""
 
     def run(
-        self, work: Work[Result], items: Sequence[Any], watcher: Watcher, ahead: int = AHEAD
+        self, work: Work[Result], items: Sequence[Any], progress: Progress, ahead: int = AHEAD
     ) -> Iterator[Result | Failure]:
         """See `Runner.run`.
 
         Args:
             work: see there.
             items: see there.
-            watcher: see there.
+            progress: see there.
             ahead: bounds how many outcomes wait for an earlier one.
         """
         state: _Items[Result] = _Items(len(items))
         while state.wanted < state.count:
             try:
-                for number in self._next(state, ahead, watcher):
+                for number in self._next(state, ahead, progress):
                     future = self.submit(number, work, items[number])
                     state.under_way[future] = number
                     future.add_done_callback(state.done.put)
-                self._collect(state, watcher)
-                self.look(watcher)
+                self._collect(state, progress)
+                self.look(progress)
             except RunLost as error:
                 for number in set(range(state.wanted, state.count)) - state.finished.keys():
                     state.finished[number] = Failure(str(error), 1)
-                    watcher.finished(number)
+                    progress.finished(number)
             yield from state.ready()
 
-    def _next(self, state: _Items[Result], ahead: int, watcher: Watcher) -> list[int]:
+    def _next(self, state: _Items[Result], ahead: int, progress: Progress) -> list[int]:
         """Return the items to begin now: several, or one that is tried alone."""
         if not state.suspects:
             state.several_lost = False
@@ -117,13 +117,13 @@ class ExecutorRunner(Runner[Result]):
         del state.suspects[number]
         if isinstance(error, self.conclusive) and not state.several_lost:
             state.finished[number] = Failure(self.explain(error), 1)
-            watcher.finished(number)
+            progress.finished(number)
             return []
         state.tried_alone.add(number)
-        watcher.lost(number)
+        progress.lost(number)
         return [number]
 
-    def _collect(self, state: _Items[Result], watcher: Watcher) -> None:
+    def _collect(self, state: _Items[Result], progress: Progress) -> None:
         """Take the outcomes of items that are done, after waiting a while for one."""
         try:
             future = state.done.get(timeout=_LOOK_EVERY_S)
@@ -138,4 +138,4 @@ class ExecutorRunner(Runner[Result]):
                 return
             outcome = Failure(self.explain(error), 1)
         state.finished[number] = outcome
-        watcher.finished(number)
+        progress.finished(number)

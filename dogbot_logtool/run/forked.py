@@ -23,7 +23,7 @@ from multiprocessing.context import ForkProcess
 from typing import Any, BinaryIO, Final, Generic
 
 from dogbot_logtool.errors import LogtoolError
-from dogbot_logtool.run.relay import Item, RelayWork, Result, State
+from dogbot_logtool.run.in_order import Item, Result, State, StatefulWork
 from dogbot_logtool.run.signals import held_back, leave_to_parent
 
 _FORK: Final = multiprocessing.get_context("fork")
@@ -44,9 +44,9 @@ class _Raised:
 
 
 def forked(
-    work: RelayWork[Item, State, Result], items: Sequence[Item], jobs: int, first: State
+    work: StatefulWork[Item, State, Result], items: Sequence[Item], jobs: int, first: State
 ) -> Generator[Result, None, None]:
-    """Yield `work(item, baton)` for every item, in order; see `relay.relayed`.
+    """Yield `work(item, exchange)` for every item, in order; see `in_order.in_order_with_state`.
 
     Args:
         work: what is done to an item.
@@ -67,7 +67,7 @@ def _result(arriving: BinaryIO) -> Any:  # noqa: ANN401 - it was pickled
         outcome = _receive(arriving)
     except _PeerEndedError as error:
         raise LogtoolError(
-            "a process that worked on it died: perhaps for want of memory; try --jobs 1"
+            "a process that worked on it died, perhaps because memory ran out; try --jobs 1"
         ) from error
     if isinstance(outcome, _Raised):
         raise outcome.error
@@ -103,22 +103,22 @@ class _Ends:
     results: BinaryIO
 
 
-class _Piped(Generic[State]):
-    """A baton between processes."""
+class _PipeExchange(Generic[State]):
+    """An exchange between processes."""
 
     def __init__(self, ends: _Ends, first: list[State]) -> None:
         self._ends = ends
         self._first = first
 
-    def take(self) -> State:
-        """See `Baton.take`."""
+    def receive(self) -> State:
+        """See `StateExchange.receive`."""
         if self._first:
             return self._first.pop()
         state: State = _receive(self._ends.states_in)
         return state
 
-    def pass_on(self, state: State) -> None:
-        """See `Baton.pass_on`."""
+    def send(self, state: State) -> None:
+        """See `StateExchange.send`."""
         # Behind the last item no worker is left to receive it.
         with suppress(BrokenPipeError):
             _send(self._ends.states_out, state)
@@ -146,13 +146,13 @@ class _Pipes:
 
 @contextmanager
 def _workers(
-    work: RelayWork[Item, State, Result], items: Sequence[Item], jobs: int, first: State
+    work: StatefulWork[Item, State, Result], items: Sequence[Item], jobs: int, first: State
 ) -> Iterator[list[BinaryIO]]:
     """Start workers, yield the ends at which their results arrive, and end the workers."""
     pipes = _Pipes()
     workers: list[ForkProcess] = []
     try:
-        # A signal's exception amid a start would leave a process that nobody knows of.
+        # A signal's exception amid a start would leave a process that is never ended.
         with _STARTING, held_back():
             arriving = _start(work, items, jobs, first, pipes, workers)
         yield arriving
@@ -165,7 +165,7 @@ def _workers(
 
 
 def _start(
-    work: RelayWork[Item, State, Result],
+    work: StatefulWork[Item, State, Result],
     items: Sequence[Item],
     jobs: int,
     first: State,
@@ -199,7 +199,7 @@ def _start(
 
 
 def _serve(
-    work: RelayWork[Item, State, Result],
+    work: StatefulWork[Item, State, Result],
     items: Sequence[Item],
     ends: _Ends,
     first: list[State],
@@ -213,13 +213,13 @@ def _serve(
     gc.freeze()
     pipes.close_all_but(ends.parent, ends.states_in, ends.states_out, ends.results)
     threading.Thread(target=_end_with, args=(ends.parent, parent), daemon=True).start()
-    baton = _Piped(ends, first)
-    # Where even sending takes too much memory, the first process finds that this one ended.
+    exchange = _PipeExchange(ends, first)
+    # If sending takes too much memory, the first process finds that this one ended.
     with suppress(_PeerEndedError, BrokenPipeError, MemoryError), ThreadPoolExecutor(1) as sender:
         sent: Future[None] = sender.submit(lambda: None)
         for item in items:
             try:
-                outcome: Result | _Raised = work(item, baton)
+                outcome: Result | _Raised = work(item, exchange)
             except _PeerEndedError:
                 raise
             except Exception as error:  # noqa: BLE001 - it is raised where the result is wanted
@@ -234,7 +234,7 @@ def _serve(
 
 
 def _end_with(parent: BinaryIO, process: int) -> None:
-    # Whatever else the first process forked has the pipe open, too, so it is not enough.
+    # Other forks of the first process keep the pipe open, so its end alone is not enough.
     while not wait([parent.fileno()], _LOOK_EVERY_S) and os.getppid() == process:
         pass
     os._exit(1)

@@ -11,20 +11,15 @@ from typing import TYPE_CHECKING, Final
 from dogbot_logtool.errors import CallError, LogtoolError
 from dogbot_logtool.io import storage
 from dogbot_logtool.io.storage import Location
-from dogbot_logtool.reader.containers.signatures import (
-    ANNOTATED,
-    BAG_MAGIC,
-    MCAP_MAGIC,
-    ROSBAG2_METADATA,
-    SQLITE_MAGIC,
-)
-from dogbot_logtool.run.search import Unsearched, matches, walk
+from dogbot_logtool.reader.containers.signatures import ANNOTATED, ROSBAG2_METADATA
+from dogbot_logtool.reader.registry import CONTAINERS, ROSBAG2_SUFFIXES
+from dogbot_logtool.run.search import UnreadableDirectory, matches, walk
 
 if TYPE_CHECKING:
     from upath import UPath
 
-_SUFFIXES: Final = (".bag", ".mcap", ".db3")
-_MAGIC: Final = (BAG_MAGIC, MCAP_MAGIC, SQLITE_MAGIC)
+_SUFFIXES: Final = tuple(container.suffix for container in CONTAINERS)
+_MAGIC: Final = tuple(container.magic for container in CONTAINERS)
 _WILD: Final = re.compile(r"[*?\[]")
 _LARGEST_LIST: Final = 256 << 20
 
@@ -33,32 +28,32 @@ _LARGEST_LIST: Final = 256 << 20
 class Found:
     """A log that was named or found."""
 
-    place: Location
+    path: Location
     below: PurePath = field(default_factory=PurePosixPath)
     """Its directory below the one that was searched; what is made of it lies likewise."""
     searched: bool = False
-    """Nobody named it: it was met in a directory."""
+    """It was found in a directory, not named."""
 
 
 @dataclass(frozen=True, slots=True)
-class Fleet:
+class LogSet:
     """All logs of a call, each once, in the order of the words, and by name within a word."""
 
     logs: tuple[Found, ...]
     left_out: int
-    """Files of `convert` that were met in searched directories."""
-    unsearched: tuple[Unsearched, ...] = ()
+    """Files of `convert` that were found in searched directories."""
+    unreadable: tuple[UnreadableDirectory, ...] = ()
     """Directories that could not be searched."""
 
     @property
-    def places(self) -> list[Location]:
-        """Where the logs are."""
-        return [log.place for log in self.logs]
+    def paths(self) -> list[Location]:
+        """Paths of the logs."""
+        return [log.path for log in self.logs]
 
     @property
     def names(self) -> list[str]:
-        """What they are called when they are told of."""
-        return [storage.shown(log.place) for log in self.logs]
+        """Names of the logs for messages."""
+        return [storage.shown(log.path) for log in self.logs]
 
     @property
     def below(self) -> list[PurePath]:
@@ -68,14 +63,14 @@ class Fleet:
     @property
     def failures(self) -> list[tuple[str, str]]:
         """Name and sentence of each directory that could not be searched."""
-        names = [storage.shown(each.path) for each in self.unsearched]
+        names = [storage.shown(each.path) for each in self.unreadable]
         return [
             (name, f"{name}: cannot be searched: {each.reason}")
-            for name, each in zip(names, self.unsearched, strict=True)
+            for name, each in zip(names, self.unreadable, strict=True)
         ]
 
 
-def find_logs(words: Iterable[str], *, for_workers: bool = False) -> Fleet:
+def find_logs(words: Iterable[str], *, for_workers: bool = False) -> LogSet:
     """Find the logs that words name.
 
     A directory is searched, however deep, for files that end as logs do; on a disk, also for
@@ -93,39 +88,39 @@ def find_logs(words: Iterable[str], *, for_workers: bool = False) -> Fleet:
         StoreError: a store fails.
     """
     found: dict[str, Found] = {}
-    unsearched: list[Unsearched] = []
+    unreadable: list[UnreadableDirectory] = []
     left_out = 0
     for word in words:
-        for one in _named(word, unsearched):
-            if one.searched and one.place.name.endswith(ANNOTATED):
+        for one in _named(word, unreadable):
+            if one.searched and one.path.name.endswith(ANNOTATED):
                 left_out += 1
                 continue
-            place = storage.from_root(one.place) if for_workers else one.place
-            found.setdefault(storage.identity(place), replace(one, place=place))
-    fleet = Fleet(tuple(found.values()), left_out, tuple(dict.fromkeys(unsearched)))
-    if not found and unsearched:
-        raise LogtoolError(f"{fleet.failures[0][1]}, and there are no logs elsewhere")
+            path = storage.from_root(one.path) if for_workers else one.path
+            found.setdefault(storage.identity(path), replace(one, path=path))
+    log_set = LogSet(tuple(found.values()), left_out, tuple(dict.fromkeys(unreadable)))
+    if not found and unreadable:
+        raise LogtoolError(f"{log_set.failures[0][1]}, and there are no logs elsewhere")
     if not found:
         raise CallError("there are no logs: the lists and directories that were named hold none")
-    return fleet
+    return log_set
 
 
-def _named(word: str, unsearched: list[Unsearched]) -> Iterator[Found]:
+def _named(word: str, unreadable: list[UnreadableDirectory]) -> Iterator[Found]:
     if word.startswith("@") and len(word) > 1:
-        yield from _listed(storage.location(word[1:]), unsearched)
+        yield from _listed(storage.location(word[1:]), unreadable)
         return
     if not word:
         raise CallError("an empty name names no log; is a variable of the shell empty?")
-    place = storage.location(word)
-    if isinstance(place, Path):
-        yield from _on_disk(place, unsearched)
+    path = storage.location(word)
+    if isinstance(path, Path):
+        yield from _on_disk(path, unreadable)
     else:
-        yield from _in_store(place)
+        yield from _in_store(path)
 
 
-def _listed(place: Location, unsearched: list[Unsearched]) -> Iterator[Found]:
+def _listed(path: Location, unreadable: list[UnreadableDirectory]) -> Iterator[Found]:
     """Find the logs that a list names."""
-    for number, line in enumerate(_lines(place), 1):
+    for number, line in enumerate(_lines(path), 1):
         word = line if os.path.lexists(line) else line.strip()
         if not word or word.startswith("#"):
             continue
@@ -134,16 +129,16 @@ def _listed(place: Location, unsearched: list[Unsearched]) -> Iterator[Found]:
                 raise CallError(
                     f"{word}: a list cannot name another list; a file of that name is ./{word}"
                 )
-            yield from _named(word, unsearched)
+            yield from _named(word, unreadable)
         except CallError as error:
-            raise CallError(f"@{storage.shown(place)}, line {number}: {error}") from error
+            raise CallError(f"@{storage.shown(path)}, line {number}: {error}") from error
 
 
-def _lines(place: Location) -> list[str]:
+def _lines(path: Location) -> list[str]:
     """Return the lines of a list: names of files may be any bytes, so these need not be UTF-8."""
-    name = f"@{storage.shown(place)}"
+    name = f"@{storage.shown(path)}"
     try:
-        data = storage.content(place, _LARGEST_LIST)
+        data = storage.content(path, _LARGEST_LIST)
     except CallError as error:
         raise CallError(f"@{error}") from error
     except OSError as error:
@@ -156,31 +151,31 @@ def _lines(place: Location) -> list[str]:
     return [os.fsdecode(line.removesuffix(b"\r")) for line in lines]
 
 
-def _on_disk(place: Path, unsearched: list[Unsearched]) -> Iterator[Found]:
-    name = str(place)
+def _on_disk(path: Path, unreadable: list[UnreadableDirectory]) -> Iterator[Found]:
+    name = str(path)
     if os.path.isdir(name):  # noqa: PTH112 - false for a name that no disk takes
-        logs = _searched(place, unsearched)
-        if not logs and not unsearched:
+        logs = _searched(path, unreadable)
+        if not logs and not unreadable:
             raise CallError(
-                f"{storage.shown(place)}: is a directory, not a log file, and holds no logs"
+                f"{storage.shown(path)}: is a directory, not a log file, and holds no logs"
             )
         yield from logs
     elif os.path.lexists(name) or not _WILD.search(name):
-        yield Found(place)
+        yield Found(path)
     else:
-        paths = matches(name, unsearched)
-        if not paths and not unsearched:
-            raise CallError(f"{storage.shown(place)}: no file has such a name")
+        paths = matches(name, unreadable)
+        if not paths and not unreadable:
+            raise CallError(f"{storage.shown(path)}: no file has such a name")
         found: list[Found] = []
-        for path in paths:
-            found += _searched(path, unsearched) if path.is_dir() else [Found(path)]
+        for match in paths:
+            found += _searched(match, unreadable) if match.is_dir() else [Found(match)]
         yield from _unique(found)
 
 
-def _searched(folder: Path, unsearched: list[Unsearched]) -> list[Found]:
+def _searched(folder: Path, unreadable: list[UnreadableDirectory]) -> list[Found]:
     """Find the logs below a directory of a disk, or that it is one; by name."""
     found: list[Found] = []
-    for listing in walk(folder, unsearched):
+    for listing in walk(folder, unreadable):
         is_root = listing.path == folder
         name = PurePath(os.path.realpath(listing.path)).name
         if _is_bag([file.name for file in listing.files], name):
@@ -199,32 +194,32 @@ def _unique(found: Iterable[Found]) -> list[Found]:
     """Return each log of a disk once, by name; a link adds nothing to what is there without it."""
     unique: dict[str, Found] = {}
     for one in sorted(found, key=_is_link):
-        unique.setdefault(storage.identity(one.place), one)
-    return sorted(unique.values(), key=lambda one: list(one.place.parts))
+        unique.setdefault(storage.identity(one.path), one)
+    return sorted(unique.values(), key=lambda one: list(one.path.parts))
 
 
 def _is_link(found: Found) -> bool:
     """Tell whether a link leads to a log from where it was searched for."""
-    links = found.place, *list(found.place.parents)[: len(found.below.parts) + 1]
+    links = found.path, *list(found.path.parents)[: len(found.below.parts) + 1]
     return any(isinstance(path, Path) and path.is_symlink() for path in links)
 
 
-def _in_store(place: "UPath") -> Iterator[Found]:
-    if not _WILD.search(place.path) or place.protocol in {"http", "https"}:
-        yield from _object(place)
+def _in_store(path: "UPath") -> Iterator[Found]:
+    if not _WILD.search(path.path) or path.protocol in {"http", "https"}:
+        yield from _object(path)
         return
-    names = sorted(storage.asked(place, lambda: list(place.fs.glob(place.path))))
-    if not names and not storage.asked(place, lambda: place.fs.exists(place.path)):
-        raise CallError(f"{storage.shown(place)}: no object has such a name")
-    for name in names or [place.path]:
-        yield from _object(_like(place, name))
+    names = sorted(storage.asked(path, lambda: list(path.fs.glob(path.path))))
+    if not names and not storage.asked(path, lambda: path.fs.exists(path.path)):
+        raise CallError(f"{storage.shown(path)}: no object has such a name")
+    for name in names or [path.path]:
+        yield from _object(_like(path, name))
 
 
-def _object(place: "UPath") -> Iterator[Found]:
-    if not _ends_like_a_log(place.name) and storage.is_folder(place):
-        yield from _searched_in_store(place)
+def _object(path: "UPath") -> Iterator[Found]:
+    if not _ends_like_a_log(path.name) and storage.is_folder(path):
+        yield from _searched_in_store(path)
     else:
-        yield Found(place)
+        yield Found(path)
 
 
 def _searched_in_store(folder: "UPath") -> Iterator[Found]:
@@ -244,28 +239,29 @@ def _searched_in_store(folder: "UPath") -> Iterator[Found]:
             found.append(Found(_like(folder, name), below, searched=True))
     if not found:
         raise CallError(f"{storage.shown(folder)}: there are no logs")
-    yield from sorted(found, key=lambda one: str(one.place))
+    yield from sorted(found, key=lambda one: str(one.path))
 
 
 def _relative(path: PurePosixPath, root: PurePosixPath) -> PurePosixPath:
     return path.relative_to(root) if path.is_relative_to(root) else PurePosixPath()
 
 
-def _like(place: "UPath", name: str) -> "UPath":
+def _like(path: "UPath", name: str) -> "UPath":
     """Return another object of the same store."""
-    other: UPath = type(place)(place.fs.unstrip_protocol(name), **place.storage_options)
+    other: UPath = type(path)(path.fs.unstrip_protocol(name), **path.storage_options)
     return other
 
 
 def _is_bag(names: Sequence[str], folder: str) -> bool:
     """Tell whether the files in a directory are a ROS 2 bag: one log.
 
-    Where its metadata is lost, the recorder's way of naming files tells:
+    Without metadata, it is recognised by how recorders name files:
     ``<directory>_<number>.<suffix>``.
     """
     if ROSBAG2_METADATA in names:
         return True
-    numbered = re.compile(re.escape(folder) + r"_\d+\.(db3|mcap)(\.zstd)?")
+    suffixes = "|".join(map(re.escape, ROSBAG2_SUFFIXES))
+    numbered = re.compile(rf"{re.escape(folder)}_\d+({suffixes})(\.zstd)?")
     return any(numbered.fullmatch(name) for name in names)
 
 
@@ -275,7 +271,7 @@ def _ends_like_a_log(name: str) -> bool:
 
 def _begins_like_a_log(file: Path) -> bool:
     try:
-        # Opening a FIFO would wait for whoever writes to it.
+        # Opening a FIFO would wait for a writer.
         if not file.is_file():
             return False
         with file.open("rb") as opened:

@@ -22,7 +22,7 @@ from typing import Any, Final
 
 from dogbot_logtool.errors import LogtoolError
 from dogbot_logtool.run.executor import ExecutorRunner
-from dogbot_logtool.run.runner import Failure, Result, Watcher, Work, attempt
+from dogbot_logtool.run.runner import Failure, Progress, Result, Work, attempt
 from dogbot_logtool.run.signals import (
     Stopped,
     held_back,
@@ -80,7 +80,7 @@ class _Worker:
             process.kill()
 
 
-class Processes(ExecutorRunner[Result]):
+class ProcessRunner(ExecutorRunner[Result]):
     """Processes of this machine, one item each."""
 
     def __init__(self, workers: int, jobs: int = 1) -> None:
@@ -92,7 +92,7 @@ class Processes(ExecutorRunner[Result]):
         """
         self.jobs = jobs
         self.capacity = workers
-        # Whatever is started here must not be ended by a signal that reaches all processes.
+        # A signal that reaches all processes must not end what is started here.
         with held_back(), _started(workers):
             ends, self._lifeline = _SPAWN.Pipe(duplex=False)
             self._workers = [_Worker(ends) for _ in range(workers)]
@@ -111,17 +111,17 @@ class Processes(ExecutorRunner[Result]):
     def _freed(self, number: int, _future: "Future[Result | Failure]") -> None:
         self._idle.append(self._busy.pop(number))
 
-    def look(self, watcher: Watcher) -> None:
+    def look(self, progress: Progress) -> None:
         """See `ExecutorRunner.look`."""
         for number, worker in list(self._busy.items()):
             done, total = worker.progress()
             if total:
-                watcher.told(number, done, total)
+                progress.update(number, done, total)
 
     def explain(self, error: Exception) -> str:
         """See `ExecutorRunner.explain`."""
         if isinstance(error, BrokenExecutor):
-            return "the process that worked on it died twice: perhaps for want of memory"
+            return "the process that worked on it died twice, perhaps because memory ran out"
         return f"its result cannot be sent: {type(error).__name__}: {error}"
 
     def close(self) -> None:
@@ -156,7 +156,7 @@ def _started(workers: int) -> Iterator[None]:
 
 
 _progress: Any = None
-"""Of this process, where it is a worker."""
+"""The progress of this process if it is a worker: bytes done and in all."""
 
 
 def _begin(lifeline: Connection, progress: Any) -> None:  # noqa: ANN401 - ctypes has no public name for it
@@ -186,12 +186,12 @@ def _attempt(work: Work[Result], item: object) -> Result | Failure:
     # would print it, or take it for a result.
     try:
         signal.signal(signal.SIGTERM, raise_stopped)
-        outcome = attempt(work, item, _tell)
+        outcome = attempt(work, item, _report_progress)
         signal.signal(signal.SIGTERM, signal.SIG_DFL)
     except Stopped as stopped:
         os._exit(stopped.exit_code)
     return outcome
 
 
-def _tell(done: int, total: int) -> None:
+def _report_progress(done: int, total: int) -> None:
     _progress[:] = done, total

@@ -11,11 +11,11 @@ from dataclasses import dataclass
 from typing import Any, Final, Generic, Protocol, Self, TypeVar
 
 from dogbot_logtool.errors import LogtoolError, StoreError
-from dogbot_logtool.run.relay import Progress
+from dogbot_logtool.run.in_order import OnProgress
 
 Item = TypeVar("Item")
 Result = TypeVar("Result")
-Work = Callable[[Any, Progress | None], Result]
+Work = Callable[[Any, OnProgress | None], Result]
 
 _PROGRESS_EVERY_S: Final = 0.2
 
@@ -28,20 +28,20 @@ class Failure:
     exit_code: int
 
 
-class Watcher(Protocol):
-    """Follows a run."""
+class Progress(Protocol):
+    """Is called while a run goes on."""
 
-    def told(self, number: int, done: int, total: int) -> None:
-        """Take how far an item has come, in bytes."""
+    def update(self, number: int, done: int, total: int) -> None:
+        """Show how far an item has come, in bytes."""
 
     def finished(self, number: int) -> None:
-        """Take that an item is done, well or badly."""
+        """Show that an item is done, well or badly."""
 
     def lost(self, number: int) -> None:
-        """Take that the worker of an item was lost, and that the item will be tried once more."""
+        """Show that the worker of an item was lost, and that the item will be tried once more."""
 
     def say(self, sentence: str) -> None:
-        """Take a sentence that the user should read."""
+        """Show a sentence that the user should read."""
 
 
 class Runner(ABC, Generic[Result]):
@@ -54,14 +54,14 @@ class Runner(ABC, Generic[Result]):
 
     @abstractmethod
     def run(
-        self, work: Work[Result], items: Sequence[Any], watcher: Watcher
+        self, work: Work[Result], items: Sequence[Any], progress: Progress
     ) -> Iterator[Result | Failure]:
         """Yield the outcome of each item, in order.
 
         Args:
             work: a function, or an object with a `__call__`, that can be pickled.
             items: can be pickled, too.
-            watcher: follows the run.
+            progress: called while the run goes on.
 
         Raises:
             LogtoolError: nothing can be begun.
@@ -77,7 +77,7 @@ class Runner(ABC, Generic[Result]):
         self.close()
 
 
-class Here(Runner[Result]):
+class SerialRunner(Runner[Result]):
     """One item after the other in this process, each on all cores that may be used."""
 
     may_repeat = False
@@ -86,34 +86,34 @@ class Here(Runner[Result]):
         self.jobs = jobs
 
     def run(
-        self, work: Work[Result], items: Sequence[Any], watcher: Watcher
+        self, work: Work[Result], items: Sequence[Any], progress: Progress
     ) -> Iterator[Result | Failure]:
         """See `Runner.run`."""
         for number, item in enumerate(items):
-            progress = _numbered(watcher, number)
+            on_progress = _callback_for(progress, number)
             outcome: Result | Failure
             try:
                 # A bug met with a single log is better seen with its traceback.
                 alone = len(items) == 1
-                outcome = work(item, progress) if alone else attempt(work, item, progress)
+                outcome = work(item, on_progress) if alone else attempt(work, item, on_progress)
             except LogtoolError as error:
                 outcome = Failure(str(error), error.exit_code)
-            watcher.finished(number)
+            progress.finished(number)
             yield outcome
 
 
-def _numbered(watcher: Watcher, number: int) -> Progress:
-    return seldom(lambda done, total: watcher.told(number, done, total))
+def _callback_for(progress: Progress, number: int) -> OnProgress:
+    return throttled(lambda done, total: progress.update(number, done, total))
 
 
-def attempt(work: Work[Result], item: object, progress: Progress) -> Result | Failure:
+def attempt(work: Work[Result], item: object, on_progress: OnProgress) -> Result | Failure:
     """Work on an item; every error becomes an outcome.
 
-    Where a store still fails after several requests, the item is begun anew once.
+    If a store still fails after several requests, the item is begun anew once.
     """
     for last in (False, True):
         try:
-            return work(item, progress)
+            return work(item, on_progress)
         except StoreError as error:
             if last:
                 return Failure(str(error), error.exit_code)
@@ -127,15 +127,15 @@ def attempt(work: Work[Result], item: object, progress: Progress) -> Result | Fa
     raise AssertionError
 
 
-def seldom(progress: Progress) -> Progress:
-    """Return a callback that passes on no more than a person can read."""
+def throttled(on_progress: OnProgress) -> OnProgress:
+    """Return a callback that calls another one at most five times a second."""
     last = 0.0
 
-    def passed_on(done: int, total: int) -> None:
+    def update(done: int, total: int) -> None:
         nonlocal last
         now = time.monotonic()
         if now - last > _PROGRESS_EVERY_S:
             last = now
-            progress(done, total)
+            on_progress(done, total)
 
-    return passed_on
+    return update

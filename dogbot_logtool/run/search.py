@@ -14,7 +14,7 @@ _ANY_DEPTH: Final = re.compile(r"(?:^|(?<=/))\*\*(?:/+\*\*)*(?:/+|$)")
 
 
 @dataclass(frozen=True, slots=True)
-class Unsearched:
+class UnreadableDirectory:
     """A directory that could not be searched."""
 
     path: Path
@@ -23,7 +23,7 @@ class Unsearched:
 
 @dataclass(frozen=True, slots=True)
 class Listing:
-    """What a directory holds, by name, hidden entries left out."""
+    """The entries of a directory by name, without hidden ones."""
 
     path: Path
     below: PurePath
@@ -34,7 +34,7 @@ class Listing:
     """Directories and links to them; those that are removed are not entered."""
 
 
-def walk(root: Path, unsearched: list[Unsearched]) -> Iterator[Listing]:
+def walk(root: Path, unreadable: list[UnreadableDirectory]) -> Iterator[Listing]:
     """Yield a directory and those below it, each once, however many links lead to it.
 
     A directory that is reached without a link comes under that name. Links to a directory above
@@ -42,7 +42,7 @@ def walk(root: Path, unsearched: list[Unsearched]) -> Iterator[Listing]:
 
     Args:
         root: where to begin.
-        unsearched: receives the directories that cannot be read.
+        unreadable: receives the directories that cannot be read.
     """
     seen = {_identity(above) for above in Path(os.path.realpath(root)).parents}
     real, linked = deque([(root, PurePath())]), deque[tuple[Path, PurePath]]()
@@ -55,7 +55,7 @@ def walk(root: Path, unsearched: list[Unsearched]) -> Iterator[Listing]:
         try:
             listing = _list(path, below)
         except OSError as error:
-            unsearched.append(Unsearched(path, error.strerror or str(error)))
+            unreadable.append(UnreadableDirectory(path, error.strerror or str(error)))
             continue
         yield listing
         for entry in listing.folders:
@@ -88,13 +88,13 @@ def _identity(path: Path) -> tuple[int, int] | Path:
     return status.st_dev, status.st_ino
 
 
-def matches(pattern: str, unsearched: list[Unsearched]) -> list[Path]:
+def matches(pattern: str, unreadable: list[UnreadableDirectory]) -> list[Path]:
     """Return the files and directories of a disk that fit a pattern, sorted.
 
     Patterns are those of `glob`, but ``**`` enters each directory only once: directories with
     links to themselves have endlessly many names. Links to a directory above them fit none.
     """
-    names = {Path(name) for name in _matches(pattern, unsearched)}
+    names = {Path(name) for name in _matches(pattern, unreadable)}
     return sorted(path for path in names if not (path.is_symlink() and _leads_up(path)))
 
 
@@ -102,13 +102,13 @@ def _leads_up(link: Path) -> bool:
     return Path(os.path.realpath(link.parent)).is_relative_to(os.path.realpath(link))
 
 
-def _matches(pattern: str, unsearched: list[Unsearched]) -> Iterator[str]:
+def _matches(pattern: str, unreadable: list[UnreadableDirectory]) -> Iterator[str]:
     depth = _ANY_DEPTH.search(pattern)
     if depth is None:
         yield from glob.glob(pattern)  # noqa: PTH207 - takes absolute patterns, too
         return
     head, tail = pattern[: depth.start()], pattern[depth.end() :] or "*"
     for root in glob.glob(head) if head else [""]:  # noqa: PTH207
-        for listing in walk(Path(root), unsearched):
+        for listing in walk(Path(root), unreadable):
             inside = os.path.join(glob.escape(str(listing.path)), tail)  # noqa: PTH118 - a pattern
-            yield from _matches(inside, unsearched)
+            yield from _matches(inside, unreadable)

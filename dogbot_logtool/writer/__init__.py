@@ -1,1 +1,1 @@
-"""Columns to bytes: the only place that knows Foxglove, ROS markers and MCAP output."""
+"""Columns to bytes: all that depends on Foxglove, ROS markers and MCAP output."""

@@ -1,4 +1,4 @@
-"""The messages that we add: transforms, arrows, loads and support, stamped out of columns."""
+"""The messages that we add: transforms, arrows, loads and support, made of columns."""
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from collections.abc import Set as AbstractSet
@@ -13,32 +13,42 @@ from dogbot_logtool.core.base.odometry import Transforms
 from dogbot_logtool.core.geometry.arrays import Floats, Ints, rows_by_group
 from dogbot_logtool.core.load.loads import Loads
 from dogbot_logtool.core.scene.arrows import Arrows
+from dogbot_logtool.core.scene.foot_style import short_names
+from dogbot_logtool.core.scene.labels import Labels
+from dogbot_logtool.core.scene.styles import LIFETIME_S
 from dogbot_logtool.core.scene.support_scene import SupportScene
 from dogbot_logtool.errors import LogtoolError
 from dogbot_logtool.provenance import ANNOTATION_MARK
 from dogbot_logtool.writer.encodings.encoding import (
+    LABEL_WIDTH,
+    LOAD_STATES,
     SHAFT_SHARE,
-    ArrowStyle,
+    ArrowLook,
     Encoding,
     MessageType,
-    SupportStyle,
+    SupportLook,
 )
-from dogbot_logtool.writer.outgoing import (
-    Outgoing,
+from dogbot_logtool.writer.message_records import (
+    MessageRecords,
     by_channel,
     record_template,
+    recorded,
     write_log_time,
 )
-from dogbot_logtool.writer.support import SupportStamper
+from dogbot_logtool.writer.robot_description import ROBOT_DESCRIPTION_TOPIC, description_message
+from dogbot_logtool.writer.support import SupportWriter
 from dogbot_logtool.writer.template import Stamps, Template
 
 TF_TOPIC: Final = "/tf"
 SUPPORT_TOPIC: Final = "/support"
+EVENTS_TOPIC: Final = "/events"
+GAIT_TOPIC: Final = "/gait"
 FALLBACK_PREFIX: Final = "/dogbot_logtool"
 _MAX_ID: Final = 0xFFFF
+_LARGEST_LABEL_N: Final = 999_999.0
 
 ResolveTopic = Callable[[str, MessageType], str]
-"""Says under which topic messages of a type are written."""
+"""Returns the topic under which messages of a type are written."""
 
 
 def arrow_topic(foot: str) -> str:
@@ -51,19 +61,32 @@ def load_topic(foot: str) -> str:
     return f"/load/{foot}"
 
 
+def label_topic(foot: str) -> str:
+    """Return the topic of the label beside a foot."""
+    return f"/label/{foot}"
+
+
 @dataclass(frozen=True, slots=True)
 class AnnotationColumns:
-    """What a batch is annotated with."""
+    """The annotations of a batch as columns."""
 
     transforms: Transforms
     arrows: Sequence[Arrows]
     loads: Sequence[Loads]
-    support: SupportScene | None = None
-    """None: not to be written."""
+    support: Sequence[SupportScene] = ()
+    labels: Sequence[Labels] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class EventChannels:
+    """Ids of the channels of what is known when the whole log was measured."""
+
+    events: int
+    gait: int
 
 
 class IdSource:
-    """Gives out schema or channel ids that the input does not use, above its highest if it can."""
+    """Unused schema or channel ids: those above the input's highest first."""
 
     def __init__(self, used: AbstractSet[int]) -> None:
         highest = max(used, default=0)
@@ -83,18 +106,21 @@ class IdSource:
 
 
 class Annotations:
-    """The annotation channels of one output, and what stamps out their messages."""
+    """The annotation channels of one output, and the templates of their messages."""
 
     def __init__(
         self,
         encoding: Encoding,
         feet: Sequence[str],
-        style: ArrowStyle,
+        style: ArrowLook,
         *,
         world_frame: str,
         base_frame: str,
         with_tf: bool,
-        support_style: SupportStyle | None = None,
+        support_look: SupportLook | None = None,
+        with_labels: bool = False,
+        description: MessageType | None = None,
+        with_events: bool = False,
         schema_ids: IdSource,
         channel_ids: IdSource,
         resolve_topic: ResolveTopic,
@@ -114,15 +140,31 @@ class Annotations:
             arrow = record_template(encoding.arrow(foot, world_frame, style), channel)
             removal = record_template(encoding.removal(foot, world_frame), channel)
             self._arrows.append((arrow, removal))
-        self._load = encoding.load()
+        self._load = encoding.load(LOAD_STATES[0])
         self._loads = [
-            record_template(self._load, self._declare(load_topic(foot), encoding.load_type))
-            for foot in feet
+            [record_template(encoding.load(state), channel) for state in LOAD_STATES]
+            for channel in (self._declare(load_topic(foot), encoding.load_type) for foot in feet)
         ]
-        self._support: SupportStamper | None = None
-        if support_style is not None:
+        self._labels: list[tuple[Template, Template]] = []
+        for foot, name in zip(feet, short_names(feet), strict=True) if with_labels else ():
+            channel = self._declare(label_topic(foot), encoding.arrow_type)
+            label = record_template(encoding.label(foot, world_frame, name, LIFETIME_S), channel)
+            removal = record_template(encoding.removal(foot, world_frame), channel)
+            self._labels.append((label, removal))
+        self._support: SupportWriter | None = None
+        if support_look is not None:
             channel = self._declare(SUPPORT_TOPIC, encoding.support_type)
-            self._support = SupportStamper(channel, encoding, world_frame, support_style)
+            self._support = SupportWriter(channel, encoding, world_frame, support_look)
+        self._description = description
+        self._description_channel = 0
+        if description is not None:
+            self._description_channel = self._declare(ROBOT_DESCRIPTION_TOPIC, description)
+        self.encoding = encoding
+        self.event_channels: EventChannels | None = None
+        if with_events:
+            events = self._declare(EVENTS_TOPIC, encoding.event_type)
+            gait = self._declare(GAIT_TOPIC, encoding.gait_type)
+            self.event_channels = EventChannels(events, gait)
 
     def _declare(self, topic: str, kind: MessageType) -> int:
         schema = next((one for one in self.schemas if one.name == kind.name), None)
@@ -148,15 +190,24 @@ class Annotations:
         """Return the topic of every annotation channel."""
         return {channel.id: channel.topic for channel in self.channels}
 
-    def outgoing(self, columns: AnnotationColumns) -> Iterator[Outgoing]:
-        """Stamp out the messages of a batch; see `by_channel`."""
+    def robot_description(self, urdf: str, log_time: int) -> MessageRecords:
+        """Return the message that describes the robot."""
+        if self._description is None:
+            raise AssertionError("the output has no channel for a robot description")
+        payload = np.frombuffer(description_message(urdf, self._description), np.uint8)
+        time, start, end = np.array([[log_time], [0], [len(payload)]])
+        channel = np.array([self._description_channel])
+        return recorded(channel, start, time, time, payload, start, end)
+
+    def messages(self, columns: AnnotationColumns) -> Iterator[MessageRecords]:
+        """Yield the messages of a batch; see `by_channel`."""
         return by_channel(self._parts(columns))
 
     def _parts(self, columns: AnnotationColumns) -> Iterator[NDArray[np.void]]:
         """Yield the records of a batch, channel by channel."""
         if self._tf is not None:
-            yield _transforms(self._tf, columns.transforms)
-        # All messages of an encoding write times alike, so they are put in form only once.
+            yield _transform_records(self._tf, columns.transforms)
+        # All messages of an encoding have times in the same form, so they are converted once.
         for arrows in columns.arrows:
             stamps = self._load.stamps("stamp", arrows.stamp)
             for group, rows in rows_by_group(2 * arrows.foot + ~arrows.shown):
@@ -164,17 +215,31 @@ class Annotations:
                 if group % 2:
                     yield _timed(removal, arrows, stamps, rows)
                 else:
-                    yield _shown(arrow, arrows, stamps, rows)
+                    yield _arrow_records(arrow, arrows, stamps, rows)
         for loads in columns.loads:
             stamps = self._load.stamps("stamp", loads.stamp)
-            for foot, rows in rows_by_group(loads.foot):
-                yield _loaded(self._loads[foot], loads, stamps, rows)
-        if self._support is not None and columns.support is not None:
-            stamps = self._load.stamps("stamp", columns.support.stamp)
-            yield from self._support.outgoing(columns.support, stamps)
+            states = len(LOAD_STATES)
+            for group, rows in rows_by_group(states * loads.foot + loads.state):
+                template = self._loads[group // states][group % states]
+                yield _load_records(template, loads, stamps, rows)
+        if self._labels:
+            yield from self._label_parts(columns.labels)
+        if self._support is not None:
+            for scene in columns.support:
+                yield from self._support.records(scene, self._load.stamps("stamp", scene.stamp))
+
+    def _label_parts(self, columns: Sequence[Labels]) -> Iterator[NDArray[np.void]]:
+        for labels in columns:
+            stamps = self._load.stamps("stamp", labels.stamp)
+            for group, rows in rows_by_group(2 * labels.foot + ~labels.shown):
+                label, removal = self._labels[group // 2]
+                if group % 2:
+                    yield _timed(removal, labels, stamps, rows)
+                else:
+                    yield _label_records(label, labels, stamps, rows)
 
 
-def _transforms(template: Template, transforms: Transforms) -> NDArray[np.void]:
+def _transform_records(template: Template, transforms: Transforms) -> NDArray[np.void]:
     records = template.copies(len(transforms.log_time))
     write_log_time(records, transforms.log_time)
     template.write_time(records, "stamp", transforms.stamp)
@@ -182,7 +247,9 @@ def _transforms(template: Template, transforms: Transforms) -> NDArray[np.void]:
     return records
 
 
-def _shown(template: Template, arrows: Arrows, stamps: Stamps, rows: Ints) -> NDArray[np.void]:
+def _arrow_records(
+    template: Template, arrows: Arrows, stamps: Stamps, rows: Ints
+) -> NDArray[np.void]:
     records = _timed(template, arrows, stamps, rows)
     _write_pose(records, arrows.position.take(rows, 0), arrows.orientation.take(rows, 0))
     length = arrows.length[rows]
@@ -197,20 +264,31 @@ def _shown(template: Template, arrows: Arrows, stamps: Stamps, rows: Ints) -> ND
 
 
 def _timed(
-    template: Template, columns: Arrows | Loads, stamps: Stamps, rows: Ints
+    template: Template, columns: Arrows | Labels | Loads, stamps: Stamps, rows: Ints
 ) -> NDArray[np.void]:
-    """Return records of some rows with their times, which is all that a removal tells."""
+    """Return records of some rows with their times: a removal has nothing else."""
     records = template.copies(len(rows))
     write_log_time(records, columns.log_time[rows])
     template.write_stamps(records, "stamp", stamps.pick(rows))
     return records
 
 
-def _loaded(template: Template, loads: Loads, stamps: Stamps, rows: Ints) -> NDArray[np.void]:
+def _load_records(template: Template, loads: Loads, stamps: Stamps, rows: Ints) -> NDArray[np.void]:
     records = _timed(template, loads, stamps, rows)
     records["in_contact"] = loads.in_contact[rows]
     records["force"] = loads.force[rows]
     records["force_bw"] = loads.body_weights[rows]
+    return records
+
+
+def _label_records(
+    template: Template, labels: Labels, stamps: Stamps, rows: Ints
+) -> NDArray[np.void]:
+    records = _timed(template, labels, stamps, rows)
+    for axis, column in zip("xyz", labels.position.take(rows, 0).T, strict=True):
+        records[axis] = column
+    text = np.char.mod("%.0f N", np.minimum(labels.force[rows], _LARGEST_LABEL_N))
+    records["text"] = np.char.ljust(text, LABEL_WIDTH).astype(f"S{LABEL_WIDTH}")
     return records
 
 

@@ -15,10 +15,9 @@ from mcap.opcode import Opcode
 from zlib_ng.zlib_ng import crc32
 
 from dogbot_logtool.core.geometry.arrays import Bytes, Ints, stable_order
-from dogbot_logtool.writer.outgoing import Outgoing
+from dogbot_logtool.writer.message_records import MessageRecords
 
 Compression = Literal["zstd", "lz4", "none"]
-COMPRESSIONS: Final[tuple[Compression, ...]] = ("zstd", "lz4", "none")
 CHUNK_SIZE: Final = 1 << 20
 """Bytes of records in a chunk, before compression; a record is never split."""
 ZSTD: Final = zstandard.ZstdCompressionParameters.from_level(1, window_log=18)
@@ -31,7 +30,7 @@ _INDEX_ENTRY: Final = np.dtype([("log_time", "<i8"), ("offset", "<u8")])
 
 
 class _Codecs(threading.local):
-    """A compressor for each thread: its tables cost more to set aside than to use again."""
+    """A compressor for each thread: allocating its tables costs more than reusing them."""
 
     def __init__(self) -> None:
         self.zstd = zstandard.ZstdCompressor(compression_params=ZSTD)
@@ -45,7 +44,7 @@ class FinishedChunk:
     """A chunk record and its message index records, ready to be written."""
 
     record: Bytes
-    """The whole chunk record; an array, which can be sent as it lies."""
+    """The whole chunk record; an array, which is sent between processes without a copy."""
     index: Bytes
     """The message index records that follow it."""
     index_offsets: Mapping[int, int]
@@ -60,8 +59,8 @@ class FinishedChunk:
     size: int
 
 
-def finish_chunks(messages: Outgoing, compression: Compression) -> Iterator[FinishedChunk]:
-    """Cut messages into chunks and compress those."""
+def finish_chunks(messages: MessageRecords, compression: Compression) -> Iterator[FinishedChunk]:
+    """Split messages into chunks and compress these."""
     for rows in chunk_rows(messages.bounds):
         yield finish_chunk(messages.part(rows), compression)
 
@@ -80,7 +79,7 @@ def chunk_rows(bounds: Ints) -> Iterator[slice]:
         first = last
 
 
-def finish_chunk(messages: Outgoing, compression: Compression) -> FinishedChunk:
+def finish_chunk(messages: MessageRecords, compression: Compression) -> FinishedChunk:
     """Compress the messages of one chunk and index them."""
     data = messages.data
     start, end = _range(messages.log_time)
@@ -125,14 +124,14 @@ def indexed_chunk(
     pieces: list[bytes] = []
     index_offsets: dict[int, int] = {}
     counts: dict[int, int] = {}
-    place = first = 0
+    written = first = 0
     for number in np.flatnonzero(count_of).tolist():
         counts[number] = int(count_of[number])
-        index_offsets[number] = place
+        index_offsets[number] = written
         length = counts[number] * _INDEX_ENTRY.itemsize
         pieces.append(_INDEX_HEAD.pack(Opcode.MESSAGE_INDEX, length + 6, number, length))
         pieces.append(data[first : first + length])
-        place, first = place + _INDEX_HEAD.size + length, first + length
+        written, first = written + _INDEX_HEAD.size + length, first + length
     start, end = _range(log_time)
     return FinishedChunk(
         record=record,

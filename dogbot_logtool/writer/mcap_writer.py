@@ -1,4 +1,4 @@
-"""The output file: chunks as they come, then a complete summary."""
+"""The output file: chunks in the order of their arrival, then a complete summary."""
 
 from collections.abc import Mapping
 from typing import Protocol
@@ -23,7 +23,7 @@ _SUMMARY_GROUPS = (
 
 
 class Sink(Protocol):
-    """Where the bytes go."""
+    """A writable binary stream."""
 
     def write(self, data: bytes | memoryview, /) -> int:
         """Append bytes."""
@@ -34,7 +34,7 @@ class McapWriter:
 
     def __init__(self, sink: Sink, profile: str) -> None:
         self._sink = sink
-        self._place = 0
+        self._offset = 0
         self._crc = 0
         self._summary = {opcode: bytearray() for opcode in _SUMMARY_GROUPS}
         self._channel_counts: dict[int, int] = {}
@@ -56,19 +56,19 @@ class McapWriter:
 
     def add_chunk(self, chunk: FinishedChunk) -> None:
         """Write a chunk with its message index."""
-        offset = self._place
+        chunk_start = self._offset
         self._write(chunk.record.data)
-        index_start = self._place
+        index_start = self._offset
         self._write(chunk.index.data)
         index = records.ChunkIndex(
             chunk_length=len(chunk.record),
-            chunk_start_offset=offset,
+            chunk_start_offset=chunk_start,
             compression=chunk.compression,
             compressed_size=chunk.compressed_size,
             message_end_time=chunk.end_time,
             message_index_length=len(chunk.index),
             message_index_offsets={
-                channel: index_start + place for channel, place in chunk.index_offsets.items()
+                channel: index_start + offset for channel, offset in chunk.index_offsets.items()
             },
             message_start_time=chunk.start_time,
             uncompressed_size=chunk.size,
@@ -94,7 +94,7 @@ class McapWriter:
             record: its bytes.
             metadata: the same, decoded.
         """
-        index = records.MetadataIndex(self._place, len(record), metadata.name)
+        index = records.MetadataIndex(self._offset, len(record), metadata.name)
         self._write(record)
         self._summary[Opcode.METADATA_INDEX] += _serialise(index)
         self._numbers["metadata"] += 1
@@ -107,7 +107,7 @@ class McapWriter:
             attachment: the same, decoded.
         """
         index = records.AttachmentIndex(
-            offset=self._place,
+            offset=self._offset,
             length=len(record),
             log_time=attachment.log_time,
             create_time=attachment.create_time,
@@ -137,14 +137,14 @@ class McapWriter:
         self._write_summary()
 
     def _write_summary(self) -> None:
-        start = self._place
+        start = self._offset
         self._crc = 0
         offsets = bytearray()
         for opcode, group in self._summary.items():
             if group:
-                offsets += _serialise(records.SummaryOffset(opcode, self._place, len(group)))
+                offsets += _serialise(records.SummaryOffset(opcode, self._offset, len(group)))
                 self._write(bytes(group))
-        offsets_start = self._place
+        offsets_start = self._offset
         self._write(bytes(offsets))
         # The summary's CRC covers the footer too, up to the CRC itself.
         footer = _serialise(records.Footer(start, offsets_start, 0))
@@ -160,7 +160,7 @@ class McapWriter:
     def _write(self, data: bytes | memoryview) -> None:
         self._sink.write(data)
         self._crc = crc32(data, self._crc)
-        self._place += len(data)
+        self._offset += len(data)
 
 
 def _serialise(record: records.McapRecord) -> bytes:

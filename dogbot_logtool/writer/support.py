@@ -1,4 +1,4 @@
-"""Messages of `/support`, stamped out of columns, those of one shape at a time."""
+"""Messages of `/support`, made of columns, those of one shape at a time."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
@@ -7,92 +7,110 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dogbot_logtool.core.geometry.arrays import Floats, Ints
+from dogbot_logtool.core.scene.foot_style import FOOT_COLOURS, colour_parts, foot_colour
 from dogbot_logtool.core.scene.support_scene import SupportScene
 from dogbot_logtool.writer.encodings.encoding import (
     Encoding,
+    SupportLook,
     SupportShape,
-    SupportStyle,
     support_points,
 )
-from dogbot_logtool.writer.outgoing import record_template, write_log_time
-from dogbot_logtool.writer.template import Stamps, Stretch, Template
+from dogbot_logtool.writer.message_records import record_template, write_log_time
+from dogbot_logtool.writer.template import PointArray, Stamps, Template
 
 
 @dataclass(frozen=True, slots=True)
-class _Form:
-    """What messages of one shape are made with."""
+class _ShapeTemplate:
+    """How messages of one shape are made."""
 
     template: Template
     stamps: tuple[str, ...]
-    """Names of the times."""
-    stretches: tuple[Stretch | None, ...]
-    """Where outline, pressure, projection and footfalls stand, as far as there are such."""
+    """Names of the stamps."""
+    points: tuple[PointArray | None, ...]
+    """Outline, pressure, projection and touchdowns; None for what the shape does not have."""
 
 
-class SupportStamper:
-    """Stamps out the messages of one channel; called in several threads or processes at once."""
+class SupportWriter:
+    """Makes the messages of one channel; called in several threads or processes at once."""
 
-    def __init__(self, channel: int, encoding: Encoding, frame: str, style: SupportStyle) -> None:
+    def __init__(self, channel: int, encoding: Encoding, frame: str, style: SupportLook) -> None:
         self._channel = channel
         self._encoding = encoding
         self._frame = frame
         self._style = style
-        self._forms: dict[SupportShape, _Form] = {}
+        self._templates: dict[SupportShape, _ShapeTemplate] = {}
 
-    def outgoing(self, scene: SupportScene, stamps: Stamps) -> Iterator[NDArray[np.void]]:
-        """Yield the records of a scene, those of one size at a time.
+    def records(self, scene: SupportScene, stamps: Stamps) -> Iterator[NDArray[np.void]]:
+        """Yield the message records of a scene, those of one size at a time.
 
         Args:
             scene: (n,) times.
-            stamps: the same times as messages of the encoding write them.
+            stamps: the same times in the encoding's form.
         """
         columns = (
             scene.outline,
             scene.pressure[:, None],
             scene.projection[:, None],
-            scene.footfalls,
+            scene.touchdowns,
         )
         for shape, rows in _shapes(columns):
-            form = self._form(shape)
-            template = form.template
+            of_shape = self._template(shape)
+            template = of_shape.template
             records = template.copies(len(rows))
             picked = stamps.pick(rows)
-            for name in form.stamps:
+            for name in of_shape.stamps:
                 template.write_stamps(records, name, picked)
-            for stretch, column in zip(form.stretches, columns, strict=True):
-                if stretch is not None:
-                    stretch.of(records)[:] = column[rows, : stretch.shape[0]]
+            for points, column in zip(of_shape.points, columns, strict=True):
+                if points is not None:
+                    points.view(records)[:] = column[rows, : points.shape[0]]
+            self._colour_touchdowns(records, scene.touchdown_feet[rows], shape)
             if shape.line_points:
                 for part, parts in zip("rgba", scene.colour[rows].T, strict=True):
                     records[part] = parts
             write_log_time(records, scene.log_time[rows])
             yield records
 
-    def _form(self, shape: SupportShape) -> _Form:
-        # Two threads may learn the same; no harm is done.
-        if shape not in self._forms:
+    def _colour_touchdowns(
+        self, records: NDArray[np.void], feet: Ints, shape: SupportShape
+    ) -> None:
+        """Give touchdowns the colours of their feet.
+
+        Args:
+            records: (n,) messages of one shape.
+            feet: (n, k) indices; the first of each row are those of the shape's touchdowns.
+            shape: of the messages.
+        """
+        colours = np.array([colour_parts(foot_colour(foot)) for foot in range(len(FOOT_COLOURS))])
+        for column, name in enumerate(support_points(shape).touchdowns):
+            of_foot = colours[feet[:, column] % len(colours)]
+            for part, values in zip("rgb", of_foot.T, strict=True):
+                records[f"{name}.{part}"] = values
+
+    def _template(self, shape: SupportShape) -> _ShapeTemplate:
+        # Two threads may learn the same template at once, which is harmless.
+        if shape not in self._templates:
             message = self._encoding.support(shape, self._frame, self._style)
             template = record_template(message, self._channel)
             points = support_points(shape)
-            kinds = points.line, points.pressure, points.projection, points.footfalls
-            self._forms[shape] = _Form(
+            kinds = points.line, points.pressure, points.projection, points.touchdowns
+            self._templates[shape] = _ShapeTemplate(
                 template,
                 tuple(name[: -len(".sec")] for name in template.kinds if name.endswith(".sec")),
-                tuple(template.stretch(names) if names else None for names in kinds),
+                tuple(template.point_array(names) if names else None for names in kinds),
             )
-        return self._forms[shape]
+        return self._templates[shape]
 
 
 def _shapes(columns: Sequence[Floats]) -> Iterator[tuple[SupportShape, Ints]]:
-    """Yield the shapes that there are, and their rows.
+    """Yield the shapes that occur, and their rows.
 
     Args:
-        columns: (n, k, 3) outline, pressure, projection and footfalls; NaN where there are none.
+        columns: (n, k, 3) outline, pressure, projection and touchdowns; NaN where there are none.
     """
     counts = [np.isfinite(column[:, :, 0]).sum(axis=1) for column in columns]
     sizes = [column.shape[1] + 1 for column in columns]
     code = np.ravel_multi_index(counts, sizes)
     for number in np.unique(code).tolist():
-        line, pressure, projection, footfalls = map(int, np.unravel_index(number, sizes))
-        shape = SupportShape(line, bool(pressure), bool(projection), footfalls)
+        line, pressure, projection, touchdowns = map(int, np.unravel_index(number, sizes))
+        shape = SupportShape(line, bool(pressure), bool(projection), touchdowns)
         yield shape, np.flatnonzero(code == number)

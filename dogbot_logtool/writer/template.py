@@ -1,8 +1,8 @@
-"""Stamping out messages: one is serialised by its official library, the rest are copies of it.
+"""Templates: one message is serialised by its official library, the rest are copies of it.
 
-Nothing here knows a wire format. To find where numbers lie, a message is serialised several times
-with either of two values that differ in every byte, and the bytes that changed are their places.
-Copies are then made as a numpy structured array, and the numbers written into its columns.
+No wire format is known here. To find the offsets of its numbers, a message is serialised several
+times, with either of two values that differ in every byte: the bytes that change belong to a
+number. The copies are a numpy structured array, and the numbers are written into its columns.
 """
 
 import struct
@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from dogbot_logtool.core.geometry.arrays import Ints
 
-Number = float | int | bool
+Number = float | int | bool | str
 Serialise = Callable[[Mapping[str, Number]], bytes]
 """Builds a message from named numbers and serialises it."""
 
@@ -32,8 +32,9 @@ class Kind(Enum):
     FLOAT32 = ("<f4", struct.unpack("<f", b"\x11" * 4)[0], struct.unpack("<f", b"\x22" * 4)[0])
     UINT32 = ("<u4", 0x11111111, 0x22222222)
     BOOL = ("u1", False, True)
-    # Protobuf writes small numbers in fewer bytes, but negative ones always in ten. A number that
-    # is padded to ten bytes with empty groups is as valid.
+    TEXT8 = ("S8", "aaaaaaaa", "bbbbbbbb")
+    # Protobuf writes small numbers in fewer bytes, but negative ones always in ten. A number
+    # padded to ten bytes with empty groups is valid, too.
     VARINT = (f"V{_VARINT_WIDTH}", -0x1111111, -0x2222222)
 
     def __init__(self, dtype: str, first: Number, second: Number) -> None:
@@ -44,10 +45,10 @@ class Kind(Enum):
 
 @dataclass(frozen=True, slots=True)
 class Stamps:
-    """Times as messages write them."""
+    """Times in the form in which a message has them."""
 
     seconds: NDArray[np.generic]
-    """(n,) in the form of the field."""
+    """(n,) of the field's dtype."""
     nanoseconds: NDArray[np.generic]
 
     def pick(self, rows: Ints) -> "Stamps":
@@ -56,8 +57,8 @@ class Stamps:
 
 
 @dataclass(frozen=True, slots=True)
-class Stretch:
-    """Points of a message that stand at equal distances, so that all are written at once."""
+class PointArray:
+    """Points of a message at equal distances, which are written all at once."""
 
     shape: tuple[int, int]
     """Number of points, and of numbers in each."""
@@ -66,8 +67,8 @@ class Stretch:
     strides: tuple[int, int]
     """Bytes from one point to the next, and from one number to the next."""
 
-    def of(self, records: NDArray[np.void]) -> NDArray[np.float64]:
-        """Return the points of messages, (messages, points, numbers), to be written into."""
+    def view(self, records: NDArray[np.void]) -> NDArray[np.float64]:
+        """Return a view of the points of messages, (messages, points, numbers), to write into."""
         if not len(records):
             return np.empty((0, *self.shape))
         return np.ndarray(
@@ -81,7 +82,7 @@ class Stretch:
 
 @dataclass(frozen=True, slots=True)
 class Template:
-    """A serialised message and the places of the numbers that vary."""
+    """A serialised message and the offsets of the numbers that vary."""
 
     message: bytes
     dtype: "np.dtype[np.void]"
@@ -94,16 +95,16 @@ class Template:
         return len(self.message)
 
     def copies(self, count: int) -> NDArray[np.void]:
-        """Return (count,) copies of the message, to be written into."""
+        """Return (count,) copies of the message, to write into."""
         records = np.empty(count, f"V{self.size}")
         records[:] = np.void(self.message)
         return records.view(self.dtype)
 
-    def stretch(self, points: Sequence[str]) -> Stretch:
-        """Find out where some points lie.
+    def point_array(self, points: Sequence[str]) -> PointArray:
+        """Return where some points are in the message.
 
         Args:
-            points: names; the numbers of each are those whose names begin with its and a dot.
+            points: their names; a point ``p`` has the numbers ``p.x``, ``p.y`` and ``p.z``.
         """
         fields: Mapping[str, tuple[Any, ...]] = self.dtype.fields or {}
         offsets = np.array([[fields[f"{name}.{axis}"][1] for axis in "xyz"] for name in points])
@@ -114,11 +115,11 @@ class Template:
         if (offsets != start + steps).any() or any(
             self.kinds[f"{name}.{axis}"] is not Kind.FLOAT64 for name in points for axis in "xyz"
         ):
-            raise AssertionError(f"{', '.join(points)} do not stand at equal distances")
-        return Stretch((len(points), 3), start, (between, within))
+            raise AssertionError(f"{', '.join(points)} are not at equal distances")
+        return PointArray((len(points), 3), start, (between, within))
 
     def stamps(self, name: str, time: Ints) -> Stamps:
-        """Return times, ns, as the numbers ``name.sec`` and ``name.nanosec`` write them."""
+        """Return times, ns, in the form of the numbers ``name.sec`` and ``name.nanosec``."""
         # numpy divides by a constant several times faster than it takes the remainder.
         seconds = time // 1_000_000_000
         nanoseconds = time - seconds * 1_000_000_000
@@ -137,11 +138,11 @@ class Template:
 
 
 def learn(serialise: Serialise, fields: Mapping[str, Kind]) -> Template:
-    """Find out where the numbers of a message lie.
+    """Return the template of a message.
 
     The numbers are counted from 1, and the message is serialised once for every binary digit of
-    the count, with the second value for the numbers that have the digit: the times at which a byte
-    changed spell out the number that it belongs to.
+    the count, with the second value for the numbers that have the digit: the digits for which a
+    byte changed give the number that it belongs to.
 
     Args:
         serialise: builds and serialises the message.
@@ -168,7 +169,7 @@ def learn(serialise: Serialise, fields: Mapping[str, Kind]) -> Template:
     for count, (name, kind) in enumerate(fields.items(), 1):
         width = np.dtype(kind.dtype).itemsize
         if count not in first_of or last_of[count] - first_of[count] >= width:
-            raise AssertionError(f"{name} is not written in one place")
+            raise AssertionError(f"{name} is not written in one piece")
     offsets = [first_of[count] for count in range(1, len(fields) + 1)]
     dtype = np.dtype(
         {

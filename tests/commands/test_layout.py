@@ -2,22 +2,37 @@
 
 import json
 import re
+from math import cos, radians, sin
 from pathlib import Path
 from typing import Any
 
 import pytest
 from mcap.reader import make_reader
 from mcap_protobuf.decoder import DecoderFactory
+from mcap_ros2.decoder import DecoderFactory as Ros2Decoders
 
 from dogbot_logtool.commands.convert import convert
-from dogbot_logtool.commands.layout import foxglove_layout, layout_for
+from dogbot_logtool.commands.layout import view_of
+from dogbot_logtool.core.scene.foot_style import FOOT_COLOURS
 from dogbot_logtool.errors import CallError
 from dogbot_logtool.pipeline.options import ConvertOptions, TopicOptions
-from dogbot_logtool.report.foot_pens import FOOT_COLOURS
+from dogbot_logtool.report.layouts.foxglove import foxglove_layout
+from dogbot_logtool.report.layouts.rviz import rviz_config
+from dogbot_logtool.report.layouts.view import View
 from tests.paths import SAMPLE_LOGS
 
 TROUBLED = SAMPLE_LOGS / "dogbot_troubled.bag"
 FEET = ("front_left", "front_right", "back_left", "back_right")
+
+
+def foxglove_layout_of(log: Path | None, options: TopicOptions) -> dict[str, Any]:
+    return foxglove_layout(view_of(log, options))
+
+
+def plots(layout: dict[str, Any]) -> list[dict[str, Any]]:
+    """The one curve of each plot."""
+    of_feet = [one for name, one in layout["configById"].items() if name.startswith("Plot")]
+    return [path for plot in of_feet for path in plot["paths"]]
 
 
 def panel(layout: dict[str, Any], kind: str) -> dict[str, Any]:
@@ -31,20 +46,21 @@ def test_every_topic_and_field_is_in_a_converted_log(tmp_path: Path) -> None:
     fields: dict[str, set[str]] = {}
     frames: set[tuple[str, str]] = set()
     with (tmp_path / "out.mcap").open("rb") as stream:
-        reader = make_reader(stream, decoder_factories=[DecoderFactory()])
+        reader = make_reader(stream, decoder_factories=[DecoderFactory(), Ros2Decoders()])
         for _, channel, _, message in reader.iter_decoded_messages():
             if channel.topic not in fields:
-                fields[channel.topic] = {field.name for field in message.DESCRIPTOR.fields}
+                described = getattr(message, "DESCRIPTOR", None)
+                fields[channel.topic] = {field.name for field in getattr(described, "fields", ())}
             if channel.topic == "/tf":
                 (transform,) = message.transforms
                 frames.add((transform.parent_frame_id, transform.child_frame_id))
-    layout = layout_for(TROUBLED, TopicOptions())
-    drawn = {topic for topic in fields if "marker" in topic or topic == "/support"}
+    layout = foxglove_layout_of(TROUBLED, TopicOptions())
+    drawn = {topic for topic in fields if topic != "/tf" and not topic.startswith("/load/")}
     scene = panel(layout, "3D")
     assert set(scene["topics"]) == drawn
     assert frames == {(scene["layers"]["grid"]["frameId"], scene["followTf"])}
-    for kind in ("Plot", "StateTransitions"):
-        paths = [path["value"] for path in panel(layout, kind)["paths"]]
+    for shown in (plots(layout), panel(layout, "StateTransitions")["paths"]):
+        paths = [path["value"] for path in shown]
         assert len(paths) == len(FEET)
         for path in paths:
             topic, _, field = path.rpartition(".")
@@ -52,48 +68,84 @@ def test_every_topic_and_field_is_in_a_converted_log(tmp_path: Path) -> None:
 
 
 def test_the_robot_is_followed_and_its_arrows_are_visible() -> None:
-    scene = panel(foxglove_layout(FEET, "map", "trunk"), "3D")
+    scene = panel(foxglove_layout(View(FEET, "map", "trunk")), "3D")
     assert (scene["followTf"], scene["followMode"]) == ("trunk", "follow-position")
-    drawn = ["/support", *(f"/marker_basic_{foot}_foot" for foot in FEET)]
+    drawn = ["/support", "/robot_description"]
+    drawn += [name for foot in FEET for name in (f"/marker_basic_{foot}_foot", f"/label/{foot}")]
     assert scene["topics"] == {topic: {"visible": True} for topic in drawn}
     assert scene["scene"]["transforms"]["enablePreloading"] is True
     assert scene["scene"]["transforms"]["showLabel"] is False
+    assert scene["scene"]["transforms"]["axisScale"] == 0
+    assert scene["transforms"] == {f"frame:{name}": {"visible": False} for name in ("map", "trunk")}
+
+
+@pytest.mark.parametrize(("axis", "side"), [("+x", (1, 0)), ("+y", (0, 1)), ("-x", (-1, 0))])
+def test_the_camera_stands_before_the_robot(axis: str, side: tuple[int, int]) -> None:
+    offset = panel(foxglove_layout(View(FEET, "world", "base", axis)), "3D")["cameraState"]
+    angle = radians(-90.0 - offset["thetaOffset"])
+    assert cos(angle) * side[0] + sin(angle) * side[1] > 0.7
+    yaw = rviz_config(View(FEET, "world", "base", axis))["Visualization Manager"]["Views"]
+    angle = yaw["Current"]["Yaw"]
+    assert cos(angle) * side[0] + sin(angle) * side[1] > 0.7
 
 
 def test_the_ground_stays_in_the_world() -> None:
-    scene = panel(foxglove_layout(FEET, "map", "trunk"), "3D")
+    scene = panel(foxglove_layout(View(FEET, "map", "trunk")), "3D")
     (grid,) = scene["layers"].values()
     assert (grid["layerId"], grid["frameId"]) == ("foxglove.Grid", "map")
 
 
 def test_loads_and_gait() -> None:
-    layout = foxglove_layout(FEET, "world", "base_link")
-    plot, gait = panel(layout, "Plot"), panel(layout, "StateTransitions")
-    assert [path["value"] for path in plot["paths"]] == [f"/load/{foot}.force" for foot in FEET]
-    assert [path["value"] for path in gait["paths"]] == [f"/load/{f}.in_contact" for f in FEET]
-    for path in (*plot["paths"], *gait["paths"]):
+    layout = foxglove_layout(View(FEET, "world", "base_link"))
+    curves, gait = plots(layout), panel(layout, "StateTransitions")
+    assert [path["value"] for path in curves] == [f"/load/{foot}.force" for foot in FEET]
+    assert [path["value"] for path in gait["paths"]] == [f"/load/{f}.state" for f in FEET]
+    for path in (*curves, *gait["paths"]):
         assert path["timestampMethod"] == "receiveTime"
         assert path["enabled"] is True
     assert [path["label"] for path in gait["paths"]] == list(FEET)
-    assert len({path["color"] for path in plot["paths"]}) == len(FEET)
+    assert [path["color"] for path in curves] == list(FOOT_COLOURS[: len(FEET)])
+    assert panel(layout, "RosOut")["topicToRender"] == "/events"
 
 
 def test_loads_and_gait_share_one_time_axis() -> None:
-    layout = foxglove_layout(FEET, "world", "base_link")
-    plot, gait = panel(layout, "Plot"), panel(layout, "StateTransitions")
-    assert plot["isSynced"] is gait["isSynced"] is True
+    layout = foxglove_layout(View(FEET, "world", "base_link"))
+    panels = [one for name, one in layout["configById"].items() if name[:4] in {"Plot", "Stat"}]
+    assert len(panels) == len(FEET) + 1
     own_axes = {"minXValue", "maxXValue", "followingViewWidth", "xAxisRange"}
-    assert not own_axes & (plot.keys() | gait.keys())
+    for each in panels:
+        assert each["isSynced"] is True
+        assert not own_axes & each.keys()
 
 
 def test_every_panel_has_a_title_where_viewers_look_for_it() -> None:
-    layout = foxglove_layout(FEET, "world", "base_link")
-    titles = {config["foxglovePanelTitle"] for config in layout["configById"].values()}
-    assert titles == {"Robot", "Load [N]", "Gait diagram"}
+    layout = foxglove_layout(View(FEET, "world", "base_link"))
+    titles = {"Robot", *(f"{foot} [N]" for foot in FEET), "Gait diagram", "Events"}
+    for key in ("foxglovePanelTitle", "lichtblickPanelTitle"):
+        assert {config[key] for config in layout["configById"].values()} == titles
+
+
+def test_all_rows_are_high_enough_to_read() -> None:
+    """On a screen of 1280 x 720, of which the viewer's own bars take 110."""
+    node, left, heights = foxglove_layout(View(FEET, "w", "b"))["layout"]["second"], 610.0, []
+    while isinstance(node, dict):
+        heights.append(left * node["splitPercentage"] / 100.0)
+        left -= heights[-1]
+        node = node["second"]
+    assert len(heights) == len(FEET) + 1
+    assert min(*heights, left) > 85.0
+
+
+def test_rviz_shows_what_is_written() -> None:
+    displays = rviz_config(View(FEET, "map", "trunk"))["Visualization Manager"]["Displays"]
+    topics = {each["Marker Topic"] for each in displays if "Marker Topic" in each}
+    feet = {name for foot in FEET for name in (f"/marker_basic_{foot}_foot", f"/label/{foot}")}
+    assert topics == feet | {"/support"}
+    assert {"rviz/RobotModel", "rviz/Grid"} < {each["Class"] for each in displays}
 
 
 def test_the_shape_is_what_viewers_import() -> None:
-    layout = foxglove_layout(FEET, "world", "base_link")
+    layout = foxglove_layout(View(FEET, "world", "base_link", "+y"))
     assert set(layout) == {"configById", "globalVariables", "userNodes", "playbackConfig", "layout"}
 
     def leaves(node: Any) -> list[str]:
@@ -110,22 +162,22 @@ def test_the_shape_is_what_viewers_import() -> None:
 
 def test_more_feet_than_colours() -> None:
     feet = [f"foot_{number}" for number in range(len(FOOT_COLOURS) + 2)]
-    paths = panel(foxglove_layout(feet, "world", "base"), "Plot")["paths"]
+    paths = plots(foxglove_layout(View(tuple(feet), "world", "base")))
     assert len(paths) == len(feet)
     assert paths[0]["color"] == paths[len(FOOT_COLOURS)]["color"]
 
 
 def test_without_a_log_the_feet_are_the_robot_s() -> None:
-    dogbot = foxglove_layout(FEET, "world", "base_link")
-    assert layout_for(None, TopicOptions()) == dogbot
-    assert layout_for(None, TopicOptions(robot="dogbot")) == dogbot
-    named = layout_for(None, TopicOptions(robot="generic", foot_topics={"paw": "/x"}))
-    assert named == foxglove_layout(["paw"], "world", "base_link")
+    dogbot = foxglove_layout(View(FEET, "world", "base_link", "+y"))
+    assert foxglove_layout_of(None, TopicOptions()) == dogbot
+    assert foxglove_layout_of(None, TopicOptions(robot="dogbot")) == dogbot
+    named = foxglove_layout_of(None, TopicOptions(robot="generic", foot_topics={"paw": "/x"}))
+    assert named == foxglove_layout(View(("paw",), "world", "base_link"))
     with pytest.raises(CallError):
-        layout_for(None, TopicOptions(robot="unicorn"))
+        foxglove_layout_of(None, TopicOptions(robot="unicorn"))
 
 
 @pytest.mark.parametrize("log", ["dogbot_trot.bag", "dogbot_walk.mcap", "dogbot_troubled.bag"])
 def test_the_sample_logs_have_the_dogbot_s_layout(log: str) -> None:
-    found = layout_for(SAMPLE_LOGS / log, TopicOptions())
-    assert found == foxglove_layout(FEET, "world", "base_link")
+    found = foxglove_layout_of(SAMPLE_LOGS / log, TopicOptions())
+    assert found == foxglove_layout(View(FEET, "world", "base_link", "+y"))

@@ -16,11 +16,12 @@ from mcap.writer import Writer
 from dogbot_logtool.commands.stats import measure
 from dogbot_logtool.errors import CallError, LogError
 from dogbot_logtool.pipeline.options import StatsOptions, TopicOptions
-from dogbot_logtool.report.stats_json import stats_json, stats_schema
+from dogbot_logtool.report.figures.schema import schema
+from dogbot_logtool.report.stats_json import stats_json
+from tests.oracles.walks import Walk as ContactWalk
+from tests.oracles.walks import write_mcap
 from tests.paths import ROOT, SAMPLE_LOGS
 from tests.reader.mcap_bytes import small_mcap
-from tests.walks import Walk as ContactWalk
-from tests.walks import write_mcap
 
 WALKS = ("dogbot_trot.bag", "dogbot_walk.mcap")
 
@@ -78,7 +79,7 @@ def test_the_gait_is_true(walk: Walk) -> None:
     got, true = walk
     gait, known = got["gait"], true["gait"]
     assert gait["class"] == known["class"]
-    assert gait["running"] is False
+    assert gait["duty_below_half"] is False
     assert gait["stride_frequency_hz"] == pytest.approx(known["stride_frequency_hz"], rel=0.002)
     assert gait["duty_factor"] == pytest.approx(known["duty_factor"], abs=0.005)
     for foot, phase in known["phase"].items():
@@ -128,7 +129,7 @@ def test_without_its_transforms_a_link_frame_log_has_no_vertical_figures(tmp_pat
     for foot in got["feet"].values():
         assert foot["peak_vertical_force_n"] is None
         assert foot["peak_force_n"]["n"] > 0
-    codes = {said["code"] for said in (*got["notes"], *got["quality"]["findings"])}
+    codes = {said["code"] for said in got["findings"]}
     assert "N_VERTICAL_UNKNOWN" in codes
 
 
@@ -141,7 +142,7 @@ def test_figures_do_not_depend_on_threads() -> None:
 def test_the_troubled_log_is_told_as_it_is() -> None:
     got = figures("dogbot_troubled.bag")
     known = truth("dogbot_troubled.bag")["damage"]
-    said = {each["code"]: each for each in got["quality"]["findings"]}
+    said = {each["code"]: each for each in got["findings"]}
 
     assert got["settings"]["time_source"] == "log"
     assert said["W_DEAD"]["where"] == f"feet.{known['dead_foot']}"
@@ -157,8 +158,8 @@ def test_the_troubled_log_is_told_as_it_is() -> None:
 @pytest.mark.parametrize("log", [*WALKS, "dogbot_troubled.bag"])
 def test_the_json_is_what_the_schema_says(log: str) -> None:
     got = json.loads(json.dumps(figures(log), allow_nan=False))
-    Draft202012Validator.check_schema(stats_schema())
-    Draft202012Validator(stats_schema()).validate(got)
+    Draft202012Validator.check_schema(schema())
+    Draft202012Validator(schema()).validate(got)
 
 
 def test_a_part_of_a_log_is_measured_alone() -> None:
@@ -212,5 +213,5 @@ def test_an_odometry_of_nothing_but_nan_is_said(tmp_path: Path) -> None:
     write_mcap(tmp_path / "walk.mcap", walk, entries)
     got = figures(str(tmp_path / "walk.mcap"))
     assert got["base"] is None
-    (said,) = [one for one in got["quality"]["findings"] if one["code"] == "W_BAD_POSES"]
+    (said,) = [one for one in got["findings"] if one["code"] == "W_BAD_POSES"]
     assert "all with NaN, infinity or a zero quaternion" in said["text"]

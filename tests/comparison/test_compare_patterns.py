@@ -16,7 +16,7 @@ from dogbot_logtool.comparison.tolerances import FieldRules, Quantity, Rules, To
 from dogbot_logtool.errors import CallError
 from dogbot_logtool.pipeline.options import CompareOptions
 from tests import forked_cli
-from tests.comparison.test_compare_logs import JSON, Recording, odometry, recording, ros_kind
+from tests.comparison.recordings import JSON, Recording, odometry, recording, ros_kind
 from tests.forked_cli import Ended
 
 FIGURES: dict[str, Any] = {

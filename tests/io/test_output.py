@@ -11,6 +11,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
+from upath import UPath
 
 from dogbot_logtool.errors import CallError, LogtoolError
 from dogbot_logtool.io.output import refuse_bad_target, whole_file
@@ -239,6 +240,27 @@ def test_only_regular_files_are_replaced(special: tuple[str, Path], *, overwrite
     after = target.lstat()
     assert (before.st_mode, before.st_ino) == (after.st_mode, after.st_ino)
     assert files(target.parent) == ["x.mcap"]
+
+
+@pytest.mark.parametrize("overwrite", [True, False])
+@pytest.mark.usefixtures("way")
+def test_a_file_that_is_not_wanted_leaves_nothing(tmp_path: Path, *, overwrite: bool) -> None:
+    target = tmp_path / "x.mcap"
+    if overwrite:
+        target.write_bytes(b"old")
+    with whole_file(target, overwrite=overwrite, is_wanted=lambda: False) as file:
+        file.write(b"never")
+    assert files(tmp_path) == ["x.mcap"] * overwrite
+    assert not overwrite or target.read_bytes() == b"old"
+
+
+@pytest.mark.parametrize("wanted", [True, False])
+def test_an_object_that_is_not_wanted_is_not_uploaded(tmp_path: Path, *, wanted: bool) -> None:
+    target = UPath(f"file://{tmp_path}/x.mcap")
+    assert not isinstance(target, Path)
+    with whole_file(target, overwrite=False, is_wanted=lambda: wanted) as file:
+        file.write(b"perhaps")
+    assert files(tmp_path) == ["x.mcap"] * wanted
 
 
 @pytest.mark.usefixtures("way")

@@ -47,7 +47,7 @@ def test_what_an_output_means(
         (tmp_path / name).mkdir()
     output = output_at(word, MCAP, several=several)
     assert output.is_folder == is_folder
-    assert str(output.place).rstrip("/") == word.rstrip("/")
+    assert str(output.path).rstrip("/") == word.rstrip("/")
 
 
 def test_no_output_is_the_current_directory() -> None:

@@ -15,24 +15,22 @@ from dogbot_logtool.commands import convert as convert_module
 from dogbot_logtool.commands.compare import compare
 from dogbot_logtool.commands.convert import convert
 from dogbot_logtool.commands.stats import measure
+from dogbot_logtool.pipeline import plan as plan_module
 from dogbot_logtool.pipeline.annotated import annotations_left_out, open_recorded
 from dogbot_logtool.pipeline.options import (
     CompareOptions,
     ConvertOptions,
-    EncodingName,
     StatsOptions,
-    Style,
 )
+from dogbot_logtool.pipeline.robot_model.description import RobotDescription
 from dogbot_logtool.reader.containers.log import Chunk
-from dogbot_logtool.reader.containers.opening import open_log
+from dogbot_logtool.reader.opening import open_log
 from dogbot_logtool.report.stats_json import stats_json
 from dogbot_logtool.results import Conversion
 from dogbot_logtool.writer import annotations
-from tests.test_cli import TROT, TROUBLED, WALK, Shell, shell
-
-__all__ = ["shell"]
-
-ENCODINGS: tuple[EncodingName, ...] = ("foxglove", "ros1", "ros2")
+from dogbot_logtool.writer.encodings.registry import ENCODINGS
+from tests.paths import TROT, TROUBLED, WALK
+from tests.shell import Shell
 
 
 def converted(log: Path, target: Path, **options: Any) -> Conversion:
@@ -55,7 +53,7 @@ def records(log: Path) -> list[Metadata]:
         return list(make_reader(stream).iter_metadata())
 
 
-CASES: list[tuple[Path, EncodingName]] = [
+CASES: list[tuple[Path, str]] = [
     *((TROUBLED, encoding) for encoding in ENCODINGS),
     (WALK, "ros2"),
     (TROT, "ros1"),
@@ -66,7 +64,7 @@ EACH_CASE = pytest.mark.parametrize(
 
 
 @EACH_CASE
-def test_annotating_again_gives_the_same(tmp_path: Path, log: Path, encoding: EncodingName) -> None:
+def test_annotating_again_gives_the_same(tmp_path: Path, log: Path, encoding: str) -> None:
     once, again, third = (tmp_path / f"{number}.mcap" for number in range(3))
     first = converted(log, once, encoding=encoding)
     second = converted(once, again, encoding=encoding)
@@ -86,7 +84,7 @@ def test_annotating_again_gives_the_same(tmp_path: Path, log: Path, encoding: En
     ("before", "style"), [("foxglove", "force"), ("ros1", "classic"), ("ros2", "pressure")]
 )
 def test_another_style_and_encoding_replace_the_old_ones(
-    tmp_path: Path, before: EncodingName, style: Style
+    tmp_path: Path, before: str, style: str
 ) -> None:
     once, again, direct = (tmp_path / f"{number}.mcap" for number in range(3))
     converted(TROUBLED, once, encoding=before, style="pressure")
@@ -100,15 +98,13 @@ def figures(log: Path) -> dict[str, Any]:
     found = stats_json(done.stats, done.facts)
     # What a file is called and how it is packed is no figure; the rest is.
     del found["log"]["path"], found["log"]["container"]
-    found["notes"] = [each for each in found["notes"] if each["code"] != "N_ANNOTATED"]
+    found["findings"] = [each for each in found["findings"] if each["code"] != "N_ANNOTATED"]
     parsed: dict[str, Any] = json.loads(json.dumps(found))
     return parsed
 
 
 @pytest.mark.parametrize(("log", "encoding"), CASES[:-1])
-def test_figures_are_those_of_the_log_itself(
-    tmp_path: Path, log: Path, encoding: EncodingName
-) -> None:
+def test_figures_are_those_of_the_log_itself(tmp_path: Path, log: Path, encoding: str) -> None:
     converted(log, tmp_path / "x.mcap", encoding=encoding)
     assert figures(tmp_path / "x.mcap") == figures(log)
 
@@ -153,7 +149,7 @@ def _chunks(path: Path) -> list[Chunk]:
 
 @pytest.mark.parametrize("chunk_size", [20_000, 1 << 26], ids=["small", "one chunk"])
 @pytest.mark.parametrize("encoding", ENCODINGS)
-def test_chunks_may_hold_both(tmp_path: Path, encoding: EncodingName, chunk_size: int) -> None:
+def test_chunks_may_hold_both(tmp_path: Path, encoding: str, chunk_size: int) -> None:
     once, again = tmp_path / "once.mcap", tmp_path / "again.mcap"
     first = converted(TROUBLED, once, encoding=encoding)
     mixed = repacked(once, tmp_path / "mixed.mcap", chunk_size=chunk_size)
@@ -170,16 +166,18 @@ def test_chunks_may_hold_both(tmp_path: Path, encoding: EncodingName, chunk_size
 @pytest.mark.parametrize("times", [1, 2])
 @pytest.mark.parametrize("encoding", ENCODINGS)
 def test_files_without_marks_are_told_by_topics_and_definitions(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, encoding: EncodingName, times: int
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, encoding: str, times: int
 ) -> None:
     """Until now, channels were not marked, and all that was there was taken for recorded."""
     old = TROUBLED
     with monkeypatch.context() as before:
         before.setattr(annotations, "ANNOTATION_MARK", {})
         before.setattr(convert_module, "open_recorded", open_log)
+        # Such files had neither a robot nor labels.
+        before.setattr(plan_module, "robot_description", lambda *_, **__: RobotDescription(None))
         for number in range(times):
             target = tmp_path / f"old{number}.mcap"
-            converted(old, target, encoding=encoding)
+            converted(old, target, encoding=encoding, labels=False)
             old = target
     assert not any(channel.metadata.get("dogbot_logtool") for channel in channels(old))
     assert len(records(old)) == times

@@ -7,17 +7,17 @@ from typing import Any
 import pytest
 
 from dogbot_logtool.core.frames.wrench_frame import WrenchFrame, WrenchFrameEvidence
-from dogbot_logtool.errors import LogError
+from dogbot_logtool.errors import CallError, LogError
 from dogbot_logtool.finding import Severity, by_severity
 from dogbot_logtool.pipeline.options import ConvertOptions, TopicOptions
 from dogbot_logtool.pipeline.plan import Plan, make_plan, without_tf
-from dogbot_logtool.pipeline.probe import Evidence, evidence_findings, look_into
+from dogbot_logtool.pipeline.probe import Probe, evidence_findings, probe_log
 from dogbot_logtool.pipeline.selection import Selection, select_topics
 from dogbot_logtool.reader.containers.log import Log
-from dogbot_logtool.reader.containers.opening import open_log
+from dogbot_logtool.reader.opening import open_log
 from tests.paths import SAMPLE_LOGS
 
-UNKNOWN = WrenchFrameEvidence(WrenchFrame.UNKNOWN, None, 0)
+UNKNOWN = WrenchFrameEvidence(WrenchFrame.UNKNOWN)
 
 
 class Case:
@@ -26,13 +26,13 @@ class Case:
     def __init__(self, log: Log) -> None:
         self.log = log
         self.selection: Selection = select_topics(log, TopicOptions())
-        self.evidence: Evidence = look_into(log, self.selection)
+        self.probe: Probe = probe_log(log, self.selection)
 
     def plan(self, **options: Any) -> Plan:
-        return make_plan(self.log, self.selection, self.evidence, ConvertOptions(**options))
+        return make_plan(self.log, self.selection, self.probe, ConvertOptions(**options))
 
-    def see(self, **evidence: Any) -> None:
-        self.evidence = replace(self.evidence, **evidence)
+    def see(self, **probe: Any) -> None:
+        self.probe = replace(self.probe, **probe)
 
     def know(self, **robot: Any) -> None:
         self.selection = replace(self.selection, robot=replace(self.selection.robot, **robot))
@@ -112,7 +112,7 @@ def test_a_second_parent_that_comes_late(trot: Case) -> None:
     ],
 )
 def test_the_wrench_frame(trot: Case, option: str, seen: WrenchFrame, *, in_world: bool) -> None:
-    trot.see(wrench_frame=WrenchFrameEvidence(seen, 0.5, 100))
+    trot.see(wrench_frame=WrenchFrameEvidence(seen))
     plan = trot.plan(wrench_frame=option, style="force")
     assert plan.force_in_world is in_world
     turns = plan.frames is not None and any(plan.frames.links)
@@ -122,16 +122,37 @@ def test_the_wrench_frame(trot: Case, option: str, seen: WrenchFrame, *, in_worl
     assert "W_MAGNITUDE_ONLY" not in codes(trot.plan(wrench_frame=option, style="pressure"))
 
 
+@pytest.mark.parametrize(
+    ("option", "sentence"),
+    [
+        ({"style": "bold"}, "no arrow style 'bold'; known: classic, pressure, force"),
+        ({"encoding": "xml"}, "no encoding 'xml'; known: foxglove, ros1, ros2"),
+    ],
+)
+def test_an_unknown_style_or_encoding_is_a_wrong_call(
+    trot: Case, option: dict[str, str], sentence: str
+) -> None:
+    with pytest.raises(CallError, match=sentence):
+        trot.plan(**option)
+
+
+@pytest.mark.parametrize(("style", "normals"), [("classic", False), ("force", True)])
+def test_normals_are_read_where_the_style_needs_directions(
+    trot: Case, style: str, *, normals: bool
+) -> None:
+    assert trot.plan(style=style).reader.feet.normals is normals
+
+
 def test_weight_and_arrow_style(trot: Case) -> None:
     plan = trot.plan()
     assert plan.body_weight_n == pytest.approx(21.261 * 9.81)
-    assert (plan.arrow_style.shaft_diameter_m, plan.arrow_style.lifetime_s) == (0.04, 0.5)
-    classic = trot.plan(style="classic").arrow_style
+    assert (plan.arrow_look.shaft_diameter_m, plan.arrow_look.lifetime_s) == (0.04, 0.5)
+    classic = trot.plan(style="classic").arrow_look
     assert (classic.shaft_diameter_m, classic.lifetime_s) == (0.1, 0.0)
     trot.know(mass_kg=None, shaft_diameter_m=0.02)
     plan = trot.plan(style="force")
     assert plan.body_weight_n is None
-    assert plan.arrow_style.shaft_diameter_m == 0.02
+    assert plan.arrow_look.shaft_diameter_m == 0.02
     assert "N_NO_MASS" in codes(plan)
 
 
@@ -163,7 +184,7 @@ def test_findings_are_told_by_what_was_seen(trot: Case) -> None:
         world_frames=("a", "b"),
         wrench_frame=UNKNOWN,
     )
-    found = {f.code: f for f in evidence_findings(trot.selection, trot.evidence)}
+    found = {f.code: f for f in evidence_findings(trot.selection, trot.probe)}
     assert set(found) == {
         "W_ZERO_STAMPS",
         "W_SLASHED_FRAMES",

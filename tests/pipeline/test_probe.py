@@ -8,20 +8,21 @@ import numpy as np
 import pytest
 
 from dogbot_logtool.core.frames.wrench_frame import WrenchFrame
+from dogbot_logtool.pipeline import chunks
 from dogbot_logtool.pipeline.options import TopicOptions
-from dogbot_logtool.pipeline.probe import Evidence, left_after, look_into
+from dogbot_logtool.pipeline.probe import Probe, left_after, probe_log
 from dogbot_logtool.pipeline.selection import select_topics
-from dogbot_logtool.reader.containers.opening import open_log
 from dogbot_logtool.reader.messages.contacts.source import StepTiming
+from dogbot_logtool.reader.opening import open_log
 from tests.paths import SAMPLE_LOGS
 
 LOGS = ("dogbot_trot.bag", "dogbot_walk.mcap", "dogbot_troubled.bag")
 
 
-def look(name: str, options: TopicOptions | None = None) -> Evidence:
+def look(name: str, options: TopicOptions | None = None) -> Probe:
     log = open_log(SAMPLE_LOGS / name)
     try:
-        return look_into(log, select_topics(log, options or TopicOptions()))
+        return probe_log(log, select_topics(log, options or TopicOptions()))
     finally:
         log.close()
 
@@ -37,8 +38,8 @@ def test_the_wrench_frame_is_recognised(name: str) -> None:
     seen = look(name).wrench_frame
     assert seen.frame == WrenchFrame(truth(name)["forces"]["wrench_frame"])
     assert seen.samples >= 20
-    assert seen.median_alignment is not None
-    assert 0 <= seen.median_alignment <= 1
+    assert seen.world is not None
+    assert 0 <= seen.world.alignment <= 1
 
 
 @pytest.mark.parametrize("name", LOGS)
@@ -91,7 +92,9 @@ def test_parents_are_those_of_the_legs(name: str) -> None:
 
 
 @pytest.mark.parametrize("name", LOGS)
-def test_only_a_few_chunks_are_read(name: str) -> None:
+def test_only_a_few_chunks_are_read(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    # Chunks as small as those of the sample logs are looked at until they are a mebibyte.
+    monkeypatch.setattr(chunks, "_LEAST_SIZE", 1)
     seen = look(name)
     assert 1 <= seen.chunks_seen <= 9
     assert seen.chunks >= seen.chunks_seen
@@ -101,11 +104,11 @@ def test_without_feet_the_wrench_frame_is_unknown() -> None:
     log = open_log(SAMPLE_LOGS / "dogbot_trot.bag")
     try:
         selection = select_topics(log, TopicOptions())
-        bare = look_into(log, type(selection)(selection.robot, (), (), {}, (), ()))
+        bare = probe_log(log, type(selection)(selection.robot, (), (), {}, (), ()))
     finally:
         log.close()
     assert bare.wrench_frame.frame is WrenchFrame.UNKNOWN
-    assert bare.wrench_frame.median_alignment is None
+    assert bare.wrench_frame.world is None
     assert (bare.world_frames, bare.base_frames, bare.parents) == ((), (), {})
     assert bare.zero_stamps == frozenset()
     assert bare.chunks_seen == 0

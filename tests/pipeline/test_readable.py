@@ -10,7 +10,7 @@ from dogbot_logtool.errors import LogError
 from dogbot_logtool.pipeline.options import TopicOptions
 from dogbot_logtool.pipeline.selection import nothing_to_do, select_topics
 from dogbot_logtool.reader.containers.log import Log
-from dogbot_logtool.reader.containers.opening import open_log
+from dogbot_logtool.reader.opening import open_log
 
 ODOMETRY, CONTACTS, TF = "nav_msgs/Odometry", "gazebo_msgs/ContactsState", "tf2_msgs/TFMessage"
 Channel = tuple[str, str, bytes, str]

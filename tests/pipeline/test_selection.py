@@ -12,7 +12,7 @@ from dogbot_logtool.errors import CallError
 from dogbot_logtool.pipeline.options import TopicOptions
 from dogbot_logtool.pipeline.selection import Selection, select_topics
 from dogbot_logtool.reader.containers.log import Log
-from dogbot_logtool.reader.containers.opening import open_log
+from dogbot_logtool.reader.opening import open_log
 
 ODOMETRY, CONTACTS, TF = "nav_msgs/Odometry", "gazebo_msgs/ContactsState", "tf2_msgs/TFMessage"
 WRENCH = "geometry_msgs/WrenchStamped"

@@ -2,9 +2,9 @@
 
 import pytest
 
-from tests.test_cli import TROT, TROUBLED, Shell, odometry_log, shell, string_log
-
-__all__ = ["shell"]
+from tests.oracles.small_logs import odometry_log, string_log
+from tests.paths import TROT, TROUBLED
+from tests.shell import Shell
 
 COMMANDS = {
     "convert": ["convert"],

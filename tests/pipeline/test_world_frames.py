@@ -10,15 +10,15 @@ from typing import Any, Literal
 import numpy as np
 import pytest
 from mcap.reader import make_reader
-from mcap_ros2.decoder import DecoderFactory
 
 from dogbot_logtool.commands.convert import convert
 from dogbot_logtool.commands.stats import measure
 from dogbot_logtool.pipeline.options import ConvertOptions, StatsOptions, TopicOptions
 from dogbot_logtool.report.stats_json import stats_json
 from dogbot_logtool.results import Conversion
-from tests import walks
-from tests.frames_oracle import matrix_of
+from tests.oracles import walks
+from tests.oracles.annotated_file import arrows
+from tests.oracles.frames import matrix_of
 from tests.paths import SAMPLE_LOGS
 
 TROT = SAMPLE_LOGS / "dogbot_trot.bag"
@@ -36,17 +36,10 @@ def messages(path: Path) -> dict[str, list[tuple[int, bytes]]]:
     found: dict[str, list[tuple[int, bytes]]] = defaultdict(list)
     with path.open("rb") as stream:
         for _, channel, message in make_reader(stream).iter_messages(log_time_order=False):
-            found[channel.topic].append((message.log_time, message.data))
-    return found
-
-
-def arrows(path: Path) -> Iterator[tuple[str, int, Any]]:
-    """Yield topic, log time in ns, and marker of the arrows that are shown."""
-    with path.open("rb") as stream:
-        reader = make_reader(stream, decoder_factories=[DecoderFactory()])
-        for _, channel, message, marker in reader.iter_decoded_messages():
-            if "marker" in channel.topic and marker.action == 0:
-                yield channel.topic, message.log_time, marker
+            # The robot is made of what a look into a few chunks shows, not of batches.
+            if channel.topic != "/robot_description":
+                found[channel.topic].append((message.log_time, message.data))
+    return {topic: sorted(each) for topic, each in found.items()}
 
 
 @pytest.mark.parametrize("batch_size", [1, 200_000])

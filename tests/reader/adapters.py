@@ -1,6 +1,6 @@
 """Every adapter of the reader, with messages that it can be given."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cache
 from typing import Any, Final
@@ -11,6 +11,13 @@ from foxglove_schemas_protobuf.FrameTransforms_pb2 import FrameTransforms
 
 from dogbot_logtool.core.geometry.arrays import Ints
 from dogbot_logtool.reader.containers.log import Batch, Channel, Messages, Schema
+from dogbot_logtool.reader.messages.bases.registry import (
+    BASE_SOURCES,
+    Base,
+    base_source,
+    check_base,
+    joined_poses,
+)
 from dogbot_logtool.reader.messages.contacts.registry import (
     SOURCES,
     check_contacts,
@@ -19,13 +26,6 @@ from dogbot_logtool.reader.messages.contacts.registry import (
 from dogbot_logtool.reader.messages.contacts.source import FootChannels
 from dogbot_logtool.reader.messages.foxglove_transforms import foxglove_transforms
 from dogbot_logtool.reader.messages.messages import malformed_in
-from dogbot_logtool.reader.messages.odometry import (
-    ODOMETRY_TYPE,
-    check_odometry,
-    decode_odometry,
-    joined_odometry,
-    odometry_frames,
-)
 from dogbot_logtool.reader.messages.transforms import (
     TRANSFORM_TYPES,
     check_transforms,
@@ -34,7 +34,7 @@ from dogbot_logtool.reader.messages.transforms import (
     transform_columns,
 )
 from dogbot_logtool.robot import Foot
-from tests import walks
+from tests.oracles import base_walks, state_walks, walks
 
 SAME_AS: Final = {
     "go2_interfaces/LowState": "unitree_go/msg/LowState",
@@ -44,9 +44,18 @@ SAME_AS: Final = {
 }
 """Types of other drivers, with a type that has the same fields."""
 FOXGLOVE: Final = ("foxglove.FrameTransforms", "foxglove.FrameTransform")
-DECODED: Final = (ODOMETRY_TYPE, *sorted(TRANSFORM_TYPES), *SOURCES)
+VARIANTS: Final = ("old_xpp/RobotStateCartesian", "old_whole_body/WholeBodyState")
+"""Earlier definitions of types, by the packages that the tests give them."""
+BASES: Final = tuple(
+    name
+    for name in BASE_SOURCES
+    if name not in SOURCES and name not in TRANSFORM_TYPES and not name.startswith("foxglove")
+)
+"""Types of base poses; their elements are those of `base_walks`."""
+DECODED: Final = (*BASES, *sorted(TRANSFORM_TYPES), *SOURCES, *VARIANTS)
 """Types whose definitions stand in the log."""
-ALL: Final = (*DECODED, *FOXGLOVE)
+POSES: Final = ("foxglove.Odometry", "foxglove.PoseInFrame")
+ALL: Final = (*DECODED, *FOXGLOVE, *POSES)
 STEP_NS: Final = 10_000_000
 
 
@@ -60,12 +69,14 @@ class Outcome:
 
 
 @cache
-def walk() -> walks.Walk:
-    return walks.Walk(2)
+def walk() -> state_walks.StateWalk:
+    return state_walks.StateWalk(2)
 
 
 def definition(type_name: str) -> str:
     """Return the definition of a type, with all that it depends on."""
+    if type_name in BASES:
+        return base_walks.definition(type_name)
     return walk().definition(_known(type_name))
 
 
@@ -81,8 +92,8 @@ def payloads(type_name: str, count: int) -> tuple[bytes, ...]:
         return tuple(_foxglove(type_name, number) for number in range(count))
     kind = _known(type_name)
     samples = range(20, 20 + count)
-    if type_name == ODOMETRY_TYPE:
-        return tuple(walk().odometry(sample) for sample in samples)
+    if type_name in (*BASES, *POSES):
+        return tuple(base_walks.message(type_name, sample) for sample in samples)
     if type_name in TRANSFORM_TYPES:
         return tuple(walk().bytes_of(kind, transforms(sample)) for sample in samples)
     return tuple(
@@ -103,6 +114,22 @@ def empty_payload(type_name: str) -> bytes | None:
         "champ_msgs/msg/ContactsStamped": {
             "header": made.header(0, "world"),
             "contacts": np.empty(0, np.bool_),
+        },
+        "quad_msgs/msg/GRFArray": {
+            "header": made.header(0, "map"),
+            "vectors": [],
+            "points": [],
+            "contact_states": np.empty(0, np.bool_),
+            "traj_index": 0,
+        },
+        "whole_body_state_msgs/msg/WholeBodyState": {
+            "header": made.header(0, "world"),
+            "time": 0.0,
+            "contacts": [],
+        },
+        "hrpsys_ros_bridge/msg/ContactStatesStamped": {
+            "header": made.header(0, ""),
+            "states": [],
         },
     }
     return made.bytes_of(kind, made.make(kind, **arrays[kind])) if kind in arrays else None
@@ -136,9 +163,9 @@ def _foxglove(type_name: str, number: int) -> bytes:
     return FrameTransforms(transforms=[one]).SerializeToString()
 
 
-def channel(type_name: str, text: str | None = None, topic: str = "/topic") -> Channel:
+def channel(type_name: str, text: str | None = None, topic: str = "/topic/joint_foot") -> Channel:
     """Return a channel of a type; the text is its definition, if not the usual one."""
-    if type_name in FOXGLOVE:
+    if type_name in (*FOXGLOVE, *POSES):
         return Channel(1, topic, "protobuf", Schema(1, type_name, "protobuf", b""), {})
     data = (definition(type_name) if text is None else text).encode()
     return Channel(1, topic, "cdr", Schema(1, type_name, "ros2msg", data), {})
@@ -154,19 +181,25 @@ def batch(messages: Sequence[bytes]) -> Batch:
     return Batch(np.frombuffer(b"".join(messages), np.uint8), columns, ())
 
 
-def feet() -> FootChannels:
+def feet(type_name: str) -> FootChannels:
     """Return four feet that channel 1 tells of."""
     one = [
         replace(Foot(leg, "/topic"), element=row, newtons_per_count=1.0)
         for row, leg in enumerate(walks.LEGS)
     ]
-    return FootChannels(one, {1: (0, 1, 2, 3)}, release_n=2.0, left_after_ns=1)
+    labelled = [replace(foot, label=_labels(type_name).get(foot.name, "")) for foot in one]
+    return FootChannels(labelled, {1: (0, 1, 2, 3)}, left_after_ns=1)
+
+
+def _labels(type_name: str) -> Mapping[str, str]:
+    """Return what messages of a type call the feet."""
+    return state_walks.SENSORS if type_name.startswith("hrpsys") else state_walks.LABELS
 
 
 def check(of: Channel) -> str:
     """Check a channel's definition; see `check_channel`."""
-    if of.type_name == ODOMETRY_TYPE:
-        return check_odometry(of)
+    if of.type_name in (*BASES, *POSES):
+        return check_base(of)
     if of.type_name in TRANSFORM_TYPES:
         return check_transforms(of)
     return check_contacts(of)
@@ -177,11 +210,11 @@ def read(of: Channel, given: Batch) -> Outcome:
     if of.type_name in FOXGLOVE:
         recorded, malformed = foxglove_transforms(given, [of])
         return Outcome(recorded.log_time, malformed)
-    if of.type_name == ODOMETRY_TYPE:
-        decoded = decode_odometry(given, [of])
-        for messages in decoded:
-            odometry_frames(messages)
-        return Outcome(joined_odometry(decoded).log_time, malformed_in(decoded))
+    if of.type_name in (*BASES, *POSES):
+        base = Base(base_source(of), base_walks.ELEMENTS.get(of.type_name, ""))
+        parts = base.read(given, [of])
+        malformed = {number: lost for part in parts for number, lost in part.malformed.items()}
+        return Outcome(joined_poses(parts).log_time, malformed)
     if of.type_name in TRANSFORM_TYPES:
         decoded = decode_transforms(given, [of])
         for messages in decoded:
@@ -189,13 +222,13 @@ def read(of: Channel, given: Batch) -> Outcome:
         return Outcome(
             _times([transform_columns(m).log_time for m in decoded]), malformed_in(decoded)
         )
-    found = read_contacts(given, [of], feet())
+    found = read_contacts(given, [of], feet(of.type_name))
     for each in found:
         assert each.links is not None
         assert each.timing is not None
         if each.source.has_header:
             each.messages.table.nanoseconds("header.stamp")
-    times = _times([each.felt.samples.log_time for each in found])
+    times = _times([each.reduced.samples.log_time for each in found])
     return Outcome(times, malformed_in(each.messages for each in found))
 
 

@@ -91,6 +91,8 @@ class McapBytes:
     """Records in front of a chunk, by its number."""
     stated_counts: Mapping[int, int] | None = None
     """Messages by channel that the statistics tell instead of the true ones."""
+    indexed_as: str | None = None
+    """The compression that the chunk indexes name instead of the true one."""
     extras: Sequence[bytes] = ()
     chunk_starts: list[int] = field(default_factory=list)
     chunk_ends: list[int] = field(default_factory=list)
@@ -150,7 +152,8 @@ class McapBytes:
                 written += record(MESSAGE_INDEX, struct.pack("<H", number) + text(data))
         index = struct.pack("<QQQQ", min(times), max(times), place, chunk_length)
         index += text(offsets) + struct.pack("<Q", len(written) - chunk_length)
-        index += text(self.compression) + struct.pack("<QQ", len(stored), len(inner))
+        named = self.compression if self.indexed_as is None else self.indexed_as
+        index += text(named) + struct.pack("<QQ", len(stored), len(inner))
         return written, record(CHUNK_INDEX, index)
 
     def _summary(self, place: int, described: bytes, indexes: Sequence[bytes]) -> bytes:

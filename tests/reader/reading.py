@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from dogbot_logtool.reader.containers.log import Extra, LoadedChunk, Loss
-from dogbot_logtool.reader.containers.opening import open_log
+from dogbot_logtool.reader.opening import open_log
 from tests.reader import bag_bytes, mcap_bytes
 
 

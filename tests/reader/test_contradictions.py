@@ -6,9 +6,9 @@ from pathlib import Path
 
 import pytest
 
-from dogbot_logtool.reader.containers.opening import open_log
+from dogbot_logtool.reader.opening import open_log
 from tests.reader.bag_bytes import CODECS as BAG_CODECS
-from tests.reader.bag_bytes import Connection, small_bag
+from tests.reader.bag_bytes import SECOND, Connection, small_bag, time
 from tests.reader.mcap_bytes import (
     CODECS,
     McapBytes,
@@ -175,6 +175,43 @@ def test_a_time_span_has_all_its_messages_whatever_the_chunk_index_says(tmp_path
     assert [loss.offset for batch in batches for loss in batch.losses]
 
 
+@pytest.mark.parametrize("crc", [True, False])
+@pytest.mark.parametrize(
+    ("compression", "named"), [("zstd", ""), ("zstd", "lz4"), ("zstd", "none"), ("", "lz4")]
+)
+def test_chunk_indexes_that_name_another_compression(
+    tmp_path: Path, compression: str, named: str, *, crc: bool
+) -> None:
+    mcap = small_mcap(compression)
+    mcap.chunk_crc, mcap.indexed_as = crc, named
+    reading = read_bytes(tmp_path, mcap.build())
+    assert list(reading.messages) == written_mcap(mcap)
+    assert reading.losses
+    # Where the wrong name would move the data behind the chunk's end, the summary is not used.
+    for start in mcap.chunk_starts if compression else ():
+        what = f"wrong about the compression or size of the chunk at byte {start}; the chunk's own"
+        assert what in reading.sentences
+    assert all(loss.messages == 0 for loss in reading.losses)
+
+
+@pytest.mark.parametrize("compression", CODECS)
+@pytest.mark.parametrize("field", ["stored size", "size"])
+@pytest.mark.parametrize("wrong", [0, 1, 50, 2**40])
+def test_a_chunk_index_with_a_wrong_size(
+    tmp_path: Path, compression: str, field: str, wrong: int
+) -> None:
+    mcap = small_mcap(compression)
+    data = mcap.build()
+    start = mcap.chunk_starts[1]
+    at = data.index(struct.pack("<Q", start), mcap.summary_start)
+    (offsets,) = struct.unpack_from("<I", data, at + 16)
+    sizes = at + 20 + offsets + 8 + 4 + len(compression) + (8 if field == "size" else 0)
+    changed = data[:sizes] + struct.pack("<Q", wrong) + data[sizes + 8 :]
+    reading = read_bytes(tmp_path, resealed(changed, mcap))
+    assert list(reading.messages) == written_mcap(mcap)
+    assert reading.losses
+
+
 def test_an_attachment_that_the_summary_does_not_name(tmp_path: Path) -> None:
     extra = attachment("notes", b"muddy ground")
     mcap = small_mcap()
@@ -239,3 +276,43 @@ def test_message_counts_of_a_bag_that_hold_only_in_sum(tmp_path: Path) -> None:
     assert list(reading.messages) == written_bag(bag)
     what = f"the chunk at byte {bag.chunk_starts[0]} holds 2 messages of channel 0 where the log's"
     assert what in reading.sentences
+
+
+@pytest.mark.parametrize("compression", BAG_CODECS)
+def test_a_time_span_has_all_its_messages_whatever_a_bags_index_says(
+    tmp_path: Path, compression: str
+) -> None:
+    bag = small_bag(compression)
+    data = bag.build()
+    times = [message.log_time for message in bag.chunks[1]]
+    for name, true, wrong in (
+        (b"start_time=", times[0], times[0] - 30_000_000),
+        (b"end_time=", times[-1], times[0] - 20_000_000),
+    ):
+        assert data.count(name + time(true)) == 1
+        data = data.replace(name + time(true), name + time(wrong))
+    path = tmp_path / "log.bag"
+    path.write_bytes(data)
+    log = open_log(path)
+    batches = [log.read(span).cropped(times[0], times[-1]) for span in log.spans(*times[::3])]
+    losses = [*log.losses, *(loss for batch in batches for loss in batch.losses)]
+    log.close()
+    assert [each for batch in batches for each in batch.messages.log_time.tolist()] == times
+    assert losses
+
+
+@pytest.mark.parametrize("shift", [-SECOND, SECOND])
+@pytest.mark.parametrize(("chunk", "field"), [(0, "start_time"), (2, "end_time")])
+def test_wrong_first_and_last_times_in_a_bags_index(
+    tmp_path: Path, chunk: int, field: str, shift: int
+) -> None:
+    bag = small_bag()
+    data = bag.build()
+    times = [message.log_time for messages in bag.chunks for message in messages]
+    mine = [message.log_time for message in bag.chunks[chunk]]
+    true = mine[0] if field == "start_time" else mine[-1]
+    name = field.encode() + b"="
+    reading = read_bytes(tmp_path, data.replace(name + time(true), name + time(true + shift)))
+    assert reading.times == (min(times), max(times))
+    assert list(reading.messages) == written_bag(bag)
+    assert reading.losses

@@ -16,7 +16,7 @@ from mcap.reader import make_reader
 
 from dogbot_logtool.errors import LogtoolError
 from dogbot_logtool.reader.containers.log import Messages
-from dogbot_logtool.reader.containers.opening import open_log
+from dogbot_logtool.reader.opening import open_log
 from tests.reader.reading import Read, read_file
 
 CORPUS = os.environ.get("LOGTOOL_CORPUS")

@@ -69,6 +69,7 @@ FLIPPED = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", FLIPPED)
 def test_every_flipped_bit_of_an_mcap_is_harmless_or_said(tmp_path: Path, name: str) -> None:
     mcap = FLIPPED[name]

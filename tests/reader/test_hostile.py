@@ -27,7 +27,7 @@ from pathlib import Path
 with contextlib.suppress(OSError):
     # Else the peak is that of the parent, whose memory this process had for a moment.
     Path("/proc/self/clear_refs").write_text("5")
-from dogbot_logtool.reader.containers.opening import open_log
+from dogbot_logtool.reader.opening import open_log
 from dogbot_logtool.errors import LogtoolError
 try:
     log = open_log(Path(sys.argv[1]))
@@ -190,6 +190,7 @@ FILES: dict[str, Callable[[], bytes]] = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", FILES)
 def test_a_hostile_file_stays_within_bounds(tmp_path: Path, name: str) -> None:
     data = FILES[name]()

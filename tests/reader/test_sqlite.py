@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 
 from dogbot_logtool.errors import LogError
-from dogbot_logtool.reader.containers.opening import open_log
+from dogbot_logtool.reader.opening import open_log
 from tests.forked_cli import run
 from tests.paths import ROOT
 from tests.reader.reading import Read, read_file
@@ -363,4 +363,46 @@ def test_a_row_that_stands_twice_ends_the_reading(tmp_path: Path) -> None:
     path.write_bytes(data)
     reading = read_file(path)
     assert len(reading.messages) <= 1
+    assert "the database is damaged" in reading.sentences
+
+
+def leaves(path: Path, table: str) -> list[int]:
+    """Return the leaf pages of a table's tree of two levels, in order."""
+    connection = sqlite3.connect(path)
+    query = "SELECT rootpage FROM sqlite_master WHERE name = ?"
+    (root,) = connection.execute(query, (table,)).fetchone()
+    connection.close()
+    data = path.read_bytes()
+    page = (root - 1) * PAGE
+    assert data[page] == 5
+    (cells,) = struct.unpack_from(">H", data, page + 3)
+    found = struct.unpack_from(f">{cells}H", data, page + 12)
+    (last,) = struct.unpack_from(">I", data, page + 8)
+    return [*(struct.unpack_from(">I", data, page + cell)[0] for cell in found), last]
+
+
+@pytest.mark.parametrize("which", [0, 4, -1])
+def test_rows_behind_a_damaged_page_are_read(tmp_path: Path, which: int) -> None:
+    count = 300
+    path = make(tmp_path / "log.db3", rows=count, page_size=PAGE)
+    pages = leaves(path, "messages")
+    assert len(pages) > 8
+    data = bytearray(path.read_bytes())
+    start = (pages[which] - 1) * PAGE
+    (lost,) = struct.unpack_from(">H", data, start + 3)
+    data[start : start + PAGE] = b"\0" * PAGE
+    path.write_bytes(data)
+
+    reading = read_file(path)
+
+    found = [message.log_time for message in reading.messages]
+    assert found == sorted(set(found))
+    missing = sorted(set(range(1, count + 1)) - set(found))
+    assert missing == list(range(missing[0], missing[-1] + 1))
+    # Python's sqlite3 steps ahead, so that an error also costs the row next to the damage.
+    assert lost <= len(missing) <= lost + 2
+    if which == 0:
+        assert missing[0] == 1
+    if which == -1:
+        assert missing[-1] == count
     assert "the database is damaged" in reading.sentences

@@ -25,7 +25,7 @@ from dogbot_logtool.report.gait_diagram import default_window
 from dogbot_logtool.report.gait_figure import FORMATS, gait_figure, write_figure
 from dogbot_logtool.report.stats_json import stats_json
 from dogbot_logtool.results import Measurement
-from tests import walks
+from tests.oracles import walks
 from tests.paths import SAMPLE_LOGS
 
 TROT, WALK, TROUBLED = (

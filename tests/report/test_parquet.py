@@ -131,3 +131,14 @@ def test_urls_that_differ_in_their_query_are_two_logs(tmp_path: Path, server: st
     written = b"".join(f.read_bytes() for f in (tmp_path / "figures").rglob("*.parquet"))
     assert b"secret" not in written
     assert "secret" not in done.stderr
+
+
+def test_events_are_a_table_of_their_own(tmp_path: Path) -> None:
+    shutil.copy(TROUBLED, tmp_path / "troubled.bag")
+    assert stats(tmp_path, "troubled.bag").returncode == 0
+    (log,) = rows(tmp_path)
+    events = rows(tmp_path, "events")
+    assert {each["log_id"] for each in events} == {log["log_id"]}
+    (gap,) = [each for each in events if each["type"] == "gap"]
+    assert (gap["foot"], gap["unit"], gap["code"]) == ("front_right", "s", "W_GAPS")
+    assert gap["value"] == pytest.approx(1.01, abs=0.01)

@@ -10,16 +10,18 @@ import pytest
 from jsonschema import Draft202012Validator
 from rich.console import Console
 
+from dogbot_logtool.core.accumulator import StatsAccumulator
 from dogbot_logtool.core.base.odometry import Odometry
 from dogbot_logtool.core.contact.contacts import Samples
 from dogbot_logtool.core.frames.wrench_frame import WrenchFrame
 from dogbot_logtool.core.geometry.arrays import Floats
-from dogbot_logtool.core.settings import FootPlace, StatsSettings
-from dogbot_logtool.core.statistics import Stats, StatsAccumulator
-from dogbot_logtool.finding import Finding
+from dogbot_logtool.core.settings import FootSettings, StatsSettings
+from dogbot_logtool.core.statistics import Stats
+from dogbot_logtool.finding import Finding, finding_kinds
+from dogbot_logtool.report.figures.schema import schema
 from dogbot_logtool.report.gait_diagram import ASCII, default_window, gait_diagram
-from dogbot_logtool.report.stats_csv import write_strides, write_summary
-from dogbot_logtool.report.stats_json import several_logs, stats_json, stats_schema
+from dogbot_logtool.report.stats_csv import write_strides
+from dogbot_logtool.report.stats_json import stats_json
 from dogbot_logtool.report.stats_summary import summary_row
 from dogbot_logtool.report.stats_text import print_report, print_summary, verdict
 from dogbot_logtool.report.stride_table import stride_table
@@ -65,8 +67,9 @@ def measured(
     *, feet: int = 4, with_base: bool = True, wrench_frame: WrenchFrame = WrenchFrame.WORLD
 ) -> Stats:
     time = np.arange(2001, dtype=np.float64) / 200.0
-    names = tuple(FootPlace("_".join(place), f"/{'_'.join(place)}", place) for place in PLACES)
-    accumulator = StatsAccumulator(StatsSettings(names, 20.0, wrench_frame=wrench_frame))
+    names = tuple(FootSettings("_".join(place), f"/{'_'.join(place)}", place) for place in PLACES)
+    settings = StatsSettings(names, 20.0, foot_rolling_m=0.0, wrench_frame=wrench_frame)
+    accumulator = StatsAccumulator(settings)
     for foot in range(feet):
         samples = trot_samples(foot, time)
         accumulator.add_contacts(samples)
@@ -84,7 +87,7 @@ def trot() -> Stats:
 def valid_json(stats: Stats, log: LogFacts = FACTS) -> dict[str, Any]:
     """The object as scripts get it: NaN is no JSON."""
     plain = stats_json(stats, log)
-    Draft202012Validator(stats_schema()).validate(plain)
+    Draft202012Validator(schema()).validate(plain)
     loaded: dict[str, Any] = json.loads(json.dumps(plain, allow_nan=False))
     return loaded
 
@@ -102,15 +105,15 @@ def text_of(stats: Stats, width: int, *, log: LogFacts = FACTS, colour: bool = F
 
 
 def test_the_schema_is_itself_valid_and_strict() -> None:
-    Draft202012Validator.check_schema(stats_schema())
-    assert stats_schema()["additionalProperties"] is False
+    Draft202012Validator.check_schema(schema())
+    assert schema()["additionalProperties"] is False
 
 
 def test_the_json_says_what_was_walked(trot: Stats) -> None:
     figures = valid_json(trot)
-    assert figures["schema_version"] == 1
+    assert figures["schema_version"] == 2
     assert figures["gait"]["class"] == "trot"
-    assert figures["gait"]["running"] is False
+    assert figures["gait"]["duty_below_half"] is False
     assert figures["gait"]["duty_factor"] == pytest.approx(0.6)
     assert figures["gait"]["diagonality"] == pytest.approx(0.5)
     assert figures["gait"]["phase"]["back_left"]["mean"] == pytest.approx(0.5)
@@ -144,7 +147,7 @@ def test_the_json_says_what_was_walked(trot: Stats) -> None:
     ids=["no feet", "nothing", "two feet", "no base", "link frame", "no robot"],
 )
 def test_whatever_is_missing_the_json_is_valid_and_the_report_printed(stats: Stats) -> None:
-    assert valid_json(stats)["notes"]
+    assert valid_json(stats)["findings"]
     for width in (80, 140):
         assert "Findings" in text_of(stats, width)
 
@@ -153,25 +156,30 @@ def test_every_null_of_a_foot_has_a_reason() -> None:
     figures = valid_json(measured(with_base=False, wrench_frame=WrenchFrame.LINK))
     for name, foot in figures["feet"].items():
         nulls = {key for key, value in foot.items() if value is None}
-        places = {note["where"] for note in figures["notes"]}
+        places = {note["where"] for note in figures["findings"]}
         assert nulls
         assert f"feet.{name}.peak_vertical_force_n" in places
         assert f"feet.{name}.stride_length_m" in places
 
 
 def test_what_the_reader_lost_and_found_is_in_the_quality(trot: Stats) -> None:
-    said = [Finding("N_ROBOT", "a robot", ""), Finding("E_BAD", "bad", "/x")]
+    said = [Finding("N_ROBOT_GUESSED", "a robot", ""), Finding("E_UNREADABLE", "bad", "/x")]
     log = LogFacts("a", "MCAP", "", None, None, 1, None, 77, ["a chunk"], said)
-    quality = valid_json(trot, log)["quality"]
+    document = valid_json(trot, log)
+    quality = document["quality"]
     assert (quality["lost_messages"], quality["lost_bytes"]) == (None, 77)
     assert quality["losses"] == ["a chunk"]
-    assert quality["findings"][0] == {"code": "E_BAD", "text": "bad", "where": "/x"}
+    assert [each["code"] for each in document["findings"][:2]] == ["E_UNREADABLE", "W_LOST"]
+    assert document["findings"][0] == {
+        "code": "E_UNREADABLE",
+        "severity": "error",
+        "text": "bad",
+        "remedy": finding_kinds()["E_UNREADABLE"].remedy,
+        "where": "/x",
+    }
+    robot = next(each for each in document["findings"] if each["code"] == "N_ROBOT_GUESSED")
+    assert (robot["severity"], robot["where"]) == ("note", None)
     assert "unknown number of messages and 77 bytes" in text_of(trot, 140, log=log)
-
-
-def test_one_log_is_an_object_several_are_a_list() -> None:
-    assert several_logs([{"a": 1}]) == {"a": 1}
-    assert several_logs([{"a": 1}, {"a": 2}]) == [{"a": 1}, {"a": 2}]
 
 
 def test_a_row_a_stride(trot: Stats) -> None:
@@ -192,14 +200,6 @@ def test_unknown_figures_are_empty_cells() -> None:
     write_strides(file, [(FACTS.path, stride_table(unknown))])
     row = next(csv.DictReader(io.StringIO(file.getvalue())))
     assert (row["length_m"], row["vertical_impulse_ns"]) == ("", "")
-
-
-def test_a_row_a_log(trot: Stats) -> None:
-    file = io.StringIO()
-    write_summary(file, [(trot, FACTS), (measured(feet=0), FACTS)])
-    rows = list(csv.DictReader(io.StringIO(file.getvalue())))
-    assert (rows[0]["class"], rows[0]["stride_frequency_hz"]) == ("trot", "1")
-    assert (rows[1]["class"], rows[1]["duty_factor"]) == ("", "")
 
 
 def test_the_verdict_comes_first(trot: Stats) -> None:

@@ -8,7 +8,7 @@ import pytest
 from rich.console import Console
 from rich.text import Text
 
-from dogbot_logtool.report.text_layout import Hanging, NameTable, Row
+from dogbot_logtool.report.text_layout import HangingIndent, NameTable, Row
 from tests.forked_cli import run
 from tests.paths import SAMPLE_LOGS
 
@@ -17,7 +17,7 @@ LONG = "a_log_with_a_name_that_is_longer_than_any_column_of_a_table_in_a_termina
 TOPIC = "/a/topic/that/does/not/fit/into/a/line/of/forty/columns"
 
 
-def printed(renderable: Hanging | NameTable, width: int) -> list[str]:
+def printed(renderable: HangingIndent | NameTable, width: int) -> list[str]:
     console = Console(file=io.StringIO(), width=width)
     console.print(renderable, crop=False)
     assert isinstance(console.file, io.StringIO)
@@ -25,7 +25,7 @@ def printed(renderable: Hanging | NameTable, width: int) -> list[str]:
 
 
 def test_a_sentence_hangs_below_its_first_word() -> None:
-    sentence = Hanging(Text("warning  one two three four five six"), 9)
+    sentence = HangingIndent(Text("warning  one two three four five six"), 9)
     assert printed(sentence, 20) == [
         "warning  one two",
         "         three four",
@@ -36,7 +36,7 @@ def test_a_sentence_hangs_below_its_first_word() -> None:
 @pytest.mark.parametrize("width", range(1, 80, 3))
 def test_words_stay_whole_at_any_width(width: int) -> None:
     text = f"  note  the topic {TOPIC} has \u81ea\u884c messages"
-    lines = printed(Hanging(Text(text), 9), width)
+    lines = printed(HangingIndent(Text(text), 9), width)
     assert " ".join(lines).split() == text.split()
     for line in lines[1:]:
         assert line.startswith(" " * 9)

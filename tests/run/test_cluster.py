@@ -6,7 +6,8 @@ import os
 import subprocess
 import sys
 import time
-from collections.abc import Iterator
+import uuid
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
@@ -14,14 +15,21 @@ import pytest
 from distributed import Client
 
 from dogbot_logtool.run import cluster
-from dogbot_logtool.run.cluster import Cluster
+from dogbot_logtool.run.cluster import ClusterRunner
 from tests.paths import ROOT
-from tests.run.test_runner import Watcher, work
+from tests.run.work import Progress, work
 
 TROT = ROOT / "sample_logs" / "dogbot_trot.bag"
 LACKS_PACKAGE = "sys.modules['dogbot_logtool'] = None"
 OLD_PACKAGE = "import dogbot_logtool; dogbot_logtool.__version__ = '0.0.1'"
 OLD_DASK = "import distributed.versions as v; v.get_package_info = lambda _: {'distributed': '1.0'}"
+IMPATIENT = """
+from dogbot_logtool.run import cluster
+from dogbot_logtool.__main__ import main
+cluster._CONNECT_S = cluster._FIRST_WORKER_S = 2
+main()
+"""
+"""The program, but for how long it waits."""
 WITHIN_S = 60.0
 """Nothing here takes more than seconds, but machines may be slow."""
 
@@ -67,12 +75,24 @@ def scheduler(folder: Path, first: str = "") -> Iterator[str]:
 def workers(address: str, count: int, folder: Path, first: str = "") -> Iterator[None]:
     """Run workers of one thread each."""
     words = (address, "--nthreads", 1, "--no-nanny", "--local-directory", folder)
+    names = {uuid.uuid4().hex for _ in range(count)}
     with contextlib.ExitStack() as stack:
-        for _ in range(count):
-            stack.enter_context(dask("worker", *words, first=first))
-        with Client(address, set_as_default=False) as client:
-            client.wait_for_workers(count, timeout=WITHIN_S)
+        for name in names:
+            stack.enter_context(dask("worker", *words, "--name", name, first=first))
+        wait_until(address, names.issubset)
         yield
+    wait_until(address, names.isdisjoint)
+
+
+def wait_until(address: str, satisfied: Callable[[set[str]], bool]) -> None:
+    """Wait until the names of the workers that the scheduler lists satisfy a condition."""
+    end = time.monotonic() + WITHIN_S
+    with Client(address, set_as_default=False) as client:
+        while not satisfied(
+            {worker["name"] for worker in client.scheduler_info(n_workers=-1)["workers"].values()}
+        ):
+            assert time.monotonic() < end, "the workers did not come or go"
+            time.sleep(0.05)
 
 
 @pytest.fixture(scope="module")
@@ -85,7 +105,7 @@ def address(tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
 def refused(address: str) -> str:
     """Run the program with a scheduler that cannot do it; return what it says."""
     done = subprocess.run(  # noqa: S603
-        [sys.executable, "-m", "dogbot_logtool", "stats", str(TROT), "--scheduler", address],
+        [sys.executable, "-c", IMPATIENT, "stats", str(TROT), "--scheduler", address],
         env={**os.environ, "PYTHONPATH": str(ROOT)},
         capture_output=True,
         text=True,
@@ -146,8 +166,8 @@ def test_workers_that_cannot_do_it(address: str, tmp_path: Path, first: str, wha
 
 def test_a_worker_without_the_package_that_comes_later(address: str, tmp_path: Path) -> None:
     """Items that it gets fail at once, and are not waited for."""
-    with workers(address, 1, tmp_path), Cluster[Any](address) as runner:
-        results = runner.run(work, [("slow", tmp_path)] * 20, Watcher())
+    with workers(address, 1, tmp_path), ClusterRunner[Any](address) as runner:
+        results = runner.run(work, [("slow", tmp_path)] * 20, Progress())
         assert next(results) == "SLOW"
         with workers(address, 1, tmp_path, LACKS_PACKAGE):
             rest = list(results)
@@ -158,24 +178,24 @@ def test_a_worker_without_the_package_that_comes_later(address: str, tmp_path: P
 
 def test_the_killer_of_workers_is_named_and_nothing_else(address: str, tmp_path: Path) -> None:
     items = ["slow", "a", "wrong", "slow", "deadly", "b", "slow", "slow"]
-    watcher = Watcher()
-    with workers(address, 6, tmp_path), Cluster[Any](address) as runner:
-        found = list(runner.run(work, [(item, tmp_path) for item in items], watcher))
+    progress = Progress()
+    with workers(address, 6, tmp_path), ClusterRunner[Any](address) as runner:
+        found = list(runner.run(work, [(item, tmp_path) for item in items], progress))
     assert found[4].sentence.startswith("every worker that worked on it died")
     assert found[2].sentence == "no such file"
     rest = [outcome for number, outcome in enumerate(found) if number not in {2, 4}]
     assert rest == [item.upper() for item in items if item not in {"wrong", "deadly"}]
-    assert 4 in watcher.done
-    assert 0 not in watcher.lost_items
+    assert 4 in progress.done
+    assert 0 not in progress.lost_items
 
 
 def test_a_scheduler_that_is_lost(tmp_path: Path) -> None:
-    watcher = Watcher()
+    progress = Progress()
     items = [("slow", tmp_path)] * 100
     with contextlib.ExitStack() as stack:
         with scheduler(tmp_path) as address, workers(address, 1, tmp_path):
-            runner = stack.enter_context(Cluster[Any](address))
-            results = runner.run(work, items, watcher)
+            runner = stack.enter_context(ClusterRunner[Any](address))
+            results = runner.run(work, items, progress)
             assert next(results) == "SLOW"
         rest = list(results)
     failures = [found for found in rest if found != "SLOW"]
@@ -192,8 +212,8 @@ def test_workers_that_are_lost_and_do_not_come_back(
     monkeypatch.setattr(cluster, "_NEXT_WORKER_S", 3)
     with scheduler(tmp_path) as address, contextlib.ExitStack() as stack:
         with workers(address, 1, tmp_path):
-            runner = stack.enter_context(Cluster[Any](address))
-            results = runner.run(work, [("slow", tmp_path)] * 100, Watcher())
+            runner = stack.enter_context(ClusterRunner[Any](address))
+            results = runner.run(work, [("slow", tmp_path)] * 100, Progress())
             assert next(results) == "SLOW"
         last = list(results)[-1]
     assert last.sentence == f"was not done: {address} has no workers any more"
@@ -201,8 +221,8 @@ def test_workers_that_are_lost_and_do_not_come_back(
 
 def test_an_interruption_leaves_the_cluster(address: str, tmp_path: Path) -> None:
     with workers(address, 1, tmp_path):
-        with Cluster[Any](address) as runner:
-            next(runner.run(work, [("slow", tmp_path)] * 1000, Watcher()))
+        with ClusterRunner[Any](address) as runner:
+            next(runner.run(work, [("slow", tmp_path)] * 1000, Progress()))
         with Client(address, set_as_default=False) as client:
             end = time.monotonic() + WITHIN_S
             while any(client.processing().values()):

@@ -51,8 +51,8 @@ def names(*words: str) -> list[str]:
 
 @pytest.mark.usefixtures("folder")
 def test_a_directory_is_searched_and_a_ros2_bag_is_one_log() -> None:
-    fleet = find_logs(["."])
-    assert fleet.names == [
+    log_set = find_logs(["."])
+    assert log_set.names == [
         "a.mcap",
         "b.bag",
         "lost",
@@ -61,8 +61,8 @@ def test_a_directory_is_searched_and_a_ros2_bag_is_one_log() -> None:
         "run/walk.db3.zstd",
         "split",
     ]
-    assert [str(below) for below in fleet.below] == [".", ".", ".", "run/deep", "run", "run", "."]
-    assert fleet.left_out == 1
+    assert [str(below) for below in log_set.below] == [".", ".", ".", "run/deep", "run", "run", "."]
+    assert log_set.left_out == 1
 
 
 @pytest.mark.usefixtures("folder")
@@ -139,7 +139,7 @@ def test_a_word_that_names_nothing_is_a_wrong_call(word: str, sentence: str) -> 
 
 
 def test_workers_are_told_whole_paths(folder: Path) -> None:
-    assert find_logs(["run", "b.bag"], for_workers=True).places[-1] == folder / "b.bag"
+    assert find_logs(["run", "b.bag"], for_workers=True).paths[-1] == folder / "b.bag"
 
 
 def test_a_directory_without_logs_is_a_wrong_call(tmp_path: Path) -> None:
@@ -154,11 +154,13 @@ def test_a_store_is_searched_alike(folder: Path) -> None:
         if file.is_file():
             target = root / file.relative_to(folder).as_posix()
             target.fs.pipe_file(target.path, file.read_bytes())
-    fleet = find_logs([f"memory://{folder.name}"])
+    log_set = find_logs([f"memory://{folder.name}"])
     expected = ["a.mcap", "b.bag", "lost", "run/walk.bag", "run/walk.db3.zstd", "split"]
-    found = [name.partition(f"{folder.name}/")[2] for name in fleet.names if ".hidden" not in name]
+    found = [
+        name.partition(f"{folder.name}/")[2] for name in log_set.names if ".hidden" not in name
+    ]
     assert found == expected
-    below = dict(zip(fleet.names, map(str, fleet.below), strict=True))
+    below = dict(zip(log_set.names, map(str, log_set.below), strict=True))
     assert {place for name, place in below.items() if "walk" in name} == {"run"}
     assert len(names(f"memory://{folder.name}/run/*.bag")) == 1
     with pytest.raises(CallError, match="no object has such a name"):
@@ -277,8 +279,8 @@ def test_links_to_logs_elsewhere_are_followed(folder: Path) -> None:
     (folder / "run" / "here").mkdir()
     (folder / "run" / "here" / "data").symlink_to(folder / "lost")
     (folder / "run" / "here" / "walk.bag").symlink_to(folder / "b.bag")
-    fleet = find_logs(["run/here"])
-    assert fleet.names == ["run/here/data", "run/here/walk.bag"]
+    log_set = find_logs(["run/here"])
+    assert log_set.names == ["run/here/data", "run/here/walk.bag"]
 
 
 def test_links_that_lead_nowhere_are_named(folder: Path) -> None:

@@ -16,129 +16,70 @@ import pytest
 from dogbot_logtool.errors import CallError, StoreError
 from dogbot_logtool.run import processes
 from dogbot_logtool.run.choice import runner_for
-from dogbot_logtool.run.processes import Processes
-from dogbot_logtool.run.relay import Progress
+from dogbot_logtool.run.in_order import OnProgress
+from dogbot_logtool.run.processes import ProcessRunner
 from dogbot_logtool.run.runner import Failure, Runner, attempt
 from tests.paths import ROOT
+from tests.run.work import Progress, work
 
 
-class Watcher:
-    def __init__(self) -> None:
-        self.sentences: list[str] = []
-        self.done: list[int] = []
-        self.lost_items: list[int] = []
-
-    def told(self, number: int, done: int, total: int) -> None:
-        assert (number >= 0, done, total) == (True, 1, 2)
-
-    def finished(self, number: int) -> None:
-        self.done.append(number)
-
-    def lost(self, number: int) -> None:
-        self.lost_items.append(number)
-
-    def say(self, sentence: str) -> None:
-        self.sentences.append(sentence)
-
-
-def work(item: tuple[str, Path], tell: Progress | None) -> Any:  # noqa: C901 - a list of cases
-    what, folder = item
-    if tell is not None:
-        tell(1, 2)
-    match what:
-        case "slow":
-            time.sleep(0.3)
-        case "wrong":
-            raise CallError("no such file")
-        case "fault":
-            raise KeyError(what)
-        case "deadly":
-            os.kill(os.getpid(), signal.SIGKILL)
-        case "deadly once" if not (folder / "died").exists():
-            (folder / "died").touch()
-            os.kill(os.getpid(), signal.SIGKILL)
-        case "deadly once" if tell is not None:
-            # Far more than any pipe or queue holds.
-            for _ in range(100_000):
-                tell(1, 2)
-        case "unsendable":
-            return UNSENDABLE
-        case "endless":
-            endless(folder)
-    return what.upper()
-
-
-UNSENDABLE: Any = type("Unsendable", (), {"__reduce__": lambda _self: 1 / 0})()
-
-
-def endless(folder: Path) -> None:
-    """Work for ever, with a file that is removed on any error."""
-    begun = folder / f"begun.{os.getpid()}"
-    begun.touch()
-    try:
-        while True:
-            time.sleep(60.0)
-    finally:
-        begun.unlink()
-
-
-def outcomes(runner: Runner[Any], folder: Path, *items: str) -> tuple[list[Any], Watcher]:
-    watcher = Watcher()
+def outcomes(runner: Runner[Any], folder: Path, *items: str) -> tuple[list[Any], Progress]:
+    progress = Progress()
     with runner:
-        return list(runner.run(work, [(item, folder) for item in items], watcher)), watcher
+        return list(runner.run(work, [(item, folder) for item in items], progress)), progress
 
 
-def test_one_log_is_done_here_and_many_by_processes() -> None:
+def test_one_log_is_done_in_this_process_and_many_by_several() -> None:
     runners = [runner_for(1, 8, None), runner_for(0, 8, None), runner_for(5, 1, None)]
-    assert [type(runner).__name__ for runner in runners] == ["Here"] * 3
+    assert [type(runner).__name__ for runner in runners] == ["SerialRunner"] * 3
     assert [runner.jobs for runner in runners] == [8, 8, 1]
     with runner_for(2, 8, None) as runner:
-        assert isinstance(runner, Processes)
+        assert isinstance(runner, ProcessRunner)
         assert runner.jobs == 4
 
 
-def test_here_an_error_is_an_outcome(tmp_path: Path) -> None:
-    found, watcher = outcomes(runner_for(4, 1, None), tmp_path, "a", "wrong", "fault", "b")
+def test_in_this_process_an_error_is_an_outcome(tmp_path: Path) -> None:
+    found, progress = outcomes(runner_for(4, 1, None), tmp_path, "a", "wrong", "fault", "b")
     assert found[:2] == ["A", Failure("no such file", 2)]
     assert found[2].sentence.startswith("failed by a fault of dogbot-logtool")
     assert found[3] == "B"
-    assert watcher.done == [0, 1, 2, 3]
+    assert progress.done == [0, 1, 2, 3]
 
 
 def test_a_process_that_dies_costs_its_own_item_only(tmp_path: Path) -> None:
     items = ("slow", "a", "wrong", "fault", "deadly", "b", "deadly once", "c")
-    found, watcher = outcomes(runner_for(len(items), 2, None), tmp_path, *items)
+    found, progress = outcomes(runner_for(len(items), 2, None), tmp_path, *items)
     assert found[:3] == ["SLOW", "A", Failure("no such file", 2)]
     assert found[3].sentence.startswith("failed by a fault of dogbot-logtool")
     assert found[4] == Failure(
-        "the process that worked on it died twice: perhaps for want of memory", 1
+        "the process that worked on it died twice, perhaps because memory ran out", 1
     )
     assert found[5:] == ["B", "DEADLY ONCE", "C"]
-    assert sorted(watcher.done) == list(range(len(items)))
-    assert watcher.lost_items == [4, 6]
+    assert sorted(progress.done) == list(range(len(items)))
+    assert progress.lost_items == [4, 6]
 
 
 def test_a_death_is_not_blamed_on_the_items_beside_it(tmp_path: Path) -> None:
     items = ("slow", "deadly") * 4
-    found, watcher = outcomes(Processes(3), tmp_path, *items)
+    found, progress = outcomes(ProcessRunner(3), tmp_path, *items)
     assert found[::2] == ["SLOW"] * 4
     assert all("died twice" in failure.sentence for failure in found[1::2])
-    assert set(watcher.lost_items) == {1, 3, 5, 7}
+    assert set(progress.lost_items) == {1, 3, 5, 7}
 
 
 def test_a_result_that_cannot_be_sent_costs_its_own_item_only(tmp_path: Path) -> None:
-    found, _ = outcomes(Processes(2), tmp_path, "a", "unsendable", "b")
+    found, _ = outcomes(ProcessRunner(2), tmp_path, "a", "unsendable", "b")
     assert (found[0], found[2]) == ("A", "B")
     assert found[1].sentence.startswith("its result cannot be sent: ZeroDivisionError")
 
 
 def test_no_more_outcomes_wait_than_are_allowed(tmp_path: Path) -> None:
-    watcher = Watcher()
+    progress = Progress()
     items = [("slow", tmp_path), *[("a", tmp_path)] * 40]
-    with Processes[str](2) as runner:
-        results = runner.run(work, items, watcher, ahead=5)
+    with ProcessRunner[str](2) as runner:
+        results = runner.run(work, items, progress, ahead=5)
         assert next(results) == "SLOW"
-        assert len(watcher.done) <= 6
+        assert len(progress.done) <= 6
         assert len(list(results)) == 40
 
 
@@ -162,8 +103,8 @@ def test_closing_ends_the_workers_and_nothing_else(tmp_path: Path) -> None:
     other = multiprocessing.get_context("spawn").Process(target=time.sleep, args=(60.0,))
     other.start()
     try:
-        with Processes[str](2) as runner:
-            results = runner.run(work, [("endless", tmp_path)] * 3, Watcher())
+        with ProcessRunner[str](2) as runner:
+            results = runner.run(work, [("endless", tmp_path)] * 3, Progress())
             threading.Thread(target=interrupt, args=(tmp_path,)).start()
             with pytest.raises(InterruptedError):
                 next(results)
@@ -196,12 +137,13 @@ def test_no_worker_outlives_the_first_process(tmp_path: Path, number: signal.Sig
     script = f"""
 import signal
 from pathlib import Path
-from dogbot_logtool.run.processes import Processes
-from tests.run.test_runner import Watcher, work
+from dogbot_logtool.run.processes import ProcessRunner
+from tests.run.work import Progress
+from tests.run.work import work
 
 if __name__ == "__main__":
     signal.signal(signal.SIGHUP, signal.SIG_DFL)
-    list(Processes(2).run(work, [("endless", Path({str(tmp_path)!r}))] * 4, Watcher()))
+    list(ProcessRunner(2).run(work, [("endless", Path({str(tmp_path)!r}))] * 4, Progress()))
 """
     file = tmp_path.parent / "script.py"
     file.write_text(script)
@@ -221,7 +163,7 @@ if __name__ == "__main__":
 def test_a_store_that_fails_is_tried_once_more() -> None:
     calls: list[int] = []
 
-    def fails(_item: object, _tell: Progress | None) -> str:
+    def fails(_item: object, _on_progress: OnProgress | None) -> str:
         calls.append(1)
         if len(calls) == 1:
             raise StoreError("the store fails")
@@ -229,7 +171,7 @@ def test_a_store_that_fails_is_tried_once_more() -> None:
 
     assert attempt(fails, None, lambda _done, _total: None) == "done"
 
-    def always_fails(_item: object, _tell: Progress | None) -> str:
+    def always_fails(_item: object, _on_progress: OnProgress | None) -> str:
         calls.append(1)
         raise StoreError("the store fails")
 
@@ -249,8 +191,8 @@ def test_closing_ends_a_worker_that_is_stopped(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(processes, "_END_S", 0.2)
-    with Processes[str](2) as runner:
-        results = runner.run(work, [("endless", tmp_path)] * 2, Watcher())
+    with ProcessRunner[str](2) as runner:
+        results = runner.run(work, [("endless", tmp_path)] * 2, Progress())
         threading.Thread(target=stop_one, args=(tmp_path,)).start()
         with pytest.raises(InterruptedError):
             next(results)
@@ -270,13 +212,13 @@ def test_processes_that_cannot_be_started_are_told(files: int) -> None:
 import dogbot_logtool.run.processes, dogbot_logtool.report.console
 from resource import RLIMIT_NOFILE, setrlimit
 from dogbot_logtool.errors import LogtoolError
-from tests.run.test_runner import Watcher
+from tests.run.work import Progress
 
 if __name__ == "__main__":
     setrlimit(RLIMIT_NOFILE, ({files}, {files}))
     try:
-        with dogbot_logtool.run.processes.Processes(9) as runner:
-            list(runner.run(str, range(9), Watcher()))
+        with dogbot_logtool.run.processes.ProcessRunner(9) as runner:
+            list(runner.run(str, range(9), Progress()))
     except LogtoolError as error:
         print(error)
 """

@@ -7,6 +7,7 @@ import pytest
 from tests.torture.signals import HUP, INT, KILL, TERM, torture
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(sys.platform != "linux", reason="looks into /proc")
 def test_nothing_is_left_after_signals() -> None:
     rows = dict(torture(1, [(INT,), (TERM, TERM), (HUP, HUP), (KILL,)], ["convert"]))

@@ -1,6 +1,7 @@
 """Which channels are declared, with which ids, under which topics, and what goes where."""
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from io import BytesIO
 from typing import Any
 
@@ -12,10 +13,12 @@ from hypothesis import strategies as st
 from mcap import records
 from mcap.data_stream import ReadDataStream
 from mcap.stream_reader import StreamReader
+from rosbags.typesys import Stores, get_typestore
 
 from dogbot_logtool.core.base.odometry import Transforms
 from dogbot_logtool.core.load.loads import Loads
 from dogbot_logtool.core.scene.arrows import Arrows
+from dogbot_logtool.core.scene.labels import Labels
 from dogbot_logtool.errors import LogtoolError
 from dogbot_logtool.writer.annotations import (
     AnnotationColumns,
@@ -24,11 +27,12 @@ from dogbot_logtool.writer.annotations import (
     arrow_topic,
     load_topic,
 )
-from dogbot_logtool.writer.encodings.encoding import ArrowStyle, Encoding, MessageType
+from dogbot_logtool.writer.encodings.encoding import ArrowLook, Encoding, MessageType
 from dogbot_logtool.writer.encodings.foxglove import FoxgloveEncoding
 from dogbot_logtool.writer.encodings.ros1 import Ros1Encoding
 from dogbot_logtool.writer.encodings.ros2 import Ros2Encoding
 from dogbot_logtool.writer.mcap_writer import McapWriter
+from dogbot_logtool.writer.robot_description import description_type
 
 FEET = ("left", "right")
 ENCODINGS = (FoxgloveEncoding(), Ros1Encoding(), Ros2Encoding())
@@ -45,7 +49,7 @@ def declared(
     return Annotations(
         encoding,
         feet,
-        ArrowStyle(0.04, 0.5),
+        ArrowLook(0.04, 0.5),
         world_frame="world",
         base_frame="base",
         with_tf=with_tf,
@@ -74,7 +78,7 @@ def test_channels(encoding: Encoding) -> None:
 def test_without_tf_and_feet_there_is_nothing() -> None:
     annotations = declared(ENCODINGS[0], (), with_tf=False)
     assert (annotations.schemas, annotations.channels) == ([], [])
-    assert list(annotations.outgoing(AnnotationColumns(no_transforms(), [], []))) == []
+    assert list(annotations.messages(AnnotationColumns(no_transforms(), [], []))) == []
 
 
 @pytest.mark.parametrize("used", [{1, 2, 3}, {65535}, {40, 65535, 1}, set(range(1, 65500))])
@@ -143,13 +147,14 @@ def loads(foot: list[int], times: list[int]) -> Loads:
         log_time=np.array(times, np.int64),
         stamp=np.array(times, np.int64),
         in_contact=np.ones(count, np.bool_),
+        state=np.zeros(count, np.int64),
         force=np.arange(float(count)),
         body_weights=np.full(count, np.nan),
     )
 
 
 def messages_of(annotations: Annotations, columns: AnnotationColumns) -> list[tuple[str, Any]]:
-    laid = b"".join(group.data.tobytes() for group in annotations.outgoing(columns))
+    laid = b"".join(group.data.tobytes() for group in annotations.messages(columns))
     stream = BytesIO(laid)
     topics = annotations.topics()
     found: list[tuple[str, Any]] = []
@@ -212,3 +217,77 @@ def test_the_library_reads_declared_channels() -> None:
         read = list(StreamReader(BytesIO(sink.getvalue())).records)
         assert [r for r in read if isinstance(r, records.Schema)][:3] == annotations.schemas
         assert [r for r in read if isinstance(r, records.Channel)][:5] == annotations.channels
+
+
+@pytest.mark.parametrize("encoding", ENCODINGS, ids=lambda one: type(one).__name__)
+@pytest.mark.parametrize("profile", ["ros1", "ros2", ""])
+def test_a_robot_description_is_a_string_of_ros(encoding: Encoding, profile: str) -> None:
+    annotations = Annotations(
+        encoding,
+        FEET,
+        ArrowLook(0.04, 0.5),
+        world_frame="world",
+        base_frame="base",
+        with_tf=False,
+        description=description_type(profile),
+        schema_ids=IdSource(frozenset()),
+        channel_ids=IdSource(frozenset()),
+        resolve_topic=lambda topic, _: topic,
+    )
+    urdf = '<robot name="d\u00f6g"/>'
+    written = annotations.robot_description(urdf, 42).data.tobytes()
+    stream = ReadDataStream(BytesIO(written))
+    assert stream.read1() == 5
+    message = records.Message.read(stream, stream.read8())
+    channel = annotations.channels[-1]
+    assert (message.channel_id, message.log_time) == (channel.id, 42)
+    assert channel.topic == "/robot_description"
+    store = get_typestore(Stores.ROS1_NOETIC if profile == "ros1" else Stores.ROS2_HUMBLE)
+    read = store.deserialize_ros1 if profile == "ros1" else store.deserialize_cdr
+    decoded: Any = read(message.data, "std_msgs/msg/String")
+    assert decoded.data == urdf
+    assert channel.message_encoding == ("ros1" if profile == "ros1" else "cdr")
+
+
+@pytest.mark.parametrize("encoding", ENCODINGS, ids=lambda one: type(one).__name__)
+def test_loads_say_their_state(encoding: Encoding) -> None:
+    annotations = declared(encoding, with_tf=False)
+    states = replace(loads([0, 0, 0], [1, 2, 3]), state=np.array([0, 1, 2]))
+    found = messages_of(annotations, AnnotationColumns(no_transforms(), [], [states]))
+    for (_, message), state in zip(found, ("stance", "swing", "unknown"), strict=True):
+        assert state.encode() in message.data
+
+
+def test_labels_are_written_and_removed() -> None:
+    annotations = Annotations(
+        ENCODINGS[0],
+        ("front_left", "front_right"),
+        ArrowLook(0.04, 0.5),
+        world_frame="world",
+        base_frame="base",
+        with_tf=False,
+        with_labels=True,
+        schema_ids=IdSource(frozenset()),
+        channel_ids=IdSource(frozenset()),
+        resolve_topic=lambda topic, _: topic,
+    )
+    times = np.array([1, 2, 3], np.int64)
+    labels = Labels(
+        foot=np.array([0, 1, 1]),
+        log_time=times,
+        stamp=times,
+        shown=np.array([True, True, False]),
+        position=np.arange(9.0).reshape(3, 3),
+        force=np.array([94.4, 1e300, 0.0]),
+    )
+    columns = AnnotationColumns(no_transforms(), [], [], labels=[labels])
+    found = [
+        (topic, SceneUpdate.FromString(message.data))
+        for topic, message in messages_of(annotations, columns)
+    ]
+    assert [topic for topic, _ in found] == ["/label/front_left", *["/label/front_right"] * 2]
+    (text,) = found[0][1].entities[0].texts
+    assert text.text.rstrip() == "FL 94 N"
+    assert (text.pose.position.x, text.pose.position.z) == (0.0, 2.0)
+    assert found[1][1].entities[0].texts[0].text == "FR 999999 N"
+    assert [deletion.id for deletion in found[2][1].deletions] == ["front_right"]

@@ -21,7 +21,7 @@ from dogbot_logtool.writer.chunks import (
     finish_chunk,
     finish_chunks,
 )
-from dogbot_logtool.writer.outgoing import Outgoing, in_time_order, recorded
+from dogbot_logtool.writer.message_records import MessageRecords, in_time_order, recorded
 from tests.writer.stamping import stamped
 
 COMPRESSIONS: tuple[Compression, ...] = get_args(Compression)
@@ -78,7 +78,7 @@ def check(chunk: FinishedChunk, compression: Compression) -> list[records.Messag
     return messages
 
 
-def outgoing(channels: list[int], times: list[int], payloads: list[bytes]) -> Outgoing:
+def outgoing(channels: list[int], times: list[int], payloads: list[bytes]) -> MessageRecords:
     size = np.array([len(payload) for payload in payloads], np.int64)
     end = np.cumsum(size)
     time = np.array(times, np.int64)

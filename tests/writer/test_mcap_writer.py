@@ -16,7 +16,7 @@ from mcap.stream_reader import StreamReader
 from dogbot_logtool import __version__
 from dogbot_logtool.writer.chunks import Compression, finish_chunks
 from dogbot_logtool.writer.mcap_writer import MAGIC, McapWriter, metadata_record
-from dogbot_logtool.writer.outgoing import in_time_order
+from dogbot_logtool.writer.message_records import in_time_order
 from tests.writer.stamping import stamped
 
 COMPRESSIONS: tuple[Compression, ...] = get_args(Compression)

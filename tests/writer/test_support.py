@@ -12,15 +12,16 @@ from mcap_ros1.decoder import DecoderFactory as Ros1Decoders
 from mcap_ros2.decoder import DecoderFactory as Ros2Decoders
 
 from dogbot_logtool.core.geometry.arrays import Floats
+from dogbot_logtool.core.scene.foot_style import colour_parts, foot_colour
 from dogbot_logtool.core.scene.support_scene import SupportScene
-from dogbot_logtool.writer.encodings.encoding import Encoding, SupportStyle
+from dogbot_logtool.writer.encodings.encoding import Encoding, SupportLook
 from dogbot_logtool.writer.encodings.foxglove import FoxgloveEncoding
 from dogbot_logtool.writer.encodings.ros1 import Ros1Encoding
 from dogbot_logtool.writer.encodings.ros2 import Ros2Encoding
-from dogbot_logtool.writer.outgoing import MESSAGE_HEAD
-from dogbot_logtool.writer.support import SupportStamper
+from dogbot_logtool.writer.message_records import MESSAGE_HEAD
+from dogbot_logtool.writer.support import SupportWriter
 
-STYLE = SupportStyle(line_m=0.02, mark_m=0.04, lifetime_s=0.5)
+STYLE = SupportLook(line_m=0.02, mark_m=0.04, lifetime_s=0.5)
 FEET, TRAIL = 3, 4
 S = 1_000_000_000
 FOXGLOVE = FoxgloveEncoding()
@@ -45,7 +46,8 @@ def scene_of(counts: list[tuple[int, bool, bool, int]]) -> SupportScene:
         colour=np.tile(np.array(COLOUR, np.float32), (count, 1)),
         pressure=np.array([points(int(has), 1)[0] for _, has, *_ in counts]),
         projection=np.array([points(int(has), 1)[0] for *_, has, _ in counts]),
-        footfalls=np.array([points(marks, TRAIL) for *_, marks in counts]),
+        touchdowns=np.array([points(marks, TRAIL) for *_, marks in counts]),
+        touchdown_feet=np.arange(count * TRAIL).reshape(count, TRAIL) % FEET,
         unknown=0,
         unweighed=0,
     )
@@ -54,8 +56,8 @@ def scene_of(counts: list[tuple[int, bool, bool, int]]) -> SupportScene:
 def stamped(encoding: Encoding, scene: SupportScene) -> list[bytes]:
     """Return the payloads in the order of time."""
     found: dict[int, bytes] = {}
-    stamper = SupportStamper(9, encoding, "world", STYLE)
-    for stamped_out in stamper.outgoing(scene, encoding.load().stamps("stamp", scene.stamp)):
+    writer = SupportWriter(9, encoding, "world", STYLE)
+    for stamped_out in writer.records(scene, encoding.load("stance").stamps("stamp", scene.stamp)):
         assert set(stamped_out["channel"].tolist()) == {9}
         for time, record in zip(stamped_out["log_time"].tolist(), stamped_out, strict=True):
             found[time] = record.tobytes()[MESSAGE_HEAD.itemsize :]
@@ -105,7 +107,7 @@ def test_foxglove(counts: list[tuple[int, bool, bool, int]]) -> None:
             assert (line.type, line.thickness, line.pose.orientation.w) == (0, 0.02, 1.0)
             assert (line.color.r, line.color.g, line.color.b, line.color.a) == COLOUR
             assert not line.scale_invariant
-        balls = (scene.pressure[row], scene.projection[row], scene.footfalls[row])
+        balls = (scene.pressure[row], scene.projection[row], scene.touchdowns[row])
         assert at(ball.pose.position for ball in entity.spheres) == [
             place for points in balls for place in known(points)
         ]
@@ -122,7 +124,7 @@ def test_markers(encoding: Encoding, line: int) -> None:
     scene = scene_of(
         [(line, a, b, n) for a in (False, True) for b in (False, True) for n in (0, 3)]
     )
-    columns = scene.outline, scene.pressure, scene.projection, scene.footfalls
+    columns = scene.outline, scene.pressure, scene.projection, scene.touchdowns
     for row, message in enumerate(decoded(encoding, stamped(encoding, scene))):
         assert [(marker.ns, marker.id) for marker in message.markers] == [
             ("support", number) for number in range(4)
@@ -140,7 +142,11 @@ def test_markers(encoding: Encoding, line: int) -> None:
             if points:
                 assert (marker.type, marker.color.a) == (kind, 1.0)
                 assert marker.scale.x > 0.0
-                assert marker.colors == []
+                # Only touchdowns have a colour each, their feet's.
+                feet = scene.touchdown_feet[row].tolist()[: len(points) if marker.id == 3 else 0]
+                wanted = [(*colour_parts(foot_colour(foot)), 1.0) for foot in feet]
+                told = [(one.r, one.g, one.b, one.a) for one in marker.colors]
+                assert told == [pytest.approx(each, abs=1e-6) for each in wanted]
         if line:
             colour = message.markers[0].color
             assert (colour.r, colour.g, colour.b, colour.a) == COLOUR

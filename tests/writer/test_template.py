@@ -108,12 +108,12 @@ def test_a_number_in_two_places_is_refused() -> None:
     def serialise(values: Mapping[str, Number]) -> bytes:
         return struct.pack("<I10xI", int(values["n"]), int(values["n"]))
 
-    with pytest.raises(AssertionError, match="n is not written in one place"):
+    with pytest.raises(AssertionError, match="n is not written in one piece"):
         learn(serialise, {"n": Kind.UINT32})
 
 
 def test_a_number_that_is_not_written_is_refused() -> None:
-    with pytest.raises(AssertionError, match="n is not written in one place"):
+    with pytest.raises(AssertionError, match="n is not written in one piece"):
         learn(lambda _: b"constant", {"n": Kind.UINT32})
 
 
@@ -147,7 +147,7 @@ def test_points_are_written_at_once(messages: int, count: int) -> None:
     template = points_of("<" + "3xdxdxd" * count, count)
     points = np.arange(messages * count * 3.0).reshape(messages, count, 3)
     copies = template.copies(messages)
-    template.stretch([f"p{number}" for number in range(count)]).of(copies)[:] = points
+    template.point_array([f"p{number}" for number in range(count)]).view(copies)[:] = points
     wanted = [struct.pack("<" + "3xdxdxd" * count, *rows.ravel()) for rows in points]
     # Bytes between the numbers are the message's own.
     assert [copy.tobytes() for copy in copies] == wanted
@@ -155,8 +155,8 @@ def test_points_are_written_at_once(messages: int, count: int) -> None:
 
 def test_points_at_odd_places_are_refused() -> None:
     for spacing in ("<dddxddd" + "ddd", "<ddxd" * 1 + "dddddd"):
-        with pytest.raises(AssertionError, match="p0, p1, p2 do not stand at equal distances"):
-            points_of(spacing, 3).stretch(["p0", "p1", "p2"])
+        with pytest.raises(AssertionError, match="p0, p1, p2 are not at equal distances"):
+            points_of(spacing, 3).point_array(["p0", "p1", "p2"])
 
 
 @pytest.mark.parametrize("kind", Kind)

@@ -1,19 +1,22 @@
 """How the base moved: path, speed, height, attitude. From poses, never from the recorded twist."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
 
-from dogbot_logtool.core.base.base_record import BaseRecord, TwistFit
+from dogbot_logtool.core.base.base_history import BaseHistory, TwistFit
+from dogbot_logtool.core.base.ground import LOWEST_M, slope_rad
+from dogbot_logtool.core.base.travel import Travel, path_length_m
+from dogbot_logtool.core.contact.foot_history import FootHistory
+from dogbot_logtool.core.geometry import timespans
 from dogbot_logtool.core.geometry.aggregates import Aggregate, aggregate
-from dogbot_logtool.core.geometry.arrays import Floats, Ints
+from dogbot_logtool.core.geometry.arrays import Flags, Floats, Ints
 from dogbot_logtool.core.load.loads import GRAVITY_MPS2
 
 FORWARD_ANGLES: Final = {"+x": 0.0, "+y": np.pi / 2.0, "-x": np.pi, "-y": -np.pi / 2.0}
 """rad from the body's x axis to the axis that points forward."""
-LOWEST_M: Final = 1e-3
-"""m, lowest mean height of a base that has a Froude number."""
 _CHUNK: Final = 1_000_000
 """Poses that are worked on at once, to spare memory."""
 FEWEST_TWISTS: Final = 20
@@ -25,14 +28,15 @@ LEANING: Final = 0.25
 
 @dataclass(frozen=True, slots=True)
 class BaseMotion:
-    """Figures of the base over the time that poses are known."""
+    """Figures of the base over the time that poses are known, in the log or in a part of it."""
 
     duration_s: float
     """s, first to last pose, gaps left out."""
     path_length_m: float
-    """m, sum of the horizontal steps between poses at up to 100 Hz; steps over gaps left out."""
+    """m, horizontal path above the noise of the poses; steps over gaps, jumps and stands left
+    out."""
     net_displacement_m: float
-    """m, horizontal distance of last and first pose."""
+    """m, horizontal distance of last and first pose, jumps left out."""
     mean_speed_mps: float | None
     """m/s, path length over duration."""
     forward_speed_mps: float | None
@@ -41,66 +45,122 @@ class BaseMotion:
     """m/s, the same to the left of it."""
     yaw_change_rad: float
     """rad, last minus first yaw, unwrapped."""
+    yaw_rate_radps: float | None
+    """rad/s, mean: turns within the known time over the duration."""
     height_m: Aggregate | None
-    """m, z of the base in the world."""
+    """m, base over the feet's latest contact points; None where these do not tell."""
+    climb_m: float
+    """m, z of the last pose less that of the first, jumps left out."""
+    slope_rad: float | None
+    """rad, angle of the plane through the contact points against the horizontal."""
     roll_rad: Aggregate | None
+    """rad, about the robot's own forward axis; positive: its left side is higher."""
     pitch_rad: Aggregate | None
+    """rad, about the axis to its left; positive: its front is lower."""
     froude: float | None
-    """v^2 / (g h), v the mean speed and h the mean height (Alexander 1984); None below 1 mm."""
+    """v^2 / (g h), v the mean forward speed and h the mean height (Alexander 1984)."""
     twist_frame: str | None
-    """``world``, ``body`` or ``ambiguous``; None with too few velocities."""
+    """``world``, ``body`` or ``ambiguous``; None with too few velocities, and for a part."""
 
 
-def base_motion(base: BaseRecord, forward_axis: str) -> BaseMotion | None:
+@dataclass(frozen=True, slots=True)
+class BaseTrack:
+    """What the motion of the base is measured on."""
+
+    history: BaseHistory
+    """Poses without jumps."""
+    travel: Travel
+    height_m: Floats
+    """(n,) over the feet, at each pose; NaN where not known."""
+    feet: Sequence[FootHistory]
+    standing: Ints
+    """(s, 2) ns, time in which the robot stands."""
+
+
+def base_motion(
+    track: BaseTrack, forward_axis: str, within: Ints | None = None
+) -> BaseMotion | None:
     """Measure the motion of the base; None without two poses.
 
     Args:
-        base: poses.
+        track: poses, and what the feet say of them.
         forward_axis: the body's axis that points forward, ``+x`` and so on.
+        within: (w, 2) ns, a part of the log; None: all of it.
     """
-    if len(base.time) < 2:
+    base = track.history
+    inside = np.ones(len(base.time), np.bool_)
+    if within is not None:
+        inside = timespans.covers(within, base.time)
+    rows = np.flatnonzero(inside)
+    if len(rows) < 2:
         return None
-    duration, path, forward, left = _travel(base, forward_axis)
-    height, roll, pitch = (
-        aggregate(column) for column in (base.position[:, 2], base.angles[:, 0], base.angles[:, 1])
-    )
-    net = base.position[-1, :2] - base.position[0, :2]
-    speed = path / duration if duration > 0.0 else None
+    first, last = int(rows[0]), int(rows[-1])
+    moves = inside[:-1] & inside[1:] & ~np.isin(base.time[:-1], base.gaps[:, 0])
+    duration, forward, left, turned = _travelled(base, moves, forward_axis)
+    walked = moves & ~timespans.covers(track.standing, base.time[:-1])
+    path = path_length_m(base, track.travel, walked)
+    height = aggregate(track.height_m[rows])
+    roll, pitch = roll_and_pitch(base.angles[rows], forward_axis)
+    net = base.position[last] - base.position[first]
+    forward_speed = forward / duration if duration > 0.0 else None
     return BaseMotion(
         duration_s=duration,
         path_length_m=path,
         net_displacement_m=float(np.hypot(net[0], net[1])),
-        mean_speed_mps=speed,
-        forward_speed_mps=forward / duration if duration > 0.0 else None,
+        mean_speed_mps=path / duration if duration > 0.0 else None,
+        forward_speed_mps=forward_speed,
         lateral_speed_mps=left / duration if duration > 0.0 else None,
-        yaw_change_rad=float(base.angles[-1, 2] - base.angles[0, 2]),
+        yaw_change_rad=float(base.angles[last, 2] - base.angles[first, 2]),
+        yaw_rate_radps=turned / duration if duration > 0.0 else None,
         height_m=height,
-        roll_rad=roll,
-        pitch_rad=pitch,
-        froude=froude_number(speed, height.mean if height else None),
-        twist_frame=twist_frame(base.twist),
+        climb_m=float(net[2]),
+        slope_rad=slope_rad(track.feet, within),
+        roll_rad=aggregate(roll),
+        pitch_rad=aggregate(pitch),
+        froude=froude_number(forward_speed, height.mean if height else None),
+        twist_frame=twist_frame(base.twist) if within is None else None,
     )
 
 
-def _travel(base: BaseRecord, forward_axis: str) -> tuple[float, float, float, float]:
-    """Add up the steps from pose to pose, gaps left out.
+def _travelled(
+    base: BaseHistory, moves: Flags, forward_axis: str
+) -> tuple[float, float, float, float]:
+    """Add up the steps from pose to pose that count.
 
     Returns:
-        s known; m of path, m along the forward axis, m to the left of it.
+        s known; m along the forward axis, m to the left of it; rad turned.
     """
     total = np.zeros(4)
     for start in range(0, len(base.time) - 1, _CHUNK):
         rows = slice(start, start + _CHUNK + 1)
+        chosen = moves[start : start + _CHUNK]
         time, yaw = base.time[rows], base.angles[rows, 2]
-        moves = ~np.isin(time[:-1], base.gaps[:, 0])
-        step = np.diff(base.position[rows, :2], axis=0)[moves]
-        heading = (yaw[1:] + yaw[:-1])[moves] / 2.0 + FORWARD_ANGLES[forward_axis]
+        step = np.diff(base.position[rows, :2], axis=0)[chosen]
+        heading = (yaw[1:] + yaw[:-1])[chosen] / 2.0 + FORWARD_ANGLES[forward_axis]
         forward, left = along_heading(step, heading)
-        length = np.hypot(step[:, 0], step[:, 1])
-        seconds = np.diff(time)[moves].sum() / 1e9
-        total += (seconds, length.sum(), forward.sum(), left.sum())
-    duration, path, ahead, aside = total.tolist()
-    return duration, path, ahead, aside
+        seconds = np.diff(time)[chosen].sum() / 1e9
+        total += (seconds, forward.sum(), left.sum(), np.diff(yaw)[chosen].sum())
+    duration, ahead, aside, turned = total.tolist()
+    return duration, ahead, aside, turned
+
+
+def roll_and_pitch(angles: Floats, forward_axis: str) -> tuple[Floats, Floats]:
+    """Return roll and pitch about the robot's own forward axis and the axis to its left.
+
+    Args:
+        angles: (n, 3) rad, roll, pitch, yaw of the body's x, y, z axes (REP-103).
+        forward_axis: the body's axis that points forward.
+
+    Returns:
+        (n,) rad each.
+    """
+    turn = FORWARD_ANGLES[forward_axis]
+    roll, pitch = angles[:, 0], angles[:, 1]
+    # Heights of the ends of the body's unit vectors.
+    x, y, z = -np.sin(pitch), np.cos(pitch) * np.sin(roll), np.cos(pitch) * np.cos(roll)
+    forward = np.cos(turn) * x + np.sin(turn) * y
+    left = np.cos(turn) * y - np.sin(turn) * x
+    return np.arctan2(left, z), -np.arcsin(np.clip(forward, -1.0, 1.0))
 
 
 def along_heading(vector: Floats, heading: Floats) -> tuple[Floats, Floats]:
@@ -118,7 +178,7 @@ def along_heading(vector: Floats, heading: Floats) -> tuple[Floats, Floats]:
 
 
 def froude_number(speed_mps: float | None, height_m: float | None) -> float | None:
-    """Return v^2 / (g h); None without a speed, or a height above the ground."""
+    """Return v^2 / (g h); None without a speed, or a height over the ground."""
     if speed_mps is None or height_m is None or height_m < LOWEST_M:
         return None
     return speed_mps**2 / (GRAVITY_MPS2 * height_m)
@@ -140,7 +200,7 @@ def twist_frame(fit: TwistFit) -> str | None:
     return "world" if leaning > 0.0 else "body"
 
 
-def stride_lengths(base: BaseRecord, touchdown: Ints, end: Ints) -> Floats:
+def stride_lengths(base: BaseHistory, touchdown: Ints, end: Ints) -> Floats:
     """Return the horizontal distance of the base between consecutive touchdowns of a foot.
 
     Args:

@@ -1,73 +1,145 @@
 """Did the robot fall? What its feet do while it lies is not walking."""
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
 
-from dogbot_logtool.core.base.base_record import BaseRecord
-from dogbot_logtool.core.contact.foot_history import FootRecord
+from dogbot_logtool.core.base.base_history import BaseHistory
+from dogbot_logtool.core.base.pose_jumps import GRAVITY_MPS2
+from dogbot_logtool.core.contact.foot_history import FootHistory
 from dogbot_logtool.core.geometry import timespans
 from dogbot_logtool.core.geometry.arrays import Flags, Floats, Ints
 
 TILT_RAD: Final = np.pi / 3.0
-"""A base that leans further has fallen over."""
-COLLAPSED: Final = 0.4
-"""A base below this share of its usual height over the feet has gone down."""
-_CHUNK: Final = 1_000_000
-"""Poses that are worked on at once, to spare memory."""
+"""A base that leans further lies."""
+UPRIGHT_RAD: Final = np.pi / 6.0
+"""A base that leans less may stand."""
+LYING: Final = 0.4
+"""A base below this share of its standing height over the feet lies, or sits."""
+STANDING: Final = 0.8
+"""A base above this share stands."""
+SWAYS: Final = 0.95
+"""A base below this share of its standing height is on its way down."""
+SWAYS_RAD: Final = 0.1
+"""rad more than its usual lean: the same."""
+STANDING_QUANTILE: Final = 0.9
+"""Quantile of the height while feet are loaded that is the standing height."""
 LASTING_S: Final = 0.3
 """A fall lasts; a single wrong pose does not make one."""
+SLOWEST_FALL: Final = 4.0
+"""Times the duration of a free fall from which a descent is sitting down."""
+TOPPLES_S: Final = 3.0
+"""s, from upright to lying on a side, at most; what is slower is laid down."""
+LOADED_S: Final = 0.5
+"""s before a fall in which a foot must be loaded: a robot that is carried does not fall."""
 
 
-def fallen_spans(base: BaseRecord, feet: Sequence[FootRecord]) -> Ints:
-    """Find the spans in which the robot lies: leaning over 60 degrees, or collapsed.
+@dataclass(frozen=True, slots=True)
+class _Posture:
+    """What is known at each pose."""
 
-    The height over ground is that over the feet's mean contact point; its usual value is the
-    third quartile, since a robot that fell early lies for most of the log.
+    time: Ints
+    """(n,) ns."""
+    lies: Flags
+    """(n,)."""
+    stands: Flags
+    """(n,) upright and high, as far as that is known."""
+    usual: Flags
+    """(n,) as upright and high as it usually stands."""
+    standing_height_m: float | None
+
+
+def fallen_spans(
+    base: BaseHistory, feet: Sequence[FootHistory], height_m: Floats, jumps: Ints
+) -> Ints:
+    """Find the spans in which the robot lies because it fell.
+
+    A fall is a descent from standing to lying, of a robot whose feet were loaded: as fast as a
+    fall is where the height tells it, or over onto a side. Sitting down is slower; a robot that is
+    lifted or carried has no loaded foot; one that lies from the beginning did not fall here.
+
+    Args:
+        base: poses.
+        feet: histories of all feet.
+        height_m: (n,) of the base over the feet, at each pose; NaN where not known.
+        jumps: (j, 2) ns, jumps of the pose; a height that jumps is no fall.
 
     Returns:
-        (f, 2) ns.
+        (f, 2) ns, from the beginning of the descent until it lies no more.
     """
     if len(base.time) < 2:
         return timespans.no_spans()
-    parts = [slice(start, start + _CHUNK) for start in range(0, len(base.time), _CHUNK)]
-    height = np.concatenate([_height_over_feet(base, feet, part) for part in parts])
-    tilted = np.concatenate([_tilted(base.angles[part]) for part in parts])
-    spans = timespans.spans_where(base.time, (tilted | _collapsed(height))[:-1])
-    return spans[spans[:, 1] - spans[:, 0] >= LASTING_S * 1e9]
+    posture = _posture(base, feet, height_m)
+    lying = timespans.spans_where(base.time, posture.lies[:-1])
+    lying = lying[lying[:, 1] - lying[:, 0] >= LASTING_S * 1e9]
+    tilted = _tilt(base.angles) > TILT_RAD
+    onsets = [_fell_since(int(start), posture, feet, jumps, tilted) for start in lying[:, 0]]
+    falls = [(since, end) for since, end in zip(onsets, lying[:, 1], strict=True) if since]
+    return timespans.merge(np.array(falls, np.int64).reshape(-1, 2))
 
 
-def _tilted(angles: Floats) -> Flags:
-    """(n,) whether the body's z axis leans further than `TILT_RAD` from the vertical."""
-    tilted: Flags = np.cos(angles[:, 0]) * np.cos(angles[:, 1]) < np.cos(TILT_RAD)
-    return tilted
+def _posture(base: BaseHistory, feet: Sequence[FootHistory], height_m: Floats) -> _Posture:
+    tilt = _tilt(base.angles)
+    usual = _standing_height_m(base, feet, height_m)
+    lies, stands = tilt > TILT_RAD, tilt < UPRIGHT_RAD
+    as_usual = tilt < np.median(tilt[stands]) + SWAYS_RAD if stands.any() else stands
+    if usual is not None:
+        with np.errstate(invalid="ignore"):
+            lies = lies | (height_m < LYING * usual)
+            stands = stands & ~(height_m < STANDING * usual)
+            as_usual = as_usual & ~(height_m < SWAYS * usual)
+    return _Posture(base.time, lies, stands, as_usual, usual)
 
 
-def _collapsed(height: Floats) -> Flags:
-    known = height[np.isfinite(height)]
-    if len(known) == 0:
-        return np.zeros(len(height), np.bool_)
-    usual = float(np.quantile(known, 0.75))
-    with np.errstate(invalid="ignore"):
-        collapsed: Flags = (height < COLLAPSED * usual) & (usual > 0.0)
-    return collapsed
+def _tilt(angles: Floats) -> Floats:
+    """(n,) rad, angle of the body's z axis against the vertical."""
+    up = np.cos(angles[:, 0]) * np.cos(angles[:, 1])
+    return np.asarray(np.arccos(np.clip(up, -1.0, 1.0)))
 
 
-def _height_over_feet(base: BaseRecord, feet: Sequence[FootRecord], part: slice) -> Floats:
-    """(n,) m: base above the mean of the feet's latest contact points; NaN before any."""
-    at = base.time[part]
-    total = np.zeros(len(at))
-    number = np.zeros(len(at), np.int64)
+def _standing_height_m(
+    base: BaseHistory, feet: Sequence[FootHistory], height_m: Floats
+) -> float | None:
+    """Return the height at which the robot stands: high, and with a loaded foot."""
+    loaded = np.zeros(len(base.time), np.bool_)
     for foot in feet:
-        known = np.isfinite(foot.track.point[:, 2])
-        time, z = foot.track.time[known], foot.track.point[known, 2]
-        if len(time) == 0:
-            continue
-        row = np.searchsorted(time, at, side="right") - 1
-        seen = row >= 0
-        total += np.where(seen, z[np.maximum(row, 0)], 0.0)
-        number += seen
-    with np.errstate(invalid="ignore", divide="ignore"):
-        height: Floats = base.position[part, 2] - np.where(number > 0, total / number, np.nan)
-    return height
+        loaded |= timespans.covers(foot.in_contact, base.time)
+    known = height_m[loaded & np.isfinite(height_m)]
+    return float(np.quantile(known, STANDING_QUANTILE)) if len(known) else None
+
+
+def _fell_since(
+    start: int, posture: _Posture, feet: Sequence[FootHistory], jumps: Ints, tilted: Flags
+) -> int | None:
+    """Return when the fall into the lying that begins at `start` began, ns; None: it is none."""
+    row = int(np.searchsorted(posture.time, start))
+    stood = np.flatnonzero(posture.stands[:row])
+    if len(stood) == 0:
+        return None
+    since = int(posture.time[stood[-1]])
+    longest = TOPPLES_S if tilted[row] else _longest_fall_s(posture.standing_height_m)
+    if start - since > longest * 1e9:
+        return None
+    descent = np.array([[since, start]], np.int64)
+    jumped = timespans.touches(descent, jumps[:, 0] + 1, jumps[:, 1] - 1).any()
+    if (jumped and not tilted[row]) or not _loaded_before(feet, since, start):
+        return None
+    usual = np.flatnonzero(posture.usual[: stood[-1] + 1])
+    began = int(posture.time[usual[-1]]) if len(usual) else since
+    return began if since - began <= TOPPLES_S * 1e9 else since
+
+
+def _longest_fall_s(height_m: float | None) -> float:
+    """Return how long a fall from standing to lying takes at most, s."""
+    drop = (STANDING - LYING) * (height_m or 0.0)
+    return SLOWEST_FALL * float(np.sqrt(2.0 * drop / GRAVITY_MPS2))
+
+
+def _loaded_before(feet: Sequence[FootHistory], since: int, start: int) -> bool:
+    """Tell whether a foot was loaded shortly before a descent or in it; yes where not known."""
+    before = np.array([[since - round(LOADED_S * 1e9), start]], np.int64)
+    known = [foot for foot in feet if timespans.total(timespans.intersect([foot.known, before]))]
+    loaded = [timespans.total(timespans.intersect([foot.in_contact, before])) for foot in known]
+    return not known or any(loaded)

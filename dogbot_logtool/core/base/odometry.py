@@ -2,10 +2,14 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Final
 
 import numpy as np
 
 from dogbot_logtool.core.geometry.arrays import Flags, Floats, Ints, all_finite, header_time
+
+LARGEST_LAG_NS: Final = 100_000_000
+"""ns: stamps further behind log time are of another clock."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -91,3 +95,27 @@ def usable_poses(odometry: Odometry) -> Flags:
 def base_transforms(odometry: Odometry) -> Transforms:
     """Turn poses into transforms of the base in the world, verbatim: nothing is normalised."""
     return Transforms(odometry.log_time, odometry.time, odometry.position, odometry.orientation)
+
+
+def from_opening(transforms: Transforms, opening: int) -> Transforms:
+    """Return transforms of which the first also stands at the log's first time.
+
+    Its stamp is that time, too, unless the clock of the stamps is another one: a stamp from the
+    future of the others would hold for ever.
+
+    Args:
+        transforms: the first of a log.
+        opening: ns, log time.
+    """
+    if not len(transforms.stamp):
+        return transforms
+    first = int(transforms.stamp[0])
+    if int(transforms.log_time[0]) <= opening and first <= opening:
+        return transforms
+    stamp = opening if first > opening - LARGEST_LAG_NS else first
+    return Transforms(
+        log_time=np.concatenate([[opening], transforms.log_time]),
+        stamp=np.concatenate([[stamp], transforms.stamp]),
+        translation=np.concatenate([transforms.translation[:1], transforms.translation]),
+        rotation=np.concatenate([transforms.rotation[:1], transforms.rotation]),
+    )

@@ -40,7 +40,7 @@ class Contacts:
     """(s,) the message that each state belongs to."""
     foot_side: NDArray[np.int8]
     """(s,) which body is the foot: `FOOT_IS_COLLISION1`, `FOOT_IS_COLLISION2`, or
-    `NOT_THIS_FOOT` when it is neither or both."""
+    `NOT_THIS_FOOT` when it is neither or both, or the other body is of the same robot."""
     newest: Flags
     """(s,) whether the state belongs to its message's newest physics step."""
     total_force: Floats

@@ -5,17 +5,17 @@ from typing import Final
 
 import numpy as np
 
-from dogbot_logtool.core.contact.contacts import Samples
-from dogbot_logtool.core.contact.curves import CurveDetail, LoadCurveRecorder, LoadCurves
-from dogbot_logtool.core.contact.footfall import (
-    ContactRule,
+from dogbot_logtool.core.contact.contact_detection import (
     DecidedStances,
     FootSignal,
     StanceFinder,
     foot_signal,
 )
+from dogbot_logtool.core.contact.contact_rule import ContactRule
+from dogbot_logtool.core.contact.contacts import Samples
+from dogbot_logtool.core.contact.curves import CurveDetail, LoadCurveRecorder, LoadCurves
+from dogbot_logtool.core.contact.stance_curves import AXES, PARTS
 from dogbot_logtool.core.contact.stances import (
-    LONGEST_STANCE_S,
     Cut,
     StanceFigures,
     Stances,
@@ -23,7 +23,7 @@ from dogbot_logtool.core.contact.stances import (
 from dogbot_logtool.core.contact.track import FootTrack, TrackRecorder
 from dogbot_logtool.core.geometry import timespans
 from dogbot_logtool.core.geometry.aggregates import IntervalHistogram
-from dogbot_logtool.core.geometry.arrays import Flags, Ints, norms
+from dogbot_logtool.core.geometry.arrays import Flags, Floats, Ints, norms
 from dogbot_logtool.core.geometry.blocks import BLOCK_ROWS, Blocks, GrowingTable
 from dogbot_logtool.core.geometry.clock import TimeSource, absolute_time, advancing
 from dogbot_logtool.core.quality.quality import steady_rhythm
@@ -33,7 +33,7 @@ _TOUCH_N: Final = 1.0
 
 
 @dataclass(frozen=True, slots=True)
-class FootRecord:
+class FootHistory:
     """All that is kept of one foot's samples."""
 
     messages: int
@@ -54,6 +54,9 @@ class FootRecord:
     known: Ints
     """(k, 2) ns, the time about which this foot's sensor says something."""
     stances: Stances
+    stance_forces: Floats
+    """(stances, 3, PARTS) N, mean force along the world's axes in each part of each stance; NaN
+    where its direction is not known, and in stances too long to be a step's."""
     in_contact: Ints
     """(c, 2) ns, the time that is known to be in contact."""
     filled_swings: int
@@ -64,11 +67,16 @@ class FootRecord:
     curves: LoadCurves | None = None
     """Load over time; None unless asked for, and where forces are not known."""
 
-    @property
-    def contact_fraction(self) -> float | None:
-        """Time in contact over time known; None where nothing is known."""
-        known = timespans.total(self.known)
-        return timespans.total(self.in_contact) / known if known else None
+    def contact_fraction(self, within: Ints | None = None) -> float | None:
+        """Return time in contact over time known; None where nothing is known.
+
+        Args:
+            within: (w, 2) ns, a part of the log; None: all of it.
+        """
+        limits = () if within is None else (within,)
+        known = timespans.total(timespans.intersect([self.known, *limits]))
+        down = timespans.total(timespans.intersect([self.in_contact, *limits]))
+        return down / known if known else None
 
     @property
     def vertical_known(self) -> Ints:
@@ -77,7 +85,7 @@ class FootRecord:
 
 
 class FootRecorder:
-    """Makes a `FootRecord` of the samples of one foot, fed batch by batch.
+    """Makes a `FootHistory` of the samples of one foot, fed batch by batch.
 
     The record is the same to the bit however the samples are split into batches.
     """
@@ -94,7 +102,8 @@ class FootRecorder:
     ) -> None:
         self._has_force = has_force
         self._curves = LoadCurveRecorder(curves) if curves and has_force else None
-        rule = rule if has_force else replace(rule, on_n=_TOUCH_N, off_n=0.0)
+        if not has_force:
+            rule = replace(rule, on_n=_TOUCH_N, off_n=0.0, backdates=False, unusable="")
         self._rule = rule
         self._clock = clock
         self._force_in_world = force_in_world
@@ -103,6 +112,7 @@ class FootRecorder:
         self._finder = StanceFinder(rule)
         self._track = TrackRecorder()
         self._stances = GrowingTable(2 + len(StanceFigures._fields))
+        self._stance_forces = GrowingTable(AXES * PARTS)
         self._start: int | None = None
         self._end: int | None = None
         self._messages = self._not_finite = self._not_advancing = 0
@@ -113,8 +123,12 @@ class FootRecorder:
         for block in self._blocks.add(samples):
             self._add_block(block)
 
-    def finish(self) -> FootRecord:
-        """End the log."""
+    def finish(self, breaks: Ints | None = None) -> FootHistory:
+        """End the log.
+
+        Args:
+            breaks: (b, 2) ns, spans that nothing is measured across, as if they were gaps.
+        """
         for block in self._blocks.rest():
             self._add_block(block)
         self._found(self._finder.finish())
@@ -122,10 +136,12 @@ class FootRecorder:
         longest = steady_rhythm(self._intervals).gap_ns
         silences = self._track.silences()
         gaps = silences[silences[:, 1] - silences[:, 0] > longest]
+        if breaks is not None and len(breaks):
+            gaps = timespans.merge(np.concatenate([gaps, breaks]))
         known = self._known(gaps)
         stances = self._all_stances(gaps)
         contacts = np.stack([stances.touchdown, stances.liftoff], axis=1)
-        return FootRecord(
+        return FootHistory(
             messages=self._messages,
             not_finite=self._not_finite,
             not_advancing=self._not_advancing,
@@ -137,6 +153,7 @@ class FootRecorder:
             gaps=gaps,
             known=known,
             stances=stances,
+            stance_forces=self._stance_forces.stacked().reshape(-1, AXES, PARTS),
             in_contact=timespans.intersect([contacts, known]),
             filled_swings=self._finder.filled_swings,
             dropped_stances=self._finder.dropped_stances,
@@ -146,6 +163,9 @@ class FootRecorder:
         )
 
     def _add_block(self, samples: Samples) -> None:
+        if self._rule.unusable:
+            self._messages += len(samples.foot)
+            return
         if not self._has_force:
             touch = np.where(samples.in_contact, _TOUCH_N, 0.0)
             samples = replace(samples, force=touch[:, None] * np.array([0.0, 0.0, 1.0]))
@@ -199,6 +219,7 @@ class FootRecorder:
         if self._start is not None:
             since = (time - self._start for time in (stances.touchdown, stances.liftoff))
             self._stances.append(np.column_stack([*since, stances.figures]))
+            self._stance_forces.append(stances.forces)
 
     def _known(self, gaps: Ints) -> Ints:
         """Return the time from the first to the last usable sample, without the gaps."""
@@ -212,7 +233,7 @@ class FootRecorder:
         start = self._start or 0
         touchdown = absolute_time(rows[:, 0], start)
         liftoff = absolute_time(rows[:, 1], start)
-        cut = np.where(liftoff - touchdown > LONGEST_STANCE_S * 1e9, Cut.STANDING, Cut.WHOLE)
+        cut = np.full(len(touchdown), Cut.WHOLE)
         cut[timespans.touches(gaps, touchdown, liftoff)] = Cut.GAP
         last = self._finder.last
         if last is not None and last.contact[0]:

@@ -4,8 +4,8 @@ This looks back only: at any time, what counts is each foot's newest message up 
 time, as a viewer that plays the log has it. What must be remembered of all earlier messages is a
 few rows a foot, so it does not matter where batches end.
 
-Contact is the Schmitt trigger of `footfall.py`. Footfalls are debounced as there, but only once
-that can be known: a touchdown becomes a footfall when the foot has stood for the debounce time.
+Contact is the Schmitt trigger of `contact_detection.py`. Touchdowns are debounced as there, but
+only once that can be known: one becomes certain when the foot has stood for the debounce time.
 """
 
 from collections.abc import Sequence
@@ -14,8 +14,9 @@ from typing import Final
 
 import numpy as np
 
+from dogbot_logtool.core.contact.contact_detection import contact_groups, schmitt
+from dogbot_logtool.core.contact.contact_rule import ContactRule
 from dogbot_logtool.core.contact.contacts import Samples, no_samples
-from dogbot_logtool.core.contact.footfall import ContactRule, contact_groups, schmitt
 from dogbot_logtool.core.contact.silent_swing import LONGEST_SWING_S
 from dogbot_logtool.core.geometry.arrays import Flags, Floats, Ints, norms
 from dogbot_logtool.core.geometry.blocks import concatenated
@@ -23,11 +24,11 @@ from dogbot_logtool.core.geometry.clock import advancing
 from dogbot_logtool.core.geometry.support_polygon import NEAR_NS
 
 TRAIL: Final = 3
-"""Footfalls of each foot that are remembered."""
+"""Touchdowns of each foot that are remembered."""
 
 
 @dataclass(frozen=True, slots=True)
-class Hearing:
+class ContactSensor:
     """How the messages of a foot are to be understood."""
 
     rule: ContactRule
@@ -79,7 +80,7 @@ class FootRows:
 
 
 @dataclass(frozen=True, slots=True)
-class Footfalls:
+class Touchdowns:
     """Touchdowns of one foot, oldest first."""
 
     since: Ints
@@ -94,17 +95,17 @@ class FootMemory:
 
     rows: FootRows
     """The last touchdown, the lift-off after it, and the newest, as far as there are such."""
-    footfalls: Footfalls
+    touchdowns: Touchdowns
     """The last ones, at most `TRAIL`."""
     works: bool
     """Whether it ever reported a contact."""
 
 
-def nothing_heard() -> FootMemory:
+def initial_memory() -> FootMemory:
     """Return the memory before a log's first message."""
     times, points = np.empty(0, np.int64), np.empty((0, 3))
     rows = FootRows(times, times, np.empty(0, np.bool_), points, np.empty(0))
-    return FootMemory(rows, Footfalls(times, points), works=False)
+    return FootMemory(rows, Touchdowns(times, points), works=False)
 
 
 @dataclass(frozen=True, slots=True)
@@ -121,22 +122,22 @@ class FootState:
     """(n,) N, vertical force; NaN where its direction is not known."""
 
 
-class Footing:
+class FootTracker:
     """What is known of one foot through a batch of its messages."""
 
-    def __init__(self, new: "_Told", before: FootMemory, hearing: Hearing) -> None:
+    def __init__(self, new: "_FiniteSamples", before: FootMemory, sensor: ContactSensor) -> None:
         """Take in the messages of this foot; see `follow_feet`."""
-        self._hearing = hearing
+        self._sensor = sensor
         self._before = before
-        self._rows = before.rows.then(_rows(new, before.rows, hearing))
-        self._debounce_ns = round(hearing.rule.debounce_s * 1e9)
+        self._rows = before.rows.then(_rows(new, before.rows, sensor))
+        self._debounce_ns = round(sensor.rule.debounce_s * 1e9)
         self._starts, self._ends = contact_groups(
             self._rows.time, self._rows.down, self._debounce_ns
         )
-        found = self._footfalls(len(before.rows))
-        self._trail = Footfalls(
-            np.concatenate([before.footfalls.since, found.since]),
-            np.concatenate([before.footfalls.point, found.point]),
+        found = self._touchdowns(len(before.rows))
+        self._trail = Touchdowns(
+            np.concatenate([before.touchdowns.since, found.since]),
+            np.concatenate([before.touchdowns.point, found.point]),
         )
 
     def memory(self) -> FootMemory:
@@ -145,29 +146,42 @@ class Footing:
         kept = {*self._starts[-1:].tolist(), *self._ends[-1:].tolist(), len(rows) - 1}
         return FootMemory(
             rows.pick(np.array(sorted(row for row in kept if 0 <= row < len(rows)), np.int64)),
-            Footfalls(self._trail.since[-TRAIL:].copy(), self._trail.point[-TRAIL:].copy()),
+            Touchdowns(self._trail.since[-TRAIL:].copy(), self._trail.point[-TRAIL:].copy()),
             self._before.works or bool(rows.down.any()),
         )
 
     def at(self, time: Ints) -> FootState:
         """Return what was known at some log times, ns, (n,)."""
-        rows, hearing = self._rows, self._hearing
+        rows = self._rows
         if not len(rows):
             nowhere = np.full((len(time), 3), np.nan)
             never = np.zeros(len(time), np.bool_)
             return FootState(never, never, nowhere, nowhere[:, 0])
         row = np.searchsorted(rows.time, time, side="right") - 1
-        known = row >= 0
+        known, down = self._contact(row, time)
+        return FootState(known, down, rows.point[row], rows.vertical[row])
+
+    def contact_at(self, time: Ints) -> tuple[Flags, Flags]:
+        """Return whether it was known at some log times, ns, (n,), if the foot is down; and if."""
+        if not len(self._rows):
+            never = np.zeros(len(time), np.bool_)
+            return never, never
+        return self._contact(np.searchsorted(self._rows.time, time, side="right") - 1, time)
+
+    def _contact(self, row: Ints, time: Ints) -> tuple[Flags, Flags]:
+        """Return what `contact_at` does; `row` is the newest at each time, -1 without one."""
+        rows, sensor = self._rows, self._sensor
+        known = (row >= 0) & (not sensor.rule.unusable)
         silence = time - rows.heard[row]
         down = rows.down[row]
-        if hearing.swing_after_ns is None:
+        if sensor.swing_after_ns is None:
             known &= silence <= NEAR_NS
         else:
             known &= silence <= LONGEST_SWING_S * 1e9
-            down &= silence < hearing.swing_after_ns
-        if not (hearing.works or self._before.works):
+            down &= silence < sensor.swing_after_ns
+        if not (sensor.works or self._before.works):
             known &= (time >= rows.time[rows.down.argmax()]) & rows.down.any()
-        return FootState(known, down & known, rows.point[row], rows.vertical[row])
+        return known, down & known
 
     def trail_at(self, time: Ints) -> Floats:
         """Return the last footfalls known at some log times.
@@ -185,7 +199,7 @@ class Footing:
         last: Floats = points[np.maximum(number, -1)]
         return last
 
-    def _footfalls(self, first_new: int) -> Footfalls:
+    def _touchdowns(self, first_new: int) -> Touchdowns:
         """Return the touchdowns that became certain in rows from `first_new` on.
 
         A stance is long enough at the first row after the debounce time that is in contact, or
@@ -204,20 +218,24 @@ class Footing:
         # A lift-off that silence told became known with the message that ended the silence.
         known = confirming[chosen]
         known += rows.heard[known] < rows.time[known]
-        return Footfalls(rows.time[known], point[chosen])
+        return Touchdowns(rows.time[known], point[chosen])
 
 
-def _rows(new: "_Told", before: FootRows, hearing: Hearing) -> FootRows:
+def _rows(new: "_FiniteSamples", before: FootRows, sensor: ContactSensor) -> FootRows:
     """Return what new messages of a foot say."""
     usable = advancing(new.time, int(before.time[-1]) if len(before) else None)
     if not usable.all():
         new = new.pick(usable)
     down = np.zeros(len(new.time), np.bool_)
     rows, force = FootRows(new.time, new.time, down, new.point, new.vertical), new.force
-    if hearing.swing_after_ns is not None:
-        rows, force = _with_swings(rows, force, before, hearing.swing_after_ns)
+    if sensor.swing_after_ns is not None:
+        rows, force = _with_swings(rows, force, before, sensor.swing_after_ns)
     on = len(before) > 0 and bool(before.down[-1])
-    rows.down[:] = schmitt(force, hearing.rule, on=on)
+    if sensor.rule.by_flag:
+        # Forces are 0 where the flag says that the foot is in the air.
+        rows.down[:] = force > 0.0
+    else:
+        rows.down[:] = schmitt(force, sensor.rule, on=on)
     return rows
 
 
@@ -239,7 +257,7 @@ def _with_swings(
 
 
 @dataclass(frozen=True, slots=True)
-class _Told:
+class _FiniteSamples:
     """Messages whose force is a finite number."""
 
     foot: Ints
@@ -253,9 +271,9 @@ class _Told:
     vertical: Floats
     """(n,) N; NaN where not known."""
 
-    def pick(self, rows: Flags | Ints) -> "_Told":
+    def pick(self, rows: Flags | Ints) -> "_FiniteSamples":
         """Return the chosen rows."""
-        return _Told(
+        return _FiniteSamples(
             self.foot[rows],
             self.time[rows],
             self.force[rows],
@@ -267,34 +285,34 @@ class _Told:
 def follow_feet(
     samples: Sequence[Samples],
     before: Sequence[FootMemory],
-    hearings: Sequence[Hearing],
+    sensors: Sequence[ContactSensor],
     *,
     force_in_world: bool,
-) -> tuple[Footing, ...]:
+) -> tuple[FootTracker, ...]:
     """Follow all feet through a batch.
 
     Args:
         samples: of any feet; each foot's in the order of the log. Those whose force is not finite,
             or that come no later than one before, are left out.
         before: what is known of each foot so far.
-        hearings: how to understand each foot.
+        sensors: how to understand each foot.
         force_in_world: whether all forces are in the world frame.
     """
-    if not hearings:
+    if not sensors:
         return ()
-    told = _told(samples, force_in_world=force_in_world)
+    told = _finite_samples(samples, force_in_world=force_in_world)
     return tuple(
-        Footing(told.pick(np.flatnonzero(told.foot == foot)), memory, hearing)
-        for foot, (memory, hearing) in enumerate(zip(before, hearings, strict=True))
+        FootTracker(told.pick(np.flatnonzero(told.foot == foot)), memory, sensor)
+        for foot, (memory, sensor) in enumerate(zip(before, sensors, strict=True))
     )
 
 
-def _told(samples: Sequence[Samples], *, force_in_world: bool) -> _Told:
+def _finite_samples(samples: Sequence[Samples], *, force_in_world: bool) -> _FiniteSamples:
     """Return the messages of all feet; where there are several sorts, in the order of the log."""
     together = concatenated(samples) if samples else no_samples()
     force = norms(together.force)
     known = together.in_world | force_in_world | (force == 0.0)
-    told = _Told(
+    told = _FiniteSamples(
         together.foot,
         together.log_time,
         force,

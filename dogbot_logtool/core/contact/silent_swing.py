@@ -1,18 +1,20 @@
-"""Sensors that speak only while in contact: their silence is told as swing.
+"""Sensors that send messages only while in contact: their silence is swing.
 
 The new Gazebo publishes contacts only while something touches. Everything after the reader expects
-a sensor that also says that nothing touches, so a silence becomes samples without contact. A
-silence that no swing lasts stays one: a drop-out cannot be told from a foot held up.
+a sensor that also reports that nothing touches, so a silence becomes samples without contact.
+Lost messages are silence too. One is shorter than any swing of the foot; one of all feet at once is
+a drop-out, unless it is no longer than the flight of every stride.
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from typing import Final
 
 import numpy as np
 
 from dogbot_logtool.core.contact.contacts import Samples
-from dogbot_logtool.core.geometry.arrays import Floats, Ints
+from dogbot_logtool.core.contact.track import SILENCE_NS
+from dogbot_logtool.core.geometry.arrays import Flags, Floats, Ints
 from dogbot_logtool.core.geometry.blocks import concatenated
 
 MISSED_INTERVALS: Final = 2.5
@@ -23,31 +25,113 @@ _SPACING_NS: Final = 40_000_000
 """Samples without contact are told this far apart; more than 50 ms would be a gap."""
 
 
+_LONG_INTERVALS: Final = 6.0
+"""Silences longer than so many intervals are swings nearly always, not lost messages."""
+_FEWEST_SILENCES: Final = 3
+_PART_OF_SWING: Final = 0.5
+"""A swing is at least this part of the usual swing."""
+_PART_OF_STRIDES: Final = 0.5
+"""Part of the strides that must have a flight for flight to be usual."""
+_LONGER_FLIGHT: Final = 1.5
+"""A flight is no longer than the usual one by this factor."""
+
+
 @dataclass(frozen=True, slots=True)
-class Heard:
-    """When a foot was last heard."""
+class SilentFeet:
+    """How the feet that are silent in swing are to be understood."""
+
+    interval_ns: Mapping[int, int]
+    """ns between messages in contact, by foot."""
+    swing_ns: Mapping[int, int] = field(default_factory=dict)
+    """ns of silence from which a foot swings, where its usual swing is known."""
+    dropout_ns: int | None = None
+    """ns of silence of all feet that no flight lasts; None: not known."""
+
+    def swing_from_ns(self, foot: int) -> int:
+        """Return the silence, ns, that is a swing and no lost message."""
+        return max(self.cut_swing_from_ns(foot), self.swing_ns.get(foot, 0))
+
+    def cut_swing_from_ns(self, foot: int) -> int:
+        """Return the same, ns, for a silence that the log's start or end cuts."""
+        return round(MISSED_INTERVALS * self.interval_ns[foot])
+
+
+def learn_silences(samples: Samples, interval_ns: Mapping[int, int]) -> SilentFeet:
+    """Learn how long swings and flights usually are.
+
+    Args:
+        samples: of stretches of a log, in the order of log time.
+        interval_ns: ns between messages in contact, by foot.
+    """
+    longest = LONGEST_SWING_S * 1e9
+    swing_ns: dict[int, int] = {}
+    strides = []
+    for foot, interval in interval_ns.items():
+        steps = np.diff(samples.log_time[samples.foot == foot])
+        long = steps[(steps > _LONG_INTERVALS * interval) & (steps <= longest)]
+        if len(long) >= _FEWEST_SILENCES:
+            swing_ns[foot] = round(_PART_OF_SWING * float(np.median(long)))
+            strides.append(len(long))
+    if not strides or len(strides) < len(interval_ns):
+        return SilentFeet(interval_ns, swing_ns)
+    rows = np.isin(samples.foot, list(interval_ns))
+    times: Ints = np.sort(samples.log_time[rows])
+    together = times[1:] - times[:-1]
+    shortest = max(_LONG_INTERVALS * max(interval_ns.values()), SILENCE_NS)
+    flights = together[(together > shortest) & (together <= longest)]
+    usual = len(flights) >= _PART_OF_STRIDES * float(np.median(strides))
+    dropout = _LONGER_FLIGHT * float(np.median(flights)) if usual else shortest
+    return SilentFeet(interval_ns, swing_ns, round(max(dropout, shortest)))
+
+
+@dataclass(frozen=True, slots=True)
+class LastMessage:
+    """When a foot last sent a message."""
 
     log_time: int
     """ns."""
     stamp: int
     """ns."""
+    interrupted: bool = False
+    """Whether all feet dropped out since."""
 
 
-LastHeard = Mapping[int, Heard]
+LastMessages = Mapping[int, LastMessage]
 """By foot."""
 
 
-def last_heard(samples: Samples, before: LastHeard) -> dict[int, Heard]:
-    """Return when each foot was last heard up to the end of some samples."""
-    heard = dict(before)
+def last_messages(
+    samples: Samples, before: LastMessages, silent: SilentFeet | None = None
+) -> dict[int, LastMessage]:
+    """Return the last message of each foot up to the end of some samples."""
+    dropouts = _dropouts(samples, before, silent)
+    heard = {
+        foot: replace(last, interrupted=True) if _interrupts(dropouts, last) else last
+        for foot, last in before.items()
+    }
     for foot in np.unique(samples.foot).tolist():
         last = np.flatnonzero(samples.foot == foot)[-1]
-        heard[foot] = Heard(int(samples.log_time[last]), int(samples.stamp[last]))
+        message = LastMessage(int(samples.log_time[last]), int(samples.stamp[last]))
+        heard[foot] = replace(message, interrupted=_interrupts(dropouts, message))
     return heard
 
 
+def _dropouts(samples: Samples, before: LastMessages, silent: SilentFeet | None) -> Ints:
+    """(d, 2) ns: the last message of any foot before each drop-out of all, and the next."""
+    if silent is None or silent.dropout_ns is None:
+        return np.empty((0, 2), np.int64)
+    earlier = [max((last.log_time for last in before.values()), default=0)] if before else []
+    times = np.sort(np.concatenate([np.array(earlier, np.int64), samples.log_time]))
+    long = np.flatnonzero(np.diff(times) > silent.dropout_ns)
+    return np.stack([times[long], times[long + 1]], axis=1)
+
+
+def _interrupts(dropouts: Ints, last: LastMessage) -> bool:
+    return last.interrupted or bool((dropouts[:, 0] >= last.log_time).any())
+
+
 def with_swings(
-    samples: Samples, interval_ns: Mapping[int, int], before: LastHeard, log_start: int | None
+    samples: Samples, silent: SilentFeet, before: LastMessages, log_start: int | None
 ) -> Samples:
     """Insert samples without contact into the silences of feet that are silent in swing.
 
@@ -56,93 +140,107 @@ def with_swings(
 
     Args:
         samples: a run of the log's samples.
-        interval_ns: interval of the feet that are silent in swing; the others stay as they are.
-        before: when each foot was last heard before these samples.
-        log_start: ns, log time at which a foot that was not heard before may be said to swing.
+        silent: the feet that are silent in swing; the others stay as they are.
+        before: the last message of each foot before these samples.
+        log_start: ns, log time from which a foot without an earlier message may be swinging.
     """
     parts = [samples]
     # A filling comes before the sample that ends its silence.
     keys: list[Ints] = [2 * np.arange(len(samples.foot))]
-    for foot, interval in interval_ns.items():
+    dropouts = _dropouts(samples, before, silent)
+    for foot, interval in silent.interval_ns.items():
         rows = np.flatnonzero(samples.foot == foot)
         if not len(rows):
             continue
-        first = Heard(int(samples.log_time[rows[0]]), int(samples.stamp[rows[0]]))
+        first = LastMessage(int(samples.log_time[rows[0]]), int(samples.stamp[rows[0]]))
         heard = before.get(foot) or _at_start(first, log_start, interval)
         log_time = np.concatenate([[heard.log_time], samples.log_time[rows]])
         stamp = np.concatenate([[heard.stamp], samples.stamp[rows]])
-        silence, log_time, stamp = _swings(log_time, stamp, interval)
+        known = ~_within(dropouts, log_time[:-1], log_time[1:])
+        known[0] &= not heard.interrupted
+        lasts_from = np.full(len(rows), silent.swing_from_ns(foot))
+        if foot not in before:
+            lasts_from[0] = silent.cut_swing_from_ns(foot)
+        silence, log_time, stamp = _swings(log_time, stamp, interval, lasts_from, known)
         parts.append(_free(foot, log_time, stamp))
         keys.append(2 * rows[silence] - 1)
     order = np.argsort(np.concatenate(keys), kind="stable")
     return concatenated(parts).pick(order) if len(order) > len(samples.foot) else samples
 
 
-def trailing_swings(
-    interval_ns: Mapping[int, int], before: LastHeard, log_end: int | None
-) -> list[Samples]:
+def _within(dropouts: Ints, start: Ints, end: Ints) -> Flags:
+    """(n,) whether all feet drop out within some silences of one foot."""
+    since = np.searchsorted(dropouts[:, 0], start)
+    within: Flags = np.searchsorted(dropouts[:, 1], end, side="right") > since
+    return within
+
+
+def trailing_swings(silent: SilentFeet, before: LastMessages, log_end: int | None) -> list[Samples]:
     """Return the samples without contact between the last contacts and the log's end."""
     found: list[Samples] = []
     for foot, heard in sorted(before.items()):
-        if foot in interval_ns and log_end is not None:
-            end = log_end + interval_ns[foot]
+        interval = silent.interval_ns.get(foot)
+        if interval is not None and log_end is not None and not heard.interrupted:
+            end = log_end + interval
             log_time = np.array([heard.log_time, end])
             stamp = np.array([heard.stamp, heard.stamp + end - heard.log_time])
-            _, log_time, stamp = _swings(log_time, stamp, interval_ns[foot])
+            lasts_from = np.array([silent.cut_swing_from_ns(foot)])
+            known = np.ones(1, np.bool_)
+            _, log_time, stamp = _swings(log_time, stamp, interval, lasts_from, known)
             found.append(_free(foot, log_time, stamp))
     return found
 
 
-class SwingTeller:
-    """Tells the swings of a log that streams past, batch by batch and in order."""
+class SwingInserter:
+    """Inserts the swings of a log that streams past, batch by batch and in order."""
 
-    def __init__(
-        self, interval_ns: Mapping[int, int], log_start: int | None, log_end: int | None
-    ) -> None:
+    def __init__(self, silent: SilentFeet, log_start: int | None, log_end: int | None) -> None:
         """Set up.
 
         Args:
-            interval_ns: interval of the feet that are silent in swing.
+            silent: the feet that are silent in swing.
             log_start: ns, log time from which silence counts; None: from the first contact.
             log_end: ns, log time up to which it counts; None: up to the last contact.
         """
-        self._interval_ns = interval_ns
+        self._silent = silent
         self._start, self._end = log_start, log_end
-        self._heard: LastHeard = {}
+        self._heard: LastMessages = {}
 
     def add(self, batch: Sequence[Samples]) -> Sequence[Samples]:
         """Return the samples of a batch with their swings."""
-        if not self._interval_ns:
+        if not self._silent.interval_ns:
             return batch
         told = []
         for samples in batch:
-            told.append(with_swings(samples, self._interval_ns, self._heard, self._start))
-            self._heard = last_heard(samples, self._heard)
+            told.append(with_swings(samples, self._silent, self._heard, self._start))
+            self._heard = last_messages(samples, self._heard, self._silent)
         return told
 
     def finish(self) -> list[Samples]:
         """End the log: return what is left to be said."""
-        return trailing_swings(self._interval_ns, self._heard, self._end)
+        return trailing_swings(self._silent, self._heard, self._end)
 
 
-def _at_start(first: Heard, log_start: int | None, interval: int) -> Heard:
+def _at_start(first: LastMessage, log_start: int | None, interval: int) -> LastMessage:
     """Place a contact before the log's start, so that the foot swings from there on."""
     if log_start is None:
         return first
     time = log_start - interval
     stamp = first.stamp - (first.log_time - time)
     # A stamp of 0 or less would say that there are none.
-    return Heard(time, stamp) if stamp > -interval and first.stamp > 0 else first
+    return LastMessage(time, stamp) if stamp > -interval and first.stamp > 0 else first
 
 
-def _swings(log_time: Ints, stamp: Ints, interval: int) -> tuple[Ints, Ints, Ints]:
-    """Fill the silences between n + 1 times.
+def _swings(
+    log_time: Ints, stamp: Ints, interval: int, lasts_from: Ints, known: Flags
+) -> tuple[Ints, Ints, Ints]:
+    """Fill the silences between n + 1 times that are known to be swings.
 
     Returns:
         (m,) which silence each filling is in, (m,) its log time, ns, (m,) its stamp, ns.
     """
     step, stamp_step = np.diff(log_time), np.diff(stamp)
-    swing = (step > MISSED_INTERVALS * interval) & (step <= LONGEST_SWING_S * 1e9)
+    swing = known & (step > lasts_from) & (step <= LONGEST_SWING_S * 1e9)
     swing &= (stamp_step >= 0) & (stamp_step <= 2.0 * LONGEST_SWING_S * 1e9)
     spacing = max(interval, _SPACING_NS)
     fillings = np.where(swing, 1 - (2 * interval - step) // spacing, 0)

@@ -7,17 +7,28 @@ from typing import Final, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from dogbot_logtool.core.contact.loaded_way import loaded_ways
 from dogbot_logtool.core.geometry.arrays import Flags, Floats, Ints
 
 IMPACT_S: Final = 0.050
 """The impact is looked for in the first 50 ms of a stance."""
 LONGEST_STANCE_S: Final = 10.0
-"""Whoever keeps a foot down longer is standing, not stepping."""
+"""Longer stances are not reduced to figures of loads."""
+LOADED: Final = 0.5
+"""Share of a stance's mean force from which its foot is loaded."""
 RISE_FROM: Final = 0.2
 RISE_TO: Final = 0.8
 """The loading rate is the slope between 20 % and 80 % of the rise."""
 FIRST_PEAK: Final = 0.5
 """Ripples on the rise that stay below half of the stance's peak are not its first peak."""
+
+
+SPIKE: Final = 2.0
+"""Times its neighbours and the rest of its stance that a lone spike is at least."""
+FEWEST_FOR_SPIKES: Final = 5
+"""Samples of a stance from which one of them can stand out."""
+ROUNDING: Final = 1e-9
+"""Share of a stance's peak below which a difference of forces says nothing."""
 
 
 class Cut(IntEnum):
@@ -29,6 +40,8 @@ class Cut(IntEnum):
     GAP = 3
     STANDING = 4
     FALL = 5
+    OUTSIDE = 6
+    """Of a part of the log: it is not in it."""
 
 
 class StanceSamples(NamedTuple):
@@ -52,6 +65,9 @@ class StanceSamples(NamedTuple):
     """(n,) N, magnitude; never higher before touchdown than after it."""
     vertical: Floats
     """(n,) N, vertical part; NaN where its direction is not known."""
+    force_x: Floats
+    """(n,) N, horizontal parts along the world's axes, also `force_y`; NaN like `vertical`."""
+    force_y: Floats
     x: Floats
     """(n,) m, contact point in the world; NaN where there is none; also `y`."""
     y: Floats
@@ -66,8 +82,19 @@ class StanceFigures(NamedTuple):
     """N, highest |F|."""
     mean_n: Floats
     """N, mean of |F| over the samples."""
+    spikes: Floats
+    """Number of samples that stand alone, far above all others of the stance; see `_spikes`."""
+    spike_phase: Floats
+    """Share of the stance before the highest of them; NaN without any."""
+    calm_peak_n: Floats
+    """N, highest |F| of the other samples; also `calm_peak_vertical_n`, of the vertical force."""
+    calm_peak_vertical_n: Floats
     peak_samples: Floats
-    """Number of samples that equal the peak."""
+    """Number of samples in a row that equal the peak, in the longest such run."""
+    peak_rise_n: Floats
+    """N, by how much that run exceeds the force as many samples before it."""
+    resolution_n: Floats
+    """N, smallest difference of two forces of the stance: the sensor's resolution, or near 0."""
     spread_n: Floats
     """N, highest minus lowest |F|."""
     peak_vertical_n: Floats
@@ -80,8 +107,16 @@ class StanceFigures(NamedTuple):
     """Highest |F| in the first 50 ms over the stance's median."""
     contact_travel_m: Floats
     """m, horizontal distance of the contact points at 10 % and 90 % of the stance."""
+    contact_reach_m: Floats
+    """m, largest horizontal distance from the contact point at 10 %, up to 90 % of the stance."""
     friction_use: Floats
     """95th percentile of tangential over normal force."""
+    loaded_reach_m: Floats
+    """m, the same reach, of steps between loaded samples only: a hardly loaded foot may tip."""
+    reach_begins_s: Floats
+    """s after touchdown, the last time before half of that reach with at most a tenth of it."""
+    reach_ends_s: Floats
+    """s after touchdown, the first time with at least nine tenths of it."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -120,22 +155,100 @@ def reduce_stances(samples: StanceSamples) -> StanceFigures:
     force, vertical = samples.force, samples.vertical
     ordered = _sorted(force, begin, end)
     peak = ordered[end - 1]
-    peak_from = _first_where(ordered == peak[samples.stance], begin)
+    spike = _spikes(samples)
+    travel, reach = _contact_ways(samples)
+    mean = _sums(force, begin, end) / (end - begin)
+    loaded_reach, reach_begins, reach_ends = _loaded_ways(samples, mean)
+    peak_samples, peak_rise = _plateaus(samples, peak)
     impact_end = np.minimum(_first_where(samples.time > IMPACT_S, begin), end)
     impact, median = _highest(force, begin, impact_end), quantiles(ordered, begin, end, 0.5)
     return StanceFigures(
         peak_n=peak,
-        mean_n=_sums(force, begin, end) / (end - begin),
-        peak_samples=(end - peak_from).astype(np.float64),
+        mean_n=mean,
+        spikes=np.bincount(samples.stance[spike], minlength=len(begin)).astype(np.float64),
+        spike_phase=_spike_phases(samples, spike),
+        calm_peak_n=_highest(np.where(spike, -np.inf, force), begin, end),
+        calm_peak_vertical_n=_highest(np.where(spike, -np.inf, vertical), begin, end),
+        peak_samples=peak_samples,
+        peak_rise_n=peak_rise,
+        resolution_n=_resolutions(ordered, samples, peak),
         spread_n=peak - ordered[begin],
         peak_vertical_n=_highest(vertical, begin, end),
         mean_vertical_n=_sums(vertical, begin, end) / (end - begin),
         vertical_impulse_ns=trapezoids(vertical, samples.time, samples.first),
         loading_rate_nps=_loading_rates(samples, peak),
         impact_ratio=np.where(median > 0.0, impact / median, np.nan),
-        contact_travel_m=_contact_travels(samples),
+        contact_travel_m=travel,
+        contact_reach_m=reach,
         friction_use=_friction_use(samples),
+        loaded_reach_m=loaded_reach,
+        reach_begins_s=reach_begins,
+        reach_ends_s=reach_ends,
     )
+
+
+def _own_rows(samples: StanceSamples) -> Flags:
+    """(n,) whether a row is in contact: not the one before a stance, nor the one that ends it."""
+    rows = np.arange(len(samples.force))
+    own: Flags = rows >= samples.touchdown[samples.stance]
+    return own & (rows < samples.end[samples.stance])
+
+
+def _spikes(samples: StanceSamples) -> Flags:
+    """(n,) whether a sample stands alone, far above all others of its stance.
+
+    It is at least `SPIKE` times its neighbours, and as much above every sample of the stance that
+    does not stand out of its neighbours so. The first sample is the foot's impact, whatever it is.
+    """
+    force, own = samples.force, _own_rows(samples)
+    own[samples.touchdown] = False
+    before, after = np.roll(force, 1), np.roll(force, -1)
+    alone = own & (force > SPIKE * before) & (force > SPIKE * after)
+    others = _highest(np.where(alone, 0.0, force), samples.touchdown, samples.end)
+    enough = samples.end - samples.touchdown >= FEWEST_FOR_SPIKES
+    high: Flags = force > SPIKE * others[samples.stance]
+    return alone & high & enough[samples.stance]
+
+
+def _spike_phases(samples: StanceSamples, spike: Flags) -> Floats:
+    """(k,) share of each stance before its highest spike; NaN without any."""
+    rows = np.flatnonzero(spike)
+    rows = rows[np.argsort(samples.force[rows], kind="stable")]
+    stance = samples.stance[rows]
+    phase = np.full(len(samples.end), np.nan)
+    phase[stance] = samples.time[rows] / samples.time[samples.end[stance]]
+    return phase
+
+
+def _plateaus(samples: StanceSamples, peak: Floats) -> tuple[Floats, Floats]:
+    """(k,) length of each stance's longest run of samples at its peak, and N, the rise to it.
+
+    The rise is that over as many samples before the run, or from the stance's first.
+    """
+    stance, own = samples.stance, _own_rows(samples)
+    at_peak = np.concatenate([[False], own & (samples.force == peak[stance]), [False]])
+    edges = np.flatnonzero(at_peak[1:] != at_peak[:-1])
+    starts, lengths = edges[::2], edges[1::2] - edges[::2]
+    longest = np.zeros(len(peak))
+    np.maximum.at(longest, stance[starts], lengths)
+    run = np.flatnonzero(lengths == longest[stance[starts]])[::-1]
+    of = stance[starts[run]]
+    before = np.maximum(starts[run] - lengths[run], samples.first[of])
+    rise = np.full(len(peak), np.nan)
+    rise[of] = peak[of] - samples.force[before]
+    return longest, rise
+
+
+def _resolutions(ordered: Floats, samples: StanceSamples, peak: Floats) -> Floats:
+    """(k,) N, smallest difference of two of a stance's forces; inf where all are equal.
+
+    Differences that are next to nothing against the peak come from rounding.
+    """
+    step = np.full(len(ordered), np.inf)
+    step[1:] = np.diff(ordered)
+    step[samples.touchdown] = np.inf
+    step[step <= ROUNDING * peak[samples.stance]] = np.inf
+    return -_highest(-step, samples.touchdown, samples.end)
 
 
 def _sorted(values: Floats, begin: Ints, end: Ints) -> Floats:
@@ -252,8 +365,10 @@ def _crossings(samples: StanceSamples, after: Ints, level: Floats) -> Floats:
     return crossing
 
 
-def _contact_travels(samples: StanceSamples) -> Floats:
-    """Return the net horizontal travel of the contact point, m, from 10 % to 90 % of a stance.
+def _contact_ways(samples: StanceSamples) -> tuple[Floats, Floats]:
+    """(k,) m, net travel of the contact point from 10 % to 90 % of a stance, and its reach.
+
+    The reach is the largest distance from where the point is at 10 %. Both are horizontal.
 
     A round foot that rolls moves its contact point without slipping, so this is not slip yet.
     NaN when no samples with a contact point surround both instants.
@@ -268,15 +383,33 @@ def _contact_travels(samples: StanceSamples) -> Floats:
 
     time, stance = samples.time[rows], samples.stance[rows]
     x, y = samples.x[rows], samples.y[rows]
-    places = []
+    ends = []
     for at in (tenth, nine_tenths):
         later = _first_where(time > at[stance], begin)[known]
         around = later - 1, np.minimum(later, end[known] - 1)
-        places.append([_interpolated(at[known], time, values, around) for values in (x, y)])
-    (x_early, y_early), (x_late, y_late) = places
-    travel = np.full(len(begin), np.nan)
+        ends.append([_interpolated(at[known], time, values, around) for values in (x, y)])
+    (x_early, y_early), (x_late, y_late) = ends
+    travel, reach = np.full((2, len(begin)), np.nan)
     travel[known] = np.hypot(x_late - x_early, y_late - y_early)
-    return travel
+    start = np.full((2, len(begin)), np.nan)
+    start[:, known] = x_early, y_early
+    way = np.hypot(x - start[0, stance], y - start[1, stance])
+    counts = known[stance] & (time >= tenth[stance]) & (time <= nine_tenths[stance])
+    reach[known] = travel[known]
+    np.maximum.at(reach, stance[counts], way[counts])
+    return travel, reach
+
+
+def _loaded_ways(samples: StanceSamples, mean: Floats) -> tuple[Floats, Floats, Floats]:
+    """(k,) see `loaded_ways`: of samples from 10 % to 90 % of a stance, with a contact point."""
+    duration = samples.time[samples.end][samples.stance]
+    counts = _own_rows(samples) & np.isfinite(samples.x) & np.isfinite(samples.y)
+    counts &= (samples.time >= 0.1 * duration) & (samples.time <= 0.9 * duration)
+    rows = np.flatnonzero(counts)
+    stance = samples.stance[rows]
+    loaded = samples.force[rows] >= (LOADED * mean)[stance]
+    columns = samples.time[rows], samples.x[rows], samples.y[rows]
+    return loaded_ways(*columns, loaded, stance, len(mean))
 
 
 def _interpolated(at: Floats, time: Floats, values: Floats, around: tuple[Ints, Ints]) -> Floats:

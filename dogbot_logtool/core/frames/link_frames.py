@@ -19,6 +19,8 @@ class FramePoint:
     frame: str
     offset: tuple[float, float, float] = (0.0, 0.0, 0.0)
     """m, in that frame."""
+    recorded: bool = False
+    """Whether each sample's own position is in that frame, instead of `offset`."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -97,16 +99,22 @@ def points_from_frames(
         the samples, with one point each where they were placed, and their numbers.
     """
     wanted: Flags = samples.in_contact & (samples.points == 0)
-    position, number = samples.position.copy(), samples.points.copy()
+    # Without contact points, a position is that of a foot in the base's frame.
+    position = np.where((samples.points > 0)[:, None], samples.position, np.nan)
+    number = samples.points.copy()
     counts = FrameCounts()
     for foot, point in enumerate(points):
         rows = np.flatnonzero(wanted & (samples.foot == foot))
         if point is None or not len(rows):
             continue
+        if point.recorded:
+            rows = rows[np.isfinite(samples.position[rows]).all(axis=1)]
         poses = _poses(samples.pick(rows), point.frame, buffer, world, clock)
-        offset: Floats = rotate(poses.rotation[poses.known], np.array([point.offset]))
-        position[rows[poses.known]] = poses.translation[poses.known] + offset
-        number[rows[poses.known]] = 1
+        found = rows[poses.known]
+        inside = samples.position[found] if point.recorded else np.array([point.offset])
+        offset: Floats = rotate(poses.rotation[poses.known], inside)
+        position[found] = poses.translation[poses.known] + offset
+        number[found] = 1
         placed = int(poses.known.sum())
         counts += FrameCounts(placed=placed, not_placed=len(rows) - placed)
     return replace(samples, position=position, points=number), counts

@@ -1,25 +1,40 @@
 """The figures of one foot, as they are reported."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
+from dogbot_logtool.core.base.base_history import BaseHistory
 from dogbot_logtool.core.base.base_motion import stride_lengths
-from dogbot_logtool.core.base.base_record import BaseRecord
-from dogbot_logtool.core.contact.foot_history import FootRecord
+from dogbot_logtool.core.contact.foot_history import FootHistory
 from dogbot_logtool.core.contact.stances import Cut, Stances
+from dogbot_logtool.core.gait.cycle_curves import (
+    ForceCurves,
+    force_curves,
+    fore_aft_impulses,
+    forward_forces,
+)
 from dogbot_logtool.core.gait.segments import FootEvents
-from dogbot_logtool.core.gait.strides import Strides, cut_by_fall, strides_of
+from dogbot_logtool.core.gait.standing import Standing, steps_apart
+from dogbot_logtool.core.gait.strides import (
+    Strides,
+    cut_by_fall,
+    cut_by_standing,
+    cut_outside,
+    strides_of,
+)
 from dogbot_logtool.core.geometry import timespans
 from dogbot_logtool.core.geometry.aggregates import Aggregate, aggregate
 from dogbot_logtool.core.geometry.arrays import Floats, Ints
 from dogbot_logtool.core.leg_position import LegPosition
 from dogbot_logtool.core.load.load_figures import vertical_impulse_ns
+from dogbot_logtool.core.load.slip import slip_m
+from dogbot_logtool.core.load.spikes import has_lone_spikes, without_spikes
 
 
 @dataclass(frozen=True, slots=True)
-class FootFigures:
+class FootStatistics:
     """Figures of one foot.
 
     Aggregates are over whole stances or strides; None where there are none, or what they need is
@@ -29,9 +44,9 @@ class FootFigures:
     name: str
     topic: str
     place: LegPosition | None
-    record: FootRecord
+    record: FootHistory
     stances: Stances
-    """All stances, those in a fall marked as cut."""
+    """All stances, those in a fall or a stand marked as cut."""
     strides: Strides
     length_m: Floats
     """(strides) m, horizontal distance of the base over the stride; NaN where not known."""
@@ -45,6 +60,10 @@ class FootFigures:
     """(l,) ns, lift-offs that were seen."""
     is_dead: bool
     """Its sensor never reports a contact, and nothing says that the foot is lifted."""
+    is_saturated: bool
+    """Its sensor is cut off at a limit: the peaks are not known."""
+    spikes: int
+    """Lone spikes of its force in whole stances; kept out of the peaks."""
     contact_fraction: float | None
     """Time in contact over time known; None for a dead sensor."""
     stance_s: Aggregate | None
@@ -60,10 +79,18 @@ class FootFigures:
     mean_vertical_force_n: Aggregate | None
     vertical_impulse_ns: float | None
     """N s, over all time known."""
+    braking_impulse_ns: Aggregate | None
+    """N s, size of the impulse against the base's forward axis in a stance."""
+    propulsive_impulse_ns: Aggregate | None
+    """N s, impulse along the base's forward axis in a stance."""
+    force_curves: ForceCurves
     loading_rate_nps: Aggregate | None
     impact_ratio: Aggregate | None
     contact_travel_m: Aggregate | None
     slip_distance_m: Aggregate | None
+    """m, net; None also where the rolling of the foot is not known."""
+    largest_slip_m: Aggregate | None
+    """m, the furthest that the foot is from where it stood at 10 % of the stance."""
     friction_use: Aggregate | None
 
     @property
@@ -72,17 +99,22 @@ class FootFigures:
         return FootEvents(self.strides, self.touchdown)
 
 
-def foot_figures(
+def foot_statistics(
     name: str,
     topic: str,
     place: LegPosition | None,
-    record: FootRecord,
-    base: BaseRecord,
+    record: FootHistory,
+    base: BaseHistory,
     *,
     fallen: Ints,
-    foot_rolling_m: float,
+    forward_axis: str,
+    standing: Standing,
+    foot_rolling_m: float | None,
     is_dead: bool,
-) -> FootFigures:
+    is_saturated: bool = False,
+    direction_known: bool = True,
+    within: Ints | None = None,
+) -> FootStatistics:
     """Aggregate what was recorded of one foot.
 
     Args:
@@ -92,15 +124,30 @@ def foot_figures(
         record: its stances and track.
         base: poses.
         fallen: (f, 2) ns, spans in which the robot lies.
-        foot_rolling_m: m, travel of the contact point of a foot that rolls without slipping.
+        forward_axis: the body's axis that points forward.
+        standing: spans without steps.
+        foot_rolling_m: m, travel of the contact point of a foot that rolls without slipping; None:
+            not known.
         is_dead: whether its sensor seems dead.
+        is_saturated: whether its sensor is cut off at a limit.
+        direction_known: whether nothing contradicts the direction of the force.
+        within: (w, 2) ns, a part of the log; its stances and strides are those with their middle in
+            it. None: all of it.
     """
-    stances = cut_by_fall(record.stances, fallen)
+    stances = without_spikes(cut_by_fall(record.stances, fallen))
+    stances = cut_by_standing(stances, steps_apart(standing.without_steps, stances))
     strides, discarded = strides_of(stances, record.gaps, fallen)
+    lone = has_lone_spikes(stances)
+    if within is not None:
+        stances, strides = cut_outside(stances, within), strides.within(within)
     length = stride_lengths(base, strides.touchdown, strides.end)
-    slip = np.maximum(stances.figures.contact_travel_m - foot_rolling_m, 0.0)
+    slip = slip_m(stances.figures.contact_travel_m, foot_rolling_m)
+    largest_slip = slip_m(stances.figures.contact_reach_m, foot_rolling_m)
     whole = stances.whole
-    return FootFigures(
+    forward = forward_forces(record, base, forward_axis)
+    forward = forward if direction_known else np.full_like(forward, np.nan)
+    fore_aft = fore_aft_impulses(forward, stances)
+    return FootStatistics(
         name=name,
         topic=topic,
         place=place,
@@ -113,27 +160,35 @@ def foot_figures(
         touchdown=_seen(stances.touchdown, record, Cut.LOG_START, stances),
         liftoff=_seen(stances.liftoff, record, Cut.LOG_END, stances),
         is_dead=is_dead,
-        contact_fraction=None if is_dead else record.contact_fraction,
+        is_saturated=is_saturated,
+        spikes=int(stances.figures.spikes[lone & whole].sum()),
+        contact_fraction=None if is_dead else record.contact_fraction(within),
         stance_s=aggregate(stances.duration_s[whole]),
         swing_s=aggregate(strides.swing_s),
         stride_period_s=aggregate(strides.period_s),
         stride_frequency_hz=strides.frequency_hz,
         duty_factor=aggregate(strides.duty_factor),
         stride_length_m=aggregate(length),
-        peak_force_n=aggregate(stances.figures.peak_n[whole]),
+        peak_force_n=None if is_saturated else aggregate(stances.figures.peak_n[whole]),
         mean_force_n=aggregate(stances.figures.mean_n[whole]),
-        peak_vertical_force_n=aggregate(stances.figures.peak_vertical_n[whole]),
+        peak_vertical_force_n=(
+            None if is_saturated else aggregate(stances.figures.peak_vertical_n[whole])
+        ),
         mean_vertical_force_n=aggregate(stances.figures.mean_vertical_n[whole]),
-        vertical_impulse_ns=None if is_dead else vertical_impulse_ns(record),
+        vertical_impulse_ns=None if is_dead else vertical_impulse_ns(record, within),
+        braking_impulse_ns=aggregate(fore_aft.braking[whole]),
+        propulsive_impulse_ns=aggregate(fore_aft.propulsive[whole]),
+        force_curves=force_curves(record.stance_forces[:, 2], forward, stances, strides),
         loading_rate_nps=aggregate(stances.figures.loading_rate_nps[whole]),
         impact_ratio=aggregate(stances.figures.impact_ratio[whole]),
         contact_travel_m=aggregate(stances.figures.contact_travel_m[whole]),
         slip_distance_m=aggregate(slip[whole]),
+        largest_slip_m=aggregate(largest_slip[whole]),
         friction_use=aggregate(stances.figures.friction_use[whole]),
     )
 
 
-def _seen(time: Ints, record: FootRecord, unseen: Cut, stances: Stances) -> Ints:
+def _seen(time: Ints, record: FootHistory, unseen: Cut, stances: Stances) -> Ints:
     """Leave out the events that the log's ends or a gap hide."""
     seen: Ints = time[(stances.cut != unseen) & ~np.isin(time, record.gaps[:, 1])]
     # A stance may last from the log's first sample to its last.
@@ -141,12 +196,12 @@ def _seen(time: Ints, record: FootRecord, unseen: Cut, stances: Stances) -> Ints
     return seen[~np.isin(seen, [each for each in outside if each is not None])]
 
 
-def contact_time_without_pose_s(record: FootRecord, base: BaseRecord) -> float:
+def contact_time_without_pose_s(record: FootHistory, base: BaseHistory) -> float:
     """Return the time in contact, s, that lies further than 0.1 s from every pose of the base."""
     return base.unplaced(record.in_contact) / 1e9
 
 
-def overlap(feet: list[FootRecord], base: BaseRecord) -> Ints:
+def overlap(feet: Sequence[FootHistory], base: BaseHistory) -> Ints:
     """Return the time known to all feet that have samples, and to the base if it has poses."""
     known = [foot.known for foot in feet if foot.start is not None]
     if len(base.time):

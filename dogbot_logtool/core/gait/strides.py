@@ -8,7 +8,7 @@ import numpy as np
 
 from dogbot_logtool.core.contact.stances import Cut, Stances
 from dogbot_logtool.core.geometry import timespans
-from dogbot_logtool.core.geometry.arrays import Floats, Ints
+from dogbot_logtool.core.geometry.arrays import Flags, Floats, Ints
 
 REASONS: Final[Mapping[int, str]] = {
     Cut.LOG_START: "log_start",
@@ -60,11 +60,25 @@ class Strides:
             return None
         return len(self.touchdown) / float(self.period_s.sum())
 
+    @property
+    def spans(self) -> Ints:
+        """(n, 2) ns, touchdown and next touchdown."""
+        return np.stack([self.touchdown, self.end], axis=1)
+
+    def rows_within(self, spans: Ints) -> Flags:
+        """(n,) which strides have their middle in one of the spans."""
+        return timespans.covers(spans, self.touchdown + (self.end - self.touchdown) // 2)
+
     def within(self, spans: Ints) -> "Strides":
         """Return the strides whose middle lies in one of the spans."""
-        middle = self.touchdown + (self.end - self.touchdown) // 2
-        rows = timespans.covers(spans, middle)
+        rows = self.rows_within(spans)
         return Strides(self.stance[rows], self.touchdown[rows], self.liftoff[rows], self.end[rows])
+
+
+def no_strides() -> Strides:
+    """Return none."""
+    none = np.empty(0, np.int64)
+    return Strides(none, none, none, none)
 
 
 def cut_by_fall(stances: Stances, fallen: Ints) -> Stances:
@@ -77,6 +91,23 @@ def cut_by_fall(stances: Stances, fallen: Ints) -> Stances:
     cut = stances.cut.copy()
     cut[timespans.touches(fallen, stances.touchdown, stances.liftoff) & stances.whole] = Cut.FALL
     return replace(stances, cut=cut)
+
+
+def cut_outside(stances: Stances, within: Ints) -> Stances:
+    """Mark the stances that do not have their middle in some spans, (w, 2) ns."""
+    middle = stances.touchdown + (stances.liftoff - stances.touchdown) // 2
+    inside = timespans.covers(within, middle)
+    return replace(stances, cut=np.where(inside, stances.cut, Cut.OUTSIDE).astype(np.int8))
+
+
+def cut_by_standing(stances: Stances, steps_apart: Flags) -> Stances:
+    """Mark the stances in which the robot stands; they are no part of a stride.
+
+    Args:
+        stances: of one foot.
+        steps_apart: (n,) which of them.
+    """
+    return replace(stances, cut=np.where(steps_apart, Cut.STANDING, stances.cut).astype(np.int8))
 
 
 def strides_of(stances: Stances, gaps: Ints, fallen: Ints) -> tuple[Strides, dict[str, int]]:

@@ -6,7 +6,7 @@ from typing import Final
 
 import numpy as np
 
-from dogbot_logtool.core.contact.foot_history import FootRecord
+from dogbot_logtool.core.contact.foot_history import FootHistory
 from dogbot_logtool.core.geometry import timespans
 from dogbot_logtool.core.geometry.arrays import Ints
 
@@ -24,8 +24,23 @@ class Support:
     """(feet + 1) fraction of that time with 0, 1, 2 ... feet in contact."""
     sets: tuple[tuple[tuple[int, ...], float], ...]
     """The most frequent sets of feet in contact, and their fractions, most frequent first."""
+    known: Ints
+    """(k, 2) ns, time known to all feet."""
     all_down: Ints
     """(n, 2) ns, spans with all feet in contact."""
+    in_flight: Ints
+    """(f, 2) ns, spans with no foot in contact."""
+
+    @property
+    def double_support_fraction(self) -> float | None:
+        """Fraction of time with both feet of a robot of two in contact; None for others."""
+        return self.feet_down[2] if len(self.feet_down) == 3 else None
+
+    def flight_within(self, spans: Ints) -> float | None:
+        """Return the fraction of the known part of spans in flight; None without any."""
+        known = timespans.total(timespans.intersect([self.known, spans]))
+        flight = timespans.total(timespans.intersect([self.in_flight, spans]))
+        return flight / known if known else None
 
     @property
     def flight_fraction(self) -> float:
@@ -33,9 +48,15 @@ class Support:
         return self.feet_down[0]
 
 
-def support(feet: Sequence[FootRecord]) -> Support | None:
-    """Measure support patterns; None where there is no time known to all feet."""
+def support(feet: Sequence[FootHistory], within: Ints | None = None) -> Support | None:
+    """Measure support patterns; None where there is no time known to all feet.
+
+    Args:
+        feet: histories of all feet.
+        within: (w, 2) ns, a part of the log; None: all of it.
+    """
     known = timespans.intersect([foot.known for foot in feet])
+    known = known if within is None else timespans.intersect([known, within])
     if timespans.total(known) == 0:
         return None
     contacts = [timespans.intersect([foot.in_contact, known]) for foot in feet]
@@ -49,6 +70,7 @@ def support(feet: Sequence[FootRecord]) -> Support | None:
         number += down
     inside = timespans.covers(known, begin)
     all_down = timespans.spans_where(edges, inside & (number == len(feet)))
+    in_flight = timespans.spans_where(edges, inside & (number == 0))
 
     time = float(timespans.total(known))
     weight = np.where(inside, duration, 0).astype(np.float64)
@@ -61,7 +83,14 @@ def support(feet: Sequence[FootRecord]) -> Support | None:
         for each in order
         if by_code[each] > 0.0
     )
-    return Support(time / 1e9, tuple(float(share) for share in by_number), sets, all_down)
+    return Support(
+        time_s=time / 1e9,
+        feet_down=tuple(float(share) for share in by_number),
+        sets=sets,
+        known=known,
+        all_down=all_down,
+        in_flight=in_flight,
+    )
 
 
 def _members(code: int, feet: int) -> tuple[int, ...]:

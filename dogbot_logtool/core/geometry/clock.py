@@ -1,10 +1,9 @@
 """Which clock a walk is measured on: header stamps, or log time where stamps cannot be used.
 
 One clock serves all feet and the base, since phases and support compare feet with each other.
-Header stamps are used unless one of them is zero or goes backwards. That is only known when the
-last message has been read, so a pass over the log that meets such a stamp ends with
-`UnusableStamps`, and a second pass measures everything on log time. Zero stamps, the common case,
-show in the first batch: the second pass then costs nothing.
+Header stamps are used unless more than a few of a topic are bad, or its clock was set. That is only
+known when the last message has been read: a pass over the log then ends with `UnusableStamps`, and
+a second pass measures everything on log time.
 """
 
 from enum import StrEnum
@@ -42,33 +41,7 @@ class TimeSource(StrEnum):
 
 
 class UnusableStamps(Exception):  # noqa: N818 - a reason to read again, it never reaches a user
-    """Header stamps are zero or go backwards; the text says where."""
-
-
-class StampWatch:
-    """Watches the header stamps of one topic, message by message in the order of the log."""
-
-    def __init__(self, topic: str) -> None:
-        self._topic = topic
-        self._previous: int | None = None
-
-    def watch(self, stamps: Ints) -> None:
-        """Look at the next stamps.
-
-        Args:
-            stamps: (n,) ns.
-
-        Raises:
-            UnusableStamps: one is zero, or lower than the one before.
-        """
-        if len(stamps) == 0:
-            return
-        if (stamps == 0).any():
-            raise UnusableStamps(f"header stamps of {self._topic} are zero")
-        back = self._previous is not None and int(stamps[0]) < self._previous
-        if back or (stamps[1:] < stamps[:-1]).any():
-            raise UnusableStamps(f"header stamps of {self._topic} go backwards")
-        self._previous = int(stamps[-1])
+    """Header stamps cannot be the clock of the log; the text says why."""
 
 
 def absolute_time(since: Floats, origin: int | None) -> Ints:

@@ -79,3 +79,23 @@ def slerp(first: Floats, second: Floats, share: Floats) -> Floats:
     weight_first = np.where(near, 1.0 - share, np.sin((1.0 - share) * angle) / sine)
     weight_second = np.where(near, share, np.sin(share * angle) / sine)
     return normalised(weight_first[:, None] * first + weight_second[:, None] * second)
+
+
+def from_roll_pitch_yaw(angles: Floats) -> Floats:
+    """Return the quaternions of rotations about x, then y, then z of the fixed frame.
+
+    Args:
+        angles: (n, 3) rad.
+
+    Returns:
+        (n, 4) x, y, z, w.
+    """
+    sines, cosines = np.sin(angles / 2.0), np.cos(angles / 2.0)
+    zero = np.zeros(len(angles))
+
+    def about(axis: int) -> Floats:
+        columns = [zero, zero, zero, cosines[:, axis]]
+        columns[axis] = sines[:, axis]
+        return np.stack(columns, axis=1)
+
+    return multiply(about(2), multiply(about(1), about(0)))

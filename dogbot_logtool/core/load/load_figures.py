@@ -2,15 +2,22 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from enum import StrEnum
 from typing import Final
 
 import numpy as np
 
-from dogbot_logtool.core.contact.foot_history import FootRecord
+from dogbot_logtool.core.contact.foot_history import FootHistory
+from dogbot_logtool.core.contact.saturation import SATURATED_SAMPLES, SATURATED_STANCES, STEEP
 from dogbot_logtool.core.geometry import timespans
+from dogbot_logtool.core.geometry.arrays import Flags, Ints
 from dogbot_logtool.core.leg_position import LegPosition
 
 NEAR_ZERO: Final = 1e-9
+WEIGHT_TOLERANCE: Final = 0.05
+"""By how much the vertical impulse may miss the weight before figures of direction are left out."""
+REFUTED: Final = 0.20
+"""By how much the feet's vertical force may miss the weight before nothing rests on the weight."""
 ENOUGH: Final = 0.99
 """Share of the loaded time in which the vertical force must be known for totals to be given."""
 CARRIED: Final = 0.05
@@ -18,28 +25,62 @@ CARRIED: Final = 0.05
 STUCK: Final = 0.99
 """Share of neighbouring loaded samples that are equal to the bit in a sensor that is stuck."""
 STUCK_SAMPLES: Final = 100
-SATURATED_SAMPLES: Final = 3
-"""Samples at the very same highest force that make a flat top."""
-SATURATED_STANCES: Final = 3
-"""Stances with the same flat top that make a saturated sensor."""
+
+
+class WeightSource(StrEnum):
+    """Where the weight comes from that forces are compared with."""
+
+    MASS = "mass"
+    ESTIMATED = "estimated"
 
 
 @dataclass(frozen=True, slots=True)
 class LoadFigures:
-    """Loads of all feet over the time known to all of them."""
+    """Loads of all feet over one and the same time."""
 
     known_s: float
-    """s, the time known to all feet, vertical force included where that is used."""
+    """s, the time that the figures are over: whole strides in which all feet are known, or all
+    time known to all feet where there are no such strides."""
+    over_strides: bool
+    """Whether that time is whole strides."""
+    mean_vertical_n: float | None
+    """N, mean of the feet's summed vertical force over that time; None where it is not known."""
     vertical_impulse_over_weight: float | None
-    """Sum over feet of the vertical impulse / (m g x known time): 1 for a sound recording."""
+    """Sum over feet of the vertical impulse / (m g x time): 1 for a sound recording. None without
+    a mass, or with an assumed one that the forces refute."""
+    weight_n: float | None
+    """N, the weight for figures in body weights: from the mass, else estimated from whole strides;
+    None where neither is known, or where all feet's forces miss the weight by over `REFUTED`."""
+    weight_source: WeightSource | None
     share_of: str | None
     """What the shares are of: ``vertical_impulse``, or ``force_impulse`` (the integral of |F|)
     where the direction of the force is not known."""
     shares: tuple[float, ...] | None
     """(feet) share of each foot; they add up to 1."""
+    mean_over_weight: float | None = None
+    """`mean_vertical_n` over m g, also where an assumed mass is refuted by it."""
+    magnitude_over_weight: float | None = None
+    """Mean of the feet's summed |F| over m g, where only that is known, over whole strides: hardly
+    below 1, and little above it. None where vertical forces are known, or a foot's is missing."""
+    direction_refuted: bool = False
+    """Whether it misses 1 by so much that the direction of the forces is doubtful: by
+    `WEIGHT_TOLERANCE`, or by `REFUTED` where the mass is only assumed. The load on a foot that is
+    never seen to touch may be missing instead."""
+
+    @property
+    def misses_weight(self) -> bool:
+        """Whether the feet's vertical impulse is not the weight: a wrong frame, sensor or mass."""
+        ratio = self.mean_over_weight
+        return ratio is not None and abs(ratio - 1.0) > WEIGHT_TOLERANCE
+
+    @property
+    def magnitude_misses_weight(self) -> bool:
+        """Whether the sum of |F| is far from the weight: a wrong mass or sensor."""
+        ratio = self.magnitude_over_weight
+        return ratio is not None and abs(ratio - 1.0) > REFUTED
 
 
-def vertical_is_known(foot: FootRecord) -> bool:
+def vertical_is_known(foot: FootHistory) -> bool:
     """Tell whether the vertical force is known for as good as all of the time under load."""
     if not foot.has_force:
         return False
@@ -48,47 +89,159 @@ def vertical_is_known(foot: FootRecord) -> bool:
     return loaded > 0 and timespans.total(unknown) <= (1.0 - ENOUGH) * loaded
 
 
-def vertical_impulse_ns(foot: FootRecord) -> float | None:
+def vertical_impulse_ns(foot: FootHistory, within: Ints | None = None) -> float | None:
     """Return the integral of a foot's vertical force over the time known, N s.
 
     Trapezoid over real sample times, gaps left out. None where the direction of the force is not
     known, or nothing is known at all.
+
+    Args:
+        foot: its history.
+        within: (w, 2) ns, a part of the log; None: all of it.
     """
     if timespans.total(foot.known) == 0 or not foot.has_force:
         return None
     if timespans.total(foot.in_contact) and not vertical_is_known(foot):
         return None
-    return foot.track.vertical_within(foot.vertical_known)
+    known = foot.vertical_known
+    return foot.track.vertical_within(
+        known if within is None else timespans.intersect([known, within])
+    )
 
 
-def load_figures(feet: Sequence[FootRecord], body_weight_n: float | None) -> LoadFigures:
-    """Compare the feet's impulses with each other and with the weight.
-
-    Only the time known to all feet counts: a foot whose sensor was silent for a while would
-    otherwise seem to carry less.
+def whole_strides(strides: Ints, feet: Sequence[FootHistory], *, vertical: bool) -> Ints:
+    """Return the time of the strides during which every foot is known throughout.
 
     Args:
-        feet: records of all feet.
-        body_weight_n: N; None leaves the comparison with it out.
+        strides: (s, 2) ns, each from a touchdown of one foot to its next.
+        feet: histories of all feet.
+        vertical: whether the vertical force must be known, too.
+
+    Returns:
+        (n, 2) ns, neighbouring strides joined.
     """
-    vertical = all(vertical_is_known(foot) or not len(foot.in_contact) for foot in feet)
-    vertical &= any(len(foot.in_contact) for foot in feet)
-    known = timespans.intersect([foot.vertical_known if vertical else foot.known for foot in feet])
-    known_s = timespans.total(known) / 1e9
+    if len(strides) == 0:
+        return timespans.no_spans()
+    known = _known_to_all(feet, vertical=vertical)
+    unknown = timespans.subtract(timespans.merge(strides), known)
+    broken = timespans.touches(unknown, strides[:, 0] + 1, strides[:, 1] - 1)
+    return timespans.merge(strides[~broken])
+
+
+def mean_vertical_n(feet: Sequence[FootHistory], spans: Ints) -> float | None:
+    """Return the mean of the feet's summed vertical force, N: over whole strides, the weight.
+
+    Args:
+        feet: histories of all feet.
+        spans: (n, 2) ns, time in which all of them are known.
+
+    Returns:
+        None where the vertical force of a loaded foot is not known, or there is no time.
+    """
+    duration_s = timespans.total(spans) / 1e9
+    if duration_s == 0.0 or not _vertical_of_all(feet):
+        return None
+    return sum(foot.track.vertical_within(spans) for foot in feet) / duration_s
+
+
+def _mean_magnitude_n(feet: Sequence[FootHistory], spans: Ints) -> float:
+    """Return the mean of the feet's summed |F| over some time, N."""
+    return sum(foot.track.force_within(spans) for foot in feet) / (timespans.total(spans) / 1e9)
+
+
+def load_figures(
+    feet: Sequence[FootHistory],
+    body_weight_n: float | None,
+    strides: Ints | None = None,
+    within: Ints | None = None,
+    *,
+    mass_is_assumed: bool = False,
+) -> LoadFigures:
+    """Compare the feet's impulses with each other and with the weight.
+
+    All feet are measured over the same time: whole strides of one foot during which all feet are
+    known. A part of a stride would count one foot's stance and another's swing, and a foot whose
+    sensor was silent for a while would seem to carry less.
+
+    Args:
+        feet: histories of all feet.
+        body_weight_n: N, from the robot's mass; None: not known.
+        strides: (s, 2) ns, strides of one foot; without any, all known time counts.
+        within: (w, 2) ns, a segment; its strides are given. None: the whole log.
+        mass_is_assumed: whether the weight is that of a robot that was only guessed.
+    """
+    vertical = _vertical_of_all(feet)
+    strides = timespans.no_spans() if strides is None else strides
+    spans = whole_strides(strides, feet, vertical=vertical)
+    over_strides = len(spans) > 0
+    if not over_strides:
+        spans = _known_to_all(feet, vertical=vertical)
+        spans = spans if within is None else timespans.intersect([spans, within])
+    mean_n = mean_vertical_n(feet, spans)
+    ratio = None if mean_n is None or body_weight_n is None else mean_n / body_weight_n
+    # The load on a foot that is never seen to touch may be missing from the sum.
+    complete = all(len(foot.in_contact) for foot in feet)
+    refuted = ratio is not None and (ratio > 1.0 + REFUTED or (ratio < 1.0 - REFUTED and complete))
+    estimated_n = mean_n if over_strides and complete else None
+    magnitude = None
+    has_forces = all(foot.has_force for foot in feet)
+    if body_weight_n and over_strides and complete and has_forces and not vertical:
+        magnitude = _mean_magnitude_n(feet, spans) / body_weight_n
+        refuted = abs(magnitude - 1.0) > REFUTED
+    weight_n, source = _trusted_weight(body_weight_n, estimated_n, refuted=refuted)
+    share_of, shares = _shares(feet, spans, vertical=vertical)
+    return LoadFigures(
+        known_s=timespans.total(spans) / 1e9,
+        over_strides=over_strides,
+        mean_vertical_n=mean_n,
+        vertical_impulse_over_weight=None if refuted and mass_is_assumed else ratio,
+        weight_n=weight_n,
+        weight_source=source,
+        share_of=share_of,
+        shares=shares,
+        mean_over_weight=ratio,
+        magnitude_over_weight=magnitude,
+        direction_refuted=ratio is not None
+        and (complete or ratio > 1.0)
+        and abs(ratio - 1.0) > (REFUTED if mass_is_assumed else WEIGHT_TOLERANCE),
+    )
+
+
+def _vertical_of_all(feet: Sequence[FootHistory]) -> bool:
+    """Tell whether some foot is loaded, and the vertical force of every loaded one is known."""
+    loaded = [foot for foot in feet if len(foot.in_contact)]
+    return bool(loaded) and all(vertical_is_known(foot) for foot in loaded)
+
+
+def _known_to_all(feet: Sequence[FootHistory], *, vertical: bool) -> Ints:
+    return timespans.intersect([foot.vertical_known if vertical else foot.known for foot in feet])
+
+
+def _trusted_weight(
+    body_weight_n: float | None, estimated_n: float | None, *, refuted: bool
+) -> tuple[float | None, WeightSource | None]:
+    """Return the weight that figures in body weights may rest on, and its source."""
+    if body_weight_n is None:
+        usable = estimated_n is not None and estimated_n > NEAR_ZERO
+        return (estimated_n, WeightSource.ESTIMATED) if usable else (None, None)
+    return (None, None) if refuted else (body_weight_n, WeightSource.MASS)
+
+
+def _shares(
+    feet: Sequence[FootHistory], spans: Ints, *, vertical: bool
+) -> tuple[str | None, tuple[float, ...] | None]:
+    """Return what the shares are of, and each foot's."""
     if not all(foot.has_force for foot in feet):
-        return LoadFigures(known_s, None, None, None)
+        return None, None
     impulses = [
-        foot.track.vertical_within(known) if vertical else foot.track.force_within(known)
+        foot.track.vertical_within(spans) if vertical else foot.track.force_within(spans)
         for foot in feet
     ]
     total = sum(impulses)
-    over_weight = None
-    if vertical and body_weight_n is not None and known_s > 0.0:
-        over_weight = total / (body_weight_n * known_s)
     if abs(total) < NEAR_ZERO:
-        return LoadFigures(known_s, over_weight, None, None)
+        return None, None
     kind = "vertical_impulse" if vertical else "force_impulse"
-    return LoadFigures(known_s, over_weight, kind, tuple(each / total for each in impulses))
+    return kind, tuple(each / total for each in impulses)
 
 
 def grouped_shares(
@@ -119,7 +272,7 @@ def symmetry_index_percent(left: float | None, right: float | None) -> float | N
     return 100.0 * (right - left) / half
 
 
-def dead_feet(feet: Sequence[FootRecord], loads: LoadFigures) -> tuple[bool, ...]:
+def dead_feet(feet: Sequence[FootHistory], loads: LoadFigures) -> tuple[bool, ...]:
     """Tell which feet have a sensor that seems dead: one that never reports a contact.
 
     A foot may also be lifted throughout. That is believed where the other feet are seen to carry
@@ -132,18 +285,56 @@ def dead_feet(feet: Sequence[FootRecord], loads: LoadFigures) -> tuple[bool, ...
     )
 
 
-def is_stuck(foot: FootRecord) -> bool:
-    """Tell whether a sensor shows one constant value while it is loaded."""
+def _is_constant(foot: FootHistory) -> bool:
+    """Tell whether a foot's force never varies while it is loaded."""
     enough = foot.loaded >= STUCK_SAMPLES
     return enough and foot.repeated >= STUCK * (foot.loaded - len(foot.stances.touchdown))
 
 
-def is_saturated(foot: FootRecord) -> bool:
-    """Tell whether several stances end in the same flat top: the sensor's limit, it seems."""
-    stances = foot.stances
-    peak, flat = stances.figures.peak_n, stances.figures.peak_samples
-    known = np.isfinite(peak)
-    if not known.any() or is_stuck(foot):
+def _varies(foot: FootHistory) -> bool:
+    """Tell whether a foot is loaded at times, with forces that vary."""
+    return foot.loaded > 0 and not _is_constant(foot)
+
+
+def is_stuck(foot: FootHistory, others: Sequence[FootHistory]) -> bool:
+    """Tell whether a sensor shows one constant value under load while other feet's vary.
+
+    Where no force varies the robot stands still, in a simulator without noise.
+    """
+    return _is_constant(foot) and any(_varies(other) for other in others)
+
+
+def is_saturated(
+    foot: FootHistory, others: Sequence[FootHistory], resolution_n: float = 0.0
+) -> bool:
+    """Tell whether several stances are cut off at the sensor's limit while other feet's vary.
+
+    Args:
+        foot: its history.
+        others: those of the other feet.
+        resolution_n: N, the coarsest step of the sensor that is known.
+    """
+    if _is_constant(foot) or not any(_varies(other) for other in others):
         return False
-    at_limit = (peak == peak[known].max()) & (flat >= SATURATED_SAMPLES)
-    return int(at_limit.sum()) >= SATURATED_STANCES
+    return int(saturated_stances(foot, resolution_n).sum()) >= SATURATED_STANCES
+
+
+def saturated_stances(foot: FootHistory, resolution_n: float = 0.0) -> Flags:
+    """(n,) tell which stances are cut off at the foot's highest force.
+
+    The round top of a force that is recorded in coarse steps repeats its highest value, too, but
+    the rise to it is not steep.
+
+    Args:
+        foot: its history.
+        resolution_n: N, the step in which the sensor counts.
+    """
+    figures = foot.stances.figures
+    known = np.isfinite(figures.peak_n)
+    if not known.any():
+        return known
+    resolution = max(figures.resolution_n[known].min(), resolution_n)
+    cut_off: Flags = figures.peak_n == figures.peak_n[known].max()
+    cut_off &= figures.peak_samples >= SATURATED_SAMPLES
+    cut_off &= figures.peak_rise_n > STEEP * resolution
+    return cut_off

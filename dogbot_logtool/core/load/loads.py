@@ -1,15 +1,27 @@
 """How hard each foot presses, for plots and for the gait diagram."""
 
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
+from enum import IntEnum
 from typing import Final
 
 import numpy as np
 
 from dogbot_logtool.core.contact.contacts import Samples
+from dogbot_logtool.core.contact.foot_tracker import FootTracker
 from dogbot_logtool.core.geometry.arrays import Flags, Floats, Ints, norms
+from dogbot_logtool.core.geometry.support_polygon import NEAR_NS
 
 GRAVITY_MPS2: Final = 9.81
 """Standard in simulators (Gazebo's default world has 9.8)."""
+
+
+class LoadState(IntEnum):
+    """What is known of a foot."""
+
+    STANCE = 0
+    SWING = 1
+    UNKNOWN = 2
 
 
 @dataclass(frozen=True, slots=True)
@@ -23,7 +35,9 @@ class Loads:
     stamp: Ints
     """(n,) ns."""
     in_contact: Flags
-    """(n,)."""
+    """(n,) as the sensor reports it."""
+    state: Ints
+    """(n,) a `LoadState`, by contact detection."""
     force: Floats
     """(n,) N, magnitude; not finite where the recording is not."""
     body_weights: Floats
@@ -35,14 +49,56 @@ def body_weight_n(mass_kg: float | None) -> float | None:
     return None if mass_kg is None else mass_kg * GRAVITY_MPS2
 
 
-def foot_loads(samples: Samples, weight_n: float | None) -> Loads:
-    """Return the load of every sample."""
+def foot_loads(samples: Samples, trackers: Sequence[FootTracker], weight_n: float | None) -> Loads:
+    """Return the load of every sample.
+
+    Args:
+        samples: of any feet.
+        trackers: of all feet, through these samples.
+        weight_n: N, the robot's; None: not known.
+    """
     force = norms(samples.force)
     return Loads(
         foot=samples.foot,
         log_time=samples.log_time,
         stamp=samples.time,
         in_contact=samples.in_contact,
+        state=_states(samples, force, trackers),
         force=force,
         body_weights=force / (np.nan if weight_n is None else weight_n),
+    )
+
+
+def _states(samples: Samples, force: Floats, trackers: Sequence[FootTracker]) -> Ints:
+    """(n,) `LoadState` of samples; unknown where the force is not finite."""
+    state = np.full(len(force), LoadState.UNKNOWN, np.int64)
+    for foot, tracker in enumerate(trackers):
+        rows = np.flatnonzero((samples.foot == foot) & np.isfinite(force))
+        known, down = tracker.contact_at(samples.log_time[rows])
+        in_air_or_down = np.where(down, LoadState.STANCE, LoadState.SWING)
+        state[rows] = np.where(known, in_air_or_down, LoadState.UNKNOWN)
+    return state
+
+
+def opening_loads(loads: Loads, opening: int, new_feet: Collection[int]) -> Loads:
+    """Return the first load of each foot at the log's first time, where it follows at once.
+
+    Args:
+        loads: of a batch.
+        opening: ns, log time.
+        new_feet: feet without a load before the batch.
+    """
+    feet, first = np.unique(loads.foot, return_index=True)
+    first = first[np.isin(feet, list(new_feet))]
+    lag = loads.log_time[first] - opening
+    rows = first[(lag > 0) & (lag <= NEAR_NS)]
+    time = np.full(len(rows), opening)
+    return Loads(
+        foot=loads.foot[rows],
+        log_time=time,
+        stamp=time,
+        in_contact=loads.in_contact[rows],
+        state=loads.state[rows],
+        force=loads.force[rows],
+        body_weights=loads.body_weights[rows],
     )

@@ -9,6 +9,8 @@ from dogbot_logtool.core.geometry.aggregates import IntervalHistogram
 from dogbot_logtool.core.geometry.arrays import Floats, Ints
 from dogbot_logtool.core.geometry.blocks import BLOCK_ROWS, GrowingTable
 from dogbot_logtool.core.geometry.clock import TimeSource, first_at_each_tick
+from dogbot_logtool.core.quality.clocks import OffsetRecorder, OffsetTrack
+from dogbot_logtool.core.quality.stamps import ClockStep, StampFilter
 
 SILENCE_NS: Final = 50_000_000
 """ns: a shorter interval is never a gap."""
@@ -130,6 +132,10 @@ class TopicQuality:
     """Messages whose header stamp equals the one before; None where messages have none."""
     backward_stamps: int | None
     zero_stamps: int | None
+    stamps_ahead: int | None
+    """Messages whose header stamp is higher than most of those that follow."""
+    clock_steps: tuple[ClockStep, ...]
+    """Moments at which the clock of the header stamps was set."""
     duplicate_log_times: int
     backward_log_times: int
     offset_median_s: float | None
@@ -144,7 +150,7 @@ class _Clock:
 
     def __init__(self) -> None:
         self.histogram = IntervalHistogram()
-        self.duplicates = self.backwards = self.zeros = 0
+        self.duplicates = self.backwards = 0
         self.longest = 0
         self.gaps: list[Gap] = []
         self.first = self.last = 0
@@ -155,7 +161,6 @@ class _Clock:
         fresh = 1 if self._previous is None else 0
         self.duplicates += int((step[fresh:] == 0).sum())
         self.backwards += int((step < 0).sum())
-        self.zeros += int((time == 0).sum())
         self.histogram.add(step)
         self.longest = max(self.longest, int(step.max()))
         self._note_gaps(time, step)
@@ -173,6 +178,35 @@ class _Clock:
         del self.gaps[LONGEST_SHOWN:]
 
 
+@dataclass(frozen=True, slots=True)
+class _Times:
+    """When messages were logged, and what their headers say."""
+
+    log_time: Ints
+    """(n,) ns."""
+    stamp: Ints
+    """(n,) ns."""
+
+    def pick(self, rows: Ints) -> "_Times":
+        """Return copies of some rows."""
+        return _Times(self.log_time[rows], self.stamp[rows])
+
+
+class _StampFaults:
+    """Counts stamps that repeat or step back, as recorded; zeros are left out."""
+
+    def __init__(self) -> None:
+        self.duplicates = self.backwards = 0
+        self._previous = np.empty(0, np.int64)
+
+    def add(self, stamp: Ints) -> None:
+        stamp = np.concatenate([self._previous, stamp[stamp > 0]])
+        step = np.diff(stamp)
+        self.duplicates += int((step == 0).sum())
+        self.backwards += int((step < 0).sum())
+        self._previous = stamp[-1:]
+
+
 class TopicWatch:
     """Measures the timing of one topic, fed batch by batch."""
 
@@ -183,6 +217,9 @@ class TopicWatch:
         self._waiting_rows = 0
         self._log, self._header = _Clock(), _Clock()
         self._stamped = True
+        self._stamps: StampFilter[_Times] = StampFilter(topic, TimeSource.HEADER)
+        self._faults = _StampFaults()
+        self._least_offsets = OffsetRecorder()
         self._frame_ids: set[str] = set()
         self._offsets = GrowingTable(2)
         self._origins: tuple[int, int] | None = None
@@ -216,7 +253,17 @@ class TopicWatch:
         self._log.add(log_time)
         if self._stamped:
             stamp = np.concatenate(stamps)
+            self._faults.add(stamp)
+            for times in self._stamps.add(_Times(log_time, stamp)):
+                self._note_stamps(times)
+
+    def _note_stamps(self, times: _Times) -> None:
+        """Take in stamps that were checked: bad ones are zero."""
+        usable = times.stamp > 0
+        log_time, stamp = times.log_time[usable], times.stamp[usable]
+        if len(stamp):
             self._header.add(stamp)
+            self._least_offsets.add(log_time, stamp)
             self._note_offsets(log_time, stamp)
 
     def _note_offsets(self, log_time: Ints, stamp: Ints) -> None:
@@ -228,21 +275,40 @@ class TopicWatch:
         offset = (log_time - stamp - self._origins[1])[chosen]
         self._offsets.append(np.stack([since, offset], axis=1).astype(np.float64))
 
+    def end(self) -> None:
+        """End the log; what remains to be looked at is."""
+        self._look()
+        for times in self._stamps.finish():
+            self._note_stamps(times)
+
+    @property
+    def has_stamps(self) -> bool:
+        """Whether most messages have header stamps that can be used."""
+        check = self._stamps.check
+        return self._stamped and check.messages > 0 and 2 * check.bad <= check.messages
+
+    def offset_track(self) -> OffsetTrack:
+        """Return how far the stamps lie behind log time, at the end of the log."""
+        return self._least_offsets.finish()
+
     def finish(self, clock: TimeSource) -> TopicQuality:
-        """End the log.
+        """Sum up, at the end of the log.
 
         Args:
             clock: the clock that the log is measured on; a topic whose messages have no usable
                 header stamps is measured on log time all the same.
         """
-        self._look()
-        usable = self._stamped and self._header.zeros == 0
+        self.end()
+        usable = self.has_stamps
+        check = self._stamps.check
         used = clock if usable else TimeSource.LOG
         times = self._header if used is TimeSource.HEADER else self._log
         found = rhythm(times.histogram)
         gaps = times.histogram.longer_than(found.gap_ns)
         span = times.last - times.first
         offset, drift = self._offset() if usable else (None, None)
+        if check.steps:
+            drift = None
         return TopicQuality(
             topic=self._topic,
             messages=self._messages,
@@ -255,9 +321,11 @@ class TopicWatch:
             gaps=gaps.count,
             gaps_total_s=gaps.total / 1e9,
             longest_gaps=tuple(gap for gap in times.gaps if gap.length_s * 1e9 > found.gap_ns),
-            duplicate_stamps=self._header.duplicates if self._stamped else None,
-            backward_stamps=self._header.backwards if self._stamped else None,
-            zero_stamps=self._header.zeros if self._stamped else None,
+            duplicate_stamps=self._faults.duplicates if self._stamped else None,
+            backward_stamps=self._faults.backwards if self._stamped else None,
+            zero_stamps=check.zeros if self._stamped else None,
+            stamps_ahead=check.ahead if self._stamped else None,
+            clock_steps=tuple(check.steps) if self._stamped else (),
             duplicate_log_times=self._log.duplicates,
             backward_log_times=self._log.backwards,
             offset_median_s=offset,

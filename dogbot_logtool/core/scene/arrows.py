@@ -1,7 +1,7 @@
-"""The arrow that is drawn at a foot for each contact sample, in three styles.
+"""The arrow at a foot for each contact sample; `styles.py` lists the styles.
 
 ``classic``   the markers of the live script `arrows_rviz.py`, bit for bit;
-``pressure``  the same picture made right: newest physics step, all states, straight up;
+``pressure``  the same picture corrected: newest physics step, all states, straight up;
 ``force``     ground-reaction forces, along the force, coloured by body weights.
 """
 
@@ -33,16 +33,30 @@ STRAIGHT_UP: Final = (0.0, -math.sqrt(0.5), 0.0, math.sqrt(0.5))
 """Turns the +x axis, along which arrows are drawn, to +z."""
 CLASSIC_TILT: Final = (0.0, math.sin(-0.785), 0.0, math.cos(-0.785))
 """The live script's pitch of -1.57."""
-LIFETIME_S: Final = 0.5
-"""An arrow disappears after this silence of its sensor."""
-CLASSIC_DIAMETER_M: Final = 0.1
+LONGEST_M: Final = 2.0
+"""m: longer arrows would hide the robot; colours have ended by then."""
 _NEGLIGIBLE: Final = 1e-100
 """Part of a unit vector that cannot matter, but whose square is no longer a number."""
 
 
 @dataclass(frozen=True, slots=True)
+class ArrowInput:
+    """What a style computes arrows of."""
+
+    samples: Samples
+    """In the world frame as far as the log's frames are known, with swings added for sensors that
+    are silent in swing."""
+    contacts: Contacts | None
+    """The contact states of the same messages; None: their type has none."""
+    force_in_world: bool
+    """Whether all forces are in the world frame."""
+    body_weight_n: float | None
+    newtons_per_metre: float
+
+
+@dataclass(frozen=True, slots=True)
 class Arrows:
-    """What is to be drawn or removed at the feet, one row a written message."""
+    """Arrows to draw or remove at the feet, one row a written message."""
 
     foot: Ints
     """(n,) index of the foot among the robot's feet."""
@@ -51,7 +65,8 @@ class Arrows:
     stamp: Ints
     """(n,) ns."""
     shown: Flags
-    """(n,) draw this arrow; otherwise remove the foot's arrow (the rest of the row is void)."""
+    """(n,) whether to draw this arrow; else the foot's arrow is removed and the rest of the row is
+    unused."""
     position: Floats
     """(n, 3) m, tail of the arrow, world frame."""
     orientation: Floats
@@ -67,7 +82,7 @@ class ArrowCounts:
     """Samples that could not become an arrow, by reason."""
 
     not_finite: int = 0
-    """A number that the arrow needs is NaN or infinite: removed, not drawn."""
+    """A number that the arrow needs is NaN or infinite: its foot's arrow is removed."""
     no_position: int = 0
     """In contact, but the message gives no contact point."""
     no_direction: int = 0
@@ -85,7 +100,7 @@ class ArrowCounts:
 
 
 def no_arrows() -> Arrows:
-    """Return none, for sources that do not tell what an arrow needs."""
+    """Return no arrows, for messages that lack what an arrow needs."""
     none = np.empty(0, np.int64)
     return Arrows(
         foot=none,
@@ -151,7 +166,10 @@ def _first_states(contacts: Contacts) -> tuple[Ints, Floats, Floats, Flags]:
 def pressure_arrows(
     samples: Samples, newtons_per_metre: float = NEWTONS_PER_METRE
 ) -> tuple[Arrows, ArrowCounts]:
-    """Draw the magnitude of the load straight up from the mean contact point."""
+    """Compute arrows straight up from the mean contact point, as long as the force is large.
+
+    No arrow is longer than `LONGEST_M`; so it is with `force_arrows`.
+    """
     magnitude = norms(samples.force)
     orientation = np.tile(np.array(STRAIGHT_UP), (len(magnitude), 1))
     colour = _clamped_colour(magnitude / 100.0 / CLASSIC_FULL_SCALE)
@@ -166,7 +184,7 @@ def force_arrows(
     body_weight_n: float | None,
     newtons_per_metre: float = NEWTONS_PER_METRE,
 ) -> tuple[Arrows, ArrowCounts]:
-    """Draw the ground-reaction force from the mean contact point.
+    """Compute arrows along the ground-reaction force from the mean contact point.
 
     Args:
         samples: contact samples.
@@ -227,7 +245,7 @@ def _clamped_colour(share: Floats) -> Float32s:
 def _arrows(
     samples: Samples, length: Floats, orientation: Floats, has_direction: Flags, colour: Float32s
 ) -> tuple[Arrows, ArrowCounts]:
-    """Decide what is shown; every sample that shows nothing removes its foot's arrow."""
+    """Return the arrows that can be drawn; every other sample removes its foot's arrow."""
     touching = samples.in_contact
     has_position = samples.points > 0
     finite = np.isfinite(length) & (all_finite(samples.position) | ~has_position)
@@ -244,7 +262,7 @@ def _arrows(
         shown=shown,
         position=samples.position,
         orientation=orientation,
-        length=length,
+        length=np.minimum(length, LONGEST_M),
         colour=colour,
     )
     return arrows, counts

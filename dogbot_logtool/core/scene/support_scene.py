@@ -1,20 +1,26 @@
-"""What `/support` shows: support polygon, centre of pressure, ground projection, footfalls.
+"""What `/support` shows: support polygon, centre of pressure, ground projection, touchdowns.
 
-Definitions are those of `support_polygon.py`; the state of the feet is that of `footing.py`. What
-cannot be known is left out. Where a foot is silent, or stands at a place that is not told, nobody
-knows what the robot stands on: then there is neither polygon nor centre of pressure.
+Definitions are those of `support_polygon.py`; the state of the feet is that of `foot_tracker.py`.
+What is not known is left out. While the contact or the contact point of some foot is unknown, there
+is neither a polygon nor a centre of pressure.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
 
 from dogbot_logtool.core.base.odometry import Odometry
-from dogbot_logtool.core.contact.foot_tracker import TRAIL, Footing
+from dogbot_logtool.core.contact.foot_tracker import TRAIL, FootTracker
 from dogbot_logtool.core.geometry.arrays import Float32s, Floats, Ints, all_finite
-from dogbot_logtool.core.geometry.support_polygon import Hulls, centre_of_pressure, hulls, margin_in
+from dogbot_logtool.core.geometry.support_polygon import (
+    NEAR_NS,
+    Hulls,
+    centre_of_pressure,
+    hulls,
+    margin_in,
+)
 
 SAFE_MARGIN_M: Final = 0.05
 """m, static margin from which the polygon has the colour of safety."""
@@ -31,7 +37,7 @@ NO_MARGIN: Final = (0.6, 0.6, 0.6, 1.0)
 
 @dataclass(frozen=True, slots=True)
 class SupportScene:
-    """What the robot stands on at some times."""
+    """The support of the robot at some times."""
 
     log_time: Ints
     """(n,) ns."""
@@ -49,21 +55,22 @@ class SupportScene:
     """(n, 3) m, centre of pressure; NaN where it is not known."""
     projection: Floats
     """(n, 3) m, the base's ground projection; NaN where the ground's height is not known."""
-    footfalls: Floats
-    """(n, feet * TRAIL, 3) m, where feet last touched down; those that there are stand first,
-    NaN for the others."""
+    touchdowns: Floats
+    """(n, feet * TRAIL, 3) m, the latest touchdowns of all feet; NaN after the last one."""
+    touchdown_feet: Ints
+    """(n, feet * TRAIL) index of the foot of each touchdown."""
     unknown: int
-    """Times at which it is not known which feet are down, or where."""
+    """Times at which the contact or the contact point of some foot is unknown."""
     unweighed: int
-    """Times at which that is known, but not the vertical force on a foot that is down."""
+    """Times at which those are known, but not the vertical force on a foot that is down."""
 
 
 @np.errstate(over="ignore", invalid="ignore")
-def support_scene(poses: Odometry, feet: Sequence[Footing]) -> SupportScene:
-    """Work out what the robot stands on.
+def support_scene(poses: Odometry, feet: Sequence[FootTracker]) -> SupportScene:
+    """Compute what the robot stands on.
 
     Args:
-        poses: of the base, (n), at the times that are wanted.
+        poses: of the base, (n), at the wanted times.
         feet: all feet of the robot.
     """
     states = [foot.at(poses.log_time) for foot in feet]
@@ -71,18 +78,21 @@ def support_scene(poses: Odometry, feet: Sequence[Footing]) -> SupportScene:
     known = np.stack([state.known for state in states], axis=1)
     point = np.stack([state.point for state in states], axis=1)
     vertical = np.stack([state.vertical for state in states], axis=1)
-    placed = np.isfinite(point).all(axis=2)
-    told = np.asarray((known & (placed | ~down)).all(axis=1))
+    has_point = np.isfinite(point).all(axis=2)
+    all_known = np.asarray((known & (has_point | ~down)).all(axis=1))
 
-    points = np.where((down & placed)[:, :, None], point, np.nan)
-    in_use = np.where(told[:, None, None], points, np.nan)
+    points = np.where((down & has_point)[:, :, None], point, np.nan)
+    in_use = np.where(all_known[:, None, None], points, np.nan)
     hull = hulls(in_use[:, :, :2])
     margin = margin_in(hull, poses.position[:, :2])
     # A foot that pulls does not move the centre of pressure, as in `stats`.
     load = np.where(down, np.maximum(vertical, 0.0), 0.0)
     weighed = np.isfinite(load).all(axis=1)
-    pressure = centre_of_pressure(in_use, np.where(told & weighed, load.T, 0.0).T)
-    footfalls = np.stack([foot.trail_at(poses.log_time) for foot in feet], axis=1)
+    pressure = centre_of_pressure(in_use, np.where(all_known & weighed, load.T, 0.0).T)
+    touchdowns = np.stack([foot.trail_at(poses.log_time) for foot in feet], axis=1)
+    newest = touchdowns[:, :, 0]
+    touchdowns = touchdowns.reshape(-1, len(feet) * TRAIL, 3)
+    order = _known_first(touchdowns)
     return SupportScene(
         log_time=poses.log_time,
         stamp=poses.time,
@@ -90,11 +100,26 @@ def support_scene(poses: Odometry, feet: Sequence[Footing]) -> SupportScene:
         margin=margin,
         colour=margin_colour(margin),
         pressure=_known(pressure),
-        projection=_projection(poses.position, points, footfalls[:, :, 0]),
-        footfalls=_known_first(footfalls.reshape(-1, len(feet) * TRAIL, 3)),
-        unknown=int((~told).sum()),
-        unweighed=int((told & ~weighed).sum()),
+        projection=_projection(poses.position, points, newest),
+        touchdowns=np.take_along_axis(touchdowns, order[:, :, None], axis=1),
+        touchdown_feet=order // TRAIL,
+        unknown=int((~all_known).sum()),
+        unweighed=int((all_known & ~weighed).sum()),
     )
+
+
+def opening_support(poses: Odometry, feet: Sequence[FootTracker], opening: int) -> SupportScene:
+    """Return what the robot stands on at its first pose, if near, as of the log's first time.
+
+    Args:
+        poses: of the base, the first of the log.
+        feet: all feet of the robot.
+        opening: ns, log time.
+    """
+    near = poses.pick(np.flatnonzero(poses.log_time[:1] - opening <= NEAR_NS))
+    scene = support_scene(near, feet)
+    time = np.full(len(near.log_time), opening)
+    return replace(scene, log_time=time, stamp=time)
 
 
 def outlines(points: Floats, hull: Hulls) -> Floats:
@@ -114,13 +139,13 @@ def outlines(points: Floats, hull: Hulls) -> Floats:
     first = _leftmost(hull.point)
     row, corner, drawn = np.arange(count), first, hull.edge.any(axis=(0, 1))
     outline = np.full((count, feet + 1, 3), np.nan)
-    for place in range(feet + 1):
-        outline[drawn, place] = points[row, corner][drawn]
+    for index in range(feet + 1):
+        outline[drawn, index] = points[row, corner][drawn]
         closed = corner == first
         corner = following[corner, row]
         # Back at the first corner the outline is closed; a line ends at its second point.
-        drawn = drawn & ~closed if place > 0 else drawn
-        drawn = drawn & (corner != first) if place == 1 else drawn
+        drawn = drawn & ~closed if index > 0 else drawn
+        drawn = drawn & (corner != first) if index == 1 else drawn
     return outline
 
 
@@ -148,24 +173,24 @@ def margin_colour(margin: Floats) -> Float32s:
     return np.where(np.isnan(margin)[:, None], np.array(NO_MARGIN), colour).astype(np.float32)
 
 
-def _projection(base: Floats, points: Floats, newest_footfalls: Floats) -> Floats:
-    """Put the base on the ground.
+def _projection(base: Floats, points: Floats, newest_touchdowns: Floats) -> Floats:
+    """Return the base projected on the ground.
 
-    The ground is as high as the mean of the contact points in use, or where none is, of the newest
-    footfall of each foot.
+    The height of the ground is the mean height of the contact points in use or, without any, of the
+    newest touchdown of each foot.
 
     Args:
         base: (n, 3) m.
         points: (n, feet, 3) m; NaN where a foot is not down.
-        newest_footfalls: (n, feet, 3) m; NaN where there is none.
+        newest_touchdowns: (n, feet, 3) m; NaN where there is none.
     """
     height = _mean_of_known(points[:, :, 2])
-    height = np.where(np.isnan(height), _mean_of_known(newest_footfalls[:, :, 2]), height)
+    height = np.where(np.isnan(height), _mean_of_known(newest_touchdowns[:, :, 2]), height)
     return _known(np.column_stack([base[:, :2], height]))
 
 
 def _known(points: Floats) -> Floats:
-    """Leave out points, (n, 3), of which a number is not known, or too large for a float."""
+    """Return points, (n, 3), with NaN for those of which a number is not finite."""
     return np.where(all_finite(points)[:, None], points, np.nan)
 
 
@@ -177,10 +202,6 @@ def _mean_of_known(values: Floats) -> Floats:
     return mean
 
 
-def _known_first(points: Floats) -> Floats:
-    """Move the points that are known, (n, k, 3), to the front of each row."""
-    missing = np.isnan(points[:, :, 0])
-    if not missing.any():
-        return points
-    order = np.argsort(missing, axis=1, kind="stable")
-    return np.take_along_axis(points, order[:, :, None], axis=1)
+def _known_first(points: Floats) -> Ints:
+    """(n, k) indices that put the known points, (n, k, 3), at the front of each row."""
+    return np.argsort(np.isnan(points[:, :, 0]), axis=1, kind="stable")

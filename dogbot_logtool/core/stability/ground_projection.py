@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from dogbot_logtool.core.contact.foot_history import FootRecord
+from dogbot_logtool.core.contact.foot_history import FootHistory
 from dogbot_logtool.core.geometry import timespans
 from dogbot_logtool.core.geometry.arrays import Floats, Ints
 from dogbot_logtool.core.geometry.support_polygon import centre_of_pressure
@@ -13,7 +13,7 @@ from dogbot_logtool.core.stability.stability import feet_down
 
 
 @dataclass(frozen=True, slots=True)
-class Places:
+class GroundPoints:
     """Points on the ground over time."""
 
     time: Ints
@@ -22,7 +22,7 @@ class Places:
     """(n, 2) m, horizontal, world frame."""
 
 
-def footprints(foot: FootRecord) -> Places:
+def footprints(foot: FootHistory) -> GroundPoints:
     """Return where a foot stood: its first known contact point of each stance.
 
     Points are kept at 25 Hz, so it is one of the first 40 ms; stances without any are left out.
@@ -34,10 +34,10 @@ def footprints(foot: FootRecord) -> Places:
     first = np.searchsorted(time, stances.touchdown)
     within = np.flatnonzero(first < len(time))
     within = within[time[first[within]] < stances.liftoff[within]]
-    return Places(stances.touchdown[within], track.point[known[first[within]], :2])
+    return GroundPoints(stances.touchdown[within], track.point[known[first[within]], :2])
 
 
-def pressure_path(feet: Sequence[FootRecord]) -> Places:
+def pressure_path(feet: Sequence[FootHistory]) -> GroundPoints:
     """Return the centre of pressure, sum(Fz p) / sum(Fz), at 25 Hz.
 
     Only over the time known to all feet: without one of them it would be that of the others.
@@ -47,8 +47,8 @@ def pressure_path(feet: Sequence[FootRecord]) -> Places:
         feet: records of all feet, whose vertical forces must be known.
     """
     if not feet:
-        return Places(np.empty(0, np.int64), np.empty((0, 2)))
+        return GroundPoints(np.empty(0, np.int64), np.empty((0, 2)))
     known = timespans.intersect([foot.vertical_known for foot in feet])
     time = feet[0].track.time
     time = time[timespans.covers(known, time)]
-    return Places(time, centre_of_pressure(*feet_down(time, feet)))
+    return GroundPoints(time, centre_of_pressure(*feet_down(time, feet)))

@@ -6,9 +6,9 @@ from typing import Final
 
 import numpy as np
 
+from dogbot_logtool.core.base.base_history import BaseHistory
 from dogbot_logtool.core.base.base_motion import FORWARD_ANGLES, along_heading
-from dogbot_logtool.core.base.base_record import BaseRecord
-from dogbot_logtool.core.contact.foot_history import FootRecord
+from dogbot_logtool.core.contact.foot_history import FootHistory
 from dogbot_logtool.core.geometry import timespans
 from dogbot_logtool.core.geometry.aggregates import Aggregate, aggregate
 from dogbot_logtool.core.geometry.arrays import Flags, Floats, Ints
@@ -22,23 +22,35 @@ _CHUNK_NUMBERS: Final = 500_000
 
 @dataclass(frozen=True, slots=True)
 class Stability:
-    """Figures at 25 Hz over the time known to all feet and the base."""
+    """Figures at 25 Hz over the time in which the base and all feet that are down are known."""
 
     static_margin_m: Aggregate | None
     """m, signed distance of the base's ground projection to the support polygon's edge, positive
     inside (McGhee and Frank 1968)."""
+    unknown_fraction: float
+    """Share of the log's time in which the base, or whether and where a foot stands, is not known;
+    the other figures leave it out."""
     undefined_fraction: float | None
-    """Share of instants with fewer than three feet down: no polygon."""
+    """Share of instants with fewer than three feet down: no polygon. None where all is unknown."""
     unstable_fraction: float | None
     """Share of the instants with a polygon whose margin is negative."""
     pressure_forward_m: Aggregate | None
     """m, centre of pressure ahead of the base."""
     pressure_left_m: Aggregate | None
     """m, centre of pressure to the left of the base."""
+    below_zero: Ints
+    """(b, 2) ns, spans in which there is a polygon and the margin is negative."""
+    least_margin_m: Floats
+    """(b,) m, the least margin in each of them."""
 
 
 def stability(
-    feet: Sequence[FootRecord], base: BaseRecord, forward_axis: str, *, vertical_known: bool
+    feet: Sequence[FootHistory],
+    base: BaseHistory,
+    forward_axis: str,
+    *,
+    vertical_known: bool,
+    within: Ints | None = None,
 ) -> Stability | None:
     """Measure static stability; None where feet and base have no time in common.
 
@@ -47,8 +59,12 @@ def stability(
         base: poses.
         forward_axis: the body's axis that points forward.
         vertical_known: whether vertical forces are known; else there is no centre of pressure.
+        within: (w, 2) ns, a part of the log; None: all of it.
     """
-    instants = _common_instants(feet, base)
+    known = _common_time(feet, base)
+    extent = _extent(feet, base) if within is None else within
+    known = timespans.intersect([known, extent])
+    instants = _instants(feet, base, known)
     chunk = max(_CHUNK_NUMBERS // max(len(feet), 1) ** 2, 1)
     parts = [
         _at(instants[start : start + chunk], feet, base, forward_axis)
@@ -56,42 +72,81 @@ def stability(
     ]
     if not parts:
         return None
-    margin, polygon, ahead, left = (np.concatenate(column) for column in zip(*parts, strict=True))
-    margins = aggregate(margin)
-    unstable = float((margin[polygon] < 0.0).mean()) if margins else None
+    margin, polygon, placed, ahead, left = (
+        np.concatenate(column) for column in zip(*parts, strict=True)
+    )
+    margins = aggregate(margin[placed])
+    unstable = float((margin[polygon & placed] < 0.0).mean()) if margins else None
+    below_zero, least = _below_zero(instants, np.where(polygon & placed, margin, 0.0))
+    known_share = timespans.total(known) / max(timespans.total(extent), 1)
     return Stability(
         static_margin_m=margins,
-        undefined_fraction=float(1.0 - polygon.mean()),
+        unknown_fraction=1.0 - known_share * float(placed.mean()),
+        undefined_fraction=float(1.0 - polygon[placed].mean()) if placed.any() else None,
         unstable_fraction=unstable,
-        pressure_forward_m=aggregate(ahead) if vertical_known else None,
-        pressure_left_m=aggregate(left) if vertical_known else None,
+        pressure_forward_m=aggregate(ahead[placed]) if vertical_known else None,
+        pressure_left_m=aggregate(left[placed]) if vertical_known else None,
+        below_zero=below_zero,
+        least_margin_m=least,
     )
 
 
-def _common_instants(feet: Sequence[FootRecord], base: BaseRecord) -> Ints:
+def _below_zero(instants: Ints, margin: Floats) -> tuple[Ints, Floats]:
+    """(b, 2) ns, spans with a negative margin, and (b,) m, the least in each.
+
+    An instant speaks for the time until the next one, if that is near.
+    """
+    near = np.diff(instants) <= 2 * NEAR_NS
+    held = (margin[:-1] < 0.0) & near
+    spans = timespans.spans_where(instants, held)
+    rows = np.searchsorted(instants, spans)
+    least = [margin[first:last].min() for first, last in rows.tolist()]
+    return spans, np.array(least, np.float64)
+
+
+def _common_time(feet: Sequence[FootHistory], base: BaseHistory) -> Ints:
+    """(k, 2) ns, the time in which the base and the contact of every foot are known."""
+    return timespans.intersect([base.known, *(foot.known for foot in feet)])
+
+
+def _extent(feet: Sequence[FootHistory], base: BaseHistory) -> Ints:
+    """(1, 2) ns, from the first to the last message of any foot or the base; (0, 2) without any."""
+    times = [each for foot in feet for each in (foot.start, foot.end) if each is not None]
+    times += [int(each) for each in (*base.time[:1], *base.time[-1:])]
+    return np.array([[min(times), max(times)]] if times else [], np.int64).reshape(-1, 2)
+
+
+def _instants(feet: Sequence[FootHistory], base: BaseHistory, known: Ints) -> Ints:
     """(n,) ns: rows of the first foot's track at which all feet and the base are known."""
     if not feet or len(base.time) == 0:
         return np.empty(0, np.int64)
     time = feet[0].track.time
-    known = timespans.intersect([base.known, *(foot.known for foot in feet)])
     return time[timespans.covers(known, time)]
 
 
 def _at(
-    instants: Ints, feet: Sequence[FootRecord], base: BaseRecord, forward_axis: str
-) -> tuple[Floats, Flags, Floats, Floats]:
-    """(n,) margin, whether there is a polygon, centre of pressure ahead and to the left."""
+    instants: Ints, feet: Sequence[FootHistory], base: BaseHistory, forward_axis: str
+) -> tuple[Floats, Flags, Flags, Floats, Floats]:
+    """Measure at some instants.
+
+    Returns:
+        (n,) m, margin; whether there is a polygon; whether the base and every foot that is down
+        have a known place; m, centre of pressure ahead and to the left.
+    """
     body = base.position_at(instants)[:, :2]
     heading = base.angles_at(instants)[:, 2] + FORWARD_ANGLES[forward_axis]
     points, load = feet_down(instants, feet)
-    polygon = (np.isfinite(points[:, :, 0]).sum(axis=1) >= FEWEST_FEET) & np.isfinite(body[:, 0])
+    standing = np.isfinite(points[:, :, 0])
+    down = np.stack([timespans.covers(foot.in_contact, instants) for foot in feet], axis=1)
+    placed = (standing == down).all(axis=1) & np.isfinite(body[:, 0])
+    polygon = (standing.sum(axis=1) >= FEWEST_FEET) & np.isfinite(body[:, 0])
     margin = margin_in_hull(points, body)
     pressure = centre_of_pressure(points, load)
     ahead, left = along_heading(pressure - body, heading)
-    return margin, polygon, ahead, left
+    return margin, polygon, placed, ahead, left
 
 
-def feet_down(instants: Ints, feet: Sequence[FootRecord]) -> tuple[Floats, Floats]:
+def feet_down(instants: Ints, feet: Sequence[FootHistory]) -> tuple[Floats, Floats]:
     """Tell where each foot stands at some instants, and what it carries there.
 
     Args:
@@ -101,16 +156,21 @@ def feet_down(instants: Ints, feet: Sequence[FootRecord]) -> tuple[Floats, Float
     Returns:
         (n, feet, 2) m, contact points seen from above, NaN where a foot is not down; and
         (n, feet) N, vertical force, 0 where a foot is not down or it is not known.
+        A foot that is down stands at its nearest known contact point.
     """
     points = np.full((len(instants), len(feet), 2), np.nan)
     load = np.zeros((len(instants), len(feet)))
     for column, foot in enumerate(feet):
-        row, near = _nearest(foot.track.time, instants)
-        down = near & timespans.covers(foot.in_contact, instants)
-        point = foot.track.point[row, :2]
-        usable = down & np.isfinite(point).all(axis=1)
-        points[usable, column] = point[usable]
-        load[usable, column] = np.maximum(np.nan_to_num(foot.track.vertical_force[row[usable]]), 0)
+        track, down = foot.track, timespans.covers(foot.in_contact, instants)
+        # A bounce, or the row beside a touchdown, has no point; the stance has.
+        placed = np.flatnonzero(np.isfinite(track.point[:, :2]).all(axis=1))
+        if not len(placed):
+            continue
+        row, near = _nearest(track.time[placed], instants)
+        points[down & near, column] = track.point[placed[row[down & near]], :2]
+        row, heard = _nearest(track.time, instants)
+        vertical = np.maximum(np.nan_to_num(track.vertical_force[row]), 0.0)
+        load[:, column] = np.where(down & near & heard, vertical, 0.0)
     return points, load
 
 

@@ -1,25 +1,29 @@
-"""One batch on its way to finished chunks: read, compute, stamp out, copy, compress."""
+"""Convert one batch: read it, compute its annotations, write them as chunks, copy its messages."""
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
 
+from dogbot_logtool.core.base.odometry import usable_poses
+from dogbot_logtool.core.contact.foot_tracker import follow_feet
 from dogbot_logtool.core.frames.link_frames import FrameCounts
+from dogbot_logtool.core.load.silences import follow_silences
 from dogbot_logtool.core.scene.arrows import ArrowCounts
-from dogbot_logtool.pipeline.conversion.carried import Carried
+from dogbot_logtool.pipeline.batches import BatchColumns
+from dogbot_logtool.pipeline.conversion.annotating import compute_annotations
+from dogbot_logtool.pipeline.conversion.batch_state import BatchState
 from dogbot_logtool.pipeline.conversion.copying import copied_chunks
-from dogbot_logtool.pipeline.conversion.drawing import Drawn, draw
-from dogbot_logtool.pipeline.conversion.reading import ReadBatch, read_batch
 from dogbot_logtool.pipeline.plan import Plan
+from dogbot_logtool.pipeline.world_frames import Placed
 from dogbot_logtool.reader.containers.log import Batch, Log, Loss, Span
 from dogbot_logtool.reader.messages.transforms import frame_pairs
-from dogbot_logtool.run.relay import Baton
-from dogbot_logtool.writer.annotations import Annotations
+from dogbot_logtool.run.in_order import StateExchange
+from dogbot_logtool.writer.annotations import AnnotationColumns, Annotations
 from dogbot_logtool.writer.chunks import FinishedChunk, finish_chunks
 
 
 @dataclass(frozen=True, slots=True)
 class Counts:
-    """What happened to the messages of a batch, or of the whole log."""
+    """Messages of a batch, or of the whole log, that could not be used as recorded."""
 
     arrows: ArrowCounts = field(default_factory=ArrowCounts)
     bad_poses: int = 0
@@ -27,14 +31,14 @@ class Counts:
     implausible: int = 0
     """Poses and contact samples with numbers that no robot reaches."""
     untimed_messages: int = 0
-    """Contact messages of several states that tell no time of their physics step."""
+    """Contact messages of several states without the time of their physics step."""
     foreign_states: int = 0
-    """Contact states of pairs that the foot is not one body of."""
+    """Contact states between other bodies than the foot."""
     frames: FrameCounts = field(default_factory=FrameCounts)
     support_unknown: int = 0
-    """Support messages at whose time it was not known which feet are down, or where."""
+    """Support messages without a polygon: contact or contact point of some foot unknown."""
     support_unweighed: int = 0
-    """Support messages without a centre of pressure for want of a vertical force."""
+    """Support messages with a polygon, but a vertical force unknown."""
 
     def __add__(self, other: "Counts") -> "Counts":
         return Counts(
@@ -51,7 +55,7 @@ class Counts:
 
 @dataclass(frozen=True, slots=True)
 class ConvertedBatch:
-    """What a batch became."""
+    """The result of converting a batch."""
 
     chunks: tuple[FinishedChunk, ...]
     counts: Counts
@@ -60,8 +64,8 @@ class ConvertedBatch:
     recorded: Mapping[int, int]
     """Messages that were read, by channel id."""
     losses: tuple[Loss, ...]
-    other_parent: str | None
-    """A parent other than ours that the log's own transforms give the base, if any."""
+    second_parent: str | None
+    """Another parent than ours that the log's own transforms give the base, if any."""
     stored_size: int
     """Bytes of the file that it was read from."""
 
@@ -74,63 +78,78 @@ class BatchConverter:
         self._plan = plan
         self._annotations = annotations
 
-    def __call__(self, span: Span, baton: Baton[Carried]) -> ConvertedBatch:
+    def __call__(self, span: Span, exchange: StateExchange[BatchState]) -> ConvertedBatch:
         """Convert one batch."""
-        # What was decoded is let go of before the copies take their memory.
-        batch, annotated = self._annotated(span, baton)
+        # The decoded columns are freed before the copies are made, so the two never add up.
+        batch, annotated = self._annotated(span, exchange)
         return replace(annotated, chunks=(*self._copied(batch), *annotated.chunks))
 
-    def _annotated(self, span: Span, baton: Baton[Carried]) -> tuple[Batch, ConvertedBatch]:
-        """Read a batch; return it, and what it becomes without the recorded messages."""
-        read = read_batch(self._log, self._plan, span)
-        carried = baton.take()
-        placed = read.placed(carried.transforms, self._plan)
-        footings = carried.footings(placed.samples, self._plan)
-        baton.pass_on(carried.past(read, footings))
-        drawn = draw(read, placed.samples, footings, carried, self._plan)
-        stamped_out = self._annotations.outgoing(drawn.columns)
-        compression = self._plan.options.compression or "zstd"
-        return read.columns.batch, ConvertedBatch(
-            chunks=tuple(
-                chunk for messages in stamped_out for chunk in finish_chunks(messages, compression)
-            ),
-            counts=_counts(read, drawn, placed.counts),
-            malformed=read.columns.malformed,
-            recorded=read.columns.batch.counts,
-            losses=read.columns.batch.losses,
-            other_parent=self._other_parent(read),
-            stored_size=read.columns.stored_size,
-        )
-
-    def _copied(self, batch: Batch) -> tuple[FinishedChunk, ...]:
-        options = self._plan.options
-        if not options.copy:
-            return ()
-        return tuple(
-            copied_chunks(batch, options.compression, as_they_stand=self._log.copies_chunks)
-        )
-
-    def _other_parent(self, read: ReadBatch) -> str | None:
+    def _annotated(
+        self, span: Span, exchange: StateExchange[BatchState]
+    ) -> tuple[Batch, ConvertedBatch]:
+        """Return a batch, and its annotations in finished chunks."""
         plan = self._plan
-        if not plan.base_may_have_parent:
-            return None
-        for messages in read.columns.transforms:
-            for parent, child in sorted(frame_pairs(messages)):
-                names = parent.lstrip("/"), child.lstrip("/")
-                if names[1] == plan.base_frame and names[0] != plan.world_frame:
-                    return names[0]
+        columns = plan.reader.read(self._log, span)
+        poses = columns.odometry.pick(usable_poses(columns.odometry))
+        state = exchange.receive()
+        placed = _in_world(columns, state, plan)
+        trackers = follow_feet(
+            placed.samples, state.feet, plan.sensors, force_in_world=plan.force_in_world
+        )
+        silences, last = follow_silences(
+            columns.samples, state.contacts, plan.rates, plan.opening_time or 0, columns.end_time
+        )
+        exchange.send(state.after(columns, poses, trackers, last, plan.silent))
+        written, skipped = compute_annotations(
+            columns.contacts, placed.samples, poses, trackers, silences, state, plan
+        )
+        contacts, support = columns.contacts, written.support[:1]
+        return columns.batch, ConvertedBatch(
+            chunks=tuple(self._finished(written)),
+            counts=Counts(
+                arrows=skipped,
+                bad_poses=len(columns.odometry.log_time) - len(poses.log_time),
+                implausible=columns.implausible,
+                untimed_messages=sum(each.reduced.untimed_messages for each in contacts),
+                foreign_states=sum(each.reduced.foreign_states for each in contacts),
+                frames=placed.counts,
+                support_unknown=sum(scene.unknown for scene in support),
+                support_unweighed=sum(scene.unweighed for scene in support),
+            ),
+            malformed=columns.malformed,
+            recorded=columns.batch.counts,
+            losses=columns.batch.losses,
+            second_parent=_second_parent(columns, plan),
+            stored_size=columns.stored_size,
+        )
+
+    def _finished(self, written: AnnotationColumns) -> Iterator[FinishedChunk]:
+        compression = self._plan.options.compression or "zstd"
+        for messages in self._annotations.messages(written):
+            yield from finish_chunks(messages, compression)
+
+    def _copied(self, batch: Batch) -> Iterator[FinishedChunk]:
+        options = self._plan.options
+        if options.copy:
+            batch = batch.without(self._plan.left_out) if self._plan.left_out else batch
+            verbatim = self._log.copies_chunks
+            yield from copied_chunks(batch, options.compression, verbatim=verbatim)
+
+
+def _in_world(columns: BatchColumns, state: BatchState, plan: Plan) -> Placed:
+    """Return a batch's samples in the world, as far as that is needed and frames are known."""
+    if plan.frames is None or columns.frames is None:
+        return Placed(columns.samples)
+    return plan.frames.place(columns.samples, columns.frames.around(state.transforms))
+
+
+def _second_parent(columns: BatchColumns, plan: Plan) -> str | None:
+    """Return another parent than ours that the log's own transforms give the base, if any."""
+    if not plan.base_may_have_parent:
         return None
-
-
-def _counts(read: ReadBatch, drawn: Drawn, frames: FrameCounts) -> Counts:
-    contacts, support = read.columns.contacts, drawn.columns.support
-    return Counts(
-        arrows=drawn.skipped,
-        bad_poses=read.bad_poses,
-        implausible=read.columns.implausible,
-        untimed_messages=sum(each.felt.untimed_messages for each in contacts),
-        foreign_states=sum(each.felt.foreign_states for each in contacts),
-        frames=frames,
-        support_unknown=support.unknown if support else 0,
-        support_unweighed=support.unweighed if support else 0,
-    )
+    for messages in columns.transforms:
+        for parent, child in sorted(frame_pairs(messages)):
+            names = parent.lstrip("/"), child.lstrip("/")
+            if names[1] == plan.base_frame and names[0] != plan.world_frame:
+                return names[0]
+    return None

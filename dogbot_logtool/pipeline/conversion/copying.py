@@ -1,4 +1,4 @@
-"""Recorded messages on their way into the output, byte for byte."""
+"""Copy recorded messages into the output, byte for byte."""
 
 from collections.abc import Iterator
 
@@ -12,41 +12,41 @@ from dogbot_logtool.writer.chunks import (
     finish_chunk,
     indexed_chunk,
 )
-from dogbot_logtool.writer.outgoing import MESSAGE_HEAD, record_bounds, recorded
+from dogbot_logtool.writer.message_records import MESSAGE_HEAD, record_bounds, recorded
 
 
 def copied_chunks(
-    batch: Batch, compression: Compression | None, *, as_they_stand: bool
+    batch: Batch, compression: Compression | None, *, verbatim: bool
 ) -> Iterator[FinishedChunk]:
-    """Yield the messages of a batch: whole chunks as they stand, others laid out anew.
+    """Yield the messages of a batch: whole chunks verbatim, others in new chunks.
 
     Args:
         batch: what was read.
-        compression: of the output; None: zstd, and that of chunks which stay as they stand.
-        as_they_stand: whether the log's chunks are of the output's kind.
+        compression: of the output; None: zstd, and their own for chunks that are copied verbatim.
+        verbatim: whether the log is an MCAP, so that its chunks may be copied as they are.
     """
-    torn: list[slice] = []
+    partial: list[slice] = []
     for loaded in batch.chunks:
         stored = loaded.chunk.compression or "none"
-        if as_they_stand and loaded.whole and compression in {None, stored}:
-            yield from _laid_out_anew(batch, torn, compression)
-            torn = []
-            yield _verbatim(batch.messages, loaded)
+        if verbatim and loaded.whole and compression in {None, stored}:
+            yield from _new_chunks(batch, partial, compression)
+            partial = []
+            yield _unchanged(batch.messages, loaded)
         else:
-            torn.append(loaded.rows)
-    yield from _laid_out_anew(batch, torn, compression)
+            partial.append(loaded.rows)
+    yield from _new_chunks(batch, partial, compression)
 
 
-def _laid_out_anew(
+def _new_chunks(
     batch: Batch, rows: list[slice], compression: Compression | None
 ) -> Iterator[FinishedChunk]:
     if not rows:
         return
     messages = batch.messages.pick(slice(rows[0].start, rows[-1].stop))
-    # Chunk by chunk: so much stays in the processor's cache until it is compressed.
-    for of_chunk in chunk_rows(record_bounds(messages.end - messages.start)):
-        part = messages.pick(of_chunk)
-        outgoing = recorded(
+    # One chunk at a time fits the processor's cache until it is compressed.
+    for chunk in chunk_rows(record_bounds(messages.end - messages.start)):
+        part = messages.pick(chunk)
+        records = recorded(
             part.channel,
             part.sequence,
             part.log_time,
@@ -55,11 +55,11 @@ def _laid_out_anew(
             part.start,
             part.end,
         )
-        yield finish_chunk(outgoing, compression or "zstd")
+        yield finish_chunk(records, compression or "zstd")
 
 
-def _verbatim(messages: Messages, loaded: LoadedChunk) -> FinishedChunk:
-    """Return a recorded chunk as it stands, with a message index of what was found in it."""
+def _unchanged(messages: Messages, loaded: LoadedChunk) -> FinishedChunk:
+    """Return a recorded chunk verbatim, with a new message index."""
     chunk = loaded.chunk
     rows = messages.pick(loaded.rows)
     return indexed_chunk(

@@ -29,16 +29,24 @@ def provenance_record(log: Log, plan: Plan, losses: Sequence[Loss]) -> records.M
         "force_in_world": plan.force_in_world,
         "tf": options.tf,
         "tf_rate_hz": options.tf_rate_hz,
-        "scene": bool(plan.hearings),
+        "scene": plan.draws_support,
+        **({"events": True} if options.events else {}),
         "robot": robot.name,
         "mass_kg": robot.mass_kg,
         "world_frame": plan.world_frame,
         "base_frame": plan.base_frame,
+        **_copied(plan),
         **_origin(log, plan),
         **_loss(log, losses),
     }
     texts = {key: "" if value is None else str(value) for key, value in values.items()}
     return metadata_record(PROVENANCE, texts)
+
+
+def _copied(plan: Plan) -> dict[str, object]:
+    """Return which topics were copied, where that was not all."""
+    globs = {"topics": plan.options.copied_topics, "without": plan.options.topics_left_out}
+    return {key: " ".join(map(printable, value)) for key, value in globs.items() if value}
 
 
 def _origin(log: Log, plan: Plan) -> dict[str, object]:

@@ -109,23 +109,23 @@ class FootSet:
         """
         if self.merit < USABLE or self.part < Part.UNKNOWN or self.doubtful:
             return False
-        told = self.part >= Part.LEG
+        is_leg = self.part >= Part.LEG
         if self.kind == "numbers":
-            return told and len(self.feet) >= _NUMBERED
+            return is_leg and len(self.feet) >= _NUMBERED
         if self.kind == "sides":
-            return told or (contacts_only and self.words.isdisjoint({"bumper", "bumpers"}))
+            return is_leg or (contacts_only and self.words.isdisjoint({"bumper", "bumpers"}))
         if len(self.feet) >= _MANY:
             return True
         fronts = self.letters_only and {foot.position for foot in self.feet} == {
             ("front", "left"),
             ("front", "right"),
         }
-        return (told or contacts_only) and not fronts
+        return (is_leg or contacts_only) and not fronts
 
 
 @dataclass(frozen=True, slots=True)
 class FootNames:
-    """What the names of topics say of feet."""
+    """Feet as the names of topics give them."""
 
     chosen: FootSet | None = None
     """None: no set is clearly the feet."""
@@ -263,6 +263,11 @@ def _may_be_foot(words: Sequence[Word], *, contacts_only: bool) -> bool:
     if Part.NOT_A_FOOT in parts:
         return False
     return contacts_only or (Part.LEG in parts and any(word.is_position for word in words))
+
+
+def foot_name(label: str) -> str:
+    """Return a name for a foot that messages call by a label, such as ``LF_FOOT``."""
+    return _lone_name(label, words_of(label))
 
 
 def _lone_name(topic: str, words: Sequence[Word]) -> str:

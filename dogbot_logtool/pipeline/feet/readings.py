@@ -85,7 +85,7 @@ def corners(words: Sequence[Word]) -> Iterator[Reading]:
 def _runs(indices: Sequence[int]) -> Iterator[frozenset[int]]:
     """Return all runs of words that may name the leg, the last and shortest first.
 
-    What stands before and after a run may be the same words, shared by all siblings.
+    The words before and after a run may be the same for all siblings.
     """
     last = indices[-_MOST_SLOTS:]
     for count in range(1, len(last) + 1):

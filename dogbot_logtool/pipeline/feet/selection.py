@@ -10,17 +10,34 @@ from dogbot_logtool.errors import CallError
 from dogbot_logtool.finding import Finding, note, warning
 from dogbot_logtool.io.listing import listed
 from dogbot_logtool.io.storage import shown
+from dogbot_logtool.pipeline.feet.field_feet import (
+    field_channels,
+    fields_text,
+    require_field_topic,
+    with_topic,
+)
+from dogbot_logtool.pipeline.feet.message_feet import feet_of_messages, is_planned
 from dogbot_logtool.pipeline.feet.names import FootSet, leg_position, name_feet
+from dogbot_logtool.pipeline.readable import why_unreadable
 from dogbot_logtool.pipeline.topics import (
     most_frequent,
+    readable_channels,
     recorded_topics,
     require_topic,
+    split_topic,
     topics_of_type,
 )
-from dogbot_logtool.reader.containers.log import Log
-from dogbot_logtool.reader.messages.contacts.registry import SOURCES
+from dogbot_logtool.reader.containers.log import Channel, Log
+from dogbot_logtool.reader.messages.contacts.registry import (
+    SOURCES,
+    contact_types,
+    source_of,
+)
+from dogbot_logtool.reader.messages.contacts.source import ContactSource
 from dogbot_logtool.robot import Foot, Robot
 
+_RARE: Final = 2
+"""States that come less often than this fraction of others are rare."""
 _MOST_OFFERED: Final = 16
 """Sets of topics of a type that are looked at more closely."""
 _ALTERNATIVES: Final = 3
@@ -44,7 +61,7 @@ def assign_feet(
 
     Args:
         robot: with the feet of its file.
-        topics: topic by foot, as the user says.
+        topics: topic by foot, as the user says, with the field where one is named.
         recorded: topics that the log has.
         guessed: the user named no robot. Then all feet may be the user's own, if none of the
             robot's is left over.
@@ -55,7 +72,8 @@ def assign_feet(
     known = {foot.name: foot for foot in robot.feet}
     unknown = [name for name in topics if name not in known]
     others = [foot for foot in robot.feet if foot.name not in topics]
-    left_over = {foot.topic for foot in others} & recorded - {*topics.values()}
+    named = {split_topic(word, recorded)[0] for word in topics.values()}
+    left_over = {foot.topic for foot in others} & recorded - named
     if known and unknown and (left_over or not guessed):
         whose = f"{robot.name}{' (guessed from the topics)' if guessed else ''}"
         raise CallError(
@@ -63,9 +81,9 @@ def assign_feet(
             "--robot generic takes feet of any names"
         )
     feet = {} if unknown else dict(known)
-    for name, topic in topics.items():
-        foot = known.get(name, Foot(name, topic, place=leg_position(name)))
-        feet[name] = replace(foot, topic=topic)
+    for name, word in topics.items():
+        foot = known.get(name, Foot(name, word, place=leg_position(name)))
+        feet[name] = with_topic(foot, *split_topic(word, recorded))
     return replace(robot, feet=tuple(feet.values()))
 
 
@@ -75,8 +93,13 @@ def check_topics(log: Log, topics: Mapping[str, str]) -> None:
     Raises:
         CallError: it lacks one, or one is of a wrong type.
     """
-    for name, topic in topics.items():
-        require_topic(log, f"--foot {name}", topic, SOURCES.keys())
+    types = contact_types(log.channels.values())
+    for name, word in topics.items():
+        topic, path = split_topic(word, log.channels_by_topic)
+        if path:
+            require_field_topic(log, f"--foot {name}", topic)
+        else:
+            require_topic(log, f"--foot {name}", topic, types, fields_text(log, topic))
 
 
 def check_feet_differ(log: Log, robot: Robot, topics: Mapping[str, str]) -> None:
@@ -85,15 +108,44 @@ def check_feet_differ(log: Log, robot: Robot, topics: Mapping[str, str]) -> None
     Raises:
         CallError: one does.
     """
-    for name, topic in topics.items():
-        sharing = [foot.name for foot in robot.feet if foot.topic == topic]
-        types = {c.type_name for c in log.channels.values() if c.topic == topic} & SOURCES.keys()
-        single = sorted(each for each in types if not SOURCES[each].elements)
+    for name, word in topics.items():
+        topic, path = split_topic(word, log.channels_by_topic)
+        own = robot.feet_of(topic)
+        if path:
+            _check_fields_differ(log, name, topic, own)
+            continue
+        sharing = [foot.name for foot in own]
+        sources = [(c, source_of(c)) for c in log.channels_by_topic.get(topic, ())]
+        single = sorted(c.type_name for c, each in sources if each and not each.tells_all_feet)
         if len(sharing) > 1 and single:
             raise CallError(
                 f"{shown(log.source.path)}: --foot {name}: {topic} would be the topic of "
                 f"{listed(sharing)}; a message of type {single[0]} is about one foot"
             )
+
+
+def _check_fields_differ(log: Log, name: str, topic: str, feet: Sequence[Foot]) -> None:
+    paths = [foot.field.path for foot in feet if foot.field is not None]
+    if len(set(paths)) < len(feet):
+        raise CallError(
+            f"{shown(log.source.path)}: --foot {name}: {topic} is the topic of "
+            f"{listed([foot.name for foot in feet])}; each needs a field of its own"
+        )
+
+
+def foot_channels(log: Log, robot: Robot, topic: str) -> list[Channel]:
+    """Return the channels from which a topic's feet can be read.
+
+    Raises:
+        CallError: a field of a foot does not exist, or only some of the feet have one.
+    """
+    feet = robot.feet_of(topic)
+    fields = [foot for foot in feet if foot.field is not None]
+    if not fields:
+        return readable_channels(log, topic, contact_types(log.channels_by_topic.get(topic, ())))
+    if len(fields) < len(feet):
+        raise CallError(f"{topic}: all feet of a topic need a field, or none")
+    return field_channels(log, topic, feet)
 
 
 def find_feet(log: Log, robot: Robot, findings: list[Finding]) -> tuple[Robot, FootOffer | None]:
@@ -103,7 +155,7 @@ def find_feet(log: Log, robot: Robot, findings: list[Finding]) -> tuple[Robot, F
         log: the log.
         robot: its feet are those of its file or the user; if the log has none of their topics, they
             are replaced by those found.
-        findings: is told what was found.
+        findings: receives findings.
 
     Raises:
         CallError: two feet would be one element of a message.
@@ -111,8 +163,11 @@ def find_feet(log: Log, robot: Robot, findings: list[Finding]) -> tuple[Robot, F
     Returns:
         the robot with its feet, and other topics that may be feet if none surely are.
     """
-    topics = topics_of_type(log, SOURCES.keys())
-    recorded = recorded_topics(log, SOURCES.keys())
+    types = contact_types(log.channels.values())
+    named = {foot.topic for foot in robot.feet if foot.field is not None}
+    named &= log.channels_by_topic.keys()
+    topics = sorted({*topics_of_type(log, types), *named})
+    recorded = sorted({*recorded_topics(log, types), *named})
     if any(foot.topic in topics for foot in robot.feet):
         feet = tuple(_with_element(log, foot, findings) for foot in robot.feet)
         _check_elements_differ(feet)
@@ -122,13 +177,14 @@ def find_feet(log: Log, robot: Robot, findings: list[Finding]) -> tuple[Robot, F
                 findings.append(warning("FOOT_MISSING", text, foot.topic))
         return replace(robot, feet=feet), None
     offered: list[FootSet] = []
-    for type_name, source in SOURCES.items():
-        of_type = topics_of_type(log, {type_name})
-        if source.elements and of_type:
-            feet = _feet_of_elements(source.elements, most_frequent(log, of_type))
-            findings.append(_found(feet))
-            return replace(robot, feet=feet), None
-        names = name_feet(of_type, contacts_only=not source.anything)
+    for source, of_source in _candidates(log):
+        if source.tells_all_feet:
+            feet = feet_of_messages(log, most_frequent(log, of_source))
+            if feet:
+                findings.append(_found(feet))
+                return replace(robot, feet=feet), None
+            continue
+        names = name_feet(of_source, contacts_only=not source.anything)
         if names.chosen is not None:
             feet = _feet_of(names.chosen)
             findings.append(_found(feet, names.chosen.missing, names.offered))
@@ -137,6 +193,34 @@ def find_feet(log: Log, robot: Robot, findings: list[Finding]) -> tuple[Robot, F
     if not offered:
         findings.append(warning("NO_FEET", _without_feet(topics, recorded)))
     return replace(robot, feet=()), _offer(offered) if offered else None
+
+
+def _candidates(log: Log) -> list[tuple[ContactSource, list[str]]]:
+    """Return the topics of each source, the best first: measured before planned.
+
+    Of Unitree's states, those with positions come first, unless others are much more frequent.
+    """
+    groups: dict[tuple[bool, str], list[str]] = {}
+    frequencies: dict[tuple[bool, str], int] = {}
+    for channel in log.channels.values():
+        source = source_of(channel)
+        if source is None or why_unreadable(channel):
+            continue
+        key = is_planned(channel), source.type_name
+        topics = groups.setdefault(key, [])
+        if channel.topic not in topics:
+            topics.append(channel.topic)
+        count = log.counts.get(channel.id, 0)
+        frequencies[key] = max(frequencies.get(key, 0), count)
+    order = list(SOURCES)
+    most_raw = max((frequencies[key] for key in groups if SOURCES[key[1]].is_raw), default=0)
+
+    def rank(key: tuple[bool, str]) -> tuple[bool, bool, int]:
+        planned, name = key
+        rare = SOURCES[name].is_raw and _RARE * frequencies[key] < most_raw
+        return planned, rare, order.index(name)
+
+    return [(SOURCES[key[1]], sorted(groups[key])) for key in sorted(groups, key=rank)]
 
 
 def _check_elements_differ(feet: Sequence[Foot]) -> None:
@@ -148,13 +232,6 @@ def _check_elements_differ(feet: Sequence[Foot]) -> None:
                 raise CallError(
                     f"--foot {foot.name}: {other} is the same foot in the messages of {foot.topic}"
                 )
-
-
-def _feet_of_elements(elements: Sequence[str], topic: str) -> tuple[Foot, ...]:
-    return tuple(
-        Foot(leg, topic, place=leg_position(leg), element=element)
-        for element, leg in enumerate(elements)
-    )
 
 
 def _feet_of(found: FootSet) -> tuple[Foot, ...]:
@@ -200,14 +277,22 @@ def _without_feet(topics: Sequence[str], recorded: Sequence[str]) -> str:
 
 
 def _with_element(log: Log, foot: Foot, findings: list[Finding]) -> Foot:
-    """Say which element is a foot's, where its messages tell of all feet and nobody said it."""
-    types = {c.type_name for c in log.channels.values() if c.topic == foot.topic}
-    elements = [SOURCES[name].elements for name in sorted(types & SOURCES.keys())]
-    if foot.element is not None or not elements or not elements[0]:
+    """Note which element is a foot's, where messages hold all feet and no option says it."""
+    if foot.field is not None:
         return foot
+    channels = log.channels_by_topic.get(foot.topic, ())
+    sources = [source for channel in channels if (source := source_of(channel))]
+    if not sources or not sources[0].tells_all_feet:
+        return foot
+    if foot.element is not None and sources[0].elements:
+        return foot
+    found = feet_of_messages(log, foot.topic)
     for name in (foot.name, *("_".join(at) for at in (foot.place, leg_position(foot.name)) if at)):
-        if name in elements[0]:
-            return replace(foot, element=elements[0].index(name))
+        for other in found:
+            if foot.label == other.label if foot.label else name == other.name:
+                return replace(foot, element=other.element, label=other.label)
+    if foot.element is not None:
+        return foot
     text = f"which element of {foot.topic} is {foot.name} is not known; the robot's file can tell"
     findings.append(warning("ELEMENT_UNKNOWN", text, foot.topic))
     return foot

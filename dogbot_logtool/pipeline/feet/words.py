@@ -1,4 +1,4 @@
-"""What the words in a topic's name say about legs: the table of words, and how names are split.
+"""Words for legs in names of topics: the table of words, and how names are split.
 
 A name is split into segments at ``/`` and those into words at ``_``, ``-``, ``.``, other signs,
 digits and camelCase: ``/robot/leftFootSixAxis_2`` has the words robot | left foot six axis 2.

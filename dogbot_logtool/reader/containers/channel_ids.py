@@ -28,7 +28,7 @@ class ChannelIds:
         Returns:
             (n,), `UNKNOWN_CHANNEL` where nothing describes the channel.
         """
-        place = np.searchsorted(self._numbers[:-1], numbers)
-        ids: Ints = self._ids[place]
-        ids[self._numbers[place] != numbers] = UNKNOWN_CHANNEL
+        index = np.searchsorted(self._numbers[:-1], numbers)
+        ids: Ints = self._ids[index]
+        ids[self._numbers[index] != numbers] = UNKNOWN_CHANNEL
         return ids

@@ -1,175 +1,57 @@
-"""Which of the records found in a chunk are believed, and what is said of the rest."""
+"""What is found in a decompressed chunk, or why nothing is."""
 
-from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
-import numpy as np
-
-from dogbot_logtool.core.geometry.arrays import Bytes, Flags, Ints
-from dogbot_logtool.reader.containers.log import Chunk, ChunkContent, Loss, Messages
-from dogbot_logtool.reader.containers.records import (
-    Found,
-    Index,
-    RecordFormat,
-    find_all,
-    find_indexed,
-)
+from dogbot_logtool.core.geometry.arrays import Ints
+from dogbot_logtool.reader.containers.contents import Chunk
+from dogbot_logtool.reader.containers.loss import Loss
+from dogbot_logtool.reader.decode.message_table import Messages
 
 
-def read_content(
-    fmt: RecordFormat, records: Bytes, index: Index | None, chunk: Chunk, *, verified: bool
-) -> ChunkContent:
-    """Find the messages of a decompressed chunk.
+class ChunkDamage(Exception):  # noqa: N818 - it never reaches a user; `Loss` does
+    """A chunk cannot be used; the text says why."""
+
+    def __init__(self, what: str, messages: int | None = None) -> None:
+        """Say why.
+
+        Args:
+            what: the rest of the sentence "it was left out: ...".
+            messages: how many were in it, if an index behind it says so.
+        """
+        super().__init__(what)
+        self.messages = messages
+
+
+@dataclass(frozen=True, slots=True)
+class ChunkContent:
+    """What a container's own code finds in a decompressed chunk."""
+
+    messages: Messages
+    """Channels as numbered in the records, offsets relative to the chunk's first byte."""
+    others: Ints
+    """(k, 3) records that are no messages: kind, first byte, and end."""
+    losses: tuple[Loss, ...] = ()
+    indexed: bool = False
+    """The index behind the chunk names all messages truthfully."""
+
+
+def left_out(chunk: Chunk, damage: ChunkDamage) -> Loss:
+    """Say that nothing in a chunk can be used."""
+    what = f"the chunk at byte {chunk.offset} was left out: {damage}"
+    messages = chunk.messages if damage.messages is None else damage.messages
+    return Loss(chunk.offset, what, chunk.data_size, messages)
+
+
+def undescribed(chunk: Chunk, messages: int, size: int) -> Loss:
+    """Say that the channels of some messages of a chunk are not described.
 
     Args:
-        fmt: how its records are written.
-        records: (n,) uint8, the chunk.
-        index: what the index behind it names, if there is one.
-        chunk: what is known of it; its counts are by channel as numbered in the records.
-        verified: its checksum holds, so that its records are true whatever an index says.
+        chunk: the chunk.
+        messages: their number.
+        size: bytes of their payloads.
     """
-    found = None if index is None else find_indexed(fmt, records, index)
-    indexed = found is not None
-    if found is None:
-        found = find_all(fmt, records, 0, len(records))
-    judge = _Judge(chunk, index, found, found.messages.messages)
-    if index is not None and not indexed:
-        judge.compare_index(found.messages.place, verified=verified)
-    judge.compare_times(believed=verified or indexed)
-    judge.leave_out_far_future()
-    judge.count(index.counts if index is not None and indexed else None)
-    others = found.others
-    return ChunkContent(
-        messages=judge.messages.pick(judge.keep) if not judge.keep.all() else judge.messages,
-        others=np.array([others.op, others.place, others.messages.end]).T,
-        losses=tuple(judge.losses),
-        indexed=index is not None and indexed and index.complete,
+    what = (
+        f"the chunk at byte {chunk.offset} holds {messages} "
+        f"{'message' if messages == 1 else 'messages'} of channels that are nowhere described"
     )
-
-
-@dataclass(slots=True)
-class _Judge:
-    chunk: Chunk
-    index: Index | None
-    found: Found
-    messages: Messages
-    keep: Flags = field(init=False)
-    losses: list[Loss] = field(default_factory=list)
-
-    def __post_init__(self) -> None:
-        self.keep = np.ones(len(self.messages), np.bool_)
-
-    @property
-    def _name(self) -> str:
-        return f"{'the chunk' if self.chunk.is_record else 'the run of messages'} at byte " + str(
-            self.chunk.offset
-        )
-
-    def _leave_out(self, rows: Flags, what: str) -> None:
-        if not rows.any():
-            return
-        rows = rows & self.keep
-        count = int(rows.sum())
-        if count:
-            self.keep &= ~rows
-            size = int((self.messages.end - self.messages.start)[rows].sum())
-            were = "1 message was" if count == 1 else f"{count} messages were"
-            whole = f"{were} left out of {self._name}: {what}"
-            self.losses.append(Loss(self.chunk.offset, whole, size, count))
-
-    def compare_index(self, place: Ints, *, verified: bool) -> None:
-        """Leave out messages of which the index tells another time or channel.
-
-        One of the two is damaged, and nothing tells which. An index record of which most entries
-        differ is wrong itself. A checksum that holds speaks for the messages.
-        """
-        index = self.index
-        if index is None or not len(index.offset):
-            return
-        if not len(place):
-            return
-        row = np.minimum(np.searchsorted(place, index.offset), len(place) - 1)
-        same_place = place[row] == index.offset
-        differs = same_place & (
-            (self.messages.channel[row] != index.channel)
-            | (self.messages.log_time[row] != index.log_time)
-        )
-        # One that merely names fewer messages was cut off, or never meant to be complete.
-        if not self.found.gaps.count and (differs.any() or not same_place.all()):
-            what = f"the index of {self._name} is wrong; it was read without"
-            self.losses.append(Loss(self.chunk.offset, what))
-        if verified:
-            return
-        groups = int(index.group.max()) + 1
-        wrong = np.bincount(index.group, differs, groups)
-        all_entries = np.bincount(index.group, minlength=groups)
-        distrusted = (wrong > 1) & (2 * wrong > all_entries)
-        doubtful = np.zeros(len(place), np.bool_)
-        doubtful[row[differs & ~distrusted[index.group]]] = True
-        what = "the index tells another time or channel"
-        self._leave_out(doubtful, what)
-
-    def compare_times(self, *, believed: bool) -> None:
-        """Leave out messages outside the chunk's stated range of times.
-
-        Args:
-            believed: a checksum or an index speaks for the messages, so the range is wrong.
-        """
-        start, end = self.chunk.start_time, self.chunk.end_time
-        if start is None or end is None or not self.keep.any():
-            return
-        limit = 2**63 - 1
-        start, end = min(start, limit), min(end, limit)
-        times = self.messages.log_time[self.keep]
-        if (int(times.min()), int(times.max())) == (start, end):
-            return
-        outside = self.keep & ((self.messages.log_time < start) | (self.messages.log_time > end))
-        mostly = 2 * int(outside.sum()) > len(times)
-        if outside.any() and not believed and not mostly:
-            what = "of times outside the range that is stated for it"
-            self._leave_out(outside, what)
-        elif self.keep.all() and not self.found.gaps.count:
-            what = f"the range of times stated for {self._name} is wrong"
-            self.losses.append(Loss(self.chunk.offset, what))
-
-    def leave_out_far_future(self) -> None:
-        """Leave out messages whose unsigned log times do not fit 64 bits with a sign."""
-        self._leave_out(self.messages.log_time < 0, "of times after the year 2262")
-
-    def count(self, counts: Mapping[int, int] | None) -> None:
-        """Account for the bytes that are no records, and for messages that an index promises.
-
-        Args:
-            counts: messages by channel, if an index that is true tells.
-        """
-        gaps, chunk = self.found.gaps, self.chunk
-        promised = chunk.messages
-        if promised is None and self.index is not None:
-            promised = len(self.index.offset)
-        if gaps.count:
-            lost = None if promised is None else max(promised - len(self.messages), 0)
-            places = "" if gaps.count == 1 else f" in {gaps.count} places"
-            what = f"{self._name} holds {gaps.bytes} bytes{places} that are no record"
-            offset = chunk.offset if chunk.is_compressed else chunk.data_offset + gaps.first
-            self.losses.append(Loss(offset, what, gaps.bytes, lost))
-        elif chunk.counts is not None:
-            self._compare_counts(chunk.counts, counts)
-
-    def _compare_counts(self, stated: Mapping[int, int], counts: Mapping[int, int] | None) -> None:
-        """Say where the log's index names other numbers of messages."""
-        found, of_channel = len(self.messages), ""
-        promised = sum(stated.values())
-        if found == promised:
-            counts = counts or _count(self.messages.channel)
-            wrong = [n for n in sorted({*stated, *counts}) if stated.get(n, 0) != counts.get(n, 0)]
-            if not wrong:
-                return
-            found, promised = counts.get(wrong[0], 0), stated.get(wrong[0], 0)
-            of_channel = f" of channel {wrong[0]}"
-        what = f"{self._name} holds {found} messages{of_channel} where the log's index names "
-        self.losses.append(Loss(self.chunk.offset, what + str(promised)))
-
-
-def _count(channel: Ints) -> dict[int, int]:
-    numbers, counts = np.unique(channel, return_counts=True)
-    return dict(zip(numbers.tolist(), counts.tolist(), strict=True))
+    return Loss(chunk.offset, what, size, messages)

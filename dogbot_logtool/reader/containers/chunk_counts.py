@@ -4,7 +4,7 @@ from collections.abc import Mapping
 
 
 class SharedCounts:
-    """Keeps equal counts only once: chunks are much alike, and counts a third of what they take."""
+    """Stores equal counts once: chunks are much alike, and counts are a third of their memory."""
 
     def __init__(self) -> None:
         self._known: dict[tuple[tuple[int, int], ...], Mapping[int, int]] = {}

@@ -7,9 +7,11 @@ import numpy as np
 import zstandard
 
 from dogbot_logtool.core.geometry.arrays import Bytes, Flags
-from dogbot_logtool.reader.containers.log import Batch, Loss, Messages
+from dogbot_logtool.reader.containers.batch import Batch
+from dogbot_logtool.reader.containers.loss import Loss
 from dogbot_logtool.reader.containers.signatures import ZSTD_MAGIC
 from dogbot_logtool.reader.decode.columns import gather
+from dogbot_logtool.reader.decode.message_table import Messages
 
 _BUDGET: Final = 64 << 20
 _MAX_RATIO: Final = 40

@@ -8,17 +8,9 @@ from typing import Final
 
 import numpy as np
 
-from dogbot_logtool.core.geometry.arrays import Bytes
-from dogbot_logtool.reader.containers.log import (
-    Batch,
-    Chunk,
-    ChunkContent,
-    Contents,
-    Extra,
-    LoadedChunk,
-    Log,
-    Span,
-)
+from dogbot_logtool.reader.containers.batch import Batch, LoadedChunk
+from dogbot_logtool.reader.containers.contents import Chunk, Contents, Extra
+from dogbot_logtool.reader.containers.log import Log, Span
 from dogbot_logtool.reader.containers.source import ByteSource
 
 # The mcap library is not loaded for them: most commands and logs do without it.
@@ -36,9 +28,9 @@ class EarlierAnnotations:
     channels: frozenset[int]
     """Ids of the channels."""
     extras: tuple[Extra, ...]
-    """The metadata records that tell how the file was made."""
+    """The metadata records that describe how the file was made."""
     records: tuple[Mapping[str, str], ...]
-    """What they tell, the oldest first."""
+    """Their contents, the oldest first."""
     messages: int
 
 
@@ -52,7 +44,8 @@ class RecordedLog(Log):
             log.source,
             Contents(
                 channels={n: channel for n, channel in log.channels.items() if n not in ours},
-                chunks=[_without(chunk, ours) for chunk in log.chunks if not _is_of(chunk, ours)],
+                # A chunk's index may be wrong about holding only annotations: all chunks are read.
+                chunks=[_without(chunk, ours) for chunk in log.chunks],
                 counts={n: count for n, count in log.counts.items() if n not in ours},
                 start_time=log.start_time,
                 end_time=log.end_time,
@@ -71,7 +64,6 @@ class RecordedLog(Log):
             _CHANNEL: self.channels.keys(),
             _SCHEMA: {schema.id for schema in schemas if schema is not None},
         }
-        self._kept = frozenset(chunk.offset for chunk in self.chunks)
 
     @property
     def can_fork(self) -> bool:
@@ -82,14 +74,9 @@ class RecordedLog(Log):
         """See `Log.source_of`."""
         return self._log.source_of(extra)
 
-    def spans(self, start: int | None = None, end: int | None = None) -> Iterator[Span]:
-        """See `Log.spans`."""
-        yield from self.grouped(
-            chunk
-            for span in self._log.spans(start, end)
-            for chunk in span
-            if chunk.offset in self._kept
-        )
+    def overlaps(self, chunk: Chunk, start: int | None, end: int | None) -> bool:
+        """See `Log.overlaps`."""
+        return self._log.overlaps(chunk, start, end)
 
     def grouped(self, chunks: Iterable[Chunk]) -> Iterator[Span]:
         """See `Log.grouped`."""
@@ -117,22 +104,9 @@ class RecordedLog(Log):
             for opcode, number in _other_records(loaded, batch)
         )
 
-    def check(self, chunk: Chunk) -> None:
-        """See `Log.check`."""
-        self._log.check(chunk)
-
-    def parse(self, chunk: Chunk, stored: memoryview, target: Bytes) -> ChunkContent:
-        """See `Log.parse`."""
-        return self._log.parse(chunk, stored, target)
-
     def close(self) -> None:
         """See `Log.close`."""
         self._log.close()
-
-
-def _is_of(chunk: Chunk, channels: frozenset[int]) -> bool:
-    """Tell whether a chunk holds messages, and only of some channels."""
-    return bool(chunk.counts) and channels.issuperset(chunk.counts or ())
 
 
 def _without(chunk: Chunk, channels: frozenset[int]) -> Chunk:

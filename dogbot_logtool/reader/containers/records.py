@@ -27,35 +27,35 @@ _LARGEST_BLOCK: Final = 1 << 16
 
 
 class Readable(Protocol):
-    """Bytes by place: a file, or memory."""
+    """Bytes by offset: a file, or memory."""
 
     def read(self, offset: int, size: int, /) -> bytes:
         """Return up to `size` bytes from `offset`; fewer at the end."""
 
 
 class Heads:
-    """The first bytes at known places of a file, many fetched at once: stores answer slowly."""
+    """The first bytes at known offsets of a file, many fetched at once: stores answer slowly."""
 
-    def __init__(self, source: ByteSource, places: Sequence[int], size: int) -> None:
+    def __init__(self, source: ByteSource, offsets: Sequence[int], size: int) -> None:
         """Set up.
 
         Args:
             source: the file.
-            places: offsets, in the order in which they will be read.
+            offsets: in the order in which they will be read.
             size: bytes from each.
         """
         self._source = source
-        self._places = places
+        self._offsets = offsets
         self._size = size
-        self._numbers = {place: number for number, place in enumerate(places)}
+        self._numbers = {offset: number for number, offset in enumerate(offsets)}
         self._heads: dict[int, bytes] = {}
 
     def read(self, offset: int, size: int) -> bytes:
         """See `Readable.read`."""
         if offset in self._numbers and offset not in self._heads:
             number = self._numbers[offset]
-            group = self._places[number : number + _HEADS_AT_ONCE]
-            found = self._source.read_many([(place, self._size) for place in group])
+            group = self._offsets[number : number + _HEADS_AT_ONCE]
+            found = self._source.read_many([(start, self._size) for start in group])
             self._heads = dict(zip(group, found, strict=True))
         head = self._heads.get(offset, b"")
         return head[:size] if len(head) >= size else self._source.read(offset, size)
@@ -78,7 +78,7 @@ class Records:
 
     op: Ints
     """(n,) kind of the record, 0 where the bytes are no sound record."""
-    place: Ints
+    offset: Ints
     """(n,) first byte of the record."""
     messages: Messages
     """(n,) Its columns hold for messages; `start` and `end` of the content for all."""
@@ -88,7 +88,7 @@ class Records:
 
     def pick(self, rows: Flags | Ints | slice) -> "Records":
         """Return the chosen rows."""
-        return Records(self.op[rows], self.place[rows], self.messages.pick(rows))
+        return Records(self.op[rows], self.offset[rows], self.messages.pick(rows))
 
 
 @dataclass(frozen=True, slots=True)
@@ -142,7 +142,7 @@ class RecordFormat(Protocol):
     message: int
     """Kind of a message record."""
 
-    def chain(self, data: memoryview, place: int, end: int, limit: int) -> list[int]:
+    def chain(self, data: memoryview, offset: int, end: int, limit: int) -> list[int]:
         """Follow the records' lengths.
 
         Returns:
@@ -158,7 +158,7 @@ class RecordFormat(Protocol):
         """
 
     def heads(self, records: Bytes, offset: Ints) -> Records | None:
-        """Decode the heads of the messages at some places, None if any is no message.
+        """Decode the heads of the messages at some offsets, None if any is no message.
 
         Args:
             records: the bytes.
@@ -168,24 +168,24 @@ class RecordFormat(Protocol):
     def candidates(self, window: bytes) -> Iterator[int]:
         """Yield where in the window a record may begin, ascending."""
 
-    def sound(self, source: Readable, place: int, end: int) -> bool:
+    def sound(self, source: Readable, offset: int, end: int) -> bool:
         """Tell whether a record begins here, beyond reasonable doubt."""
 
-    def resembles(self, records: Bytes, before: int, place: int, end: int) -> bool:
+    def resembles(self, records: Bytes, before: int, offset: int, end: int) -> bool:
         """Tell whether this may be a damaged record's head, by its likeness to an earlier one.
 
         A few bytes that are no whole head do not resemble one.
 
         Args:
             records: the bytes.
-            before: place of the sound record that ends at `place`.
-            place: where the next record should begin.
+            before: offset of the sound record that ends at `offset`.
+            offset: where the next record should begin.
             end: where the bytes end.
         """
 
 
 @dataclass(slots=True)
-class Gaps:
+class SkippedBytes:
     """Bytes that are no records."""
 
     count: int = 0
@@ -201,32 +201,32 @@ class Gaps:
 
 
 @dataclass(frozen=True, slots=True)
-class Found:
+class FoundRecords:
     """The records in a run of bytes, each kind in its order."""
 
     messages: Records
     others: Records
-    gaps: Gaps
+    skipped: SkippedBytes
 
 
-def next_sound(fmt: RecordFormat, source: Readable, place: int, end: int) -> int:
+def next_sound(fmt: RecordFormat, source: Readable, offset: int, end: int) -> int:
     """Return where the next sound record begins, or the end."""
     size = _FIRST_WINDOW
-    while place < end:
-        window = source.read(place, min(size + OVERLAP, end - place))
+    while offset < end:
+        window = source.read(offset, min(size + OVERLAP, end - offset))
         if not window:
             return end
         for candidate in fmt.candidates(window):
             if candidate >= size:
                 break
-            if fmt.sound(source, place + candidate, end):
-                return place + candidate
-        place += size
+            if fmt.sound(source, offset + candidate, end):
+                return offset + candidate
+        offset += size
         size = min(2 * size, _LARGEST_WINDOW)
     return end
 
 
-def find_indexed(fmt: RecordFormat, records: Bytes, index: Index) -> Found | None:
+def find_indexed(fmt: RecordFormat, records: Bytes, index: Index) -> FoundRecords | None:
     """Return the records, or None if the index does not describe them truthfully."""
     heads = fmt.heads(records, index.offset) if len(index.offset) else concatenate_records([])
     if heads is None:
@@ -235,72 +235,79 @@ def find_indexed(fmt: RecordFormat, records: Bytes, index: Index) -> Found | Non
     if (messages.channel != index.channel).any() or (messages.log_time != index.log_time).any():
         return None
     others = _between(fmt, records, heads)
-    return None if others is None else Found(heads, concatenate_records(others), Gaps())
+    return (
+        None if others is None else FoundRecords(heads, concatenate_records(others), SkippedBytes())
+    )
 
 
 def _between(fmt: RecordFormat, records: Bytes, heads: Records) -> list[Records] | None:
     """Return the records between the messages, or None if messages or rubbish are among them."""
     gap_start = np.concatenate([[0], heads.messages.end])
-    gap_end = np.concatenate([heads.place, [len(records)]])
+    gap_end = np.concatenate([heads.offset, [len(records)]])
     if (gap_end < gap_start).any():
         return None
     others: list[Records] = []
     for gap in np.flatnonzero(gap_start != gap_end):
         found = find_all(fmt, records, int(gap_start[gap]), int(gap_end[gap]))
-        if found.gaps.count or len(found.messages):
+        if found.skipped.count or len(found.messages):
             return None
         others.append(found.others)
     return others
 
 
-def find_all(fmt: RecordFormat, records: Bytes, start: int, end: int) -> Found:
+def find_all(fmt: RecordFormat, records: Bytes, start: int, end: int) -> FoundRecords:
     """Follow the records; behind damage go on at the next sound one.
 
     Where a record's length leads nowhere, either that length is wrong or the next record's head
-    is. What stands there tells: if it resembles a head, the record before it is kept; if not, or
+    is. The bytes there decide: if they resemble a head, the record before it is kept; if not, or
     if a sound record is found inside of it, it is given up as well.
     """
     parts: list[Records] = []
-    gaps = Gaps()
-    place, block = start, _FIRST_BLOCK
-    while place < end:
-        bounds = fmt.chain(records.data, place, end, block)
+    skipped = SkippedBytes()
+    offset, block = start, _FIRST_BLOCK
+    while offset < end:
+        bounds = fmt.chain(records.data, offset, end, block)
         part = fmt.decode(records, np.array(bounds, np.int64)) if len(bounds) > 1 else None
         count = 0
         if part is not None:
             count = int(np.append(part.op == 0, True).argmax())
             parts.append(part.pick(slice(count)))
-        place = bounds[count]
+        offset = bounds[count]
         if count == block:
             block = min(2 * block, _LARGEST_BLOCK)
             continue
-        if place < end:
-            place = _pass_over(fmt, records, place, end, parts, gaps)
+        if offset < end:
+            offset = _skip_damage(fmt, records, offset, end, parts, skipped)
             block = _FIRST_BLOCK
     found = concatenate_records(parts)
     is_message = found.op == fmt.message
-    return Found(found.pick(is_message), found.pick(~is_message), gaps)
+    return FoundRecords(found.pick(is_message), found.pick(~is_message), skipped)
 
 
-def _pass_over(
-    fmt: RecordFormat, records: Bytes, place: int, end: int, parts: list[Records], gaps: Gaps
+def _skip_damage(
+    fmt: RecordFormat,
+    records: Bytes,
+    offset: int,
+    end: int,
+    parts: list[Records],
+    skipped: SkippedBytes,
 ) -> int:
     """Return where to go on behind damage, taking back a last record whose length is doubtful."""
-    start = place
+    start = offset
     while parts and not len(parts[-1]):
         parts.pop()
-    if parts and parts[-1].messages.end[-1] == place:
-        before = int(parts[-1].place[-1])
-        if not fmt.resembles(records, before, place, end):
+    if parts and parts[-1].messages.end[-1] == offset:
+        before = int(parts[-1].offset[-1])
+        if not fmt.resembles(records, before, offset, end):
             start = before
             parts[-1] = parts[-1].pick(slice(len(parts[-1]) - 1))
-    going_on = next_sound(fmt, Memory(records), start + 1, end)
-    gaps.add(start, going_on)
-    return going_on
+    following = next_sound(fmt, Memory(records), start + 1, end)
+    skipped.add(start, following)
+    return following
 
 
 def blank_messages(start: Ints, end: Ints) -> Messages:
-    """Return a table of which only the places are known so far."""
+    """Return a table of which only the offsets are known so far."""
     channel, log_time, publish_time, sequence = np.zeros((4, len(start)), np.int64)
     return Messages(channel, log_time, publish_time, sequence, start, end)
 
@@ -312,6 +319,6 @@ def concatenate_records(parts: Sequence[Records]) -> Records:
     nothing = np.empty(0, np.int64)
     return Records(
         np.concatenate([nothing, *(part.op for part in parts)]),
-        np.concatenate([nothing, *(part.place for part in parts)]),
+        np.concatenate([nothing, *(part.offset for part in parts)]),
         concatenate_messages([part.messages for part in parts]),
     )

@@ -31,24 +31,24 @@ class RemoteSource(ByteSource):
     has_cheap_seeks = False
     cheap_size = 1 << 20
 
-    def __init__(self, place: "UPath", facts: storage.Facts) -> None:
+    def __init__(self, url: "UPath", facts: storage.Facts) -> None:
         """Take an object.
 
         Args:
-            place: the object.
-            facts: what the store told of it.
+            url: the object.
+            facts: what the store says about it.
 
         Raises:
             CallError: it is a directory.
-            LogError: the store does not tell its size.
+            LogError: the store does not give its size.
         """
-        self.path = place
-        self._place = place
+        self.path = url
+        self._url = url
         if facts.is_folder:
-            raise CallError(f"{storage.shown(place)}: is a directory, not a log file")
+            raise CallError(f"{storage.shown(url)}: is a directory, not a log file")
         if facts.size is None:
             raise LogError(
-                f"{storage.shown(place)}: its server does not tell its size, so that it cannot be "
+                f"{storage.shown(url)}: its server does not tell its size, so that it cannot be "
                 "read by parts; download it first"
             )
         self.size = facts.size
@@ -73,11 +73,11 @@ class RemoteSource(ByteSource):
         data = b"".join(self._block(number) for number in range(first, last + 1))
         return data[offset - first * block :][:size]
 
-    def read_many(self, places: Sequence[tuple[int, int]]) -> list[bytes]:
+    def read_many(self, ranges: Sequence[tuple[int, int]]) -> list[bytes]:
         """See `ByteSource.read_many`; neighbours are fetched as one, and all at once."""
         if self.size <= self._block_size:
-            return [self.read(offset, size) for offset, size in places]
-        wanted = [(start, min(start + size, self.size)) for start, size in places]
+            return [self.read(offset, size) for offset, size in ranges]
+        wanted = [(start, min(start + size, self.size)) for start, size in ranges]
         whole: list[tuple[int, int]] = []
         for start, end in sorted(wanted):
             if whole and start <= whole[-1][1] + _NEAR:
@@ -141,7 +141,7 @@ class RemoteSource(ByteSource):
 
         def missing() -> list[bytes]:
             left = [run for run in ranges if run[0] not in found]
-            answers = _cat(self._place, left)
+            answers = _cat(self._url, left)
             for (start, end), answer in zip(left, answers, strict=True):
                 if not isinstance(answer, BaseException) and len(answer) == end - start:
                     found[start] = answer
@@ -155,17 +155,17 @@ class RemoteSource(ByteSource):
         return storage.asked(self.path, missing) if ranges else []
 
 
-def _covers(run: tuple[int, int], place: int) -> bool:
-    return run[0] <= place < run[1]
+def _covers(run: tuple[int, int], offset: int) -> bool:
+    return run[0] <= offset < run[1]
 
 
-def _cat(place: "UPath", ranges: Sequence[tuple[int, int]]) -> list[Any]:
+def _cat(url: "UPath", ranges: Sequence[tuple[int, int]]) -> list[Any]:
     """Return bytes, or the error, for each range; a stall is an error."""
     from fsspec.asyn import AsyncFileSystem, sync  # noqa: PLC0415 - only URLs need it
 
-    names = [place.path] * len(ranges)
+    names = [url.path] * len(ranges)
     starts, ends = [run[0] for run in ranges], [run[1] for run in ranges]
-    fs = place.fs
+    fs = url.fs
     if isinstance(fs, AsyncFileSystem):
         within = storage.ANSWER_WITHIN_S
         answers = sync(fs.loop, fs._cat_ranges, names, starts, ends, timeout=within)  # noqa: SLF001 - the only call with a timeout

@@ -1,4 +1,4 @@
-"""The bytes of a log file, read by place: safe to share among threads, never grows with the log."""
+"""The bytes of a log file by offset: safe to share among threads, and small for any log."""
 
 import os
 from collections.abc import Sequence
@@ -55,14 +55,14 @@ class ByteSource:
             ) from error
         return data
 
-    def read_many(self, places: Sequence[tuple[int, int]]) -> list[bytes]:
+    def read_many(self, ranges: Sequence[tuple[int, int]]) -> list[bytes]:
         """Return what `read` gives for each of several (offset, size)."""
-        return [self.read(offset, size) for offset, size in places]
+        return [self.read(offset, size) for offset, size in ranges]
 
     def nearby(self) -> "ByteSource":
-        """Return the same bytes from the nearest disk, for whoever reads all of them, and often.
+        """Return the same bytes from the nearest disk, for reading all of them, and often.
 
-        The path stays what it is; whoever takes another source than this one closes this.
+        The path stays the same. If another source is returned, this one is closed.
         """
         return self
 

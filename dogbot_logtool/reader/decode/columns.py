@@ -41,7 +41,7 @@ def gather_bytes(buffer: Bytes, start: Ints, size: int) -> Bytes:
 
 @dataclass(frozen=True, slots=True)
 class Texts:
-    """Strings, as places in the batch's buffer."""
+    """Strings, as offsets into the batch's buffer."""
 
     buffer: Bytes
     start: Ints
@@ -155,9 +155,9 @@ class Table:
         in_a_row = [(_DOUBLE, first + _DOUBLE.itemsize * row) for row in range(len(names))]
         # A view of no rows has no bytes for its offset to lie in.
         if len(run) and [fields.get(name) for name in names] == in_a_row:
-            place, strides = run.view(np.uint8).data, (run.itemsize, _DOUBLE.itemsize)
+            data, strides = run.view(np.uint8).data, (run.itemsize, _DOUBLE.itemsize)
             shape = len(run), len(names)
-            return np.ascontiguousarray(np.ndarray(shape, _DOUBLE, place, first, strides))
+            return np.ascontiguousarray(np.ndarray(shape, _DOUBLE, data, first, strides))
         return np.stack([self.numbers(name) for name in names], axis=1).astype(np.float64)
 
     def nanoseconds(self, path: str) -> Ints:

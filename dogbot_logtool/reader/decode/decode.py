@@ -38,24 +38,18 @@ _CDR_PADDING: Final = 3
 _NO_ELEMENTS: Final = Nested(np.empty(0, np.int64), Table(0, (), {}))
 
 
-@dataclass(frozen=True, slots=True)
-class Decoded:
-    """What became of a batch's messages of one type."""
-
-    sound: Flags
-    """(n,) which messages were decoded; the others are malformed."""
-    table: Table
-    """The sound messages, in order."""
-
-
-def decode(layout: Layout, buffer: Bytes, start: Ints, end: Ints) -> Decoded:
-    """Decode messages.
+def decode(layout: Layout, buffer: Bytes, start: Ints, end: Ints) -> tuple[Table, Flags]:
+    """Decode messages of one type.
 
     Args:
         layout: of their type.
         buffer: (b,) uint8, contiguous.
         start: (n,) where each message's bytes begin in the buffer.
         end: (n,) where they end; start <= end <= b.
+
+    Returns:
+        the messages that were decoded, in order; and (n,) which these are. The others are
+        malformed.
     """
     big_endian = False
     sound = np.ones(len(start), np.bool_)
@@ -65,7 +59,7 @@ def decode(layout: Layout, buffer: Bytes, start: Ints, end: Ints) -> Decoded:
     if not walked.all():
         sound[sound] = walked
         table, _ = _Walk(layout, buffer, big_endian=big_endian).messages(start[sound], end[sound])
-    return Decoded(sound, table)
+    return table, sound
 
 
 def _read_encapsulation(buffer: Bytes, start: Ints, end: Ints) -> tuple[Flags, bool]:
@@ -216,7 +210,7 @@ class _Walk:
         self._void_failed(count, cursors)
         parents: list[Ints] = []
         tables: list[Table] = []
-        # What was read before keeps its places.
+        # What was read before keeps its offsets.
         cursors.position = cursors.position.copy()
         for index in range(int(count.max(initial=0))):
             rows = np.flatnonzero(count > index)
@@ -244,7 +238,7 @@ class _Walk:
             cursors.position = position + ((cursors.origin - position) & (alignment - 1))
 
     def _require(self, cursors: _Cursors, size: int) -> None:
-        """Fail messages that have fewer bytes left, and send their cursors to a safe place."""
+        """Fail messages that have fewer bytes left, and send their cursors to a safe offset."""
         short = cursors.position + size > cursors.limit
         if short.any():
             self._fail(cursors, short)

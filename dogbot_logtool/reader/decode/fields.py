@@ -39,6 +39,7 @@ class Kind(Enum):
     TIME = "a single time"
     FIXED_NUMBERS = "a fixed array of at least {length} numbers"
     NUMBERS = "a sequence of numbers"
+    TEXTS = "a sequence of strings"
     TABLE = "an array of messages"
 
 
@@ -85,6 +86,11 @@ def fixed_numbers(path: str, at_least: int) -> Field:
 def numbers(path: str) -> Field:
     """Declare an array of recorded length."""
     return Field(path, Kind.NUMBERS)
+
+
+def texts(path: str) -> Field:
+    """Declare an array of strings."""
+    return Field(path, Kind.TEXTS)
 
 
 def table(path: str, *inside: Field) -> Field:
@@ -179,8 +185,9 @@ def _fits(found: FieldType, field: Field) -> bool:
                 and isinstance(found.element, Primitive)
                 and found.length >= field.length
             )
-        case Kind.NUMBERS:
-            return isinstance(found, VariableArray) and isinstance(found.element, Primitive)
+        case Kind.NUMBERS | Kind.TEXTS:
+            element = Primitive if field.kind is Kind.NUMBERS else Text
+            return isinstance(found, VariableArray) and isinstance(found.element, element)
         case Kind.TABLE:
             return isinstance(_element(found), Struct)
         case _:

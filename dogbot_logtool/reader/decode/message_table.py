@@ -1,4 +1,4 @@
-"""Messages as columns, with the places of their payloads in a buffer."""
+"""Messages as columns, with the offsets of their payloads in a buffer."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass

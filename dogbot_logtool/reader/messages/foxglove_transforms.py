@@ -1,68 +1,43 @@
-"""foxglove.FrameTransforms and foxglove.FrameTransform to columns.
+"""foxglove.FrameTransforms and foxglove.FrameTransform to columns, in protobuf or JSON.
 
-What `convert` writes must be found again by `info`. Protobuf is decoded message by message, by
-the official library; such channels carry some 50 messages a second, not thousands.
+What `convert` writes must be found again by `info`.
 """
 
-from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Final
+from collections.abc import Sequence
+from typing import Final
 
 import numpy as np
 
-from dogbot_logtool.core.frames.recorded_transforms import RecordedTransforms
-from dogbot_logtool.core.plausible import plausible_translations
-from dogbot_logtool.reader.containers.log import Batch, Channel
+from dogbot_logtool.core.frames.recorded_transforms import (
+    RecordedTransforms,
+    concatenate_transforms,
+)
+from dogbot_logtool.reader.containers.batch import Batch
+from dogbot_logtool.reader.containers.contents import Channel
+from dogbot_logtool.reader.decode.fields import table, text, time, vector
+from dogbot_logtool.reader.decode.objects import table_of_rows
+from dogbot_logtool.reader.messages.messages import (
+    DecodedMessages,
+    decode_channels,
+    malformed_in,
+)
+from dogbot_logtool.reader.messages.transforms import TransformPaths, recorded_transforms
 
-if TYPE_CHECKING:
-    from foxglove_schemas_protobuf.FrameTransform_pb2 import FrameTransform
-
-_MANY: Final = "foxglove.FrameTransforms"
-_ONE: Final = "foxglove.FrameTransform"
-FOXGLOVE_TYPES: Final = frozenset({_MANY, _ONE})
-_LARGEST: Final = 1 << 20
-"""Bytes of a message, some ten thousand transforms; decoded, a hostile one takes much more."""
-_LAST_SECOND: Final = (1 << 63) // 1_000_000_000 - 1
-
-
-@dataclass(slots=True)
-class _Rows:
-    """Transforms, one after another."""
-
-    channel: list[int] = field(default_factory=list)
-    log_time: list[int] = field(default_factory=list)
-    stamp: list[int] = field(default_factory=list)
-    parent: list[int] = field(default_factory=list)
-    child: list[int] = field(default_factory=list)
-    pose: list[tuple[float, ...]] = field(default_factory=list)
-    names: dict[str, int] = field(default_factory=dict)
-
-    def add(self, channel: int, log_time: int, transform: "FrameTransform") -> None:
-        move, turn = transform.translation, transform.rotation
-        self.channel.append(channel)
-        self.log_time.append(log_time)
-        self.stamp.append(_nanoseconds(transform))
-        for column, name in (
-            (self.parent, transform.parent_frame_id),
-            (self.child, transform.child_frame_id),
-        ):
-            column.append(self.names.setdefault(name, len(self.names)))
-        self.pose.append((move.x, move.y, move.z, turn.x, turn.y, turn.z, turn.w))
-
-    def columns(self) -> RecordedTransforms:
-        pose = np.array(self.pose, np.float64).reshape(-1, 7)
-        names = tuple(self.names)
-        return RecordedTransforms(
-            channel=np.array(self.channel, np.int64),
-            log_time=np.array(self.log_time, np.int64),
-            stamp=np.array(self.stamp, np.int64),
-            parent=np.array(self.parent, np.int64),
-            parents=names,
-            child=np.array(self.child, np.int64),
-            children=names,
-            translation=plausible_translations(pose[:, :3]),
-            rotation=pose[:, 3:],
-        )
+MANY: Final = "foxglove.FrameTransforms"
+ONE: Final = "foxglove.FrameTransform"
+FOXGLOVE_TYPES: Final = frozenset({MANY, ONE})
+_TRANSFORM: Final = (
+    time("timestamp"),
+    text("parent_frame_id"),
+    text("child_frame_id"),
+    *vector("translation"),
+    *vector("rotation", "xyzw"),
+)
+FIELDS: Final = {MANY: (table("transforms", *_TRANSFORM),), ONE: _TRANSFORM}
+"""What is read, by type."""
+_PATHS: Final = TransformPaths(
+    "timestamp", "parent_frame_id", "child_frame_id", "translation", "rotation"
+)
 
 
 def foxglove_transforms(
@@ -72,46 +47,30 @@ def foxglove_transforms(
 
     Args:
         batch: the batch.
-        channels: channels of `FOXGLOVE_TYPES`, encoded as protobuf.
+        channels: channels of `FOXGLOVE_TYPES`, encoded as protobuf or JSON.
 
     Returns:
         the transforms, and the number of messages that could not be decoded by channel id.
     """
-    types = {channel.id: channel.type_name for channel in channels}
-    messages = batch.messages
-    rows = _Rows()
-    malformed: dict[int, int] = {}
-    for row in np.flatnonzero(np.isin(messages.channel, list(types))).tolist():
-        channel = int(messages.channel[row])
-        payload = batch.buffer[messages.start[row] : messages.end[row]]
-        transforms = _parsed(types[channel], payload.tobytes())
-        if transforms is None:
-            malformed[channel] = malformed.get(channel, 0) + 1
-            continue
-        for transform in transforms:
-            rows.add(channel, int(messages.log_time[row]), transform)
-    return rows.columns(), malformed
+    decoded: list[DecodedMessages] = []
+    parts: list[RecordedTransforms] = []
+    for type_name, fields in FIELDS.items():
+        of_type = [channel for channel in channels if channel.type_name == type_name]
+        for messages in decode_channels(batch, of_type, fields):
+            decoded.append(messages)
+            parts.append(foxglove_columns(messages))
+    return concatenate_transforms(parts or [_no_transforms()]), malformed_in(decoded)
 
 
-def _parsed(type_name: str, payload: bytes) -> Iterable["FrameTransform"] | None:
-    """Return the transforms of a message; None if it cannot be decoded."""
-    # Imported late: other logs need no protobuf.
-    from foxglove_schemas_protobuf.FrameTransform_pb2 import FrameTransform  # noqa: PLC0415
-    from foxglove_schemas_protobuf.FrameTransforms_pb2 import FrameTransforms  # noqa: PLC0415
-    from google.protobuf.message import DecodeError  # noqa: PLC0415
-
-    if len(payload) > _LARGEST:
-        return None
-    try:
-        if type_name == _ONE:
-            return [FrameTransform.FromString(payload)]
-        return FrameTransforms.FromString(payload).transforms
-    except DecodeError:
-        return None
+def foxglove_columns(messages: DecodedMessages) -> RecordedTransforms:
+    """Return the transforms of decoded messages of either type."""
+    if "transforms" in messages.table.columns:
+        nested = messages.table.nested("transforms")
+        return recorded_transforms(messages, nested.parent, nested.table, _PATHS)
+    message = np.arange(len(messages.channel))
+    return recorded_transforms(messages, message, messages.table, _PATHS)
 
 
-def _nanoseconds(transform: "FrameTransform") -> int:
-    """Return the stamp, ns; 0, which is none, where it is outside what 64 bits hold."""
-    seconds, nanoseconds = transform.timestamp.seconds, transform.timestamp.nanos
-    inside = 0 <= seconds <= _LAST_SECOND and 0 <= nanoseconds < 1_000_000_000
-    return seconds * 1_000_000_000 + nanoseconds if inside else 0
+def _no_transforms() -> RecordedTransforms:
+    nothing = np.empty(0, np.int64)
+    return foxglove_columns(DecodedMessages(nothing, nothing, table_of_rows([], _TRANSFORM), {}))

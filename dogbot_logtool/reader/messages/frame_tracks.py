@@ -57,7 +57,7 @@ def _track(
 
 
 def _pairs(recorded: RecordedTransforms, rows: Ints) -> Iterator[tuple[str, str, Ints]]:
-    """Yield parent and child, without leading slashes, and those of some rows that tell of them."""
+    """Yield parent and child, without leading slashes, and which of some rows have them."""
     parent = _without_slashes(recorded.parent[rows], recorded.parents)
     child = _without_slashes(recorded.child[rows], recorded.children)
     pair = parent * max(len(recorded.children), 1) + child
@@ -71,5 +71,5 @@ def _pairs(recorded: RecordedTransforms, rows: Ints) -> Iterator[tuple[str, str,
 def _without_slashes(code: Ints, names: tuple[str, ...]) -> Ints:
     """Give names that only differ in leading slashes the same code, that of the first one."""
     first: dict[str, int] = {}
-    same = [first.setdefault(name.lstrip("/"), place) for place, name in enumerate(names)]
+    same = [first.setdefault(name.lstrip("/"), code) for code, name in enumerate(names)]
     return np.array(same, np.int64)[code] if same else code

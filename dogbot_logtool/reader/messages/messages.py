@@ -9,7 +9,8 @@ import numpy as np
 
 from dogbot_logtool.core.geometry.arrays import Ints
 from dogbot_logtool.errors import DefinitionError
-from dogbot_logtool.reader.containers.log import Batch, Channel
+from dogbot_logtool.reader.containers.batch import Batch
+from dogbot_logtool.reader.containers.contents import Channel
 from dogbot_logtool.reader.decode.columns import Table
 from dogbot_logtool.reader.decode.decode import decode
 from dogbot_logtool.reader.decode.definition import (
@@ -23,6 +24,12 @@ from dogbot_logtool.reader.decode.message_layout import (
     Layout,
     Serialisation,
     compile_layout,
+)
+from dogbot_logtool.reader.decode.objects import (
+    OBJECT_ENCODINGS,
+    check_object_type,
+    decode_object,
+    table_of_rows,
 )
 
 SERIALISATIONS: Final[Mapping[str, Serialisation]] = {"ros1": "ros1", "cdr": "cdr"}
@@ -60,10 +67,14 @@ def decode_channels(
         DefinitionError: a channel's messages cannot be decoded, see `check_channel`.
     """
     by_layout: dict[int, tuple[Layout, list[int]]] = {}
+    decoded: list[DecodedMessages | None] = []
     for channel in channels:
+        if channel.message_encoding in OBJECT_ENCODINGS:
+            decoded.append(_decode_objects(batch, channel, fields))
+            continue
         layout = _layout_of(channel, fields)
         by_layout.setdefault(id(layout), (layout, []))[1].append(channel.id)
-    decoded = [_decode(batch, layout, ids) for layout, ids in by_layout.values()]
+    decoded += [_decode(batch, layout, ids) for layout, ids in by_layout.values()]
     return [messages for messages in decoded if messages is not None]
 
 
@@ -82,13 +93,34 @@ def _decode(batch: Batch, layout: Layout, ids: list[int]) -> DecodedMessages | N
     if not len(rows):
         return None
     channel = messages.channel[rows]
-    result = decode(layout, batch.buffer, messages.start[rows], messages.end[rows])
-    if result.sound.all():
-        return DecodedMessages(channel, messages.log_time[rows], result.table, {})
-    lost, counts = np.unique(channel[~result.sound], return_counts=True)
+    table, sound = decode(layout, batch.buffer, messages.start[rows], messages.end[rows])
+    if sound.all():
+        return DecodedMessages(channel, messages.log_time[rows], table, {})
+    lost, counts = np.unique(channel[~sound], return_counts=True)
     malformed = dict(zip(lost.tolist(), counts.tolist(), strict=True))
-    sound = result.sound
-    return DecodedMessages(channel[sound], messages.log_time[rows][sound], result.table, malformed)
+    return DecodedMessages(channel[sound], messages.log_time[rows][sound], table, malformed)
+
+
+def _decode_objects(batch: Batch, channel: Channel, fields: Fields) -> DecodedMessages | None:
+    """Decode the messages of a channel one by one."""
+    messages = batch.messages
+    rows = np.flatnonzero(messages.channel == channel.id)
+    if not len(rows):
+        return None
+    decoded = [
+        decode_object(
+            channel.type_name,
+            channel.message_encoding,
+            batch.buffer[messages.start[row] : messages.end[row]].tobytes(),
+            fields,
+        )
+        for row in rows.tolist()
+    ]
+    sound = rows[[row is not None for row in decoded]]
+    table = table_of_rows([row for row in decoded if row is not None], fields)
+    lost = len(rows) - len(sound)
+    malformed = {channel.id: lost} if lost else {}
+    return DecodedMessages(messages.channel[sound], messages.log_time[sound], table, malformed)
 
 
 def check_channel(channel: Channel, fields: Fields) -> str:
@@ -100,10 +132,32 @@ def check_channel(channel: Channel, fields: Fields) -> str:
     Raises:
         DefinitionError: they cannot; the sentence does not name the topic.
     """
+    if channel.message_encoding in OBJECT_ENCODINGS:
+        check_object_type(channel.type_name, channel.message_encoding)
+        return ""
     decoder = _decoder_of(channel, fields)
     if isinstance(decoder, str):
         raise DefinitionError(decoder)
     return decoder.own_because
+
+
+def definition_of(channel: Channel) -> Struct:
+    """Return the definition by which a channel's messages are decoded.
+
+    Raises:
+        DefinitionError: there is none; the sentence does not name the topic.
+    """
+    if channel.schema is None:
+        raise DefinitionError("its messages have no type")
+    if channel.message_encoding not in SERIALISATIONS:
+        raise DefinitionError(_not_read(channel.message_encoding))
+    serialisation = SERIALISATIONS[channel.message_encoding]
+    schema = channel.schema
+    return _definition(schema.name, schema.encoding, schema.data, serialisation)[0]
+
+
+def _not_read(message_encoding: str) -> str:
+    return f"messages encoded as {message_encoding!r} are not read, only ROS 1's and CDR"
 
 
 @dataclass(frozen=True, slots=True)
@@ -134,7 +188,7 @@ def _decoder(
 ) -> _Decoder | str:
     """Compile a layout once for every definition. What cannot be compiled is remembered, too."""
     if message_encoding not in SERIALISATIONS:
-        return f"messages encoded as {message_encoding!r} are not read, only ROS 1's and CDR"
+        return _not_read(message_encoding)
     serialisation = SERIALISATIONS[message_encoding]
     try:
         definition, own_because = _definition(name, schema_encoding, data, serialisation)

@@ -1,55 +1,18 @@
-"""What is said of damage."""
+"""Losses of a log: collected, and found by comparing counts of messages."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Final
+from typing import Final
 
-if TYPE_CHECKING:
-    from dogbot_logtool.reader.containers.log import Channel, Log
+from dogbot_logtool.reader.containers.contents import Channel
+from dogbot_logtool.reader.containers.log import Log
+from dogbot_logtool.reader.containers.loss import LONGEST_NAME, Loss, lost_messages
 
 _MOST: Final = 200
-"""Losses told one by one; more are summed up."""
-
-
-@dataclass(frozen=True, slots=True)
-class Loss:
-    """Damage that was found: what could not be read, and where."""
-
-    offset: int
-    """Byte in the file."""
-    what: str
-    """A sentence without the file's name."""
-    bytes: int = 0
-    """Bytes of the file that gave nothing."""
-    messages: int | None = 0
-    """Messages known to be lost; None when their number is not known."""
-
-
-_LONGEST_NAME: Final = 200
-
-
-def described_twice(what: str, chosen: str, other: str, offset: int) -> Loss:
-    """Say that a log describes something in two ways.
-
-    Args:
-        what: a channel, schema or connection with its number.
-        chosen: as what it is read.
-        other: as what it is described as well.
-        offset: byte in the file, of the chunk if that stands in one.
-    """
-    one, two = chosen[:_LONGEST_NAME], other[:_LONGEST_NAME]
-    text = f"{what} is described in two ways: as {one} and, at byte {offset}, as {two}"
-    return Loss(offset, f"{text}; the former was used")
-
-
-def lost_messages(losses: Sequence[Loss]) -> int | None:
-    """Return how many messages are known to be lost; None when it cannot be known."""
-    known = [loss.messages for loss in losses if loss.messages is not None]
-    return sum(known) if len(known) == len(losses) else None
+"""Losses kept one by one; more are summed up."""
 
 
 def differing_counts(
-    channels: Mapping[int, "Channel"], stated: Mapping[int, int], found: Mapping[int, int]
+    channels: Mapping[int, Channel], stated: Mapping[int, int], found: Mapping[int, int]
 ) -> str:
     """Return what to say of stated counts of messages that differ from those found.
 
@@ -69,14 +32,14 @@ def differing_counts(
     if not wrong:
         return ""
     first = wrong[0]
-    name = channels[first].topic[:_LONGEST_NAME] if first in channels else f"channel {first}"
+    name = channels[first].topic[:LONGEST_NAME] if first in channels else f"channel {first}"
     text = f"{stated.get(first, 0)} messages of {name}, but {found.get(first, 0)} were found"
     if len(wrong) > 1:
         text += f" ({len(wrong) - 1} more wrong)"
     return text
 
 
-def wrong_statistics(log: "Log", found: Mapping[int, int], losses: Sequence[Loss]) -> list[Loss]:
+def wrong_statistics(log: Log, found: Mapping[int, int], losses: Sequence[Loss]) -> list[Loss]:
     """Compare a log's counts with its messages, after all of them were read.
 
     Args:
@@ -94,17 +57,17 @@ def wrong_statistics(log: "Log", found: Mapping[int, int], losses: Sequence[Loss
 
 
 class Losses:
-    """Losses in the order in which they were found; told in few, however many there are."""
+    """Losses in the order in which they were found; beyond a number, they are summed up."""
 
     def __init__(self) -> None:
-        self._told: list[Loss] = []
+        self._first: list[Loss] = []
         self._rest: Loss | None = None
         self._rest_count = 0
 
     def add(self, loss: Loss) -> None:
         """Take one more."""
-        if len(self._told) < _MOST:
-            self._told.append(loss)
+        if len(self._first) < _MOST:
+            self._first.append(loss)
             return
         self._rest_count += 1
         rest = self._rest or Loss(loss.offset, "")
@@ -116,13 +79,13 @@ class Losses:
             None if unknown else (rest.messages or 0) + (loss.messages or 0),
         )
 
-    def told(self) -> tuple[Loss, ...]:
-        """Return them all."""
-        return (*self._told, self._rest) if self._rest else tuple(self._told)
+    def all(self) -> tuple[Loss, ...]:
+        """Return all losses."""
+        return (*self._first, self._rest) if self._rest else tuple(self._first)
 
 
-def undecodable(
-    channels: Mapping[int, "Channel"], malformed: Mapping[int, int], consequence: str = ""
+def malformed_messages(
+    channels: Mapping[int, Channel], malformed: Mapping[int, int], consequence: str = ""
 ) -> list[Loss]:
     """Return the loss of messages that could not be decoded.
 

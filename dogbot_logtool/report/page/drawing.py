@@ -46,7 +46,7 @@ def label(text: str) -> str:
 
 def translucent(colour: str, alpha: float) -> str:
     """Return a colour ``#rrggbb`` that lets the background through."""
-    red, green, blue = (int(colour[place : place + 2], 16) for place in (1, 3, 5))
+    red, green, blue = (int(colour[start : start + 2], 16) for start in (1, 3, 5))
     return f"rgba({red},{green},{blue},{alpha})"
 
 

@@ -7,13 +7,13 @@ import plotly.graph_objects as go
 
 from dogbot_logtool.core.base.base_motion import FORWARD_ANGLES
 from dogbot_logtool.core.geometry.arrays import Floats, Ints
+from dogbot_logtool.core.scene.foot_style import foot_colour
 from dogbot_logtool.core.stability.ground_projection import (
-    Places,
+    GroundPoints,
     footprints,
     pressure_path,
 )
 from dogbot_logtool.core.statistics import Stats
-from dogbot_logtool.report.foot_pens import foot_colour
 from dogbot_logtool.report.page.drawing import (
     MARGIN,
     NEUTRAL,
@@ -28,7 +28,7 @@ from dogbot_logtool.report.page.drawing import (
 MOST_POINTS: Final = 4000
 """Points of a path."""
 MOST_FOOTPRINTS: Final = 500
-"""Footfalls of a foot."""
+"""Touchdowns of a foot."""
 PRESSURE: Final = "#8e6bbf"
 """The centre of pressure: no foot's colour."""
 HEADINGS: Final = 12
@@ -37,9 +37,9 @@ _AT: Final = "x %{x:.3f} m, y %{y:.3f} m<br>at %{customdata:.3f} s"
 
 
 def walk_from_above(stats: Stats) -> Drawing | None:
-    """Draw the ground; None where nothing tells a place on it."""
+    """Draw the ground; None without odometry and contact points."""
     prints = [footprints(foot.record) for foot in stats.feet]
-    base = stats.base_record
+    base = stats.base_history
     if len(base.time) == 0 and not any(len(each.time) for each in prints):
         return None
     figure = go.Figure()
@@ -49,9 +49,9 @@ def walk_from_above(stats: Stats) -> Drawing | None:
     centre = _centre_of_pressure(stats)
     if centre is not None:
         figure.add_trace(centre)
-    for row, (foot, places) in enumerate(zip(stats.feet, prints, strict=True)):
-        if len(places.time):
-            figure.add_trace(_footprints(stats, label(foot.name), places, row))
+    for row, (foot, points) in enumerate(zip(stats.feet, prints, strict=True)):
+        if len(points.time):
+            figure.add_trace(_footprints(stats, label(foot.name), points, row))
     if len(rows):
         figure.add_trace(_headings(stats))
         figure.add_trace(_ends(stats))
@@ -83,13 +83,13 @@ def _broken(time: Ints, gaps: Ints) -> Ints:
 
 
 def _path(stats: Stats, rows: Ints) -> go.Scatter:
-    base = stats.base_record
-    time, place = base.time[rows], base.position[rows, :2]
+    base = stats.base_history
+    time, position = base.time[rows], base.position[rows, :2]
     at = _broken(time, base.gaps)
     at = at[(at > 0) & (at < len(time))]
     return go.Scatter(
-        x=np.insert(place[:, 0], at, np.nan),
-        y=np.insert(place[:, 1], at, np.nan),
+        x=np.insert(position[:, 0], at, np.nan),
+        y=np.insert(position[:, 1], at, np.nan),
         customdata=np.insert(seconds(stats, time), at, np.nan),
         mode="lines",
         line={"color": translucent(NEUTRAL, 0.6), "width": 4},
@@ -114,12 +114,12 @@ def _centre_of_pressure(stats: Stats) -> go.Scatter | None:
     )
 
 
-def _footprints(stats: Stats, name: str, places: Places, row: int) -> go.Scatter:
-    rows = thinned(len(places.time), MOST_FOOTPRINTS)
+def _footprints(stats: Stats, name: str, points: GroundPoints, row: int) -> go.Scatter:
+    rows = thinned(len(points.time), MOST_FOOTPRINTS)
     return go.Scatter(
-        x=places.point[rows, 0],
-        y=places.point[rows, 1],
-        customdata=seconds(stats, places.time[rows]),
+        x=points.point[rows, 0],
+        y=points.point[rows, 1],
+        customdata=seconds(stats, points.time[rows]),
         mode="markers",
         marker={
             "color": foot_colour(row),
@@ -133,7 +133,7 @@ def _footprints(stats: Stats, name: str, places: Places, row: int) -> go.Scatter
 
 
 def _headings(stats: Stats) -> go.Scatter:
-    base = stats.base_record
+    base = stats.base_history
     rows = thinned(len(base.time), HEADINGS)
     heading: Floats = base.angles[rows, 2] + FORWARD_ANGLES[stats.settings.forward_axis]
     marker: dict[str, Any] = {
@@ -155,7 +155,7 @@ def _headings(stats: Stats) -> go.Scatter:
 
 
 def _ends(stats: Stats) -> go.Scatter:
-    base = stats.base_record
+    base = stats.base_history
     return go.Scatter(
         x=base.position[[0, -1], 0],
         y=base.position[[0, -1], 1],
@@ -179,7 +179,7 @@ def _words(stats: Stats) -> str:
     )
 
 
-def _caption(prints: list[Places]) -> str:
+def _caption(prints: list[GroundPoints]) -> str:
     words = (
         "Arrows: where the robot heads. Markers: footfalls, each in its foot's colour and shape."
     )

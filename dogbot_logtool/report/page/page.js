@@ -84,6 +84,14 @@
     for (const button of document.querySelectorAll("button[data-do]")) {
       button.addEventListener("click", () => actions[button.dataset.do]());
     }
+    for (const button of document.querySelectorAll("button[data-from]")) {
+      const from = Number(button.dataset.from), to = Number(button.dataset.to);
+      button.addEventListener("click", () => {
+        const beside = (typical[1] - typical[0]) / 2;
+        show([from - beside, to + beside]);
+        if (overTime.length) overTime[0].node.scrollIntoView({ block: "center" });
+      });
+    }
     await show(range);
     const again = () => plots.forEach((plot) => Plotly.relayout(plot.node, theme(plot.layout)));
     matchMedia("(prefers-color-scheme: dark)").addEventListener("change", again);

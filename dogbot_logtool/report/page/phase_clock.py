@@ -5,11 +5,11 @@ from typing import Any, Final
 import numpy as np
 import plotly.graph_objects as go
 
-from dogbot_logtool.core.gait.foot_statistics import FootFigures
-from dogbot_logtool.core.gait.gait import phases_in
+from dogbot_logtool.core.gait.foot_statistics import FootStatistics
+from dogbot_logtool.core.gait.phases import phases_in
 from dogbot_logtool.core.gait.segments import Segment
+from dogbot_logtool.core.scene.foot_style import foot_colour, short_names
 from dogbot_logtool.core.statistics import Stats
-from dogbot_logtool.report.foot_pens import foot_colour, short_names
 from dogbot_logtool.report.page.drawing import SYMBOLS, Drawing, label, thinned
 
 MOST_DOTS: Final = 200
@@ -67,7 +67,7 @@ def phase_clock(stats: Stats) -> Drawing | None:
 
 
 def _ring(
-    stats: Stats, main: Segment, foot: FootFigures, row: int, radius: float, short: str
+    stats: Stats, main: Segment, foot: FootStatistics, row: int, radius: float, short: str
 ) -> list[go.Scatterpolar]:
     phase = main.phases[row]
     if phase is None:

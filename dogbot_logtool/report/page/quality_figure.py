@@ -89,7 +89,7 @@ def _lines(stats: Stats) -> list[_Line]:
         _Line(foot.topic, _extent(foot.record.start, foot.record.end), foot.record.gaps)
         for foot in stats.feet
     ]
-    base = stats.base_record
+    base = stats.base_history
     if len(base.time):
         extent = _extent(int(base.time[0]), int(base.time[-1]))
         lines.append(_Line(stats.settings.odometry_topic or "odometry", extent, base.gaps))

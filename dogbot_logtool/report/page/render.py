@@ -22,17 +22,21 @@ from markupsafe import Markup
 from plotly.offline import get_plotlyjs
 
 from dogbot_logtool import __version__
+from dogbot_logtool.core.scene.foot_style import foot_colour, short_names
 from dogbot_logtool.core.statistics import Stats
 from dogbot_logtool.io.plain_json import to_json
 from dogbot_logtool.io.printable import printable
-from dogbot_logtool.report.foot_pens import foot_colour, short_names
+from dogbot_logtool.report.figures.document import DOCUMENT, log_source
+from dogbot_logtool.report.figures.figure import TableName
+from dogbot_logtool.report.figures.tables import cells_of, headers
 from dogbot_logtool.report.gait_diagram import default_window
-from dogbot_logtool.report.numbers import NOTHING, decimal
+from dogbot_logtool.report.numbers import NOTHING, span_of
 from dogbot_logtool.report.page.drawing import Drawing
+from dogbot_logtool.report.page.event_list import event_list, marks
 from dogbot_logtool.report.page.ground_figure import walk_from_above
 from dogbot_logtool.report.page.phase_clock import phase_clock
 from dogbot_logtool.report.page.quality_figure import recording
-from dogbot_logtool.report.page.summary import Trust, findings, grouped, summary, trust
+from dogbot_logtool.report.page.summary import Trust, grouped, summary, trust
 from dogbot_logtool.report.page.tables import (
     load_table,
     step_table,
@@ -48,17 +52,7 @@ GLYPHS: Final = "▲▼■◆●✚"
 """The figures' markers of the feet, in text."""
 FIGURES: Final = ("gait", "loads", "ground", "clock", "recording")
 """Names of all figures; a log may lack some."""
-INDEX_COLUMNS: Final = (
-    "log",
-    "gait",
-    "can it be trusted",
-    "duration s",
-    "duty",
-    "strides/s",
-    "distance m",
-    "m/s forward",
-    "impulse/weight",
-)
+INDEX_COLUMNS: Final = ("log", "gait", "can it be trusted", *headers(TableName.INDEX))
 
 
 @dataclass(frozen=True, slots=True)
@@ -94,6 +88,8 @@ def page(stats: Stats, log: LogFacts, damage: Sequence[Damage], file_size: int) 
         damage: where the file is damaged.
         file_size: bytes; 0 where it is not one file.
     """
+    source = log_source(stats, log)
+    document = DOCUMENT.plain(source)
     drawings = {
         each.name: each
         for each in (
@@ -105,6 +101,10 @@ def page(stats: Stats, log: LogFacts, damage: Sequence[Damage], file_size: int) 
         )
         if each is not None
     }
+    events = event_list(stats)
+    for drawing in drawings.values():
+        if drawing.over_time:
+            drawing.figure.update_layout(shapes=marks(events))
     scripts = (_plotly_js(), _own("page.js"))
     names = [foot.name for foot in stats.feet]
     text = (
@@ -133,15 +133,16 @@ def page(stats: Stats, log: LogFacts, damage: Sequence[Damage], file_size: int) 
                 for row, (name, short) in enumerate(zip(names, short_names(names), strict=True))
             ],
             summary=summary(stats, log),
-            findings=grouped(findings(stats, log)),
+            findings=grouped([each for each in source.findings if each.code != "W_LOST"]),
+            events=events,
             losses=log.losses,
             file_marks=_file_marks(damage, file_size),
             tables={
-                "steps": step_table(stats),
-                "loads": load_table(stats),
-                "symmetry": symmetry_table(stats),
+                "steps": step_table(document),
+                "loads": load_table(document),
+                "symmetry": symmetry_table(document),
                 "strides": stride_table(stats),
-                "topics": topic_table(stats, log),
+                "topics": topic_table(document),
             },
             settings=_settings(stats),
         )
@@ -151,15 +152,7 @@ def page(stats: Stats, log: LogFacts, damage: Sequence[Damage], file_size: int) 
 
 def index_row(stats: Stats, log: LogFacts, page_name: str) -> IndexRow:
     """Return a log's row in the index."""
-    main, base = stats.main, stats.base
-    cells = (
-        decimal(log.duration_s, 2),
-        decimal(main.duty_factor if main else None, 3),
-        decimal(main.stride_frequency_hz if main else None, 3),
-        decimal(base.path_length_m if base else None, 2),
-        decimal(base.forward_speed_mps if base else None, 3),
-        decimal(stats.loads.vertical_impulse_over_weight, 3),
-    )
+    cells = tuple(cells_of(TableName.INDEX, DOCUMENT.plain(log_source(stats, log))))
     name = Path(log.path).name
     # The name of a file may be any bytes.
     address = quote(os.fsencode(page_name), safe="")
@@ -228,22 +221,25 @@ def _about(log: LogFacts) -> str:
 
 
 def _file_marks(damage: Sequence[Damage], file_size: int) -> list[dict[str, Any]]:
-    """Places of damage in percent of the file."""
+    """Return where damage lies along the file, in percent."""
     if not file_size:
         return []
     marks = []
-    for place in damage:
-        left = min(place.offset / file_size, 1.0) * 100.0
-        width = min(place.size / file_size * 100.0, 100.0 - left)
-        marks.append({"left": f"{left:.3f}", "width": f"{width:.3f}", "what": place.what})
+    for part in damage:
+        left = min(part.offset / file_size, 1.0) * 100.0
+        width = min(part.size / file_size * 100.0, 100.0 - left)
+        marks.append({"left": f"{left:.3f}", "width": f"{width:.3f}", "what": part.what})
     return marks
 
 
 def _settings(stats: Stats) -> str:
-    settings, rule = stats.settings, stats.settings.rule
+    settings = stats.settings
+    rules = [settings.sensor(row).rule for row in range(len(settings.feet))]
+    on_n = span_of([rule.on_n for rule in rules])
+    debounce_ms = span_of([rule.debounce_s * 1e3 for rule in rules])
     mass = "not known" if settings.mass_kg is None else f"{settings.mass_kg:g} kg"
     return (
-        f"Measured on {settings.clock} time; mass {mass}; contact from {rule.on_n:.1f} N, "
-        f"debounced over {rule.debounce_s * 1e3:g} ms; wrenches in the frame: "
+        f"Measured on {settings.clock} time; mass {mass}; contact from {on_n} N, "
+        f"debounced over {debounce_ms} ms; wrenches in the frame: "
         f"{settings.wrench_frame}; forward axis {settings.forward_axis}."
     )

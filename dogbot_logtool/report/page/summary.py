@@ -1,44 +1,31 @@
 """What happened, to be read in ten seconds: the gait, a few numbers, and whether to trust them."""
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
-from typing import Final
+from dataclasses import dataclass
 
+from dogbot_logtool.core.findings.checks import Check, Outcome, checks_of
+from dogbot_logtool.core.findings.findings import first_of
 from dogbot_logtool.core.gait.gait import STAND
-from dogbot_logtool.core.remarks import remarks
 from dogbot_logtool.core.statistics import Stats
-from dogbot_logtool.finding import Finding
+from dogbot_logtool.finding import Finding, Severity
+from dogbot_logtool.report.figures.document import log_source
 from dogbot_logtool.report.numbers import decimal
 from dogbot_logtool.report.verdict import evidence, gait_name, headline, is_known
 from dogbot_logtool.results import LogFacts
 
-GRAVE: Final = (
-    "W_NO_MESSAGES",
-    "W_NOTHING_USABLE",
-    "W_DEAD",
-    "W_STUCK",
-    "W_SATURATED",
-    "W_IMPULSE_IS_NOT_WEIGHT",
-    "W_FALL",
-    "W_POSE_JUMP",
-    "W_GAPS",
-    "W_LOG_TIME_USED",
-)
-"""Findings that change what the figures mean, the gravest first."""
-MOST_ABOVE_ALL: Final = 3
-_SEVERITIES: Final = {"E": "error", "W": "warning", "N": "note"}
-
 
 @dataclass(frozen=True, slots=True)
-class Sentence:
-    """A finding, worst first."""
+class FindingGroup:
+    """All findings of one code."""
 
     severity: str
     """``error``, ``warning`` or ``note``."""
     text: str
+    """Of the first."""
     code: str
+    remedy: str
     alike: tuple[str, ...] = ()
-    """What else is said under the same code, of other feet and topics."""
+    """Texts of the others, about other feet and topics."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -49,7 +36,7 @@ class Trust:
     """``good``, ``care`` or ``bad``."""
     text: str
     above_all: tuple[str, ...] = ()
-    """What harms the figures most."""
+    """What harms the figures most, with its remedy."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -90,32 +77,30 @@ def summary(stats: Stats, log: LogFacts) -> Summary:
     )
 
 
-def findings(stats: Stats, log: LogFacts) -> list[Sentence]:
-    """Return all that should be said of the log, the worst first."""
-    said: list[Finding] = [*remarks(stats), *log.findings]
-    said.sort(key=lambda each: "EWN".find(each.code[:1]))
-    return [Sentence(_SEVERITIES.get(each.code[:1], "note"), each.text, each.code) for each in said]
-
-
-def grouped(sentences: Sequence[Sentence]) -> list[Sentence]:
-    """Join the findings of each code; the first speaks for them."""
-    texts: dict[str, list[str]] = {}
-    for each in sentences:
-        texts.setdefault(each.code, []).append(each.text)
-    first = {each.code: each for each in reversed(sentences)}
-    return [replace(first[code], alike=tuple(others)) for code, (_, *others) in texts.items()]
+def grouped(findings: Sequence[Finding]) -> list[FindingGroup]:
+    """Join the findings of each code."""
+    by_code: dict[str, list[Finding]] = {}
+    for each in findings:
+        by_code.setdefault(each.code, []).append(each)
+    return [
+        FindingGroup(
+            first.severity.word,
+            first.text,
+            first.code,
+            first.remedy,
+            tuple(other.text for other in others),
+        )
+        for first, *others in by_code.values()
+    ]
 
 
 def trust(stats: Stats, log: LogFacts) -> Trust:
     """Say whether the numbers can be relied on."""
-    said = findings(stats, log)
-    severities = [each.severity for each in said]
-    grave = sorted(
-        (each for each in said if each.code in GRAVE or each.severity == "error"),
-        key=lambda each: GRAVE.index(each.code) if each.code in GRAVE else -1,
-    )
-    above_all = tuple(each.text for each in grave[:MOST_ABOVE_ALL])
-    errors, warnings = severities.count("error"), severities.count("warning")
+    # Losses have a sentence of their own.
+    found = [each for each in log_source(stats, log).findings if each.code != "W_LOST"]
+    severities = [each.severity for each in found]
+    above_all = tuple(f"{each.text}. {each.remedy}".strip() for each in first_of(found))
+    errors, warnings = severities.count(Severity.ERROR), severities.count(Severity.WARNING)
     counted = ", ".join(
         f"{count} {word}{'' if count == 1 else 's'}"
         for count, word in ((errors, "error"), (warnings, "warning"))
@@ -129,7 +114,23 @@ def trust(stats: Stats, log: LogFacts) -> Trust:
         return Trust("bad", f"Do not trust it unseen: {counted}.", above_all)
     if warnings:
         return Trust("care", f"Trust it with care: {counted}.", above_all)
-    return Trust("good", "It can be trusted: no damage, no warnings.")
+    return _trust_of_checks(checks_of(stats, found))
+
+
+def _trust_of_checks(checks: Sequence[Check]) -> Trust:
+    """Say whether a log without damage and warnings can be trusted."""
+    not_made = _listed(checks, Outcome.NOT_MADE)
+    if not_made:
+        return Trust("care", f"No fault was found, but not all was checked: {not_made}.")
+    passed = sum(check.outcome is Outcome.PASSED for check in checks)
+    text = f"It can be trusted: no damage, no warnings, {passed} checks passed."
+    left = _listed(checks, Outcome.DOES_NOT_APPLY)
+    return Trust("good", f"{text} Not checked: {left}." if left else text)
+
+
+def _listed(checks: Sequence[Check], outcome: Outcome) -> str:
+    """Name the checks with an outcome, each with its reason."""
+    return "; ".join(f"{each.name} ({each.reason})" for each in checks if each.outcome is outcome)
 
 
 def _tiles(stats: Stats) -> Iterator[Tile]:
@@ -154,7 +155,7 @@ def _tiles(stats: Stats) -> Iterator[Tile]:
             f"{main.strides} strides",
         )
     if main is not None and main.duty_factor is not None:
-        kind = "running" if main.duty_factor < 0.5 else "not running"
+        kind = "below one half" if main.duty_below_half else "one half or more"
         yield Tile("duty factor", decimal(main.duty_factor, 3), kind)
     yield from _load_tiles(stats)
 
@@ -167,7 +168,7 @@ def _load_tiles(stats: Stats) -> Iterator[Tile]:
     ]
     if peaks:
         highest, name = max(peaks)
-        weight = stats.settings.body_weight_n
+        weight = stats.loads.weight_n
         of = "" if weight is None else f", {decimal(highest / weight, 2)} body weights"
         yield Tile("highest load", f"{decimal(highest, 1)} N", f"{name}{of}")
     ratio = stats.loads.vertical_impulse_over_weight
@@ -185,7 +186,7 @@ def _load_tiles(stats: Stats) -> Iterator[Tile]:
 
 def _segments(stats: Stats) -> Iterator[str]:
     for segment in stats.segments:
-        start, end = (each / 1e9 for each in (segment.spans[0] - stats.origin).tolist())
+        start, end = ((each - stats.origin) / 1e9 for each in (segment.start, segment.end))
         frequency = segment.stride_frequency_hz
         pace = "" if frequency is None else f", {frequency:.2f} strides a second"
         yield f"{start:.1f} to {end:.1f} s: {gait_name(segment).lower()}{pace}"

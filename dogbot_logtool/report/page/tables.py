@@ -6,10 +6,8 @@ from typing import Final
 
 import numpy as np
 
-from dogbot_logtool.core.gait.foot_statistics import FootFigures
-from dogbot_logtool.core.geometry.aggregates import Aggregate
+from dogbot_logtool.core.gait.foot_statistics import FootStatistics
 from dogbot_logtool.core.geometry.arrays import Floats, Ints
-from dogbot_logtool.core.load.load_figures import grouped_shares
 from dogbot_logtool.core.quality.outliers import (
     LEAST_SHARE,
     MOST_DEVIATIONS,
@@ -17,9 +15,10 @@ from dogbot_logtool.core.quality.outliers import (
     outliers,
 )
 from dogbot_logtool.core.statistics import Stats
-from dogbot_logtool.report.numbers import NOTHING, decimal, percent
-from dogbot_logtool.report.stats_json import symmetry
-from dogbot_logtool.results import LogFacts
+from dogbot_logtool.report.figures.feet import FootSource
+from dogbot_logtool.report.figures.figure import Json, TableName
+from dogbot_logtool.report.figures.tables import cells_of, columns_of, headers
+from dogbot_logtool.report.numbers import decimal, percent
 
 MOST_STRIDES: Final = 400
 """Rows of the stride table."""
@@ -44,7 +43,7 @@ class Table:
     rows: Sequence[Sequence[Cell]]
     caption: str
     foot_of_row: Sequence[int] = ()
-    """Place of the foot that a row is about, for its colour; empty: none."""
+    """Index of the foot that a row is about, for its colour; empty: none."""
 
     @property
     def lines(self) -> list[tuple[int | None, Sequence[Cell]]]:
@@ -66,7 +65,7 @@ def stride_table(stats: Stats) -> Table:
     marked = [row for row in rows if any(cell.mark for cell in row[2])]
     shown = rows if len(rows) <= MOST_STRIDES else marked[:MOST_STRIDES]
     return Table(
-        ("foot", "from s", "stance s", "swing s", "duty", "length m", "peak N", "slip mm"),
+        ("foot", "from s", *headers(TableName.PAGE_STRIDES)),
         [cells for _, _, cells in shown],
         _stride_caption(len(rows), len(marked), len(shown)),
         [foot for _, foot, _ in shown],
@@ -88,19 +87,15 @@ def _stride_caption(every: int, marked: int, shown: int) -> str:
 
 
 def _stride_rows(
-    stats: Stats, foot: int, figures: FootFigures
+    stats: Stats, foot: int, figures: FootStatistics
 ) -> list[tuple[float, int, tuple[Cell, ...]]]:
-    strides, stance = figures.strides, figures.strides.stance
-    columns: tuple[tuple[Floats, int], ...] = (
-        (strides.stance_s, 3),
-        (strides.swing_s, 3),
-        (strides.duty_factor, 3),
-        (figures.length_m, 3),
-        (figures.stances.figures.peak_n[stance], 1),
-        (figures.slip_m[stance] * 1e3, 1),
-    )
+    strides = figures.strides
+    source = FootSource(stats, foot, figures)
     segment = _segment_of(stats, strides.touchdown + (strides.end - strides.touchdown) // 2)
-    cells = [_column(values, decimals, segment) for values, decimals in columns]
+    cells = [
+        _column(each.figure.of(source) * each.column.scale, each.column.decimals or 0, segment)
+        for each in columns_of(TableName.PAGE_STRIDES)
+    ]
     begin = stats.seconds(strides.touchdown)
     return [
         (start, foot, (*_cells(figures.name, decimal(start, 3)), *row))
@@ -128,127 +123,53 @@ def _column(values: Floats, decimals: int, segment: Ints) -> list[Cell]:
     return cells
 
 
-def load_table(stats: Stats) -> Table:
+def load_table(document: Json) -> Table:
     """Return the loads of each foot."""
-    rows = []
-    for row, foot in enumerate(stats.feet):
-        share = stats.loads.shares[row] if stats.loads.shares else None
-        rows.append(
-            _cells(
-                foot.name,
-                percent(share),
-                _value(foot.peak_force_n, "max", 1),
-                _value(foot.peak_force_n, "median", 1),
-                _in_weights(stats, foot.peak_force_n),
-                _value(foot.mean_force_n, "median", 1),
-                _value(foot.peak_vertical_force_n, "median", 1),
-                _value(foot.impact_ratio, "median", 2),
-                _value(foot.loading_rate_nps, "median", 0),
-                _value(foot.friction_use, "median", 2),
-                _value(foot.slip_distance_m, "median", 1, 1e3),
-            )
-        )
     of = {"vertical_impulse": "vertical impulse", "force_impulse": "impulse of |F|"}
-    share_of = of.get(stats.loads.share_of or "", "load")
-    return Table(
-        (
-            "foot",
-            "share",
-            "highest N",
-            "peak N",
-            "peak BW",
-            "mean N",
-            "peak Fz N",
-            "impact",
-            "rate N/s",
-            "friction",
-            "slip mm",
-        ),
-        rows,
+    share_of = of.get(document["forces"]["load_share_of"], "load")
+    return _foot_table(
+        TableName.PAGE_LOADS,
+        document,
         f"Medians over whole stances; share of the {share_of}; highest: over all of them.",
-        range(len(stats.feet)),
     )
 
 
-def _value(value: Aggregate | None, key: str, decimals: int, scale: float = 1.0) -> str:
-    return NOTHING if value is None else decimal(getattr(value, key) * scale, decimals)
-
-
-def _in_weights(stats: Stats, value: Aggregate | None) -> str:
-    weight = stats.settings.body_weight_n
-    return NOTHING if weight is None else _value(value, "median", 2, 1.0 / weight)
-
-
-def symmetry_table(stats: Stats) -> Table | None:
-    """Return right against left, and how the load is shared; None without the four corners."""
-    indices = symmetry(stats)
-    if indices is None:
-        return None
-    rows = [
-        _cells(
-            pair,
-            *(_signed(index[key]) for key in ("stance_s", "duty_factor", "peak_force_n")),
-        )
-        for pair, index in indices.items()
-    ]
-    words = "Right over left, percent of their mean (Robinson, Herzog and Nigg 1987): 0 is even."
-    if stats.loads.shares is not None:
-        shares = grouped_shares(stats.loads.shares, [foot.place for foot in stats.feet])
-        parts = [f"{name} {percent(share)}" for name, share in shares.items()]
-        words += f" Load: {', '.join(parts)}."
-    return Table(("pair", "stance %", "duty factor %", "peak force %"), rows, words)
-
-
-def _signed(value: float | None) -> str:
-    return NOTHING if value is None else f"{round(value, 1) + 0.0:+.1f}"
-
-
-def step_table(stats: Stats) -> Table:
+def step_table(document: Json) -> Table:
     """Return the steps of each foot."""
-    rows = []
-    for row, foot in enumerate(stats.feet):
-        phase = stats.main.phases[row] if stats.main else None
-        rows.append(
-            _cells(
-                foot.name,
-                percent(foot.contact_fraction),
-                str(len(foot.strides.stance)),
-                _value(foot.stance_s, "median", 3),
-                _value(foot.swing_s, "median", 3),
-                _value(foot.duty_factor, "median", 3),
-                decimal(phase.mean if phase else None, 3),
-                decimal(phase.consistency if phase else None, 2),
-                _value(foot.stride_length_m, "median", 3),
-            )
-        )
-    return Table(
-        ("foot", "contact", "strides", "stance s", "swing s", "duty", "phase", "R", "length m"),
-        rows,
+    return _foot_table(
+        TableName.STEPS,
+        document,
         "Medians over whole strides; phase in cycles, and its consistency R, in the longest "
         "segment.",
-        range(len(stats.feet)),
     )
 
 
-def topic_table(stats: Stats, log: LogFacts) -> Table:
+def _foot_table(table: TableName, document: Json, caption: str) -> Table:
+    rows = [_cells(name, *cells_of(table, document, name)) for name in document["feet"]]
+    return Table(("foot", *headers(table)), rows, caption, range(len(rows)))
+
+
+def symmetry_table(document: Json) -> Table | None:
+    """Return right against left, and how the load is shared; None without the four corners."""
+    indices = document["forces"]["symmetry_index_percent"]
+    if indices is None:
+        return None
+    table = TableName.SYMMETRY
+    rows = [_cells(pair, *cells_of(table, document, pair)) for pair in indices]
+    words = "Right over left, percent of their mean (Robinson, Herzog and Nigg 1987): 0 is even."
+    shares = document["forces"]["load_share"]
+    if shares is not None:
+        parts = [f"{name} {percent(shares[name])}" for name in shares if name != "feet"]
+        words += f" Load: {', '.join(parts)}."
+    return Table(("pair", *headers(table)), rows, words)
+
+
+def topic_table(document: Json) -> Table:
     """Return the timing of each topic."""
-    rows = [
-        _cells(
-            topic.topic,
-            f"{topic.messages:,}",
-            decimal(topic.rate_hz, 1),
-            decimal(topic.median_rate_hz, 1),
-            str(topic.gaps),
-            decimal(topic.gaps_total_s, 2),
-            decimal(topic.longest_gaps[0].length_s if topic.longest_gaps else None, 2),
-            decimal(topic.offset_median_s, 3),
-        )
-        for topic in stats.topics
-    ]
-    words = f"{log.messages:,} messages."
+    table = TableName.TOPICS
     return Table(
-        ("topic", "messages", "Hz", "usual Hz", "gaps", "gaps s", "longest s", "log - stamp s"),
-        rows,
-        f"{words} Usual: 1 over the median interval; in bursts, messages over the time without "
-        "gaps. Gap: over 5 usual intervals and 50 ms.",
+        ("topic", *headers(table)),
+        [_cells(name, *cells_of(table, document, name)) for name in document["quality"]["topics"]],
+        f"{document['log']['messages']:,} messages. Usual: 1 over the median interval; in bursts, "
+        "messages over the time without gaps. Gap: over 5 usual intervals and 50 ms.",
     )

@@ -6,11 +6,11 @@ import numpy as np
 import plotly.graph_objects as go
 
 from dogbot_logtool.core.contact.curves import Curve
-from dogbot_logtool.core.gait.foot_statistics import FootFigures
+from dogbot_logtool.core.gait.foot_statistics import FootStatistics
 from dogbot_logtool.core.geometry import timespans
 from dogbot_logtool.core.geometry.arrays import Floats, Ints
+from dogbot_logtool.core.scene.foot_style import foot_colour, short_names
 from dogbot_logtool.core.statistics import Stats
-from dogbot_logtool.report.foot_pens import foot_colour, short_names
 from dogbot_logtool.report.gait_diagram import default_window
 from dogbot_logtool.report.numbers import NOTHING, decimal, percent
 from dogbot_logtool.report.page.drawing import (
@@ -86,7 +86,7 @@ def _partly(stats: Stats, parts: list[Ints]) -> str:
     )
 
 
-def _stances_drawn(stats: Stats, foot: FootFigures) -> Ints:
+def _stances_drawn(stats: Stats, foot: FootStatistics) -> Ints:
     """(s, 2) ns, the contacts around the typical strides, as many as can be drawn."""
     spans = timespans.no_spans() if foot.is_dead else foot.record.in_contact
     middle = stats.origin + round(sum(default_window(stats)) / 2.0 * 1e9)
@@ -95,7 +95,7 @@ def _stances_drawn(stats: Stats, foot: FootFigures) -> Ints:
     return spans[first : first + MOST_STANCES]
 
 
-def _bars(stats: Stats, foot: FootFigures, spans: Ints, row: int) -> go.Bar:
+def _bars(stats: Stats, foot: FootStatistics, spans: Ints, row: int) -> go.Bar:
     start, end = seconds(stats, spans[:, 0]), seconds(stats, spans[:, 1])
     return go.Bar(
         orientation="h",
@@ -111,7 +111,7 @@ def _bars(stats: Stats, foot: FootFigures, spans: Ints, row: int) -> go.Bar:
     )
 
 
-def _unknown_bars(stats: Stats, foot: FootFigures, row: int) -> go.Bar:
+def _unknown_bars(stats: Stats, foot: FootStatistics, row: int) -> go.Bar:
     known = timespans.no_spans() if foot.is_dead else foot.record.known
     everything = np.array([[stats.origin, stats.end]], np.int64)
     spans = timespans.subtract(everything, known)
@@ -135,7 +135,7 @@ def _unknown_bars(stats: Stats, foot: FootFigures, row: int) -> go.Bar:
     )
 
 
-def _contact_share(stats: Stats, foot: FootFigures, drawn: Ints, row: int) -> go.Scatter:
+def _contact_share(stats: Stats, foot: FootStatistics, drawn: Ints, row: int) -> go.Scatter:
     edges = np.linspace(stats.origin, stats.end, SHARE_BINS + 1).astype(np.int64)
     known = timespans.covered(foot.record.known, edges)
     share = np.full(SHARE_BINS, np.nan)
@@ -201,13 +201,13 @@ def _extent(stats: Stats) -> tuple[float, float]:
     return min(0.0, 1.05 * low), max(1.05 * high, 1.0)
 
 
-def _curves(foot: FootFigures) -> list[Curve]:
+def _curves(foot: FootStatistics) -> list[Curve]:
     curves = foot.record.curves
     return [each for each in (curves.force, curves.vertical) if each] if curves else []
 
 
 def _load_traces(
-    stats: Stats, foot: FootFigures, row: int, extent: tuple[float, float]
+    stats: Stats, foot: FootStatistics, row: int, extent: tuple[float, float]
 ) -> list[go.Scatter]:
     curves, colour = foot.record.curves, foot_colour(row)
     traces = [_shading(stats, _stances_drawn(stats, foot), colour, extent)]
@@ -226,14 +226,14 @@ def _load_traces(
 
 def _line(stats: Stats, curve: Curve, breaks: Ints, name: str, line: dict[str, Any]) -> go.Scatter:
     time, force = curve.line(breaks)
-    weight = stats.settings.body_weight_n
+    weight = stats.loads.weight_n
     in_weights: Floats | None = None if weight is None else (force / weight).astype(np.float32)
     return go.Scatter(
         x=seconds(stats, time),
         y=force.astype(np.float32),
         mode="lines",
         line=line,
-        # The whole force is drawn over its vertical part, but told before it.
+        # The whole force is drawn over its vertical part, but named before it.
         zorder=0 if line.get("dash") else 1,
         name=name,
         customdata=in_weights,

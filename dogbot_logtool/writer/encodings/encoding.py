@@ -1,15 +1,22 @@
-"""What an output encoding must offer, and what both have in common."""
+"""What an output encoding must offer, and what all have in common."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Final, Protocol
 
+from dogbot_logtool.core.events.messages import EventMessage, GaitState
 from dogbot_logtool.writer.template import Kind, Template
 
 SHAFT_SHARE: Final = 0.77
-"""Part of an arrow's length that is its shaft; viewers draw ROS markers so."""
+"""The shaft's share of an arrow's length, as viewers draw ROS markers."""
 HEAD_TO_SHAFT: Final = 2.0
 """Diameter of an arrow's head over its shaft's."""
+LOAD_STATES: Final = ("stance", "swing", "unknown")
+"""Values of a load's `state`, in the order of `LoadState`."""
+GAIT_NUMBERS: Final = ("stride_frequency_hz", "duty_factor")
+"""Numbers of a gait's state, besides phases."""
+EVENT_SOURCE: Final = "dogbot_logtool"
+"""The program that log panels name."""
 LOAD_FIELDS: Final = {
     "in_contact": Kind.BOOL,
     "force": Kind.FLOAT64,
@@ -19,7 +26,7 @@ LOAD_FIELDS: Final = {
 
 @dataclass(frozen=True, slots=True)
 class MessageType:
-    """A schema of ours, as an MCAP file names it."""
+    """One of our schemas, as an MCAP file describes it."""
 
     name: str
     schema_encoding: str
@@ -28,8 +35,8 @@ class MessageType:
 
 
 @dataclass(frozen=True, slots=True)
-class ArrowStyle:
-    """What is the same for all arrows of a style."""
+class ArrowLook:
+    """How all arrows of a style look."""
 
     shaft_diameter_m: float
     lifetime_s: float
@@ -38,24 +45,24 @@ class ArrowStyle:
 
 @dataclass(frozen=True, slots=True)
 class SupportShape:
-    """What a support message holds; messages of one shape are of one size."""
+    """What a support message holds; messages of one shape have one size."""
 
     line_points: int
-    """Points of the outline, one after the other."""
+    """Points of the outline."""
     pressure: bool
     """Whether the centre of pressure is known; also `projection`, the base's."""
     projection: bool
-    footfalls: int
+    touchdowns: int
 
 
 @dataclass(frozen=True, slots=True)
-class SupportStyle:
-    """What is the same for all support messages."""
+class SupportLook:
+    """How all support messages look."""
 
     line_m: float
     """m, thickness of the outline."""
     mark_m: float
-    """m, diameter of a footfall's mark."""
+    """m, diameter of a touchdown's mark."""
     lifetime_s: float
 
 
@@ -64,7 +71,7 @@ class BallLook:
     """How a point of a support message is drawn: as a sphere, or flat on the ground."""
 
     width: float
-    """Times the diameter of a footfall's mark; also `height`."""
+    """Times the diameter of a touchdown's mark; also `height`."""
     height: float
     colour: tuple[float, float, float, float]
     """Red, green, blue, alpha; Okabe and Ito's, besides those of the outline."""
@@ -74,8 +81,13 @@ PRESSURE_LOOK: Final = BallLook(1.5, 1.5, (0.8, 0.475, 0.655, 1.0))
 """Reddish purple."""
 PROJECTION_LOOK: Final = BallLook(1.5, 0.25, (0.337, 0.706, 0.914, 1.0))
 """Sky blue."""
-FOOTFALL_LOOK: Final = BallLook(1.0, 0.25, (0.6, 0.6, 0.6, 1.0))
-"""Grey."""
+TOUCHDOWN_LOOK: Final = BallLook(1.0, 0.25, (0.6, 0.6, 0.6, 1.0))
+"""Touchdowns have the colours of their feet."""
+LABEL_HEIGHT_M: Final = 0.05
+LABEL_COLOUR: Final = (0.35, 0.35, 0.35, 1.0)
+"""Readable on dark and on light ground."""
+LABEL_WIDTH: Final = 8
+"""Characters of the number and its unit in a label, padded with spaces."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -85,13 +97,17 @@ class SupportPoints:
     line: tuple[str, ...]
     pressure: tuple[str, ...]
     projection: tuple[str, ...]
-    footfalls: tuple[str, ...]
+    touchdowns: tuple[str, ...]
 
     @property
     def fields(self) -> Mapping[str, Kind]:
         """Their numbers."""
-        names = (*self.line, *self.pressure, *self.projection, *self.footfalls)
+        names = (*self.line, *self.pressure, *self.projection, *self.touchdowns)
         return {f"{name}.{axis}": Kind.FLOAT64 for name in names for axis in "xyz"}
+
+    def colours(self, kind: Kind) -> Mapping[str, Kind]:
+        """The numbers of the touchdowns' colours, each of a kind."""
+        return {f"{name}.{part}": kind for name in self.touchdowns for part in "rgb"}
 
 
 def support_points(shape: SupportShape) -> SupportPoints:
@@ -100,35 +116,47 @@ def support_points(shape: SupportShape) -> SupportPoints:
         line=tuple(f"line{number}" for number in range(shape.line_points)),
         pressure=("pressure",) * shape.pressure,
         projection=("projection",) * shape.projection,
-        footfalls=tuple(f"footfall{number}" for number in range(shape.footfalls)),
+        touchdowns=tuple(f"touchdown{number}" for number in range(shape.touchdowns)),
     )
 
 
 class Encoding(Protocol):
-    """Makes templates of the annotations.
+    """Makes templates of the annotations; `registry.py` lists the encodings.
 
-    Numbers are named alike in all encodings: ``stamp``; ``x``, ``y``, ``z`` of a position;
+    Numbers have the same names in all encodings: ``stamp``; ``x``, ``y``, ``z`` of a position;
     ``qx``, ``qy``, ``qz``, ``qw`` of an orientation; ``length`` of an arrow or, where an encoding
-    has none, ``shaft`` and ``head``; ``r``, ``g``, ``b``, ``a``; those of `LOAD_FIELDS`; and of
-    each of the `support_points`, ``x``, ``y`` and ``z`` after its name and a dot.
+    has none, ``shaft`` and ``head``; ``r``, ``g``, ``b``, ``a``; those of `LOAD_FIELDS`; ``text``
+    of a label; and of each of the `support_points`, ``x``, ``y`` and ``z`` after its name and a
+    dot, of touchdowns also ``r``, ``g`` and ``b``.
     """
 
     transform_type: MessageType
     arrow_type: MessageType
     load_type: MessageType
     support_type: MessageType
+    event_type: MessageType
+    gait_type: MessageType
 
     def transform(self, parent: str, child: str) -> Template:
         """Return a message of one transform."""
 
-    def arrow(self, foot: str, frame: str, style: ArrowStyle) -> Template:
+    def arrow(self, foot: str, frame: str, style: ArrowLook) -> Template:
         """Return a message that draws a foot's arrow."""
 
     def removal(self, foot: str, frame: str) -> Template:
         """Return a message that removes a foot's arrow."""
 
-    def load(self) -> Template:
-        """Return a message that gives a foot's load."""
+    def label(self, foot: str, frame: str, name: str, lifetime_s: float) -> Template:
+        """Return a message that writes a foot's load beside it, after a short name."""
 
-    def support(self, shape: SupportShape, frame: str, style: SupportStyle) -> Template:
+    def load(self, state: str) -> Template:
+        """Return a message that gives a foot's load in one of `LOAD_STATES`."""
+
+    def support(self, shape: SupportShape, frame: str, style: SupportLook) -> Template:
         """Return a message that draws what the robot stands on; it replaces the one before."""
+
+    def event(self, event: EventMessage) -> bytes:
+        """Return a message that log panels show."""
+
+    def gait(self, state: GaitState) -> bytes:
+        """Return a message that gives the gait from a time on."""

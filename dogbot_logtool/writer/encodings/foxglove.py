@@ -1,13 +1,16 @@
 """Annotations as Foxglove's protobuf messages."""
 
 from collections.abc import Mapping
-from typing import Final, cast
+from typing import Any, Final, cast
 
+from foxglove_schemas_protobuf.Color_pb2 import Color
 from foxglove_schemas_protobuf.FrameTransforms_pb2 import FrameTransforms
 from foxglove_schemas_protobuf.LinePrimitive_pb2 import LinePrimitive
+from foxglove_schemas_protobuf.Log_pb2 import Log
 from foxglove_schemas_protobuf.Point3_pb2 import Point3
 from foxglove_schemas_protobuf.SceneEntity_pb2 import SceneEntity
 from foxglove_schemas_protobuf.SceneUpdate_pb2 import SceneUpdate
+from foxglove_schemas_protobuf.SpherePrimitive_pb2 import SpherePrimitive
 from foxglove_schemas_protobuf.Vector3_pb2 import Vector3
 from google.protobuf.descriptor import FileDescriptor
 from google.protobuf.descriptor_pb2 import (
@@ -22,23 +25,29 @@ from google.protobuf.message_factory import GetMessageClass
 from google.protobuf.timestamp_pb2 import DESCRIPTOR as TIMESTAMP_FILE
 from google.protobuf.timestamp_pb2 import Timestamp
 
+from dogbot_logtool.core.events.messages import EventMessage, GaitState
 from dogbot_logtool.writer.encodings.encoding import (
-    FOOTFALL_LOOK,
+    EVENT_SOURCE,
+    GAIT_NUMBERS,
     HEAD_TO_SHAFT,
+    LABEL_COLOUR,
+    LABEL_HEIGHT_M,
     LOAD_FIELDS,
     PRESSURE_LOOK,
     PROJECTION_LOOK,
-    ArrowStyle,
+    TOUCHDOWN_LOOK,
+    ArrowLook,
     BallLook,
     MessageType,
+    SupportLook,
     SupportShape,
-    SupportStyle,
     support_points,
 )
 from dogbot_logtool.writer.template import Kind, Number, Template, learn
 
 _STAMP: Final = {"stamp.sec": Kind.VARINT, "stamp.nanosec": Kind.VARINT}
 _POSE: Final = dict.fromkeys(("x", "y", "z", "qx", "qy", "qz", "qw"), Kind.FLOAT64)
+_POINT: Final = dict.fromkeys("xyz", Kind.FLOAT64)
 _COLOUR: Final = dict.fromkeys("rgba", Kind.FLOAT64)
 _ARROW: Final = dict.fromkeys(("shaft", "head", "r", "g", "b", "a"), Kind.FLOAT64)
 
@@ -66,7 +75,7 @@ def _message_type(kind: type[Message]) -> MessageType:
 
 
 def _load_class() -> type[Message]:
-    """Build the load message: a time, whether the foot touches, and its load.
+    """Build the load message: a time, whether the foot touches, its state, and its load.
 
     `in_contact` has presence, so that false is written out like true.
     """
@@ -91,9 +100,35 @@ def _load_class() -> type[Message]:
         message.field.add(
             name=name, number=number, type=field.TYPE_DOUBLE, label=field.LABEL_OPTIONAL
         )
+    message.field.add(name="state", number=5, type=field.TYPE_STRING, label=field.LABEL_OPTIONAL)
     message.oneof_decl.add(name="_in_contact")
+    return _own_class(message)
+
+
+def _gait_class() -> type[Message]:
+    """Build the message of the gait: a time, its class and its figures."""
+    message = DescriptorProto(name="Gait")
+    field = FieldDescriptorProto
+    message.field.add(
+        name="timestamp",
+        number=1,
+        type=field.TYPE_MESSAGE,
+        type_name=".google.protobuf.Timestamp",
+        label=field.LABEL_OPTIONAL,
+    )
+    message.field.add(name="gait", number=2, type=field.TYPE_STRING, label=field.LABEL_OPTIONAL)
+    for number, name in enumerate(GAIT_NUMBERS, 3):
+        message.field.add(
+            name=name, number=number, type=field.TYPE_DOUBLE, label=field.LABEL_OPTIONAL
+        )
+    message.field.add(name="phases", number=5, type=field.TYPE_DOUBLE, label=field.LABEL_REPEATED)
+    return _own_class(message)
+
+
+def _own_class(message: DescriptorProto) -> type[Message]:
+    """Build the class of a message that no library has."""
     file = FileDescriptorProto(
-        name="dogbot_logtool/Load.proto",
+        name=f"dogbot_logtool/{message.name}.proto",
         package="dogbot_logtool",
         syntax="proto3",
         dependency=[TIMESTAMP_FILE.name],
@@ -102,12 +137,17 @@ def _load_class() -> type[Message]:
     pool = DescriptorPool()
     pool.AddSerializedFile(TIMESTAMP_FILE.serialized_pb)
     pool.AddSerializedFile(file.SerializeToString())
-    return GetMessageClass(pool.FindMessageTypeByName("dogbot_logtool.Load"))
+    return GetMessageClass(pool.FindMessageTypeByName(f"dogbot_logtool.{message.name}"))
 
 
 def _set_time(stamp: Timestamp, values: Mapping[str, Number]) -> None:
     stamp.seconds = int(values["stamp.sec"])
     stamp.nanos = int(values["stamp.nanosec"])
+
+
+def _set_parts(target: Message, parts: str, values: Mapping[str, Number], prefix: str = "") -> None:
+    for part in parts:
+        setattr(target, part, values[prefix + part])
 
 
 class FoxgloveEncoding:
@@ -119,6 +159,9 @@ class FoxgloveEncoding:
         self.arrow_type = _message_type(SceneUpdate)
         self.load_type = _message_type(self._load_class)
         self.support_type = self.arrow_type
+        self.event_type = _message_type(Log)
+        self._gait_class = _gait_class()
+        self.gait_type = _message_type(self._gait_class)
 
     def transform(self, parent: str, child: str) -> Template:
         """See `Encoding.transform`."""
@@ -135,7 +178,7 @@ class FoxgloveEncoding:
 
         return learn(serialise, _STAMP | _POSE)
 
-    def arrow(self, foot: str, frame: str, style: ArrowStyle) -> Template:
+    def arrow(self, foot: str, frame: str, style: ArrowLook) -> Template:
         """See `Encoding.arrow`."""
 
         def serialise(values: Mapping[str, Number]) -> bytes:
@@ -171,54 +214,93 @@ class FoxgloveEncoding:
 
         return learn(serialise, _STAMP)
 
-    def load(self) -> Template:
+    def label(self, foot: str, frame: str, name: str, lifetime_s: float) -> Template:
+        """See `Encoding.label`; its entity has another id than the arrow's."""
+        message = SceneUpdate()
+        entity = message.entities.add(id=foot, frame_id=frame)
+        entity.lifetime.FromNanoseconds(round(lifetime_s * 1e9))
+        label = entity.texts.add(billboard=True, font_size=LABEL_HEIGHT_M, scale_invariant=False)
+        label.pose.orientation.w = 1.0
+        label.color.r, label.color.g, label.color.b, label.color.a = LABEL_COLOUR
+
+        def serialise(values: Mapping[str, Number]) -> bytes:
+            _set_time(entity.timestamp, values)
+            for axis in "xyz":
+                setattr(label.pose.position, axis, values[axis])
+            label.text = f"{name} {values['text']}"
+            return message.SerializeToString(deterministic=True)
+
+        return learn(serialise, _STAMP | _POINT | {"text": Kind.TEXT8})
+
+    def load(self, state: str) -> Template:
         """See `Encoding.load`."""
 
         def serialise(values: Mapping[str, Number]) -> bytes:
-            message = self._load_class(**{name: values[name] for name in LOAD_FIELDS})
+            numbers: dict[str, Any] = {name: values[name] for name in LOAD_FIELDS}
+            message = self._load_class(state=state, **numbers)
             _set_time(message.timestamp, values)  # type: ignore[attr-defined]
             return message.SerializeToString(deterministic=True)
 
         return learn(serialise, _STAMP | LOAD_FIELDS)
 
-    def support(self, shape: SupportShape, frame: str, style: SupportStyle) -> Template:
+    def support(self, shape: SupportShape, frame: str, style: SupportLook) -> Template:
         """See `Encoding.support`; one entity holds it all, so that each replaces the last."""
         message = SceneUpdate()
         entity = message.entities.add(id="support", frame_id=frame)
         entity.lifetime.FromNanoseconds(round(style.lifetime_s * 1e9))
         points = support_points(shape)
-        places: dict[str, Point3 | Vector3] = {}
+        positions: dict[str, Point3 | Vector3] = {}
+        colours: dict[str, Color] = {}
         line = LinePrimitive()
         if points.line:
             line = entity.lines.add(type=LinePrimitive.LINE_STRIP, thickness=style.line_m)
             # All zeros are no orientation.
             line.pose.orientation.w = 1.0
-            places |= {name: line.points.add() for name in points.line}
+            positions |= {name: line.points.add() for name in points.line}
         for names, look in (
             (points.pressure, PRESSURE_LOOK),
             (points.projection, PROJECTION_LOOK),
-            (points.footfalls, FOOTFALL_LOOK),
+            (points.touchdowns, TOUCHDOWN_LOOK),
         ):
-            places |= {name: _add_ball(entity, look, style.mark_m) for name in names}
+            for name in names:
+                ball = _add_ball(entity, look, style.mark_m)
+                positions[name], colours[name] = ball.pose.position, ball.color
 
         def serialise(values: Mapping[str, Number]) -> bytes:
             _set_time(entity.timestamp, values)
-            for name, place in places.items():
-                place.x, place.y, place.z = (values[f"{name}.{axis}"] for axis in "xyz")
+            for name, position in positions.items():
+                _set_parts(position, "xyz", values, f"{name}.")
+            for name in points.touchdowns:
+                _set_parts(colours[name], "rgb", values, f"{name}.")
             if points.line:
-                colour = line.color
-                colour.r, colour.g, colour.b, colour.a = (values[part] for part in "rgba")
+                _set_parts(line.color, "rgba", values)
             return message.SerializeToString(deterministic=True)
 
         colour = _COLOUR if points.line else {}
-        return learn(serialise, {**_STAMP, **colour, **points.fields})
+        return learn(
+            serialise, {**_STAMP, **colour, **points.fields, **points.colours(Kind.FLOAT64)}
+        )
+
+    def event(self, event: EventMessage) -> bytes:
+        """See `Encoding.event`."""
+        message = Log(level=int(event.level), message=event.text, name=event.source)  # type: ignore[arg-type]
+        message.file = EVENT_SOURCE
+        message.timestamp.FromNanoseconds(event.time)
+        return message.SerializeToString(deterministic=True)
+
+    def gait(self, state: GaitState) -> bytes:
+        """See `Encoding.gait`."""
+        numbers = {name: getattr(state, name) for name in GAIT_NUMBERS}
+        message = self._gait_class(gait=state.gait, phases=state.phases, **numbers)
+        message.timestamp.FromNanoseconds(state.time)  # type: ignore[attr-defined]
+        return message.SerializeToString(deterministic=True)
 
 
-def _add_ball(entity: SceneEntity, look: BallLook, mark_m: float) -> Vector3:
-    """Add a sphere; return its place."""
+def _add_ball(entity: SceneEntity, look: BallLook, mark_m: float) -> SpherePrimitive:
+    """Add and return a sphere."""
     ball = entity.spheres.add()
     ball.pose.orientation.w = 1.0
     ball.size.x = ball.size.y = look.width * mark_m
     ball.size.z = look.height * mark_m
     ball.color.r, ball.color.g, ball.color.b, ball.color.a = look.colour
-    return ball.pose.position
+    return ball

@@ -4,18 +4,24 @@ from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
 from typing import Any, ClassVar, Final
 
+import numpy as np
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
+from dogbot_logtool.core.events.messages import EventMessage, GaitState, Level
 from dogbot_logtool.writer.encodings.encoding import (
-    FOOTFALL_LOOK,
+    EVENT_SOURCE,
+    GAIT_NUMBERS,
+    LABEL_COLOUR,
+    LABEL_HEIGHT_M,
     LOAD_FIELDS,
     PRESSURE_LOOK,
     PROJECTION_LOOK,
-    ArrowStyle,
+    TOUCHDOWN_LOOK,
+    ArrowLook,
     BallLook,
     MessageType,
+    SupportLook,
     SupportShape,
-    SupportStyle,
     support_points,
 )
 from dogbot_logtool.writer.template import Kind, Number, Template, learn
@@ -27,17 +33,28 @@ _LOAD: Final = "dogbot_logtool/msg/Load"
 _LOAD_DEFINITION: Final = """
 # The load on a foot at the time of one contact message.
 builtin_interfaces/Time stamp
-bool in_contact
-float64 force     # N, magnitude
+bool in_contact   # as the sensor reports it
+string state      # stance, swing or unknown
+float64 force     # N, magnitude; NaN when not known
 float64 force_bw  # body weights; NaN when the robot's mass is not known
+"""
+_GAIT: Final = "dogbot_logtool/msg/Gait"
+_GAIT_DEFINITION: Final = """
+# The gait from this time on.
+builtin_interfaces/Time stamp
+string gait                  # class, or unknown
+float64 stride_frequency_hz  # NaN without strides
+float64 duty_factor
+float64[] phases             # cycles, of each foot
 """
 _NAMESPACE: Final = "dogbot"
 _ADD, _DELETE = 0, 2
-_ARROW_TYPE, _LINE_STRIP_TYPE, _SPHERE_LIST_TYPE = 0, 4, 7
+_ARROW_TYPE, _LINE_STRIP_TYPE, _SPHERE_LIST_TYPE, _TEXT_TYPE = 0, 4, 7, 9
 _SUPPORT_MARKERS: Final = 4
-"""Outline, centre of pressure, projection and footfalls, in the order of their ids."""
+"""Outline, centre of pressure, projection and touchdowns, in the order of their ids."""
 _STAMP: Final = {"stamp.sec": Kind.UINT32, "stamp.nanosec": Kind.UINT32}
 _POSE: Final = dict.fromkeys(("x", "y", "z", "qx", "qy", "qz", "qw"), Kind.FLOAT64)
+_POINT: Final = dict.fromkeys("xyz", Kind.FLOAT64)
 _COLOUR: Final = dict.fromkeys("rgba", Kind.FLOAT32)
 _UPRIGHT: Final = {"qx": 0.0, "qy": 0.0, "qz": 0.0, "qw": 1.0}
 
@@ -46,19 +63,27 @@ class RosEncoding(ABC):
     """tf2_msgs/TFMessage, visualization_msgs' markers and a load message of our own."""
 
     distribution: ClassVar[Stores]
-    """Whose message definitions are used."""
+    """The distribution whose message definitions are used."""
     definitions: ClassVar[Mapping[str, str]] = {}
-    """Definitions that rosbags' store of it lacks."""
+    """Definitions that rosbags' type store lacks."""
     load_definition: ClassVar[str] = _LOAD_DEFINITION
+    gait_definition: ClassVar[str] = _GAIT_DEFINITION
+    log_name: ClassVar[str]
+    """The distribution's log message."""
+    log_levels: ClassVar[Mapping[Level, int]]
+    """Its numbers of the levels."""
 
     def __init__(self) -> None:
         self._store = get_typestore(self.distribution)
-        for name, text in {**self.definitions, _LOAD: self.load_definition}.items():
+        own = {_LOAD: self.load_definition, _GAIT: self.gait_definition}
+        for name, text in {**self.definitions, **own}.items():
             self._store.register(get_types_from_msg(text, name))
         self.transform_type = self._message_type(TF)
         self.arrow_type = self._message_type(MARKER)
         self.load_type = self._message_type(_LOAD)
         self.support_type = self._message_type(MARKERS)
+        self.event_type = self._message_type(self.log_name)
+        self.gait_type = self._message_type(_GAIT)
 
     @abstractmethod
     def _message_type(self, name: str) -> MessageType:
@@ -73,14 +98,19 @@ class RosEncoding(ABC):
         """Return what a header has besides stamp and frame."""
 
     @abstractmethod
+    def _log_extras(self, stamp: Mapping[str, Number]) -> Mapping[str, Any]:
+        """Return what a log message has besides the fields of all versions."""
+
+    @abstractmethod
     def _marker_extras(self) -> Mapping[str, Any]:
         """Return what a marker has besides the fields of all versions."""
 
-    def make(self, name: str, **fields: object) -> Any:  # noqa: ANN401 - types made at run time
+    def make(self, name: str, /, **fields: object) -> Any:  # noqa: ANN401 - types made at run time
         """Make a message."""
         return self._store.types[name](**fields)  # type: ignore[arg-type]
 
-    def _time(self, values: Mapping[str, Number], name: str = "stamp") -> Any:  # noqa: ANN401
+    def time_of(self, values: Mapping[str, Number], name: str = "stamp") -> Any:  # noqa: ANN401
+        """Make a time."""
         return self.make(
             "builtin_interfaces/msg/Time",
             sec=values[f"{name}.sec"],
@@ -89,7 +119,7 @@ class RosEncoding(ABC):
 
     def header(self, frame: str, values: Mapping[str, Number], stamp_name: str = "stamp") -> Any:  # noqa: ANN401
         """Make a header."""
-        stamp = self._time(values, stamp_name)
+        stamp = self.time_of(values, stamp_name)
         return self.make(
             "std_msgs/msg/Header", stamp=stamp, frame_id=frame, **self._header_extras()
         )
@@ -102,14 +132,14 @@ class RosEncoding(ABC):
         """See `Encoding.transform`."""
 
         def serialise(values: Mapping[str, Number]) -> bytes:
-            place = {axis: values[axis] for axis in "xyz"}
+            position = {axis: values[axis] for axis in "xyz"}
             one = self.make(
                 "geometry_msgs/msg/TransformStamped",
                 header=self.header(parent, values),
                 child_frame_id=child,
                 transform=self.make(
                     "geometry_msgs/msg/Transform",
-                    translation=self.make("geometry_msgs/msg/Vector3", **place),
+                    translation=self.make("geometry_msgs/msg/Vector3", **position),
                     rotation=self._quaternion(values),
                 ),
             )
@@ -117,7 +147,7 @@ class RosEncoding(ABC):
 
         return learn(serialise, _STAMP | _POSE)
 
-    def arrow(self, foot: str, frame: str, style: ArrowStyle) -> Template:
+    def arrow(self, foot: str, frame: str, style: ArrowLook) -> Template:
         """See `Encoding.arrow`; every foot has a topic of its own, so all markers have one id."""
         del foot
 
@@ -145,8 +175,8 @@ class RosEncoding(ABC):
 
         return learn(serialise, _STAMP)
 
-    def support(self, shape: SupportShape, frame: str, style: SupportStyle) -> Template:
-        """See `Encoding.support`; of its four markers, those that there are not are deleted."""
+    def support(self, shape: SupportShape, frame: str, style: SupportLook) -> Template:
+        """See `Encoding.support`; a marker without points is deleted."""
         points = support_points(shape)
         lifetime = self._duration(style.lifetime_s)
         stamps = [f"stamp{number}" for number in range(_SUPPORT_MARKERS)]
@@ -156,7 +186,7 @@ class RosEncoding(ABC):
                 self._line(points.line, style, values),
                 self._balls(points.pressure, PRESSURE_LOOK, style, values),
                 self._balls(points.projection, PROJECTION_LOOK, style, values),
-                self._balls(points.footfalls, FOOTFALL_LOOK, style, values),
+                self._touchdowns(points.touchdowns, style, values),
             )
             markers = [
                 self.marker(
@@ -171,10 +201,12 @@ class RosEncoding(ABC):
 
         times = {f"{stamp}.{part}": Kind.UINT32 for stamp in stamps for part in ("sec", "nanosec")}
         colour = _COLOUR if points.line else {}
-        return learn(serialise, {**times, **colour, **points.fields})
+        return learn(
+            serialise, {**times, **colour, **points.fields, **points.colours(Kind.FLOAT32)}
+        )
 
     def _line(
-        self, names: Sequence[str], style: SupportStyle, values: Mapping[str, Number]
+        self, names: Sequence[str], style: SupportLook, values: Mapping[str, Number]
     ) -> Mapping[str, Any]:
         """Return the fields of a marker that joins points; none where there are none."""
         if not names:
@@ -190,7 +222,7 @@ class RosEncoding(ABC):
         self,
         names: Sequence[str],
         look: BallLook,
-        style: SupportStyle,
+        style: SupportLook,
         values: Mapping[str, Number],
     ) -> Mapping[str, Any]:
         """Return the fields of a marker of several spheres; none where there are none."""
@@ -203,6 +235,16 @@ class RosEncoding(ABC):
             "scale": self._vector(width, width, height),
             "color": self._colour(look.colour),
         }
+
+    def _touchdowns(
+        self, names: Sequence[str], style: SupportLook, values: Mapping[str, Number]
+    ) -> Mapping[str, Any]:
+        """Return the fields of a marker of spheres, each in its foot's colour."""
+        look = self._balls(names, TOUCHDOWN_LOOK, style, values)
+        colours = [
+            self._colour([*(values[f"{name}.{part}"] for part in "rgb"), 1.0]) for name in names
+        ]
+        return {**look, "colors": colours} if look else {}
 
     def point(self, values: Mapping[str, Number], name: str = "") -> Any:  # noqa: ANN401
         """Make a point of three named numbers."""
@@ -224,38 +266,89 @@ class RosEncoding(ABC):
         return self.make("builtin_interfaces/msg/Duration", sec=whole, nanosec=nanoseconds)
 
     def marker(self, header: Any, **fields: Any) -> Any:  # noqa: ANN401
-        """Make a marker; what is not given is that of a marker of no size."""
-        nowhere = self.point(dict.fromkeys("xyz", 0.0))
+        """Make a marker; fields that are not given are those of a marker without size."""
+        origin = self.point(dict.fromkeys("xyz", 0.0))
         given = {
             "ns": _NAMESPACE,
             "id": 0,
             "type": _ARROW_TYPE,
             "action": _ADD,
-            "pose": self._pose(nowhere, _UPRIGHT),
+            "pose": self._pose(origin, _UPRIGHT),
             "scale": self._vector(0.0, 0.0, 0.0),
             "color": self._colour((0.0,) * 4),
             "lifetime": self._duration(0.0),
             "points": [],
+            "colors": [],
+            "text": "",
             **fields,
         }
         return self.make(
             MARKER,
             header=header,
             frame_locked=False,
-            colors=[],
-            text="",
             mesh_resource="",
             mesh_use_embedded_materials=False,
             **given,
             **self._marker_extras(),
         )
 
-    def load(self) -> Template:
+    def label(self, foot: str, frame: str, name: str, lifetime_s: float) -> Template:
+        """See `Encoding.label`; every foot has a topic of its own, so all markers have one id."""
+        del foot
+
+        def serialise(values: Mapping[str, Number]) -> bytes:
+            label = self.marker(
+                self.header(frame, values),
+                ns="label",
+                type=_TEXT_TYPE,
+                pose=self._pose(self.point(values), _UPRIGHT),
+                scale=self._vector(0.0, 0.0, LABEL_HEIGHT_M),
+                color=self._colour(LABEL_COLOUR),
+                lifetime=self._duration(lifetime_s),
+                text=f"{name} {values['text']}",
+            )
+            return self._serialise(label, MARKER)
+
+        return learn(serialise, _STAMP | _POINT | {"text": Kind.TEXT8})
+
+    def load(self, state: str) -> Template:
         """See `Encoding.load`."""
 
         def serialise(values: Mapping[str, Number]) -> bytes:
             numbers: dict[str, Any] = {name: values[name] for name in LOAD_FIELDS}
-            load = self.make(_LOAD, stamp=self._time(values), **numbers)
+            load = self.make(_LOAD, stamp=self.time_of(values), state=state, **numbers)
             return self._serialise(load, _LOAD)
 
         return learn(serialise, _STAMP | LOAD_FIELDS)
+
+    def event(self, event: EventMessage) -> bytes:
+        """See `Encoding.event`."""
+        message = self.make(
+            self.log_name,
+            level=self.log_levels[event.level],
+            name=event.source,
+            msg=event.text,
+            file=EVENT_SOURCE,
+            function="",
+            line=0,
+            **self._log_extras(_stamp_of(event.time)),
+        )
+        return self._serialise(message, self.log_name)
+
+    def gait(self, state: GaitState) -> bytes:
+        """See `Encoding.gait`."""
+        numbers = {name: getattr(state, name) for name in GAIT_NUMBERS}
+        message = self.make(
+            _GAIT,
+            stamp=self.time_of(_stamp_of(state.time)),
+            gait=state.gait,
+            phases=np.array(state.phases, np.float64),
+            **numbers,
+        )
+        return self._serialise(message, _GAIT)
+
+
+def _stamp_of(time: int) -> Mapping[str, int]:
+    """Return a time, ns, as the two numbers of a stamp."""
+    seconds, nanoseconds = divmod(time, 1_000_000_000)
+    return {"stamp.sec": seconds, "stamp.nanosec": nanoseconds}

@@ -3,15 +3,18 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from dogbot_logtool.core.base.base_history import BaseHistory, BaseRecorder
 from dogbot_logtool.core.base.base_motion import (
     BaseMotion,
+    BaseTrack,
     base_motion,
     froude_number,
     stride_lengths,
 )
-from dogbot_logtool.core.base.base_record import BaseRecord, BaseRecorder
 from dogbot_logtool.core.base.odometry import Odometry
-from dogbot_logtool.core.geometry.arrays import Ints
+from dogbot_logtool.core.base.travel import find_travel
+from dogbot_logtool.core.geometry import timespans
+from dogbot_logtool.core.geometry.arrays import Floats, Ints
 from dogbot_logtool.core.geometry.clock import TimeSource
 from dogbot_logtool.core.geometry.rotations import conjugate, rotate
 
@@ -35,7 +38,7 @@ def circle(
     return Odometry(stamp, stamp, position, orientation, velocity, np.zeros_like(position))
 
 
-def record(odometry: Odometry, *, cuts: Ints | None = None, block_rows: int = 64) -> BaseRecord:
+def record(odometry: Odometry, *, cuts: Ints | None = None, block_rows: int = 64) -> BaseHistory:
     recorder = BaseRecorder(TimeSource.HEADER, block_rows=block_rows)
     rows = np.arange(len(odometry.stamp))
     for part in np.split(rows, [] if cuts is None else cuts):
@@ -43,8 +46,14 @@ def record(odometry: Odometry, *, cuts: Ints | None = None, block_rows: int = 64
     return recorder.finish()
 
 
+def track(odometry: Odometry, height_m: float = 0.3) -> BaseTrack:
+    base = record(odometry)
+    height = np.full(len(base.time), height_m)
+    return BaseTrack(base, find_travel(base), height, (), timespans.no_spans())
+
+
 def motion(odometry: Odometry, forward_axis: str = "+x") -> BaseMotion:
-    result = base_motion(record(odometry), forward_axis)
+    result = base_motion(track(odometry), forward_axis)
     assert result is not None
     return result
 
@@ -59,8 +68,60 @@ def test_a_circle_has_its_length_speed_and_turn() -> None:
     assert result.lateral_speed_mps == pytest.approx(0.0, abs=1e-9)
     assert result.yaw_change_rad == pytest.approx(1.0)
     assert result.height_m is not None
-    assert result.height_m.mean == pytest.approx(0.4)
-    assert result.froude == pytest.approx(0.25 / (9.81 * 0.4), rel=1e-4)
+    assert result.height_m.mean == pytest.approx(0.3)
+    assert result.froude == pytest.approx(0.25 / (9.81 * 0.3), rel=1e-4)
+    assert result.yaw_rate_radps == pytest.approx(0.25)
+    assert result.climb_m == pytest.approx(0.0)
+
+
+def test_a_part_of_the_log_has_its_own_figures() -> None:
+    odometry = circle()
+    odometry.position[:, 2] += 0.1 * (odometry.stamp - START) / 1e9
+    part = base_motion(track(odometry), "+x", np.array([[START + 10**9, START + 2 * 10**9]]))
+    assert part is not None
+    assert part.duration_s == pytest.approx(1.0, abs=0.011)
+    assert part.path_length_m == pytest.approx(0.5, abs=0.006)
+    assert part.climb_m == pytest.approx(0.1, abs=0.0011)
+
+
+def tilted(roll: float, pitch: float, yaw: float) -> Odometry:
+    odometry = circle()
+    halves = [(np.cos(angle / 2.0), np.sin(angle / 2.0)) for angle in (roll, pitch, yaw)]
+    about_x = np.array([halves[0][1], 0.0, 0.0, halves[0][0]])
+    about_y = np.array([0.0, halves[1][1], 0.0, halves[1][0]])
+    about_z = np.array([0.0, 0.0, halves[2][1], halves[2][0]])
+    odometry.orientation[:] = product(about_z, product(about_y, about_x))
+    return odometry
+
+
+def product(one: Floats, other: Floats) -> Floats:
+    x, y, z, w = one
+    a, b, c, d = other
+    return np.array(
+        [
+            w * a + x * d + y * c - z * b,
+            w * b - x * c + y * d + z * a,
+            w * c + x * b - y * a + z * d,
+            w * d - x * a - y * b - z * c,
+        ]
+    )
+
+
+@pytest.mark.parametrize(
+    ("axis", "roll", "pitch"),
+    [("+x", 0.2, 0.0), ("-x", -0.2, 0.0), ("+y", 0.0, -0.2), ("-y", 0.0, 0.2)],
+)
+def test_roll_and_pitch_are_about_the_robots_own_axes(axis: str, roll: float, pitch: float) -> None:
+    """A body that is turned about its x axis by 0.2 rad: its +y side is higher."""
+    result = motion(tilted(0.2, 0.0, 1.0), axis)
+    assert result.roll_rad is not None
+    assert result.pitch_rad is not None
+    assert result.roll_rad.mean == pytest.approx(roll, abs=1e-9)
+    assert result.pitch_rad.mean == pytest.approx(pitch, abs=1e-9)
+
+
+def test_the_froude_number_is_of_the_forward_speed() -> None:
+    assert motion(circle(), "+y").froude == pytest.approx(0.0, abs=1e-6)
 
 
 @pytest.mark.parametrize(
@@ -138,7 +199,7 @@ def test_the_froude_number_needs_a_height() -> None:
 
 
 def test_one_pose_is_no_motion() -> None:
-    assert base_motion(record(circle().pick(np.array([0]))), "+x") is None
+    assert base_motion(track(circle().pick(np.array([0]))), "+x") is None
 
 
 @settings(max_examples=25, deadline=None)

@@ -7,21 +7,21 @@ import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 
+from dogbot_logtool.core.contact.contact_rule import ContactRule
 from dogbot_logtool.core.contact.contacts import Samples
 from dogbot_logtool.core.contact.foot_tracker import (
     TRAIL,
+    ContactSensor,
     FootMemory,
     FootState,
-    Hearing,
     follow_feet,
-    nothing_heard,
+    initial_memory,
 )
-from dogbot_logtool.core.contact.footfall import ContactRule
 
 MS = 1_000_000
 RULE = ContactRule(on_n=10.0, off_n=4.0, debounce_s=0.020)
-HEARING = Hearing(RULE)
-SILENT = Hearing(RULE, swing_after_ns=25 * MS)
+HEARING = ContactSensor(RULE)
+SILENT = ContactSensor(RULE, swing_after_ns=25 * MS)
 
 
 @dataclass(frozen=True)
@@ -56,21 +56,21 @@ def samples(messages: list[Message], foot: int = 0) -> Samples:
 
 
 def followed(
-    parts: list[list[Message]], hearing: Hearing, ticks: list[int]
+    parts: list[list[Message]], sensor: ContactSensor, ticks: list[int]
 ) -> tuple[list[tuple[object, ...]], list[list[float]], FootMemory]:
     """Follow a foot batch by batch; ask each batch for the ticks from its first message on."""
-    memory, states, trails = nothing_heard(), [], []
+    memory, states, trails = initial_memory(), [], []
     bounds = [*(part[0].time for part in parts[1:]), 10**9]
     begin = -(10**9)
     for part, end in zip(parts, bounds, strict=True):
-        (footing,) = follow_feet([samples(part)], [memory], [hearing], force_in_world=False)
+        (tracker,) = follow_feet([samples(part)], [memory], [sensor], force_in_world=False)
         time = np.array([tick for tick in ticks if begin <= tick < end], np.int64) * MS
-        states += rows_of(footing.at(time))
+        states += rows_of(tracker.at(time))
         trails += [
             [x for x in trail.tolist() if not np.isnan(x)]
-            for trail in footing.trail_at(time)[:, :, 0]
+            for trail in tracker.trail_at(time)[:, :, 0]
         ]
-        memory, begin = footing.memory(), end
+        memory, begin = tracker.memory(), end
     return states, trails, memory
 
 
@@ -81,7 +81,7 @@ def rows_of(state: FootState) -> list[tuple[object, ...]]:
 
 
 def expected(
-    messages: list[Message], hearing: Hearing, tick: int
+    messages: list[Message], sensor: ContactSensor, tick: int
 ) -> tuple[tuple[object, ...], list[float]]:
     """Listen to one message after the other up to a tick."""
     heard: list[Message] = []
@@ -92,27 +92,27 @@ def expected(
     for message in heard:
         on = told[-1][1] if told else False
         before = heard[heard.index(message) - 1] if message is not heard[0] else None
-        swing = hearing.swing_after_ns
+        swing = sensor.swing_after_ns
         if swing is not None and before is not None and message.time - before.time >= swing // MS:
             told.append((before.time + swing // MS, False, 0.0))
             on = False
         on = message.force >= 10.0 or (on and message.force >= 4.0)
         told.append((message.time, on, message.x))
-    return state_of(heard, told, hearing, tick), footfalls_of(told)
+    return state_of(heard, told, sensor, tick), footfalls_of(told)
 
 
 def state_of(
-    heard: list[Message], told: list[tuple[int, bool, float]], hearing: Hearing, tick: int
+    heard: list[Message], told: list[tuple[int, bool, float]], sensor: ContactSensor, tick: int
 ) -> tuple[object, ...]:
-    if not heard or not (hearing.works or any(on for _, on, _ in told)):
+    if not heard or not (sensor.works or any(on for _, on, _ in told)):
         return False, False, 0.0
     silence = tick - heard[-1].time
     down = told[-1][1]
-    if hearing.swing_after_ns is None:
+    if sensor.swing_after_ns is None:
         known = silence <= 60
     else:
         known = silence <= 3000
-        down = down and silence < hearing.swing_after_ns // MS
+        down = down and silence < sensor.swing_after_ns // MS
     return known, known and down, heard[-1].x if known and down else 0.0
 
 
@@ -145,12 +145,12 @@ walks = st.lists(
 )
 
 
-hearings = st.builds(replace, st.sampled_from([HEARING, SILENT]), works=st.booleans())
+sensors = st.builds(replace, st.sampled_from([HEARING, SILENT]), works=st.booleans())
 
 
-@given(walks, st.sets(st.integers(1, 39), max_size=5), hearings)
+@given(walks, st.sets(st.integers(1, 39), max_size=5), sensors)
 def test_a_foot_is_followed_whatever_the_batches(
-    steps: list[tuple[int, float]], cuts: set[int], hearing: Hearing
+    steps: list[tuple[int, float]], cuts: set[int], sensor: ContactSensor
 ) -> None:
     times = np.cumsum([step for step, _ in steps]).tolist()
     messages = [
@@ -160,35 +160,35 @@ def test_a_foot_is_followed_whatever_the_batches(
     edges = [0, *sorted(cut for cut in cuts if cut < len(messages)), len(messages)]
     parts = [messages[a:b] for a, b in pairwise(edges)]
     ticks = sorted({*times, *(time + step for time in times for step in (1, 7, 24, 25, 60, 61))})
-    states, trails, _ = followed(parts, hearing, ticks)
-    wanted = [expected(messages, hearing, tick) for tick in ticks]
+    states, trails, _ = followed(parts, sensor, ticks)
+    wanted = [expected(messages, sensor, tick) for tick in ticks]
     assert states == [state for state, _ in wanted]
     assert trails == [trail for _, trail in wanted]
 
 
 def test_a_batch_without_the_foot_changes_nothing() -> None:
-    (footing,) = follow_feet(
-        [samples([Message(0, 50.0)])], [nothing_heard()], [HEARING], force_in_world=False
+    (tracker,) = follow_feet(
+        [samples([Message(0, 50.0)])], [initial_memory()], [HEARING], force_in_world=False
     )
     other = samples([Message(5, 50.0)], foot=1)
     for nothing in ([], [other]):
-        (later,) = follow_feet(nothing, [footing.memory()], [HEARING], force_in_world=False)
+        (later,) = follow_feet(nothing, [tracker.memory()], [HEARING], force_in_world=False)
         assert later.at(np.array([30 * MS])).down.tolist() == [True]
         assert later.at(np.array([90 * MS])).known.tolist() == [False]
 
 
 def test_a_foot_that_was_never_heard_is_not_known() -> None:
-    (footing,) = follow_feet([], [nothing_heard()], [HEARING], force_in_world=False)
-    state = footing.at(np.array([0, MS]))
+    (tracker,) = follow_feet([], [initial_memory()], [HEARING], force_in_world=False)
+    state = tracker.at(np.array([0, MS]))
     assert not state.known.any()
-    assert np.isnan(footing.trail_at(np.array([0, MS]))).all()
-    assert len(footing.memory().rows) == 0
+    assert np.isnan(tracker.trail_at(np.array([0, MS]))).all()
+    assert len(tracker.memory().rows) == 0
 
 
 def test_forces_that_are_no_numbers_are_left_out() -> None:
     messages = samples([Message(0, 50.0, 1.0), Message(10, np.inf, 2.0), Message(20, np.nan, 3.0)])
-    (footing,) = follow_feet([messages], [nothing_heard()], [HEARING], force_in_world=False)
-    state = footing.at(np.array([25 * MS, 61 * MS]))
+    (tracker,) = follow_feet([messages], [initial_memory()], [HEARING], force_in_world=False)
+    state = tracker.at(np.array([25 * MS, 61 * MS]))
     assert (state.known.tolist(), state.point[0, 0]) == ([True, False], 1.0)
 
 
@@ -198,13 +198,13 @@ def test_vertical_force_needs_the_world_frame() -> None:
         (False, True, 50.0),
         (False, False, np.nan),
     ):
-        felt = replace(samples([Message(0, 50.0)]), in_world=np.array([in_world]))
-        (footing,) = follow_feet([felt], [nothing_heard()], [HEARING], force_in_world=told)
-        np.testing.assert_equal(footing.at(np.array([0])).vertical, [vertical])
+        reduced = replace(samples([Message(0, 50.0)]), in_world=np.array([in_world]))
+        (tracker,) = follow_feet([reduced], [initial_memory()], [HEARING], force_in_world=told)
+        np.testing.assert_equal(tracker.at(np.array([0])).vertical, [vertical])
 
 
 def test_a_foot_of_two_sorts_of_messages_is_heard_in_the_order_of_time() -> None:
     first = samples([Message(0, 50.0, 1.0), Message(20, 50.0, 3.0)])
     second = samples([Message(10, 50.0, 2.0)])
-    (footing,) = follow_feet([first, second], [nothing_heard()], [HEARING], force_in_world=False)
-    assert footing.at(np.array([12 * MS, 20 * MS])).point[:, 0].tolist() == [2.0, 3.0]
+    (tracker,) = follow_feet([first, second], [initial_memory()], [HEARING], force_in_world=False)
+    assert tracker.at(np.array([12 * MS, 20 * MS])).point[:, 0].tolist() == [2.0, 3.0]

@@ -8,8 +8,9 @@ from hypothesis import strategies as st
 from dogbot_logtool.core.contact.contacts import Samples
 from dogbot_logtool.core.contact.silent_swing import (
     LONGEST_SWING_S,
-    SwingTeller,
-    last_heard,
+    SilentFeet,
+    SwingInserter,
+    last_messages,
     with_swings,
 )
 from dogbot_logtool.core.geometry.blocks import concatenated
@@ -42,7 +43,7 @@ def told_ms(samples: Samples, *, contact: bool) -> list[int]:
 
 
 def test_a_silence_begins_and_ends_one_interval_from_contact() -> None:
-    whole = with_swings(in_contact([0, 10, 20, 220, 230]), {0: INTERVAL}, {}, None)
+    whole = with_swings(in_contact([0, 10, 20, 220, 230]), SilentFeet({0: INTERVAL}), {}, None)
     free = told_ms(whole, contact=False)
     assert (free[0], free[-1]) == (30, 210)
     assert max(np.diff([20, *free, 220])) <= 40
@@ -54,22 +55,22 @@ def test_a_silence_begins_and_ends_one_interval_from_contact() -> None:
 @pytest.mark.parametrize("silence_ms", [10, 20, 25, round(LONGEST_SWING_S * 1e3) + 1, 10**9])
 def test_jitter_and_drop_outs_are_no_swing(silence_ms: int) -> None:
     samples = in_contact([0, 10, 10 + silence_ms])
-    assert with_swings(samples, {0: INTERVAL}, {}, None) is samples
+    assert with_swings(samples, SilentFeet({0: INTERVAL}), {}, None) is samples
 
 
 def test_feet_that_always_speak_stay_as_they_are() -> None:
     samples = in_contact([0, 200], foot=1)
-    assert with_swings(samples, {0: INTERVAL}, {}, None) is samples
+    assert with_swings(samples, SilentFeet({0: INTERVAL}), {}, None) is samples
 
 
 def test_stamps_run_at_their_own_rate() -> None:
-    whole = with_swings(in_contact([0, 200], stamp_rate=0.5), {0: INTERVAL}, {}, None)
+    whole = with_swings(in_contact([0, 200], stamp_rate=0.5), SilentFeet({0: INTERVAL}), {}, None)
     expected = 500 * MS + (whole.log_time - ZERO) // 2
     assert whole.stamp.tolist() == expected.tolist()
 
 
 def test_the_log_s_ends_count_as_swing() -> None:
-    teller = SwingTeller({0: INTERVAL}, ZERO - 100 * MS, ZERO + 100 * MS)
+    teller = SwingInserter(SilentFeet({0: INTERVAL}), ZERO - 100 * MS, ZERO + 100 * MS)
     told = [*teller.add([in_contact([0, 10])]), *teller.finish()]
     free = told_ms(concatenated(told), contact=False)
     assert (free[0], free[-1]) == (-100, 100)
@@ -90,14 +91,14 @@ def test_where_a_log_is_cut_makes_no_difference(
         np.array(feet[: len(steps)], np.int64),
         *(getattr(samples, name) for name in list(Samples.__dataclass_fields__)[1:]),
     )
-    intervals = {0: INTERVAL, 1: 20 * MS}
+    intervals = SilentFeet({0: INTERVAL, 1: 20 * MS})
     rows = np.arange(len(steps))
     first, second = samples.pick(rows < cut), samples.pick(rows >= cut)
 
     whole = with_swings(samples, intervals, {}, ZERO)
     halves = [
         with_swings(first, intervals, {}, ZERO),
-        with_swings(second, intervals, last_heard(first, {}), ZERO),
+        with_swings(second, intervals, last_messages(first, {}), ZERO),
     ]
 
     for foot in (0, 1):

@@ -30,6 +30,8 @@ def stance(force: Floats, time: Floats | float, x: Floats | None = None) -> Stan
         time=time,
         force=force,
         vertical=0.9 * force,
+        force_x=-0.1 * force,
+        force_y=0.2 * force,
         x=np.zeros(count) if x is None else x,
         y=np.zeros(count),
         friction=np.where(force >= 10.0, 0.2, np.nan),
@@ -46,7 +48,7 @@ def end_to_end(parts: list[StanceSamples]) -> StanceSamples:
     }
     columns = {
         name: np.concatenate([getattr(part, name) for part in parts])
-        for name in ("time", "force", "vertical", "x", "y", "friction")
+        for name in ("time", "force", "vertical", "force_x", "force_y", "x", "y", "friction")
     }
     return StanceSamples(
         **rows, stance=np.repeat(np.arange(len(parts)), np.diff(behind)), **columns
@@ -85,9 +87,16 @@ def test_an_impact_stands_out_of_the_stance() -> None:
     assert figures(stance(force, 0.04))["impact_ratio"] == pytest.approx(3.0)
 
 
-def test_equal_peaks_are_counted() -> None:
-    row = figures(stance(np.array([0.0, 90.0, 40.0, 90.0, 90.0, 60.0, 0.0]), 0.01))
-    assert (row["peak_samples"], row["spread_n"]) == (3.0, 50.0)
+def test_the_longest_run_at_the_peak_is_counted() -> None:
+    row = figures(stance(np.array([0.0, 90.0, 40.0, 70.0, 90.0, 90.0, 60.0, 90.0, 0.0]), 0.01))
+    assert (row["peak_samples"], row["peak_rise_n"]) == (2.0, 50.0)
+    assert (row["resolution_n"], row["spread_n"]) == (10.0, 50.0)
+
+
+def test_a_constant_force_has_no_resolution() -> None:
+    row = figures(stance(np.array([0.0, 90.0, 90.0, 90.0, 0.0]), 0.01))
+    assert (row["peak_samples"], row["peak_rise_n"]) == (3.0, 90.0)
+    assert row["resolution_n"] == np.inf
 
 
 def test_an_unknown_direction_leaves_only_the_magnitude() -> None:
@@ -96,7 +105,7 @@ def test_an_unknown_direction_leaves_only_the_magnitude() -> None:
     row = figures(samples)
     assert row["peak_n"] == 60.0
     vertical = [row[name] for name in row if "vertical" in name]
-    assert len(vertical) == 3
+    assert len(vertical) == 4
     assert np.isnan(vertical).all()
 
 

@@ -12,7 +12,7 @@ from dogbot_logtool.core.frames.link_frames import (
 from dogbot_logtool.core.geometry.arrays import Ints
 from dogbot_logtool.core.geometry.clock import TimeSource
 from dogbot_logtool.core.geometry.rotations import rotate
-from tests.core.frames.test_transform_buffer import MS, about_x, about_z, at, spinning
+from tests.core.frames.turning import MS, about_x, about_z, at, spinning
 
 HEADER = TimeSource.HEADER
 

@@ -1,18 +1,11 @@
 import numpy as np
 import pytest
 
-from dogbot_logtool.core.gait.gait import (
-    class_distances,
-    classify,
-    diagonality,
-    phases_by_stride,
-    phases_in,
-)
-from dogbot_logtool.core.gait.strides import Strides
-from dogbot_logtool.core.leg_position import quadruped
+from dogbot_logtool.core.gait.gait import classify
+from dogbot_logtool.core.gait.gait_classes import class_distances
+from dogbot_logtool.core.leg_position import legs_in_order, quadruped
 
-SURE = (1.0, 1.0, 1.0, 1.0)
-S = 1_000_000_000
+SURE = (1.0,) * 6
 
 
 @pytest.mark.parametrize(
@@ -26,20 +19,128 @@ S = 1_000_000_000
         ((0.0, 0.5, 0.75, 0.25), "walk", "lateral"),
         ((0.0, 0.5, 0.25, 0.75), "walk", "diagonal"),
         ((0.0, 0.5, 0.83, 0.33), "walk", "lateral"),
-        ((0.0, 0.25, 0.5, 0.75), "walk", None),
         ((0.0, 0.5, 0.63, 0.13), "walk", "lateral"),
         ((0.0, 0.5, 0.59, 0.09), "trot", None),
         ((0.0, 0.09, 0.48, 0.57), "bound", None),
         ((0.0, 0.12, 0.48, 0.6), "gallop", "transverse"),
         ((0.0, 0.18, 0.6, 0.78), "gallop", "transverse"),
         ((0.0, 0.18, 0.78, 0.6), "gallop", "rotary"),
+        ((0.45, 0.6, 0.0, 0.0), "half-bound", None),
+        ((0.6, 0.3, 0.3, 0.0), "canter", None),
         ((0.0, 0.5, 0.35, 0.0), "irregular", None),
         ((0.0, 0.3, 0.0, 0.3), "irregular", None),
+        # Both fore feet before both hind feet: no pair is evenly spaced, so it is no walk.
+        ((0.0, 0.25, 0.5, 0.75), "gallop", "transverse"),
     ],
 )
 def test_textbook_gaits(phases: tuple[float, ...], name: str, sequence: str | None) -> None:
     gait = classify(phases, SURE)
     assert (gait.name, gait.sequence) == (name, sequence)
+
+
+@pytest.mark.parametrize("duty", [0.3, 0.45, 0.55, 0.7, 0.85])
+@pytest.mark.parametrize(
+    ("diagonality", "name", "sequence"),
+    [
+        (0.0, "pace", None),
+        (0.0625, "pace", None),
+        (0.125, "walk", "lateral"),
+        (0.25, "walk", "lateral"),
+        (0.375, "walk", "lateral"),
+        (0.4375, "trot", None),
+        (0.5, "trot", None),
+        (0.625, "walk", "diagonal"),
+        (0.75, "walk", "diagonal"),
+        (0.875, "walk", "diagonal"),
+        (0.9375, "pace", None),
+    ],
+)
+def test_hildebrands_grid(duty: float, diagonality: float, name: str, sequence: str | None) -> None:
+    expected = "amble" if name == "walk" and duty < 0.5 else name
+    phases = ((diagonality, diagonality + 0.5, 0.0, 0.5),)
+    gait = classify((np.array(phases[0]) % 1.0).tolist(), SURE, duty, 0.0)
+    assert (gait.name, gait.sequence) == (expected, sequence)
+
+
+GAITS = (
+    (0.0, 0.5, 0.5, 0.0),
+    (0.0, 0.5, 0.03, 0.52),
+    (0.0, 0.5, 0.75, 0.25),
+    (0.0, 0.48, 0.27, 0.74),
+    (0.5, 0.5, 0.0, 0.0),
+    (0.45, 0.6, 0.0, 0.0),
+    (0.5, 0.65, 0.0, 0.15),
+    (0.5, 0.65, 0.15, 0.0),
+    (0.65, 0.33, 0.33, 0.0),
+    (0.0, 0.03, 0.01, 0.98),
+    (0.0, 0.3, 0.1, 0.7),
+)
+
+
+@pytest.mark.parametrize("phases", GAITS)
+def test_a_gait_and_its_mirror_image_are_one_class(phases: tuple[float, ...]) -> None:
+    front_left, front_right, back_left, back_right = phases
+    one = classify(phases, SURE, 0.4)
+    mirrored = classify((front_right, front_left, back_right, back_left), SURE, 0.4)
+    assert (one.name, one.sequence, one.nearest) == (
+        mirrored.name,
+        mirrored.sequence,
+        mirrored.nearest,
+    )
+    assert one.distance == pytest.approx(mirrored.distance)
+
+
+@pytest.mark.parametrize("phases", GAITS)
+@pytest.mark.parametrize("reference", range(4))
+def test_any_foot_may_be_the_reference(phases: tuple[float, ...], reference: int) -> None:
+    shifted = (np.array(phases) - phases[reference]) % 1.0
+    assert classify(shifted.tolist(), SURE, 0.6) == classify(phases, SURE, 0.6)
+
+
+def test_an_amble_has_no_flight() -> None:
+    single_foot = (0.0, 0.5, 0.75, 0.25)
+    assert classify(single_foot, SURE, 0.4, 0.0).name == "amble"
+    gait = classify(single_foot, SURE, 0.2, 0.2)
+    assert (gait.name, gait.nearest) == ("irregular", "amble")
+
+
+@pytest.mark.parametrize(
+    ("phases", "duty", "name"),
+    [
+        ((0.0, 0.5), 0.62, "walk"),
+        ((0.0, 0.42), 0.62, "walk"),
+        ((0.7, 0.2), 0.35, "run"),
+        ((0.0, 0.97), 0.4, "hop"),
+        ((0.0, 0.25), 0.6, "irregular"),
+    ],
+)
+def test_gaits_of_two_feet(phases: tuple[float, ...], duty: float, name: str) -> None:
+    assert classify(phases, SURE, duty).name == name
+    assert classify(phases[::-1], SURE, duty).name == name
+
+
+TETRAPOD = (2 / 3, 0.0, 1 / 3, 2 / 3, 0.0, 1 / 3)
+WAVE = (2 / 6, 5 / 6, 1 / 6, 4 / 6, 0.0, 3 / 6)
+
+
+@pytest.mark.parametrize(
+    ("phases", "name"),
+    [
+        ((0.0, 0.5, 0.5, 0.0, 0.0, 0.5), "tripod"),
+        ((0.04, 0.52, 0.47, 0.97, 0.0, 0.5), "tripod"),
+        (TETRAPOD, "tetrapod"),
+        (WAVE, "wave"),
+        ((0.0, 0.0, 0.0, 0.0, 0.0, 0.0), "irregular"),
+    ],
+)
+def test_gaits_of_six_feet(phases: tuple[float, ...], name: str) -> None:
+    mirrored = np.array(phases).reshape(3, 2)[:, ::-1].ravel()
+    assert classify(phases, SURE).name == name
+    assert classify(mirrored.tolist(), SURE).name == name
+
+
+def test_gaits_of_other_robots_have_no_name() -> None:
+    assert classify((0.0, 0.5, 0.25), SURE).name is None
 
 
 @pytest.mark.parametrize("shift", [0.0, 0.03, 0.5, 0.97])
@@ -48,7 +149,7 @@ def test_the_class_does_not_depend_on_where_the_cycle_begins(shift: float) -> No
     assert classify(trot.tolist(), SURE).name == "trot"
 
 
-def test_loose_phases_are_irregular_but_the_nearest_class_is_told() -> None:
+def test_loose_phases_are_irregular_but_the_nearest_class_is_named() -> None:
     gait = classify((0.0, 0.5, 0.5, 0.0), (1.0, 0.9, 0.79, 1.0))
     assert (gait.name, gait.nearest, gait.distance) == ("irregular", "trot", 0.0)
 
@@ -60,49 +161,21 @@ def test_a_missing_phase_leaves_the_class_open() -> None:
 def test_distances_are_the_largest_deviation() -> None:
     distances = class_distances(np.array([[0.0, 0.5, 0.5, 0.07]]))
     assert distances["trot"][0] == pytest.approx(0.07)
-    assert distances["pace"][0] == pytest.approx(0.5)
+    assert distances["pace"][0] == pytest.approx(0.465)
 
 
-@pytest.mark.parametrize(
-    ("phases", "expected"),
-    [
-        ((0.0, 0.5, 0.5, 0.0), 0.5),
-        ((0.0, 0.5, 0.75, 0.25), 0.25),
-        ((0.0, 0.5, 0.25, 0.75), 0.75),
-        ((0.0, 0.5, 0.01, 0.49), 0.0),
-    ],
-)
-def test_diagonality(phases: tuple[float, ...], expected: float) -> None:
-    told = diagonality(phases)
-    assert told is not None
-    assert abs((told - expected + 0.5) % 1.0 - 0.5) < 1e-9
-
-
-def strides(*touchdowns: float) -> Strides:
-    time = np.array([round(each * S) for each in touchdowns], np.int64)
-    return Strides(np.arange(len(time) - 1), time[:-1], time[:-1] + 1, time[1:])
-
-
-def test_phases_are_taken_within_reference_strides_only() -> None:
-    reference = strides(1.0, 2.0, 4.0)
-    touchdown = np.array([0.5, 1.25, 2.5, 3.0, 4.0], np.float64)
-    phases = phases_in(reference, (touchdown * S).astype(np.int64))
-    assert phases.tolist() == [0.25, 0.25, 0.5]
-
-
-def test_a_foot_in_step_has_one_phase_in_every_stride_though_its_touchdowns_straddle() -> None:
-    reference = strides(1.0, 2.0, 3.0, 4.0)
-    touchdown = (np.array([0.99, 2.01, 2.99, 4.01]) * S).astype(np.int64)
-    phases = phases_by_stride(reference, touchdown)
-    assert (np.abs((phases + 0.5) % 1.0 - 0.5) < 0.02).all()
-
-
-def test_a_stride_without_touchdowns_has_no_phase() -> None:
-    assert np.isnan(phases_by_stride(strides(1.0, 2.0), np.array([9 * S]))).all()
-
-
-def test_four_places_make_a_quadruped_in_any_order() -> None:
+def test_four_positions_make_a_quadruped_in_any_order() -> None:
     corners = [("back", "left"), ("front", "right"), ("front", "left"), ("back", "right")]
     assert quadruped(corners) == (2, 1, 0, 3)
+    assert legs_in_order(corners) == (2, 1, 0, 3)
     assert quadruped([*corners[:3], None]) is None
     assert quadruped([*corners, ("middle", "left")]) is None
+
+
+def test_two_and_six_feet_have_an_order_too() -> None:
+    sides = [(end, side) for end in ("back", "middle", "front") for side in ("left", "right")]
+    assert legs_in_order(sides) == (4, 5, 2, 3, 0, 1)
+    assert legs_in_order([None, None]) == (0, 1)
+    assert legs_in_order([("centre", "right"), ("centre", "left")]) == (1, 0)
+    assert legs_in_order([("front", "left"), ("front", "right")]) is None
+    assert legs_in_order([None] * 6) is None

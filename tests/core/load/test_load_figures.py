@@ -1,6 +1,129 @@
+"""Shares, impulses and weights of feet whose loads are known in closed form."""
+
+from collections.abc import Sequence
+
+import numpy as np
 import pytest
 
-from dogbot_logtool.core.load.load_figures import grouped_shares, symmetry_index_percent
+from dogbot_logtool.core.contact.foot_history import FootHistory
+from dogbot_logtool.core.gait.strides import strides_of
+from dogbot_logtool.core.geometry import timespans
+from dogbot_logtool.core.geometry.arrays import Ints
+from dogbot_logtool.core.load.load_figures import (
+    LoadFigures,
+    WeightSource,
+    grouped_shares,
+    load_figures,
+    mean_vertical_n,
+    symmetry_index_percent,
+    whole_strides,
+)
+from tests.core.load.feet import PERIOD_S, TROT, WEIGHT_N, foot, seconds, vertical
+
+
+def strides(record: FootHistory) -> Ints:
+    return strides_of(record.stances, record.gaps, timespans.no_spans())[0].spans
+
+
+def trot(
+    duration_s: float, shares: Sequence[float] = (0.25,) * 4, scale: float = 1.0
+) -> list[FootHistory]:
+    time = seconds(duration_s)
+    return [
+        foot(time, scale * vertical(time, phase, share))
+        for phase, share in zip(TROT, shares, strict=True)
+    ]
+
+
+def figures(feet: Sequence[FootHistory], weight_n: float | None = WEIGHT_N) -> LoadFigures:
+    return load_figures(feet, weight_n, strides(feet[0]))
+
+
+@pytest.mark.parametrize("duration_s", [2.0, 2.3, 2.6, 3.05, 9.1])
+def test_parts_of_strides_at_the_ends_do_not_shift_the_shares(duration_s: float) -> None:
+    loads = figures(trot(duration_s, shares=(0.3, 0.3, 0.2, 0.2)))
+    assert loads.over_strides
+    assert loads.known_s / PERIOD_S == pytest.approx(round(loads.known_s / PERIOD_S), abs=0.01)
+    assert loads.vertical_impulse_over_weight == pytest.approx(1.0, abs=0.003)
+    assert loads.shares == pytest.approx((0.3, 0.3, 0.2, 0.2), abs=0.002)
+
+
+def test_a_stride_with_a_gap_in_any_foot_is_left_out() -> None:
+    feet = trot(9.0)
+    time = seconds(9.0)
+    heard = (time < 3.0) | (time > 3.3)
+    feet[2] = foot(time[heard], vertical(time, TROT[2])[heard])
+    spans = whole_strides(strides(feet[0]), feet, vertical=True)
+    assert len(spans) == 2
+    assert timespans.total(timespans.intersect([spans, feet[2].gaps])) == 0
+    assert timespans.total(spans) / 1e9 == pytest.approx(9 * PERIOD_S, abs=0.02)
+    assert figures(feet).shares == pytest.approx((0.25,) * 4, abs=0.002)
+
+
+def test_a_robot_that_stands_is_measured_over_all_known_time() -> None:
+    time = seconds(3.0)
+    feet = [foot(time, np.full(len(time), share * WEIGHT_N)) for share in (0.4, 0.3, 0.2, 0.1)]
+    loads = figures(feet)
+    assert not loads.over_strides
+    assert loads.known_s == pytest.approx(3.0)
+    assert loads.shares == pytest.approx((0.4, 0.3, 0.2, 0.1))
+    assert loads.vertical_impulse_over_weight == pytest.approx(1.0)
+
+
+def test_a_segment_without_strides_is_measured_over_its_own_time() -> None:
+    feet = trot(9.0)
+    start = feet[0].start or 0
+    within = np.array([[start, start + 1_000_000_000]])
+    assert load_figures(feet, WEIGHT_N, within=within).known_s == pytest.approx(1.0)
+
+
+@pytest.mark.parametrize("scale", [0.85, 1.0, 1.15])
+def test_a_mass_that_the_feet_bear_out_gives_body_weights(scale: float) -> None:
+    loads = figures(trot(9.0, scale=scale))
+    assert (loads.weight_n, loads.weight_source) == (WEIGHT_N, WeightSource.MASS)
+    assert loads.vertical_impulse_over_weight == pytest.approx(scale, abs=0.003)
+
+
+@pytest.mark.parametrize("scale", [0.75, 1.25, 3.0])
+def test_a_mass_that_the_feet_refute_gives_none(scale: float) -> None:
+    feet = trot(9.0, scale=scale)
+    assert figures(feet).weight_n is None
+    assert figures(feet).vertical_impulse_over_weight == pytest.approx(scale, abs=0.01)
+    assumed = load_figures(feet, WEIGHT_N, strides(feet[0]), mass_is_assumed=True)
+    assert assumed.vertical_impulse_over_weight is None
+    assert assumed.mean_vertical_n == pytest.approx(scale * WEIGHT_N, rel=0.003)
+
+
+def test_a_foot_that_is_never_seen_to_touch_does_not_refute_the_mass() -> None:
+    feet = trot(9.0)
+    time = seconds(9.0)
+    feet[3] = foot(time, np.zeros(len(time)))
+    assert figures(feet).weight_n == WEIGHT_N
+    assert figures(feet).vertical_impulse_over_weight == pytest.approx(0.75, abs=0.01)
+    assert figures(feet, None).weight_n is None
+
+
+def test_without_a_mass_the_weight_is_that_of_whole_strides() -> None:
+    loads = figures(trot(9.1), None)
+    assert loads.weight_source is WeightSource.ESTIMATED
+    assert loads.weight_n == pytest.approx(WEIGHT_N, rel=0.003)
+    assert loads.vertical_impulse_over_weight is None
+
+
+def test_without_a_mass_nor_strides_the_weight_is_not_known() -> None:
+    time = seconds(3.0)
+    feet = [foot(time, np.full(len(time), WEIGHT_N / 4.0))] * 4
+    assert figures(feet, None).weight_n is None
+
+
+def test_forces_of_unknown_direction_tell_no_weight() -> None:
+    time = seconds(9.0)
+    feet = [foot(time, vertical(time, phase), world=False) for phase in TROT]
+    loads = figures(feet, None)
+    assert (loads.weight_n, loads.mean_vertical_n) == (None, None)
+    assert loads.share_of == "force_impulse"
+    assert loads.shares == pytest.approx((0.25,) * 4, abs=0.002)
+    assert mean_vertical_n(feet, feet[0].known) is None
 
 
 def test_equal_sides_have_no_asymmetry() -> None:

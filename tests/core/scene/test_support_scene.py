@@ -9,9 +9,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from dogbot_logtool.core.base.odometry import Odometry
+from dogbot_logtool.core.contact.contact_rule import ContactRule
 from dogbot_logtool.core.contact.contacts import Samples
-from dogbot_logtool.core.contact.foot_tracker import Hearing, follow_feet, nothing_heard
-from dogbot_logtool.core.contact.footfall import ContactRule
+from dogbot_logtool.core.contact.foot_tracker import ContactSensor, follow_feet, initial_memory
 from dogbot_logtool.core.geometry.arrays import Floats
 from dogbot_logtool.core.geometry.support_polygon import hulls
 from dogbot_logtool.core.scene.support_scene import (
@@ -64,16 +64,16 @@ def shown(
 ) -> SupportScene:
     """Return the scene at the last of some times, ms, at which the feet were heard."""
     feet = len(heard[0][1])
-    memory = [nothing_heard()] * feet
+    memory = [initial_memory()] * feet
     for time, told in heard:
-        footings = follow_feet(
+        trackers = follow_feet(
             [messages(time * MS, told)],
             memory,
-            [Hearing(RULE, works=works)] * feet,
+            [ContactSensor(RULE, works=works)] * feet,
             force_in_world=False,
         )
-        memory = [footing.memory() for footing in footings]
-    return support_scene(pose(heard[-1][0] * MS, *base), footings)
+        memory = [tracker.memory() for tracker in trackers]
+    return support_scene(pose(heard[-1][0] * MS, *base), trackers)
 
 
 def corners(scene: SupportScene) -> list[list[float]]:
@@ -137,8 +137,8 @@ def test_in_flight_the_ground_is_where_the_feet_last_touched_down() -> None:
     scene = shown((0, down), (25, down), (50, up))
     np.testing.assert_allclose(scene.projection, [[0.0, 0.0, 0.25]])
     assert corners(scene) == []
-    assert scene.footfalls[0, :4].tolist() == [list(point) for point in SQUARE]
-    assert np.isnan(scene.footfalls[0, 4:]).all()
+    assert scene.touchdowns[0, :4].tolist() == [list(point) for point in SQUARE]
+    assert np.isnan(scene.touchdowns[0, 4:]).all()
     assert np.isnan(shown((0, up)).projection).all()
 
 
@@ -153,8 +153,10 @@ def test_places_beyond_all_bounds_do_no_harm(size: float) -> None:
 
 
 def test_no_times_no_scene() -> None:
-    footings = follow_feet([], [nothing_heard()] * 4, [Hearing(RULE)] * 4, force_in_world=False)
-    scene = support_scene(pose(0).pick(np.empty(0, np.int64)), footings)
+    trackers = follow_feet(
+        [], [initial_memory()] * 4, [ContactSensor(RULE)] * 4, force_in_world=False
+    )
+    scene = support_scene(pose(0).pick(np.empty(0, np.int64)), trackers)
     assert (len(scene.log_time), len(scene.outline), scene.unknown) == (0, 0, 0)
 
 

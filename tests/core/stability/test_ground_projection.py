@@ -1,9 +1,9 @@
 import numpy as np
 import pytest
 
+from dogbot_logtool.core.contact.contact_rule import ContactRule
 from dogbot_logtool.core.contact.contacts import Samples
-from dogbot_logtool.core.contact.foot_history import FootRecord, FootRecorder
-from dogbot_logtool.core.contact.footfall import ContactRule
+from dogbot_logtool.core.contact.foot_history import FootHistory, FootRecorder
 from dogbot_logtool.core.geometry.arrays import Floats
 from dogbot_logtool.core.geometry.clock import TimeSource
 from dogbot_logtool.core.stability.ground_projection import (
@@ -14,7 +14,7 @@ from dogbot_logtool.core.stability.ground_projection import (
 MS = 1_000_000
 
 
-def foot(force: Floats, x: Floats, y: float = 0.0, *, world: bool = True) -> FootRecord:
+def foot(force: Floats, x: Floats, y: float = 0.0, *, world: bool = True) -> FootHistory:
     """A foot that is sampled every 10 ms, with its contact point at x, y."""
     count = len(force)
     time = np.arange(1, count + 1, dtype=np.int64) * 10 * MS

@@ -15,11 +15,11 @@ from dogbot_logtool.commands.info import describe
 from dogbot_logtool.errors import CallError, StoreError
 from dogbot_logtool.io import storage
 from dogbot_logtool.pipeline.options import ConvertOptions, TopicOptions
-from dogbot_logtool.reader.containers.opening import open_log
 from dogbot_logtool.reader.containers.remote_source import RemoteSource
+from dogbot_logtool.reader.opening import open_log
 from dogbot_logtool.report.info_report import info_json
+from tests.oracles.small_logs import odometry_log
 from tests.paths import SAMPLE_LOGS
-from tests.test_cli import odometry_log
 
 
 class Server(http.server.BaseHTTPRequestHandler):

@@ -5,7 +5,7 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from functools import cache
-from typing import Any, Final, Literal
+from typing import Any, Final, Literal, NamedTuple
 
 import numpy as np
 import pytest
@@ -15,9 +15,10 @@ from rosbags.serde import SerdeError
 from rosbags.typesys import get_types_from_msg
 from rosbags.typesys.store import Typestore
 
+from dogbot_logtool.core.geometry.arrays import Flags
 from dogbot_logtool.errors import DefinitionError
 from dogbot_logtool.reader.decode.columns import Table, Texts
-from dogbot_logtool.reader.decode.decode import MAX_VARIABLE_ELEMENTS, Decoded, decode
+from dogbot_logtool.reader.decode.decode import MAX_VARIABLE_ELEMENTS, decode
 from dogbot_logtool.reader.decode.definition import parse_definition
 from dogbot_logtool.reader.decode.message_layout import (
     Layout,
@@ -356,6 +357,13 @@ def single_rows(field: Field, table: Table, path: str) -> list[Any]:
     return [comparable(number, field.kind) for number in numbers]
 
 
+class Decoded(NamedTuple):
+    """What `decode` returns."""
+
+    table: Table
+    sound: Flags
+
+
 def decode_messages(layout: Layout, messages: Sequence[bytes], seed: int = 0) -> Decoded:
     """Decode messages that stand in a buffer in any order, with rubbish between them."""
     random = np.random.default_rng(seed)
@@ -375,7 +383,7 @@ def decode_alone(layout: Layout, message: bytes) -> Decoded:
 
 def decode_at(layout: Layout, buffer: bytes, start: Any, length: Sequence[int]) -> Decoded:
     end = start + np.array(length, np.int64)
-    return decode(layout, np.frombuffer(buffer, np.uint8), start, end)
+    return Decoded(*decode(layout, np.frombuffer(buffer, np.uint8), start, end))
 
 
 # --- sound messages ---------------------------------------------------------------------------

@@ -22,7 +22,7 @@ from dogbot_logtool.commands.stats import measure
 from dogbot_logtool.io.targets import Output
 from dogbot_logtool.pipeline.options import StatsOptions, TopicOptions
 from dogbot_logtool.report.stats_json import stats_json
-from tests import walks
+from tests.oracles import walks
 from tests.paths import SAMPLE_LOGS
 
 TROT = SAMPLE_LOGS / "dogbot_trot.bag"

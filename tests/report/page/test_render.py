@@ -8,13 +8,14 @@ import numpy as np
 import pytest
 
 from dogbot_logtool.commands.stats import measure
+from dogbot_logtool.core.accumulator import StatsAccumulator
 from dogbot_logtool.core.base.odometry import Odometry
 from dogbot_logtool.core.contact.contacts import Samples
 from dogbot_logtool.core.contact.curves import CurveDetail
 from dogbot_logtool.core.frames.wrench_frame import WrenchFrame
 from dogbot_logtool.core.geometry.arrays import Floats
-from dogbot_logtool.core.settings import FootPlace, StatsSettings
-from dogbot_logtool.core.statistics import Stats, StatsAccumulator
+from dogbot_logtool.core.settings import FootSettings, StatsSettings
+from dogbot_logtool.core.statistics import Stats
 from dogbot_logtool.finding import warning
 from dogbot_logtool.pipeline.options import StatsOptions
 from dogbot_logtool.report.page.render import Damage, IndexRow, index, index_row, page
@@ -105,8 +106,8 @@ def test_figures_agree_with_the_stats() -> None:
     for foot in stats.feet:
         force = numbers(trace(shown["loads"], f"{foot.name} |F|")["y"])
         assert np.nanmax(force) == np.float32(foot.record.stances.figures.peak_n.max())
-        footfalls = numbers(trace(shown["ground"], foot.name)["x"])
-        assert len(footfalls) == len(foot.record.stances.touchdown)
+        touchdowns = numbers(trace(shown["ground"], foot.name)["x"])
+        assert len(touchdowns) == len(foot.record.stances.touchdown)
         bars = [each for each in shown["gait"]["data"] if each["name"] == foot.name]
         known = numbers(bars[1]["base"])
         assert known == pytest.approx(
@@ -147,7 +148,9 @@ def samples(foot: int, time: Floats, spikes: Floats) -> Samples:
 
 
 def test_a_page_of_a_long_log_is_small_and_has_every_peak() -> None:
-    feet = tuple(FootPlace("_".join(place), f"/{foot}", place) for foot, place in enumerate(PLACES))
+    feet = tuple(
+        FootSettings("_".join(place), f"/{foot}", place) for foot, place in enumerate(PLACES)
+    )
     settings = StatsSettings(feet, mass_kg=20.0, wrench_frame=WrenchFrame.WORLD)
     accumulator = StatsAccumulator(settings, CurveDetail())
     time = np.arange(0.0, 3600.0, 0.02)
@@ -170,7 +173,10 @@ def test_a_page_of_a_long_log_is_small_and_has_every_peak() -> None:
 
 
 def test_a_log_of_contacts_only_has_a_page_that_says_what_is_missing() -> None:
-    feet = (FootPlace("left", "/l", has_force=False), FootPlace("right", "/r", has_force=False))
+    feet = (
+        FootSettings("left", "/l", has_force=False),
+        FootSettings("right", "/r", has_force=False),
+    )
     accumulator = StatsAccumulator(StatsSettings(feet), CurveDetail())
     time = np.arange(0.0, 10.0, 0.02)
     for foot in range(2):
@@ -180,8 +186,8 @@ def test_a_log_of_contacts_only_has_a_page_that_says_what_is_missing() -> None:
     stats = accumulator.finish()
     html = page(stats, LogFacts("x.mcap", "MCAP", "ros2", None, None, 0), [], 0).decode()
     assert "tell contact, not force" in html
-    assert "places are not known" in html
-    assert "Gait not known" in html
+    assert "positions are not known" in html
+    assert "Walk, clearly" in html
 
 
 def test_a_log_without_any_contact_has_a_page() -> None:

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from mcap import records
 from mcap_protobuf.decoder import DecoderFactory
 
-from dogbot_logtool.writer.encodings.encoding import ArrowStyle, MessageType
+from dogbot_logtool.writer.encodings.encoding import ArrowLook, MessageType
 from dogbot_logtool.writer.encodings.foxglove import FoxgloveEncoding
 
 NS = 1_000_000_000
@@ -67,7 +67,7 @@ def test_transforms(values: list[tuple[int, tuple[float, ...]]]) -> None:
 
 @given(rows(len(ARROW)))
 def test_arrows(values: list[tuple[int, tuple[float, ...]]]) -> None:
-    template = ENCODING.arrow("front_left", "world", ArrowStyle(0.04, 0.5))
+    template = ENCODING.arrow("front_left", "world", ArrowLook(0.04, 0.5))
     for data, (time, numbers) in zip(stamp(template, ARROW, values), values, strict=True):
         wanted = SceneUpdate()
         entity = wanted.entities.add(id="front_left", frame_id="world")
@@ -97,7 +97,7 @@ def test_removals(values: list[tuple[int, tuple[float, ...]]]) -> None:
 
 @given(st.lists(st.tuples(TIME, st.booleans(), st.floats(), st.floats()), min_size=1, max_size=10))
 def test_loads(values: list[tuple[int, bool, float, float]]) -> None:
-    template = ENCODING.load()
+    template = ENCODING.load("stance")
     copies = template.copies(len(values))
     template.write_time(copies, "stamp", np.array([time for time, *_ in values], np.int64))
     copies["in_contact"] = [touches for _, touches, _, _ in values]
@@ -144,7 +144,7 @@ def test_names() -> None:
 
 @pytest.mark.parametrize("lifetime_s", [0.0, 0.5, 2.25])
 def test_lifetime_and_diameter_of_a_style(lifetime_s: float) -> None:
-    data = ENCODING.arrow("paw", "map", ArrowStyle(0.1, lifetime_s)).message
+    data = ENCODING.arrow("paw", "map", ArrowLook(0.1, lifetime_s)).message
     (entity,) = SceneUpdate.FromString(data).entities
     assert (entity.id, entity.frame_id) == ("paw", "map")
     assert entity.lifetime.ToNanoseconds() == round(lifetime_s * NS)
@@ -161,4 +161,4 @@ def test_two_encodings_do_not_meddle() -> None:
     """Each builds its own load type; neither may spoil the other's."""
     other = FoxgloveEncoding()
     assert other.load_type == ENCODING.load_type
-    assert other.load().message == ENCODING.load().message
+    assert other.load("stance").message == ENCODING.load("stance").message

@@ -11,7 +11,7 @@ from mcap import records
 from mcap_ros1.decoder import DecoderFactory
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
-from dogbot_logtool.writer.encodings.encoding import ArrowStyle, MessageType
+from dogbot_logtool.writer.encodings.encoding import ArrowLook, MessageType
 from dogbot_logtool.writer.encodings.ros1 import Ros1Encoding
 
 NS = 1_000_000_000
@@ -24,10 +24,10 @@ TIME = st.integers(0, 2**31 * NS - 1)
 STORE = get_typestore(Stores.ROS1_NOETIC)
 STORE.register(get_types_from_msg("geometry_msgs/TransformStamped[] transforms", TF))
 TRANSFORM = ENCODING.transform("world", "base_link")
-ARROW = ENCODING.arrow("front_left", "world", ArrowStyle(0.04, 0.5))
-CLASSIC = ENCODING.arrow("front_left", "map", ArrowStyle(0.1, 0.0))
+ARROW = ENCODING.arrow("front_left", "world", ArrowLook(0.04, 0.5))
+CLASSIC = ENCODING.arrow("front_left", "map", ArrowLook(0.1, 0.0))
 REMOVAL = ENCODING.removal("back_left", "world")
-LOAD = ENCODING.load()
+LOAD = ENCODING.load("stance")
 Rows = list[tuple[int, tuple[float, ...], tuple[float, ...]]]
 
 

@@ -14,10 +14,10 @@ from rosbags.typesys import Stores, get_typestore
 
 from dogbot_logtool.commands.convert import convert
 from dogbot_logtool.pipeline.options import ConvertOptions, TopicOptions
-from dogbot_logtool.writer.encodings.encoding import ArrowStyle
+from dogbot_logtool.writer.encodings.encoding import ArrowLook
 from dogbot_logtool.writer.encodings.ros2 import Ros2Encoding
 from dogbot_logtool.writer.template import Template
-from tests import walks
+from tests.oracles import walks
 
 NS = 1_000_000_000
 TF, MARKER = "tf2_msgs/msg/TFMessage", "visualization_msgs/msg/Marker"
@@ -61,7 +61,7 @@ def test_transforms(parent: str, child: str, time: int, numbers: tuple[float, ..
 def test_arrows(
     frame: str, time: int, numbers: tuple[float, ...], colours: tuple[float, ...]
 ) -> None:
-    template = ENCODING.arrow("front_left", frame, ArrowStyle(0.04, 0.5))
+    template = ENCODING.arrow("front_left", frame, ArrowLook(0.04, 0.5))
     values = dict(zip((*POSE, "length", *"rgba"), (*numbers, *colours), strict=True))
     data = stamped(template, time, **values)
     message: Any = STORE.deserialize_cdr(data, MARKER)

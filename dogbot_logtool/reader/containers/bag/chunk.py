@@ -1,6 +1,7 @@
 """One chunk of a ROS 1 bag: its header, and the messages in it."""
 
 import sys
+from collections.abc import Sequence
 from dataclasses import replace
 from functools import lru_cache
 from typing import Final
@@ -16,30 +17,33 @@ from dogbot_logtool.reader.containers.bag.records import (
     record_bounds,
     record_in_file,
 )
-from dogbot_logtool.reader.containers.chunk_content import read_content
+from dogbot_logtool.reader.containers.chunk_content import ChunkContent, ChunkDamage
+from dogbot_logtool.reader.containers.chunk_validator import read_content
 from dogbot_logtool.reader.containers.compression import check_claimed_size, decompress_into
-from dogbot_logtool.reader.containers.log import Chunk, ChunkContent, ChunkDamage, Loss
+from dogbot_logtool.reader.containers.contents import Chunk
+from dogbot_logtool.reader.containers.loss import Loss
 from dogbot_logtool.reader.containers.records import Index, Readable
+from dogbot_logtool.reader.containers.source import ByteSource
 
 INDEX_ENTRY: Final = np.dtype([("seconds", "<u4"), ("nanoseconds", "<u4"), ("offset", "<u4")])
 _RECURRING_SIZE: Final = 64
 """Headers of index records are mostly shorter, and come again behind every chunk."""
 
 
-def chunk_at(source: Readable, place: int) -> Chunk:
+def chunk_at(source: Readable, offset: int) -> Chunk:
     """Read a chunk record's header. Its data may reach beyond the end of the file.
 
     Raises:
         ChunkDamage: there is no chunk.
     """
     try:
-        record = record_in_file(source, place)
+        record = record_in_file(source, offset)
         compression = sys.intern(record.fields.text("compression"))
         size = record.fields.u32("size")
     except MalformedRecord as fault:
         raise ChunkDamage(f"its header is damaged ({fault})") from fault
     chunk = Chunk(
-        offset=place,
+        offset=offset,
         data_offset=record.data,
         data_size=record.end - record.data,
         end=record.end,
@@ -84,6 +88,21 @@ def parse_bag_chunk(
     return _cut_content(target[:size], chunk, promised, fmt)
 
 
+def indexed_times(source: ByteSource, chunks: Sequence[Chunk]) -> list[tuple[int, int] | None]:
+    """Return the first and last log time, ns, that the index records behind chunks name.
+
+    None for a chunk whose index records are missing, empty or damaged.
+    """
+    ranges = [(chunk.end, chunk.index_end - chunk.end) for chunk in chunks]
+    indexes = [_index(memoryview(data)) for data in source.read_many(ranges)]
+    return [
+        (int(index.log_time.min()), int(index.log_time.max()))
+        if index is not None and index.complete and len(index.log_time)
+        else None
+        for index in indexes
+    ]
+
+
 def _cut_content(
     records: Bytes, chunk: Chunk, promised: int | None, fmt: BagFormat
 ) -> ChunkContent:
@@ -102,11 +121,11 @@ def _index(behind: memoryview) -> Index | None:
     """Return what the index records behind a chunk name, None if there are none to be read."""
     parts: list[memoryview] = []
     connections: list[int] = []
-    place = 0
-    while place < len(behind):
+    offset = 0
+    while offset < len(behind):
         try:
-            header_end, end = record_bounds(behind, place, len(behind))
-            header = bytes(behind[place + 4 : header_end])
+            header_end, end = record_bounds(behind, offset, len(behind))
+            header = bytes(behind[offset + 4 : header_end])
             recurs = len(header) <= _RECURRING_SIZE
             connection = (_recurring_connection if recurs else _indexed_connection)(header)
         except MalformedRecord:
@@ -116,7 +135,7 @@ def _index(behind: memoryview) -> Index | None:
             break
         parts.append(entries)
         connections.append(connection)
-        place = end
+        offset = end
     if not parts:
         return None
     table = np.frombuffer(b"".join(parts), INDEX_ENTRY)
@@ -125,7 +144,7 @@ def _index(behind: memoryview) -> Index | None:
         nanoseconds(table),
         connections,
         [len(part) // INDEX_ENTRY.itemsize for part in parts],
-        complete=place == len(behind),
+        complete=offset == len(behind),
     )
 
 

@@ -43,31 +43,31 @@ class BagFormat:
         self._usual: _Template | None = None
         """The header of the messages that were found last."""
 
-    def chain(self, data: memoryview, place: int, end: int, limit: int) -> list[int]:
+    def chain(self, data: memoryview, offset: int, end: int, limit: int) -> list[int]:
         """See `RecordFormat.chain`."""
-        bounds = [place]
+        bounds = [offset]
         unpack = U32.unpack_from
-        while place + 8 <= end and limit:
-            header_end = place + 4 + unpack(data, place)[0]
+        while offset + 8 <= end and limit:
+            header_end = offset + 4 + unpack(data, offset)[0]
             if header_end + 4 > end:
                 break
-            place = header_end + 4 + unpack(data, header_end)[0]
-            if place > end:
+            offset = header_end + 4 + unpack(data, header_end)[0]
+            if offset > end:
                 break
-            bounds.append(place)
+            bounds.append(offset)
             limit -= 1
         return bounds
 
     def decode(self, records: Bytes, bounds: Ints) -> Records:
         """See `RecordFormat.decode`."""
-        place, end = bounds[:-1], bounds[1:]
+        offset, end = bounds[:-1], bounds[1:]
         found = Records(
-            np.zeros(len(place), np.int64),
-            place,
-            blank_messages(np.zeros(len(place), np.int64), end),
+            np.zeros(len(offset), np.int64),
+            offset,
+            blank_messages(np.zeros(len(offset), np.int64), end),
         )
-        header_size = gather(records, place, 4).view("<u4").astype(np.int64)
-        left = np.arange(len(place))
+        header_size = gather(records, offset, 4).view("<u4").astype(np.int64)
+        left = np.arange(len(offset))
         templates = 0
         while len(left):
             template = _decode_one(records, found, int(left[0]))
@@ -102,10 +102,10 @@ class BagFormat:
         """See `RecordFormat.candidates`."""
         return (match.start() for match in _RECORD_START.finditer(window))
 
-    def sound(self, source: Readable, place: int, end: int) -> bool:
+    def sound(self, source: Readable, offset: int, end: int) -> bool:
         """See `RecordFormat.sound`."""
         try:
-            record = record_in_file(source, place)
+            record = record_in_file(source, offset)
             op = record.fields.op()
             if record.end > end:
                 return op == BagOp.CHUNK and bool(record.fields.raw("compression"))
@@ -114,10 +114,10 @@ class BagFormat:
             return False
         return sound and _may_follow(source, record.end, end)
 
-    def resembles(self, records: Bytes, before: int, place: int, end: int) -> bool:
+    def resembles(self, records: Bytes, before: int, offset: int, end: int) -> bool:
         """See `RecordFormat.resembles`."""
         size = 4 + int(U32.unpack_from(records.data, before)[0])
-        here = records[place : min(place + size, end)]
+        here = records[offset : min(offset + size, end)]
         alike = np.count_nonzero(here == records[before : before + len(here)])
         return bool(2 * alike >= len(here) >= 8 or _RECORD_START.match(here.tobytes()))
 
@@ -152,16 +152,16 @@ def is_sound(record: Record, op: int) -> bool:
     return True
 
 
-def _may_follow(source: Readable, place: int, end: int) -> bool:
+def _may_follow(source: Readable, offset: int, end: int) -> bool:
     """Tell whether a record's end leads to another record, or to one that is cut off."""
-    if place == end:
+    if offset == end:
         return True
     try:
-        record_in_file(source, place).fields.op()
+        record_in_file(source, offset).fields.op()
     except MalformedRecord:
-        head = source.read(place, 4)
+        head = source.read(offset, 4)
         size = int.from_bytes(head, "little")
-        return len(head) < 4 or (size <= _LONGEST_HEADER and place + 8 + size > end)
+        return len(head) < 4 or (size <= _LONGEST_HEADER and offset + 8 + size > end)
     return True
 
 
@@ -183,32 +183,32 @@ class _Template:
         return rows_like(heads & self.constant, self.head)
 
 
-def _template(records: Bytes, place: int) -> _Template | None:
+def _template(records: Bytes, offset: int) -> _Template | None:
     """Return a message's header as a template, None if there is no message."""
     try:
-        record = record_at(records.data, place, len(records))
+        record = record_at(records.data, offset, len(records))
     except MalformedRecord:
         return None
-    return _template_of(records, place, record)
+    return _template_of(records, offset, record)
 
 
 def _values(records: Bytes, offset: Ints, template: _Template | None) -> NDArray[np.void] | None:
-    """Return the values in the headers at some places, None if any is not like the template."""
+    """Return the values in the headers at some offsets, None if any is not like the template."""
     if template is None or offset[-1] + 8 + template.size > len(records):
         return None
     heads = gather_bytes(records, offset, 8 + template.size)
     return heads.view(template.values)[:, 0] if template.matches(heads).all() else None
 
 
-def _template_of(records: Bytes, place: int, record: Record) -> _Template | None:
-    size = record.data - place - 8
-    head = records[place : place + 8 + size]
+def _template_of(records: Bytes, offset: int, record: Record) -> _Template | None:
+    size = record.data - offset - 8
+    head = records[offset : offset + 8 + size]
     try:
         if record.fields.op() != BagOp.MESSAGE or size > _LONGEST_HEADER:
             return None
         record.fields.u32("conn")
         record.fields.time_ns("time")
-        connection, time = _value_places(head[:-4].tobytes())
+        connection, time = _value_offsets(head[:-4].tobytes())
     except (MalformedRecord, KeyError):
         return None
     values = np.dtype(
@@ -225,30 +225,30 @@ def _template_of(records: Bytes, place: int, record: Record) -> _Template | None
     return _Template(size, head & constant, constant, values)
 
 
-def _value_places(header: bytes) -> tuple[int, int]:
+def _value_offsets(header: bytes) -> tuple[int, int]:
     """Return where connection and time stand in a sound header, which its length leads."""
-    places: dict[bytes, int] = {}
-    place = 4
-    while place < len(header):
-        (size,) = U32.unpack_from(header, place)
-        name = header[place + 4 : place + 4 + size].partition(b"=")[0]
-        places[name] = place + 4 + len(name) + 1
-        place += 4 + size
-    return places[b"conn"], places[b"time"]
+    offsets: dict[bytes, int] = {}
+    offset = 4
+    while offset < len(header):
+        (size,) = U32.unpack_from(header, offset)
+        name = header[offset + 4 : offset + 4 + size].partition(b"=")[0]
+        offsets[name] = offset + 4 + len(name) + 1
+        offset += 4 + size
+    return offsets[b"conn"], offsets[b"time"]
 
 
 def _fill(found: Records, rows: Ints, records: Bytes, template: _Template) -> None:
     """Decode the messages among some rows, whose headers have the template's length."""
     if not len(rows):
         return
-    heads = gather_bytes(records, found.place[rows], 8 + template.size)
+    heads = gather_bytes(records, found.offset[rows], 8 + template.size)
     alike = template.matches(heads)
     rows, values = rows[alike], heads.view(template.values)[alike, 0]
     found.op[rows] = BagOp.MESSAGE
     found.messages.channel[rows] = values["connection"]
     found.messages.log_time[rows] = nanoseconds(values)
     found.messages.publish_time[rows] = found.messages.log_time[rows]
-    found.messages.start[rows] = found.place[rows] + 8 + template.size
+    found.messages.start[rows] = found.offset[rows] + 8 + template.size
 
 
 def nanoseconds(times: NDArray[np.void]) -> Ints:
@@ -260,9 +260,9 @@ def nanoseconds(times: NDArray[np.void]) -> Ints:
 
 def _decode_one(records: Bytes, found: Records, row: int) -> _Template | None:
     """Decode one record of any kind; return its header if it may serve as a template."""
-    place = int(found.place[row])
+    offset = int(found.offset[row])
     try:
-        record = record_at(records.data, place, int(found.messages.end[row]))
+        record = record_at(records.data, offset, int(found.messages.end[row]))
         op = record.fields.op()
     except MalformedRecord:
         return None
@@ -272,7 +272,7 @@ def _decode_one(records: Bytes, found: Records, row: int) -> _Template | None:
     if op == BagOp.CONNECTION:
         found.op[row] = op
         return None
-    template = _template_of(records, place, record)
+    template = _template_of(records, offset, record)
     if template is not None:
         _fill(found, np.array([row]), records, template)
     return template

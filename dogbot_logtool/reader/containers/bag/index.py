@@ -1,4 +1,4 @@
-"""What the index section at the end of a ROS 1 bag tells, if there is a sound one."""
+"""The index section at the end of a ROS 1 bag."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -6,7 +6,7 @@ from typing import Final
 
 import numpy as np
 
-from dogbot_logtool.reader.containers.bag.chunk import chunk_at
+from dogbot_logtool.reader.containers.bag.chunk import chunk_at, indexed_times
 from dogbot_logtool.reader.containers.bag.format import INDEX_ENTRY_SIZE
 from dogbot_logtool.reader.containers.bag.records import (
     HEAD_SIZE,
@@ -18,12 +18,13 @@ from dogbot_logtool.reader.containers.bag.records import (
     record_at,
     record_in_file,
 )
+from dogbot_logtool.reader.containers.chunk_content import ChunkDamage
 from dogbot_logtool.reader.containers.chunk_counts import SharedCounts
-from dogbot_logtool.reader.containers.log import Channel, Chunk, ChunkDamage, Contents, Loss, Schema
+from dogbot_logtool.reader.containers.contents import Channel, Chunk, Contents, Schema
+from dogbot_logtool.reader.containers.loss import Loss, described_twice
 from dogbot_logtool.reader.containers.records import Heads
 from dogbot_logtool.reader.containers.signatures import BAG_MAGIC
 from dogbot_logtool.reader.containers.source import ByteSource
-from dogbot_logtool.reader.salvage.losses import described_twice
 
 _MOST_CONNECTIONS: Final = 1 << 16
 _MOST_BYTES: Final = 64 << 20
@@ -134,10 +135,35 @@ def read_index(source: ByteSource, connections: Connections) -> tuple[Contents |
         chunks = _chunks(source, infos, index_start, connections)
         if not _only_small_records(source, header.end, chunks[0].offset if chunks else index_start):
             raise MalformedRecord("it contradicts the chunks")
+        if not _times_hold(source, chunks):
+            raise MalformedRecord("it tells wrong times")
     except (MalformedRecord, ChunkDamage) as fault:
         what = f"the bag's index is damaged ({fault}); the bag was read without"
         return None, Loss(len(BAG_MAGIC), what)
     return _contents(connections, chunks), None
+
+
+def _times_hold(source: ByteSource, chunks: Sequence[Chunk]) -> bool:
+    """Tell whether the index records behind chunks confirm when the log begins and ends.
+
+    They are compared for the first and the last chunk, in the file and by the times stated.
+    """
+    if not chunks:
+        return True
+    compared = {
+        chunk.offset: chunk
+        for chunk in (
+            chunks[0],
+            chunks[-1],
+            min(chunks, key=lambda chunk: chunk.start_time or 0),
+            max(chunks, key=lambda chunk: chunk.end_time or 0),
+        )
+    }.values()
+    found = indexed_times(source, list(compared))
+    return all(
+        times in {None, (chunk.start_time, chunk.end_time)}
+        for chunk, times in zip(compared, found, strict=True)
+    )
 
 
 def _contents(connections: Connections, chunks: Sequence[Chunk]) -> Contents:
@@ -163,19 +189,19 @@ def _read_section(source: ByteSource, start: int, connections: Connections) -> l
         raise MalformedRecord("it is absurdly long")
     section = source.read(start, source.size - start)
     infos: list[ChunkInfo] = []
-    place = _skip_zeros(section)
-    while place < len(section):
-        record = record_at(section, place, len(section))
+    offset = _skip_zeros(section)
+    while offset < len(section):
+        record = record_at(section, offset, len(section))
         op = record.fields.op()
         if op == BagOp.CONNECTION:
             connections.add(record.fields, memoryview(section)[record.data : record.end])
-            if connections.contradiction(section[place : record.end], start + place) is not None:
+            if connections.contradiction(section[offset : record.end], start + offset) is not None:
                 raise MalformedRecord("it describes a connection in two ways")
         elif op == BagOp.CHUNK_INFO:
             infos.append(chunk_info(record, section))
         else:
             raise MalformedRecord("it holds records of another kind")
-        place = record.end
+        offset = record.end
     return infos
 
 
@@ -236,20 +262,20 @@ def _chunks(
 
 
 def _only_index_records(
-    source: ByteSource, place: int, end: int, counts: Mapping[int, int]
+    source: ByteSource, offset: int, end: int, counts: Mapping[int, int]
 ) -> bool:
     """Tell whether a chunk's index records lead from its end to the next chunk."""
     expected = _INDEX_RECORD_SIZE * len(counts) + INDEX_ENTRY_SIZE * sum(counts.values())
-    return end - place == expected or _only_small_records(source, place, end)
+    return end - offset == expected or _only_small_records(source, offset, end)
 
 
-def _only_small_records(source: ByteSource, place: int, end: int) -> bool:
-    """Tell whether records that are neither chunks nor messages lead from one place to another."""
-    while place < end:
-        if end - place <= _LARGEST_PADDING and not any(source.read(place, end - place)):
+def _only_small_records(source: ByteSource, offset: int, end: int) -> bool:
+    """Tell whether records that are neither chunks nor messages lead from one offset to another."""
+    while offset < end:
+        if end - offset <= _LARGEST_PADDING and not any(source.read(offset, end - offset)):
             return True
-        record = record_in_file(source, place)
+        record = record_in_file(source, offset)
         if record.fields.op() not in {BagOp.INDEX, BagOp.CONNECTION}:
             return False
-        place = record.end
-    return place == end
+        offset = record.end
+    return offset == end

@@ -1,19 +1,25 @@
-"""ROS 1 bags: opened through their index where there is a sound one, else by a walk."""
+"""ROS 1 bags."""
 
 from dataclasses import replace
 
 from dogbot_logtool.core.geometry.arrays import Bytes
-from dogbot_logtool.reader.containers.bag.chunk import check_bag_chunk, parse_bag_chunk
+from dogbot_logtool.reader.containers.bag.chunk import (
+    check_bag_chunk,
+    indexed_times,
+    parse_bag_chunk,
+)
 from dogbot_logtool.reader.containers.bag.format import BagFormat
 from dogbot_logtool.reader.containers.bag.index import Connections, read_index
 from dogbot_logtool.reader.containers.bag.records import BagOp
 from dogbot_logtool.reader.containers.channel_ids import ChannelIds
-from dogbot_logtool.reader.containers.log import Chunk, ChunkContent, Contents, Log
+from dogbot_logtool.reader.containers.chunk_content import ChunkContent
+from dogbot_logtool.reader.containers.chunked_log import ChunkedLog
+from dogbot_logtool.reader.containers.contents import Chunk, Contents
+from dogbot_logtool.reader.containers.loss import Loss
 from dogbot_logtool.reader.containers.source import ByteSource
-from dogbot_logtool.reader.salvage.bag_survey import BagSurvey
 
 
-class BagLog(Log):
+class BagLog(ChunkedLog):
     """A ROS 1 bag of format 2.0."""
 
     container = "ROS 1 bag"
@@ -27,16 +33,16 @@ class BagLog(Log):
         self._format = BagFormat()
 
     def check(self, chunk: Chunk) -> None:
-        """See `Log.check`."""
+        """See `ChunkedLog.check`."""
         check_bag_chunk(chunk, self.source.size)
 
     def parse(self, chunk: Chunk, stored: memoryview, target: Bytes) -> ChunkContent:
-        """See `Log.parse`."""
+        """See `ChunkedLog.parse`."""
         counts = chunk.counts and {self._numbers[each]: n for each, n in chunk.counts.items()}
         content = parse_bag_chunk(replace(chunk, counts=counts), stored, target, self._format)
         found = {
-            self._connections.contradiction(target[place:end].tobytes(), chunk.offset): None
-            for op, place, end in content.others.tolist()
+            self._connections.contradiction(target[offset:end].tobytes(), chunk.offset): None
+            for op, offset, end in content.others.tolist()
             if op == BagOp.CONNECTION
         }
         contradictions = [loss for loss in found if loss is not None]
@@ -44,13 +50,27 @@ class BagLog(Log):
             return content
         return replace(content, losses=(*content.losses, *contradictions))
 
+    def overlaps(self, chunk: Chunk, start: int | None, end: int | None) -> bool:
+        """See `Log.overlaps`: a chunk is left out only if the index records behind it agree.
 
-def open_bag(source: ByteSource) -> BagLog:
-    """Open a bag whose magic has been seen."""
+        They are not fetched for that from a store.
+        """
+        if super().overlaps(chunk, start, end):
+            return True
+        if chunk.is_scanned or not self.source.has_cheap_seeks:
+            return False
+        (times,) = indexed_times(self.source, [chunk])
+        if times is None:
+            return True
+        return super().overlaps(replace(chunk, start_time=times[0], end_time=times[1]), start, end)
+
+
+def open_bag(source: ByteSource) -> tuple[BagLog | None, Loss | None]:
+    """Open a bag through its index.
+
+    Returns:
+        the bag, or None where the index is absent or damaged; and what is wrong with it.
+    """
     connections = Connections()
     contents, problem = read_index(source, connections)
-    if contents is None:
-        connections = Connections()
-        source = source.nearby()
-        contents = BagSurvey(source, connections).contents(problem)
-    return BagLog(source, contents, connections)
+    return (None if contents is None else BagLog(source, contents, connections)), problem

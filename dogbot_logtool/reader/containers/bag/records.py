@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from enum import IntEnum
 from typing import Final
 
-from dogbot_logtool.reader.containers.log import Channel, Schema
+from dogbot_logtool.reader.containers.contents import Channel, Schema
 from dogbot_logtool.reader.containers.records import Readable
 
 U32: Final = struct.Struct("<I")
@@ -46,17 +46,17 @@ class Fields:
         """
         self._values: dict[bytes, bytes] = {}
         data = bytes(data)
-        place = 0
-        while place < len(data):
-            if place + 4 > len(data):
+        offset = 0
+        while offset < len(data):
+            if offset + 4 > len(data):
                 raise MalformedRecord("a header field is cut off")
-            (size,) = U32.unpack_from(data, place)
-            field = data[place + 4 : place + 4 + size]
+            (size,) = U32.unpack_from(data, offset)
+            field = data[offset + 4 : offset + 4 + size]
             name, equals, value = field.partition(b"=")
             if len(field) != size or not equals:
                 raise MalformedRecord("a header field is damaged")
             self._values[name] = value
-            place += 4 + size
+            offset += 4 + size
 
     def op(self) -> int:
         """Return the kind of the record."""
@@ -113,7 +113,7 @@ class Fields:
 
 @dataclass(frozen=True, slots=True)
 class Record:
-    """A record's header and the place of its data."""
+    """A record's header and the offset of its data."""
 
     fields: Fields
     data: int
@@ -122,21 +122,21 @@ class Record:
     """First byte after the record."""
 
 
-def record_bounds(data: bytes | memoryview, place: int, end: int) -> tuple[int, int]:
+def record_bounds(data: bytes | memoryview, offset: int, end: int) -> tuple[int, int]:
     """Return where a record in memory has the end of its header, and its own.
 
     Args:
         data: bytes that hold it.
-        place: where it begins.
+        offset: where it begins.
         end: where it must end at the latest.
 
     Raises:
         MalformedRecord: there is no whole record.
     """
-    if place + 4 > end:
+    if offset + 4 > end:
         raise MalformedRecord("a record is cut off")
-    (header_size,) = U32.unpack_from(data, place)
-    header_end = place + 4 + header_size
+    (header_size,) = U32.unpack_from(data, offset)
+    header_end = offset + 4 + header_size
     if header_end + 4 > end:
         raise MalformedRecord("a record is cut off")
     (data_size,) = U32.unpack_from(data, header_end)
@@ -146,30 +146,30 @@ def record_bounds(data: bytes | memoryview, place: int, end: int) -> tuple[int, 
     return header_end, record_end
 
 
-def record_at(data: bytes | memoryview, place: int, end: int) -> Record:
+def record_at(data: bytes | memoryview, offset: int, end: int) -> Record:
     """Read the header of a record in memory; arguments and errors are those of `record_bounds`."""
-    header_end, record_end = record_bounds(data, place, end)
-    return Record(Fields(data[place + 4 : header_end]), header_end + 4, record_end)
+    header_end, record_end = record_bounds(data, offset, end)
+    return Record(Fields(data[offset + 4 : header_end]), header_end + 4, record_end)
 
 
-def record_in_file(source: Readable, place: int) -> Record:
+def record_in_file(source: Readable, offset: int) -> Record:
     """Read the header of a record in the file; its data may reach beyond the file's end.
 
     Raises:
         MalformedRecord: there is no record's header.
     """
-    head = source.read(place, HEAD_SIZE)
+    head = source.read(offset, HEAD_SIZE)
     if len(head) < 4:
         raise MalformedRecord("a record is cut off")
     (header_size,) = U32.unpack_from(head)
     if header_size > MAX_HEADER_SIZE:
         raise MalformedRecord("a header is absurdly long")
     if len(head) < 8 + header_size:
-        head = source.read(place, 8 + header_size)
+        head = source.read(offset, 8 + header_size)
         if len(head) < 8 + header_size:
             raise MalformedRecord("a record is cut off")
     (data_size,) = U32.unpack_from(head, 4 + header_size)
-    data = place + 8 + header_size
+    data = offset + 8 + header_size
     return Record(Fields(memoryview(head)[4 : 4 + header_size]), data, data + data_size)
 
 

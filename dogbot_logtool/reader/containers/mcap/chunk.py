@@ -9,9 +9,11 @@ from mcap.opcode import Opcode
 from zlib_ng.zlib_ng import crc32
 
 from dogbot_logtool.core.geometry.arrays import Bytes
-from dogbot_logtool.reader.containers.chunk_content import read_content
+from dogbot_logtool.reader.containers.chunk_content import ChunkContent, ChunkDamage
+from dogbot_logtool.reader.containers.chunk_validator import read_content
 from dogbot_logtool.reader.containers.compression import check_claimed_size, decompress_into
-from dogbot_logtool.reader.containers.log import Chunk, ChunkContent, ChunkDamage, Loss
+from dogbot_logtool.reader.containers.contents import Chunk
+from dogbot_logtool.reader.containers.loss import Loss
 from dogbot_logtool.reader.containers.mcap.format import McapFormat
 from dogbot_logtool.reader.containers.mcap.records import CHUNK_HEAD, RECORD_HEAD
 from dogbot_logtool.reader.containers.records import Index
@@ -23,7 +25,7 @@ _LONGEST_NAME: Final = 16
 _KNOWN_NAMES: Final = (b"", b"lz4", b"zstd")
 
 
-def chunk_at(source: ByteSource, place: int) -> Chunk:
+def chunk_at(source: ByteSource, offset: int) -> Chunk:
     """Read a chunk record's own header.
 
     The record may reach beyond the end of the file, and its two lengths may disagree.
@@ -31,7 +33,7 @@ def chunk_at(source: ByteSource, place: int) -> Chunk:
     Raises:
         ChunkDamage: it makes no sense.
     """
-    head = source.read(place, RECORD_HEAD.size + CHUNK_HEAD.size + _LONGEST_NAME + 8)
+    head = source.read(offset, RECORD_HEAD.size + CHUNK_HEAD.size + _LONGEST_NAME + 8)
     if len(head) < RECORD_HEAD.size + CHUNK_HEAD.size + 8:
         raise ChunkDamage("its header is cut off")
     _, length = RECORD_HEAD.unpack_from(head)
@@ -45,12 +47,12 @@ def chunk_at(source: ByteSource, place: int) -> Chunk:
     if not is_name or len(head) < data_start:
         raise ChunkDamage("its header is damaged")
     (data_size,) = struct.unpack_from("<Q", head, data_start - 8)
-    record_end = place + RECORD_HEAD.size + length
+    record_end = offset + RECORD_HEAD.size + length
     if data_start > RECORD_HEAD.size + length:
         raise ChunkDamage("its header is damaged")
     return Chunk(
-        offset=place,
-        data_offset=place + data_start,
+        offset=offset,
+        data_offset=offset + data_start,
         data_size=data_size,
         end=record_end,
         index_end=record_end,
@@ -123,7 +125,7 @@ def _header_of(chunk: Chunk, stored: memoryview) -> tuple[int, tuple[Loss, ...]]
         and size == chunk.size
         and name == chunk.compression.encode()
         and data_size == struct.pack("<Q", chunk.data_size)
-        and (chunk.surveyed or (start, end) == (chunk.start_time, chunk.end_time))
+        and (chunk.is_scanned or (start, end) == (chunk.start_time, chunk.end_time))
     ):
         return crc, ()
     what = f"the header of the chunk at byte {chunk.offset} is damaged; it was read nevertheless"
@@ -134,24 +136,24 @@ def _index(behind: memoryview) -> Index | None:
     """Return what the message index behind a chunk names, None if there is none to be read."""
     parts: list[memoryview] = []
     channels: list[int] = []
-    place = whole = 0
-    while place + RECORD_HEAD.size <= len(behind):
-        opcode, length = RECORD_HEAD.unpack_from(behind, place)
-        place += RECORD_HEAD.size
-        if opcode != Opcode.MESSAGE_INDEX or not _INDEX_HEAD.size <= length <= len(behind) - place:
+    offset = whole = 0
+    while offset + RECORD_HEAD.size <= len(behind):
+        opcode, length = RECORD_HEAD.unpack_from(behind, offset)
+        offset += RECORD_HEAD.size
+        if opcode != Opcode.MESSAGE_INDEX or not _INDEX_HEAD.size <= length <= len(behind) - offset:
             break
-        channel, size = _INDEX_HEAD.unpack_from(behind, place)
+        channel, size = _INDEX_HEAD.unpack_from(behind, offset)
         if size > length - _INDEX_HEAD.size or size % INDEX_ENTRY.itemsize:
             break
-        start = place + _INDEX_HEAD.size
+        start = offset + _INDEX_HEAD.size
         parts.append(behind[start : start + size])
         channels.append(channel)
-        whole = place = place + length
+        whole = offset = offset + length
     if not parts:
         return None
     entries = np.frombuffer(b"".join(parts), INDEX_ENTRY)
     return Index.merged(
-        # Offsets beyond 2^63 become negative, and are no place of a message either.
+        # Offsets beyond 2^63 become negative, and no message begins there either.
         entries["offset"].astype(np.int64),
         entries["log_time"],
         channels,

@@ -6,7 +6,7 @@ from typing import Final
 from mcap.opcode import Opcode
 from zlib_ng.zlib_ng import crc32
 
-from dogbot_logtool.reader.containers.log import Loss
+from dogbot_logtool.reader.containers.loss import Loss
 from dogbot_logtool.reader.containers.mcap.records import RECORD_HEAD
 from dogbot_logtool.reader.containers.source import ByteSource
 
@@ -33,8 +33,8 @@ def check_data(source: ByteSource, data_end: int, *, thorough: bool) -> Loss | N
     if opcode != Opcode.DATA_END or length < 4 or not expected:
         return None
     crc = 0
-    for place in range(0, data_end, _PIECE):
-        crc = crc32(source.read(place, min(_PIECE, data_end - place)), crc)
+    for offset in range(0, data_end, _PIECE):
+        crc = crc32(source.read(offset, min(_PIECE, data_end - offset)), crc)
     if crc == expected:
         return None
     return Loss(data_end, "the checksum over all of the log's data does not hold")

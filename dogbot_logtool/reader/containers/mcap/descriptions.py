@@ -14,14 +14,14 @@ from mcap.opcode import Opcode
 from zlib_ng.zlib_ng import crc32
 
 from dogbot_logtool.core.geometry.arrays import Bytes, Ints
-from dogbot_logtool.reader.containers.log import Channel, Loss
+from dogbot_logtool.reader.containers.contents import Channel
+from dogbot_logtool.reader.containers.loss import Loss, described_twice
 from dogbot_logtool.reader.containers.mcap.records import (
     RECORD_HEAD,
     channel_of,
     decode_record,
     schema_of,
 )
-from dogbot_logtool.reader.salvage.losses import described_twice
 
 _MOST_BYTES: Final = 64 << 20
 """A log that describes its channels in more words is not honest."""

@@ -4,7 +4,7 @@ from mcap import records
 from mcap.opcode import Opcode
 from zlib_ng.zlib_ng import crc32
 
-from dogbot_logtool.reader.containers.log import Extra
+from dogbot_logtool.reader.containers.contents import Extra
 from dogbot_logtool.reader.containers.mcap.records import RECORD_HEAD, decode_record
 from dogbot_logtool.reader.containers.source import ByteSource
 

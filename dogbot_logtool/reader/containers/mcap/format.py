@@ -10,7 +10,6 @@ from mcap import records
 from mcap.opcode import Opcode
 
 from dogbot_logtool.core.geometry.arrays import Bytes, Ints
-from dogbot_logtool.reader.containers.log import Messages
 from dogbot_logtool.reader.containers.mcap.records import (
     CHUNK_HEAD,
     LARGEST_PADDING,
@@ -21,6 +20,7 @@ from dogbot_logtool.reader.containers.mcap.records import (
 from dogbot_logtool.reader.containers.records import Readable, Records, blank_messages
 from dogbot_logtool.reader.containers.signatures import MCAP_MAGIC
 from dogbot_logtool.reader.decode.columns import gather
+from dogbot_logtool.reader.decode.message_table import Messages
 
 MESSAGE_HEAD: Final = np.dtype(
     [
@@ -91,39 +91,39 @@ class McapFormat:
         """
         self._channels = channels
 
-    def chain(self, data: memoryview, place: int, end: int, limit: int) -> list[int]:
+    def chain(self, data: memoryview, offset: int, end: int, limit: int) -> list[int]:
         """See `RecordFormat.chain`."""
-        bounds = [place]
+        bounds = [offset]
         unpack, last = RECORD_HEAD.unpack_from, end - RECORD_HEAD.size
-        while place <= last and limit:
-            opcode, length = unpack(data, place)
-            if not opcode or length > last - place:
+        while offset <= last and limit:
+            opcode, length = unpack(data, offset)
+            if not opcode or length > last - offset:
                 break
-            place += length + RECORD_HEAD.size
-            bounds.append(place)
+            offset += length + RECORD_HEAD.size
+            bounds.append(offset)
             limit -= 1
         return bounds
 
     def decode(self, records: Bytes, bounds: Ints) -> Records:
         """See `RecordFormat.decode`."""
-        place, end = bounds[:-1], bounds[1:]
-        head = gather(records, place, RECORD_HEAD.size).view(_HEAD)
+        offset, end = bounds[:-1], bounds[1:]
+        head = gather(records, offset, RECORD_HEAD.size).view(_HEAD)
         op = head["opcode"].astype(np.int64)
         is_message = op == Opcode.MESSAGE
         short = is_message & (head["length"] < MESSAGE_CONTENT_SIZE)
         op[short | ((op <= LARGEST_OPCODE) & ~np.isin(op, _IN_CHUNK))] = 0
         rows = np.flatnonzero(is_message & ~short)
-        messages = blank_messages(place + RECORD_HEAD.size, end)
+        messages = blank_messages(offset + RECORD_HEAD.size, end)
         if len(rows) == len(op):
-            return _message_records(records, place)
+            return _message_records(records, offset)
         if len(rows):
-            found = _message_records(records, place[rows]).messages
+            found = _message_records(records, offset[rows]).messages
             messages.channel[rows] = found.channel
             messages.log_time[rows] = found.log_time
             messages.publish_time[rows] = found.publish_time
             messages.sequence[rows] = found.sequence
             messages.start[rows] = found.start
-        return Records(op, place, messages)
+        return Records(op, offset, messages)
 
     def heads(self, records: Bytes, offset: Ints) -> Records | None:
         """See `RecordFormat.heads`."""
@@ -142,26 +142,26 @@ class McapFormat:
         """See `RecordFormat.candidates`."""
         return (match.start() for match in _RECORD_START.finditer(window))
 
-    def sound(self, source: Readable, place: int, end: int) -> bool:
+    def sound(self, source: Readable, offset: int, end: int) -> bool:
         """See `RecordFormat.sound`."""
-        return self._sound(source, place, end, _MOST_FOLLOWING)
+        return self._sound(source, offset, end, _MOST_FOLLOWING)
 
-    def _sound(self, source: Readable, place: int, end: int, more: int) -> bool:
+    def _sound(self, source: Readable, offset: int, end: int, more: int) -> bool:
         """Check a record and, as its own structure may say little, some that follow it."""
-        head = source.read(place, min(RECORD_HEAD.size + 64, end - place))
+        head = source.read(offset, min(RECORD_HEAD.size + 64, end - offset))
         if len(head) < RECORD_HEAD.size:
             # The end of the file cuts it off, or it is the end of a chunk.
             return not head or 1 <= head[0] <= LARGEST_OPCODE or MCAP_MAGIC.startswith(head)
         opcode, length = RECORD_HEAD.unpack_from(head)
         if opcode == Opcode.CHUNK:
             return _is_chunk(head[RECORD_HEAD.size :], length)
-        following = place + RECORD_HEAD.size + length
+        following = offset + RECORD_HEAD.size + length
         if following > end or opcode not in _SHORTEST:
             # A following record that the end cuts off says nothing against those before it.
             return opcode in _SHORTEST and more < _MOST_FOLLOWING
         if opcode == Opcode.FOOTER:
             return source.read(following, len(MCAP_MAGIC)) == MCAP_MAGIC
-        if not self.has_sound_content(source, place + RECORD_HEAD.size, opcode, length):
+        if not self.has_sound_content(source, offset + RECORD_HEAD.size, opcode, length):
             return False
         return following == end or not more or self._sound(source, following, end, more - 1)
 
@@ -201,9 +201,9 @@ class McapFormat:
         body = source.read(content, length)
         return any(decode_record(kind, body, padding=0) for kind in _DECODED.values())
 
-    def resembles(self, records: Bytes, before: int, place: int, end: int) -> bool:
+    def resembles(self, records: Bytes, before: int, offset: int, end: int) -> bool:
         """See `RecordFormat.resembles`."""
-        data = records[place : min(place + MESSAGE_HEAD.itemsize, end)].tobytes()
+        data = records[offset : min(offset + MESSAGE_HEAD.itemsize, end)].tobytes()
         if len(data) < RECORD_HEAD.size:
             return False
         agree = [1 <= data[0] <= LARGEST_OPCODE, data[5:9] == b"\0\0\0\0"]
@@ -237,7 +237,7 @@ def _content_size(source: Readable, content: int, opcode: int) -> int | None:
 
 def _message_records(records: Bytes, offset: Ints) -> Records:
     head = gather(records, offset, MESSAGE_HEAD.itemsize).view(MESSAGE_HEAD)
-    # Lengths beyond the buffer become negative or stay too large; both are seen by whoever asks.
+    # Lengths beyond the buffer become negative or stay too large; callers check for both.
     length = np.minimum(head["length"], np.uint64(len(records) + 1)).astype(np.int64)
     messages = Messages(
         channel=head["channel"].astype(np.int64),

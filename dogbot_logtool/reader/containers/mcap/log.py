@@ -1,4 +1,4 @@
-"""MCAP files: opened through their summary where there is a sound one, else by a walk."""
+"""MCAP files."""
 
 from dataclasses import replace
 from typing import Final
@@ -9,14 +9,10 @@ from mcap.opcode import Opcode
 
 from dogbot_logtool.core.geometry.arrays import Bytes
 from dogbot_logtool.reader.containers.channel_ids import UNKNOWN_CHANNEL
-from dogbot_logtool.reader.containers.log import (
-    Chunk,
-    ChunkContent,
-    ChunkDamage,
-    Contents,
-    Log,
-    Loss,
-)
+from dogbot_logtool.reader.containers.chunk_content import ChunkContent, ChunkDamage
+from dogbot_logtool.reader.containers.chunked_log import ChunkedLog
+from dogbot_logtool.reader.containers.contents import Chunk, Contents
+from dogbot_logtool.reader.containers.loss import Loss
 from dogbot_logtool.reader.containers.mcap.chunk import check_chunk, chunk_at, parse_chunk
 from dogbot_logtool.reader.containers.mcap.descriptions import DescriptionCheck
 from dogbot_logtool.reader.containers.mcap.format import McapFormat
@@ -24,15 +20,14 @@ from dogbot_logtool.reader.containers.mcap.records import RECORD_HEAD, decode_re
 from dogbot_logtool.reader.containers.mcap.summary import SUMMARY_CONTRADICTS, read_summary
 from dogbot_logtool.reader.containers.signatures import MCAP_MAGIC
 from dogbot_logtool.reader.containers.source import ByteSource
-from dogbot_logtool.reader.salvage.mcap_survey import McapSurvey
 
 _LARGEST_HEADER: Final = 1 << 20
 _MOST_FIRST_CHUNKS: Final = 8
 _LARGEST_FIRST_CHUNK: Final = 16 << 20
-"""Chunks that are larger when decompressed are left to whoever reads the log."""
+"""Larger chunks, decompressed, are not read when a log is opened."""
 
 
-class McapLog(Log):
+class McapLog(ChunkedLog):
     """An MCAP file of any profile."""
 
     container = "MCAP"
@@ -44,31 +39,50 @@ class McapLog(Log):
         self._descriptions = DescriptionCheck(contents.channels)
 
     def check(self, chunk: Chunk) -> None:
-        """See `Log.check`."""
+        """See `ChunkedLog.check`."""
         check_chunk(chunk, self.source.size)
 
     def parse(self, chunk: Chunk, stored: memoryview, target: Bytes) -> ChunkContent:
-        """See `Log.parse`."""
+        """See `ChunkedLog.parse`."""
         content = parse_chunk(chunk, stored, target, self._format)
         if not len(content.others):
             return content
         found = self._descriptions.contradictions(target, content.others, chunk.offset)
         return replace(content, losses=(*content.losses, *found)) if found else content
 
-    def _overlaps(self, chunk: Chunk, start: int | None, end: int | None) -> bool:
-        """See `Log._overlaps`: a chunk is left out only if its own header says so, too.
+    def by_own_header(self, chunk: Chunk) -> Chunk | None:
+        """See `ChunkedLog.by_own_header`."""
+        if chunk.is_scanned or not chunk.is_record:
+            return None
+        try:
+            own = chunk_at(self.source, chunk.offset)
+        except ChunkDamage:
+            return None
+        if own.end != chunk.end or own.data_offset + own.data_size != own.end:
+            return None
+        corrected = replace(
+            chunk,
+            data_offset=own.data_offset,
+            data_size=own.data_size,
+            compression=own.compression,
+            size=own.size,
+        )
+        return corrected if corrected != chunk else None
+
+    def overlaps(self, chunk: Chunk, start: int | None, end: int | None) -> bool:
+        """See `Log.overlaps`: a chunk is left out only if its own header says so, too.
 
         Headers in a store are not fetched for that.
         """
-        if super()._overlaps(chunk, start, end):
+        if super().overlaps(chunk, start, end):
             return True
-        if chunk.surveyed or not self.source.has_cheap_seeks:
+        if chunk.is_scanned or not self.source.has_cheap_seeks:
             return False
         try:
             own = chunk_at(self.source, chunk.offset)
         except ChunkDamage:
             return True
-        return super()._overlaps(own, start, end)
+        return super().overlaps(own, start, end)
 
     def contradicts_summary(self) -> bool:
         """Tell whether the first messages of a channel are described otherwise in their chunk.
@@ -76,8 +90,8 @@ class McapLog(Log):
         A channel is described before its first message, mostly in the same chunk.
         """
         chunks = self._first_chunks()
-        places = [(chunk.offset, chunk.index_end - chunk.offset) for chunk in chunks]
-        for chunk, stored in zip(chunks, self.source.read_many(places), strict=True):
+        ranges = [(chunk.offset, chunk.index_end - chunk.offset) for chunk in chunks]
+        for chunk, stored in zip(chunks, self.source.read_many(ranges), strict=True):
             target = np.empty(chunk.size, np.uint8)
             try:
                 self.check(chunk)
@@ -97,7 +111,7 @@ class McapLog(Log):
         for chunk in self.chunks:
             if not missing or len(first) == _MOST_FIRST_CHUNKS:
                 break
-            # Without an index, the first chunk is as good a guess as any.
+            # Without an index, the first chunk may hold messages of any channel.
             counts = dict.fromkeys(missing, 1) if chunk.counts is None else chunk.counts
             found = {number for number, count in counts.items() if count and number in missing}
             if found and chunk.size <= _LARGEST_FIRST_CHUNK:
@@ -106,21 +120,28 @@ class McapLog(Log):
         return first
 
 
-def open_mcap(source: ByteSource) -> McapLog:
-    """Open an MCAP file whose magic has been seen."""
-    profile = _profile(source)
+def open_mcap(source: ByteSource) -> tuple[McapLog | None, Loss | None]:
+    """Open an MCAP file through its summary.
+
+    Returns:
+        the log, or None where the summary is absent, incomplete or wrong; and the damage, if any.
+    """
     contents, problem = read_summary(source)
-    if contents is not None and McapLog(source, contents).contradicts_summary():
-        contents, problem = None, Loss(0, SUMMARY_CONTRADICTS)
     if contents is None:
-        source = source.nearby()
-        contents = McapSurvey(source).contents(problem)
+        return None, problem
+    log = McapLog(source, with_profile(source, contents))
+    return (None, Loss(0, SUMMARY_CONTRADICTS)) if log.contradicts_summary() else (log, None)
+
+
+def with_profile(source: ByteSource, contents: Contents) -> Contents:
+    """Add the profile that the file's header names."""
+    profile = _profile(source)
     if profile is None:
         damage = Loss(
             len(MCAP_MAGIC), "the header is damaged, so that the log's profile is not known"
         )
         contents = replace(contents, losses=(damage, *contents.losses))
-    return McapLog(source, replace(contents, profile=profile or ""))
+    return replace(contents, profile=profile or "")
 
 
 def _profile(source: ByteSource) -> str | None:

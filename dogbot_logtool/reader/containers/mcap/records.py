@@ -8,7 +8,7 @@ from mcap import records
 from mcap.data_stream import ReadDataStream
 from mcap.exceptions import EndOfFile, McapError
 
-from dogbot_logtool.reader.containers.log import Channel, Schema
+from dogbot_logtool.reader.containers.contents import Channel, Schema
 
 RECORD_HEAD: Final = struct.Struct("<BQ")
 """Opcode and length of the content, before every record."""

@@ -1,4 +1,4 @@
-"""What an MCAP file's summary section tells, if there is a sound and complete one."""
+"""The summary section of an MCAP file, if it is complete and not damaged."""
 
 import struct
 import sys
@@ -12,7 +12,8 @@ from mcap.opcode import Opcode
 from zlib_ng.zlib_ng import crc32
 
 from dogbot_logtool.reader.containers.chunk_counts import SharedCounts
-from dogbot_logtool.reader.containers.log import Chunk, Contents, Extra, Loss, Schema
+from dogbot_logtool.reader.containers.contents import Chunk, Contents, Extra, Schema
+from dogbot_logtool.reader.containers.loss import Loss
 from dogbot_logtool.reader.containers.mcap.data_crc import DATA_END_SIZE, check_data
 from dogbot_logtool.reader.containers.mcap.descriptions import DESCRIBING, DescriptionCheck
 from dogbot_logtool.reader.containers.mcap.records import (
@@ -52,7 +53,7 @@ def read_summary(source: ByteSource) -> tuple[Contents | None, Loss | None]:
     """Read the summary section.
 
     Returns:
-        the contents, or None where the summary is absent, damaged or does not tell all; and the
+        the contents, or None where the summary is absent, damaged or incomplete; and the
         damage, if any.
     """
     summary, problem = _read_section(source)
@@ -107,17 +108,17 @@ def _read_section(source: ByteSource) -> tuple[_Summary | None, Loss | None]:
 
 def _parse_summary(section: bytes, summary: _Summary) -> bool:
     """Decode the section's records; false if one is malformed."""
-    place = 0
-    while place + RECORD_HEAD.size <= len(section):
-        opcode, length = RECORD_HEAD.unpack_from(section, place)
-        place += RECORD_HEAD.size
-        if length > len(section) - place:
+    offset = 0
+    while offset + RECORD_HEAD.size <= len(section):
+        opcode, length = RECORD_HEAD.unpack_from(section, offset)
+        offset += RECORD_HEAD.size
+        if length > len(section) - offset:
             return False
-        body = section[place : place + length]
-        place += length
+        body = section[offset : offset + length]
+        offset += length
         if not _take(opcode, body, summary):
             return False
-    return place == len(section)
+    return offset == len(section)
 
 
 def _take(opcode: int, body: bytes, summary: _Summary) -> bool:
@@ -165,7 +166,7 @@ def _is_complete(summary: _Summary) -> bool:
 
 
 def _contents(source: ByteSource, summary: _Summary) -> Contents | None:
-    """Return what a complete summary tells, or None where it is not true."""
+    """Return the contents by a complete summary, or None where it is wrong."""
     statistics = summary.statistics
     assert statistics is not None  # noqa: S101 - it is complete
     chunks = sorted(summary.chunks, key=lambda chunk: chunk.offset)
@@ -210,7 +211,7 @@ def _chunk_indexes_agree(chunks: Sequence[Chunk], statistics: records.Statistics
 
 
 def _time_range(chunks: Sequence[Chunk], statistics: records.Statistics) -> tuple[int, int]:
-    """Return the log times of the first and the last message, by the chunk indexes if they tell."""
+    """Return the log times of the first and the last message, by the chunk indexes if known."""
     filled = [chunk for chunk in chunks if chunk.messages]
     starts = [chunk.start_time for chunk in filled if chunk.start_time is not None]
     ends = [chunk.end_time for chunk in filled if chunk.end_time is not None]
@@ -227,11 +228,11 @@ def _chunks_are_there(
     A chunk whose own header is damaged is there nevertheless if a checksum vouches for the
     summary.
     """
-    place = len(MCAP_MAGIC)
-    places = [chunk.offset for chunk in chunks]
-    heads = None if summary.verified else Heads(source, places, RECORD_HEAD.size)
+    offset = len(MCAP_MAGIC)
+    offsets = [chunk.offset for chunk in chunks]
+    heads = None if summary.verified else Heads(source, offsets, RECORD_HEAD.size)
     for chunk in chunks:
-        if not between.lead(place, chunk.offset):
+        if not between.lead(offset, chunk.offset):
             return False
         if chunk.index_end < chunk.end:
             return False
@@ -239,8 +240,8 @@ def _chunks_are_there(
             return False
         if chunk.data_offset + chunk.data_size > chunk.end:
             return False
-        place = chunk.index_end
-    return between.lead(place, summary.offset)
+        offset = chunk.index_end
+    return between.lead(offset, summary.offset)
 
 
 def _begins(heads: Heads, chunk: Chunk) -> bool:
@@ -261,25 +262,25 @@ class _RecordsBetween:
     extras: list[int] = field(default_factory=list)
     """Where attachments and metadata records were found."""
 
-    def lead(self, place: int, end: int) -> bool:
-        """Tell whether records, none of them chunks or messages, lead from one place to another."""
+    def lead(self, offset: int, end: int) -> bool:
+        """Tell whether records other than chunks and messages fill the bytes up to an offset."""
         for _ in range(_MOST_RECORDS_BETWEEN):
-            if place >= end:
+            if offset >= end:
                 break
-            head = self.source.read(place, RECORD_HEAD.size)
+            head = self.source.read(offset, RECORD_HEAD.size)
             if len(head) < RECORD_HEAD.size:
                 return False
             opcode, length = RECORD_HEAD.unpack(head)
-            if not self._fits(opcode, place, length):
+            if not self._fits(opcode, offset, length):
                 return False
-            place += RECORD_HEAD.size + length
-        return place == end
+            offset += RECORD_HEAD.size + length
+        return offset == end
 
-    def _fits(self, opcode: int, place: int, length: int) -> bool:
+    def _fits(self, opcode: int, offset: int, length: int) -> bool:
         if opcode in {Opcode.ATTACHMENT, Opcode.METADATA}:
-            self.extras.append(place)
+            self.extras.append(offset)
         elif opcode in DESCRIBING:
-            body = self.source.read(place + RECORD_HEAD.size, min(length, WHOLE_SMALL_RECORD))
+            body = self.source.read(offset + RECORD_HEAD.size, min(length, WHOLE_SMALL_RECORD))
             return self.descriptions.agrees(opcode, body)
         return opcode in _BETWEEN or opcode > max(Opcode)
 
@@ -291,12 +292,14 @@ def indexed_chunk(index: records.ChunkIndex, shared: SharedCounts) -> Chunk:
     counts = None
     if index.message_index_offsets:
         # Each message index record is 15 bytes and 16 for every message.
-        places = sorted((place, channel) for channel, place in index.message_index_offsets.items())
-        ends = [place for place, _ in places[1:]] + [index_end]
+        offsets = sorted(
+            (offset, channel) for channel, offset in index.message_index_offsets.items()
+        )
+        ends = [offset for offset, _ in offsets[1:]] + [index_end]
         counts = shared.of(
             {
-                channel: max(end - place - 15, 0) // 16
-                for (place, channel), end in zip(places, ends, strict=True)
+                channel: max(end - offset - 15, 0) // 16
+                for (offset, channel), end in zip(offsets, ends, strict=True)
             }
         )
     head = RECORD_HEAD.size + CHUNK_HEAD.size + len(index.compression.encode()) + 8

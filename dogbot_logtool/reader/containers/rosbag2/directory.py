@@ -9,7 +9,8 @@ from typing import Final, Protocol
 
 from dogbot_logtool.errors import CallError, LogError
 from dogbot_logtool.io.storage import Location, files_in, shown
-from dogbot_logtool.reader.containers.log import Log, Loss, lost_messages
+from dogbot_logtool.reader.containers.log import Log
+from dogbot_logtool.reader.containers.loss import Loss, lost_messages
 from dogbot_logtool.reader.containers.rosbag2.joined_log import JoinedLog
 from dogbot_logtool.reader.containers.rosbag2.metadata import (
     Metadata,
@@ -18,7 +19,6 @@ from dogbot_logtool.reader.containers.rosbag2.metadata import (
 )
 from dogbot_logtool.reader.containers.signatures import ANNOTATED, ROSBAG2_METADATA
 
-_SUFFIXES: Final = (".db3", ".mcap")
 _PACKED: Final = ".zstd"
 _LONGEST_NAME: Final = 255
 """Bytes that a name of a file may have on any disk."""
@@ -42,16 +42,21 @@ class _Bag:
     """What promises how many messages there are; None if it cannot be used."""
 
 
-def open_rosbag2(path: Location, open_file: OpenFile) -> Log:
+def open_rosbag2(path: Location, open_file: OpenFile, suffixes: tuple[str, ...]) -> Log:
     """Open the directory of a ROS 2 bag.
 
     Files that are missing or cannot be read are losses, as long as one can.
+
+    Args:
+        path: the directory.
+        open_file: opens one of its files.
+        suffixes: of files that may be a part of a bag.
 
     Raises:
         CallError: there are no log files in it.
         LogError: none of its files can be read.
     """
-    bag = _find_files(path)
+    bag = _find_files(path, suffixes)
     logs: list[Log] = []
     losses = list(bag.losses)
     for file in bag.files:
@@ -60,26 +65,25 @@ def open_rosbag2(path: Location, open_file: OpenFile) -> Log:
         except (LogError, CallError) as error:
             losses.append(Loss(0, f"a file of the bag was left out: {error}", 0, None))
     if not logs:
-        told = losses[0].what if losses else f"{ROSBAG2_METADATA} names no files"
-        raise LogError(f"{shown(path)}: nothing of this ROS 2 bag can be read: {told}")
+        reason = losses[0].what if losses else f"{ROSBAG2_METADATA} names no files"
+        raise LogError(f"{shown(path)}: nothing of this ROS 2 bag can be read: {reason}")
     if bag.metadata is not None:
         losses.extend(_compare_counts(bag.metadata, logs, losses))
     return JoinedLog(path, logs, losses)
 
 
-def _find_files(folder: Location) -> _Bag:
+def _find_files(folder: Location, suffixes: tuple[str, ...]) -> _Bag:
     try:
-        return _named_files(folder, read_metadata(folder))
+        return _named_files(folder, read_metadata(folder), suffixes)
     except UnusableMetadata as error:
-        return _numbered_files(folder, str(error))
+        return _numbered_files(folder, suffixes, str(error))
 
 
-def _named_files(folder: Location, metadata: Metadata) -> _Bag:
+def _named_files(folder: Location, metadata: Metadata, suffixes: tuple[str, ...]) -> _Bag:
     """Return the files that metadata names; say which are missing, and which it does not name."""
     present = {file.name: file for file in files_in(folder)}
-    if any(map(_is_log, present.values())) and not any(
-        _present(present, n) for n in metadata.files
-    ):
+    logs = [name for name, file in present.items() if _is_log(file, suffixes)]
+    if logs and not any(_present(present, name) for name in metadata.files):
         raise UnusableMetadata("it names none of the files that are there")
     files: dict[str, Location] = {}
     losses: list[Loss] = []
@@ -92,8 +96,8 @@ def _named_files(folder: Location, metadata: Metadata) -> _Bag:
         else:
             files[file.name] = file
     named = {name.removesuffix(_PACKED) for name in files}
-    for name, file in present.items():
-        if _is_log(file) and name.removesuffix(_PACKED) not in named:
+    for name in logs:
+        if name.removesuffix(_PACKED) not in named:
             what = f"{ROSBAG2_METADATA} does not name {name}, so it was left out"
             losses.append(Loss(0, what, 0, None))
     return _Bag(tuple(files.values()), metadata.distribution, tuple(losses), metadata)
@@ -145,9 +149,9 @@ def _present(files: Mapping[str, Location], name: str) -> Location | None:
     return None
 
 
-def _numbered_files(folder: Location, reason: str) -> _Bag:
+def _numbered_files(folder: Location, suffixes: tuple[str, ...], reason: str) -> _Bag:
     """Take all log files in the order of their numbers."""
-    found: list[Location] = [file for file in files_in(folder) if _is_log(file)]
+    found: list[Location] = [file for file in files_in(folder) if _is_log(file, suffixes)]
     if not found:
         raise CallError(f"{shown(folder)}: is a directory, not a log file, and holds no ROS 2 bag")
     ordered = sorted(found, key=_by_number)
@@ -155,9 +159,9 @@ def _numbered_files(folder: Location, reason: str) -> _Bag:
     return _Bag(_one_storage(ordered), "", (Loss(0, what, 0, 0),))
 
 
-def _is_log(file: Location) -> bool:
+def _is_log(file: Location, suffixes: tuple[str, ...]) -> bool:
     name = file.name.removesuffix(_PACKED)
-    return name.endswith(_SUFFIXES) and not name.endswith(ANNOTATED)
+    return name.endswith(suffixes) and not name.endswith(ANNOTATED)
 
 
 def _by_number(file: Location) -> tuple[list[int], str]:
@@ -165,7 +169,7 @@ def _by_number(file: Location) -> tuple[list[int], str]:
 
 
 def _one_storage(files: Sequence[Location]) -> tuple[Location, ...]:
-    """Leave out what stands there twice, packed and unpacked."""
+    """Leave out compressed files that are also there decompressed."""
     plain = {file.name for file in files}
     return tuple(
         file

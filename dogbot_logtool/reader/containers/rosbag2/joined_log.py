@@ -5,22 +5,13 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from dogbot_logtool.core.geometry.arrays import Bytes, Ints
+from dogbot_logtool.core.geometry.arrays import Ints
 from dogbot_logtool.io.storage import Location, file_name
 from dogbot_logtool.provenance import is_marked
-from dogbot_logtool.reader.containers.log import (
-    Batch,
-    Channel,
-    Chunk,
-    ChunkContent,
-    ChunkDamage,
-    Contents,
-    Extra,
-    Log,
-    Loss,
-    Schema,
-    Span,
-)
+from dogbot_logtool.reader.containers.batch import Batch
+from dogbot_logtool.reader.containers.contents import Channel, Chunk, Contents, Extra, Schema
+from dogbot_logtool.reader.containers.log import Log, Span
+from dogbot_logtool.reader.containers.loss import Loss
 from dogbot_logtool.reader.containers.packed_messages import unpacked
 from dogbot_logtool.reader.containers.source import ByteSource
 
@@ -90,7 +81,7 @@ class JoinedLog(Log):
                 for number, log in enumerate(logs)
                 for extra in log.extras
             ],
-            losses=(*losses, *(_placed(loss, log) for log in logs for loss in log.losses)),
+            losses=(*losses, *(_in_file(loss, log) for log in logs for loss in log.losses)),
         )
         super().__init__(_Folder(path, sum(log.source.size for log in logs)), contents)
         storage = logs[0].container
@@ -119,25 +110,19 @@ class JoinedLog(Log):
     def read(self, span: Span) -> Batch:
         """See `Log.read`."""
         part = self._part(span[0])
-        own = {id(part.log.chunks[c.offset - part.first]): c for c in span}
-        batch = part.log.read(tuple(part.log.chunks[c.offset - part.first] for c in span))
+        own = [part.log.chunks[chunk.offset - part.first] for chunk in span]
+        joint = {one.offset: chunk for one, chunk in zip(own, span, strict=True)}
+        batch = part.log.read(tuple(own))
         messages = replace(batch.messages, channel=part.channel[batch.messages.channel])
         chunks = tuple(
-            replace(loaded, chunk=own[id(loaded.chunk)], whole=False) for loaded in batch.chunks
+            replace(loaded, chunk=joint[loaded.chunk.offset], whole=False)
+            for loaded in batch.chunks
         )
-        losses = tuple(_placed(loss, part.log) for loss in batch.losses)
+        losses = tuple(_in_file(loss, part.log) for loss in batch.losses)
         return unpacked(Batch(batch.buffer, messages, chunks, losses))
 
     def _part(self, chunk: Chunk) -> _Part:
         return next(part for part in reversed(self._parts) if part.first <= chunk.offset)
-
-    def check(self, chunk: Chunk) -> None:
-        """See `Log.check`; each file checks its own."""
-
-    def parse(self, chunk: Chunk, stored: memoryview, target: Bytes) -> ChunkContent:
-        """See `Log.parse`; each file parses its own."""
-        del chunk, stored, target
-        raise ChunkDamage("it is no file's")
 
     def close(self) -> None:
         """Close all files."""
@@ -182,6 +167,6 @@ def _renumbered(chunk: Chunk, part: _Part, row: int) -> Chunk:
     return replace(chunk, offset=part.first + row, counts=counts)
 
 
-def _placed(loss: Loss, log: Log) -> Loss:
+def _in_file(loss: Loss, log: Log) -> Loss:
     """Say in which file it is."""
     return replace(loss, what=f"{file_name(log.source.path)}: {loss.what}")

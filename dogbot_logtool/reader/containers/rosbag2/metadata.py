@@ -32,13 +32,13 @@ class Metadata:
     files: tuple[str, ...]
     """Names as written; old recorders name a file from the parent directory."""
     distribution: str
-    """ROS 2 distribution that recorded it; empty if not told."""
+    """ROS 2 distribution that recorded it; empty if not stated."""
     messages: int | None
-    """In all files; None if not told."""
+    """In all files; None if not stated."""
     messages_by_file: Mapping[str, int]
     """By the last part of the file's name; newer recorders count these, too."""
     messages_by_topic: Mapping[str, int]
-    """In all files; empty if not told."""
+    """In all files; empty if not stated."""
 
 
 def read_metadata(folder: Location) -> Metadata:
@@ -134,7 +134,7 @@ def _counts_by_file(files: object) -> Iterator[tuple[str, int]]:
 
 
 def _counts_by_topic(topics: object) -> Mapping[str, int]:
-    """Return the counts by topic; one that stands there with several types has their sum."""
+    """Return the counts by topic; a topic with several types has their sum."""
     counts: Counter[str] = Counter()
     for topic in topics if isinstance(topics, list) else []:
         facts = _mapping(topic)

@@ -14,7 +14,7 @@ from typing import Any, Final
 from urllib.parse import quote
 
 from dogbot_logtool.errors import LogError
-from dogbot_logtool.reader.containers.log import Loss
+from dogbot_logtool.reader.containers.loss import Loss
 from dogbot_logtool.reader.containers.source import ByteSource
 
 _ROWS_AT_ONCE: Final = 50_000

@@ -1,28 +1,21 @@
 """ROS 2 bags in SQLite (.db3): rows become messages, runs of rows become chunks."""
 
 import sqlite3
+from collections import Counter
 from collections.abc import Iterator
+from contextlib import suppress
 from itertools import pairwise
 from typing import Any, Final
 
 import numpy as np
 
-from dogbot_logtool.core.geometry.arrays import Bytes, Ints
+from dogbot_logtool.core.geometry.arrays import Ints
 from dogbot_logtool.errors import LogError
 from dogbot_logtool.io.storage import Location
-from dogbot_logtool.reader.containers.log import (
-    Batch,
-    Chunk,
-    ChunkContent,
-    ChunkDamage,
-    Contents,
-    LoadedChunk,
-    Log,
-    Loss,
-    Messages,
-    Span,
-    concatenate_messages,
-)
+from dogbot_logtool.reader.containers.batch import Batch, LoadedChunk
+from dogbot_logtool.reader.containers.contents import Chunk, Contents
+from dogbot_logtool.reader.containers.log import Log, Span
+from dogbot_logtool.reader.containers.loss import Loss
 from dogbot_logtool.reader.containers.packed_messages import unpacked
 from dogbot_logtool.reader.containers.source import ByteSource
 from dogbot_logtool.reader.containers.sqlite.database import (
@@ -31,9 +24,11 @@ from dogbot_logtool.reader.containers.sqlite.database import (
     open_database,
 )
 from dogbot_logtool.reader.containers.sqlite.topics import Topics, check_tables, read_topics
+from dogbot_logtool.reader.decode.message_table import Messages, concatenate_messages
 
 _CHUNK_SIZE: Final = 1 << 20
 """Bytes of messages from which a chunk is full."""
+_BEFORE_ALL_ROWS: Final = -(2**63)
 _ROWS_AT_ONCE: Final = 50_000
 _SOUND: Final = (
     "typeof(data) = 'blob' AND typeof(timestamp) = 'integer' AND timestamp >= 0 "
@@ -80,14 +75,6 @@ class SqliteLog(Log):
         buffer = np.frombuffer(b"".join(blobs) or b"\0", np.uint8)
         return unpacked(Batch(buffer, concatenate_messages(parts), tuple(loaded), tuple(losses)))
 
-    def check(self, chunk: Chunk) -> None:
-        """See `Log.check`; what SQLite gives, it has."""
-
-    def parse(self, chunk: Chunk, stored: memoryview, target: Bytes) -> ChunkContent:
-        """See `Log.parse`; rows are read by `read`."""
-        del chunk, stored, target
-        raise ChunkDamage("a database has no chunks")
-
     def close(self) -> None:
         """Close the file."""
         self._rows.close()
@@ -106,7 +93,7 @@ class _Rows:
         self._database = database
         self._key = _row_number(database, path)
 
-    def survey(self) -> Iterator[Ints]:
+    def headers(self) -> Iterator[Ints]:
         """Yield (n, 4) row number, topic id, time in ns, and size of messages, in file order.
 
         Raises:
@@ -128,6 +115,24 @@ class _Rows:
             if sound < len(table):
                 raise PagesSharedError
             last = int(table[-1, 0])
+
+    def headers_behind(self, last: int) -> Ints:
+        """Return the rows behind damage, like `headers`: read from the end back to the damage.
+
+        Args:
+            last: number of the last row before the damage.
+        """
+        query = (
+            f"SELECT {self._key}, topic_id, timestamp, length(data) FROM messages "  # noqa: S608
+            f"WHERE {self._key} > ? AND {_SOUND} ORDER BY {self._key} DESC"
+        )
+        found: list[Any] = []
+        with suppress(sqlite3.Error):
+            for part in _in_parts(self._database.each(query, (last,))):
+                found += part
+        table = np.array(found[::-1], np.int64).reshape(-1, 4)
+        is_sound = table[:, 3].sum() <= self._database.size
+        return table if is_sound and _ascending(table[:, 0], last) == len(table) else table[:0]
 
     def unsound(self) -> int:
         """Return the number of rows that are no messages."""
@@ -229,21 +234,22 @@ def open_sqlite(source: ByteSource, distribution: str = "") -> SqliteLog:
 def _contents(rows: _Rows, topics: Topics, losses: list[Loss]) -> Contents:
     """Cut the rows into chunks, and count."""
     chunks: list[Chunk] = []
-    counts: dict[int, int] = {}
-    undescribed = 0
+    undescribed = unsound = 0
+    for table in _tables(rows, losses):
+        channel = topics.channel_of(table[:, 1])
+        undescribed += int((channel == 0).sum())
+        chunks += [
+            _chunk(number, table[part], channel[part])
+            for number, part in enumerate(_cut(table), len(chunks))
+        ]
+    counts: Counter[int] = Counter()
+    for chunk in chunks:
+        counts.update(chunk.counts or {})
     try:
-        for table in rows.survey():
-            channel = topics.channel_of(table[:, 1])
-            undescribed += int((channel == 0).sum())
-            for part in _cut(table):
-                chunk = _chunk(len(chunks), table[part], channel[part])
-                chunks.append(chunk)
-                for number, count in (chunk.counts or {}).items():
-                    counts[number] = counts.get(number, 0) + count
         unsound = rows.unsound()
     except sqlite3.Error as error:
-        losses.append(_damage(None, 0, error))
-        unsound = 0
+        if not losses:
+            losses.append(_damage(None, 0, error))
     for count, what in (
         (undescribed, "messages of topics that are nowhere described"),
         (unsound, "rows that are no messages"),
@@ -255,12 +261,33 @@ def _contents(rows: _Rows, topics: Topics, losses: list[Loss]) -> Contents:
     return Contents(
         channels=topics.channels,
         chunks=chunks,
-        counts={number: counts.get(number, 0) for number in topics.channels},
+        counts={number: counts[number] for number in topics.channels},
         start_time=min(starts, default=None),
         end_time=max(ends, default=None),
         profile="ros2",
         losses=tuple(losses),
     )
+
+
+def _tables(rows: _Rows, losses: list[Loss]) -> Iterator[Ints]:
+    """Yield all rows that can be read, before damage and behind it, like `_Rows.headers`.
+
+    Args:
+        rows: of the table of messages.
+        losses: receives the damage.
+    """
+    last = _BEFORE_ALL_ROWS
+    try:
+        for table in rows.headers():
+            yield table
+            last = int(table[-1, 0])
+    except PagesSharedError as error:
+        losses.append(_damage(None, 0, error))
+    except sqlite3.Error as error:
+        losses.append(_damage(None, 0, error))
+        behind = rows.headers_behind(last)
+        if len(behind):
+            yield behind
 
 
 def _cut(table: Ints) -> Iterator[slice]:

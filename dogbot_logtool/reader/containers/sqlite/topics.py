@@ -1,4 +1,4 @@
-"""The tables of a .db3 file that tell what its messages are."""
+"""The tables of a .db3 file that describe its topics and message types."""
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
@@ -10,7 +10,8 @@ from zlib_ng.zlib_ng import crc32
 from dogbot_logtool.core.geometry.arrays import Ints
 from dogbot_logtool.errors import LogError
 from dogbot_logtool.io.storage import Location
-from dogbot_logtool.reader.containers.log import Channel, Loss, Schema
+from dogbot_logtool.reader.containers.contents import Channel, Schema
+from dogbot_logtool.reader.containers.loss import Loss
 from dogbot_logtool.reader.containers.sqlite.database import Database
 from dogbot_logtool.reader.decode.known_definitions import known_definition, long_type_name
 
@@ -38,8 +39,8 @@ class Topics:
         """(n,) channel ids of topic ids; 0: not described."""
         if not len(self.ids):
             return np.zeros(len(topic), np.int64)
-        place = np.minimum(np.searchsorted(self.ids, topic), len(self.ids) - 1)
-        return np.where(self.ids[place] == topic, self.numbers[place], 0)
+        index = np.minimum(np.searchsorted(self.ids, topic), len(self.ids) - 1)
+        return np.where(self.ids[index] == topic, self.numbers[index], 0)
 
 
 def check_tables(database: Database, path: Location) -> None:
@@ -121,7 +122,7 @@ def _known(kind: str, distribution: str) -> tuple[str, str]:
 def _recorded_definitions(database: Database, losses: list[Loss]) -> dict[str, tuple[str, str]]:
     """Return encoding and text by type, as newer recorders write them.
 
-    The first definition of a type is taken; of one that differs the losses tell.
+    The first definition of a type is taken; a definition that differs is a loss.
     """
     needed = ("topic_type", "encoding", "encoded_message_definition")
     if not database.columns("message_definitions").issuperset(needed):

@@ -8,8 +8,8 @@ from dogbot_logtool.core.frames.wrench_frame import WrenchFrame
 from dogbot_logtool.reader.decode.fields import numbers, text, time
 from dogbot_logtool.reader.decode.message_layout import ELEMENT
 from dogbot_logtool.reader.messages.contacts.source import (
+    ContactSamples,
     ContactSource,
-    Felt,
     FootChannels,
     by_element,
     each_foot,
@@ -20,7 +20,7 @@ from dogbot_logtool.reader.messages.messages import DecodedMessages
 _LEGS: Final = ("front_left", "front_right", "back_left", "back_right")
 
 
-def contacts_felt(messages: DecodedMessages, feet: FootChannels) -> Felt:
+def to_contact_samples(messages: DecodedMessages, feet: FootChannels) -> ContactSamples:
     """Reduce messages to samples; see `ContactSource.read`."""
     flags = messages.table.nested("contacts")
     touches = flags.table.numbers(ELEMENT).astype(np.float64)
@@ -32,7 +32,7 @@ def contacts_felt(messages: DecodedMessages, feet: FootChannels) -> Felt:
 SOURCE: Final = ContactSource(
     type_name="champ_msgs/ContactsStamped",
     fields=(time("header.stamp"), text("header.frame_id"), numbers("contacts")),
-    read=contacts_felt,
+    read=to_contact_samples,
     elements=_LEGS,
     frame=WrenchFrame.UNKNOWN,
     has_force=False,

@@ -47,6 +47,8 @@ def foot_sides(
 
 def _side(foot: Foot, first: str, second: str) -> int:
     """Tell which of two bodies is the foot, by their names."""
+    if _of_same_robot(first, second):
+        return NOT_THIS_FOOT
     is_first, is_second = _is_foot(foot, first), _is_foot(foot, second)
     if is_first != is_second:
         return FOOT_IS_COLLISION1 if is_first else FOOT_IS_COLLISION2
@@ -56,6 +58,13 @@ def _side(foot: Foot, first: str, second: str) -> int:
     # own body stands first.
     only_first_is_ground = _is_ground(first) and not _is_ground(second)
     return FOOT_IS_COLLISION2 if only_first_is_ground else FOOT_IS_COLLISION1
+
+
+def _of_same_robot(first: str, second: str) -> bool:
+    """Tell whether two bodies belong to one model that is not the ground's."""
+    models = [name.split("::")[0] for name in (first, second) if name.count("::") >= 2]
+    ground = _is_ground(first) or _is_ground(second)
+    return len(models) == 2 and models[0] == models[1] and not ground
 
 
 def link_of_collision(collision: str) -> str | None:

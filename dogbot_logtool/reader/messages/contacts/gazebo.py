@@ -15,8 +15,8 @@ from dogbot_logtool.core.geometry.arrays import sum_by_group
 from dogbot_logtool.reader.decode.fields import table, text, time, vector
 from dogbot_logtool.reader.messages.contacts.collisions import foot_sides
 from dogbot_logtool.reader.messages.contacts.source import (
+    ContactSamples,
     ContactSource,
-    Felt,
     FootChannels,
     vectors_inside,
 )
@@ -36,7 +36,7 @@ _FIELDS: Final = (
 )
 
 
-def contacts_felt(messages: DecodedMessages, feet: FootChannels) -> Felt:
+def to_contact_samples(messages: DecodedMessages, feet: FootChannels) -> ContactSamples:
     """Reduce messages to samples; see `ContactSource.read`."""
     pairs = messages.table.nested("contacts")
     point_state, point = vectors_inside(pairs.table, "positions")
@@ -63,14 +63,14 @@ def contacts_felt(messages: DecodedMessages, feet: FootChannels) -> Felt:
     )
     samples = contact_samples(contacts)
     samples = replace(samples, in_world=samples.in_contact)
-    return Felt(samples, contacts, foreign_states=int((side == NOT_THIS_FOOT).sum()))
+    return ContactSamples(samples, contacts, foreign_states=int((side == NOT_THIS_FOOT).sum()))
 
 
 SOURCE: Final = ContactSource(
     type_name="ros_gz_interfaces/Contacts",
     fields=_FIELDS,
     normals="contacts.normals",
-    read=contacts_felt,
+    read=to_contact_samples,
     frame=WrenchFrame.WORLD,
     silent_in_swing=True,
 )

@@ -23,8 +23,8 @@ from dogbot_logtool.reader.messages.contacts.physics_steps import (
     steps_of_messages,
 )
 from dogbot_logtool.reader.messages.contacts.source import (
+    ContactSamples,
     ContactSource,
-    Felt,
     FootChannels,
     FootLinks,
     StepTiming,
@@ -48,7 +48,7 @@ _FIELDS: Final = (
 )
 
 
-def contacts_felt(messages: DecodedMessages, feet: FootChannels) -> Felt:
+def to_contact_samples(messages: DecodedMessages, feet: FootChannels) -> ContactSamples:
     """Reduce messages to samples; see `ContactSource.read`."""
     states = messages.table.nested("states")
     point_state, point = vectors_inside(states.table, "contact_positions")
@@ -78,7 +78,7 @@ def contacts_felt(messages: DecodedMessages, feet: FootChannels) -> Felt:
         normal=normal,
     )
     foreign = int((side == NOT_THIS_FOOT).sum())
-    return Felt(contact_samples(contacts), contacts, untimed, foreign)
+    return ContactSamples(contact_samples(contacts), contacts, untimed, foreign)
 
 
 def foot_links(messages: DecodedMessages, feet: FootChannels) -> FootLinks:
@@ -118,7 +118,7 @@ SOURCE: Final = ContactSource(
     type_name="gazebo_msgs/ContactsState",
     fields=_FIELDS,
     normals="states.contact_normals",
-    read=contacts_felt,
+    read=to_contact_samples,
     links=foot_links,
     timing=step_timing,
 )

@@ -2,17 +2,21 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from dogbot_logtool.core.contact.contacts import Contacts, Samples
 from dogbot_logtool.core.frames.wrench_frame import WrenchFrame
-from dogbot_logtool.core.geometry.arrays import Floats, Ints, norms
+from dogbot_logtool.core.geometry.arrays import Floats, Ints
 from dogbot_logtool.core.geometry.blocks import concatenated
 from dogbot_logtool.reader.decode.columns import Nested, Table
 from dogbot_logtool.reader.decode.fields import Fields
 from dogbot_logtool.reader.messages.messages import DecodedMessages
 from dogbot_logtool.robot import Foot
+
+if TYPE_CHECKING:
+    from dogbot_logtool.reader.messages.contacts.whole_robot import MessageFoot, ToValues
 
 
 @dataclass(frozen=True, slots=True)
@@ -23,8 +27,6 @@ class FootChannels:
     """The robot's feet."""
     of_channel: Mapping[int, tuple[int, ...]]
     """Indices in `feet` by channel id; several where one message tells of several feet."""
-    release_n: float
-    """N: a sensor that is never quite silent touches nothing below this force."""
     contact_on_counts: float | None = None
     """Counts from which a raw sensor without a scale touches; None: it cannot be told."""
     left_after_ns: int | None = None
@@ -32,6 +34,12 @@ class FootChannels:
     the ground since. None: not known, the newest step stands for the stamp."""
     normals: bool = True
     """Whether anybody asks for contact normals."""
+    ignores_flags: bool = False
+    """Whether forces decide contact although messages have flags, which forces contradict."""
+
+    def of(self, channel: int) -> tuple[Foot, ...]:
+        """Return the feet of a channel, by its id."""
+        return tuple(self.feet[index] for index in self.of_channel.get(channel, ()))
 
     def single(self, channel: Ints) -> Ints:
         """(n,) foot index of messages that tell of one foot each."""
@@ -41,7 +49,7 @@ class FootChannels:
 
 
 @dataclass(frozen=True, slots=True)
-class Felt:
+class ContactSamples:
     """What a source makes of messages."""
 
     samples: Samples
@@ -50,7 +58,7 @@ class Felt:
     untimed_messages: int = 0
     """Messages of several states whose `info` tells no time: read as one physics step."""
     foreign_states: int = 0
-    """States of pairs in which not exactly one body is the foot."""
+    """States of pairs in which not exactly one body is the foot, or both are of one robot."""
     implausible: int = 0
     """Samples with numbers that no robot reaches; those are NaN."""
 
@@ -83,6 +91,18 @@ def no_links(messages: DecodedMessages, feet: FootChannels) -> FootLinks:
     return {}
 
 
+def any_topic(topic: str) -> bool:
+    """Return True: for messages that are about contacts whatever their topic."""
+    del topic
+    return True
+
+
+def never_planned(topic: str) -> bool:
+    """Return False: for messages that sensors write."""
+    del topic
+    return False
+
+
 @dataclass(frozen=True, slots=True)
 class ContactSource:
     """One type of contact messages."""
@@ -91,7 +111,7 @@ class ContactSource:
     """``package/Name``."""
     fields: Fields
     """What is read of each message."""
-    read: Callable[[DecodedMessages, FootChannels], Felt]
+    read: Callable[[DecodedMessages, FootChannels], ContactSamples]
     """Reduces decoded messages to samples."""
     normals: str = ""
     """Path of the field that is decoded only where contact normals are asked for."""
@@ -99,6 +119,19 @@ class ContactSource:
     timing: Callable[[DecodedMessages], StepTiming] = no_steps
     elements: tuple[str, ...] = ()
     """Names of the feet in the order of the message, where one message tells of all feet."""
+    feet_in: "Callable[[DecodedMessages], Sequence[MessageFoot]] | None" = None
+    """Finds the feet in messages, where one message tells of all feet but its type does not say
+    which; returns none where the messages are not about feet."""
+    values: "ToValues | None" = None
+    """What `read` is made of, where messages tell of all feet with flags or positions."""
+    variants: tuple["ContactSource", ...] = ()
+    """The same type by other definitions, tried in order where its fields are not the log's."""
+    any_package: bool = False
+    """Whether messages of this name and fields are taken from any package."""
+    is_about_feet: Callable[[str], bool] = any_topic
+    """Whether a topic of this type, by its name, is about feet; others are none of its own."""
+    is_planned: Callable[[str], bool] = never_planned
+    """Whether a topic of this type, by its name, tells what is planned and not what was."""
     frame: WrenchFrame | None = None
     """Frame of the forces; None: to be decided by evidence."""
     has_header: bool = True
@@ -107,12 +140,31 @@ class ContactSource:
     """Without, it only tells whether a foot touches."""
     has_points: bool = True
     """Whether it tells where the foot touches."""
+    has_flags: bool = False
+    """Whether its messages have contact flags; these decide contact, whatever the force."""
+    in_base: bool = False
+    """Whether its positions are in the base's frame."""
     is_raw: bool = False
     """Its forces are counts that only the robot's file can turn into newtons."""
+    one_axis: bool = False
+    """Its sensors have one axis, along which a foot can only press."""
     anything: bool = False
     """Such messages can be about anything: only topics that name a foot are taken for one's."""
     silent_in_swing: bool = False
     """It is published only while in contact, so that absence is swing."""
+
+    @property
+    def lists_contacts(self) -> bool:
+        """Whether its messages say what touches, apart from any force."""
+        if self.has_flags or not self.has_force:
+            return True
+        # Where the feet are is told of those in the air, too.
+        return self.has_points and self.values is None and not self.is_raw
+
+    @property
+    def tells_all_feet(self) -> bool:
+        """Whether one message tells of all feet."""
+        return bool(self.elements) or self.feet_in is not None
 
 
 def vectors_inside(table: Table, path: str) -> tuple[Ints, Floats]:
@@ -149,14 +201,9 @@ def flat_samples(log_time: Ints, foot: Ints, stamp: Ints, force: Floats) -> Samp
     )
 
 
-def released(force: Floats, release_n: float) -> Floats:
-    """Take a force below the release threshold for none, so that noise is no load; (n, 3) N."""
-    return np.where((norms(force) < release_n)[:, None], 0.0, force)
-
-
 def each_foot(
     messages: DecodedMessages, feet: FootChannels, stamp: Ints, values: Floats, to_force: ToForce
-) -> Felt:
+) -> ContactSamples:
     """Return samples of messages that tell of all feet, foot by foot.
 
     Args:
@@ -177,7 +224,7 @@ def each_foot(
         force[:, 2] = to_force(foot, told[rows])
         numbers = np.full(len(rows), index)
         parts.append(flat_samples(messages.log_time[rows], numbers, stamp[rows], force))
-    return Felt(concatenated(parts))
+    return ContactSamples(concatenated(parts))
 
 
 def only_contact(foot: Foot, touches: Floats) -> Floats:

@@ -7,8 +7,8 @@ import numpy as np
 from dogbot_logtool.core.frames.wrench_frame import WrenchFrame
 from dogbot_logtool.reader.decode.fields import number, table
 from dogbot_logtool.reader.messages.contacts.source import (
+    ContactSamples,
     ContactSource,
-    Felt,
     FootChannels,
     by_element,
     each_foot,
@@ -21,7 +21,7 @@ _MADE, _LOST = 1, 2
 """Values of FootState.contact; any other means that Spot does not know."""
 
 
-def states_felt(messages: DecodedMessages, feet: FootChannels) -> Felt:
+def to_contact_samples(messages: DecodedMessages, feet: FootChannels) -> ContactSamples:
     """Reduce messages to samples; see `ContactSource.read`."""
     states = messages.table.nested("states")
     contact = states.table.numbers("contact")
@@ -34,7 +34,7 @@ def states_felt(messages: DecodedMessages, feet: FootChannels) -> Felt:
 SOURCE: Final = ContactSource(
     type_name="spot_msgs/FootStateArray",
     fields=(table("states", number("contact")),),
-    read=states_felt,
+    read=to_contact_samples,
     elements=_LEGS,
     frame=WrenchFrame.UNKNOWN,
     has_header=False,

@@ -3,70 +3,157 @@
 Offset and scale of the counts differ from foot to foot and are nowhere documented, so both stand
 in the robot's file: newtons = newtons_per_count x (counts - offset). Without a scale the counts
 only tell whether a foot touches, and only if the file says from how many counts on.
+
+Drivers differ in the package and in the spelling of the fields, so messages are known by their name
+and by the fields that they have. High-level states also have the positions of the feet, in the
+base's frame.
 """
 
+from collections.abc import Iterator
+from dataclasses import replace
 from functools import partial
 from typing import Final
 
 import numpy as np
 
 from dogbot_logtool.core.frames.wrench_frame import WrenchFrame
-from dogbot_logtool.core.geometry.arrays import Floats
-from dogbot_logtool.reader.decode.fields import fixed_numbers
+from dogbot_logtool.core.geometry.arrays import Floats, Ints
+from dogbot_logtool.core.geometry.blocks import concatenated
+from dogbot_logtool.reader.decode.columns import Table
+from dogbot_logtool.reader.decode.fields import Field, fixed_numbers, table, vector
 from dogbot_logtool.reader.messages.contacts.source import (
+    ContactSamples,
     ContactSource,
-    Felt,
     FootChannels,
-    each_foot,
+    flat_samples,
 )
+from dogbot_logtool.reader.messages.contacts.whole_robot import matrix
 from dogbot_logtool.reader.messages.messages import DecodedMessages
 from dogbot_logtool.robot import Foot
 
 _LEGS: Final = ("front_right", "front_left", "back_right", "back_left")
 """The order of every array in Unitree's messages: FR, FL, RR, RL."""
+_FORCES: Final = ("foot_force", "footForce", "footforce")
+_POINT_ARRAYS: Final = ("footPosition2Body", "footposition2body", "foot_position2body")
+_POINT_NUMBERS: Final = "foot_position_body"
 
 
-def _counts_felt(messages: DecodedMessages, feet: FootChannels, *, field: str) -> Felt:
+def _to_contact_samples(
+    messages: DecodedMessages, feet: FootChannels, *, force: str, position: str
+) -> ContactSamples:
     """Reduce messages to samples; see `ContactSource.read`."""
-    counts = messages.table.numbers(field).astype(np.float64)
-    on_counts = feet.contact_on_counts
-
-    def newtons(foot: Foot, counts: Floats) -> Floats:
-        loaded = counts - foot.offset
-        if foot.newtons_per_count is not None:
-            force = np.maximum(foot.newtons_per_count * loaded, 0.0)
-            return np.where(force < feet.release_n, 0.0, force)
-        return np.where(loaded >= (on_counts or 0.0), np.nan, 0.0)
-
-    for foot in feet.feet:
-        if foot.newtons_per_count is None and on_counts is None and foot.element is not None:
-            # Neither force nor contact can be known of it.
-            counts[:, foot.element : foot.element + 1] = np.nan
-    stamp = np.zeros(len(messages.channel), np.int64)
-    return each_foot(messages, feet, stamp, counts, newtons)
-
-
-def _source(type_name: str, field: str) -> ContactSource:
-    return ContactSource(
-        type_name=type_name,
-        fields=(fixed_numbers(field, at_least=len(_LEGS)),),
-        read=partial(_counts_felt, field=field),
-        elements=_LEGS,
-        frame=WrenchFrame.UNKNOWN,
-        has_header=False,
-        has_points=False,
-        is_raw=True,
+    rows = len(messages.channel)
+    return raw_samples(
+        messages,
+        feet,
+        messages.table.numbers(force).astype(np.float64),
+        stamp=np.zeros(rows, np.int64),
+        points=_positions(messages.table, position, rows),
     )
 
 
-SOURCES: Final = (
-    _source("unitree_legged_msgs/LowState", "footForce"),
-    _source("unitree_go/LowState", "foot_force"),
-    _source("go2_interfaces/LowState", "foot_force"),
-    _source("ros2_unitree_legged_msgs/LowState", "foot_force"),
-    _source("unitree_legged_msgs/HighState", "footForce"),
-    _source("unitree_go/SportModeState", "foot_force"),
-    _source("ros2_unitree_legged_msgs/HighState", "foot_force"),
+def raw_samples(
+    messages: DecodedMessages,
+    feet: FootChannels,
+    counts: Floats,
+    *,
+    stamp: Ints,
+    points: Floats | None = None,
+) -> ContactSamples:
+    """Return samples of raw counts, as far as the robot's file tells what they mean.
+
+    Args:
+        messages: n messages.
+        feet: which of their elements is which foot's.
+        counts: (n, k); NaN in messages that have none.
+        stamp: (n,) ns; 0: none.
+        points: (n, k, 3) m, positions of the feet in the base's frame.
+    """
+    parts = [flat_samples(*(np.empty(0, np.int64),) * 3, np.empty((0, 3)))]
+    for index, foot in enumerate(feet.feet):
+        speaks = [number for number, told in feet.of_channel.items() if index in told]
+        if foot.element is None or foot.element >= counts.shape[1]:
+            continue
+        if foot.newtons_per_count is None and feet.contact_on_counts is None:
+            # Neither force nor contact can be known of it.
+            continue
+        known = ~np.isnan(counts[:, foot.element])
+        rows = np.flatnonzero(np.isin(messages.channel, speaks) & known)
+        vertical = _newtons(foot, counts[rows, foot.element], feet.contact_on_counts)
+        loads = np.zeros((len(rows), 3))
+        loads[:, 2] = vertical
+        number = np.full(len(rows), index)
+        samples = flat_samples(messages.log_time[rows], number, stamp[rows], loads)
+        if points is not None and foot.element < points.shape[1]:
+            samples = replace(samples, position=points[rows, foot.element])
+        parts.append(samples)
+    return ContactSamples(concatenated(parts))
+
+
+def _newtons(foot: Foot, counts: Floats, on_counts: float | None) -> Floats:
+    """(n,) N; NaN for a contact whose force is not known."""
+    loaded = counts - foot.offset
+    if foot.newtons_per_count is not None:
+        force: Floats = foot.newtons_per_count * loaded
+        return force
+    return np.where(loaded >= (on_counts or 0.0), np.nan, 0.0)
+
+
+def _positions(columns: Table, path: str, rows: int) -> Floats | None:
+    """(n, 4, 3) m in the base's frame, NaN where a robot does not fill them in."""
+    if not path:
+        return None
+    if path == _POINT_NUMBERS:
+        points = columns.numbers(path).astype(np.float64)[:, : 3 * len(_LEGS)]
+        points = points.reshape(rows, len(_LEGS), 3)
+    else:
+        nested = columns.nested(path)
+        points = matrix(nested, nested.table.vectors("", "xyz"), rows)
+    filled = (points != 0.0).any(axis=2, keepdims=True)
+    return np.where(filled, points, np.nan)
+
+
+def _position_field(path: str) -> tuple[Field, ...]:
+    if not path:
+        return ()
+    if path == _POINT_NUMBERS:
+        return (fixed_numbers(path, at_least=3 * len(_LEGS)),)
+    return (table(path, *vector("")),)
+
+
+def _sources(type_name: str) -> Iterator[ContactSource]:
+    """Yield the ways to read a type, those with the most fields first."""
+    high_level = not type_name.endswith("/LowState")
+    for position in (_POINT_NUMBERS, *_POINT_ARRAYS, "") if high_level else ("",):
+        for force in _FORCES:
+            yield ContactSource(
+                type_name=type_name,
+                fields=(
+                    fixed_numbers(force, at_least=len(_LEGS)),
+                    *_position_field(position),
+                ),
+                read=partial(_to_contact_samples, force=force, position=position),
+                elements=_LEGS,
+                any_package=True,
+                frame=WrenchFrame.UNKNOWN,
+                has_header=False,
+                has_points=bool(position),
+                in_base=bool(position),
+                is_raw=True,
+            )
+
+
+_TYPES: Final = (
+    "unitree_go/SportModeState",
+    "go2_interfaces/Go2State",
+    "unitree_legged_msgs/HighState",
+    "ros2_unitree_legged_msgs/HighState",
+    "unitree_legged_msgs/LowState",
+    "unitree_go/LowState",
+    "go2_interfaces/LowState",
+    "ros2_unitree_legged_msgs/LowState",
 )
-"""A1 and Go1 speak `unitree_legged_msgs`, Go2 `unitree_go`; the others are well-known drivers'.
-Low-level states come first: where a robot publishes both, they come more often."""
+SOURCES: Final = tuple(source for name in _TYPES for source in _sources(name))
+"""A1 and Go1 use `unitree_legged_msgs`, Go2 `unitree_go`; the others are well-known drivers'.
+States with positions come first; where they come much less often than low-level ones, those are
+taken."""

@@ -7,24 +7,25 @@ import numpy as np
 from dogbot_logtool.core.frames.wrench_frame import WrenchFrame
 from dogbot_logtool.reader.decode.fields import text, time, vector
 from dogbot_logtool.reader.messages.contacts.source import (
+    ContactSamples,
     ContactSource,
-    Felt,
     FootChannels,
     FootLinks,
     flat_samples,
-    released,
 )
 from dogbot_logtool.reader.messages.messages import DecodedMessages
 
 _FIELDS: Final = (time("header.stamp"), text("header.frame_id"), *vector("wrench.force"))
 
 
-def wrenches_felt(messages: DecodedMessages, feet: FootChannels) -> Felt:
+def to_contact_samples(messages: DecodedMessages, feet: FootChannels) -> ContactSamples:
     """Reduce messages to samples; see `ContactSource.read`."""
     table = messages.table
     foot = feet.single(messages.channel)
-    force = released(table.vectors("wrench.force", "xyz"), feet.release_n)
-    return Felt(flat_samples(messages.log_time, foot, table.nanoseconds("header.stamp"), force))
+    force = table.vectors("wrench.force", "xyz")
+    return ContactSamples(
+        flat_samples(messages.log_time, foot, table.nanoseconds("header.stamp"), force)
+    )
 
 
 def sensor_frames(messages: DecodedMessages, feet: FootChannels) -> FootLinks:
@@ -42,7 +43,7 @@ def sensor_frames(messages: DecodedMessages, feet: FootChannels) -> FootLinks:
 SOURCE: Final = ContactSource(
     type_name="geometry_msgs/WrenchStamped",
     fields=_FIELDS,
-    read=wrenches_felt,
+    read=to_contact_samples,
     links=sensor_frames,
     frame=WrenchFrame.LINK,
     has_points=False,

@@ -20,14 +20,14 @@ from dogbot_logtool.errors import CallError, LogError, LogtoolError
 from dogbot_logtool.pipeline.options import CompareOptions
 from dogbot_logtool.reader.containers.log import BATCH_SIZE
 from dogbot_logtool.reader.containers.mcap.extras import read_extra
-from dogbot_logtool.reader.containers.opening import open_log
 from dogbot_logtool.reader.messages.contacts.registry import read_contacts
 from dogbot_logtool.reader.messages.contacts.source import FootChannels
+from dogbot_logtool.reader.opening import open_log
 from dogbot_logtool.robot import Foot
+from tests.oracles.walks import LEGS, Entry, Walk, foot_topic, write_mcap
 from tests.paths import ROOT
 from tests.reader.mcap_bytes import attachment, metadata, small_mcap
 from tests.reader.reading import Read, Reading, read_file
-from tests.walks import LEGS, Entry, Walk, foot_topic, write_mcap
 
 PLUGINS = tuple(StoragePlugin)
 MODES = (CompressionMode.NONE, CompressionMode.FILE, CompressionMode.MESSAGE)
@@ -317,7 +317,7 @@ def test_shipped_definitions_say_what_the_recorded_ones_do(tmp_path: Path, kind:
             one for span in log.spans() for one in read_contacts(log.read(span), channels, feet)
         ]
         log.close()
-        told.append(read.felt.samples)
+        told.append(read.reduced.samples)
         assert not read.messages.malformed
         change(database(bag), "DELETE FROM message_definitions")
     for field in ("foot", "log_time", "stamp", "in_contact", "force"):

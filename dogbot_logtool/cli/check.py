@@ -1,0 +1,150 @@
+"""The words of `check`."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from dogbot_logtool.cli.options import (
+    jobs_option,
+    jobs_or_cores,
+    json_option,
+    logs_argument,
+    measuring_options,
+    output_file,
+    parse_topics,
+    quietness,
+    scheduler_option,
+    time_range,
+    topic_options,
+    wrench_frame_option,
+)
+from dogbot_logtool.cli.outcomes import Outcomes
+from dogbot_logtool.errors import CallError
+
+if TYPE_CHECKING:
+    from dogbot_logtool.comparison.judge import Judgement
+
+
+@click.command()
+@logs_argument
+@click.option(
+    "--limits",
+    type=click.Path(path_type=Path),
+    metavar="FILE.toml",
+    help="Rules on figures, findings and events.",
+)
+@click.option(
+    "--baseline",
+    type=click.Path(path_type=Path),
+    metavar="FILE.json",
+    help="`stats --json` of the run that rules with `baseline` compare with.",
+)
+@click.option(
+    "--suggest", is_flag=True, help="Print limits that these runs pass, as a file to edit."
+)
+@click.option(
+    "--junit",
+    type=output_file,
+    metavar="FILE",
+    help="Write JUnit XML as well, to a new file.",
+)
+@click.option("--overwrite", is_flag=True, help="Replace the file of --junit if it exists already.")
+@topic_options
+@wrench_frame_option
+@measuring_options
+@time_range
+@jobs_option
+@scheduler_option
+@json_option
+@quietness
+def check(
+    words: tuple[str, ...],
+    limits: Path | None,
+    baseline: Path | None,
+    junit: Path | None,
+    robot: str | None,
+    odom_topic: str | None,
+    feet: tuple[str, ...],
+    mass_kg: float | None,
+    jobs: int | None,
+    scheduler: str | None,
+    *,
+    suggest: bool,
+    overwrite: bool,
+    as_json: bool,
+    quiet: bool,
+    verbose: bool,
+    **options: Any,  # noqa: ANN401 - click's words go straight into the dataclass
+) -> None:
+    """Judge logs by rules: GOOD, WARN, FAIL, or UNKNOWN where a figure is not known.
+
+    A rule names a figure of `stats --json`, a finding or an event, by a pattern, and what is
+    demanded of it; `check --suggest LOG...` prints a file of rules to begin with.
+
+    Exit code 0: all rules are kept; 1: one is broken, or a figure is unknown where its rule does
+    not allow that; 2: the call or the limits are wrong; 3: kept, but a log is damaged.
+    """
+    from dogbot_logtool.commands.check import check as judged  # noqa: PLC0415
+    from dogbot_logtool.commands.check import exit_code, read_limits  # noqa: PLC0415
+    from dogbot_logtool.commands.tasks import Measure  # noqa: PLC0415
+    from dogbot_logtool.io.targets import refuse_bad_report  # noqa: PLC0415
+    from dogbot_logtool.pipeline.options import StatsOptions  # noqa: PLC0415
+    from dogbot_logtool.report.check_json import check_json  # noqa: PLC0415
+    from dogbot_logtool.report.check_text import print_check  # noqa: PLC0415
+    from dogbot_logtool.report.console import results  # noqa: PLC0415
+    from dogbot_logtool.run.choice import runner_for  # noqa: PLC0415
+    from dogbot_logtool.run.inputs import find_logs  # noqa: PLC0415
+
+    if (limits is None) != suggest:
+        raise CallError("check needs one of --limits FILE.toml and --suggest")
+    held = None if limits is None else read_limits(limits, baseline)
+    if suggest and (baseline or junit or as_json):
+        raise CallError("--suggest prints a limits file; it goes with none of the other outputs")
+    log_set = find_logs(words, for_workers=scheduler is not None)
+    if junit is not None:
+        refuse_bad_report(junit, log_set.paths, overwrite=overwrite)
+    runner = runner_for(len(log_set.paths), jobs_or_cores(jobs), scheduler)
+    topics = parse_topics(robot, odom_topic, feet, mass_kg)
+    work = Measure(StatsOptions(topics=topics, jobs=runner.jobs, **options))
+    outcomes = Outcomes(quiet=quiet)
+    outcomes.mention_left_out(log_set)
+    checked: dict[str, list[Judgement]] = {}
+    documents: dict[str, dict[str, Any]] = {}
+    for done in outcomes.of(runner, work, log_set.paths, log_set.names):
+        name = done.json["log"]["path"]
+        documents[name] = done.json
+        if held is None:
+            outcomes.add(done.json, done.exit_code)
+            continue
+        checked[name] = judged(done.json, held)
+        outcomes.add(check_json(name, checked[name]), exit_code(checked[name], done.exit_code))
+        if not as_json:
+            print_check(results(), name, checked[name], verbose=verbose)
+    if suggest and documents:
+        _print_suggestion(documents)
+    if junit is not None:
+        _write_junit(junit, checked, dict(outcomes.failures), overwrite=overwrite)
+    outcomes.finish(as_json=as_json)
+
+
+def _print_suggestion(documents: dict[str, dict[str, Any]]) -> None:
+    from dogbot_logtool.comparison.suggestion import suggest_limits  # noqa: PLC0415
+    from dogbot_logtool.io.printable import printable  # noqa: PLC0415
+
+    names = [printable(name) for name in documents]
+    click.echo(suggest_limits(list(documents.values()), names), nl=False)
+
+
+def _write_junit(
+    target: Path,
+    checked: "dict[str, list[Judgement]]",
+    failures: dict[str, str],
+    *,
+    overwrite: bool,
+) -> None:
+    from dogbot_logtool.io.output import whole_file  # noqa: PLC0415
+    from dogbot_logtool.report.check_junit import check_junit  # noqa: PLC0415
+
+    with whole_file(target, overwrite=overwrite) as file:
+        file.write(check_junit(checked, failures))

@@ -1,0 +1,47 @@
+"""The story of `check`: is a log good, by rules that a person wrote?"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from dogbot_logtool.comparison.judge import Judgement, Status, judge, worst
+from dogbot_logtool.comparison.limits import Rule, load_limits
+from dogbot_logtool.comparison.stats_json import load_json
+from dogbot_logtool.errors import CallError
+
+
+@dataclass(frozen=True, slots=True)
+class Limits:
+    """What logs are held against."""
+
+    rules: tuple[Rule, ...]
+    baseline: Mapping[str, Any] | None = None
+    """``stats --json`` of a run."""
+
+
+def read_limits(limits: Path, baseline: Path | None) -> Limits:
+    """Read the rules, and the run that they compare with.
+
+    Raises:
+        CallError: a file is not what it should be, or rules need a baseline and there is none.
+    """
+    rules = load_limits(limits)
+    if baseline is None:
+        if any(rule.baseline is not None for rule in rules):
+            raise CallError(f"{limits}: some rules need --baseline FILE.json, of `stats --json`")
+        return Limits(rules)
+    document = load_json(baseline)
+    if not isinstance(document, dict) or "schema_version" not in document:
+        raise CallError(f"{baseline}: is not what `stats --json` prints for one log")
+    return Limits(rules, document)
+
+
+def check(document: Mapping[str, Any], limits: Limits) -> list[Judgement]:
+    """Judge the figures, findings and events of a log; see `judge`."""
+    return judge(document, limits.rules, limits.baseline)
+
+
+def exit_code(judgements: list[Judgement], measured: int) -> int:
+    """Return 1 where a rule is broken or a figure unknown, else the code of measuring the log."""
+    return 1 if worst(judgements) in {Status.FAIL, Status.UNKNOWN} else measured

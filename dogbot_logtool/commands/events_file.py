@@ -1,0 +1,40 @@
+"""`stats --events`: the events of a log as a CSV file."""
+
+import io
+from collections.abc import Sequence
+from pathlib import Path
+
+from dogbot_logtool.errors import CallError
+from dogbot_logtool.io.output import refuse_bad_target, whole_file
+from dogbot_logtool.io.storage import Location
+from dogbot_logtool.report.figures.figure import Json
+from dogbot_logtool.report.stats_csv import write_events
+
+
+def refuse_bad_events_file(target: Path, logs: Sequence[Location], *, overwrite: bool) -> None:
+    """Check what can be checked before any work is done.
+
+    Raises:
+        CallError: there are several logs, or the file may not be written.
+    """
+    if len(logs) != 1:
+        count = len(logs)
+        raise CallError(f"--events writes those of one log, and there are {count}: use --parquet")
+    refuse_bad_target(target, logs[0], overwrite=overwrite)
+
+
+def write_events_file(target: Path, events: Sequence[Json], *, overwrite: bool) -> None:
+    """Write the events of a log.
+
+    Args:
+        target: the file.
+        events: rows of the log's JSON.
+        overwrite: replace a file that is there.
+
+    Raises:
+        LogtoolError: it cannot be written.
+    """
+    text = io.StringIO()
+    write_events(text, events)
+    with whole_file(target, overwrite=overwrite) as file:
+        file.write(text.getvalue().encode())

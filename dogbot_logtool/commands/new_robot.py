@@ -1,0 +1,84 @@
+"""`dogbot-logtool robots new`: a robot's file from a log, with the evidence for each line."""
+
+from dataclasses import dataclass, replace
+
+from dogbot_logtool.commands.stats import measure
+from dogbot_logtool.commands.tasks import figures_of
+from dogbot_logtool.errors import LogError
+from dogbot_logtool.io.storage import Location, shown
+from dogbot_logtool.pipeline.annotated import open_recorded
+from dogbot_logtool.pipeline.feet.candidates import FootCandidates, find_candidates
+from dogbot_logtool.pipeline.options import StatsOptions, TopicOptions
+from dogbot_logtool.pipeline.probe import frame_names, probe_log
+from dogbot_logtool.pipeline.selection import Selection, nothing_to_do, select_topics
+from dogbot_logtool.pipeline.sensors import learn_sensors
+from dogbot_logtool.report.robot_file import RobotEvidence, robot_file
+from dogbot_logtool.robot import Robot
+from dogbot_logtool.run.in_order import OnProgress
+
+
+@dataclass(frozen=True, slots=True)
+class NewRobot:
+    """A robot's file."""
+
+    text: str
+    runners_up: tuple[FootCandidates, ...]
+    """Other fields that may be the feet."""
+
+
+def new_robot(
+    path: Location, name: str, options: TopicOptions, progress: OnProgress | None = None
+) -> NewRobot:
+    """Describe the robot of a log.
+
+    Args:
+        path: the log.
+        name: what to call the robot.
+        options: what the user says of it.
+        progress: called with bytes done and bytes in all.
+
+    Raises:
+        CallError: no such file, or an option that does not fit it.
+        LogError: it is no log, or has nothing that may be feet or a base.
+    """
+    log = open_recorded(path)
+    try:
+        selection = select_topics(log, options)
+        others: list[FootCandidates] = []
+        because = ["Found by the types and names of their topics."]
+        if not selection.contacts and selection.offered_feet is None:
+            others = find_candidates(log)
+            if others:
+                chosen = others.pop(0)
+                because = [f"Chosen since: {'; '.join(chosen.reasons)}."]
+                options = replace(options, feet=chosen.feet)
+                selection = select_topics(log, options)
+        if not selection.odometry and not selection.contacts:
+            raise LogError(nothing_to_do(log, selection))
+        probe = probe_log(log, selection)
+        selection = selection.without_forces(probe.forceless)
+        sensors = learn_sensors(log, selection, probe, options)
+        world, base = frame_names(selection.robot, probe)
+    finally:
+        log.close()
+    figures = figures_of(measure(path, StatsOptions(topics=options), progress)).json
+    evidence = RobotEvidence(
+        log=shown(path).rpartition("/")[2],
+        world_frame=world,
+        base_frame=base,
+        has_base=bool(selection.odometry),
+        feet_because=because,
+        weight_n=sensors.estimated_weight_n,
+        figures=figures,
+    )
+    return NewRobot(robot_file(_described(selection, name), evidence), tuple(others))
+
+
+def _described(selection: Selection, name: str) -> Robot:
+    """Return the robot under its new name, with the topics that are used."""
+    return replace(
+        selection.robot,
+        name=name,
+        description=f"{name}, from a log",
+        odometry_topic=selection.base_name,
+    )

@@ -1,0 +1,163 @@
+"""The ground under the base, as the feet's contact points show it: height, slope, forward."""
+
+from collections.abc import Sequence
+from typing import Final
+
+import numpy as np
+
+from dogbot_logtool.core.base.base_history import BaseHistory
+from dogbot_logtool.core.contact.foot_history import FootHistory
+from dogbot_logtool.core.geometry import timespans
+from dogbot_logtool.core.geometry.arrays import Floats, Ints
+from dogbot_logtool.core.leg_position import LegPosition
+
+_CHUNK: Final = 1_000_000
+"""Poses that are worked on at once, to spare memory."""
+LOWEST_M: Final = 1e-3
+"""m, lowest usual height of a base over its feet."""
+FURTHEST: Final = 1.5
+"""Times height and spread of the feet by which the base may be away from them, seen from above."""
+FLAT: Final = 0.1
+"""Share of their extent by which points may deviate from a plane."""
+FEWEST_POINTS: Final = 3
+STEEPEST: Final = 0.5
+"""Cosine of the steepest plane that is taken for ground."""
+CLEARLY: Final = 2.0
+"""Times by which one direction exceeds the other where the forward axis is clear."""
+
+
+def height_over_feet(base: BaseHistory, feet: Sequence[FootHistory]) -> Floats:
+    """Return the height of the base over the feet's latest contact points.
+
+    Returns:
+        (n,) m, at each pose; NaN before any contact point, and throughout where the contact
+        points are in another world than the base: below it nowhere, or far to its side.
+    """
+    parts = [
+        _base_from_feet(base, feet, slice(start, start + _CHUNK))
+        for start in range(0, len(base.time), _CHUNK)
+    ]
+    offset = np.concatenate(parts) if parts else np.empty((0, 4))
+    known = offset[np.isfinite(offset).all(axis=1)]
+    if len(known) == 0:
+        return np.full(len(base.time), np.nan)
+    aside = np.median(np.hypot(known[:, 0], known[:, 1]))
+    height, spread = np.median(known[:, 2]), np.median(known[:, 3])
+    if height < LOWEST_M or aside > FURTHEST * (height + spread):
+        return np.full(len(base.time), np.nan)
+    normal = _ground_normal(feet, None)
+    if normal is None:
+        return np.asarray(offset[:, 2])
+    # The feet's centre lies higher or lower than the ground below the base.
+    return np.asarray(offset[:, :3] @ (normal / normal[2]))
+
+
+def _base_from_feet(base: BaseHistory, feet: Sequence[FootHistory], part: slice) -> Floats:
+    """(n, 4) m: base less the mean of the feet's latest contact points, and their spread."""
+    at = base.time[part]
+    latest = np.full((len(feet), len(at), 3), np.nan)
+    for row, foot in enumerate(feet):
+        known = np.isfinite(foot.track.point).all(axis=1)
+        time, point = foot.track.time[known], foot.track.point[known]
+        if len(time):
+            newest = np.searchsorted(time, at, side="right") - 1
+            latest[row] = np.where((newest >= 0)[:, None], point[np.maximum(newest, 0)], np.nan)
+    seen = np.isfinite(latest[:, :, :1])
+    number = np.maximum(seen.sum(axis=0), 1)
+    centre = np.where(seen, latest, 0.0).sum(axis=0) / number
+    centre[~seen.any(axis=0)[:, 0]] = np.nan
+    away = np.hypot(*np.moveaxis((latest - centre)[:, :, :2], 2, 0))
+    spread = np.where(seen[:, :, 0], away, 0.0).max(axis=0, initial=0.0)
+    return np.column_stack([base.position[part] - centre, spread])
+
+
+def slope_rad(feet: Sequence[FootHistory], within: Ints | None = None) -> float | None:
+    """Return the angle of the plane through the feet's contact points against the horizontal.
+
+    Args:
+        feet: histories of all feet.
+        within: (w, 2) ns, a part of the log; None: all of it.
+
+    Returns:
+        rad; None without points that span a plane, and where they do not lie in one.
+    """
+    normal = _ground_normal(feet, within)
+    return None if normal is None else float(np.arccos(min(1.0, normal[2])))
+
+
+def _ground_normal(feet: Sequence[FootHistory], within: Ints | None) -> Floats | None:
+    """(3,) unit normal, upwards, of the plane through the feet's contact points."""
+    points = [_standing_points(foot, within) for foot in feet]
+    points = [each for each in points if len(each)]
+    if sum(len(each) for each in points) < FEWEST_POINTS or not points:
+        return None
+    all_points = np.concatenate(points)
+    about = all_points - all_points.mean(axis=0)
+    _, extent, axes = np.linalg.svd(about, full_matrices=False)
+    rms = extent / np.sqrt(len(about))
+    # Two directions on the ground must be known, and hardly anything off it.
+    if rms[1] < LOWEST_M or rms[2] > FLAT * rms[1]:
+        return None
+    normal: Floats = axes[2] * np.copysign(1.0, axes[2, 2])
+    return normal if normal[2] > STEEPEST else None
+
+
+def _standing_points(foot: FootHistory, within: Ints | None) -> Floats:
+    """(n, 3) m, one contact point of each stance: the one nearest to its middle."""
+    known = np.isfinite(foot.track.point).all(axis=1)
+    time, point = foot.track.time[known], foot.track.point[known]
+    begin, end = foot.stances.touchdown, foot.stances.liftoff
+    row = np.searchsorted(time, begin + (end - begin) // 2)
+    inside = row < len(time)
+    row, begin, end = row[inside], begin[inside], end[inside]
+    hit = time[row] < end
+    if within is not None:
+        hit &= timespans.covers(within, time[row])
+    return np.asarray(point[row[hit]])
+
+
+def axis_by_legs(
+    base: BaseHistory, feet: Sequence[FootHistory], positions: Sequence[LegPosition | None]
+) -> str | None:
+    """Return the body's axis that points from the hind feet to the fore feet.
+
+    Args:
+        base: poses.
+        feet: histories of all feet.
+        positions: of each foot on the body.
+
+    Returns:
+        ``+x`` and so on; None where contact points and positions do not tell.
+    """
+    ends: dict[str, list[Floats]] = {"front": [], "back": []}
+    for foot, position in zip(feet, positions, strict=True):
+        if position is None or position[0] not in ends:
+            continue
+        known = np.isfinite(foot.track.point).all(axis=1)
+        time = foot.track.time[known]
+        way = foot.track.point[known, :2] - base.position_at(time)[:, :2]
+        in_body = turned_back(way, base.angles_at(time)[:, 2])
+        in_body = in_body[np.isfinite(in_body).all(axis=1)]
+        if len(in_body):
+            ends[position[0]].append(in_body.mean(axis=0))
+    if not all(ends.values()):
+        return None
+    ahead = np.mean(ends["front"], axis=0) - np.mean(ends["back"], axis=0)
+    return nearest_axis(ahead)
+
+
+def turned_back(vector: Floats, yaw: Floats) -> Floats:
+    """Turn horizontal vectors of the world into the body's axes, yaw only; (n, 2)."""
+    cos, sin = np.cos(yaw), np.sin(yaw)
+    x, y = vector[:, 0], vector[:, 1]
+    return np.stack([x * cos + y * sin, y * cos - x * sin], axis=1)
+
+
+def nearest_axis(direction: Floats) -> str | None:
+    """Return the axis that a (2,) direction in the body clearly follows; None: it does not."""
+    x, y = direction.tolist()
+    if max(abs(x), abs(y)) <= CLEARLY * min(abs(x), abs(y)):
+        return None
+    if abs(x) > abs(y):
+        return "+x" if x > 0.0 else "-x"
+    return "+y" if y > 0.0 else "-y"

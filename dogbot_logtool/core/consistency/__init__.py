@@ -1,0 +1,1 @@
+"""Whether the base and the feet of a log fit together."""

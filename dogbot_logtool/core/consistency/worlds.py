@@ -1,0 +1,106 @@
+"""Whether base and feet are in one world: two world frames, or a drifting odometry, part them."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+
+from dogbot_logtool.core.base.base_history import BaseHistory
+from dogbot_logtool.core.contact.track import FootTrack
+from dogbot_logtool.core.geometry.arrays import Floats
+
+WINDOW_S: Final = 2.0
+"""s: a foot's place is averaged over so long: a stride or more of most gaits."""
+_MOST_WINDOWS: Final = 60
+FEWEST_POINTS: Final = 25
+"""Contact points of a foot, at up to 25 Hz, from which its usual place is known."""
+FEWEST_FEET: Final = 2
+MOST_BEYOND: Final = 0.05
+"""Share of the time in which the base may be further from the feet than they are spread."""
+MOST_CHANGE: Final = 0.5
+"""Change of the base's place among the feet, against their spread, that no gait explains."""
+
+
+@dataclass(frozen=True, slots=True)
+class Worlds:
+    """Where the base is among the feet that are down, seen from above and from the base."""
+
+    distance_m: float
+    """m, median horizontal distance of the base from the centroid of the feet's usual places."""
+    largest_m: float
+    """m, the largest, averaged over two seconds."""
+    spread_m: float
+    """m, distance of the outermost foot's usual place from that centroid."""
+    beyond_fraction: float
+    """Share of the time in which the base is further from it than the outermost foot."""
+    change_m: float
+    """m, change of the base's place among the feet from the log's first third to its last."""
+
+    @property
+    def agree(self) -> bool:
+        """Whether base and feet are in one world, throughout."""
+        steady = self.change_m <= MOST_CHANGE * self.spread_m
+        return steady and self.beyond_fraction <= MOST_BEYOND
+
+
+def compare_worlds(tracks: Sequence[FootTrack], base: BaseHistory) -> Worlds | None:
+    """Compare where the feet touch with where the base is.
+
+    Args:
+        tracks: of all feet, with contact points in the world.
+        base: poses.
+
+    Returns:
+        None where contact points of two feet around the base are not known for a second each.
+    """
+    if len(base.time) < 2:
+        return None
+    feet = [seen for track in tracks if len(seen := _from_base(track, base)) >= FEWEST_POINTS]
+    if len(feet) < FEWEST_FEET:
+        return None
+    usual = np.stack([np.median(seen[:, 1:], axis=0) for seen in feet])
+    centroid = usual.mean(axis=0)
+    spread = float(np.hypot(*(usual - centroid).T).max())
+    seconds = max(float(seen[-1, 0]) for seen in feet)
+    edges = np.linspace(0.0, seconds, _windows(seconds) + 1)
+    shift = np.stack([_shift(seen, place, edges) for seen, place in zip(feet, usual, strict=True)])
+    known = np.isfinite(shift[:, :, 0]).any(axis=0)
+    away = centroid + np.nanmean(shift[:, known], axis=0)
+    distance = np.hypot(away[:, 0], away[:, 1])
+    third = max(len(away) // 3, 1)
+    change = np.median(away[-third:], axis=0) - np.median(away[:third], axis=0)
+    return Worlds(
+        distance_m=float(np.median(distance)),
+        largest_m=float(distance.max()),
+        spread_m=spread,
+        beyond_fraction=float((distance > spread).mean()),
+        change_m=float(np.hypot(*change)),
+    )
+
+
+def _windows(seconds: float) -> int:
+    return int(np.clip(seconds / WINDOW_S, 1, _MOST_WINDOWS))
+
+
+def _from_base(track: FootTrack, base: BaseHistory) -> Floats:
+    """(n, 3) s since the first pose, and m ahead and to the left: contact points from the base."""
+    touching = np.isfinite(track.point[:, :2]).all(axis=1)
+    time = track.time[touching]
+    away = (track.point[touching] - base.position_at(time))[:, :2]
+    yaw = base.angles_at(time)[:, 2]
+    ahead = away[:, 0] * np.cos(yaw) + away[:, 1] * np.sin(yaw)
+    left = away[:, 1] * np.cos(yaw) - away[:, 0] * np.sin(yaw)
+    seen = np.column_stack([(time - base.time[0]) / 1e9, ahead, left])
+    known: Floats = seen[np.isfinite(seen).all(axis=1)]
+    return known
+
+
+def _shift(seen: Floats, usual: Floats, edges: Floats) -> Floats:
+    """(w, 2) m, a foot's mean place in each window less its usual one; NaN where not seen."""
+    window = np.clip(np.searchsorted(edges, seen[:, 0], side="right") - 1, 0, len(edges) - 2)
+    count = np.bincount(window, minlength=len(edges) - 1)
+    sums = [np.bincount(window, column, len(edges) - 1) for column in (seen[:, 1:] - usual).T]
+    with np.errstate(invalid="ignore"):
+        shift: Floats = np.column_stack(sums) / count[:, None]
+    return shift

@@ -1,0 +1,293 @@
+"""The level that a force sensor reads without load, with its noise and drift.
+
+A simulated sensor reads exactly zero in swing. A real one reads tens of newtons of either sign,
+drifts and is noisy. In a walk a foot's forces have two modes, swing and stance. The swing mode is
+narrow against the distance between both and is visited once a stride, and its visits agree with
+each other. Shifting weight in a stand does not look like that, and then the level stays unknown.
+"""
+
+from dataclasses import dataclass, replace
+from typing import Final, Literal
+
+import numpy as np
+
+from dogbot_logtool.core.contact.saturation import resolution_n, saturated_limit_n
+from dogbot_logtool.core.contact.sensor_modes import ALTERNATE, Modes, judge_modes, two_modes
+from dogbot_logtool.core.geometry.arrays import Flags, Floats, Ints, norms
+
+Origin = Literal["option", "robot", "estimated", "default"]
+"""Where a setting comes from."""
+
+FEWEST_SAMPLES: Final = 20
+CLEAR_OF_NOISE: Final = 5.0
+"""Least distance between both modes, in standard deviations of the noise."""
+IN_RUNS: Final = 0.25
+"""Share of the zeros that stand in runs of three and more in a sensor that reads zero in swing;
+messages that are lost here and there make single zeros."""
+DROPOUTS: Final = 3
+"""Lone zeros under load that make a sensor one that drops out."""
+LIGHT: Final = 0.05
+"""Share of the usual load below which a sample counts as light."""
+_LOADED: Final = 75.0
+"""Percentile of the forces that stands for the usual load where swings are not told apart."""
+_KNOT_VISITS: Final = 4
+_KNOT_S: Final = 15.0
+"""A knot of the drift needs so many visits over so long a time."""
+_DRIFT_S: Final = 30.0
+"""Shortest time from the first to the last swing over which a drift is stated."""
+_NORMAL_SD: Final = 1.4826
+"""Standard deviation over median absolute deviation, of a normal distribution."""
+
+
+@dataclass(frozen=True, slots=True)
+class SensorLevel:
+    """What one foot's sensor reads without load, and how it reads under load."""
+
+    knots: Ints
+    """(k,) ns, log times at which the offset is known, ascending; between them it is linear."""
+    offset: Floats
+    """(k, 3) N, what the unloaded sensor reads at the knots."""
+    noise_n: float | None = None
+    """N, standard deviation of the unloaded sensor's noisiest component; None: not known."""
+    drift_n_per_min: float | None = None
+    """N a minute, towards the load; None: the swings span too short a time."""
+    loaded_n: float | None = None
+    """N, median force above the offset while loaded; None: not known."""
+    mean_n: float | None = None
+    """N, mean load over all samples. All feet are sampled over the same time, in which their sum
+    is the weight."""
+    mean_recorded_n: float | None = None
+    """N, the same with the offset left in."""
+    interval_s: float | None = None
+    """s, median sampling interval."""
+    zero_in_swing: bool = False
+    """Whether the sensor reads exactly zero, or lists no contact, in swing."""
+    origin: Origin = "default"
+    """Where the offset comes from."""
+    limit_n: float | None = None
+    """N, where one of the sensor's axes is cut off; None: none is seen to be."""
+    resolution_n: float = 0.0
+    """N, the step in which its coarsest axis counts."""
+    drops_out: bool = False
+    """Whether single samples are zero under load, as where messages are lost on a sensor's bus."""
+    reason: str = ""
+    """Why the level could not be estimated; empty where it is known."""
+    alternative: "SensorLevel | None" = None
+    """The level if the lower of two alternating loads were none, where that is not clear."""
+
+    @property
+    def offset_n(self) -> Floats:
+        """(3,) N, the offset in the middle of the log."""
+        middle: Floats = np.median(self.offset, axis=0)
+        return middle
+
+    def offset_at(self, log_time: Ints) -> Floats:
+        """Return the offset at some log times, ns, (n,); (n, 3) N."""
+        if len(self.knots) == 1:
+            return np.broadcast_to(self.offset[0], (len(log_time), 3))
+        since = (log_time - self.knots[0]).astype(np.float64)
+        knots = (self.knots - self.knots[0]).astype(np.float64)
+        return np.stack([np.interp(since, knots, part) for part in self.offset.T], axis=1)
+
+
+def no_offset() -> tuple[Ints, Floats]:
+    """Return the knots of an offset that is zero throughout."""
+    return np.zeros(1, np.int64), np.zeros((1, 3))
+
+
+def zero_reading() -> SensorLevel:
+    """Return the level of a sensor that reads zero in swing, of which nothing else is known."""
+    return SensorLevel(*no_offset(), zero_in_swing=True)
+
+
+def estimate_level(log_time: Ints, force: Floats) -> SensorLevel:
+    """Estimate offset, noise and drift of one foot's sensor from its own samples.
+
+    Args:
+        log_time: (n,) ns, ascending; there may be gaps, as in a probe spread over a log.
+        force: (n, 3) N, as recorded; rows that are not finite are left out.
+    """
+    finite = np.isfinite(force).all(axis=1)
+    log_time, force = log_time[finite], force[finite]
+    interval_s = _interval_s(log_time)
+    if len(force) < FEWEST_SAMPLES:
+        return _unknown("too few samples", interval_s, force)
+    zero = zero_level(force, interval_s)
+    if zero is not None:
+        return zero
+    axis = _load_axis(force)
+    along = _without_spikes(force @ axis)
+    runs = _run_numbers(log_time)
+    modes = [two_modes(along, runs), two_modes(-along, runs)]
+    found = max(
+        judge_modes(modes[0], modes[1].swing.width, raises=True),
+        judge_modes(modes[1], modes[0].swing.width, raises=False),
+        key=lambda judged: judged.score,
+    )
+    if found.reason and found.reason != ALTERNATE:
+        return _unknown(found.reason, interval_s, force)
+    level = _level_of(found, log_time, force, axis if found.raises else -axis, interval_s)
+    if not found.reason or level.reason:
+        return level
+    return replace(_unknown(found.reason, interval_s, force), alternative=level)
+
+
+def zero_level(force: Floats, interval_s: float | None = None) -> SensorLevel | None:
+    """Return the level of a sensor that reads exactly zero in swing; None: it does not.
+
+    Args:
+        force: (n, 3) N, finite.
+        interval_s: s, the usual sampling interval.
+    """
+    magnitude = norms(force)
+    zero = magnitude == 0.0
+    if _in_runs(zero).sum() <= IN_RUNS * zero.sum():
+        return None
+    loaded = float(np.median(magnitude[~zero])) if not zero.all() else None
+    light = (magnitude < LIGHT * loaded).sum() if loaded else zero.sum()
+    if 2 * zero.sum() < light:
+        return None
+    knots, offset = no_offset()
+    return SensorLevel(
+        knots,
+        offset,
+        noise_n=0.0,
+        drift_n_per_min=0.0,
+        loaded_n=loaded,
+        limit_n=saturated_limit_n(force, offset[0], loaded) if loaded else None,
+        resolution_n=resolution_n(force),
+        mean_n=float(magnitude.mean()),
+        interval_s=interval_s,
+        zero_in_swing=True,
+        origin="estimated",
+    )
+
+
+def _in_runs(flags: Flags) -> Flags:
+    """(n,) whether a row is one of at least three flagged ones in a row."""
+    middle = flags[2:] & flags[1:-1] & flags[:-2]
+    within = np.zeros(len(flags), np.bool_)
+    for shift in range(3):
+        within[shift : shift + len(middle)] |= middle
+    return within
+
+
+def _drops_out(force: Floats, loaded_n: float) -> bool:
+    """Tell whether lone samples are zero between loaded ones, (n, 3) N as recorded."""
+    magnitude = norms(force)
+    high = magnitude > loaded_n / 2.0
+    lone = (magnitude[1:-1] == 0.0) & high[:-2] & high[2:]
+    return int(lone.sum()) >= DROPOUTS
+
+
+def _unknown(reason: str, interval_s: float | None, force: Floats) -> SensorLevel:
+    """Return the level of a sensor that does not show it; its noise shows between samples."""
+    usual = float(np.percentile(norms(force), _LOADED)) if len(force) else None
+    noise = None
+    if len(force) >= FEWEST_SAMPLES:
+        steps = np.abs(np.diff(force, axis=0))
+        noise = _NORMAL_SD * float(np.median(steps, axis=0).max()) / np.sqrt(2.0)
+    return SensorLevel(
+        *no_offset(),
+        noise_n=noise,
+        loaded_n=usual,
+        mean_n=usual,
+        interval_s=interval_s,
+        reason=reason,
+    )
+
+
+def _interval_s(log_time: Ints) -> float | None:
+    steps = np.diff(log_time)
+    steps = steps[steps > 0]
+    return float(np.median(steps)) / 1e9 if len(steps) else None
+
+
+def _load_axis(force: Floats) -> Floats:
+    """(3,) unit vector along which the force varies most; lone spikes do not count."""
+    low, high = np.percentile(force, [1.0, 99.0], axis=0)
+    _, vectors = np.linalg.eigh(np.cov(np.clip(force, low, high).T))
+    axis: Floats = vectors[:, -1]
+    return axis if axis[np.abs(axis).argmax()] > 0.0 else -axis
+
+
+def _without_spikes(values: Floats) -> Floats:
+    """(n,): the median of each value and its two neighbours."""
+    padded = np.concatenate([values[:1], values, values[-1:]])
+    smooth: Floats = np.median(np.stack([padded[:-2], padded[1:-1], padded[2:]]), axis=0)
+    return smooth
+
+
+def _run_numbers(log_time: Ints) -> Ints:
+    """(n,): samples with the same number have no silence between them."""
+    steps = np.diff(log_time, prepend=log_time[:1])
+    usual = np.median(steps[1:])
+    runs: Ints = np.cumsum(steps > max(5.0 * usual, 5e7))
+    return runs
+
+
+def _level_of(
+    modes: Modes, log_time: Ints, force: Floats, axis: Floats, interval_s: float | None
+) -> SensorLevel:
+    """Work out the level of a sensor with two clear modes.
+
+    Args:
+        modes: swing and stance.
+        log_time: (n,) ns.
+        force: (n, 3) N.
+        axis: (3,) unit vector towards the load.
+        interval_s: s, the usual sampling interval.
+    """
+    visits = modes.swing.visits
+    levels = visits.medians(force)
+    middle = log_time[(visits.start + visits.end - 1) // 2]
+    rows = visits.rows()
+    residual = force[rows] - np.repeat(levels, visits.end - visits.start, axis=0)
+    noise = _NORMAL_SD * float(np.median(np.abs(residual), axis=0).max())
+    knots, offset = _knots(middle, levels)
+    level = SensorLevel(
+        knots,
+        offset,
+        noise_n=noise,
+        drift_n_per_min=_drift(middle, levels @ axis),
+        interval_s=interval_s,
+        origin="estimated",
+    )
+    load = (force - level.offset_at(log_time)) @ axis
+    loaded = float(np.median(modes.stance.visits.quantiles(load, 0.5)))
+    if loaded < CLEAR_OF_NOISE * noise:
+        return _unknown("swing and stance differ by little more than the noise", interval_s, force)
+    return replace(
+        level,
+        loaded_n=loaded,
+        limit_n=saturated_limit_n(force, level.offset_n, loaded),
+        resolution_n=resolution_n(force),
+        drops_out=_drops_out(force, loaded),
+        mean_n=float(load.mean()),
+        mean_recorded_n=float(np.linalg.norm(force.mean(axis=0))),
+    )
+
+
+def _knots(time: Ints, levels: Floats) -> tuple[Ints, Floats]:
+    """Reduce the levels of single swings to knots that single ones cannot move.
+
+    Args:
+        time: (v,) ns.
+        levels: (v, 3) N.
+    """
+    span_s = float(time[-1] - time[0]) / 1e9
+    parts = int(max(1, min(len(time) // _KNOT_VISITS, span_s // _KNOT_S)))
+    groups = np.array_split(np.arange(len(time)), parts)
+    knots = np.array([int(np.median(time[group])) for group in groups], np.int64)
+    return knots, np.array([np.median(levels[group], axis=0) for group in groups])
+
+
+def _drift(time: Ints, level: Floats) -> float | None:
+    """Return the slope of levels, N a minute: between the median swings of both halves."""
+    span_s = float(time[-1] - time[0]) / 1e9
+    if span_s < _DRIFT_S or len(time) < 2 * _KNOT_VISITS:
+        return None
+    minutes = (time - time[0]) / 6e10
+    third = len(time) // 3
+    rise = np.median(level[-third:]) - np.median(level[:third])
+    return float(rise / (np.median(minutes[-third:]) - np.median(minutes[:third])))

@@ -1,0 +1,207 @@
+"""The two modes of a foot's forces in a walk: swing and stance.
+
+The swing mode is narrow against the distance between both and is visited once a stride, and its
+visits agree with each other. Shifting weight in a stand does not look like that.
+"""
+
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+
+from dogbot_logtool.core.geometry.arrays import Flags, Floats, Ints
+
+FEWEST_VISITS: Final = 2
+"""Swings that must agree on a level."""
+NARROW: Final = 0.25
+"""Widest swing mode, as a share of the distance between both modes."""
+WIDER: Final = 3.0
+"""A stance mode wider by this factor tells swing and stance apart wherever they lie."""
+PLAIN_OFFSET: Final = 0.15
+"""Largest offset towards the load, as a share of the distance, of modes that are equally wide."""
+CONSTANT: Final = "the force never changes"
+"""Reason of a level that is not known since all samples are alike."""
+ALTERNATE: Final = "two loads alternate, which may be weight that is shifted in a stand"
+"""Reason of a level that is not known since nothing tells a light load from none."""
+_MIDDLE: Final = (0.2, 0.8)
+"""Part of a visit that is used: its ends are on the way between the modes."""
+_UNCLEAR: Final = 100.0
+"""What modes that are not clear score less than any that are."""
+_FEWEST_ROWS: Final = 3
+"""Samples in a visit; shorter ones are brushes and flicker."""
+_ROUNDS: Final = 5
+_ENTER, _LEAVE = 0.1, 0.35
+"""Shares of the way from swing to the highest loads: a visit to the swing mode begins below the
+first, and ends above the second."""
+_BINS: Final = 128
+
+
+@dataclass(frozen=True, slots=True)
+class Visits:
+    """Runs of consecutive samples near one mode; v of them, without their ends."""
+
+    start: Ints
+    """(v,) first row; also `end`, the row after the last."""
+    end: Ints
+
+    def __len__(self) -> int:
+        return len(self.start)
+
+    def rows(self) -> Ints:
+        """(m,) rows of all visits."""
+        length = self.end - self.start
+        behind = np.cumsum(length)
+        first = np.repeat(self.start - (behind - length), length)
+        rows: Ints = np.arange(len(first)) + first
+        return rows
+
+    def quantiles(self, values: Floats, *shares: float) -> Floats:
+        """(v, len(shares)): quantiles of each visit's values, (n,); the nearest sample."""
+        length = self.end - self.start
+        first = np.cumsum(length) - length
+        rows = self.rows()
+        ordered = values[rows][np.lexsort((values[rows], np.repeat(first, length)))]
+        within = np.round((length[:, None] - 1) * np.array(shares)).astype(np.int64)
+        found: Floats = ordered[first[:, None] + within]
+        return found
+
+    def medians(self, values: Floats) -> Floats:
+        """(v, k): median of each visit's values, (n, k)."""
+        return np.column_stack([self.quantiles(part, 0.5) for part in values.T])
+
+
+@dataclass(frozen=True, slots=True)
+class Mode:
+    """A mode that is visited again and again."""
+
+    visits: Visits
+    level: float
+    width: float
+    """Usual range of 80 % of the samples within a visit, and between one visit and the next."""
+
+
+@dataclass(frozen=True, slots=True)
+class Modes:
+    """Swing and stance of a foot, if the lower values are those of swing."""
+
+    swing: Mode
+    stance: Mode
+    score: float = -np.inf
+    """How well it fits that these are swing and stance."""
+    reason: str = ""
+    """Why they are not clear; empty: they are."""
+    raises: bool = True
+    """Whether load raises what the sensor reads."""
+
+
+def two_modes(values: Floats, runs: Ints) -> Modes:
+    """Find swing and stance in the forces along the load's axis, swing being the lower.
+
+    Args:
+        values: (n,) N.
+        runs: (n,) see `_run_numbers`.
+    """
+    low, peak, high = np.percentile(values, [1.0, 95.0, 99.0])
+    none = Mode(Visits(np.empty(0, np.int64), np.empty(0, np.int64)), 0.0, 0.0)
+    if high - low <= 0.0:
+        return Modes(none, none, reason=CONSTANT)
+    limit = _otsu(np.clip(values, low, high))
+    enter = leave = limit
+    for _ in range(_ROUNDS):
+        below = _hysteresis(values, enter, leave)
+        swing, stance = _mode(values, _visits(below, runs)), _mode(values, _visits(~below, runs))
+        if not len(swing.visits) or not len(stance.visits):
+            return Modes(swing, stance, reason="the force has one mode only")
+        enter, leave = (swing.level + share * (peak - swing.level) for share in (_ENTER, _LEAVE))
+    return Modes(swing, stance)
+
+
+def judge_modes(modes: Modes, other_width: float, *, raises: bool) -> Modes:
+    """Decide whether two modes are swing and stance, and how well they look like it.
+
+    Args:
+        modes: what may be swing and stance.
+        other_width: N, of the narrow mode if swing were stance and stance were swing.
+        raises: whether load would raise what the sensor reads.
+    """
+    if modes.reason:
+        return modes
+    swing, stance = modes.swing, modes.stance
+    distance = stance.level - swing.level
+    floor = 1e-3 * distance
+    wider = (other_width + floor) / (swing.width + floor)
+    # Sensors are usually mounted so that a load raises their value, and offsets are smaller
+    # than loads; both are habits, so that a clear difference in width outweighs them.
+    nearer_zero = abs(stance.level) / max(abs(swing.level), floor)
+    score = float(
+        np.clip(np.log2(wider), -4.0, 4.0)
+        + 0.5 * np.clip(np.log2(max(nearer_zero, 1e-9)), -1.0, 1.0)
+    )
+    score += 0.5 if raises else 0.0
+    reason = ""
+    # Weight cannot pull, so that a level on the other side of zero than the load is unloaded.
+    pulls = swing.level < 0.0 < stance.level
+    plain = swing.level <= PLAIN_OFFSET * distance and (raises or stance.level > 0.0)
+    if len(swing.visits) < FEWEST_VISITS and not pulls:
+        reason = "the foot is seen unloaded fewer than twice"
+    elif swing.width > NARROW * distance:
+        reason = "no narrow unloaded mode: the foot may never be off the ground"
+    elif wider < WIDER and not plain:
+        reason = ALTERNATE
+    return Modes(swing, stance, score - (_UNCLEAR if reason else 0.0), reason, raises)
+
+
+def _otsu(values: Floats) -> float:
+    """Return the value that parts two classes best (Otsu 1979, IEEE Trans. SMC 9:62)."""
+    counts, edges = np.histogram(values, _BINS)
+    middles = (edges[:-1] + edges[1:]) / 2.0
+    below = np.cumsum(counts)[:-1]
+    above = len(values) - below
+    sum_below = np.cumsum(counts * middles)[:-1]
+    mean_below = sum_below / np.maximum(below, 1)
+    mean_above = ((counts * middles).sum() - sum_below) / np.maximum(above, 1)
+    between = below * above * (mean_above - mean_below) ** 2
+    best = np.flatnonzero(between >= between.max() * (1.0 - 1e-9))
+    return float(edges[1:][best].mean())
+
+
+def _hysteresis(values: Floats, enter: float, leave: float) -> Flags:
+    """(n,): below from `enter` down, until above `leave`."""
+    below = values <= enter
+    says = below | (values > leave)
+    last = np.maximum.accumulate(np.where(says, np.arange(len(values)), -1))
+    flags: Flags = np.where(last >= 0, below[last], values <= (enter + leave) / 2.0)
+    return flags
+
+
+def _visits(flags: Flags, runs: Ints) -> Visits:
+    """Return the middles of the runs of flagged samples."""
+    key = np.where(flags, runs + 1, 0)
+    edges = np.flatnonzero(np.diff(key, prepend=0, append=0))
+    start, end = edges[:-1], edges[1:]
+    flagged = key[start] > 0 if len(edges) else np.empty(0, np.bool_)
+    start, end = start[flagged], end[flagged]
+    length = end - start
+    if (length >= _FEWEST_ROWS).any():
+        start, end, length = (rows[length >= _FEWEST_ROWS] for rows in (start, end, length))
+    first = start + (length * _MIDDLE[0]).astype(np.int64)
+    last = end - (length * (1.0 - _MIDDLE[1])).astype(np.int64)
+    return Visits(first, np.maximum(last, first + 1))
+
+
+def _mode(values: Floats, visits: Visits) -> Mode:
+    """Reduce visits to a mode; each counts once, however long it lasts."""
+    if not len(visits):
+        return Mode(visits, 0.0, 0.0)
+    low, level, high = visits.quantiles(values, 0.1, 0.5, 0.9).T
+    steps = np.abs(np.diff(level))
+    between = float(np.median(steps)) if len(steps) else 0.0
+    return Mode(visits, _densest(level), float(np.median(high - low)) + between)
+
+
+def _densest(values: Floats) -> float:
+    """Return the median of the shortest interval that holds half of the values."""
+    ordered = np.sort(values)
+    half = len(ordered) // 2 + 1
+    first = int((ordered[half - 1 :] - ordered[: len(ordered) - half + 1]).argmin())
+    return float(np.median(ordered[first : first + half]))

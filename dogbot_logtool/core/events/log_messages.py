@@ -1,0 +1,86 @@
+"""What a log says of itself in words and states: events as sentences, the gait as it changes."""
+
+from typing import Final
+
+import numpy as np
+
+from dogbot_logtool.core.events.event import STEPS, Event, EventType
+from dogbot_logtool.core.events.events import find_events
+from dogbot_logtool.core.events.messages import UNKNOWN, EventMessage, GaitState, Level
+from dogbot_logtool.core.gait.segments import Segment
+from dogbot_logtool.core.geometry.arrays import Ints
+from dogbot_logtool.core.geometry.clock import TimeSource
+from dogbot_logtool.core.statistics import Stats
+
+_LEVELS: Final = {
+    EventType.FALL: Level.ERROR,
+    EventType.GAIT_CHANGE: Level.INFO,
+    **dict.fromkeys(STEPS, Level.DEBUG),
+}
+"""Of events that are no warnings."""
+
+
+def event_messages(stats: Stats) -> tuple[EventMessage, ...]:
+    """Return all events of a log in words, in the order of time."""
+    names = [foot.name for foot in stats.feet]
+    return tuple(_message(each, names) for each in find_events(stats))
+
+
+def _message(event: Event, names: list[str]) -> EventMessage:
+    source = "robot" if event.foot is None else names[event.foot]
+    parts = [event.type.replace("_", " "), "" if event.foot is None else source]
+    if event.type is EventType.GAIT_CHANGE:
+        parts.append(event.code.replace(">", " to "))
+    if event.value is not None:
+        parts.append(f"{event.value:.3g} {event.unit}")
+    if event.duration:
+        parts.append(f"for {event.duration / 1e9:.3f} s")
+    if event.code and event.type is not EventType.GAIT_CHANGE:
+        parts.append(event.code)
+    level = _LEVELS.get(event.type, Level.WARNING)
+    return EventMessage(event.onset, level, source, ", ".join(filter(None, parts)))
+
+
+def gait_states(stats: Stats) -> tuple[GaitState, ...]:
+    """Return the gait where it begins, and that it is unknown where a segment ends."""
+    states: list[GaitState] = []
+    nothing = (float("nan"),) * len(stats.feet)
+    for segment, after in zip(stats.segments, [*stats.segments[1:], None], strict=True):
+        states.append(_state(segment))
+        if after is None or after.start > segment.end:
+            states.append(GaitState(segment.end, UNKNOWN, nothing[0], nothing[0], nothing))
+    return tuple(states) if stats.feet else ()
+
+
+def _state(segment: Segment) -> GaitState:
+    return GaitState(
+        segment.start,
+        segment.gait.name or UNKNOWN,
+        _or_nan(segment.stride_frequency_hz),
+        _or_nan(segment.duty_factor),
+        tuple(_or_nan(None if phase is None else phase.mean) for phase in segment.phases),
+    )
+
+
+def _or_nan(value: float | None) -> float:
+    return float("nan") if value is None else value
+
+
+def to_log_time(stats: Stats, time: Ints) -> Ints:
+    """Return the log times of times on the clock that was measured on.
+
+    The feet's topics say how far log time is from their header stamps, and how that drifts.
+
+    Args:
+        stats: figures of the log.
+        time: (n,) ns.
+    """
+    feet = {foot.topic for foot in stats.settings.feet}
+    topics = [each for each in stats.topics if each.topic in feet]
+    offsets = [each.offset_median_s for each in topics if each.offset_median_s is not None]
+    if stats.settings.clock is TimeSource.LOG or not offsets:
+        return time
+    drifts = [each.offset_drift_ppm or 0.0 for each in topics]
+    middle = (stats.origin + stats.end) // 2
+    late = np.median(offsets) * 1e9 + np.median(drifts) / 1e6 * (time - middle)
+    return time + np.round(late).astype(np.int64)

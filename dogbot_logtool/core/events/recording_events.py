@@ -1,0 +1,58 @@
+"""What happens to the recording: gaps, and sensors at fault."""
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from dogbot_logtool.core.events.event import Event, EventType
+from dogbot_logtool.core.gait.foot_statistics import FootStatistics
+from dogbot_logtool.core.geometry.arrays import Ints
+from dogbot_logtool.core.load.load_figures import is_saturated, is_stuck, saturated_stances
+from dogbot_logtool.core.load.spikes import has_lone_spikes
+from dogbot_logtool.core.statistics import Stats
+
+
+def gaps(stats: Stats) -> Iterator[Event]:
+    """Yield the gaps of each foot's sensor, and of the base's poses."""
+    yield from _gaps(stats.base_history.gaps, None)
+    for row, foot in enumerate(stats.feet):
+        yield from _gaps(foot.record.gaps, row)
+
+
+def _gaps(spans: Ints, foot: int | None) -> Iterator[Event]:
+    for start, end in spans.tolist():
+        lasts = end - start
+        yield Event(start, lasts, EventType.GAP, foot, lasts / 1e9, "s", "W_GAPS")
+
+
+def sensor_faults(stats: Stats) -> Iterator[Event]:
+    """Yield what findings call a fault of a foot's sensor, with the time that shows it."""
+    for row, foot in enumerate(stats.feet):
+        others = [other.record for other in stats.feet if other is not foot]
+        record, stances = foot.record, foot.record.stances
+        if foot.is_dead and record.start is not None and record.end is not None:
+            yield _fault(record.start, record.end, row, "W_DEAD")
+        if is_stuck(record, others):
+            yield _fault(int(stances.touchdown[0]), int(stances.liftoff[-1]), row, "W_STUCK")
+        if is_saturated(record, others):
+            cut_off = np.flatnonzero(saturated_stances(record))
+            first, last = int(cut_off[0]), int(cut_off[-1])
+            limit = float(stances.figures.peak_n[first])
+            times = int(stances.touchdown[first]), int(stances.liftoff[last])
+            yield _fault(*times, row, "W_SATURATED", limit)
+        yield from _spikes(row, foot)
+
+
+def _spikes(row: int, foot: FootStatistics) -> Iterator[Event]:
+    """Yield the stances with lone spikes, at the highest of them."""
+    stances = foot.record.stances
+    for stance in np.flatnonzero(has_lone_spikes(foot.stances) & foot.stances.whole).tolist():
+        share = float(foot.stances.figures.spike_phase[stance])
+        onset = int(stances.touchdown[stance])
+        at = onset + round(share * (int(stances.liftoff[stance]) - onset))
+        yield _fault(at, at, row, "W_SPIKES", float(stances.figures.peak_n[stance]))
+
+
+def _fault(start: int, end: int, foot: int, code: str, newtons: float | None = None) -> Event:
+    unit = "" if newtons is None else "N"
+    return Event(start, end - start, EventType.SENSOR_FAULT, foot, newtons, unit, code)

@@ -1,0 +1,1 @@
+"""Findings: why a figure is missing, and what makes one doubtful."""

@@ -1,0 +1,102 @@
+"""Findings about the base and its odometry."""
+
+from collections.abc import Iterator
+
+from dogbot_logtool.core.base.base_motion import BaseMotion
+from dogbot_logtool.core.base.forward_axis import WALKED_M
+from dogbot_logtool.core.findings.wording import counted
+from dogbot_logtool.core.geometry import timespans
+from dogbot_logtool.core.geometry.arrays import norms
+from dogbot_logtool.core.statistics import Stats
+from dogbot_logtool.finding import Finding
+
+
+def fall_findings(stats: Stats) -> Iterator[Finding]:
+    """Yield when the robot falls, or tips over as the recording ends."""
+    if len(stats.fallen):
+        at = stats.seconds(stats.fallen[:, 0])[0]
+        lies = timespans.total(stats.fallen) / 1e9
+        text = (
+            f"the robot falls at {at:.2f} s and lies for {lies:.1f} s in all; "
+            "steps in that time are left out"
+        )
+        yield Finding("W_FALL", text, "base")
+    if stats.tipping is not None and not len(stats.fallen):
+        tipping = stats.tipping
+        since = (tipping.since - stats.origin) / 1e9
+        text = (
+            f"the recording ends while the robot tips: its {tipping.angle} leaves the usual range "
+            f"at {since:.2f} s and is {tipping.last_rad:.2f} rad at the end"
+        )
+        yield Finding("W_TIPPING", text, f"base.{tipping.angle}_rad")
+
+
+def base_findings(stats: Stats) -> Iterator[Finding]:
+    """Yield what is missing or doubtful in the figures of the base."""
+    record, base = stats.base_history, stats.base
+    if record.messages and record.not_usable == record.messages:
+        poses = counted(record.messages, "pose")
+        text = f"the odometry is useless: {poses}, all with NaN, infinity or a zero quaternion"
+        yield Finding("W_BAD_POSES", f"{text}; no base figures", "base")
+        return
+    if base is None:
+        yield Finding("N_NO_ODOMETRY", "fewer than two poses of the base: no base figures", "base")
+        return
+    if record.not_usable:
+        poses = counted(record.not_usable, "pose")
+        text = f"{poses} with a zero quaternion or a number that is not finite; left out"
+        yield Finding("W_BAD_POSES", text, "base")
+    if record.not_advancing:
+        poses = counted(record.not_advancing, "pose")
+        text = f"{poses} with a time that repeats or steps back; left out"
+        yield Finding("W_NOT_ADVANCING", text, "base")
+    if base.twist_frame == "world":
+        text = "odometry's twist is in the world frame, although its message says child frame"
+        yield Finding("N_TWIST_IN_WORLD", text, "base.twist_frame")
+    if base.twist_frame == "ambiguous":
+        text = "the frame of odometry's twist cannot be told: both readings fit the poses alike"
+        yield Finding("N_TWIST_AMBIGUOUS", text, "base.twist_frame")
+    if base.twist_frame is None:
+        text = "too few finite velocities between poses to tell the twist's frame"
+        yield Finding("N_TWIST_UNKNOWN", text, "base.twist_frame")
+    if base.height_m is None:
+        text = (
+            "the base's height over its feet is not known: no contact points, or these lie in "
+            "another world than the base"
+        )
+        yield Finding("N_NO_HEIGHT", text, "base.height_m")
+    if base.froude is None and base.height_m is not None:
+        yield Finding("N_NO_FROUDE", "no speed of the base: no Froude number", "base.froude")
+    yield from _heading(stats, base)
+    yield from _jumps(stats)
+
+
+def _heading(stats: Stats, base: BaseMotion) -> Iterator[Finding]:
+    settings = stats.settings
+    if settings.forward_axis_reason:
+        text = f"forward is the body's {settings.forward_axis} axis: {settings.forward_axis_reason}"
+        yield Finding("W_FORWARD_AXIS", text, "settings.forward_axis")
+    forward, left = base.forward_speed_mps, base.lateral_speed_mps
+    if forward is None or left is None or abs(left) * base.duration_s < WALKED_M:
+        return
+    if abs(left) > 2.0 * abs(forward):
+        axis, side = settings.forward_axis, "left" if left > 0.0 else "right"
+        text = (
+            f"the robot moves to the {side} of its forward axis {axis}, at {abs(left):.2f} m/s "
+            f"against {forward:.2f} m/s forward: if it does not walk sideways, another "
+            "--forward-axis is right"
+        )
+        yield Finding("W_MOVES_SIDEWAYS", text, "base.forward_speed_mps")
+
+
+def _jumps(stats: Stats) -> Iterator[Finding]:
+    jumps = stats.jumps
+    if len(jumps.spans) == 0:
+        return
+    size = norms(jumps.size_m)
+    at = stats.seconds(jumps.spans[:, 1])[int(size.argmax())]
+    text = (
+        f"the base's pose has {counted(len(jumps.spans), 'jump')}, the largest of "
+        f"{size.max():.2f} m at {at:.2f} s; path, speeds and stride lengths leave them out"
+    )
+    yield Finding("W_POSE_JUMP", text, "base.path_length_m")

@@ -1,0 +1,99 @@
+"""Findings about loads."""
+
+from collections.abc import Iterator
+from typing import Final
+
+from dogbot_logtool.core.statistics import Stats
+from dogbot_logtool.finding import Finding
+
+WHOLE_TOLERANCE: Final = 0.05
+"""By how much the ratio may miss a whole number of summed physics steps, relative to it."""
+MOST_STEPS: Final = 100
+"""Physics steps that one message may hold."""
+NOT_VERTICAL: Final = 0.1
+"""Ratio below which the force is hardly along the world's z."""
+
+
+def load_findings(stats: Stats) -> Iterator[Finding]:
+    """Yield what is missing or doubtful in the figures of loads."""
+    loads = stats.loads
+    yield from _weight_findings(stats)
+    if loads.share_of == "force_impulse":
+        text = (
+            "load shares are of the integral of |F|, since vertical forces are not known; "
+            "the impulse over weight is not known either"
+        )
+        yield Finding("N_SHARES_OF_MAGNITUDE", text, "forces.load_share")
+    if loads.shares is None:
+        text = "not every foot's load is known, or there is none: no load shares"
+        yield Finding("N_NO_SHARES", text, "forces.load_share")
+
+
+def _weight_findings(stats: Stats) -> Iterator[Finding]:
+    """Yield where the weight comes from, and whether the feet's forces agree with it."""
+    loads, where = stats.loads, "forces.vertical_impulse_over_weight"
+    if stats.settings.mass_kg is None:
+        yield _without_mass(loads.weight_n, stats.settings.estimated_weight_n, where)
+    if loads.magnitude_over_weight is not None and loads.magnitude_misses_weight:
+        yield _magnitude_finding(stats, loads.magnitude_over_weight, where)
+    ratio = loads.mean_over_weight
+    if ratio is not None and loads.misses_weight:
+        cause = _likely_cause(stats, ratio)
+        text = f"the feet's vertical impulse is {ratio:.2f} of the weight: {cause}"
+        if loads.direction_refuted:
+            text += "; no braking and propulsive impulses"
+        if loads.weight_n is None:
+            text += "; nothing is given in body weights"
+        yield Finding("W_IMPULSE_IS_NOT_WEIGHT", text, where)
+
+
+def _magnitude_finding(stats: Stats, ratio: float, where: str) -> Finding:
+    """Return that the sum of |F| is far from the weight, where no more is known of forces."""
+    text = (
+        f"the mean sum of the feet's |F| is {ratio:.2f} of the weight: "
+        f"{_likely_cause(stats, ratio)}; "
+        "nothing is given in body weights"
+    )
+    return Finding("W_IMPULSE_IS_NOT_WEIGHT", text, where)
+
+
+def _without_mass(weight_n: float | None, thresholds_n: float | None, where: str) -> Finding:
+    """Return what stands for the weight of a robot whose mass is not given.
+
+    Args:
+        weight_n: N, of figures in body weights; None: there are none.
+        thresholds_n: N, of contact thresholds; None: each rests on its foot's usual load.
+        where: the figure that is missing.
+    """
+    words = ["the robot's mass is not known: "]
+    if weight_n is None:
+        words.append("nothing is given in body weights")
+    else:
+        words.append(
+            f"its weight is taken as {weight_n:.4g} N, the mean vertical force of all feet over "
+            "whole strides; impulse over weight is not given"
+        )
+    if thresholds_n is not None:
+        words.append(
+            f"; contact thresholds rest on {thresholds_n:.3g} N, the mean sum of the feet's loads"
+        )
+    is_estimated = weight_n is not None or thresholds_n is not None
+    return Finding("N_WEIGHT_ESTIMATED" if is_estimated else "N_NO_MASS", "".join(words), where)
+
+
+def _likely_cause(stats: Stats, ratio: float) -> str:
+    """Return the most likely reason why the feet's vertical impulse misses the weight."""
+    mass_kg = stats.settings.mass_kg or 0.0
+    silent = [foot.name for foot in stats.feet if foot.is_dead or foot.record.start is None]
+    steps = round(ratio)
+    if ratio < NOT_VERTICAL:
+        return "the wrenches seem to be in a link's frame, or the sensors in other units"
+    if silent and ratio < 1.0:
+        return f"the load on {' and '.join(silent)} is missing"
+    if 2 <= steps <= MOST_STEPS and abs(ratio - steps) <= WHOLE_TOLERANCE * steps:
+        return f"{steps} physics steps seem to be added up in each message, or the mass is wrong"
+    origin = "assumed for the guessed robot" if stats.settings.mass_is_assumed else "given"
+    return (
+        f"the feet carry {ratio * mass_kg:.3g} kg, and the mass {origin} is {mass_kg:.4g} kg; "
+        "check the mass, the wrench frame, the sensors and whether something else carries the robot"
+    )

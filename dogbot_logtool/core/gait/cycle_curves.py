@@ -1,0 +1,131 @@
+"""Forces over the gait cycle: braking and propulsion, and the usual curve of a stance or stride."""
+
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+
+from dogbot_logtool.core.base.base_history import BaseHistory
+from dogbot_logtool.core.base.base_motion import FORWARD_ANGLES
+from dogbot_logtool.core.contact.foot_history import FootHistory
+from dogbot_logtool.core.contact.stance_curves import PARTS
+from dogbot_logtool.core.contact.stances import Stances
+from dogbot_logtool.core.gait.strides import Strides
+from dogbot_logtool.core.geometry.arrays import Flags, Floats
+
+CYCLE_POINTS: Final = 51
+"""Points of a curve over a stride: 0, 2, ... 100 %."""
+QUARTILES: Final = (25.0, 50.0, 75.0)
+
+
+@dataclass(frozen=True, slots=True)
+class CycleCurve:
+    """A force over the gait cycle, (n,) each."""
+
+    percent: Floats
+    """% of the stance or stride."""
+    lower: Floats
+    """N, lower quartile over stances or strides; also `median` and `upper`."""
+    median: Floats
+    upper: Floats
+    number: int
+    """Stances or strides."""
+
+
+@dataclass(frozen=True, slots=True)
+class ForeAftImpulses:
+    """Fore-aft impulses of a foot's stances, along the base's forward axis at mid-stance."""
+
+    braking: Floats
+    """(n,) N s, at least 0: what slows the robot; NaN where direction or heading is not known."""
+    propulsive: Floats
+    """(n,) N s, at least 0: what drives it forward."""
+
+
+@dataclass(frozen=True, slots=True)
+class ForceCurves:
+    """The usual forces of a foot over its whole stances and strides; None where not known."""
+
+    vertical_over_stance: CycleCurve | None
+    forward_over_stance: CycleCurve | None
+    vertical_over_stride: CycleCurve | None
+    forward_over_stride: CycleCurve | None
+
+
+def force_curves(
+    vertical: Floats, forward: Floats, stances: Stances, strides: Strides
+) -> ForceCurves:
+    """Return the curves of a foot.
+
+    Args:
+        vertical: (stances, PARTS) N, mean vertical force in each part of each stance.
+        forward: (stances, PARTS) N, the same along the base's forward axis.
+        stances: of the foot.
+        strides: of the foot.
+    """
+    return ForceCurves(
+        vertical_over_stance=stance_curve(vertical, stances.whole),
+        forward_over_stance=stance_curve(forward, stances.whole),
+        vertical_over_stride=stride_curve(vertical, strides),
+        forward_over_stride=stride_curve(forward, strides),
+    )
+
+
+def forward_forces(foot: FootHistory, base: BaseHistory, forward_axis: str) -> Floats:
+    """(stances, PARTS) N, mean force along the base's forward axis in each part of each stance."""
+    stances = foot.stances
+    middle = stances.touchdown + (stances.liftoff - stances.touchdown) // 2
+    heading = base.angles_at(middle)[:, 2] + FORWARD_ANGLES[forward_axis]
+    x, y = foot.stance_forces[:, 0], foot.stance_forces[:, 1]
+    forward: Floats = x * np.cos(heading)[:, None] + y * np.sin(heading)[:, None]
+    return forward
+
+
+def fore_aft_impulses(forward: Floats, stances: Stances) -> ForeAftImpulses:
+    """Integrate the braking and the propulsive part of the force over each stance.
+
+    Args:
+        forward: (n, PARTS) N; see `forward_forces`.
+        stances: of the same foot.
+    """
+    part_s = stances.duration_s / PARTS
+    return ForeAftImpulses(
+        braking=-np.minimum(forward, 0.0).sum(axis=1) * part_s,
+        propulsive=np.maximum(forward, 0.0).sum(axis=1) * part_s,
+    )
+
+
+def stance_curve(force: Floats, whole: Flags) -> CycleCurve | None:
+    """Return the usual force over a stance; None where none is known.
+
+    Args:
+        force: (n, PARTS) N, mean force in each part of each stance.
+        whole: (n,) which stances count.
+    """
+    known = force[whole & np.isfinite(force).all(axis=1)]
+    percent: Floats = 100.0 * (np.arange(PARTS, dtype=np.float64) + 0.5) / PARTS
+    return _curve(percent, known)
+
+
+def stride_curve(force: Floats, strides: Strides) -> CycleCurve | None:
+    """Return the usual force over a stride, 0 in its swing; None where none is known.
+
+    Args:
+        force: (n, PARTS) N, mean force in each part of each of the foot's stances.
+        strides: of the same foot.
+    """
+    of_strides = force[strides.stance]
+    rows = np.flatnonzero(np.isfinite(of_strides).all(axis=1))
+    phase: Floats = np.arange(CYCLE_POINTS) / float(CYCLE_POINTS - 1)
+    stance_phase = phase[None, :] / strides.duty_factor[rows][:, None]
+    part = np.minimum((stance_phase * PARTS).astype(np.int64), PARTS - 1)
+    known = np.where(stance_phase < 1.0, np.take_along_axis(of_strides[rows], part, axis=1), 0.0)
+    return _curve(phase * 100.0, known)
+
+
+def _curve(percent: Floats, values: Floats) -> CycleCurve | None:
+    """Return the quartiles of curves, (n, points)."""
+    if len(values) == 0:
+        return None
+    lower, median, upper = np.percentile(values, QUARTILES, axis=0)
+    return CycleCurve(percent, lower, median, upper, len(values))

@@ -1,0 +1,121 @@
+"""When does the robot stand, and when does it move without steps?"""
+
+from typing import Final, NamedTuple
+
+import numpy as np
+
+from dogbot_logtool.core.base.base_history import BaseHistory
+from dogbot_logtool.core.contact.stances import LONGEST_STANCE_S, Cut, Stances
+from dogbot_logtool.core.geometry import timespans
+from dogbot_logtool.core.geometry.arrays import Flags, Floats, Ints
+
+STAND_S: Final = 1.0
+"""All feet down for longer, and for longer than a stride, is no part of a stride."""
+MOVED_M: Final = 0.15
+"""m from its first place that a base reaches only if it moves; swaying is less."""
+TURNED_RAD: Final = 0.5
+"""rad, the same for its heading."""
+STILL_MPS: Final = 0.01
+"""m/s: a base slower than this over `_WINDOW_S` is still."""
+STILL_RADPS: Final = 0.02
+LONG_FOR_FOOT: Final = 3.0
+"""Times a foot's median stance from which a long stance is no step."""
+_STEP_S: Final = 0.25
+_WINDOW_S: Final = 2.0
+
+
+class Standing(NamedTuple):
+    """Spans that are no part of a stride, with all feet down or none."""
+
+    still: Ints
+    """(s, 2) ns, the base is still, or not known: the robot stands."""
+    moving: Ints
+    """(m, 2) ns, the base moves all the same: wheels, or contacts that are wrong."""
+    lifted: Ints
+    """(l, 2) ns, no foot is down for longer than a leap takes: the robot is held in the air."""
+
+    @property
+    def without_steps(self) -> Ints:
+        """(n, 2) ns, all of these."""
+        return timespans.merge(np.concatenate(self))
+
+
+def find_standing(
+    all_down: Ints, in_flight: Ints, typical_period_s: float | None, base: BaseHistory
+) -> Standing:
+    """Find where all feet are down, or in the air, for longer than within a stride.
+
+    Args:
+        all_down: (n, 2) ns, all feet in contact.
+        in_flight: (n, 2) ns, no foot in contact.
+        typical_period_s: s, median time between touchdowns of a foot; None without any.
+        base: poses, without jumps.
+    """
+    longest_step = max(STAND_S, typical_period_s or 0.0)
+    chosen = all_down[all_down[:, 1] - all_down[:, 0] >= longest_step * 1e9]
+    moving = [_moving(span, base) for span in chosen]
+    joined = timespans.merge(np.concatenate(moving)) if moving else timespans.no_spans()
+    still = timespans.subtract(chosen, joined) if len(joined) else chosen
+    return Standing(_lasting(still), joined, _lasting(in_flight))
+
+
+def _lasting(spans: Ints) -> Ints:
+    chosen: Ints = spans[spans[:, 1] - spans[:, 0] >= STAND_S * 1e9]
+    return chosen
+
+
+def _moving(span: Ints, base: BaseHistory) -> Ints:
+    """(m, 2) ns, the parts of a span in which the base goes somewhere."""
+    start, end = span.tolist()
+    count = max(1, int((end - start) / (_STEP_S * 1e9)))
+    time = np.linspace(start, end, count + 1).astype(np.int64)
+    place = np.column_stack([base.position_at(time)[:, :2], base.angles_at(time)[:, 2]])
+    known = place[np.isfinite(place).all(axis=1)]
+    if len(known) < 2:
+        return timespans.no_spans()
+    away = known - known[0]
+    if _distance(away).max() < MOVED_M and np.abs(away[:, 2]).max() < TURNED_RAD:
+        return timespans.no_spans()
+    return _lasting(timespans.spans_where(time, _moves(place)[:-1]))
+
+
+def _moves(place: Floats) -> Flags:
+    """(n,) whether the base moves around each instant; not where it is not known."""
+    reach = round(_WINDOW_S / _STEP_S / 2.0)
+    rows = np.arange(len(place))
+    after, before = np.minimum(rows + reach, len(place) - 1), np.maximum(rows - reach, 0)
+    way, seconds = place[after] - place[before], (after - before) * _STEP_S
+    fast = _distance(way) > STILL_MPS * seconds
+    moves: Flags = fast | (np.abs(way[:, 2]) > STILL_RADPS * seconds)
+    return moves
+
+
+def _distance(place: Floats) -> Floats:
+    distance: Floats = np.hypot(place[:, 0], place[:, 1])
+    return distance
+
+
+def typical_period_s(stances: list[Stances]) -> float | None:
+    """Return the median time between touchdowns over all feet, s; None without two of one foot."""
+    seen = [each.touchdown[each.cut != Cut.LOG_START] for each in stances]
+    periods = np.concatenate([np.diff(each) for each in seen]) if seen else np.empty(0)
+    return float(np.median(periods)) / 1e9 if len(periods) else None
+
+
+def steps_apart(standing: Ints, stances: Stances) -> Flags:
+    """Tell which whole stances are no steps, since the robot stands in them.
+
+    Those that reach into a stand, and those that are much longer than the foot's others (the
+    stand of a robot with a foot in the air, or with a foot that is not known).
+
+    Args:
+        standing: (s, 2) ns, spans without steps.
+        stances: of one foot.
+    """
+    found = timespans.touches(standing, stances.touchdown, stances.liftoff)
+    whole = stances.cut == Cut.WHOLE
+    if whole.any():
+        usual = float(np.median(stances.duration_s[whole]))
+        found |= stances.duration_s > max(LONGEST_STANCE_S, LONG_FOR_FOOT * usual)
+    apart: Flags = found & whole
+    return apart

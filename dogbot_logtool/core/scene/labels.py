@@ -1,0 +1,58 @@
+"""What is written beside each foot: its load in newtons."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+
+from dogbot_logtool.core.contact.contacts import Samples
+from dogbot_logtool.core.geometry.arrays import Flags, Floats, Ints, norms
+from dogbot_logtool.core.geometry.clock import first_at_each_tick
+from dogbot_logtool.core.scene.arrows import Arrows
+
+RATE_HZ: Final = 20.0
+"""Labels a second: numbers that change faster cannot be read."""
+_BELOW_M: Final = 0.04
+"""m from the contact point down to the label, so that neither leg nor arrow hides it."""
+
+
+@dataclass(frozen=True, slots=True)
+class Labels:
+    """Labels to draw or to remove, one row a written message."""
+
+    foot: Ints
+    """(n,) index of the foot among the robot's feet."""
+    log_time: Ints
+    """(n,) ns."""
+    stamp: Ints
+    """(n,) ns."""
+    shown: Flags
+    """(n,) whether to draw it; else the foot's label is removed."""
+    position: Floats
+    """(n, 3) m, world frame."""
+    force: Floats
+    """(n,) N, magnitude."""
+
+
+def foot_labels(samples: Samples, arrows: Arrows, last_time: Mapping[int, int]) -> Labels:
+    """Return labels for the arrows of samples, at most `RATE_HZ` for each foot.
+
+    Args:
+        samples: (n,).
+        arrows: (n,) of the same samples.
+        last_time: ns, log time of each foot's last sample before these.
+    """
+    chosen = [np.empty(0, np.int64)]
+    for foot in np.unique(arrows.foot).tolist():
+        rows = np.flatnonzero(arrows.foot == foot)
+        chosen.append(rows[first_at_each_tick(arrows.log_time[rows], RATE_HZ, last_time.get(foot))])
+    rows = np.concatenate(chosen)
+    return Labels(
+        foot=arrows.foot[rows],
+        log_time=arrows.log_time[rows],
+        stamp=arrows.stamp[rows],
+        shown=arrows.shown[rows],
+        position=arrows.position[rows] - np.array([0.0, 0.0, _BELOW_M]),
+        force=norms(samples.force[rows]),
+    )

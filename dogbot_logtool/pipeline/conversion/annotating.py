@@ -1,0 +1,109 @@
+"""Compute the annotations of a batch: transforms, arrows, loads and support."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from dogbot_logtool.core.base.odometry import Odometry, base_transforms, from_opening
+from dogbot_logtool.core.contact.contacts import Samples
+from dogbot_logtool.core.contact.foot_tracker import FootTracker
+from dogbot_logtool.core.contact.silent_swing import with_swings
+from dogbot_logtool.core.geometry.clock import first_at_each_tick
+from dogbot_logtool.core.load.loads import Loads, foot_loads, opening_loads
+from dogbot_logtool.core.scene.arrows import ArrowCounts, ArrowInput, Arrows, no_arrows
+from dogbot_logtool.core.scene.labels import Labels, foot_labels
+from dogbot_logtool.core.scene.support_scene import opening_support, support_scene
+from dogbot_logtool.pipeline.conversion.batch_state import BatchState
+from dogbot_logtool.pipeline.plan import Plan
+from dogbot_logtool.reader.messages.contacts.registry import DecodedContacts
+from dogbot_logtool.writer.annotations import AnnotationColumns
+
+
+def compute_annotations(
+    contacts: Sequence[DecodedContacts],
+    in_world: Sequence[Samples],
+    poses: Odometry,
+    trackers: Sequence[FootTracker],
+    silences: Loads,
+    state: BatchState,
+    plan: Plan,
+) -> tuple[AnnotationColumns, ArrowCounts]:
+    """Compute what is written about a batch.
+
+    Args:
+        contacts: of the batch.
+        in_world: the samples of each of `contacts`, in the world as far as frames are known.
+        poses: usable odometry of the batch.
+        trackers: of each foot in the batch.
+        silences: where feet fall silent.
+        state: what all earlier batches pass on.
+        plan: what to write.
+
+    Returns:
+        the columns, and the samples that could not become an arrow.
+    """
+    arrows: list[Arrows] = []
+    labels: list[Labels] = []
+    loads: list[Loads] = []
+    skipped = ArrowCounts()
+    for decoded, turned in zip(contacts, in_world, strict=True):
+        recorded = decoded.reduced.samples
+        samples = _with_swings(decoded, recorded, state, plan)
+        loads.append(foot_loads(samples, trackers, plan.body_weight_n))
+        if turned is not recorded:
+            # Turning a force changes the last digit of its magnitude: styles that do not show its
+            # direction use the recorded one, as loads do.
+            drawn = turned if plan.style.needs_directions else replace(turned, force=recorded.force)
+            samples = _with_swings(decoded, drawn, state, plan)
+        samples = _of_known_force(samples, plan)
+        of_type, left_out = _arrows(decoded, samples, plan)
+        arrows.append(of_type)
+        skipped += left_out
+        if plan.draws_labels:
+            labels.append(foot_labels(samples, of_type, state.last_contact_times))
+    if plan.opening_time is not None:
+        new = state.feet_without_messages(len(plan.sensors))
+        if new:
+            loads = [*(opening_loads(each, plan.opening_time, new) for each in loads), *loads]
+    at_ticks = poses.pick(
+        first_at_each_tick(poses.time, plan.options.tf_rate_hz, state.last_pose_time)
+    )
+    transforms = base_transforms(at_ticks)
+    support = [support_scene(at_ticks, trackers)] if plan.draws_support else []
+    if state.last_pose_time is None and plan.opening_time is not None:
+        transforms = from_opening(transforms, plan.opening_time)
+        if plan.draws_support:
+            support.append(opening_support(at_ticks, trackers, plan.opening_time))
+    return AnnotationColumns(transforms, arrows, [*loads, silences], support, labels), skipped
+
+
+def _with_swings(
+    decoded: DecodedContacts, samples: Samples, state: BatchState, plan: Plan
+) -> Samples:
+    """Return the samples, and swings where the sensor is silent in swing."""
+    if not decoded.source.silent_in_swing:
+        return samples
+    return with_swings(samples, plan.silent, state.last_messages, plan.swings_from)
+
+
+def _of_known_force(samples: Samples, plan: Plan) -> Samples:
+    """Return the samples of feet whose force is known."""
+    feet = range(len(plan.selection.robot.feet))
+    known = [foot for foot in feet if plan.selection.knows_force(foot)]
+    return samples if len(known) == len(feet) else samples.pick(np.isin(samples.foot, known))
+
+
+def _arrows(decoded: DecodedContacts, samples: Samples, plan: Plan) -> tuple[Arrows, ArrowCounts]:
+    """Compute the arrows of one contact type."""
+    if not len(samples.foot):
+        return no_arrows(), ArrowCounts()
+    return plan.style.compute(
+        ArrowInput(
+            samples=samples,
+            contacts=decoded.reduced.contacts,
+            force_in_world=plan.force_in_world,
+            body_weight_n=plan.body_weight_n,
+            newtons_per_metre=plan.selection.robot.newtons_per_metre,
+        )
+    )

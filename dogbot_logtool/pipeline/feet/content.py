@@ -1,0 +1,138 @@
+"""Whether values look like those of feet: on and off, in turns, together the weight."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+
+from dogbot_logtool.core.contact.contacts import Samples
+from dogbot_logtool.core.geometry.arrays import Flags, Floats, norms
+
+FEWEST: Final = 20
+"""Samples of a foot from which its values mean something."""
+_FEWEST_CHANGES: Final = 2
+_LARGEST_STATE: Final = 3.0
+"""Whole numbers up to this are states of a contact: open, closed, slipping."""
+_FEWEST_DOWN: Final = 0.8
+"""Share of the time in which at least one foot of a walking robot is down."""
+_SAME: Final = 0.98
+"""Share of the time from which two feet that agree are one signal."""
+_STEADY: Final = 0.25
+"""Largest spread of the sum of all loads, as a share of its mean."""
+_UNSTEADY: Final = 1.5
+"""Each foot's spread is at least so many times that of the sum."""
+_BOTH_WAYS: Final = 0.5
+"""Share of the larger that the smaller of push and pull is, from which a number is no load."""
+_NO_FOOT: Final = -10
+"""Points of what cannot be feet, whatever else is true of it."""
+_TENTH: Final = (10.0, 90.0)
+"""Percentiles of what a foot reads without and with load."""
+_ON: Final = 0.2
+"""Share of the way between them from which it is on; with all feet down each bears little."""
+
+
+@dataclass(frozen=True, slots=True)
+class Content:
+    """What the values of feet look like."""
+
+    points: int
+    reasons: tuple[str, ...]
+    is_contact: bool
+    """Whether the values only tell contact, and no force."""
+
+
+def judge_content(samples: Samples, feet: int) -> Content | None:
+    """Judge values that were read as forces; None: too few were seen.
+
+    Args:
+        samples: of all feet.
+        feet: how many there are.
+    """
+    signed = _side_by_side(samples, feet)
+    if signed is None:
+        return None
+    values = np.abs(signed)
+    is_contact = bool((values <= _LARGEST_STATE).all() and (values == np.round(values)).all())
+    low, high = np.percentile(values, _TENTH, axis=0)
+    down = values > 0.0 if is_contact else values > low + _ON * (high - low)
+    changes = np.count_nonzero(np.diff(down, axis=0), axis=0)
+    found = [_on_and_off(changes), _in_turns(down)]
+    if not is_contact:
+        found += [_together(values), _one_way(signed)]
+    return Content(
+        sum(points for points, _ in found),
+        tuple(reason for _, reason in found if reason),
+        is_contact,
+    )
+
+
+def _side_by_side(samples: Samples, feet: int) -> Floats | None:
+    """Return (n, feet) at the samples of the first foot; None: too few.
+
+    A number keeps its sign; of vectors, their magnitudes.
+    """
+    own = [samples.pick(samples.foot == foot) for foot in range(feet)]
+    if min((len(each.log_time) for each in own), default=0) < FEWEST:
+        return None
+    time = np.sort(own[0].log_time)
+    columns = []
+    for each in own:
+        order = np.argsort(each.log_time, kind="stable")
+        before = np.searchsorted(each.log_time[order], time, side="right") - 1
+        force = each.force[order]
+        column = norms(force) if force[:, :2].any() else force[:, 2]
+        columns.append(column[np.maximum(before, 0)])
+    return np.stack(columns, axis=1)
+
+
+def _on_and_off(changes: Sequence[int] | Floats) -> tuple[int, str]:
+    stepping = int(np.count_nonzero(np.asarray(changes) >= _FEWEST_CHANGES))
+    total = len(changes)
+    if stepping == total:
+        return 2, f"all {total} go on and off, {int(np.min(changes))} times and more"
+    if not stepping:
+        return -3, "none goes on and off"
+    return -1, f"only {stepping} of {total} go on and off"
+
+
+def _in_turns(down: Flags) -> tuple[int, str]:
+    feet = down.shape[1]
+    alike = [
+        float((down[:, one] == down[:, other]).mean())
+        for one in range(feet)
+        for other in range(one)
+    ]
+    some = float(down.any(axis=1).mean())
+    every = float(down.all(axis=1).mean())
+    if not alike or min(alike) > _SAME:
+        return -2, "all are the same signal"
+    if some >= _FEWEST_DOWN and every < some:
+        return 2, f"in turns: at least one is on {some:.0%} of the time, all at once {every:.0%}"
+    return 0, f"at least one is on {some:.0%} of the time"
+
+
+def _together(values: Floats) -> tuple[int, str]:
+    total = values.sum(axis=1)
+    mean = float(total.mean())
+    if mean <= 0.0:
+        return 0, ""
+    spread = float(total.std()) / mean
+    own = float(np.median(values.std(axis=0) / np.maximum(values.mean(axis=0), 1e-12)))
+    if spread <= _STEADY and own >= _UNSTEADY * spread:
+        return 3, f"together they stay within {spread:.0%} of {mean:.4g}, as a weight does"
+    return 0, f"their sum varies by {spread:.0%}"
+
+
+def _one_way(signed: Floats) -> tuple[int, str]:
+    """The ground pushes and does not pull."""
+    low, high = np.percentile(signed, _TENTH, axis=0)
+    opposite = (low < 0.0) & (high > 0.0)
+    smaller, larger = np.minimum(-low, high), np.maximum(-low, high)
+    both = int(np.count_nonzero(opposite & (smaller > _BOTH_WAYS * larger)))
+    if both:
+        return (
+            _NO_FOOT,
+            f"{both} of {signed.shape[1]} read as much below zero as above, as no foot does",
+        )
+    return 0, ""

@@ -1,0 +1,141 @@
+"""The feet of messages that tell of all feet at once, and whether their contact flags are used."""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field
+from typing import Final
+
+import numpy as np
+
+from dogbot_logtool.finding import Finding, warning
+from dogbot_logtool.io.listing import listed
+from dogbot_logtool.pipeline.feet.names import foot_name, leg_position
+from dogbot_logtool.pipeline.readable import why_unreadable
+from dogbot_logtool.reader.containers.log import Channel, Log
+from dogbot_logtool.reader.messages.contacts.registry import source_of
+from dogbot_logtool.reader.messages.contacts.source import ContactSource
+from dogbot_logtool.reader.messages.contacts.whole_robot import (
+    FlagCheck,
+    MessageFoot,
+    check_flags,
+)
+from dogbot_logtool.reader.messages.messages import DecodedMessages, decode_channels
+from dogbot_logtool.robot import Foot, Robot
+
+_LOOKS: Final = 4
+"""Chunks of a topic that are looked at."""
+_CONTRADICTED: Final = 0.2
+"""Share of contradicted flags from which constant flags are taken for not filled in."""
+_DOUBTFUL: Final = 0.05
+"""Share of contradicted flags from which it is said."""
+
+
+def is_planned(channel: Channel) -> bool:
+    """Tell whether a channel's messages tell what was planned, not what was measured."""
+    source = source_of(channel)
+    return source is not None and source.is_planned(channel.topic)
+
+
+def feet_of_messages(log: Log, topic: str) -> tuple[Foot, ...]:
+    """Return the feet that a topic's messages tell of; none where they are not about feet."""
+    for channel in log.channels_by_topic.get(topic, ()):
+        source = source_of(channel)
+        if source is None or why_unreadable(channel):
+            continue
+        if source.elements:
+            found: Sequence[MessageFoot] = [MessageFoot(name=leg) for leg in source.elements]
+        else:
+            found = _feet_in(log, channel, source)
+        if found:
+            return _feet(found, topic)
+    return ()
+
+
+def _feet_in(log: Log, channel: Channel, source: ContactSource) -> Sequence[MessageFoot]:
+    """Find the feet in a few messages; all labels that these have."""
+    if source.feet_in is None:
+        return ()
+    found = [source.feet_in(messages) for messages in sampled_messages(log, channel, source)]
+    most = max(found, key=len, default=())
+    if not any(foot.label for foot in most):
+        return most
+    by_label = {foot.label: foot for feet in found for foot in feet}
+    return [by_label[label] for label in sorted(by_label)]
+
+
+def _feet(found: Sequence[MessageFoot], topic: str) -> tuple[Foot, ...]:
+    names = [foot.name or foot_name(foot.label) for foot in found]
+    feet = [
+        Foot(
+            name if names.count(name) == 1 else foot.label or f"{name}_{element + 1}",
+            topic,
+            place=leg_position(name),
+            element=element,
+            label=foot.label,
+        )
+        for element, (foot, name) in enumerate(zip(found, names, strict=True))
+    ]
+    return tuple(sorted(feet, key=_front_to_back))
+
+
+_ORDER: Final = ("front", "middle", "back", "left", "right")
+
+
+def _front_to_back(foot: Foot) -> tuple[int, int, str]:
+    """Sort feet front to back, left before right."""
+    if foot.place is None:
+        return len(_ORDER), 0, foot.name
+    end, side = (_ORDER.index(each) if each in _ORDER else len(_ORDER) for each in foot.place)
+    return end, side, foot.name
+
+
+def sampled_messages(
+    log: Log, channel: Channel, source: ContactSource, looks: int = _LOOKS
+) -> Iterator[DecodedMessages]:
+    """Decode messages of a few chunks, spread over the log."""
+    useful = [c for c in log.chunks if c.counts is None or channel.id in c.counts]
+    if not useful:
+        return
+    rows = np.unique(np.linspace(0, len(useful) - 1, looks).round().astype(int))
+    for span in log.grouped([useful[row] for row in rows.tolist()]):
+        yield from decode_channels(log.read(span), [channel], source.fields)
+
+
+@dataclass(frozen=True, slots=True)
+class FlagUse:
+    """Whether the contact flags of a log are used."""
+
+    topics: tuple[str, ...] = ()
+    check: FlagCheck = field(default_factory=FlagCheck)
+
+    @property
+    def contradicted(self) -> float:
+        """Share of flags that forces contradict."""
+        return self.check.contradicted / self.check.samples if self.check.samples else 0.0
+
+    @property
+    def are_useless(self) -> bool:
+        """Whether the flags never change although forces do: they are not filled in."""
+        return self.check.constant and self.contradicted > _CONTRADICTED
+
+
+def compare_flags(log: Log, contacts: Sequence[Channel], robot: Robot) -> FlagUse:
+    """Compare contact flags with the forces beside them, in a few messages of each topic."""
+    check, topics = FlagCheck(), []
+    for channel in contacts:
+        source = source_of(channel, robot.feet_of(channel.topic))
+        if source is None or source.values is None or not source.has_flags:
+            continue
+        topics.append(channel.topic)
+        for messages in sampled_messages(log, channel, source):
+            check += check_flags(source.values(messages, robot.feet))
+    return FlagUse(tuple(topics), check)
+
+
+def flag_findings(use: FlagUse) -> Iterator[Finding]:
+    """Say where flags and forces disagree, and which of them decides."""
+    share = f"{use.contradicted:.0%} of the contact flags of {listed(use.topics)}"
+    if use.are_useless:
+        text = f"{share} contradict the forces, and no flag ever changes: forces decide contact"
+        yield warning("FLAGS_IGNORED", text)
+    elif use.contradicted > _DOUBTFUL:
+        yield warning("FLAGS_CONTRADICTED", f"{share} contradict the forces; flags decide contact")

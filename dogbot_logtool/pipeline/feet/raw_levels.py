@@ -1,0 +1,88 @@
+"""What raw counts of foot sensors tell of contact, learnt from the log itself.
+
+In a walk each sensor's counts have two clear modes, in the air and on the ground. From which count
+on a foot touches then lies between them, although nothing says what a count is in newtons.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Final
+
+import numpy as np
+
+from dogbot_logtool.core.contact.contact_rule import MOST_OF_LOAD, contact_rule
+from dogbot_logtool.core.contact.contacts import Samples, no_samples
+from dogbot_logtool.core.contact.sensor_level import estimate_level
+from dogbot_logtool.core.geometry.blocks import concatenated
+from dogbot_logtool.pipeline.feet.message_feet import sampled_messages
+from dogbot_logtool.reader.containers.log import Channel, Log
+from dogbot_logtool.reader.messages.contacts.registry import source_of
+from dogbot_logtool.reader.messages.contacts.source import FootChannels
+from dogbot_logtool.robot import Robot
+
+_LOOKS: Final = 24
+"""Chunks of a topic that are read."""
+_WALKING: Final = (0.1, 0.95)
+"""Share of the time in which a walking robot's foot is on the ground."""
+
+
+@dataclass(frozen=True, slots=True)
+class RawLevels:
+    """A robot whose raw sensors tell contact, or why they do not."""
+
+    robot: Robot
+    estimated: bool = False
+    """Whether offsets and the contact threshold are estimated from the log."""
+    reason: str = ""
+    """Why they could not be; empty: they could, or need not."""
+
+
+def with_raw_levels(
+    log: Log, contacts: Sequence[Channel], feet_of: Mapping[int, tuple[int, ...]], robot: Robot
+) -> RawLevels:
+    """Estimate offsets and contact threshold of raw sensors that nothing else tells.
+
+    All feet must have two clear modes: a threshold that fits some says nothing of the others.
+    """
+    raw = [
+        channel
+        for channel in contacts
+        if (source := source_of(channel, robot.feet_of(channel.topic))) and source.is_raw
+    ]
+    scaled = any(foot.newtons_per_count is not None for foot in robot.feet)
+    if not raw or scaled or robot.contact_on_counts is not None:
+        return RawLevels(robot)
+    samples = _counts(log, raw, feet_of, robot)
+    feet, thresholds = [], []
+    for index, foot in enumerate(robot.feet):
+        mine = samples.pick(samples.foot == index)
+        level = estimate_level(mine.log_time, mine.force)
+        rule = contact_rule(level, None)
+        offset, loaded = float(level.offset_n[2]), level.loaded_n
+        if level.reason or loaded is None or rule.on_n > MOST_OF_LOAD * loaded:
+            why = level.reason or "its counts hardly change"
+            return RawLevels(robot, reason=f"{foot.name}: {why}")
+        down = float((mine.force[:, 2] - offset >= rule.on_n).mean())
+        if not _WALKING[0] <= down <= _WALKING[1]:
+            return RawLevels(robot, reason=f"{foot.name}: on the ground {down:.0%} of the time")
+        feet.append(replace(foot, offset=offset))
+        thresholds.append(rule.on_n)
+    return RawLevels(
+        replace(robot, feet=tuple(feet), contact_on_counts=max(thresholds)), estimated=True
+    )
+
+
+def _counts(
+    log: Log, raw: Sequence[Channel], feet_of: Mapping[int, tuple[int, ...]], robot: Robot
+) -> Samples:
+    """Return samples whose vertical force is the count itself."""
+    unscaled = [replace(foot, offset=0.0, newtons_per_count=1.0) for foot in robot.feet]
+    feet = FootChannels(unscaled, feet_of)
+    found = [no_samples()]
+    for channel in raw:
+        source = source_of(channel)
+        if source is not None:
+            messages = sampled_messages(log, channel, source, _LOOKS)
+            found.extend(source.read(each, feet).samples for each in messages)
+    samples = concatenated(found)
+    return samples.pick(np.argsort(samples.log_time, kind="stable"))

@@ -1,0 +1,136 @@
+"""Which robot description the output has: the log's own, the user's file, or one of primitives."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Final
+from xml.etree import ElementTree as ET
+
+from dogbot_logtool.core.scene.foot_style import foot_colour
+from dogbot_logtool.errors import CallError
+from dogbot_logtool.finding import Finding, note, warning
+from dogbot_logtool.pipeline.probe import Probe
+from dogbot_logtool.pipeline.robot_model.primitives import primitive_urdf
+from dogbot_logtool.pipeline.robot_model.skeleton import ModelFoot, skeleton
+from dogbot_logtool.pipeline.selection import Selection
+from dogbot_logtool.reader.containers.log import Log
+
+STRING_TYPE: Final = "std_msgs/String"
+_LARGEST: Final = 16 << 20
+"""Bytes of a URDF that are read."""
+
+
+@dataclass(frozen=True, slots=True)
+class RobotDescription:
+    """What is written on `/robot_description`."""
+
+    urdf: str | None
+    """None: nothing."""
+    findings: tuple[Finding, ...] = ()
+
+
+def robot_description(
+    log: Log, selection: Selection, probe: Probe, base_frame: str, urdf: Path | None, *, copy: bool
+) -> RobotDescription:
+    """Choose the robot description.
+
+    Args:
+        log: its own description stays as it is.
+        selection: the robot's feet.
+        probe: the log's frames.
+        base_frame: the base's frame.
+        urdf: the user's file; None: not given.
+        copy: whether the log's messages are in the output.
+
+    Raises:
+        CallError: the user's file is no URDF.
+    """
+    given = None if urdf is None else read_urdf(urdf)
+    own = _own_topics(log) if copy else []
+    if own:
+        text = f"the log has its own robot description ({', '.join(own)}): none is written"
+        make = note if given is None else warning
+        return RobotDescription(None, (make("OWN_ROBOT_DESCRIPTION", text),))
+    if given is not None:
+        return RobotDescription(given)
+    return RobotDescription(_of_primitives(selection, probe, base_frame))
+
+
+def read_urdf(file: Path) -> str:
+    """Read and check a URDF.
+
+    Raises:
+        CallError: it cannot be read, is too large, is no XML with a root `robot`, or declares
+            entities, which viewers might fetch.
+    """
+    try:
+        with file.open("rb") as stream:
+            data = stream.read(_LARGEST + 1)
+    except OSError as error:
+        raise CallError(f"--urdf {file}: {error.strerror}") from None
+    if len(data) > _LARGEST:
+        raise CallError(f"--urdf {file}: is larger than {_LARGEST >> 20} MiB")
+    try:
+        text = data.decode("utf-8-sig")
+    except UnicodeDecodeError:
+        raise CallError(f"--urdf {file}: is not UTF-8 text") from None
+    if "\0" in text or "<!DOCTYPE" in text or "<!ENTITY" in text:
+        raise CallError(f"--urdf {file}: declares a document type or entities, which is refused")
+    try:
+        root = ET.fromstring(text)  # noqa: S314 - without entities
+    except (ET.ParseError, ValueError) as error:
+        raise CallError(f"--urdf {file}: is no XML: {error}") from None
+    if root.tag != "robot":
+        raise CallError(f"--urdf {file}: its root is {root.tag!r}, not 'robot', so it is no URDF")
+    return text
+
+
+def _own_topics(log: Log) -> list[str]:
+    """Return the log's topics that describe a robot."""
+    return sorted(
+        {
+            channel.topic
+            for channel in log.channels.values()
+            if channel.topic.rpartition("/")[2] == "robot_description"
+            and channel.type_name == STRING_TYPE
+            and log.counts.get(channel.id, 1)
+        }
+    )
+
+
+def _of_primitives(selection: Selection, probe: Probe, base_frame: str) -> str:
+    """Return a URDF of primitives with the log's frames."""
+    ambiguous = {child for child, parents in probe.parents.items() if len(parents) > 1}
+    feet = tuple(_feet(selection, probe))
+    frames = skeleton(base_frame, probe.frame_poses, ambiguous, feet)
+    robot = selection.robot
+    return primitive_urdf(robot.name, frames, robot.forward_axis, robot.mass_kg)
+
+
+def _feet(selection: Selection, probe: Probe) -> Iterator[ModelFoot]:
+    """Yield the feet whose frames are known, with the points where they touch the ground."""
+    for number, foot in enumerate(selection.robot.feet):
+        if foot.frame is not None:
+            frame, point = foot.frame.lstrip("/"), foot.contact_point_m
+        else:
+            link, like = _link(selection, probe, number)
+            if link is None:
+                continue
+            frame, point = link, probe.soles.get(number, probe.soles.get(like, (0.0, 0.0, 0.0)))
+        yield ModelFoot(foot.name, frame, point, foot_colour(number))
+
+
+def _link(selection: Selection, probe: Probe, number: int) -> tuple[str | None, int]:
+    """Return the link of a foot, and the foot that is made like it.
+
+    A foot that reports no contact has a link that is named as another's, but for the foot's name.
+    """
+    if (link := probe.links[number]) is not None:
+        return link.lstrip("/"), number
+    names = [foot.name for foot in selection.robot.feet]
+    for like, link in enumerate(probe.links):
+        if link is not None and names[like] in link:
+            named = link.lstrip("/").replace(names[like], names[number])
+            if named in probe.frame_poses:
+                return named, like
+    return None, number

@@ -1,0 +1,85 @@
+"""Where feet touch the ground in the frames of their links, and where frames were first seen."""
+
+from collections.abc import Mapping, Sequence
+from collections.abc import Set as AbstractSet
+from typing import Final
+
+import numpy as np
+
+from dogbot_logtool.core.contact.contacts import Samples
+from dogbot_logtool.core.frames.recorded_transforms import RecordedTransforms
+from dogbot_logtool.core.frames.transform_buffer import TransformBuffer
+from dogbot_logtool.core.geometry.arrays import Floats, all_finite
+from dogbot_logtool.core.geometry.rotations import conjugate, normalised, rotate
+from dogbot_logtool.pipeline.robot_model.skeleton import FramePose, Point
+from dogbot_logtool.pipeline.world_frames import WorldFrames
+
+_MOST_SAMPLES: Final = 200
+"""Contacts of a foot that are used of each batch."""
+_FEWEST: Final = 5
+_SPREAD_M: Final = 0.05
+"""m, median distance from the median beyond which points are no place of a sole."""
+_GRID_M: Final = 0.02
+"""m, to which the points of soles are rounded."""
+_FARTHEST_M: Final = 1.5
+"""m, from a link's origin; contact points farther away lie in another world than the link."""
+
+
+def first_poses(
+    recorded: RecordedTransforms, static_channels: AbstractSet[int]
+) -> dict[str, FramePose]:
+    """Return the first usable pose of each frame, by name without a leading slash."""
+    usable = all_finite(recorded.translation) & all_finite(recorded.rotation)
+    rows = np.flatnonzero(usable & (recorded.rotation != 0.0).any(axis=1))
+    _, first = np.unique(recorded.child[rows], return_index=True)
+    rows = rows[first]
+    turned = normalised(recorded.rotation[rows]).tolist()
+    poses: dict[str, FramePose] = {}
+    for row, rotation in zip(rows.tolist(), turned, strict=True):
+        child = recorded.children[recorded.child[row]].lstrip("/")
+        poses[child] = FramePose(
+            parent=recorded.parents[recorded.parent[row]].lstrip("/"),
+            translation=tuple(recorded.translation[row].tolist()),
+            rotation=tuple(rotation),
+            static=int(recorded.channel[row]) in static_channels,
+        )
+    return poses
+
+
+class SoleFinder:
+    """Collects contact points in the frames of the feet's links."""
+
+    def __init__(self, frames: WorldFrames) -> None:
+        self._frames = frames
+        self._points: dict[int, list[Floats]] = {}
+
+    def add(self, samples: Sequence[Samples], tracks: TransformBuffer) -> None:
+        """Take in the contacts of a batch, and what it tells of the frames."""
+        frames = self._frames
+        buffer = frames.statics.then(tracks)
+        for each in samples:
+            touching = each.in_contact & all_finite(each.position)
+            for foot, link in enumerate(frames.links):
+                rows = np.flatnonzero(touching & (each.foot == foot))[:_MOST_SAMPLES]
+                if link is None or not len(rows):
+                    continue
+                picked = each.pick(rows)
+                time = frames.clock.of(picked)
+                poses = buffer.lookup(link, frames.world, time, picked.log_time)
+                offset = (picked.position - poses.translation)[poses.known]
+                turned = rotate(conjugate(poses.rotation[poses.known]), offset)
+                self._points.setdefault(foot, []).append(turned)
+
+    def points(self) -> Mapping[int, Point]:
+        """Return the median point of each foot whose points agree."""
+        found: dict[int, Point] = {}
+        for foot, parts in sorted(self._points.items()):
+            points = np.concatenate(parts)
+            if len(points) < _FEWEST:
+                continue
+            middle = np.median(points, axis=0)
+            spread = float(np.median(np.sqrt(((points - middle) ** 2).sum(axis=1))))
+            if spread <= _SPREAD_M and float(np.sqrt((middle**2).sum())) <= _FARTHEST_M:
+                # A picture needs no more, and which chunks were looked into hardly shows then.
+                found[foot] = tuple((np.round(middle / _GRID_M) * _GRID_M + 0.0).tolist())
+        return found

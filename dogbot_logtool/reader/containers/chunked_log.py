@@ -1,0 +1,136 @@
+"""Logs whose messages lie in chunk records: ROS 1 bags and MCAP files."""
+
+from abc import abstractmethod
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import Final
+
+import numpy as np
+
+from dogbot_logtool.core.geometry.arrays import Bytes
+from dogbot_logtool.reader.containers.batch import Batch, LoadedChunk
+from dogbot_logtool.reader.containers.channel_ids import UNKNOWN_CHANNEL, ChannelIds
+from dogbot_logtool.reader.containers.chunk_content import (
+    ChunkContent,
+    ChunkDamage,
+    left_out,
+    undescribed,
+)
+from dogbot_logtool.reader.containers.contents import Chunk, Contents
+from dogbot_logtool.reader.containers.log import Log, Span
+from dogbot_logtool.reader.containers.loss import Loss
+from dogbot_logtool.reader.containers.source import ByteSource
+from dogbot_logtool.reader.decode.message_table import Messages, concatenate_messages
+
+_ROUND_SIZE: Final = 1 << 20
+
+
+class ChunkedLog(Log):
+    """A log of one file that is read by decompressing its chunks."""
+
+    def __init__(self, source: ByteSource, contents: Contents) -> None:
+        super().__init__(source, contents)
+        self._channel_ids = ChannelIds({number: number for number in contents.channels})
+
+    def read(self, span: Span) -> Batch:
+        """See `Log.read`."""
+        batch, damaged = self._read(span)
+        corrected = {chunk.offset: own for chunk in damaged if (own := self.by_own_header(chunk))}
+        if not corrected:
+            return batch
+        batch, damaged = self._read([corrected.get(chunk.offset, chunk) for chunk in span])
+        readable = corrected.keys() - {chunk.offset for chunk in damaged}
+        wrong = (_wrong_index(corrected[offset]) for offset in sorted(readable))
+        return replace(batch, losses=(*batch.losses, *wrong))
+
+    def by_own_header(self, chunk: Chunk) -> Chunk | None:
+        """Return a chunk as its own header describes it.
+
+        Returns:
+            None if the header says the same as the log's index, or is damaged.
+        """
+        del chunk
+        return None
+
+    def _read(self, span: Sequence[Chunk]) -> tuple[Batch, list[Chunk]]:
+        """Read chunks; those that cannot be used are returned beside the batch."""
+        sound: list[Chunk] = []
+        damaged: list[Chunk] = []
+        losses: list[Loss] = []
+        for chunk in span:
+            try:
+                self.check(chunk)
+            except ChunkDamage as damage:
+                losses.append(left_out(chunk, damage))
+                damaged.append(chunk)
+            else:
+                sound.append(chunk)
+        ranges = [(chunk.offset, chunk.index_end - chunk.offset) for chunk in sound]
+        stored = [memoryview(data) for data in self.source.read_many(ranges)]
+
+        size = sum(chunk.size for chunk in sound)
+        # The allocator reuses blocks of the same size, which keeps each process smaller.
+        buffer = np.empty(size + -size % _ROUND_SIZE, np.uint8)[:size]
+        loaded: list[LoadedChunk] = []
+        parts: list[Messages] = []
+        base = row = 0
+        for chunk, data in zip(sound, stored, strict=True):
+            target = buffer[base : base + chunk.size]
+            try:
+                content = self.parse(chunk, data, target)
+            except ChunkDamage as damage:
+                losses.append(left_out(chunk, damage))
+                damaged.append(chunk)
+                continue
+            messages, found = self._described(chunk, content)
+            rows = slice(row, row + len(messages))
+            has_index = len(data) > chunk.end - chunk.offset
+            whole = chunk.is_record and not found and content.indexed == has_index
+            kept = data if self.copies_chunks else memoryview(b"")
+            loaded.append(LoadedChunk(chunk, kept, base, rows, whole, content.indexed))
+            parts.append(messages.shifted(base))
+            losses.extend(() if chunk.is_scanned else found)
+            base, row = base + chunk.size, rows.stop
+        batch = Batch(buffer, concatenate_messages(parts), tuple(loaded), tuple(losses))
+        return batch, damaged
+
+    @abstractmethod
+    def check(self, chunk: Chunk) -> None:
+        """Check what a chunk claims before memory is allocated for it.
+
+        Raises:
+            ChunkDamage: it cannot be true.
+        """
+
+    @abstractmethod
+    def parse(self, chunk: Chunk, stored: memoryview, target: Bytes) -> ChunkContent:
+        """Decompress a chunk into the target and find its messages.
+
+        Args:
+            chunk: the chunk.
+            stored: the file's bytes from `chunk.offset` to `chunk.index_end`, or fewer.
+            target: (chunk.size,) uint8.
+
+        Raises:
+            ChunkDamage: nothing in the chunk can be trusted.
+        """
+
+    def _described(self, chunk: Chunk, content: ChunkContent) -> tuple[Messages, list[Loss]]:
+        """Give messages the ids of their channels; leave out those that are nowhere described."""
+        messages, losses = content.messages, list(content.losses)
+        messages = replace(messages, channel=self._channel_ids.of(messages.channel))
+        known = messages.channel != UNKNOWN_CHANNEL
+        if not known.all():
+            unknown = messages.pick(~known)
+            size = int((unknown.end - unknown.start).sum())
+            losses.append(undescribed(chunk, len(unknown), size))
+            messages = messages.pick(known)
+        return messages, losses
+
+
+def _wrong_index(chunk: Chunk) -> Loss:
+    what = (
+        f"the log's index is wrong about the compression or size of the chunk at byte "
+        f"{chunk.offset}; the chunk's own header was used"
+    )
+    return Loss(chunk.offset, what)

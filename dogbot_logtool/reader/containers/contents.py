@@ -1,0 +1,105 @@
+"""What is known of a log before its messages are read: channels, chunks, counts and times."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+
+from dogbot_logtool.reader.containers.loss import Loss
+from dogbot_logtool.reader.decode.definition import short_type_name
+
+
+@dataclass(frozen=True, slots=True)
+class Schema:
+    """A recorded message definition."""
+
+    id: int
+    name: str
+    """Type name as recorded."""
+    encoding: str
+    """``ros1msg``, ``ros2msg``, ``ros2idl``, ``protobuf`` ..."""
+    data: bytes
+
+
+@dataclass(frozen=True, slots=True)
+class Channel:
+    """A topic as one sender wrote it; a topic may have several."""
+
+    id: int
+    topic: str
+    message_encoding: str
+    """``ros1``, ``cdr``, ``protobuf`` ..."""
+    schema: Schema | None
+    metadata: Mapping[str, str]
+
+    @property
+    def type_name(self) -> str:
+        """``package/Name`` whatever the spelling in the log; empty without a schema."""
+        return short_type_name(self.schema.name) if self.schema else ""
+
+
+@dataclass(frozen=True, slots=True)
+class Chunk:
+    """Where a chunk of messages lies in the file."""
+
+    offset: int
+    """First byte of the chunk's record."""
+    data_offset: int
+    data_size: int
+    """Bytes as stored."""
+    end: int
+    """End of the chunk's record, where the records that index it begin."""
+    index_end: int
+    compression: str
+    size: int
+    """Bytes when decompressed, as claimed."""
+    crc: int = 0
+    """CRC-32 of the decompressed bytes; 0: none recorded."""
+    start_time: int | None = None
+    """ns, log time of its first message, if known; also `end_time`."""
+    end_time: int | None = None
+    counts: Mapping[int, int] | None = None
+    """Messages by channel id, from an index or counted when the log was opened; None: unknown."""
+    is_scanned: bool = False
+    """It was read when the log was opened, so that its damage is among the log's losses."""
+
+    @property
+    def messages(self) -> int | None:
+        """Number of messages; None: unknown."""
+        return None if self.counts is None else sum(self.counts.values())
+
+    @property
+    def is_compressed(self) -> bool:
+        """Whether its bytes are stored in another form."""
+        return self.compression not in {"", "none"}
+
+    @property
+    def is_record(self) -> bool:
+        """Whether it is a chunk record, not bare messages that only are read like one."""
+        return self.data_offset > self.offset
+
+
+@dataclass(frozen=True, slots=True)
+class Extra:
+    """A record that is no message: an MCAP attachment or metadata record, copied as it is."""
+
+    opcode: int
+    offset: int
+    size: int
+    file: int = 0
+    """Number of the file that it stands in, where a log has several."""
+
+
+@dataclass(frozen=True, slots=True)
+class Contents:
+    """What opening a log found out about it, without reading its messages."""
+
+    channels: Mapping[int, Channel]
+    chunks: Sequence[Chunk]
+    counts: Mapping[int, int]
+    """Messages by channel id."""
+    start_time: int | None
+    """ns, log time of the earliest message; None for an empty log; also `end_time`."""
+    end_time: int | None
+    profile: str = ""
+    extras: Sequence[Extra] = ()
+    losses: Sequence[Loss] = field(default=())
+    """Damage found so far."""

@@ -1,0 +1,68 @@
+"""All sources of base poses, and the function through which every command reads them."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Final
+
+from dogbot_logtool.core.base.odometry import Odometry, concatenate_odometry
+from dogbot_logtool.errors import DefinitionError
+from dogbot_logtool.reader.containers.batch import Batch
+from dogbot_logtool.reader.containers.contents import Channel
+from dogbot_logtool.reader.messages.bases import lists, numbers, poses, states, transforms, unitree
+from dogbot_logtool.reader.messages.bases.source import BasePoses, BaseSource
+from dogbot_logtool.reader.messages.messages import check_channel, decode_channels
+
+_SOURCES: Final = (
+    *poses.SOURCES,
+    *states.SOURCES,
+    *unitree.SOURCES,
+    *lists.SOURCES,
+    *transforms.SOURCES,
+    numbers.OCS2,
+)
+BASE_SOURCES: Final[Mapping[str, tuple[BaseSource, ...]]] = {
+    each.type_name: tuple(one for one in _SOURCES if one.type_name == each.type_name)
+    for each in _SOURCES
+}
+"""By type name; a type of which definitions differ has several. The best types come first."""
+
+
+@dataclass(frozen=True, slots=True)
+class Base:
+    """What the base's poses are read from."""
+
+    source: BaseSource
+    element: str = ""
+    """Which of the poses in a message: a model, a link, a pair of frames; empty: the only one."""
+
+    def read(self, batch: Batch, channels: Sequence[Channel]) -> list[BasePoses]:
+        """Read the poses of a batch; one entry a definition, nearly always one."""
+        decoded = decode_channels(batch, channels, self.source.fields)
+        return [self.source.read(messages, self.element) for messages in decoded]
+
+
+def base_source(channel: Channel) -> BaseSource:
+    """Return the source that reads a channel.
+
+    Raises:
+        DefinitionError: none does; why.
+    """
+    reasons = []
+    for source in BASE_SOURCES.get(channel.type_name, ()):
+        try:
+            check_channel(channel, source.fields)
+        except DefinitionError as error:
+            reasons.append(str(error))
+        else:
+            return source
+    raise DefinitionError(reasons[0] if reasons else "it holds no poses that are known")
+
+
+def check_base(channel: Channel) -> str:
+    """Check that a channel's messages can be decoded; see `check_channel`."""
+    return check_channel(channel, base_source(channel).fields)
+
+
+def joined_poses(parts: Sequence[BasePoses]) -> Odometry:
+    """Return all poses, in the order of the log."""
+    return concatenate_odometry([part.poses for part in parts])

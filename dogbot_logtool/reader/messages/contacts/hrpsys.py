@@ -1,0 +1,64 @@
+"""hrpsys_ros_bridge/ContactStatesStamped: which feet and hands of a humanoid touch, by sensor."""
+
+from collections.abc import Sequence
+from typing import Final
+
+import numpy as np
+
+from dogbot_logtool.core.frames.wrench_frame import WrenchFrame
+from dogbot_logtool.reader.decode.fields import number, table, text, time
+from dogbot_logtool.reader.messages.contacts.source import ContactSource
+from dogbot_logtool.reader.messages.contacts.whole_robot import (
+    FootValues,
+    MessageFoot,
+    is_named_as_planned,
+    labelled_elements,
+    labels_in,
+    reader_of,
+    scattered,
+)
+from dogbot_logtool.reader.messages.messages import DecodedMessages
+from dogbot_logtool.robot import Foot
+
+_FEET: Final = {"lfsensor": "left", "rfsensor": "right"}
+_HANDS: Final = ("lhsensor", "rhsensor", "hand", "arm", "wrist")
+"""What the names of sensors that are no feet contain."""
+
+
+def _values(messages: DecodedMessages, feet: Sequence[Foot]) -> FootValues:
+    states = messages.table.nested("states")
+    element = labelled_elements(states.table.texts("header.frame_id"), feet)
+    flag = (states.table.numbers("state.state") != 0).astype(np.float64)
+    return FootValues(
+        stamp=messages.table.nanoseconds("header.stamp"),
+        contact=scattered(states.parent, element, flag, len(messages.channel)),
+    )
+
+
+def _feet_in(messages: DecodedMessages) -> tuple[MessageFoot, ...]:
+    found = labels_in(messages.table.nested("states").table.texts("header.frame_id"))
+    return tuple(
+        MessageFoot(foot.label, _FEET.get(foot.label.lower(), ""))
+        for foot in found
+        if not any(hand in foot.label.lower() for hand in _HANDS)
+    )
+
+
+SOURCE: Final = ContactSource(
+    type_name="hrpsys_ros_bridge/ContactStatesStamped",
+    fields=(
+        time("header.stamp"),
+        text("header.frame_id"),
+        table("states", text("header.frame_id"), number("state.state")),
+    ),
+    read=reader_of(_values),
+    values=_values,
+    feet_in=_feet_in,
+    any_package=True,
+    is_planned=is_named_as_planned,
+    frame=WrenchFrame.UNKNOWN,
+    has_force=False,
+    has_points=False,
+    has_flags=True,
+)
+"""``act_contact_states`` are measured, ``ref_contact_states`` planned."""

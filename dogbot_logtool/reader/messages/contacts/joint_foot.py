@@ -1,0 +1,49 @@
+"""sensor_msgs/JointState with four feet behind twelve joints: raw counts as efforts.
+
+Drivers of Unitree's A1 and Go1 publish it as ``joint_foot``. The efforts of the last four names are
+the filtered counts of the feet; their velocities are planned contacts, which are not read.
+"""
+
+from typing import Final
+
+from dogbot_logtool.core.frames.wrench_frame import WrenchFrame
+from dogbot_logtool.core.geometry.arrays import Floats
+from dogbot_logtool.reader.decode.fields import numbers, text, time
+from dogbot_logtool.reader.messages.contacts.source import (
+    ContactSamples,
+    ContactSource,
+    FootChannels,
+)
+from dogbot_logtool.reader.messages.contacts.unitree import raw_samples
+from dogbot_logtool.reader.messages.contacts.whole_robot import arrays_of_length
+from dogbot_logtool.reader.messages.messages import DecodedMessages
+
+_LEGS: Final = ("front_left", "front_right", "back_left", "back_right")
+_JOINTS: Final = 12
+
+
+def _counts(messages: DecodedMessages) -> Floats:
+    """(n, 4) counts; NaN in messages of another number of joints."""
+    return arrays_of_length(messages, "effort", _JOINTS + len(_LEGS))[:, _JOINTS:]
+
+
+def to_contact_samples(messages: DecodedMessages, feet: FootChannels) -> ContactSamples:
+    """Reduce messages to samples; see `ContactSource.read`."""
+    stamp = messages.table.nanoseconds("header.stamp")
+    return raw_samples(messages, feet, _counts(messages), stamp=stamp)
+
+
+def _is_about_feet(topic: str) -> bool:
+    return topic.rstrip("/").endswith("joint_foot")
+
+
+SOURCE: Final = ContactSource(
+    type_name="sensor_msgs/JointState",
+    fields=(time("header.stamp"), text("header.frame_id"), numbers("effort")),
+    read=to_contact_samples,
+    elements=_LEGS,
+    is_about_feet=_is_about_feet,
+    frame=WrenchFrame.UNKNOWN,
+    has_points=False,
+    is_raw=True,
+)

@@ -1,0 +1,286 @@
+"""Messages that tell of all feet at once: contact flags, forces and positions, foot by foot."""
+
+import re
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import partial
+from typing import Final
+
+import numpy as np
+
+from dogbot_logtool.core.contact.contacts import Samples
+from dogbot_logtool.core.geometry.arrays import Flags, Floats, Ints, all_finite
+from dogbot_logtool.core.geometry.blocks import concatenated
+from dogbot_logtool.reader.decode.columns import Nested, Texts
+from dogbot_logtool.reader.decode.message_layout import ELEMENT
+from dogbot_logtool.reader.messages.contacts.source import (
+    ContactSamples,
+    ContactSource,
+    FootChannels,
+    flat_samples,
+)
+from dogbot_logtool.reader.messages.messages import DecodedMessages
+from dogbot_logtool.robot import Foot
+
+MOST_FEET: Final = 16
+"""Elements of a message's arrays that are read as feet."""
+_LOAD_SHARE: Final = 0.2
+"""Share of all feet's load from which a foot cannot be in the air."""
+
+
+@dataclass(frozen=True, slots=True)
+class FootValues:
+    """What n messages say of k feet."""
+
+    stamp: Ints
+    """(n,) ns; 0: none."""
+    contact: Floats | None = None
+    """(n, k) 1 in contact, 0 not, NaN not known; None: messages have no contact flags."""
+    force: Floats | None = None
+    """(n, k, 3) N on the foot, NaN where a message lacks it; None: messages have no forces."""
+    position: Floats | None = None
+    """(n, k, 3) m, in the world or in the base's frame; None: messages have no positions."""
+    normal: Floats | None = None
+    """(n, k, 3) normal of the ground, into the foot; None: messages have none."""
+
+
+ToValues = Callable[[DecodedMessages, Sequence[Foot]], FootValues]
+"""Takes the values out of decoded messages; the feet say which label is which element's."""
+
+
+def reader_of(
+    values: ToValues, *, in_world: bool = False, in_base: bool = False
+) -> Callable[[DecodedMessages, FootChannels], ContactSamples]:
+    """Return what reduces messages to samples; see `ContactSource.read`.
+
+    Args:
+        values: takes the values out of messages.
+        in_world: whether forces are along the world's axes.
+        in_base: whether positions are in the base's frame.
+    """
+    return partial(_samples, values=values, in_world=in_world, in_base=in_base)
+
+
+def _samples(
+    messages: DecodedMessages,
+    feet: FootChannels,
+    *,
+    values: ToValues,
+    in_world: bool,
+    in_base: bool,
+) -> ContactSamples:
+    found = values(messages, feet.feet)
+    parts = [flat_samples(*(np.empty(0, np.int64),) * 3, np.empty((0, 3)))]
+    for index, foot in enumerate(feet.feet):
+        speaks = [number for number, told in feet.of_channel.items() if index in told]
+        if foot.element is None:
+            continue
+        of_foot = _of_foot(found, foot.element, use_flags=not feet.ignores_flags)
+        if of_foot is None:
+            continue
+        rows = np.flatnonzero(np.isin(messages.channel, speaks) & of_foot.known)
+        samples = flat_samples(
+            messages.log_time[rows],
+            np.full(len(rows), index),
+            found.stamp[rows],
+            of_foot.force[rows],
+        )
+        parts.append(_with_positions(samples, of_foot, rows, in_world=in_world, in_base=in_base))
+    return ContactSamples(concatenated(parts))
+
+
+@dataclass(frozen=True, slots=True)
+class _OneFoot:
+    """What n messages say of one foot."""
+
+    known: Flags
+    """(n,)."""
+    touches: Flags
+    """(n,)."""
+    force: Floats
+    """(n, 3) N; 0 without contact."""
+    position: Floats
+    """(n, 3) m; NaN: none."""
+    normal: Floats
+    """(n, 3)."""
+
+
+def _of_foot(values: FootValues, element: int, *, use_flags: bool) -> _OneFoot | None:
+    """Return the values of one foot; None where messages are too short to have it."""
+    contact = values.contact if use_flags or values.force is None else None
+    first = contact if contact is not None else values.force
+    if first is None or element >= first.shape[1]:
+        return None
+    nothing = np.full((len(first), 3), np.nan)
+    recorded = nothing if values.force is None else values.force[:, element]
+    if contact is None:
+        known: Flags = ~np.asarray(np.isnan(recorded).all(axis=1))
+        touches: Flags = (recorded != 0.0).any(axis=1)
+    else:
+        known = ~np.isnan(contact[:, element])
+        touches = contact[:, element] > 0.0
+    return _OneFoot(
+        known=known,
+        touches=touches,
+        force=np.where(touches[:, None], recorded, 0.0),
+        position=nothing if values.position is None else values.position[:, element],
+        normal=nothing if values.normal is None else values.normal[:, element],
+    )
+
+
+def _with_positions(
+    samples: Samples, foot: _OneFoot, rows: Ints, *, in_world: bool, in_base: bool
+) -> Samples:
+    touches, position = foot.touches[rows], foot.position[rows]
+    placed = touches & all_finite(position)
+    return replace(
+        samples,
+        in_contact=touches,
+        in_world=np.full(len(rows), in_world),
+        # A position in the base's frame is no contact point in the world yet.
+        points=(placed & (not in_base)).astype(np.int64),
+        position=np.where(placed[:, None], position, np.nan),
+        normal=np.where(touches[:, None], foot.normal[rows], np.nan),
+    )
+
+
+def matrix(nested: Nested, values: Floats, rows: int) -> Floats:
+    """Return the elements of every message's array, side by side.
+
+    Args:
+        nested: the array field.
+        values: (m,) or (m, 3) of each element.
+        rows: n, the number of messages.
+
+    Returns:
+        (n, k) or (n, k, 3), k the length of the longest array, `MOST_FEET` at most; NaN where a
+        message has fewer elements.
+    """
+    order = np.argsort(nested.parent, kind="stable")
+    parent = nested.parent[order]
+    element = np.arange(len(parent)) - np.searchsorted(parent, parent)
+    return scattered(parent, element, values[order], rows)
+
+
+def scattered(parent: Ints, element: Ints, values: Floats, rows: int) -> Floats:
+    """Return values in a matrix of messages and elements; see `matrix`.
+
+    Args:
+        parent: (m,) message of each value.
+        element: (m,) which foot's it is; negative: none's.
+        values: (m,) or (m, 3).
+        rows: n, the number of messages.
+    """
+    kept = (element >= 0) & (element < MOST_FEET)
+    count = int(element[kept].max(initial=-1)) + 1
+    table = np.full((rows, count, *values.shape[1:]), np.nan)
+    table[parent[kept], element[kept]] = values[kept]
+    return table
+
+
+def arrays_of_length(messages: DecodedMessages, path: str, length: int) -> Floats:
+    """(n, length) an array of numbers of every message; NaN where it has another length."""
+    rows = len(messages.channel)
+    nested = messages.table.nested(path)
+    counts = np.bincount(nested.parent, minlength=rows)
+    order = np.argsort(nested.parent, kind="stable")
+    parent = nested.parent[order]
+    element = np.arange(len(parent)) - np.searchsorted(parent, parent)
+    kept = counts[parent] == length
+    values = np.full((rows, length), np.nan)
+    recorded = nested.table.numbers(ELEMENT).astype(np.float64)[order]
+    values[parent[kept], element[kept]] = recorded[kept]
+    return values
+
+
+def labelled_elements(labels: Texts, feet: Sequence[Foot]) -> Ints:
+    """(m,) element of the foot that each label names, -1 for labels of no foot."""
+    code, names = labels.encode()
+    elements = {foot.label: foot.element for foot in feet if foot.label}
+    found = [elements.get(name) for name in names]
+    of_code = np.array([-1 if each is None else each for each in found], np.int64)
+    return of_code[code] if len(of_code) else code
+
+
+@dataclass(frozen=True, slots=True)
+class MessageFoot:
+    """A foot that messages tell of."""
+
+    label: str = ""
+    """What the messages call it; empty: they tell it by its place in their arrays."""
+    name: str = ""
+    """Name of the leg, such as ``front_left``; empty: the label tells it."""
+
+
+def labels_in(labels: Texts) -> tuple[MessageFoot, ...]:
+    """Return the feet of all labels in messages, sorted."""
+    _, names = labels.encode()
+    return tuple(MessageFoot(label=name) for name in sorted(names)[:MOST_FEET] if name)
+
+
+@dataclass(frozen=True, slots=True)
+class FlagCheck:
+    """How contact flags agree with the forces beside them."""
+
+    samples: int = 0
+    """Feet in messages that have both."""
+    touching: int = 0
+    """Flagged as in contact."""
+    contradicted: int = 0
+    """Flagged as in contact without any force, or not although they carry a share of the load."""
+
+    def __add__(self, other: "FlagCheck") -> "FlagCheck":
+        return FlagCheck(
+            self.samples + other.samples,
+            self.touching + other.touching,
+            self.contradicted + other.contradicted,
+        )
+
+    @property
+    def constant(self) -> bool:
+        """Whether all flags are the same."""
+        return self.touching in {0, self.samples}
+
+
+def check_flags(values: FootValues) -> FlagCheck:
+    """Compare contact flags with forces."""
+    if values.contact is None or values.force is None or not values.force.size:
+        return FlagCheck()
+    feet = min(values.contact.shape[1], values.force.shape[1])
+    flag, force = values.contact[:, :feet], np.linalg.norm(values.force[:, :feet], axis=2)
+    known = np.isfinite(flag) & np.isfinite(force)
+    total = np.where(known, force, 0.0).sum(axis=1, keepdims=True)
+    touching = flag > 0.0
+    wrong = np.where(touching, force == 0.0, force > _LOAD_SHARE * total)
+    # Without any load, as before a simulation begins, forces tell nothing.
+    wrong = wrong & (total > 0.0)
+    return FlagCheck(int(known.sum()), int((touching & known).sum()), int((wrong & known).sum()))
+
+
+_PLANNED_WORDS: Final = re.compile(
+    r"(?<![a-z])(ref|reference|des|desired|plan|planned|planner|cmd|command|commanded|control|"
+    r"target|trajectory|traj|setpoint|mpc)(?![a-z])"
+)
+"""Words in the names of topics that tell what shall be."""
+
+
+def is_named_as_planned(topic: str) -> bool:
+    """Tell whether a topic's name says that it is a plan or a command."""
+    return _PLANNED_WORDS.search(topic.lower()) is not None
+
+
+def always_planned(topic: str) -> bool:
+    """Return True: for messages that only planners write."""
+    del topic
+    return True
+
+
+def by_type(sources: Sequence[ContactSource]) -> Mapping[str, ContactSource]:
+    """Return sources by type name; of several of a type, the later are variants of the first."""
+    found: dict[str, ContactSource] = {}
+    for one in sources:
+        first = found.get(one.type_name)
+        found[one.type_name] = (
+            one if first is None else replace(first, variants=(*first.variants, one))
+        )
+    return found

@@ -1,0 +1,116 @@
+"""Opening a log: its first bytes tell what it is, not its name."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Final
+
+from dogbot_logtool.errors import LogError
+from dogbot_logtool.io import storage
+from dogbot_logtool.io.storage import Location
+from dogbot_logtool.reader import not_a_log
+from dogbot_logtool.reader.containers.log import Log, Loss
+from dogbot_logtool.reader.containers.signatures import is_zstd
+from dogbot_logtool.reader.containers.source import ByteSource
+from dogbot_logtool.reader.registry import CONTAINERS, ROSBAG2_SUFFIXES, Container
+
+if TYPE_CHECKING:
+    from upath import UPath
+
+_MAGIC_SIZE: Final = 16
+_MOST_DAMAGED_BYTES: Final = 2
+
+
+def open_log(path: Location) -> Log:
+    """Open a ROS 1 bag, an MCAP, or a ROS 2 bag: its directory or one of its files.
+
+    Of a log in a store, only what is asked for is read, by range, as long as it has an index;
+    without one, and where a library needs a file, a temporary copy is.
+
+    Raises:
+        CallError: there is no such file.
+        LogError: it is none of them.
+        StoreError: the store fails.
+    """
+    if isinstance(path, Path):
+        return _open_folder(path) if storage.is_folder(path) else _open_file(path)
+    facts = storage.facts(path)
+    return _open_folder(path) if facts.is_folder else _open_object(path, "", facts)
+
+
+def _open_folder(path: Location) -> Log:
+    from dogbot_logtool.reader.containers.rosbag2.directory import open_rosbag2  # noqa: PLC0415
+
+    return open_rosbag2(path, _open_file, ROSBAG2_SUFFIXES)
+
+
+def _open_file(path: Location, distribution: str = "", *, packed: bool = True) -> Log:
+    if isinstance(path, Path):
+        return _open_or_close(ByteSource(path), distribution, packed=packed)
+    return _open_object(path, distribution, storage.facts(path))
+
+
+def _open_object(path: "UPath", distribution: str, facts: storage.Facts) -> Log:
+    # Imported late: only URLs need it.
+    from dogbot_logtool.reader.containers.remote_source import RemoteSource, open_copied  # noqa: PLC0415
+
+    source = RemoteSource(path, facts)
+    container = _with_magic(source.read(0, _MAGIC_SIZE))
+    if container is not None and container.needs_disk:
+        return open_copied(source, lambda copy: _open_file(copy, distribution))
+    return _open_or_close(source, distribution, packed=True)
+
+
+def _open_or_close(source: ByteSource, distribution: str, *, packed: bool) -> Log:
+    try:
+        return _open_source(source, distribution, packed=packed)
+    except BaseException:
+        source.close()
+        raise
+
+
+def _open_source(source: ByteSource, distribution: str, *, packed: bool) -> Log:
+    magic = source.read(0, _MAGIC_SIZE)
+    if is_zstd(magic) and packed:
+        from dogbot_logtool.reader.containers.zstd_file import open_zstd  # noqa: PLC0415
+
+        # Only once: no recorder compresses a compressed file again.
+        log = open_zstd(source, lambda inner: _open_file(inner, distribution, packed=False))
+        source.close()
+        return log
+    container = _with_magic(magic)
+    if container is not None:
+        return _open_container(container, source, distribution)
+    if (what := not_a_log.changed_as_text(magic)) is not None:
+        raise LogError(f"{storage.shown(source.path)}: {what}")
+    container = None if not_a_log.is_known(magic) else _with_damaged_magic(magic)
+    if container is None:
+        raise LogError(f"{storage.shown(source.path)}: {not_a_log.describe(source)}")
+    log = _open_container(container, source, distribution)
+    log.losses = (Loss(0, "the file's first bytes are damaged"), *log.losses)
+    return log
+
+
+def _open_container(container: Container, source: ByteSource, distribution: str) -> Log:
+    log, problem = container.open_indexed(source, distribution)
+    if log is None and container.scan is not None:
+        log = container.scan(source.nearby(), problem)
+    if log is None:
+        raise LogError(f"{storage.shown(source.path)}: cannot be read without its index")
+    return log
+
+
+def _with_magic(magic: bytes) -> Container | None:
+    """Return the container whose files begin so."""
+    return next((each for each in CONTAINERS if magic.startswith(each.magic)), None)
+
+
+def _with_damaged_magic(magic: bytes) -> Container | None:
+    """Return the container whose files begin nearly so, if it can be scanned."""
+    scanned = (each for each in CONTAINERS if each.scan is not None)
+    return next((each for each in scanned if _resembles(magic, each.magic)), None)
+
+
+def _resembles(magic: bytes, expected: bytes) -> bool:
+    """Tell whether a file begins as expected, but for a few bytes."""
+    start = magic[: len(expected)]
+    differing = sum(a != b for a, b in zip(start, expected, strict=False))
+    return len(start) == len(expected) and differing <= _MOST_DAMAGED_BYTES

@@ -1,0 +1,1 @@
+"""The one table of all figures, from which all outputs of `stats` are made."""

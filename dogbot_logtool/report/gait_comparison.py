@@ -1,0 +1,71 @@
+"""How two sides walk, for people and for programs."""
+
+from typing import Any, Final
+
+from rich.console import Console
+
+from dogbot_logtool.comparison.two_runs import CONFIDENCE, FigureDifference, GaitComparison
+from dogbot_logtool.io.printable import printable
+from dogbot_logtool.report.console import print_sentence
+from dogbot_logtool.report.text_layout import NameTable, Row
+
+_HEADINGS: Final = ("figure", "first", "second", "difference", "from", "to", "effect", "strides")
+
+
+def print_gait_comparison(console: Console, found: GaitComparison, *, verbose: bool) -> None:
+    """Print what differs, the largest effect first.
+
+    Args:
+        console: where to.
+        found: the comparison.
+        verbose: print also what does not differ.
+    """
+    for doubt in found.doubts:
+        print_sentence(console, ("doubtful  ", "yellow"), printable(doubt), indent=10)
+    if found.reasons:
+        print_sentence(console, ("not comparable", "bold red"))
+        for reason in found.reasons:
+            print_sentence(console, f"  {printable(reason)}", indent=4)
+        return
+    differing, all_of_them = found.differing, found.differences
+    style = "bold red" if differing else "green"
+    verdict = f"{len(differing)} of {len(all_of_them)} figures differ"
+    print_sentence(console, (verdict, style), f" (at {CONFIDENCE:.0%} over all of them)")
+    shown = all_of_them if verbose else differing
+    if shown:
+        console.print(NameTable(_HEADINGS, [_row(each) for each in shown]), crop=False)
+
+
+def _row(each: FigureDifference) -> Row:
+    low, high = each.interval
+    cells = (*each.medians, each.difference, low, high)
+    numbers = [f"{cell:.4g}" for cell in cells]
+    counts = f"{each.counts[0]} / {each.counts[1]}"
+    name = printable(f"{each.foot} {each.figure}")
+    return Row([name], [*numbers, f"{each.effect:.1f}", counts], "" if each.differs else "dim")
+
+
+def gait_comparison_json(found: GaitComparison) -> dict[str, Any]:
+    """Return the comparison as plain data."""
+    return {
+        "first": list(found.sides[0]),
+        "second": list(found.sides[1]),
+        "comparable": not found.reasons,
+        "reasons": list(found.reasons),
+        "doubts": list(found.doubts),
+        "confidence": CONFIDENCE,
+        "differences": [_difference(each) for each in found.differences],
+    }
+
+
+def _difference(each: FigureDifference) -> dict[str, Any]:
+    return {
+        "foot": each.foot,
+        "figure": each.figure,
+        "strides": list(each.counts),
+        "medians": list(each.medians),
+        "difference": each.difference,
+        "interval": list(each.interval),
+        "effect": each.effect,
+        "differs": each.differs,
+    }

@@ -1,0 +1,1 @@
+"""Views of annotated logs, set up for viewers."""

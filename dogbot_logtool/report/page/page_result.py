@@ -1,0 +1,42 @@
+"""What was written, for people and for scripts."""
+
+from typing import Any
+
+from rich.console import Console
+
+from dogbot_logtool import __version__
+from dogbot_logtool.io.printable import printable
+from dogbot_logtool.io.storage import shown
+from dogbot_logtool.report.console import human_size, print_damage, print_sentence
+from dogbot_logtool.report.damage import damage_json
+from dogbot_logtool.report.figures.document import log_source
+from dogbot_logtool.report.page.summary import trust
+from dogbot_logtool.report.verdict import headline
+from dogbot_logtool.results import Page
+
+
+def page_json(done: Page) -> dict[str, Any]:
+    """Return what was written as plain values."""
+    measured = done.measured
+    trusted = trust(measured.stats, measured.facts)
+    return {
+        "tool": {"name": "dogbot-logtool", "version": __version__},
+        "input": shown(done.source),
+        "output": shown(done.target),
+        "bytes": done.size,
+        "verdict": headline(measured.stats),
+        "trust": trusted.level,
+        "damage": damage_json(measured.losses),
+    }
+
+
+def print_page(console: Console, done: Page, *, verbose: bool) -> None:
+    """Print what was written."""
+    stats, facts = done.measured.stats, done.measured.facts
+    name = printable(shown(done.target)), "bold"
+    words = f": {headline(stats)}. {trust(stats, facts).text} ({human_size(done.size)})"
+    print_sentence(console, name, printable(words))
+    if verbose:
+        for each in log_source(stats, facts).findings:
+            print_sentence(console, f"{each.severity.word:>7}  {printable(each.text)}", indent=9)
+    print_damage(console, done.measured.losses)

@@ -1,0 +1,170 @@
+"""Work on several items at once, with results in the order of the items."""
+
+import mmap
+import multiprocessing
+import sys
+from collections import deque
+from collections.abc import Callable, Generator, Iterable
+from concurrent.futures import Future, ThreadPoolExecutor
+from typing import Final, Generic, Protocol, TypeVar
+
+import numpy as np
+
+Item = TypeVar("Item")
+Result = TypeVar("Result")
+State = TypeVar("State")
+OnProgress = Callable[[int, int], None]
+"""Called with bytes done and bytes in all while work goes on."""
+_LARGEST_THRESHOLD: Final = 32 << 20
+"""Bytes up to which glibc raises its thresholds by itself."""
+
+
+class StateExchange(Protocol[State]):
+    """The state that the work on one item sends to the work on the next, on another worker."""
+
+    def receive(self) -> State:
+        """Wait for the state after the item before this one, and return it."""
+
+    def send(self, state: State) -> None:
+        """Send the state after this item: the sooner, the less the next one waits."""
+
+
+StatefulWork = Callable[[Item, StateExchange[State]], Result]
+"""Works on an item; receives the state and sends it on once each."""
+
+
+def in_order(
+    work: Callable[[Item], Result], items: Iterable[Item], jobs: int, *, forks: bool
+) -> Generator[Result, None, None]:
+    """Yield `work(item)` for every item, in order; see `in_order_with_state`."""
+
+    def alone(item: Item, _exchange: StateExchange[None]) -> Result:
+        return work(item)
+
+    return in_order_with_state(alone, items, jobs, None, forks=forks)
+
+
+def in_order_with_state(
+    work: StatefulWork[Item, State, Result],
+    items: Iterable[Item],
+    jobs: int,
+    first: State,
+    *,
+    forks: bool,
+) -> Generator[Result, None, None]:
+    """Yield `work(item, exchange)` for every item, in order.
+
+    At most a few results a worker are kept until they are read, so memory does not grow.
+
+    Args:
+        work: called in `jobs` processes where that can be, else in as many threads. Columns are
+            made by many short calls of numpy, each of which releases Python's lock and takes it
+            again: on two cores, threads took as long as one.
+        items: one for each call.
+        jobs: how many work at once; 1: this thread alone.
+        first: the state before the first item.
+        forks: whether forked copies of this process may use what the work refers to. Results and
+            states must be picklable then.
+
+    Raises:
+        LogtoolError: a process died.
+    """
+    _keep_freed_memory()
+    if jobs > 1 and forks and _can_fork():
+        from dogbot_logtool.run.forked import forked  # noqa: PLC0415 - takes time, and may not be
+
+        items = list(items)
+        jobs = min(jobs, len(items))
+        if jobs > 1:
+            return forked(work, items, jobs, first)
+    if jobs <= 1:
+        return one_by_one(work, items, first)
+    return _threaded(work, items, jobs, first)
+
+
+class _LocalExchange(Generic[State]):
+    """An exchange within one thread."""
+
+    def __init__(self, state: State) -> None:
+        self._state = state
+
+    def receive(self) -> State:
+        """See `StateExchange.receive`."""
+        return self._state
+
+    def send(self, state: State) -> None:
+        """See `StateExchange.send`."""
+        self._state = state
+
+
+def one_by_one(
+    work: StatefulWork[Item, State, Result], items: Iterable[Item], first: State
+) -> Generator[Result, None, None]:
+    """Yield `work(item, exchange)` for every item, worked on in this thread."""
+    exchange = _LocalExchange(first)
+    for item in items:
+        yield work(item, exchange)
+
+
+class _ThreadExchange(Generic[State]):
+    """An exchange between threads."""
+
+    def __init__(self, before: Future[State], after: Future[State]) -> None:
+        self._before = before
+        self._after = after
+
+    def receive(self) -> State:
+        """See `StateExchange.receive`."""
+        return self._before.result()
+
+    def send(self, state: State) -> None:
+        """See `StateExchange.send`."""
+        self._after.set_result(state)
+
+
+def _threaded(
+    work: StatefulWork[Item, State, Result], items: Iterable[Item], jobs: int, first: State
+) -> Generator[Result, None, None]:
+    def attempt(item: Item, before: Future[State], after: Future[State]) -> Result:
+        try:
+            return work(item, _ThreadExchange(before, after))
+        finally:
+            # The next item must not wait for ever; does nothing if the state was sent.
+            after.cancel()
+
+    before: Future[State] = Future()
+    before.set_result(first)
+    with ThreadPoolExecutor(jobs, thread_name_prefix="batch") as pool:
+        waiting: deque[Future[Result]] = deque()
+        try:
+            for item in items:
+                after: Future[State] = Future()
+                waiting.append(pool.submit(attempt, item, before, after))
+                before = after
+                if len(waiting) > jobs:
+                    yield waiting.popleft().result()
+            while waiting:
+                yield waiting.popleft().result()
+        finally:
+            for future in waiting:
+                future.cancel()
+
+
+def _can_fork() -> bool:
+    """Tell whether this process may fork.
+
+    Apple's libraries do not survive a fork, and daemonic processes may have no children.
+    """
+    return sys.platform == "linux" and not multiprocessing.current_process().daemon
+
+
+def _keep_freed_memory() -> None:
+    """Let the allocator keep memory that one batch frees for the next one.
+
+    glibc returns freed memory to the system, above a threshold that follows the largest block
+    freed so far. If it stays small, every batch has its pages mapped anew: up to a sixth of the
+    time. So a block of nearly the largest size that counts is freed once; its pages are never
+    touched. Other allocators are not affected.
+    """
+    # The block's own head counts, too, and all is rounded up to pages.
+    np.empty(_LARGEST_THRESHOLD - 2 * mmap.PAGESIZE, np.uint8)

@@ -1,0 +1,230 @@
+"""MCAP message records of the output, many at a time."""
+
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from itertools import groupby
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from dogbot_logtool.core.geometry.arrays import Bytes, Ints
+from dogbot_logtool.writer.template import Template
+
+MESSAGE_OPCODE: Final = 0x05
+MESSAGE_HEAD: Final = np.dtype(
+    [
+        ("opcode", "u1"),
+        ("length", "<u8"),
+        ("channel", "<u2"),
+        ("sequence", "<u4"),
+        ("log_time", "<i8"),
+        ("publish_time", "<i8"),
+    ]
+)
+"""An MCAP message record up to its payload."""
+_RECORD_HEAD_SIZE: Final = 9
+_USED: Final = ("channel", "log_time", "publish_time")
+"""Fields of the head that are read or written in copies of a template."""
+_MANY: Final = 64 << 10
+"""Bytes of one channel's messages from which they get chunks of their own."""
+_PIECES: Final = (256, 16, 1)
+"""Widths, bytes, of the pieces in which payloads are copied."""
+
+
+@dataclass(frozen=True, slots=True)
+class MessageRecords:
+    """Consecutive message records."""
+
+    data: Bytes
+    """(b,) the records."""
+    bounds: Ints
+    """(n + 1,) where each record begins and the last one ends."""
+    channel: Ints
+    """(n,) channel ids of the output."""
+    log_time: Ints
+    """(n,) ns."""
+
+    def part(self, rows: slice) -> "MessageRecords":
+        """Return consecutive messages."""
+        bounds = self.bounds[rows.start : rows.stop + 1]
+        first = int(bounds[0])
+        return MessageRecords(
+            self.data[first : int(bounds[-1])],
+            bounds - first,
+            self.channel[rows],
+            self.log_time[rows],
+        )
+
+
+def record_bounds(size: Ints) -> Ints:
+    """Return where consecutive message records begin, and where the last one ends.
+
+    Args:
+        size: (n,) bytes of each payload.
+
+    Returns:
+        (n + 1,) bytes.
+    """
+    return _bounds(size + MESSAGE_HEAD.itemsize)
+
+
+def recorded(
+    channel: Ints,
+    sequence: Ints,
+    log_time: Ints,
+    publish_time: Ints,
+    buffer: Bytes,
+    start: Ints,
+    end: Ints,
+) -> MessageRecords:
+    """Return records of recorded messages, payloads byte for byte.
+
+    Args:
+        channel: (n,) channel ids of the output.
+        sequence: (n,).
+        log_time: (n,) ns.
+        publish_time: (n,) ns.
+        buffer: (b,) holds the payloads.
+        start: (n,) offset of each payload's first byte.
+        end: (n,) offset after its last byte.
+    """
+    size = end - start
+    bounds = record_bounds(size)
+    data = np.empty(int(bounds[-1]), np.uint8)
+    head = np.empty(len(size), MESSAGE_HEAD)
+    head["opcode"] = MESSAGE_OPCODE
+    head["length"] = size + (MESSAGE_HEAD.itemsize - _RECORD_HEAD_SIZE)
+    head["channel"] = channel
+    head["sequence"] = sequence
+    head["log_time"] = log_time
+    head["publish_time"] = publish_time
+    _scatter(data, bounds[:-1], head)
+    _copy(buffer, start, data, bounds[:-1] + MESSAGE_HEAD.itemsize, size)
+    return MessageRecords(data, bounds, channel, log_time)
+
+
+def record_template(message: Template, channel: int) -> Template:
+    """Return a template of the records of a message; `write_log_time` completes its copies.
+
+    Args:
+        message: template of the payload.
+        channel: id of the channel.
+    """
+    head = np.zeros((), MESSAGE_HEAD)
+    head["opcode"] = MESSAGE_OPCODE
+    head["length"] = message.size + (MESSAGE_HEAD.itemsize - _RECORD_HEAD_SIZE)
+    head["channel"] = channel
+    used = [field for field in _fields(MESSAGE_HEAD, 0) if field[0] in _USED]
+    numbers = _fields(message.dtype, MESSAGE_HEAD.itemsize)
+    names, formats, offsets = zip(*used, *numbers, strict=True)
+    dtype = np.dtype(
+        {
+            "names": names,
+            "formats": formats,
+            "offsets": offsets,
+            "itemsize": MESSAGE_HEAD.itemsize + message.size,
+        }
+    )
+    return Template(head.tobytes() + message.message, dtype, message.kinds)
+
+
+def _fields(dtype: "np.dtype[np.void]", first: int) -> list[tuple[str, Any, int]]:
+    """Return name, format and offset of a message's numbers; the message begins at `first`."""
+    fields: Mapping[str, tuple[Any, ...]] = dtype.fields or {}
+    return [(name, field[0], first + field[1]) for name, field in fields.items()]
+
+
+def write_log_time(records: NDArray[np.void], log_time: Ints) -> None:
+    """Write log times, ns, into copies of record templates; the publish times are the same."""
+    records["log_time"] = log_time
+    records["publish_time"] = log_time
+
+
+def by_channel(parts: Iterable[NDArray[np.void]]) -> Iterator[MessageRecords]:
+    """Group records by channel: each channel that has many, then the rest together.
+
+    Messages of one channel are similar, so they compress better together; and a reader of some
+    channels skips the chunks of the others.
+
+    Args:
+        parts: copies of record templates, each (k,) and of one channel. They are made one after
+            the other, so that few are in memory at once; parts of a channel that are not
+            neighbours make several groups.
+    """
+    few: list[NDArray[np.void]] = []
+    for _, same in groupby(filter(len, parts), lambda part: int(part["channel"][0])):
+        of_channel = list(same)
+        if sum(part.nbytes for part in of_channel) < _MANY:
+            few.extend(of_channel)
+        else:
+            yield in_time_order(of_channel)
+    if few:
+        yield in_time_order(few)
+
+
+def in_time_order(parts: Sequence[NDArray[np.void]]) -> MessageRecords:
+    """Return records sorted by log time; at equal times the earlier part comes first.
+
+    Args:
+        parts: copies of record templates, each (k,).
+    """
+    counts = [len(part) for part in parts]
+    sizes = [part.dtype.itemsize for part in parts]
+    log_time = _joined(parts, "log_time")
+    if len(parts) == 1 and (log_time[1:] >= log_time[:-1]).all():
+        bounds = np.arange(counts[0] + 1) * sizes[0]
+        return MessageRecords(parts[0].view(np.uint8), bounds, _joined(parts, "channel"), log_time)
+    order = np.argsort(log_time, kind="stable")
+    bounds = _bounds(np.repeat(np.array(sizes, np.int64), counts)[order])
+    offset = np.empty(len(order), np.int64)
+    offset[order] = bounds[:-1]
+    data = np.empty(int(bounds[-1]), np.uint8)
+    first = 0
+    for part in parts:
+        _scatter(data, offset[first : first + len(part)], part)
+        first += len(part)
+    return MessageRecords(data, bounds, _joined(parts, "channel")[order], log_time[order])
+
+
+def _joined(parts: Sequence[NDArray[np.void]], field: str) -> Ints:
+    return np.concatenate([np.empty(0, np.int64), *(part[field] for part in parts)])
+
+
+def _bounds(size: Ints) -> Ints:
+    bounds = np.zeros(len(size) + 1, np.int64)
+    np.cumsum(size, out=bounds[1:])
+    return bounds
+
+
+def _copy(source: Bytes, start: Ints, target: Bytes, offset: Ints, size: Ints) -> None:
+    """Copy payloads, each in pieces of the greatest width that is not above its size.
+
+    The last piece ends with the payload, so it overlaps the one before.
+    """
+    left = size > 0
+    for width in _PIECES:
+        rows = np.flatnonzero(left & (size >= width))
+        left[rows] = False
+        if not len(rows):
+            continue
+        begin = start[rows]
+        pieces = -(-size[rows] // width)
+        last = np.cumsum(pieces) - 1
+        at = np.repeat(begin - (last + 1 - pieces) * width, pieces)
+        at += np.arange(0, len(at) * width, width)
+        at[last] = begin + size[rows] - width
+        shift = np.repeat(offset[rows] - begin, pieces)
+        _scatter(target, at + shift, _windows(source, width)[at])
+
+
+def _scatter(target: Bytes, offset: Ints, data: NDArray[np.void]) -> None:
+    """Write pieces of one size at their offsets."""
+    if len(offset):
+        width = data.dtype.itemsize
+        _windows(target, width)[offset] = data.view(f"V{width}")
+
+
+def _windows(data: Bytes, width: int) -> NDArray[np.void]:
+    """Return a view of the pieces that begin at each byte."""
+    return np.ndarray((len(data) - width + 1,), f"V{width}", data.data, 0, (1,))

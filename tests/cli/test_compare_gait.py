@@ -1,0 +1,65 @@
+"""`compare --gait` as a user calls it, on the sample logs."""
+
+import json
+import shutil
+from pathlib import Path
+
+import pytest
+
+from dogbot_logtool.commands.compare_gait import compare_gait
+from dogbot_logtool.commands.tasks import Measure
+from dogbot_logtool.pipeline.options import StatsOptions, TopicOptions
+from tests.forked_cli import run
+from tests.paths import SAMPLE_LOGS
+from tests.truth import sensor_faults
+from tests.truth.log_file import write_log
+from tests.truth.recorders import recorder
+from tests.truth.walking import Walk
+
+TROT = SAMPLE_LOGS / "dogbot_trot.bag"
+WALK = SAMPLE_LOGS / "dogbot_walk.mcap"
+
+
+def test_a_run_and_its_copy_walk_alike(tmp_path: Path) -> None:
+    shutil.copy(TROT, tmp_path / "again.bag")
+    ended = run("compare", "--gait", str(TROT), "again.bag", folder=tmp_path)
+
+    assert (ended.returncode, ended.stderr) == (0, "")
+    assert ended.stdout.startswith("0 of ")
+
+
+def test_two_halves_of_a_run_walk_alike(tmp_path: Path) -> None:
+    faults = (sensor_faults.as_force_sensors, sensor_faults.noise(1.0))
+    log = write_log(recorder(Walk(seconds=20.0), *faults)(), tmp_path / "log.mcap")
+    halves = [
+        Measure(StatsOptions(TopicOptions(mass_kg=20.0), start_s=start, end_s=end))(log, None)
+        for start, end in ((0.0, 10.0), (10.0, 20.0))
+    ]
+    found = compare_gait(*([half] for half in halves))
+
+    assert found.reasons == ()
+    assert found.differing == ()
+    assert len(found.differences) > 20
+
+
+def test_another_gait_is_not_comparable(tmp_path: Path) -> None:
+    ended = run("compare", "--gait", str(TROT), str(WALK), folder=tmp_path)
+
+    assert ended.returncode == 1
+    assert ended.stdout == "not comparable\n  the gaits differ: trot against walk\n"
+
+
+def test_the_same_as_json(tmp_path: Path) -> None:
+    ended = run("compare", "--gait", "--json", str(TROT), str(TROT), folder=tmp_path)
+    found = json.loads(ended.stdout)
+
+    assert found["comparable"]
+    assert {each["differs"] for each in found["differences"]} == {False}
+
+
+@pytest.mark.parametrize("words", [["--atol", "1"], ["--update"], ["--junit", "a.xml"]])
+def test_options_of_files_have_no_meaning_with_it(tmp_path: Path, words: list[str]) -> None:
+    ended = run("compare", "--gait", *words, str(TROT), str(WALK), folder=tmp_path)
+
+    assert ended.returncode == 2
+    assert f"{words[0]} has no meaning with it" in ended.stderr

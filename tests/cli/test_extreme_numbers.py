@@ -1,0 +1,192 @@
+"""Numbers at the ends of their range: figures or null with a reason, never a crash or Infinity."""
+
+import json
+import math
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from mcap.writer import Writer as McapWriter
+
+from dogbot_logtool.commands.convert import convert
+from dogbot_logtool.commands.info import describe
+from dogbot_logtool.commands.report import Reports
+from dogbot_logtool.commands.stats import measure
+from dogbot_logtool.core.plausible import FARTHEST_M
+from dogbot_logtool.io.plain_json import only_finite, to_json
+from dogbot_logtool.io.targets import Output
+from dogbot_logtool.pipeline.options import ConvertOptions, StatsOptions, TopicOptions
+from dogbot_logtool.report.stats_json import stats_json
+from tests.oracles import walks
+
+GAZEBO, WRENCH = "gazebo_msgs/msg/ContactsState", "geometry_msgs/msg/WrenchStamped"
+SAMPLES = 160
+LAST_NS = (1 << 63) - 1
+TYPES = {
+    "position": "geometry_msgs/Point",
+    "rotation": "geometry_msgs/Quaternion",
+    "velocity": "geometry_msgs/Twist",
+    "force": "geometry_msgs/Wrench",
+    "point": "gazebo_msgs/ContactState",
+    "normal": "gazebo_msgs/ContactState",
+}
+IMPLAUSIBLE = (math.nextafter(FARTHEST_M, math.inf), 1e155, 1e300, 1.7e308)
+
+
+class Extreme(walks.Walk):
+    """A walk with one number everywhere, or now and then."""
+
+    def __init__(self, where: str, value: float, every: int) -> None:
+        super().__init__(2)
+        self._where, self._value, self._every = where, value, every
+        self._sample = 0
+
+    def odometry(self, sample: int) -> bytes:
+        self._sample = sample
+        return super().odometry(sample)
+
+    def make(self, kind: str, **fields: Any) -> Any:
+        if TYPES[self._where] == kind and self._sample % self._every == 0:
+            fields |= self._extreme()
+        return super().make(kind, **fields)
+
+    def _extreme(self) -> dict[str, Any]:
+        value = self._value
+        vector = super().make("geometry_msgs/Vector3", x=value, y=0.0, z=value)
+        match self._where:
+            case "position":
+                return {"x": value, "y": value, "z": value}
+            case "rotation":
+                return dict.fromkeys("xyzw", value)
+            case "velocity":
+                return {"linear": vector, "angular": vector}
+            case "force":
+                return {"force": vector}
+            case "point":
+                return {"contact_positions": [vector]}
+            case _:
+                return {"contact_normals": [vector]}
+
+
+def write(path: Path, walk: walks.Walk, kind: str, log_time: Callable[[int], int]) -> Path:
+    with path.open("wb") as stream:
+        writer = McapWriter(stream, chunk_size=40_000)
+        writer.start(profile="ros2")
+        channels: dict[str, int] = {}
+        for entry in walk.messages(kind):
+            sample = (entry.log_time - walks.START) // walks.STEP
+            if sample >= SAMPLES:
+                break
+            if entry.topic not in channels:
+                text = walks.Walk(2).definition(entry.kind).encode()
+                schema = writer.register_schema(entry.kind, "ros2msg", text)
+                channels[entry.topic] = writer.register_channel(entry.topic, "cdr", schema)
+            time = log_time(sample)
+            writer.add_message(channels[entry.topic], time, entry.data, time)
+        writer.finish()
+    return path
+
+
+def usual(sample: int) -> int:
+    return walks.START + sample * walks.STEP
+
+
+def strict(text: str) -> Any:
+    """Read JSON, and nothing that only some readers take for it."""
+
+    def refuse(name: str) -> None:
+        raise AssertionError(name)
+
+    return json.loads(text, parse_constant=refuse)
+
+
+def outputs(folder: Path, path: Path) -> tuple[dict[str, Any], set[str]]:
+    """Make all outputs; return the figures and the codes of convert's findings."""
+    topics = TopicOptions(robot=str(walks.robot_file(folder, GAZEBO)))
+    done = measure(path, StatsOptions(topics))
+    figures = strict(json.dumps(stats_json(done.stats, done.facts)))
+    converted = convert(path, folder / "out.mcap", ConvertOptions(topics, style="force"))
+    assert done.exit_code == converted.exit_code == 0
+    return figures, {finding.code for finding in converted.findings}
+
+
+def codes(figures: dict[str, Any]) -> set[str]:
+    return {each["code"] for each in figures["findings"]}
+
+
+@pytest.mark.parametrize(
+    ("value", "every"),
+    [(1e300, 1), (1e300, 50), (math.inf, 1), (math.nan, 50), (5e-324, 1), (-0.0, 50)],
+)
+@pytest.mark.parametrize("where", TYPES)
+def test_no_number_is_too_large_or_too_small(
+    tmp_path: Path, where: str, value: float, every: int
+) -> None:
+    path = write(tmp_path / "walk.mcap", Extreme(where, value, every), GAZEBO, usual)
+    figures, converted = outputs(tmp_path, path)
+    is_said = where in {"position", "velocity", "force", "point"} and value > FARTHEST_M
+    assert ("W_IMPLAUSIBLE" in codes(figures)) == (is_said and math.isfinite(value))
+    assert ("W_IMPLAUSIBLE" in converted) == (is_said and math.isfinite(value))
+    base = figures["base"]
+    if base is not None:
+        assert base["path_length_m"] < 10.0
+        assert base["froude"] is None or base["froude"] < 10.0
+
+
+@pytest.mark.parametrize("value", IMPLAUSIBLE)
+def test_what_no_robot_reaches_is_counted(tmp_path: Path, value: float) -> None:
+    path = write(tmp_path / "walk.mcap", Extreme("position", value, 50), GAZEBO, usual)
+    figures, _ = outputs(tmp_path, path)
+    target = Output(tmp_path / "page.html", is_folder=False)
+    Reports([path], target, StatsOptions(), overwrite=False).write(path)
+    texts = {each["code"]: each["text"] for each in figures["findings"]}
+    # The base's position is wrong in every 50th message, and so is nothing else.
+    assert texts["W_IMPLAUSIBLE"].startswith("4 poses or contacts")
+    assert texts["W_BAD_POSES"].startswith("4 poses")
+
+
+@pytest.mark.parametrize("value", [1e300, math.inf, math.nan])
+def test_forces_in_frames_of_sensors(tmp_path: Path, value: float) -> None:
+    path = write(tmp_path / "walk.mcap", Extreme("force", value, 7), WRENCH, usual)
+    topics = TopicOptions(robot=str(walks.robot_file(tmp_path, WRENCH)))
+    done = measure(path, StatsOptions(topics))
+    strict(json.dumps(stats_json(done.stats, done.facts)))
+    convert(path, tmp_path / "out.mcap", ConvertOptions(topics))
+
+
+TIMES: dict[str, Callable[[int], int]] = {
+    "all zero": lambda _: 0,
+    "all at the end": lambda _: LAST_NS,
+    "up to the end": lambda sample: LAST_NS - (SAMPLES - 1 - sample) * walks.STEP,
+    "one at the end": lambda sample: LAST_NS if sample == SAMPLES - 1 else usual(sample),
+    "one at zero": lambda sample: usual(sample) if sample else 0,
+    "from end to end": lambda sample: 0 if sample < SAMPLES // 2 else LAST_NS,
+    "beyond the end": lambda sample: LAST_NS + 1 if sample == 80 else usual(sample),
+    "a nanosecond apart": lambda sample: sample,
+}
+
+
+@pytest.mark.parametrize("name", TIMES)
+def test_times_at_the_ends_of_their_range(tmp_path: Path, name: str) -> None:
+    path = write(tmp_path / "walk.mcap", walks.Walk(2), GAZEBO, TIMES[name])
+    topics = TopicOptions(robot=str(walks.robot_file(tmp_path, GAZEBO)))
+    for clock in ("header", "log"):
+        done = measure(path, StatsOptions(topics, time_source=clock))
+        strict(json.dumps(stats_json(done.stats, done.facts)))
+    convert(path, tmp_path / "out.mcap", ConvertOptions(topics))
+    describe(path, topics, all_frames=True)
+
+
+@settings(max_examples=50, deadline=None)
+@given(
+    st.recursive(
+        st.none() | st.booleans() | st.floats() | st.text(),
+        lambda inner: st.lists(inner) | st.dictionaries(st.text(), inner),
+    )
+)
+def test_json_is_strict(value: Any) -> None:
+    assert strict(to_json(value)) == only_finite(value)
+    assert strict(to_json(value, indent=2)) == strict(to_json(value, compact=True))

@@ -1,0 +1,86 @@
+"""`/events` and `/gait` in a converted log: what they say, and when."""
+
+from pathlib import Path
+from typing import Any
+
+import pytest
+from mcap.reader import make_reader
+from mcap_protobuf.decoder import DecoderFactory as ProtobufDecoder
+from mcap_ros1.decoder import DecoderFactory as Ros1Decoder
+from mcap_ros2.decoder import DecoderFactory as Ros2Decoder
+
+from dogbot_logtool.commands.convert import convert
+from dogbot_logtool.commands.stats import measure
+from dogbot_logtool.pipeline.options import ConvertOptions, StatsOptions
+from dogbot_logtool.report.stats_json import stats_json
+from tests.paths import SAMPLE_LOGS
+
+TROUBLED = SAMPLE_LOGS / "dogbot_troubled.bag"
+TROT = SAMPLE_LOGS / "dogbot_trot.bag"
+
+
+def messages_of(path: Path, topic: str) -> list[tuple[int, Any]]:
+    factories = [ProtobufDecoder(), Ros1Decoder(), Ros2Decoder()]
+    with path.open("rb") as stream:
+        reader = make_reader(stream, validate_crcs=True, decoder_factories=factories)
+        found = reader.iter_decoded_messages(topics=[topic])
+        return [(message.log_time, decoded) for _, _, message, decoded in found]
+
+
+def converted(source: Path, target: Path, **options: object) -> Path:
+    convert(source, target, ConvertOptions(events=True, **options))  # type: ignore[arg-type]
+    return target
+
+
+@pytest.mark.parametrize(
+    ("encoding", "text", "warning"),
+    [("foxglove", "message", 3), ("ros1", "msg", 4), ("ros2", "msg", 30)],
+)
+def test_every_event_is_a_log_message_at_its_log_time(
+    tmp_path: Path, encoding: str, text: str, warning: int
+) -> None:
+    target = converted(TROUBLED, tmp_path / "out.mcap", encoding=encoding)
+    measured = measure(TROUBLED, StatsOptions())
+    events = stats_json(measured.stats, measured.facts)["events"]
+    found = messages_of(target, "/events")
+    assert len(found) == len(events)
+    for (log_time, message), event in zip(found, events, strict=True):
+        # The stamps of this log are zero: it is measured on log time.
+        assert log_time == measured.stats.origin + round(event["onset_s"] * 1e9)
+        assert getattr(message, text).startswith(event["type"].replace("_", " "))
+        assert message.name == (event["foot"] or "robot")
+        is_step = event["type"] in {"touchdown", "lift_off"}
+        assert (message.level >= warning) is not is_step
+
+
+def test_onsets_on_stamps_are_written_at_log_times(tmp_path: Path) -> None:
+    target = converted(TROT, tmp_path / "out.mcap")
+    stats = measure(TROT, StatsOptions()).stats
+    offset = next(each.offset_median_s for each in stats.topics if "contact" in each.topic)
+    assert offset is not None
+    for log_time, message in messages_of(target, "/events"):
+        stamp = message.timestamp.ToNanoseconds()
+        assert log_time - stamp == pytest.approx(offset * 1e9, abs=2e5)
+
+
+@pytest.mark.parametrize("encoding", ["foxglove", "ros1", "ros2"])
+def test_the_gait_is_written_where_it_changes_and_ends(tmp_path: Path, encoding: str) -> None:
+    target = converted(TROT, tmp_path / "out.mcap", encoding=encoding)
+    (_, begins), (_, ends) = messages_of(target, "/gait")
+    assert begins.gait == "trot"
+    assert begins.duty_factor == pytest.approx(0.714, abs=0.01)
+    assert begins.stride_frequency_hz == pytest.approx(1.0 / 1.142, abs=0.01)
+    assert list(begins.phases) == pytest.approx([0.0, 0.5, 0.5, 0.0], abs=0.02)
+    assert ends.gait == "unknown"
+    assert ends.duty_factor != ends.duty_factor
+
+
+def test_without_the_option_neither_is_written(tmp_path: Path) -> None:
+    convert(TROT, tmp_path / "out.mcap", ConvertOptions())
+    assert messages_of(tmp_path / "out.mcap", "/events") == []
+    assert messages_of(tmp_path / "out.mcap", "/gait") == []
+
+
+def test_bytes_do_not_depend_on_the_number_of_jobs(tmp_path: Path) -> None:
+    one, two = (converted(TROT, tmp_path / f"{jobs}.mcap", jobs=jobs) for jobs in (1, 2))
+    assert one.read_bytes() == two.read_bytes()

@@ -1,0 +1,358 @@
+"""`/support` in converted logs, against one message at a time and against `stats`."""
+
+import math
+from bisect import bisect_right
+from collections.abc import Sequence
+from functools import cache
+from itertools import pairwise
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Any
+
+import numpy as np
+import pytest
+
+from dogbot_logtool.commands.convert import convert
+from dogbot_logtool.core.base.base_history import BaseRecorder
+from dogbot_logtool.core.contact.contact_rule import contact_rule
+from dogbot_logtool.core.contact.foot_history import FootRecorder
+from dogbot_logtool.core.contact.sensor_level import zero_reading
+from dogbot_logtool.core.geometry.clock import TimeSource
+from dogbot_logtool.core.geometry.support_polygon import margin_in_hull
+from dogbot_logtool.core.scene.support_scene import margin_colour
+from dogbot_logtool.core.stability.stability import feet_down
+from dogbot_logtool.pipeline.options import ConvertOptions, TopicOptions
+from dogbot_logtool.pipeline.selection import select_topics
+from dogbot_logtool.reader.messages.contacts.registry import read_contacts
+from dogbot_logtool.reader.opening import open_log
+from dogbot_logtool.results import Conversion
+from tests.oracles import walks
+from tests.oracles.annotated_file import Written, annotations, arrows, read_written
+from tests.oracles.conversion import expected_poses, norm, sample_of, xyz
+from tests.oracles.foot_logs import CONTACTS, write_log
+from tests.oracles.recorded import (
+    BODY_WEIGHT_N,
+    FEET,
+    TEXT_TYPE,
+    contact_topic,
+    decoded_log,
+    read_log,
+)
+from tests.oracles.ros1_logs import Entry, text, write_ros1_mcap
+from tests.paths import ROOT, TROT, TROUBLED, WALK
+
+DOGBOT = ROOT / "dogbot_logtool/robots/dogbot.toml"
+MS = 1_000_000
+NEAR_MS = 60
+ON_N = 0.05 * BODY_WEIGHT_N
+LOGS = (TROT, WALK, TROUBLED)
+VERTICAL_KNOWN = {TROT: False, WALK: True, TROUBLED: False}
+Vector = tuple[float, float, float]
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return tmp_path_factory.mktemp("support")
+
+
+_WRITTEN: dict[tuple[Path, str], tuple[Conversion, Written]] = {}
+
+
+def converted(folder: Path, log: Path, encoding: str) -> tuple[Conversion, Written]:
+    key = log, encoding
+    if key not in _WRITTEN:
+        target = folder / f"{len(_WRITTEN)}.mcap"
+        done = convert(log, target, ConvertOptions(encoding=encoding, copy=False))
+        _WRITTEN[key] = done, read_written(target)
+    return _WRITTEN[key]
+
+
+class Shown:
+    """What a message of any encoding shows, and when it was recorded."""
+
+    def __init__(self, log_time: int, message: Any) -> None:
+        self.log_time = log_time
+        self.colour: Sequence[float] = ()
+        places: list[list[Vector]] = []
+        if hasattr(message, "markers"):
+            places = [[xyz(point) for point in marker.points] for marker in message.markers]
+            line = message.markers[0]
+        else:
+            (entity,) = message.entities
+            (line,) = entity.lines or (None,)
+            touchdowns: list[Vector] = []
+            # Touchdowns have the colours of their feet.
+            kinds: dict[float, list[Vector]] = {0.8: [], 0.337: []}
+            for ball in entity.spheres:
+                kinds.get(round(ball.color.r, 3), touchdowns).append(xyz(ball.pose.position))
+            outline = [xyz(point) for point in line.points] if line else []
+            places = [outline, *kinds.values(), touchdowns]
+        self.outline, self.pressure, self.projection, self.touchdowns = places
+        if self.outline:
+            self.colour = line.color.r, line.color.g, line.color.b, line.color.a
+
+
+def shown_in(written: Written, encoding: str) -> list[Shown]:
+    ros = "visualization_msgs/MarkerArray"
+    type_name = "foxglove.SceneUpdate" if encoding == "foxglove" else ros
+    first, *others = annotations(written, "/support", encoding, type_name)
+    opening = min(message.log_time for message in written.messages)
+    # What stands at the file's first time besides is that of the first pose.
+    shown = others if first[0].log_time == opening else [first, *others]
+    return [Shown(message.log_time, decoded) for message, decoded in shown]
+
+
+@cache
+def turned_forces(log: Path) -> dict[tuple[str, int], float]:
+    """Vertical forces of arrows along the force, which test_world_frames.py holds to the truth."""
+    if log != TROT:
+        return {}
+    with TemporaryDirectory() as folder:
+        target = Path(folder) / "force.mcap"
+        convert(log, target, ConvertOptions(style="force", encoding="ros2", copy=False))
+        found = {}
+        for topic, log_time, arrow in arrows(target):
+            turn = arrow.pose.orientation
+            upward = 2.0 * (turn.x * turn.z - turn.w * turn.y)
+            foot = topic.removeprefix("/marker_basic_").removesuffix("_foot")
+            found[foot, log_time] = 100.0 * arrow.scale.x * upward
+        return found
+
+
+# --- A message at a time --------------------------------------------------------------------------
+
+
+class Foot:
+    """A foot that is listened to, one message after the other."""
+
+    def __init__(self, log: Path, name: str) -> None:
+        self.messages: list[tuple[int, bool, Vector | None, float]] = []
+        on = False
+        told = sorted(decoded_log(log)[contact_topic(name)], key=lambda one: one.log_time)
+        for one in told:
+            sample = sample_of(one.message, name)
+            force = norm(sample.force)
+            if math.isfinite(force):
+                on = force >= ON_N or (on and force > 0.0)
+                known = sample.in_world or VERTICAL_KNOWN[log] or force == 0.0
+                turned = turned_forces(log).get((name, one.log_time), math.nan)
+                vertical = sample.force[2] if known else turned
+                self.messages.append((one.log_time, on, sample.position, vertical))
+        self.works = any(message[1] for message in self.messages)
+
+    def at(self, time: int) -> tuple[bool, Vector | None, float] | None:
+        """Return the newest message's contact, point and vertical force; None: not known."""
+        heard = bisect_right(self.messages, time, key=lambda message: message[0])
+        if not heard or not self.works:
+            return None
+        since, on, point, vertical = self.messages[heard - 1]
+        return None if time - since > NEAR_MS * MS else (on, point, vertical)
+
+
+def left_of(begin: Vector, end: Vector, point: Vector) -> float:
+    along, to = [[b - a for a, b in zip(begin, one, strict=True)] for one in (end, point)]
+    return along[0] * to[1] - along[1] * to[0]
+
+
+def margin_of(outline: Sequence[Vector], body: Vector) -> float:
+    """Return the signed distance to the nearest side of a closed polygon."""
+    reach = math.inf
+    for begin, end in pairwise(outline):
+        length = math.dist(begin[:2], end[:2])
+        share = sum((e - b) * (p - b) for b, e, p in zip(begin[:2], end[:2], body[:2], strict=True))
+        share = min(max(share / length**2, 0.0), 1.0)
+        foot = [b + share * (e - b) for b, e in zip(begin[:2], end[:2], strict=True)]
+        reach = min(reach, math.dist(foot, body[:2]))
+    inside = all(left_of(*side, body) >= 0.0 for side in pairwise(outline))
+    return reach if inside else -reach
+
+
+@pytest.mark.parametrize(
+    ("log", "encoding"),
+    [(TROT, "foxglove"), (WALK, "ros2"), (TROUBLED, "ros1")],
+    ids=lambda one: one.stem if isinstance(one, Path) else one,
+)
+def test_support_is_what_message_by_message_listening_gives(
+    folder: Path, log: Path, encoding: str
+) -> None:
+    conversion, written = converted(folder, log, encoding)
+    feet = [Foot(log, name) for name in FEET]
+    poses = expected_poses(log, at_ticks=True)
+    messages = shown_in(written, encoding)
+    assert [one.log_time for one in messages] == [pose.log_time for pose in poses]
+    unknown = 0
+    for message, pose in zip(messages, poses, strict=True):
+        states = [foot.at(pose.log_time) for foot in feet]
+        down = [state[1:] for state in states if state is not None and state[0]]
+        if None in states or any(point is None for point, _ in down):
+            unknown += 1
+            assert not message.outline
+            assert not message.pressure
+            continue
+        points = [point for point, _ in down if point is not None]
+        assert_outline(message, points, (pose.numbers[0], pose.numbers[1], 0.0))
+        weights = [vertical for _, vertical in down]
+        assert bool(message.pressure) == (sum(weights) > 0.0)
+        for place in message.pressure:
+            told = zip(weights, points, strict=True)
+            wanted = np.sum([w * np.array(p) for w, p in told], axis=0) / sum(weights)
+            np.testing.assert_allclose(place, wanted, rtol=1e-9, atol=1e-9)
+        if points:
+            height = sum(point[2] for point in points) / len(points)
+            (place,) = message.projection
+            np.testing.assert_allclose(place, (*pose.numbers[:2], height), atol=1e-12)
+    assert conversion.counts.support_unknown == unknown
+
+
+def assert_outline(message: Shown, points: list[Vector], body: Vector) -> None:
+    """Check the corners: of the feet, all others to their left, and coloured by the margin."""
+    outline = message.outline
+    for corner in outline:
+        assert min(math.dist(corner, point) for point in points) < 1e-12
+    assert len(outline) == {0: 0, 1: 0, 2: 2}.get(len(points), len(outline))
+    margin = math.nan
+    if len(points) > 2:
+        assert outline[0] == outline[-1]
+        assert len(outline) > 3
+        assert min(left_of(*side, point) for side in pairwise(outline) for point in points) > -1e-9
+        margin = margin_of(outline, body)
+    if outline:
+        wanted = margin_colour(np.array([margin]))[0]
+        np.testing.assert_allclose(message.colour, wanted, atol=1e-6)
+
+
+# --- Against `stats` ------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("log", [TROT, WALK], ids=lambda log: log.stem)
+def test_margins_are_those_of_stats_at_the_same_times(folder: Path, log: Path) -> None:
+    """`stats` debounces and looks at 25 Hz, so the moments of touchdown and lift-off may differ."""
+    _, written = converted(folder, log, "foxglove")
+    messages = shown_in(written, "foxglove")
+    time = np.array([one.log_time for one in messages])
+    told = np.array(
+        [
+            margin_of(one.outline, one.projection[0]) if len(one.outline) > 3 else math.nan
+            for one in messages
+        ]
+    )
+    feet, base = recorded(log)
+    points, _ = feet_down(time, feet)
+    margins = margin_in_hull(points, base.position_at(time)[:, :2])
+    edges = np.concatenate([(f.stances.touchdown, f.stances.liftoff) for f in feet], axis=None)
+    settled = np.abs(time[:, None] - edges).min(axis=1) > 25 * MS
+    settled &= time - time[0] > NEAR_MS * MS
+    assert settled.mean() > 0.5
+    np.testing.assert_array_equal(np.isnan(told[settled]), np.isnan(margins[settled]))
+    np.testing.assert_allclose(told[settled], margins[settled], atol=1e-3)
+    assert abs(np.nanmedian(told) - np.nanmedian(margins)) < 1e-3
+    assert np.isfinite(told[settled]).sum() > 50
+
+
+def recorded(path: Path) -> tuple[list[Any], Any]:
+    """Return what `stats` keeps of the feet and the base, on log time."""
+    log = open_log(path)
+    selection = select_topics(log, TopicOptions())
+    rule = contact_rule(zero_reading(), BODY_WEIGHT_N)
+    feet = [FootRecorder(rule, TimeSource.LOG, force_in_world=False) for _ in FEET]
+    base = BaseRecorder(TimeSource.LOG)
+    for span in log.spans():
+        batch = log.read(span)
+        for poses in selection.read_base(batch):
+            base.add(poses.poses)
+        for read in read_contacts(batch, selection.contacts, selection.foot_channels()):
+            for foot, recorder in enumerate(feet):
+                recorder.add(read.reduced.samples.pick(read.reduced.samples.foot == foot))
+    log.close()
+    return [recorder.finish() for recorder in feet], base.finish()
+
+
+# --- Batches --------------------------------------------------------------------------------------
+
+
+def test_it_does_not_matter_where_batches_end(folder: Path, tmp_path: Path) -> None:
+    entries: list[Entry] = []
+    for number, one in enumerate(read_log(TROT)):
+        entries.append(Entry(one.topic, one.type_name, one.log_time, one.data))
+        if number % 500 == 77:
+            entries.append(Entry("/filler", TEXT_TYPE, one.log_time, text("-" * 6_000_000)))
+    log = write_ros1_mcap(tmp_path / "log.mcap", entries, chunk_size=1 << 20)
+    opened = open_log(log)
+    assert len(list(opened.spans())) > 10
+    opened.close()
+    convert(log, tmp_path / "out.mcap", ConvertOptions(copy=False, jobs=2))
+    padded = read_written(tmp_path / "out.mcap").of("/support", "protobuf")
+    _, written = converted(folder, TROT, "foxglove")
+    alone = written.of("/support", "protobuf")
+    assert [m.data for _, m in padded] == [m.data for _, m in alone]
+
+
+# --- When it is written ---------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("style", "scene", "written"),
+    [
+        ("pressure", None, True),
+        ("force", None, True),
+        ("classic", None, False),
+        ("classic", True, True),
+        ("pressure", False, False),
+    ],
+)
+def test_it_is_off_in_classic_unless_asked_for(
+    tmp_path: Path,
+    style: str,
+    scene: bool | None,  # noqa: FBT001 - as the option is
+    written: bool,  # noqa: FBT001
+) -> None:
+    options = ConvertOptions(style=style, scene=scene, copy=False, end_s=0.2)
+    done = convert(TROUBLED, tmp_path / "out.mcap", options)
+    assert ("/support" in done.annotations) == written
+    (provenance,) = read_written(tmp_path / "out.mcap").metadata
+    assert provenance.metadata["scene"] == str(written)
+
+
+def test_what_is_not_known_is_told(folder: Path) -> None:
+    done, _ = converted(folder, TROUBLED, "ros1")
+    told = {finding.code: finding.text for finding in done.findings}
+    # One of its sensors is dead, and `stats` gives no margins either.
+    assert "back_left" in told["N_NOT_SEEN_TOUCHING"]
+    # The one more stands at the file's first time.
+    unknown = done.annotations["/support"] - 1
+    assert told["N_SUPPORT_UNKNOWN"].endswith(f": {unknown}")
+    # Of this base the log's own transforms know nothing.
+    robot = folder / "robot.toml"
+    robot.write_text(DOGBOT.read_text().replace("base_link", "trunk"))
+    options = ConvertOptions(topics=TopicOptions(robot=str(robot)), copy=False, end_s=0.2)
+    done = convert(TROT, folder / "link.mcap", options)
+    assert "N_NO_PRESSURE" in {finding.code for finding in done.findings}
+
+
+@pytest.mark.parametrize(
+    "kind", ["champ_msgs/msg/ContactsStamped", "geometry_msgs/msg/WrenchStamped"]
+)
+def test_feet_without_points_have_no_support(tmp_path: Path, kind: str) -> None:
+    log = walks.write_walk(tmp_path, kind, "bag")
+    done = convert(log, tmp_path / "out.mcap", ConvertOptions())
+    assert "/support" not in done.annotations
+    (finding,) = [one for one in done.findings if one.code == "N_NO_SUPPORT"]
+    assert "contact points" in finding.text
+
+
+def test_a_centipede_has_no_support(tmp_path: Path) -> None:
+    feet = {f"foot_{number}": f"/leg/{number}" for number in range(17)}
+    topics = dict.fromkeys(feet.values(), CONTACTS)
+    log = write_log(tmp_path / "walk.mcap", topics, odometry=["/odom"])
+    options = ConvertOptions(topics=TopicOptions(robot="generic", foot_topics=feet))
+    done = convert(log, tmp_path / "out.mcap", options)
+    assert "/support" not in done.annotations
+    (finding,) = [one for one in done.findings if one.code == "N_NO_SUPPORT"]
+    assert "17 feet" in finding.text
+
+
+def test_it_lasts_until_it_is_drawn_anew(tmp_path: Path) -> None:
+    convert(TROUBLED, tmp_path / "out.mcap", ConvertOptions(copy=False, tf_rate_hz=1.0))
+    written = read_written(tmp_path / "out.mcap")
+    for _, message in annotations(written, "/support", "foxglove", "foxglove.SceneUpdate"):
+        assert message.entities[0].lifetime.ToNanoseconds() == 2_000 * MS

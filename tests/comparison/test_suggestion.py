@@ -1,0 +1,85 @@
+"""Limits that are suggested from good runs."""
+
+import copy
+from typing import Any, Final
+
+import pytest
+
+from dogbot_logtool.comparison.judge import Status, judge, worst
+from dogbot_logtool.comparison.limits import parse_limits
+from dogbot_logtool.comparison.suggestion import suggest_limits
+
+
+def run(duty: float = 0.7, slip_m: float = 0.001, code: str = "") -> dict[str, Any]:
+    """Return the figures of a run with two feet."""
+    foot = {
+        "duty_factor": {"median": duty},
+        "stride_period_s": {"median": 1.1},
+        "stride_length_m": {"median": 0.3},
+        "peak_force_bw": {"median": 0.6},
+        "slip_m": {"max": slip_m},
+    }
+    return {
+        "findings": [{"code": code, "text": "", "where": ""}] if code else [],
+        "feet": {"left": foot, "right": copy.deepcopy(foot)},
+        "gait": {"class": "trot", "class_distance": 0.01},
+        "forces": {
+            "load_share": {"feet": {"left": 0.5, "right": 0.5}},
+            "vertical_impulse_over_weight": 1.0,
+        },
+        "stability": {"static_margin_m": {"min": 0.05}},
+    }
+
+
+GOOD: Final = (run(0.700), run(0.703), run(0.698))
+NAMES: Final = ("a.bag", "b.bag", "c.bag")
+
+
+def verdict(log: dict[str, Any]) -> Status:
+    rules = parse_limits(suggest_limits(GOOD, NAMES), "suggested")
+    return worst(judge(log, rules, None))
+
+
+@pytest.mark.parametrize("log", GOOD)
+def test_the_good_runs_pass(log: dict[str, Any]) -> None:
+    assert verdict(log) is Status.GOOD
+
+
+@pytest.mark.parametrize(
+    "bad", [run(0.63), run(slip_m=0.01), run(code="W_DEAD"), run(code="E_UNREADABLE")]
+)
+def test_a_bad_run_fails(bad: dict[str, Any]) -> None:
+    assert verdict(bad) is Status.FAIL
+
+
+def test_another_gait_fails() -> None:
+    other = run()
+    other["gait"]["class"] = "walk"
+    assert verdict(other) is Status.FAIL
+
+
+def test_feet_that_are_alike_share_a_rule() -> None:
+    text = suggest_limits(GOOD, NAMES)
+    assert 'figure = "feet.*.duty_factor.median"' in text
+    assert "feet.left" not in text
+
+
+def test_feet_that_differ_have_a_rule_each() -> None:
+    log = run()
+    log["feet"]["left"]["duty_factor"]["median"] = 0.9
+    text = suggest_limits([log], ["a.bag"])
+
+    assert 'figure = "feet.left.duty_factor.median"\nbetween = [0.855, 0.945]' in text
+    assert 'figure = "feet.right.duty_factor.median"\nbetween = [0.665, 0.735]' in text
+
+
+def test_what_a_run_does_not_have_gets_no_rule() -> None:
+    log = run()
+    log["stability"] = None
+    assert "stability" not in suggest_limits([log, run()], ["a.bag", "b.bag"])
+
+
+def test_a_warning_that_a_good_run_has_is_no_failure() -> None:
+    log = run(code="W_DEAD")
+    rules = parse_limits(suggest_limits([log], ["a.bag"]), "suggested")
+    assert worst(judge(log, rules, None)) is Status.GOOD

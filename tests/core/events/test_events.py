@@ -1,0 +1,235 @@
+"""Planted events are found where they were planted, and none where none was."""
+
+from collections.abc import Iterator
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from dogbot_logtool.core.events.event import STEPS, Event, EventType
+from dogbot_logtool.core.events.events import find_events
+from dogbot_logtool.core.statistics import Stats
+from tests.truth import gaits, planted, scenes, time_faults, world_faults
+from tests.truth import sensor_faults as sensor
+from tests.truth.core_columns import measure, stats_settings
+from tests.truth.recording import Disturbance, Recording, disturbed
+from tests.truth.robots import biped
+from tests.truth.scenes import Scene
+from tests.truth.sequences import then
+from tests.truth.walking import Walk
+
+RATE_HZ = 250.0
+SAMPLE_S = 1.0 / RATE_HZ
+WITHIN_S = 0.02
+FRONT_RIGHT = 1
+
+
+def walk(*changes: Disturbance, **of: object) -> Recording:
+    return disturbed(Walk(seconds=12.0, **of).recorded(RATE_HZ), *changes)  # type: ignore[arg-type]
+
+
+def odd_events(recording: Recording, stats: Stats | None = None) -> list[tuple[float, Event]]:
+    """All events but touchdowns and lift-offs, with their onsets in seconds."""
+    stats = stats or measure(recording)
+    return [
+        ((each.onset - stats.origin) / 1e9, each)
+        for each in find_events(stats)
+        if each.type not in STEPS
+    ]
+
+
+def swing_of(foot: int, number: int, **of: object) -> tuple[float, float]:
+    """Begin and end of a swing."""
+    truth = Walk(seconds=12.0, **of)  # type: ignore[arg-type]
+    liftoff = truth.liftoffs(foot)[number]
+    touchdowns = truth.touchdowns(foot)
+    return float(liftoff), float(touchdowns[touchdowns > liftoff][0])
+
+
+def test_every_touchdown_and_lift_off_is_an_event() -> None:
+    recording = walk()
+    stats = measure(recording)
+    for kind, key in (
+        (EventType.TOUCHDOWN, "touchdown_s"),
+        (EventType.LIFT_OFF, "liftoff_s"),
+    ):
+        for foot, truth in enumerate(recording.truth.feet):
+            found = [
+                (each.onset - stats.origin) / 1e9
+                for each in find_events(stats)
+                if each.type is kind and each.foot == foot
+            ]
+            assert found == pytest.approx(list(getattr(truth, key)), abs=0.012)
+
+
+def clean() -> Iterator[Recording]:
+    yield walk()
+    yield walk(gait=gaits.WALK, period_s=1.1)
+    yield walk(gait=gaits.ROTARY_GALLOP, period_s=0.5, speed_mps=2.0)
+    yield walk(gait=gaits.BIPED_WALK, robot=biped(80.0), period_s=1.2)
+    yield walk(slope_rad=0.3)
+    yield walk(world_faults.pose_noise(0.002))
+    yield walk(slip_m=0.004)
+
+
+@pytest.mark.parametrize("recording", list(clean()))
+def test_clean_walks_have_no_odd_events(recording: Recording) -> None:
+    assert odd_events(recording) == []
+
+
+@pytest.mark.parametrize(
+    "scene",
+    [
+        scenes.standing(),
+        scenes.shifting_weight(),
+        scenes.crouching(),
+        scenes.sitting_down(),
+        scenes.standing_up(),
+        scenes.rolling(),
+    ],
+)
+def test_scenes_without_an_event_have_none(scene: Scene) -> None:
+    assert odd_events(scene.recorded(RATE_HZ)) == []
+
+
+@pytest.mark.parametrize("rolling_m", [None, 0.0, 0.01])
+@pytest.mark.parametrize("metres", [0.01, 0.05])
+def test_a_slip_is_found_within_20_ms(metres: float, rolling_m: float | None) -> None:
+    _, lands = swing_of(FRONT_RIGHT, 6)
+    at = lands + 0.25
+    recording = walk(planted.slip("front_right", at, metres))
+    stats = measure(recording, stats_settings(recording, foot_rolling_m=rolling_m))
+    [(onset, slip)] = odd_events(recording, stats)
+    assert slip.type is EventType.SLIP
+    assert slip.foot == FRONT_RIGHT
+    assert onset == pytest.approx(at, abs=WITHIN_S)
+    assert slip.duration / 1e9 == pytest.approx(0.04, abs=WITHIN_S)
+    assert slip.value == pytest.approx(metres, abs=1e-6)
+
+
+@pytest.mark.parametrize("share", [0.3, 0.5, 0.6])
+def test_a_stumble_is_found_within_20_ms(share: float) -> None:
+    leaves, lands = swing_of(FRONT_RIGHT, 6)
+    at = leaves + share * (lands - leaves)
+    [(onset, stumble)] = odd_events(walk(planted.contact("front_right", at, at + 0.05)))
+    assert stumble.type is EventType.STUMBLE
+    assert stumble.foot == FRONT_RIGHT
+    assert onset == pytest.approx(at, abs=WITHIN_S)
+    assert stumble.duration / 1e9 == pytest.approx(0.05, abs=WITHIN_S)
+    assert stumble.value == pytest.approx(share, abs=0.05)
+
+
+def test_a_foot_that_lands_early_and_stays_is_an_early_contact() -> None:
+    leaves, lands = swing_of(FRONT_RIGHT, 6)
+    at = leaves + 0.5 * (lands - leaves)
+    [(onset, early)] = odd_events(walk(planted.contact("front_right", at)))
+    assert early.type is EventType.EARLY_CONTACT
+    assert onset == pytest.approx(at, abs=WITHIN_S)
+    assert early.value == pytest.approx(lands - at, abs=WITHIN_S)
+
+
+@pytest.mark.parametrize("end", [0.0, 1.0])
+def test_a_bounce_at_either_end_of_a_swing_is_no_event(end: float) -> None:
+    leaves, lands = swing_of(FRONT_RIGHT, 6)
+    at = leaves + 0.03 if end == 0.0 else lands - 0.06
+    assert odd_events(walk(planted.contact("front_right", at, at + 0.03))) == []
+
+
+def test_a_fall_is_found_within_300_ms() -> None:
+    recording = then(walk(), scenes.falling().recorded(RATE_HZ))
+    [(onset, fall)] = [each for each in odd_events(recording) if each[1].type is EventType.FALL]
+    assert onset == pytest.approx(recording.truth.falls_s[0], abs=0.3)
+    assert fall.code == "W_FALL"
+
+
+def test_being_carried_is_found_with_its_height() -> None:
+    recording = scenes.carried().recorded(RATE_HZ)
+    [(onset, event)] = odd_events(recording)
+    start, end = recording.truth.carried_s[0]
+    assert event.type is EventType.CARRIED
+    assert onset == pytest.approx(start, abs=0.03)
+    assert event.duration / 1e9 == pytest.approx(end - start, abs=0.06)
+    assert event.value == pytest.approx(0.55, abs=0.05)
+
+
+TROT = Walk(seconds=12.0)
+SLOW = Walk(gait=gaits.WALK, seconds=9.0, period_s=1.0)
+
+
+@pytest.mark.parametrize(
+    ("first", "second", "code"),
+    [
+        (TROT, SLOW, "trot>walk"),
+        (TROT, Walk(seconds=9.0, period_s=0.5), "trot>trot"),
+        (TROT, scenes.standing(), "trot>stand"),
+        (scenes.standing(), TROT, "stand>trot"),
+    ],
+)
+def test_a_change_of_the_gait_is_found_within_a_stride(
+    first: Walk | Scene, second: Walk | Scene, code: str
+) -> None:
+    recording = then(first.recorded(RATE_HZ), second.recorded(RATE_HZ))
+    events = odd_events(recording)
+    # Where recordings are joined, feet that are down are suddenly elsewhere.
+    [(onset, change)] = [each for each in events if each[1].type is not EventType.SLIP]
+    assert change.type is EventType.GAIT_CHANGE
+    assert change.code == code
+    assert onset == pytest.approx(first.seconds, abs=0.8)
+
+
+def test_a_jump_of_the_pose_is_found() -> None:
+    [(onset, jump)] = odd_events(walk(world_faults.jump(4.0, (1.0, 0.5, 0.0))))
+    assert jump.type is EventType.POSE_JUMP
+    assert onset == pytest.approx(4.0, abs=WITHIN_S)
+    assert jump.value == pytest.approx(float(np.hypot(1.0, 0.5)), abs=0.01)
+
+
+def test_a_gap_of_one_foot_is_found() -> None:
+    [(onset, gap)] = odd_events(walk(time_faults.silent_between(3.0, 5.0, "back_left")))
+    assert gap.type is EventType.GAP
+    assert gap.foot == 2
+    assert onset == pytest.approx(3.0, abs=2.0 * SAMPLE_S)
+    assert gap.value == pytest.approx(2.0, abs=3.0 * SAMPLE_S)
+
+
+def test_tipping_is_found_where_the_recording_ends() -> None:
+    events = odd_events(scenes.tipping().recorded(RATE_HZ))
+    [(onset, tipping)] = [each for each in events if each[1].type is EventType.TIPPING]
+    assert onset == pytest.approx(7.0, abs=0.3)
+    assert abs(tipping.value or 0.0) == pytest.approx(0.35, abs=0.01)
+
+
+@pytest.mark.parametrize(
+    ("fault", "code"),
+    [
+        (sensor.stuck(60.0, "front_right"), "W_STUCK"),
+        (sensor.saturated(80.0), "W_SATURATED"),
+        (sensor.spikes(2000.0, 3.0), "W_SPIKES"),
+    ],
+)
+def test_a_sensor_at_fault_is_found(fault: Disturbance, code: str) -> None:
+    if code == "W_STUCK":
+        fault = both(fault, always_touching)
+    found = [
+        e for _, e in odd_events(walk(fault, traction=0.0)) if e.type is EventType.SENSOR_FAULT
+    ]
+    assert {each.code for each in found} == {code}
+
+
+def both(first: Disturbance, second: Disturbance) -> Disturbance:
+    return lambda recording: second(first(recording))
+
+
+def always_touching(recording: Recording) -> Recording:
+    return recording.each_foot(
+        lambda _, foot: replace(foot, touching=np.ones_like(foot.touching)), "front_right"
+    )
+
+
+def test_a_base_outside_its_polygon_is_found_with_the_least_margin() -> None:
+    forward = scenes.through((3.0, 0.0), (3.5, 0.4), (4.5, 0.4), (5.0, 0.0))
+    events = odd_events(Scene(scenes.STILL, forward=forward).recorded(RATE_HZ))
+    [(onset, margin)] = [e for e in events if e[1].type is EventType.MARGIN_BELOW_ZERO]
+    assert 3.0 < onset < 3.5
+    assert margin.value == pytest.approx(-0.1, abs=0.005)
+    assert 1.0 < margin.duration / 1e9 < 2.0

@@ -1,0 +1,132 @@
+"""Braking, propulsion and curves of a foot whose force is known in closed form."""
+
+import numpy as np
+import pytest
+
+from dogbot_logtool.core.base.base_history import BaseHistory, BaseRecorder
+from dogbot_logtool.core.base.odometry import Odometry
+from dogbot_logtool.core.contact.foot_history import FootHistory
+from dogbot_logtool.core.gait.cycle_curves import (
+    CycleCurve,
+    force_curves,
+    fore_aft_impulses,
+    forward_forces,
+)
+from dogbot_logtool.core.gait.strides import strides_of
+from dogbot_logtool.core.geometry import timespans
+from dogbot_logtool.core.geometry.arrays import Floats
+from dogbot_logtool.core.geometry.clock import TimeSource
+from tests.core.load.feet import DUTY, PERIOD_S, RATE_HZ, RULE, foot, seconds, stance_phase
+
+TOP_N = 120.0
+FORE_AFT_N = 30.0
+STANCE_S = PERIOD_S * DUTY
+TIME = seconds(8.0)
+
+
+def heading_base(yaw: float, time: Floats = TIME) -> BaseHistory:
+    count = len(time)
+    stamp = 1_000_000_000 + np.round(time * 1e9).astype(np.int64)
+    turn = np.tile([0.0, 0.0, np.sin(yaw / 2.0), np.cos(yaw / 2.0)], (count, 1))
+    still = np.zeros((count, 3))
+    recorder = BaseRecorder(TimeSource.HEADER)
+    recorder.add(Odometry(stamp, stamp, still, turn, still, still))
+    return recorder.finish()
+
+
+def walking_foot(yaw: float, lateral_n: float = 0.0, *, world: bool = True) -> FootHistory:
+    """A foot that brakes in the first half of its stance and propels in the second one.
+
+    Args:
+        yaw: rad, where forward is.
+        lateral_n: N, amplitude of a force to the left.
+        world: whether its forces are in the world frame.
+    """
+    stance = stance_phase(TIME, 0.0)
+    forward = -FORE_AFT_N * np.sin(2.0 * np.pi * stance)
+    left = lateral_n * np.sin(np.pi * stance)
+    x = forward * np.cos(yaw) - left * np.sin(yaw)
+    y = forward * np.sin(yaw) + left * np.cos(yaw)
+    force = np.stack([x, y, TOP_N * np.sin(np.pi * stance)], axis=1)
+    return foot(TIME, np.where((stance < 1.0)[:, None], force, 0.0), world=world)
+
+
+@pytest.mark.parametrize("yaw", [0.0, 0.7, 2.5, -1.6])
+@pytest.mark.parametrize("lateral_n", [0.0, 40.0])
+def test_braking_and_propulsion_are_the_halves_of_a_sine(yaw: float, lateral_n: float) -> None:
+    record = walking_foot(yaw, lateral_n)
+    forward = forward_forces(record, heading_base(yaw), "+x")
+    found = fore_aft_impulses(forward, record.stances)
+    whole = record.stances.whole
+    # The integral of a half sine is 2 / pi of its height times its duration.
+    expected = 2.0 / np.pi * FORE_AFT_N * STANCE_S / 2.0
+    assert found.braking[whole] == pytest.approx(expected, rel=0.01)
+    assert found.propulsive[whole] == pytest.approx(expected, rel=0.01)
+
+
+def test_the_forward_axis_is_the_robots_own() -> None:
+    record = walking_foot(np.pi / 2.0)
+    expected = forward_forces(record, heading_base(np.pi / 2.0), "+x")
+    assert forward_forces(record, heading_base(0.0), "+y") == pytest.approx(expected, abs=1e-9)
+    backwards = forward_forces(record, heading_base(0.0), "-y")
+    assert backwards == pytest.approx(-expected, abs=1e-9)
+
+
+def test_parts_add_up_to_the_vertical_impulse() -> None:
+    record = walking_foot(0.3)
+    stances, vertical = record.stances, record.stance_forces[:, 2]
+    impulse = vertical.mean(axis=1) * stances.duration_s
+    assert impulse[stances.whole] == pytest.approx(
+        stances.figures.vertical_impulse_ns[stances.whole], rel=1e-3
+    )
+
+
+def test_without_heading_or_direction_nothing_is_known() -> None:
+    record = walking_foot(0.0)
+    early = heading_base(0.0, TIME[TIME < 2.0])
+    late = record.stances.touchdown > 4_000_000_000
+    assert np.isnan(forward_forces(record, early, "+x")[late]).all()
+    hidden = walking_foot(0.0, world=False)
+    forward = forward_forces(hidden, heading_base(0.0), "+x")
+    strides = strides_of(hidden.stances, hidden.gaps, timespans.no_spans())[0]
+    curves = force_curves(hidden.stance_forces[:, 2], forward, hidden.stances, strides)
+    assert (curves.vertical_over_stance, curves.forward_over_stride) == (None, None)
+
+
+def value_at(curve: CycleCurve | None, percent: float) -> float:
+    assert curve is not None
+    return float(np.interp(percent, curve.percent, curve.median))
+
+
+def test_curves_follow_the_force_over_stance_and_stride() -> None:
+    record = walking_foot(0.4)
+    forward = forward_forces(record, heading_base(0.4), "+x")
+    strides = strides_of(record.stances, record.gaps, timespans.no_spans())[0]
+    curves = force_curves(record.stance_forces[:, 2], forward, record.stances, strides)
+    # Contact begins where the force reaches the threshold.
+    late = np.arcsin(RULE.on_n / TOP_N) / np.pi + 0.5 / (RATE_HZ * STANCE_S)
+    for percent in (10.0, 30.0, 50.0, 90.0):
+        stance = late + percent / 100.0 * (1.0 - late)
+        vertical, along = np.sin(np.pi * stance), -np.sin(2.0 * np.pi * stance)
+        at_stride = percent * DUTY * (1.0 - late)
+        near = pytest.approx(TOP_N * vertical, abs=0.05 * TOP_N)
+        assert value_at(curves.vertical_over_stance, percent) == near
+        near = pytest.approx(TOP_N * vertical, abs=0.1 * TOP_N)
+        assert value_at(curves.vertical_over_stride, at_stride) == near
+        near = pytest.approx(FORE_AFT_N * along, abs=0.1 * FORE_AFT_N)
+        assert value_at(curves.forward_over_stance, percent) == near
+    assert value_at(curves.vertical_over_stride, 80.0) == 0.0
+
+
+def test_quartiles_are_those_of_the_stances() -> None:
+    """Every other stance is a fifth heavier."""
+    stance = stance_phase(TIME, 0.0)
+    heavier = 1.0 + 0.2 * (np.floor((TIME - 0.002) / PERIOD_S) % 2.0)
+    record = foot(TIME, np.where(stance < 1.0, heavier * TOP_N * np.sin(np.pi * stance), 0.0))
+    forward = forward_forces(record, heading_base(0.0), "+x")
+    strides = strides_of(record.stances, record.gaps, timespans.no_spans())[0]
+    curve = force_curves(
+        record.stance_forces[:, 2], forward, record.stances, strides
+    ).vertical_over_stance
+    assert curve is not None
+    assert curve.upper[12] / curve.lower[12] == pytest.approx(1.2, abs=0.01)

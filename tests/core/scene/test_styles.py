@@ -1,0 +1,87 @@
+"""The registry of arrow styles: what the design says of each, and that one row adds a style."""
+
+import subprocess
+import sys
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from dogbot_logtool.commands.convert import convert
+from dogbot_logtool.core.scene import arrows
+from dogbot_logtool.core.scene.arrows import ArrowCounts, ArrowInput, Arrows, pressure_arrows
+from dogbot_logtool.core.scene.styles import ARROW_STYLES, DEFAULT_STYLE, ArrowStyle
+from dogbot_logtool.pipeline.options import ConvertOptions
+from tests.paths import SAMPLE_LOGS
+
+TROT = SAMPLE_LOGS / "dogbot_trot.bag"
+
+
+def test_the_styles_of_the_design() -> None:
+    described = {
+        name: (style.lifetime_s, style.shaft_diameter_m, style.draws_support)
+        for name, style in ARROW_STYLES.items()
+    }
+    assert described == {
+        "classic": (0.0, 0.1, False),
+        "pressure": (0.5, None, True),
+        "force": (0.5, None, True),
+    }
+    assert DEFAULT_STYLE == "pressure"
+
+
+def test_only_arrows_along_the_force_need_directions() -> None:
+    assert [name for name, style in ARROW_STYLES.items() if style.needs_directions] == ["force"]
+
+
+def test_only_classic_is_made_of_contact_states() -> None:
+    from_states = [name for name, style in ARROW_STYLES.items() if style.needs_contact_states]
+    assert from_states == ["classic"]
+
+
+@pytest.mark.parametrize("name", ARROW_STYLES)
+def test_every_style_computes_its_own_arrows(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    called: list[str] = []
+    for each in ARROW_STYLES:
+
+        def stand_in(*_: object, each: str = each, **__: object) -> tuple[Arrows, ArrowCounts]:
+            called.append(each)
+            return arrows.no_arrows(), ArrowCounts()
+
+        monkeypatch.setattr(arrows, f"{each}_arrows", stand_in)
+    given = ArrowInput(
+        samples=None,  # type: ignore[arg-type]
+        contacts=object(),  # type: ignore[arg-type]
+        force_in_world=False,
+        body_weight_n=None,
+        newtons_per_metre=100.0,
+    )
+    ARROW_STYLES[name].compute(given)
+    assert called == [name]
+
+
+def test_classic_without_contact_states_draws_nothing() -> None:
+    given = ArrowInput(None, None, False, None, 100.0)  # type: ignore[arg-type]  # noqa: FBT003
+    drawn, counts = ARROW_STYLES["classic"].compute(given)
+    assert (len(drawn.foot), counts) == (0, ArrowCounts())
+
+
+def test_a_row_is_all_that_a_style_needs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def short(given: ArrowInput) -> tuple[Arrows, ArrowCounts]:
+        drawn, counts = pressure_arrows(given.samples, given.newtons_per_metre)
+        return replace(drawn, length=drawn.length / 2.0), counts
+
+    monkeypatch.setitem(ARROW_STYLES, "short", ArrowStyle("short", "half as long", short))
+    options = ConvertOptions(style="short", copy=False, end_s=0.5)
+    done = convert(TROT, tmp_path / "short.mcap", options)
+    whole = convert(TROT, tmp_path / "whole.mcap", replace(options, style="pressure"))
+    assert done.annotations == whole.annotations
+    assert done.annotations["/marker_basic_front_left_foot"] > 100
+    assert (tmp_path / "short.mcap").read_bytes() != (tmp_path / "whole.mcap").read_bytes()
+
+
+def test_the_registry_loads_nothing_heavy() -> None:
+    script = "import sys, dogbot_logtool.core.scene.styles; print('numpy' in sys.modules)"
+    words = [sys.executable, "-c", script]
+    done = subprocess.run(words, capture_output=True, text=True, check=True)  # noqa: S603
+    assert done.stdout.strip() == "False"

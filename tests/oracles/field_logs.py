@@ -1,0 +1,87 @@
+"""Logs whose feet are fields of messages of types that nobody knows."""
+
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import Any, Final
+
+import numpy as np
+from rosbags.typesys import get_types_from_msg
+
+from tests.oracles import walks
+
+DEFINITIONS: Final = {
+    "odd_msgs/msg/Reading": "float32 value\n",
+    "odd_msgs/msg/LoadCell": "uint32 rows\nuint32 cols\nfloat32[] data\n",
+    "odd_msgs/msg/Touch": "bool is_down\n",
+    "odd_msgs/msg/Leg": "string name\nint16 counts\ngeometry_msgs/Vector3 force\nfloat32[] cells\n",
+    "odd_msgs/msg/State": (
+        "std_msgs/Header header\nodd_msgs/Leg[] legs\nfloat64[4] loads\nuint8[] flags\n"
+        "geometry_msgs/Wrench left\ngeometry_msgs/Wrench right\n"
+    ),
+}
+RATE_HZ: Final = 100
+DURATION_S: Final = 12.0
+PERIOD_S: Final = 1.0
+DUTY: Final = 0.6
+START_NS: Final = 1_700_000_000_000_000_000
+WEIGHT_N: Final = 30.0
+
+
+def odd_walk(ros: int = 2) -> walks.Walk:
+    """Return a maker of messages that knows the odd types."""
+    walk = walks.Walk(ros)
+    for name, text in DEFINITIONS.items():
+        walk.store.register(get_types_from_msg(text, name))
+    return walk
+
+
+def is_down(time_s: float, foot: int) -> bool:
+    """Tell whether a foot of a tripod gait is down: feet 0, 2, 4 against 1, 3, 5."""
+    return (time_s / PERIOD_S - foot % 2 * 0.5) % 1.0 < DUTY
+
+
+def load_n(time_s: float, foot: int) -> float:
+    """Return the load of a foot of six: all that are down share the weight."""
+    down = sum(is_down(time_s, each) for each in range(6))
+    return WEIGHT_N / down if is_down(time_s, foot) else 0.0
+
+
+def six_feet(path: Path, kind: str = "odd_msgs/msg/Reading") -> Path:
+    """Write six feet on unusual topics, with temperatures of the same type beside them."""
+    walk = odd_walk()
+    walks.write_mcap(path, walk, list(_six_feet(walk, kind)))
+    return path
+
+
+def load_cell(path: Path, rows: int) -> Path:
+    """Write one six-axis force sensor below a walking robot: rows of Fx, Fy, Fz, Tx, Ty, Tz."""
+    walk, kind = odd_walk(), "odd_msgs/msg/LoadCell"
+    random = np.random.default_rng(3)
+    entries = []
+    for sample in range(1200):
+        swing = np.sin(2.0 * np.pi * sample / 100.0 + np.arange(6))
+        data = (swing * [3, 3, 10, 0.5, 0.5, 0.5] + random.normal(0, 0.1, (rows, 6))).ravel()
+        fields = {"rows": rows, "cols": 6, "data": data.astype(np.float32)}
+        entries.append(_entry(walk, "/load_cell", kind, START_NS + sample * 10_000_000, fields))
+    walks.write_mcap(path, walk, entries)
+    return path
+
+
+def _six_feet(walk: walks.Walk, kind: str) -> Iterator[walks.Entry]:
+    for sample in range(round(DURATION_S * RATE_HZ)):
+        time_s = sample / RATE_HZ
+        time = START_NS + round(time_s * 1e9)
+        for foot in range(6):
+            down = is_down(time_s, foot)
+            value = {"is_down": down} if kind.endswith("Touch") else {"value": load_n(time_s, foot)}
+            yield _entry(walk, f"/crawler/strut_{foot + 1}/tip_load", kind, time, value)
+            warm = {"value": 40.0 + foot + sample * 1e-3}
+            yield _entry(
+                walk, f"/crawler/strut_{foot + 1}/motor_temp", "odd_msgs/msg/Reading", time, warm
+            )
+
+
+def _entry(
+    walk: walks.Walk, topic: str, kind: str, time: int, fields: Mapping[str, Any]
+) -> walks.Entry:
+    return walks.Entry(topic, kind, time, walk.bytes_of(kind, walk.make(kind, **fields)))

@@ -1,0 +1,108 @@
+"""Messages of logs as the containers' own libraries and rosbags read them."""
+
+from collections import defaultdict
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+from mcap.reader import make_reader
+from rosbags.rosbag1 import Reader as BagReader
+from rosbags.typesys import Stores, get_types_from_msg, get_typestore
+
+FEET = ("front_left", "front_right", "back_left", "back_right")
+ODOMETRY = "/dogbot/odom"
+BODY_WEIGHT_N = 21.261 * 9.81
+S = 1_000_000_000
+ODOMETRY_TYPE = "nav_msgs/msg/Odometry"
+CONTACTS_TYPE = "gazebo_msgs/msg/ContactsState"
+TF_TYPE = "tf2_msgs/msg/TFMessage"
+TEXT_TYPE = "std_msgs/msg/String"
+DESCRIPTION = "/robot_description"
+
+
+def contact_topic(foot: str) -> str:
+    return f"/dogbot/{foot}_contactsensor_state"
+
+
+def arrow_topic(foot: str) -> str:
+    return f"/marker_basic_{foot}_foot"
+
+
+def load_topic(foot: str) -> str:
+    return f"/load/{foot}"
+
+
+def label_topic(foot: str) -> str:
+    return f"/label/{foot}"
+
+
+@dataclass(frozen=True, slots=True)
+class Recorded:
+    """A message as its container's own library reads it."""
+
+    topic: str
+    type_name: str
+    definition: str
+    log_time: int
+    publish_time: int
+    sequence: int
+    data: bytes
+
+
+def read_bag(path: Path) -> list[Recorded]:
+    with BagReader(path) as reader:
+        return [
+            Recorded(c.topic, c.msgtype, c.msgdef.data, log_time, log_time, 0, data)
+            for c, log_time, data in reader.messages()
+        ]
+
+
+def read_mcap(path: Path) -> list[Recorded]:
+    with path.open("rb") as stream:
+        return [
+            Recorded(
+                channel.topic,
+                schema.name if schema else "",
+                schema.data.decode("utf-8", "replace") if schema else "",
+                message.log_time,
+                message.publish_time,
+                message.sequence,
+                message.data,
+            )
+            for schema, channel, message in make_reader(stream, validate_crcs=True).iter_messages()
+        ]
+
+
+@cache
+def read_log(path: Path) -> list[Recorded]:
+    """Return a log's messages in the order of their log times."""
+    return read_bag(path) if path.suffix == ".bag" else read_mcap(path)
+
+
+@dataclass(frozen=True, slots=True)
+class Decoded:
+    log_time: int
+    message: Any
+
+
+@cache
+def decoded_log(path: Path) -> dict[str, list[Decoded]]:
+    """Decode a log's messages by topic; those of ROS 1 in the order in which they were sent."""
+    store = get_typestore(Stores.EMPTY)
+    topics: dict[str, list[Decoded]] = defaultdict(list)
+    ros1 = path.suffix == ".bag"
+    decode = store.deserialize_ros1 if ros1 else store.deserialize_cdr
+    known: set[str] = set()
+    for recorded in read_log(path):
+        if recorded.type_name not in known:
+            known.add(recorded.type_name)
+            types = get_types_from_msg(recorded.definition, recorded.type_name)
+            store.register({k: v for k, v in types.items() if k not in store.fielddefs})
+        message = decode(recorded.data, recorded.type_name)
+        topics[recorded.topic].append(Decoded(recorded.log_time, message))
+    if ros1:
+        for topic, messages in topics.items():
+            if topic in {ODOMETRY, *map(contact_topic, FEET)}:
+                messages.sort(key=lambda one: one.message.header.seq)
+    return dict(topics)

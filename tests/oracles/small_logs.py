@@ -1,0 +1,94 @@
+"""Small MCAP files of ROS 1 messages, byte by byte."""
+
+import os
+import struct
+from collections.abc import Sequence
+from pathlib import Path
+
+from mcap.writer import CompressionType
+from mcap.writer import Writer as McapWriter
+
+
+def string_log(path: Path, messages: Sequence[tuple[str, bytes]]) -> Path:
+    """Write an MCAP of std_msgs/String messages, one channel a topic."""
+    with path.open("wb") as stream:
+        writer = McapWriter(stream, compression=CompressionType.NONE)
+        writer.start(profile="ros1")
+        schema = writer.register_schema("std_msgs/String", "ros1msg", b"string data")
+        channels: dict[str, int] = {}
+        for number, (topic, data) in enumerate(messages):
+            if topic not in channels:
+                channels[topic] = writer.register_channel(topic, "ros1", schema)
+            payload = struct.pack("<I", len(data)) + data
+            writer.add_message(channels[topic], 10**9 + number, payload, 10**9 + number)
+        writer.finish()
+    return path
+
+
+ODOMETRY = b"""\
+std_msgs/Header header
+string child_frame_id
+geometry_msgs/PoseWithCovariance pose
+geometry_msgs/TwistWithCovariance twist
+================================================================================
+MSG: std_msgs/Header
+uint32 seq
+time stamp
+string frame_id
+================================================================================
+MSG: geometry_msgs/PoseWithCovariance
+Pose pose
+float64[36] covariance
+================================================================================
+MSG: geometry_msgs/TwistWithCovariance
+Twist twist
+float64[36] covariance
+================================================================================
+MSG: geometry_msgs/Pose
+Point position
+Quaternion orientation
+================================================================================
+MSG: geometry_msgs/Twist
+Vector3 linear
+Vector3 angular
+================================================================================
+MSG: geometry_msgs/Point
+float64 x
+float64 y
+float64 z
+================================================================================
+MSG: geometry_msgs/Vector3
+float64 x
+float64 y
+float64 z
+================================================================================
+MSG: geometry_msgs/Quaternion
+float64 x
+float64 y
+float64 z
+float64 w
+"""
+
+
+def odometry_log(path: Path, topic: str, *, filler: int = 0, cut: int = 0) -> Path:
+    """Write an MCAP of ten poses, megabytes of noise behind each, the last one cut short."""
+    noise = os.urandom(1 << 20)
+    with path.open("wb") as stream:
+        writer = McapWriter(stream, 1 << 19, CompressionType.NONE)
+        writer.start(profile="ros1")
+        schema = writer.register_schema("nav_msgs/Odometry", "ros1msg", ODOMETRY)
+        channel = writer.register_channel(topic, "ros1", schema)
+        other = writer.register_channel("/noise", "noise", 0)
+        for number in range(10):
+            seconds = 5 + number
+            payload = struct.pack("<III", number, seconds, 0)
+            for name in (b"world", b"base_link"):
+                payload += struct.pack("<I", len(name)) + name
+            payload += struct.pack("<7d", number, 0, 0, 0, 0, 0, 1) + bytes(8 * (36 + 6 + 36))
+            time_ns = seconds * 10**9
+            data = payload[: len(payload) - cut] if number == 9 else payload
+            writer.add_message(channel, time_ns, data, time_ns)
+            for _ in range(filler):
+                writer.add_message(other, time_ns, noise, time_ns)
+        writer.finish()
+    return path

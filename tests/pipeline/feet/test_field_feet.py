@@ -1,0 +1,198 @@
+"""Feet as fields of messages of any type, as a user meets them."""
+
+import json
+import shlex
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from tests import forked_cli
+from tests.oracles import walks
+from tests.oracles.field_logs import (
+    DUTY,
+    PERIOD_S,
+    WEIGHT_N,
+    is_down,
+    load_cell,
+    load_n,
+    odd_walk,
+    six_feet,
+)
+from tests.paths import ROOT
+
+STATE = "odd_msgs/msg/State"
+
+
+def command(printed: str) -> list[str]:
+    """The words after the program's name of the one command that was printed."""
+    lines = [line for line in printed.splitlines() if line.lstrip().startswith("dogbot-logtool ")]
+    assert len(lines) == 1
+    return shlex.split(lines[0])[1:]
+
+
+def figures(*words: object, folder: Path = ROOT) -> dict[str, Any]:
+    done = forked_cli.run("stats", *words, "--json", folder=folder)
+    assert done.returncode == 0, done.stderr
+    found: dict[str, Any] = json.loads(done.stdout)
+    return found
+
+
+def check_steps(found: dict[str, Any], tolerance_s: float = 0.011) -> None:
+    """Compare with what the walk was made of."""
+    assert len(found["feet"]) == 6
+    for foot in found["feet"].values():
+        assert foot["stance_s"]["median"] == pytest.approx(DUTY * PERIOD_S, abs=tolerance_s)
+        assert foot["stride_period_s"]["median"] == pytest.approx(PERIOD_S, abs=tolerance_s)
+        assert foot["contact_fraction"] == pytest.approx(DUTY, abs=0.01)
+    touchdowns = [foot["touchdown_s"][1] % PERIOD_S for foot in found["feet"].values()]
+    first, second = touchdowns[0], touchdowns[1]
+    assert touchdowns == pytest.approx([first, second] * 3, abs=tolerance_s)
+    assert abs(first - second) == pytest.approx(PERIOD_S / 2.0, abs=tolerance_s)
+
+
+@pytest.mark.parametrize("first", ["info", "stats"])
+@pytest.mark.parametrize("kind", ["odd_msgs/msg/Reading", "odd_msgs/msg/Touch"])
+def test_six_feet_on_unusual_topics_take_two_commands(
+    first: str, kind: str, tmp_path: Path
+) -> None:
+    six_feet(tmp_path / "crawl.mcap", kind)
+
+    shown = forked_cli.run(first, "crawl.mcap", folder=tmp_path)
+    written = forked_cli.run(*command(shown.stdout + shown.stderr), folder=tmp_path)
+    assert written.returncode == 0, written.stderr
+    found = figures(*command(written.stderr)[1:], folder=tmp_path)
+
+    check_steps(found)
+    if kind.endswith("Reading"):
+        loads = [foot["mean_force_n"]["median"] for foot in found["feet"].values()]
+        down = np.mean([sum(is_down(t, f) for f in range(6)) for t in np.arange(0.0, 1.0, 0.01)])
+        assert sum(loads) == pytest.approx(WEIGHT_N * 6 / down, rel=0.1)
+
+
+def test_the_written_file_gives_the_result_of_the_log_without_it(tmp_path: Path) -> None:
+    log = Path("sample_logs/dogbot_trot.bag").resolve()
+    file = tmp_path / "again.toml"
+    assert forked_cli.run("robots", "new", log, "-o", file).returncode == 0
+    without, with_file = figures(log), figures(log, "--robot", file)
+    assert with_file["feet"] == without["feet"]
+    assert with_file["base"] == without["base"]
+    assert with_file["settings"] == without["settings"]
+
+
+@pytest.fixture(scope="module", params=[1, 2])
+def states(tmp_path_factory: pytest.TempPathFactory, request: pytest.FixtureRequest) -> Path:
+    """One message of all feet: arrays of messages, of numbers, and wrenches."""
+    folder = tmp_path_factory.mktemp("states")
+    walk = odd_walk(request.param)
+    entries = []
+    for sample in range(1200):
+        loads = [load_n(sample / 100, foot) for foot in range(6)]
+        legs = [
+            walk.make(
+                "odd_msgs/msg/Leg",
+                name="x" * foot,
+                counts=int(load * 10) + 7,
+                force=walk.vector((0.0, 0.0, -load)),
+                cells=np.array([0.0] * foot + [load / 9.80665], np.float32),
+            )
+            for foot, load in enumerate(loads)
+        ]
+        message = walk.make(
+            STATE,
+            header=walk.header(sample, "world"),
+            legs=legs,
+            loads=np.array(loads[:4]),
+            flags=np.array([load > 0 for load in loads], np.uint8),
+            left=walk.wrench((0, 0, loads[0])),
+            right=walk.wrench((0, 0, loads[1])),
+        )
+        entries.append(walks.Entry("/state", STATE, walks.START + sample * 10_000_000,
+                                   walk.bytes_of(STATE, message)))  # fmt: skip
+    if request.param == 1:
+        path = folder / "states.bag"
+        walks._write_bag(path, walk, entries)
+    else:
+        path = folder / "states.mcap"
+        walks.write_mcap(path, walk, entries)
+    return path
+
+
+def loads_of(path: Path, *keys: str, feet: int = 6) -> dict[str, Any]:
+    """Measure with a robot's file whose feet have these keys; ``#`` is the foot's number."""
+    text = "".join(
+        f'[feet.f{foot}]\ntopic = "/state"\n' + "\n".join(keys).replace("#", str(foot)) + "\n"
+        for foot in range(feet)
+    )
+    file = path.with_name("robot.toml")
+    file.write_text(text, encoding="utf-8")
+    return figures(path, "--robot", file, "--time-source", "log")
+
+
+@pytest.mark.parametrize(
+    ("keys", "has_force"),
+    [
+        (('field = "legs[#].force"',), True),
+        (('field = "legs[#].force"', 'axis = "-z"'), True),
+        (('field = "legs[#].force.z"', 'sign = "-"'), True),
+        (('field = "legs[#].cells[#]"', 'unit = "kg"'), True),
+        (('field = "legs[#].counts"', 'kind = "force"', "offset = 7", "scale = 0.1"), True),
+        (('field = "legs[#].counts"', "threshold = 8"), False),
+        (('field = "flags[#]"',), False),
+    ],
+)
+def test_fields_become_the_loads_they_are(
+    states: Path, keys: tuple[str, ...], *, has_force: bool
+) -> None:
+    found = loads_of(states, *keys)
+    check_steps(found)
+    for foot in found["feet"].values():
+        if has_force:
+            # Alone on three feet, or with all six down.
+            assert foot["peak_force_n"]["median"] == pytest.approx(WEIGHT_N / 3, rel=0.02)
+        else:
+            assert foot["peak_force_n"] is None
+
+
+def test_a_fixed_array_on_the_command_line(states: Path) -> None:
+    words = [word for foot in range(4) for word in ("--foot", f"f{foot}=/state:loads[{foot}]")]
+    found = figures(states, *words, "--time-source", "log")
+    assert [foot["peak_force_n"]["median"] for foot in found["feet"].values()] == pytest.approx(
+        [WEIGHT_N / 3] * 4, rel=0.02
+    )
+
+
+@pytest.mark.parametrize(
+    ("word", "expected"),
+    [
+        ("/state:legs[0].forces", "nearest are legs[].force (geometry_msgs/Vector3)"),
+        ("/state:loads[4]", "the array has 4 elements"),
+        ("/state:loads", "say which element, as in loads[0]"),
+        ("/state:left", "nearest are left.force"),
+        ("/state:header[0]", "header is no array"),
+        ("/state:legs[0]..z", "is no path of a field"),
+        ("/stat:left.force", "did you mean /state?"),
+        ("/state", "A field of its messages can be named: /state:legs[].force"),
+    ],
+)
+def test_a_wrong_path_lists_what_there_is(states: Path, word: str, expected: str) -> None:
+    done = forked_cli.run("stats", states, "--foot", f"left={word}")
+    assert done.returncode == 2
+    assert expected in " ".join(done.stderr.split())
+
+
+def test_two_feet_need_two_fields(states: Path) -> None:
+    same = ["--foot", "a=/state:left.force", "--foot", "b=/state:left.force"]
+    done = forked_cli.run("stats", states, *same)
+    assert done.returncode == 2
+    assert "each needs a field of its own" in done.stderr
+
+
+@pytest.mark.parametrize("rows", [1, 20])
+def test_one_six_axis_sensor_is_not_taken_for_feet(rows: int, tmp_path: Path) -> None:
+    log = load_cell(tmp_path / "cell.mcap", rows)
+    done = forked_cli.run("info", log)
+    assert done.returncode == 0
+    assert "look like feet" not in done.stdout
+    assert forked_cli.run("robots", "new", log).returncode == 1

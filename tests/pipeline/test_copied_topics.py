@@ -1,0 +1,80 @@
+"""`convert --topics` and `--without`: what is copied, what stays, what is said."""
+
+from collections import Counter
+from pathlib import Path
+
+import pytest
+from mcap.reader import make_reader
+
+from dogbot_logtool.commands.convert import convert
+from dogbot_logtool.errors import CallError
+from dogbot_logtool.pipeline.options import ConvertOptions
+from tests.oracles import base_walks
+from tests.oracles.foot_logs import CONTACTS, write_log
+
+FEET = {"/feet/left/contact": CONTACTS, "/feet/right/contact": CONTACTS}
+
+
+def topics_of(path: Path) -> Counter[str]:
+    with path.open("rb") as stream:
+        return Counter(c.topic for _, c, _ in make_reader(stream).iter_messages())
+
+
+def channels_of(path: Path) -> set[str]:
+    with path.open("rb") as stream:
+        summary = make_reader(stream).get_summary()
+    assert summary is not None
+    return {channel.topic for channel in summary.channels.values()}
+
+
+@pytest.fixture
+def log(tmp_path: Path) -> Path:
+    return write_log(tmp_path / "walk.mcap", FEET, odometry=["/odom"], samples=200)
+
+
+def test_topics_are_left_out_and_annotations_stay(log: Path, tmp_path: Path) -> None:
+    whole, part = tmp_path / "whole.mcap", tmp_path / "part.mcap"
+    convert(log, whole, ConvertOptions())
+    done = convert(log, part, ConvertOptions(topics_left_out=("/feet/*",)))
+    expected = topics_of(whole)
+    for topic in FEET:
+        del expected[topic]
+    assert topics_of(part) == expected
+    assert channels_of(part) == channels_of(whole) - FEET.keys()
+    assert done.copied == 200
+    (said,) = [finding for finding in done.findings if finding.code == "N_TOPICS_LEFT_OUT"]
+    assert said.text.startswith("400 messages of topics left out of the copy: /feet/left/contact")
+
+
+def test_only_some_topics_are_copied(log: Path, tmp_path: Path) -> None:
+    target = tmp_path / "part.mcap"
+    options = ConvertOptions(copied_topics=("/odom", "/feet/*"), topics_left_out=("*/right/*",))
+    done = convert(log, target, options)
+    assert done.copied == 400
+    assert channels_of(target) >= {"/odom", "/feet/left/contact", "/tf"}
+    assert "/feet/right/contact" not in channels_of(target)
+    with target.open("rb") as stream:
+        (record,) = [m for m in make_reader(stream).iter_metadata() if "style" in m.metadata]
+    assert record.metadata["topics"] == "/odom /feet/*"
+    assert record.metadata["without"] == "*/right/*"
+
+
+def test_a_pattern_that_fits_nothing_is_a_warning(log: Path, tmp_path: Path) -> None:
+    target = tmp_path / "part.mcap"
+    done = convert(log, target, ConvertOptions(topics_left_out=("/camera/*",)))
+    (said,) = [finding for finding in done.findings if finding.code == "W_NO_SUCH_TOPICS"]
+    assert said.text == "--without /camera/* fits no topic of the log"
+    assert done.copied == 600
+
+
+def test_nothing_is_chosen_of_no_copy(log: Path, tmp_path: Path) -> None:
+    options = ConvertOptions(copy=False, copied_topics=("/odom",))
+    with pytest.raises(CallError, match="--no-copy"):
+        convert(log, tmp_path / "part.mcap", options)
+
+
+def test_transforms_that_are_left_out_are_written_anew(tmp_path: Path) -> None:
+    path = base_walks.write(tmp_path / "walk.mcap", "tf2_msgs/TFMessage", "/tf")
+    done = convert(path, tmp_path / "part.mcap", ConvertOptions(topics_left_out=("/tf",)))
+    assert done.plan.write_tf
+    assert done.annotations["/tf"] > 100

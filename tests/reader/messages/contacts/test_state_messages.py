@@ -1,0 +1,217 @@
+"""The synthetic walk in messages that tell of all feet: the same contacts, forces and arrows."""
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from mcap.reader import make_reader
+from mcap_ros2.decoder import DecoderFactory
+from rosbags.typesys import get_types_from_msg
+
+from dogbot_logtool.commands.convert import convert
+from dogbot_logtool.commands.info import describe
+from dogbot_logtool.commands.stats import measure
+from dogbot_logtool.pipeline.options import ConvertOptions, StatsOptions, TopicOptions
+from dogbot_logtool.report.stats_json import stats_json
+from tests.oracles import state_walks, walks
+from tests.oracles.state_walks import StateWalk
+from tests.reader.messages.contacts.test_sources import steps
+
+
+def written(folder: Path, kind: str, walk: StateWalk | None = None) -> Path:
+    """Write the walk into an MCAP file."""
+    walk = walk or StateWalk(2)
+    path = folder / "walk.mcap"
+    walks.write_mcap(path, walk, list(walk.messages(kind)))
+    return path
+
+
+def options(folder: Path, kind: str) -> TopicOptions:
+    """Return no options but a mass; raw sensors need the robot's file."""
+    if kind in state_walks.RAW:
+        return TopicOptions(robot=str(robot_file(folder)))
+    return TopicOptions(mass_kg=walks.MASS_KG)
+
+
+def robot_file(folder: Path) -> Path:
+    return walks.robot_file(folder, "unitree_go/msg/SportModeState")
+
+
+def figures(path: Path, topics: TopicOptions) -> dict[str, Any]:
+    done = measure(path, StatsOptions(topics))
+    return stats_json(done.stats, done.facts)
+
+
+def names_of(kind: str) -> dict[str, str]:
+    """Name of each foot, by the leg that it walks like."""
+    if kind.startswith("hrpsys"):
+        return {"front_left": "left", "front_right": "right"}
+    return {leg: leg for leg in walks.LEGS}
+
+
+@pytest.mark.parametrize("kind", state_walks.KINDS)
+def test_contact_times_are_those_of_the_walk(tmp_path: Path, kind: str) -> None:
+    got = figures(written(tmp_path, kind), options(tmp_path, kind))
+    assert set(got["feet"]) == set(names_of(kind).values())
+    for leg, name in names_of(kind).items():
+        touchdowns, liftoffs = steps(leg)
+        assert got["feet"][name]["touchdown_s"] == pytest.approx(touchdowns, abs=1e-6)
+        assert got["feet"][name]["liftoff_s"] == pytest.approx(liftoffs, abs=1e-6)
+    if not kind.startswith("hrpsys"):
+        assert got["gait"]["class"] == "trot"
+
+
+@pytest.mark.parametrize("kind", state_walks.WITH_FORCE)
+def test_forces_are_those_of_the_walk(tmp_path: Path, kind: str) -> None:
+    got = figures(written(tmp_path, kind), options(tmp_path, kind))
+    for leg in walks.LEGS:
+        vertical = walks.FORCES[leg][:, 2]
+        peak = got["feet"][leg]["peak_force_n"]
+        assert (peak["min"], peak["max"]) == pytest.approx((vertical.max(),) * 2, rel=2e-5)
+        impulse = got["feet"][leg]["vertical_impulse_ns"]
+        if kind in (*state_walks.IN_WORLD, "anymal_msgs/msg/AnymalState"):
+            times = np.arange(walks.SAMPLES) * walks.STEP / 1e9
+            assert impulse == pytest.approx(np.trapezoid(vertical, times), rel=1e-6)
+        else:
+            assert impulse is None
+
+
+@pytest.mark.parametrize("kind", state_walks.WITH_POINTS)
+def test_arrows_start_at_the_feet(tmp_path: Path, kind: str) -> None:
+    path, target = written(tmp_path, kind), tmp_path / "out.mcap"
+    convert(path, target, ConvertOptions(options(tmp_path, kind), encoding="ros2", copy=False))
+    drawn = 0
+    with target.open("rb") as stream:
+        reader = make_reader(stream, decoder_factories=[DecoderFactory()])
+        for _, channel, message, marker in reader.iter_decoded_messages():
+            leg = channel.topic.removeprefix("/marker_basic_").removesuffix("_foot")
+            sample = (message.log_time - walks.START) // walks.STEP
+            if leg not in walks.LEGS or marker.action != 0:
+                continue
+            assert walks.TOUCHES[leg][sample]
+            at = marker.pose.position
+            expected = state_walks.foot_position(leg, sample)
+            assert (at.x, at.y, at.z) == pytest.approx(expected, abs=1e-6)
+            assert marker.scale.x == pytest.approx(walks.FORCES[leg][sample, 2] / 100.0, rel=1e-6)
+            drawn += 1
+    assert drawn == sum(int(touch.sum()) for touch in walks.TOUCHES.values())
+
+
+@pytest.mark.parametrize("kind", state_walks.WITH_POINTS)
+def test_stride_length_comes_from_the_feet(tmp_path: Path, kind: str) -> None:
+    got = figures(written(tmp_path, kind), options(tmp_path, kind))
+    for leg in walks.LEGS:
+        length = got["feet"][leg]["stride_length_m"]
+        assert length["median"] == pytest.approx(0.003 * walks.PERIOD, abs=1e-5)
+        assert got["feet"][leg]["contact_travel_m"]["max"] == pytest.approx(0.0, abs=1e-5)
+
+
+@pytest.mark.parametrize("kind", state_walks.KINDS)
+def test_what_is_planned_is_called_planned(tmp_path: Path, kind: str) -> None:
+    told = describe(written(tmp_path, kind), TopicOptions())
+    (use,) = [topic.use for topic in told.topics if topic.topic == "/feet"]
+    said = "N_PLANNED" in {finding.code for finding in told.findings}
+    assert (use.startswith("planned feet "), said) == ((kind in state_walks.PLANNED),) * 2
+
+
+def test_measured_forces_are_taken_before_commanded_ones(tmp_path: Path) -> None:
+    kind, walk = "quad_msgs/msg/GRFArray", StateWalk(2)
+    entries = [
+        walks.Entry(topic, entry.kind, entry.log_time, entry.data)
+        for entry in walk.messages(kind)
+        for topic in (("/control/grfs", "/state/grfs") if entry.kind == kind else (entry.topic,))
+    ]
+    walks.write_mcap(tmp_path / "walk.mcap", walk, entries)
+    uses = {t.topic: t.use for t in describe(tmp_path / "walk.mcap", TopicOptions()).topics}
+    assert uses["/state/grfs"].startswith("feet ")
+    assert uses["/control/grfs"] == ""
+
+
+class Unflagged(StateWalk):
+    """A publisher that never sets its flags."""
+
+    def _flags(self, sample: int, legs: Any = walks.LEGS) -> Any:
+        return np.zeros_like(super()._flags(sample, legs))
+
+
+def test_flags_that_are_never_set_do_not_decide(tmp_path: Path) -> None:
+    path = written(tmp_path, state_walks.KINDS[0], Unflagged(2))
+    got = figures(path, TopicOptions(mass_kg=walks.MASS_KG))
+    assert "W_FLAGS_IGNORED" in {finding["code"] for finding in got["findings"]}
+    for leg in walks.LEGS:
+        assert got["feet"][leg]["touchdown_s"] == pytest.approx(steps(leg)[0], abs=1e-6)
+
+
+class Shifted(StateWalk):
+    """A plan whose flags end contact before the force does."""
+
+    def _flags(self, sample: int, legs: Any = walks.LEGS) -> Any:
+        return super()._flags(min(sample + 4, walks.SAMPLES - 1), legs)
+
+
+def test_flags_decide_contact_where_forces_say_otherwise(tmp_path: Path) -> None:
+    path = written(tmp_path, state_walks.KINDS[0], Shifted(2))
+    got = figures(path, TopicOptions(mass_kg=walks.MASS_KG))
+    assert "W_FLAGS_CONTRADICTED" in {finding["code"] for finding in got["findings"]}
+    for leg in walks.LEGS:
+        expected = [time - 0.04 for time in steps(leg)[0]]
+        assert got["feet"][leg]["touchdown_s"] == pytest.approx(expected, abs=1e-6)
+
+
+class Ballbot(StateWalk):
+    """A robot without legs that uses the same controller."""
+
+    def _ocs2_msgs(self, kind: str, sample: int) -> Any:
+        value = np.zeros(10, np.float32)
+        return self.make(
+            kind,
+            time=0.01 * sample,
+            state=self.make("ocs2_msgs/mpc_state", value=value),
+            input=self.make("ocs2_msgs/mpc_input", value=value[:3]),
+            mode=0,
+        )
+
+
+def test_an_observation_of_a_robot_without_legs_is_not_of_feet(tmp_path: Path) -> None:
+    path = written(tmp_path, "ocs2_msgs/msg/mpc_observation", Ballbot(2))
+    told = describe(path, TopicOptions())
+    assert not any("feet" in topic.use for topic in told.topics)
+
+
+def test_a_type_without_its_fields_is_not_of_feet(tmp_path: Path) -> None:
+    """Unitree's humanoids have a LowState without forces on feet."""
+    walk = StateWalk(2)
+    walk.store.register(
+        get_types_from_msg("uint32 tick\nfloat32[3] position", "unitree_hg/msg/LowState")
+    )
+    kind = "unitree_hg/msg/LowState"
+    message = walk.make(kind, tick=1, position=np.zeros(3, np.float32))
+    entry = walks.Entry("/lowstate", kind, walks.START, walk.bytes_of(kind, message))
+    walks.write_mcap(tmp_path / "log.mcap", walk, [entry])
+    told = describe(tmp_path / "log.mcap", TopicOptions())
+    assert [topic.use for topic in told.topics] == [""]
+    assert "W_NO_FEET" in {finding.code for finding in told.findings}
+
+
+def write_joint_foot(folder: Path, topic: str) -> Path:
+    kind, walk = "sensor_msgs/msg/JointState", StateWalk(2)
+    entries = [
+        walks.Entry(topic if e.kind == kind else e.topic, e.kind, e.log_time, e.data)
+        for e in walk.messages(kind)
+    ]
+    path = folder / "joints.mcap"
+    walks.write_mcap(path, walk, entries)
+    return path
+
+
+def test_efforts_of_joint_foot_are_feet(tmp_path: Path) -> None:
+    got = figures(write_joint_foot(tmp_path, "/hardware_a1/joint_foot"), TopicOptions())
+    for leg in walks.LEGS:
+        assert got["feet"][leg]["touchdown_s"] == pytest.approx(steps(leg)[0], abs=1e-6)
+        assert got["feet"][leg]["peak_force_n"] is None
+
+
+def test_other_joint_states_are_not_of_feet(tmp_path: Path) -> None:
+    told = describe(write_joint_foot(tmp_path, "/joint_states"), TopicOptions())
+    assert {t.topic: t.use for t in told.topics}["/joint_states"] == ""

@@ -1,0 +1,166 @@
+"""What a file is, is told by its first bytes."""
+
+import bz2
+import gzip
+import io
+import lzma
+import sqlite3
+import tarfile
+import zipfile
+from pathlib import Path
+
+import lz4.frame
+import pytest
+import zstandard
+
+from dogbot_logtool.errors import CallError, LogError
+from dogbot_logtool.reader.opening import open_log
+from tests.reader.bag_bytes import small_bag
+from tests.reader.mcap_bytes import small_mcap
+from tests.reader.reading import read_bytes, written_bag, written_mcap
+
+
+def test_the_suffix_does_not_matter(tmp_path: Path) -> None:
+    for name, data, container in [
+        ("walk.mcap", small_bag().build(), "ROS 1 bag"),
+        ("walk.bag.active", small_bag().build(), "ROS 1 bag"),
+        ("walk.bag", small_mcap().build(), "MCAP"),
+    ]:
+        path = tmp_path / name
+        path.write_bytes(data)
+        log = open_log(path)
+        assert log.container == container
+        log.close()
+
+
+@pytest.mark.parametrize("place", range(13))
+def test_a_damaged_magic_is_said(tmp_path: Path, place: int) -> None:
+    bag, mcap = small_bag(), small_mcap()
+    for data, written, size in [
+        (bag.build(), written_bag(bag), 13),
+        (mcap.build(), written_mcap(mcap), 8),
+    ]:
+        harmed = bytearray(data)
+        harmed[place % size] ^= 0x40
+        reading = read_bytes(tmp_path, bytes(harmed))
+        assert list(reading.messages) == written
+        assert reading.losses[0].what == "the file's first bytes are damaged"
+
+
+def test_other_files_are_refused_in_a_sentence(tmp_path: Path) -> None:
+    database = tmp_path / "bag.db3"
+    with sqlite3.connect(database) as connection:
+        connection.execute("create table topics (id integer)")
+    connection.close()
+    for data, says in [
+        (b"", "is empty"),
+        (b"#", "breaks off after 1 bytes"),
+        (b"hello, world, this is a text", "neither a ROS 1 bag"),
+        (database.read_bytes(), "is no ROS 2 bag"),
+        (b"#ROSBAG V1.2\n" + bytes(100), "older format"),
+        (gzip.compress(small_bag().build()), "gunzip"),
+        (zstandard.ZstdCompressor().compress(b"hello, world, this is"), "neither a ROS 1 bag"),
+    ]:
+        path = tmp_path / "log"
+        path.write_bytes(data)
+        with pytest.raises(LogError, match=says) as caught:
+            open_log(path)
+        assert "\n" not in str(caught.value)
+
+
+BAG, MCAP = small_bag().build(), small_mcap().build()
+
+
+def tarred(data: bytes) -> bytes:
+    file = io.BytesIO()
+    with tarfile.open(fileobj=file, mode="w") as archive:
+        member = tarfile.TarInfo("walk.bag")
+        member.size = len(data)
+        archive.addfile(member, io.BytesIO(data))
+    return file.getvalue()
+
+
+def zipped(data: bytes) -> bytes:
+    file = io.BytesIO()
+    with zipfile.ZipFile(file, "w") as archive:
+        archive.writestr("walk.bag", data)
+    return file.getvalue()
+
+
+@pytest.mark.parametrize(
+    ("data", "says"),
+    [
+        (
+            b"version https://git-lfs.github.com/spec/v1\noid sha256:4d7a\nsize 12345\n",
+            "git lfs pull",
+        ),
+        (b"/annex/objects/SHA256E-s1--a.bag\n", "git annex get"),
+        (b"outs:\n- md5: 4d7a\n  size: 5\n  path: walk.bag\n", "dvc pull"),
+        (MCAP.replace(b"\r\n", b"\n"), "text mode"),
+        (MCAP.replace(b"\n", b"\r\n"), "text mode"),
+        (BAG.replace(b"\n", b"\r\n"), "text mode"),
+        (MCAP.replace(b"\r\n", b"\r"), "text mode"),
+        (b"\xef\xbb\xbf" + MCAP, "saved as text"),
+        (b"\xef\xbb\xbf" + BAG, "saved as text"),
+        (MCAP.decode("utf-8", "replace").encode(), "saved as text"),
+        (MCAP.decode("utf-8", "ignore").encode(), "saved as text"),
+        (MCAP.decode("latin-1").encode(), "saved as text"),
+        (MCAP.decode("ascii", "replace").encode("ascii", "replace"), "saved as text"),
+        (b"\xef\xbb\xbfversion https://git-lfs.github.com/spec/v1\n", "git lfs pull"),
+        (b"../../.git/annex/objects/4d/7a/SHA256E-s1--a.bag", "git annex get"),
+        (zstandard.compress(zstandard.compress(BAG)), "twice"),
+        (zstandard.compress(gzip.compress(BAG)), "gunzip"),
+        (b"Salted__" + bytes(range(100)), "decrypt"),
+        (b"PK\x07\x08PK\x03\x04", "split zip"),
+        (b"<!DOCTYPE html>\n<html><body>404</body></html>", "is a web page"),
+        (b"\xef\xbb\xbf\r\n <HTML lang='en'>", "is a web page"),
+        (b'<?xml version="1.0"?><Error><Code>AccessDenied</Code></Error>', "is an XML text"),
+        (b'{"message": "Not Found", "documentation_url": "https', "is a JSON text"),
+        (b'[{"error": ', "is a JSON text"),
+        (bz2.compress(BAG), "bunzip2"),
+        (lzma.compress(BAG), "unxz"),
+        (lz4.frame.compress(BAG), "unlz4"),
+        (gzip.compress(MCAP), "gunzip"),
+        (zipped(BAG), "unzip"),
+        (tarred(BAG), "tar xf"),
+        (b"7z\xbc\xaf\x27\x1c" + bytes(50), "7z x"),
+        (zstandard.compress(tarred(BAG)), "tar xf"),
+        (b"", "is empty"),
+        (bytes(1 << 20), "holds 1048576 bytes, all zero"),
+        (bytes(5), "holds 5 bytes, all zero"),
+        (bytes(1 << 16) + BAG * 20, "begins with zeros"),
+        (MCAP[:5], "breaks off after 5 bytes"),
+        (BAG[:10], "breaks off after 10 bytes"),
+        (b"rosbag2_bagfile_information:\n  version: 9\n", "name the directory"),
+        (bytes.fromhex("377f0682") + bytes(100), "name the .db3 file"),
+        (bytes.fromhex("d9d505f920a163d7") + bytes(100), "name the .db3 file"),
+    ],
+)
+def test_common_accidents_have_their_names(tmp_path: Path, data: bytes, says: str) -> None:
+    path = tmp_path / "walk.bag"
+    path.write_bytes(data)
+    with pytest.raises(LogError, match=says) as caught:
+        open_log(path)
+    assert str(caught.value).startswith(f"{path}: ")
+    assert "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    "packed",
+    [
+        zstandard.compress(MCAP[:50]) + zstandard.compress(MCAP[50:]),
+        b"\x50\x2a\x4d\x18\4\0\0\0size" + zstandard.compress(MCAP),
+        zstandard.compress(MCAP) + b"\x5f\x2a\x4d\x18\0\0\0\0",
+        zstandard.compress(MCAP) + bytes(3),
+        zstandard.compress(MCAP) + bytes(3000),
+    ],
+)
+def test_all_frames_of_a_compressed_log_are_read(tmp_path: Path, packed: bytes) -> None:
+    reading = read_bytes(tmp_path, packed)
+    assert list(reading.messages) == written_mcap(small_mcap())
+    assert reading.losses == ()
+
+
+def test_no_file_is_a_wrong_call(tmp_path: Path) -> None:
+    with pytest.raises(CallError):
+        open_log(tmp_path / "absent.bag")

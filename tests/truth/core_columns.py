@@ -1,0 +1,78 @@
+"""A recording as the columns that the core measures."""
+
+import numpy as np
+
+from dogbot_logtool.core.accumulator import StatsAccumulator
+from dogbot_logtool.core.base.odometry import Odometry
+from dogbot_logtool.core.contact.contacts import Samples
+from dogbot_logtool.core.frames.wrench_frame import WrenchFrame
+from dogbot_logtool.core.settings import FootSettings, StatsSettings
+from dogbot_logtool.core.statistics import Stats
+from tests.truth.recording import Recording
+
+
+def foot_samples(recording: Recording, foot: int) -> Samples:
+    """Return one foot's messages as the reader makes them."""
+    messages = recording.feet[foot]
+    count = len(messages.time)
+    has_points = recording.kind != "wrench"
+    touching = messages.touching if has_points else (messages.force != 0.0).any(axis=1)
+    unknown = np.where(touching & has_points, 0.0, np.nan)[:, None]
+    return Samples(
+        foot=np.full(count, foot, np.int64),
+        log_time=messages.log_time,
+        stamp=messages.stamp,
+        in_contact=touching,
+        force=np.where(touching[:, None], messages.force, 0.0),
+        in_world=np.zeros(count, np.bool_),
+        points=(touching & has_points).astype(np.int64),
+        position=messages.point + unknown,
+        normal=messages.normal + unknown,
+    )
+
+
+def odometry(recording: Recording) -> Odometry:
+    """Return the base's messages as the reader makes them."""
+    base = recording.base
+    return Odometry(
+        base.log_time,
+        base.stamp,
+        base.position,
+        base.orientation,
+        base.velocity,
+        np.zeros_like(base.velocity),
+    )
+
+
+def stats_settings(recording: Recording, **changes: object) -> StatsSettings:
+    """Return settings that are true of the recording, but for what is changed."""
+    robot = recording.robot
+    feet = tuple(
+        FootSettings(name, robot.topic(row), _position(name)) for row, name in enumerate(robot.feet)
+    )
+    known: dict[str, object] = {
+        "mass_kg": robot.mass_kg,
+        "wrench_frame": WrenchFrame.WORLD,
+        "odometry_topic": robot.odometry_topic,
+    }
+    return StatsSettings(feet, **{**known, **changes})  # type: ignore[arg-type]
+
+
+def _position(name: str) -> tuple[str, str] | None:
+    end, _, side = name.partition("_")
+    return (end, side) if side else None
+
+
+def measure(recording: Recording, settings: StatsSettings | None = None) -> Stats:
+    """Feed a recording to the core, all at once."""
+    settings = settings or stats_settings(recording)
+    accumulator = StatsAccumulator(settings)
+    poses = odometry(recording)
+    accumulator.add_odometry(poses)
+    accumulator.add_message_times(settings.odometry_topic, poses.log_time, poses.stamp)
+    for foot in range(len(recording.feet)):
+        samples = foot_samples(recording, foot)
+        accumulator.add_contacts(samples)
+        topic = settings.feet[foot].topic
+        accumulator.add_message_times(topic, samples.log_time, samples.stamp)
+    return accumulator.finish()

@@ -1,0 +1,330 @@
+"""Is a result right, or null with its cause named? Every figure against the truth."""
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, field
+from typing import Final, Literal
+
+import numpy as np
+
+from tests.truth.events import matched
+from tests.truth.outcome import Outcome
+from tests.truth.recording import Floats, FootTruth, Recording, Truth
+
+Status = Literal["right", "null", "wrong", "unexplained", "missing"]
+"""``null``: with a finding that names the cause; ``unexplained``: null without one; ``missing``:
+the JSON has no such figure."""
+EDGE_S: Final = 0.15
+"""Events this near to an end of the log are not judged."""
+
+
+@dataclass(frozen=True, slots=True)
+class Tolerance:
+    """How far a right figure may be from the truth."""
+
+    event_s: float = 0.03
+    duty: float = 0.03
+    contact: float = 0.03
+    period: float = 0.01
+    """Of the period."""
+    force: float = 0.05
+    """Of the force."""
+    impulse: float = 0.03
+    share: float = 0.02
+    speed: float = 0.02
+    """Of the speed, or m/s: the larger."""
+    phase: float = 0.03
+    length: float = 0.04
+    """Of the stride length."""
+
+
+@dataclass(frozen=True, slots=True)
+class Case:
+    """A kind of log, and what may be made of it."""
+
+    name: str
+    record: Callable[[], Recording]
+    cause: str = ""
+    """Pattern of a finding that excuses a figure's being null; empty: nothing does."""
+    says: str = ""
+    """Pattern of a finding that there must be, even if all figures are right."""
+    tolerance: Tolerance = field(default_factory=Tolerance)
+    classes: tuple[str | None, ...] | None = None
+    """Classes that are right; None: the truth's only."""
+    silence_s: tuple[float, float] | None = None
+    """Feet are silent between, or in stances that a silence cuts: events in it are not
+    judged."""
+    shifted: bool = False
+    """Whether the feet's clock is another one: times of events may differ by a constant."""
+    skip: tuple[str, ...] = ()
+    """Figures that are not judged: the truth of them is not known."""
+
+
+@dataclass(frozen=True, slots=True)
+class Judged:
+    """A figure of all feet, or of the log."""
+
+    figure: str
+    truth: str
+    result: str
+    status: Status
+    why: str = ""
+
+
+SILENCE: Final = r"W_\w*(GAP|SILEN)"
+"""Pattern of findings that name silences, in which events are not known."""
+HIDDEN: Final = 0.1
+"""Largest part of the events that they may hide outside of the silences that a case knows of."""
+STRUCTURAL: Final = {
+    "peak force": "VERTICAL_UNKNOWN|FRAME_UNKNOWN",
+    "braking": "VERTICAL_UNKNOWN|FRAME_UNKNOWN",
+    "impulse": "VERTICAL_UNKNOWN|FRAME_UNKNOWN|NO_MASS",
+    "height": "height",
+    "froude": "height|FROUDE",
+    "slip": "slip|rolling|travel",
+}
+"""Findings that excuse a figure's being null in any log: what it needs was not recorded."""
+
+
+def judge(case: Case, recording: Recording, found: Outcome) -> list[Judged]:
+    """Judge all figures of a case."""
+    judged = [*_gait(case, recording.truth, found), *_verdict(case, recording.truth, found)]
+    walks = recording.truth.feet[0].stride_period_s is not None
+    judged += _walk(case, recording, found) if walks else _no_steps(recording, found)
+    judged += _whole(case, recording, found)
+    judged += _unknown(judged, found)
+    return [each for each in judged if each.figure not in case.skip]
+
+
+def faults(judged: Sequence[Judged]) -> list[Judged]:
+    """Return what is neither right nor null with a cause; a figure that there is not, is not it."""
+    return [each for each in judged if each.status in {"wrong", "unexplained"}]
+
+
+def _excused(case: Case, figure: str, found: Outcome) -> Status:
+    """Judge that a figure is null."""
+    patterns = [case.cause, STRUCTURAL.get(figure, "")]
+    named = any(pattern and found.says(pattern) for pattern in patterns)
+    return "null" if named else "unexplained"
+
+
+def _unknown(judged: Sequence[Judged], found: Outcome) -> Iterator[Judged]:
+    """A log of which a figure is null for a fault of the log is not simply trusted."""
+    null = [each.figure for each in judged if each.status == "null"]
+    if found.trust_level == "good" and set(null) - set(STRUCTURAL):
+        yield Judged("verdict", f"care: no {', '.join(null)}", found.trust_text, "wrong")
+
+
+def _gait(case: Case, truth: Truth, found: Outcome) -> Iterator[Judged]:
+    allowed = (truth.gait_class,) if case.classes is None else case.classes
+    name = found.figure("gait.class")
+    status: Status = "right" if name in allowed else "wrong"
+    if name is None and None not in allowed:
+        status = _excused(case, "class", found)
+    yield Judged("class", _joined(allowed), str(name), status)
+    if truth.sequence is not None and name is not None and case.classes is None:
+        sequence = found.figure("gait.sequence")
+        status = "right" if sequence == truth.sequence else "wrong"
+        yield Judged("sequence", truth.sequence, str(sequence), status)
+
+
+def _verdict(case: Case, truth: Truth, found: Outcome) -> Iterator[Judged]:
+    codes = ", ".join(found.warnings())
+    if case.says:
+        said = found.says(case.says)
+        status: Status = "right" if said else "wrong"
+        yield Judged("finding", case.says, ", ".join(said) or f"none of [{codes}]", status)
+    if not case.says and not case.cause:
+        # Care without a warning: a check could not be made.
+        sound = found.trust_level == "good" or (found.trust_level == "care" and not codes)
+        yield Judged("verdict", "good", f"{found.trust_level} [{codes}]", _right(sound))
+    fell = bool(found.says(r"_FALL|^fall\b"))
+    if truth.falls_s or fell:
+        yield Judged(
+            "fall", str(bool(truth.falls_s)), str(fell), _right(fell == bool(truth.falls_s))
+        )
+    if truth.falls_s:
+        reported = "fall" in found.headline.lower() or "fell" in found.headline.lower()
+        yield Judged("headline", "fall", found.headline, _right(reported))
+
+
+def _no_steps(recording: Recording, found: Outcome) -> Iterator[Judged]:
+    strides = [found.figure(f"feet.{name}.strides") for name in recording.robot.feet]
+    yield Judged("strides", "0", _joined(strides), _right(not any(strides)))
+
+
+def _walk(case: Case, recording: Recording, found: Outcome) -> Iterator[Judged]:
+    allow, first = case.tolerance, recording.truth.feet[0]
+    period = first.stride_period_s or 1.0
+    yield from _events(case, recording, found)
+    of_feet: tuple[tuple[str, str, Callable[[FootTruth], float | None], float], ...] = (
+        ("contact fraction", "contact_fraction", lambda t: t.contact_fraction, allow.contact),
+        ("duty factor", "duty_factor.mean", lambda t: t.duty_factor, allow.duty),
+        ("stride period", "stride_period_s.median", lambda t: t.stride_period_s,
+         allow.period * period),
+        ("stride length", "stride_length_m.mean", lambda t: t.stride_length_m,
+         allow.length * (first.stride_length_m or 1.0)),
+        ("peak force", "peak_vertical_force_n.mean", lambda t: t.peak_vertical_force_n,
+         allow.force * (first.peak_vertical_force_n or 1.0)),
+        ("braking", "braking_impulse_ns.mean", lambda t: t.braking_impulse_ns,
+         0.1 * (first.braking_impulse_ns or 1.0)),
+    )  # fmt: skip
+    for name, key, true, within in of_feet:
+        wanted = [true(each) for each in recording.truth.feet]
+        keys = [f"feet.{foot}.{key}" for foot in recording.robot.feet]
+        if None not in wanted:
+            yield _numbers(case, found, name, keys, wanted, within)
+    shares = [each.load_share for each in recording.truth.feet]
+    keys = [f"forces.load_share.feet.{foot}" for foot in recording.robot.feet]
+    yield _numbers(case, found, "load share", keys, shares, allow.share)
+    if recording.kind != "wrench":
+        slips = [each.slip_m for each in recording.truth.feet]
+        keys = [f"feet.{foot}.slip_m.median" for foot in recording.robot.feet]
+        yield _numbers(case, found, "slip", keys, slips, 0.004)
+    yield _phases(case, recording, found)
+    if recording.truth.support is not None:
+        parts = {str(count): part for count, part in recording.truth.support.items()}
+        keys = [f"gait.support.{count}" for count in parts]
+        yield _numbers(case, found, "support", keys, list(parts.values()), 3.5 * allow.contact)
+    if recording.truth.segments:
+        classes = [each["class"] for each in found.figure("gait.segments")]
+        wanted_classes = list(recording.truth.segments)
+        yield Judged(
+            "segments", _joined(wanted_classes), _joined(classes), _right(classes == wanted_classes)
+        )
+
+
+def _whole(case: Case, recording: Recording, found: Outcome) -> Iterator[Judged]:
+    truth, allow = recording.truth, case.tolerance
+    speed = truth.forward_speed_mps
+    within = max(allow.speed * speed, 0.01)
+    wanted: tuple[tuple[str, str, float | None, float], ...] = (
+        ("speed", "base.forward_speed_mps", speed, within),
+        ("path", "base.path_length_m", truth.path_length_m,
+         0.05 + allow.speed * (truth.path_length_m or 0.0)),
+        ("height", "base.height_m.mean", truth.height_m, 0.02 * (truth.height_m or 0.0)),
+        ("impulse", "forces.vertical_impulse_over_weight", truth.impulse_over_weight,
+         allow.impulse),
+        ("margin", "stability.static_margin_m.mean", truth.static_margin_m, 0.01),
+        ("froude", "base.froude", truth.froude, 0.05 * (truth.froude or 0.0)),
+        ("pitch", "base.pitch_rad.mean", truth.pitch_rad, 0.01),
+        ("climb", "base.climb_m", truth.climb_m, 0.05),
+    )  # fmt: skip
+    for name, key, true, allowed in wanted:
+        if true is None or (name == "margin" and recording.kind == "wrench"):
+            continue
+        yield _numbers(case, found, name, [key], [true], allowed)
+
+
+def _numbers(
+    case: Case,
+    found: Outcome,
+    name: str,
+    keys: Sequence[str],
+    wanted: Sequence[float | None],
+    within: float,
+) -> Judged:
+    """Judge one figure, of each foot or of the log."""
+    try:
+        values = [found.figure(key) for key in keys]
+    except KeyError as missing:
+        return Judged(name, _joined(wanted), "", "missing", str(missing))
+    known = [
+        (value, true)
+        for value, true in zip(values, wanted, strict=True)
+        if value is not None and true is not None
+    ]
+    status: Status = "right"
+    if not all(abs(value - true) <= within for value, true in known):
+        # The impulse is a check: where it fails and that is said, it is no wrong statement.
+        is_said = name == "impulse" and case.cause and found.says("IMPULSE_IS_NOT_WEIGHT")
+        status = "null" if is_said else "wrong"
+    elif None in values:
+        status = _excused(case, name, found)
+    return Judged(name, _joined(wanted), _joined(values), status, f"within {within:.3g}")
+
+
+def _phases(case: Case, recording: Recording, found: Outcome) -> Judged:
+    names = recording.robot.feet
+    values = [found.figure(f"gait.phase.{name}.mean") for name in names]
+    wanted = [each.phase or 0.0 for each in recording.truth.feet]
+    known = [(v, w) for v, w in zip(values, wanted, strict=True) if v is not None]
+    # Phases may count from another foot than the first.
+    turns = np.exp(2j * np.pi * np.array([v - w for v, w in known])) if known else np.ones(1)
+    off = np.abs(np.angle(turns / turns[0])) / (2.0 * np.pi)
+    status: Status = _right(bool(off.max() <= case.tolerance.phase))
+    if status == "right" and None in values:
+        status = _excused(case, "phase", found)
+    return Judged("phase", _joined(wanted), _joined(values), status)
+
+
+def _events(case: Case, recording: Recording, found: Outcome) -> Iterator[Judged]:
+    for name, key in (("touchdowns", "touchdown_s"), ("lift-offs", "liftoff_s")):
+        missed = invented = silent_feet = 0
+        errors: list[float] = []
+        for foot, truth in zip(recording.robot.feet, recording.truth.feet, strict=True):
+            reported = np.array(found.figure(f"feet.{foot}.{key}") or [])
+            true = np.array(truth.touchdown_s if key == "touchdown_s" else truth.liftoff_s)
+            if not len(reported) and found.figure(f"feet.{foot}.contact_fraction") is None:
+                silent_feet += 1
+                continue
+            compared = match_events(true, reported, recording.seconds, case)
+            missed += compared.missed
+            invented += compared.invented
+            errors += compared.errors_s
+        worst = max(map(abs, errors), default=0.0)
+        none_at_all = not errors and not invented
+        right = not invented and worst <= case.tolerance.event_s
+        # A silence hides the events in it, and those that it cannot be told from.
+        few = missed <= HIDDEN * (missed + len(errors)) and found.says(SILENCE)
+        status = _right(none_at_all or (right and (not missed or bool(few))))
+        if status == "right" and (missed or silent_feet):
+            status = _excused(case, name, found)
+        spread = f"{np.mean(errors) * 1e3:+.0f} ± {np.std(errors) * 1e3:.0f} ms" if errors else ""
+        counts = (
+            (missed, "missed"),
+            (invented, "invented"),
+            (silent_feet, "feet without any"),
+        )
+        also = [f"{count} {word}" for count, word in counts if count]
+        result = ", ".join([spread, *also] if spread else also)
+        yield Judged(name, "all", result, status)
+
+
+@dataclass(frozen=True, slots=True)
+class Matched:
+    """Events of one foot against the truth."""
+
+    errors_s: list[float]
+    missed: int
+    invented: int
+
+
+def match_events(true: Floats, reported: Floats, seconds: float, case: Case) -> Matched:
+    """Match each event with the nearest, not further than twice the tolerance."""
+    if case.shifted and len(true) and len(reported):
+        nearest = np.abs(reported[:, None] - true).argmin(axis=1)
+        shifts = reported - true[nearest]
+        reported = reported - np.median(shifts)
+
+    gap = case.silence_s or (0.0, 0.0)
+
+    def inside(times: Floats) -> Floats:
+        silent = (times > gap[0] - EDGE_S) & (times < gap[1] + EDGE_S)
+        return np.asarray(times[(times > EDGE_S) & (times < seconds - EDGE_S) & ~silent])
+
+    reach = 2.0 * case.tolerance.event_s
+    expected = inside(true)
+    errors = matched(expected, reported, reach)
+    extra = [
+        each for each in inside(reported) if not len(true) or np.abs(true - each).min() > reach
+    ]
+    return Matched(errors, len(expected) - len(errors), len(extra))
+
+
+def _right(is_right: bool) -> Status:  # noqa: FBT001 - a word for it
+    return "right" if is_right else "wrong"
+
+
+def _joined(values: Sequence[object]) -> str:
+    texts = [f"{value:.4g}" if isinstance(value, float) else str(value) for value in values]
+    return texts[0] if len(set(texts)) == 1 else "/".join(texts) or "none"

@@ -1,0 +1,90 @@
+"""What `stats --json` and the verdict of `report` say of a recording."""
+
+import re
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from dogbot_logtool.commands.stats import measure
+from dogbot_logtool.pipeline.options import StatsOptions, TopicOptions
+from dogbot_logtool.report.page.summary import trust
+from dogbot_logtool.report.stats_json import stats_json
+from dogbot_logtool.report.verdict import headline
+from tests.truth.log_file import write_log
+from tests.truth.recording import Recording
+
+_MISSING = object()
+
+
+@dataclass(frozen=True, slots=True)
+class Outcome:
+    """What came out."""
+
+    json: Mapping[str, Any]
+    headline: str
+    trust_level: str
+    """``good``, ``care`` or ``bad``."""
+    trust_text: str
+
+    def figure(self, key: str) -> Any:
+        """Return what stands at a dotted key; None also where something on the way is None.
+
+        Raises:
+            KeyError: there is no such figure.
+        """
+        value: Any = self.json
+        for part in key.split("."):
+            if value is None:
+                return None
+            value = value.get(part, _MISSING)
+            if value is _MISSING:
+                raise KeyError(key)
+        return value
+
+    def findings(self) -> Iterator[Mapping[str, Any]]:
+        """Return all findings, wherever the JSON holds them."""
+        yield from self.json.get("findings") or ()
+        yield from self.json.get("notes") or ()
+        yield from self.json["quality"].get("findings") or ()
+
+    def says(self, pattern: str) -> list[str]:
+        """Return codes of the findings whose code or text has a pattern."""
+        return [
+            each["code"]
+            for each in self.findings()
+            if re.search(pattern, f"{each['code']} {each['text']}", re.IGNORECASE)
+        ]
+
+    def warnings(self) -> list[str]:
+        """Return codes of all findings that are more than notes."""
+        return [each["code"] for each in self.findings() if not each["code"].startswith("N_")]
+
+
+def _foot_topics(recording: Recording) -> Mapping[str, str] | None:
+    """Name the feet of robots with two legs, whose wrench topics are not found by name."""
+    robot = recording.robot
+    if recording.kind != "wrench" or len(robot.feet) != 2:
+        return None
+    return {name: robot.topic(foot) for foot, name in enumerate(robot.feet)}
+
+
+def outcome(recording: Recording, folder: Path) -> Outcome:
+    """Write a recording into a log, and measure that."""
+    path = write_log(recording, folder / "log.mcap")
+    mass_kg = recording.given.get("mass_kg", recording.robot.mass_kg)
+    found = measured_log(path, TopicOptions(mass_kg=mass_kg, foot_topics=_foot_topics(recording)))
+    path.unlink()
+    return found
+
+
+def measured_log(path: Path, topics: TopicOptions | None = None) -> Outcome:
+    """Measure a log."""
+    measured = measure(path, StatsOptions(topics or TopicOptions()))
+    trusted = trust(measured.stats, measured.facts)
+    return Outcome(
+        stats_json(measured.stats, measured.facts),
+        headline(measured.stats),
+        trusted.level,
+        trusted.text,
+    )

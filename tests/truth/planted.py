@@ -1,0 +1,37 @@
+"""Events planted in a recording: slips, stumbles, contacts that come too early."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from tests.truth.recording import Disturbance, FootRecording
+
+CONTACT_N = 60.0
+
+
+def slip(foot_name: str, at_s: float, metres: float, lasts_s: float = 0.04) -> Disturbance:
+    """Let a foot slide forward in the stance that it is in, until it leaves the ground."""
+
+    def change(_: int, foot: FootRecording) -> FootRecording:
+        leaves = foot.time[(foot.time > at_s) & ~foot.touching][0]
+        slid = np.clip((foot.time - at_s) / lasts_s, 0.0, 1.0) * metres
+        slid[(foot.time <= at_s) | (foot.time >= leaves)] = 0.0
+        return replace(foot, point=foot.point + np.outer(slid, (1.0, 0.0, 0.0)))
+
+    return lambda recording: recording.each_foot(change, foot_name)
+
+
+def contact(foot_name: str, at_s: float, until_s: float | None = None) -> Disturbance:
+    """Let a foot in the air touch something, until a time, or until it lands."""
+
+    def change(_: int, foot: FootRecording) -> FootRecording:
+        lands = foot.time[(foot.time > at_s) & foot.touching][0]
+        leaves = foot.time[(foot.time > lands) & ~foot.touching][0]
+        rows = (foot.time >= at_s) & (foot.time < (lands if until_s is None else until_s))
+        stays = (foot.time >= at_s) & (foot.time < (leaves if until_s is None else until_s))
+        force, point = foot.force.copy(), foot.point.copy()
+        force[rows] = (0.0, 0.0, CONTACT_N)
+        point[stays] = point[stays][0]
+        return replace(foot, touching=foot.touching | rows, force=force, point=point)
+
+    return lambda recording: recording.each_foot(change, foot_name)

@@ -1,0 +1,217 @@
+"""Sensor messages of one robot as columns, and the truth about it."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tests.truth.robots import Robot
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+Flags = NDArray[np.bool_]
+
+START_NS = 1_700_000_000_000_000_000
+"""Header stamp of time 0."""
+LOGGED_AFTER_NS = 700_000
+"""A message's log time is its stamp and this."""
+
+
+@dataclass(frozen=True, slots=True)
+class FootTruth:
+    """One foot as it is."""
+
+    touchdown_s: tuple[float, ...]
+    """Within the recording."""
+    liftoff_s: tuple[float, ...]
+    contact_fraction: float
+    stance_s: float | None = None
+    """None where the foot makes no stride; likewise the rest."""
+    swing_s: float | None = None
+    duty_factor: float | None = None
+    stride_period_s: float | None = None
+    stride_length_m: float | None = None
+    """Horizontal."""
+    peak_vertical_force_n: float | None = None
+    braking_impulse_ns: float | None = None
+    """A stance, against the base's forward axis: above 0."""
+    slip_m: float | None = None
+    """A stance."""
+    load_share: float | None = None
+    phase: float | None = None
+    """Against the robot's first foot."""
+
+
+@dataclass(frozen=True, slots=True)
+class Truth:
+    """What is true of a recording, whatever disturbs its sensors."""
+
+    gait_class: str | None
+    """None: no gait may be claimed."""
+    feet: tuple[FootTruth, ...]
+    sequence: str | None = None
+    forward_speed_mps: float = 0.0
+    path_length_m: float | None = None
+    """Horizontal."""
+    height_m: float | None = None
+    """Of the base over the ground, while it stands or walks; None where it changes."""
+    slope_rad: float = 0.0
+    froude: float | None = None
+    pitch_rad: float | None = None
+    """About the robot's own left; nose up is negative."""
+    climb_m: float | None = None
+    support: dict[int, float] | None = None
+    """Parts of the time in which 0, 1, 2 ... feet are down."""
+    segments: tuple[str, ...] = ()
+    """Classes one after another, where there are several."""
+    impulse_over_weight: float | None = 1.0
+    static_margin_m: float | None = None
+    """Where it does not change."""
+    falls_s: tuple[float, ...] = ()
+    carried_s: tuple[tuple[float, float], ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class FootRecording:
+    """n messages of one foot's sensor."""
+
+    time: Floats
+    """(n,) s, true time."""
+    stamp: Ints
+    """(n,) ns."""
+    log_time: Ints
+    """(n,) ns."""
+    touching: Flags
+    """(n,) whether the foot is on the ground."""
+    force: Floats
+    """(n, 3) N, as the sensor reports it: in the world, or in its link."""
+    point: Floats
+    """(n, 3) m, the foot's sole in the world; the contact point where it touches."""
+    normal: Floats
+    """(n, 3) of the ground."""
+    link: Floats
+    """(n, 4) x, y, z, w: the sensor's link in the base."""
+
+    def pick(self, rows: Flags | Ints) -> "FootRecording":
+        """Keep the chosen messages."""
+        return FootRecording(*(getattr(self, name)[rows] for name in self.__slots__))
+
+
+@dataclass(frozen=True, slots=True)
+class BaseRecording:
+    """n messages of the base's odometry."""
+
+    time: Floats
+    """(n,) s, true time."""
+    stamp: Ints
+    """(n,) ns."""
+    log_time: Ints
+    """(n,) ns."""
+    position: Floats
+    """(n, 3) m."""
+    orientation: Floats
+    """(n, 4) x, y, z, w."""
+    velocity: Floats
+    """(n, 3) m/s, in the world."""
+
+    def pick(self, rows: Flags | Ints) -> "BaseRecording":
+        """Keep the chosen messages."""
+        return BaseRecording(*(getattr(self, name)[rows] for name in self.__slots__))
+
+
+SensorKind = Literal["contacts", "gz_contacts", "wrench"]
+"""Contact states with points and normals of Gazebo classic or of the new Gazebo, which speaks in
+contact only; or a force sensor that reports no contact."""
+
+
+@dataclass(frozen=True, slots=True)
+class Recording:
+    """All sensors of one robot."""
+
+    robot: Robot
+    feet: tuple[FootRecording, ...]
+    base: BaseRecording
+    truth: Truth
+    seconds: float
+    kind: SensorKind = "contacts"
+    has_tf: bool = False
+    """Whether the log holds the transforms of the links."""
+    touches_itself: bool = False
+    """Whether bumpers report in swing 30 N of contact with the robot's own body."""
+    given: dict[str, Any] = field(default_factory=dict)
+    """What the user says of it, where that is not the truth: ``mass_kg``."""
+
+    def each_foot(
+        self, change: Callable[[int, FootRecording], FootRecording], *only: str
+    ) -> "Recording":
+        """Change the recordings of all feet, or of those named."""
+        feet = tuple(
+            change(row, foot) if not only or self.robot.feet[row] in only else foot
+            for row, foot in enumerate(self.feet)
+        )
+        return replace(self, feet=feet)
+
+
+Disturbance = Callable[[Recording], Recording]
+
+
+def disturbed(recording: Recording, *disturbances: Disturbance) -> Recording:
+    """Apply disturbances one after another; the truth stays."""
+    for disturb in disturbances:
+        recording = disturb(recording)
+    return recording
+
+
+def nanoseconds(time: Floats) -> Ints:
+    """(n,) ns of header stamps at true times."""
+    return np.asarray(START_NS + np.round(time * 1e9), dtype=np.int64)
+
+
+def foot_messages(
+    time: Floats, touching: Flags, force: Floats, point: Floats, normal: Floats, link: Floats
+) -> FootRecording:
+    """Stamp the messages of a foot's sensor with one perfect clock."""
+    stamp = nanoseconds(time)
+    return FootRecording(time, stamp, stamp + LOGGED_AFTER_NS, touching, force, point, normal, link)
+
+
+def base_messages(
+    time: Floats, position: Floats, orientation: Floats, velocity: Floats
+) -> BaseRecording:
+    """Stamp the base's poses with one perfect clock."""
+    stamp = nanoseconds(time)
+    return BaseRecording(time, stamp, stamp + LOGGED_AFTER_NS, position, orientation, velocity)
+
+
+def sample_times(seconds: float, rate_hz: float, late_s: float = 0.0) -> Floats:
+    """(n,) s, at a steady rate from `late_s` on."""
+    return late_s + np.arange(int((seconds - late_s) * rate_hz + 1e-9) + 1) / rate_hz
+
+
+def about_axis(axis: int, angle: Floats) -> Floats:
+    """(n, 4) quaternions x, y, z, w of turns about a coordinate axis."""
+    turn = np.zeros((len(angle), 4))
+    turn[:, axis], turn[:, 3] = np.sin(angle / 2.0), np.cos(angle / 2.0)
+    return turn
+
+
+def turned(rotation: Floats, vector: Floats) -> Floats:
+    """(n, 3) vectors turned by (n, 4) unit quaternions."""
+    along, real = rotation[:, :3], rotation[:, 3:]
+    twice = 2.0 * np.cross(along, vector)
+    return np.asarray(vector + real * twice + np.cross(along, twice))
+
+
+def product(first: Floats, second: Floats) -> Floats:
+    """(n, 4) quaternions: `second` in the frame of `first`."""
+    a, b = first[:, :3], second[:, :3]
+    imaginary = first[:, 3:] * b + second[:, 3:] * a + np.cross(a, b)
+    real = first[:, 3] * second[:, 3] - (a * b).sum(axis=1)
+    return np.concatenate([imaginary, real[:, None]], axis=1)
+
+
+def inverse(rotation: Floats) -> Floats:
+    """(n, 4) unit quaternions turned back."""
+    return rotation * [-1.0, -1.0, -1.0, 1.0]

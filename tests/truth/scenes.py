@@ -1,0 +1,191 @@
+"""Robots that do not walk: they stand, sit, roll, are carried, or fall; all in closed form.
+
+A scene is a few curves over time: the base's height over the ground, its way along x and its roll,
+and the part of the weight that each foot carries. Curves run through knots, eased between them.
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field, replace
+from typing import Final
+
+import numpy as np
+
+from tests.truth.recording import (
+    Floats,
+    FootRecording,
+    FootTruth,
+    Recording,
+    Truth,
+    about_axis,
+    base_messages,
+    foot_messages,
+    sample_times,
+)
+from tests.truth.robots import Robot, quadruped
+
+Curve = Callable[[Floats], Floats]
+Knots = Sequence[tuple[float, float]]
+"""Times, s, and values."""
+
+
+def constant(value: float) -> Curve:
+    """Return a curve of one value."""
+    return lambda time: np.full_like(time, value)
+
+
+def through(*knots: tuple[float, float]) -> Curve:
+    """Return a curve that eases from knot to knot, and is flat before and after them."""
+    at, values = (np.array(column, np.float64) for column in zip(*knots, strict=True))
+
+    def curve(time: Floats) -> Floats:
+        row = np.clip(np.searchsorted(at, time, side="right") - 1, 0, len(at) - 2)
+        part = np.clip((time - at[row]) / (at[row + 1] - at[row]), 0.0, 1.0)
+        eased = part * part * (3.0 - 2.0 * part)
+        return np.asarray(values[row] + (values[row + 1] - values[row]) * eased)
+
+    return curve
+
+
+HEIGHT: Final = constant(0.45)
+NONE: Final = constant(0.0)
+QUARTER: Final = constant(0.25)
+
+
+@dataclass(frozen=True, slots=True)
+class Scene:
+    """What a robot does without a step."""
+
+    truth: Truth
+    robot: Robot = field(default_factory=quadruped)
+    seconds: float = 8.0
+    height: Curve = HEIGHT
+    """m, of the base over the ground."""
+    forward: Curve = NONE
+    """m, of the base along x."""
+    roll: Curve = NONE
+    """rad."""
+    loads: tuple[Curve, ...] = (QUARTER,) * 4
+    """Of the weight, by foot; below a thousandth the foot is in the air."""
+    rolls: bool = False
+    """Whether contact points go with the base, as wheels' do."""
+
+    def recorded(self, rate_hz: float = 250.0) -> Recording:
+        """Return the messages of perfect sensors."""
+        time = sample_times(self.seconds, rate_hz, late_s=0.0)
+        zero = np.zeros_like(time)
+        position = np.stack([self.forward(time), zero, self.height(time)], axis=1)
+        velocity = np.gradient(position, time, axis=0)
+        base = base_messages(time, position, about_axis(0, self.roll(time)), velocity)
+        feet = tuple(self._foot(foot, time, position) for foot in range(len(self.robot.feet)))
+        return Recording(self.robot, feet, base, self.truth, self.seconds)
+
+    def _foot(self, foot: int, time: Floats, base: Floats) -> FootRecording:
+        zero, up = np.zeros_like(time), np.array([0.0, 0.0, 1.0])
+        load = self.loads[foot](time)
+        touching = load >= 1e-3
+        force = np.where(touching, load, 0.0)[:, None] * self.robot.weight_n * up
+        x, y = self.robot.corners_m[foot]
+        # A foot in the air hangs as far below the base as it was while the robot stood.
+        lifted = np.where(touching, 0.0, np.maximum(base[:, 2] - self.robot.height_m, 0.01))
+        along = base[:, 0] if self.rolls else np.where(touching, 0.0, base[:, 0])
+        point = np.stack([along + x, zero + y, lifted], axis=1)
+        normal = np.tile(up, (len(time), 1))
+        return foot_messages(time, touching, force, point, normal, about_axis(1, zero))
+
+
+def _no_steps(contact_fraction: float = 1.0) -> tuple[FootTruth, ...]:
+    return (FootTruth((), (), contact_fraction),) * 4
+
+
+STILL = Truth("stand", _no_steps(), path_length_m=0.0, height_m=0.45, static_margin_m=0.15)
+
+
+def standing() -> Scene:
+    """Stand still."""
+    return Scene(STILL)
+
+
+def shifting_weight() -> Scene:
+    """Stand, and shift the weight from side to side and back, no foot below a tenth."""
+
+    def load(sign: float) -> Curve:
+        return lambda time: 0.25 + sign * 0.15 * np.sin(2.0 * np.pi * time / 3.0)
+
+    return Scene(STILL, loads=(load(1.0), load(-1.0), load(1.0), load(-1.0)))
+
+
+def crouching() -> Scene:
+    """Stand, crouch with all the weight on the feet, and rise again."""
+    height = through((2.0, 0.45), (3.0, 0.2), (5.0, 0.2), (6.0, 0.45))
+    return Scene(replace(STILL, height_m=None, path_length_m=0.0), height=height)
+
+
+def sitting_down() -> Scene:
+    """Stand, then sit down slowly: the belly takes most of the weight from the feet."""
+    height = through((3.0, 0.45), (5.0, 0.14))
+    load = through((4.5, 0.25), (5.2, 0.05))
+    truth = replace(STILL, height_m=None, path_length_m=0.0, impulse_over_weight=None)
+    return Scene(truth, height=height, loads=(load,) * 4)
+
+
+def sitting() -> Scene:
+    """Sit on the belly, no foot loaded."""
+    truth = replace(
+        STILL, gait_class=None, feet=_no_steps(0.0), height_m=None, static_margin_m=None,
+        impulse_over_weight=None,
+    )  # fmt: skip
+    return Scene(truth, height=constant(0.14), loads=(NONE,) * 4)
+
+
+def standing_up() -> Scene:
+    """Lie on the belly, then stand up."""
+    height = through((3.0, 0.14), (5.0, 0.45))
+    load = through((2.8, 0.05), (3.5, 0.25))
+    truth = replace(STILL, height_m=None, path_length_m=0.0, impulse_over_weight=None)
+    return Scene(truth, height=height, loads=(load,) * 4)
+
+
+def carried() -> Scene:
+    """Stand, be lifted, carried by 2 m, and put down."""
+    height = through((2.0, 0.45), (3.0, 1.0), (5.0, 1.0), (6.0, 0.45))
+    forward = through((3.0, 0.0), (5.0, 2.0))
+    load = through((1.98, 0.25), (2.02, 0.0), (5.98, 0.0), (6.02, 0.25))
+    foot = FootTruth(touchdown_s=(6.0,), liftoff_s=(2.0,), contact_fraction=0.5)
+    truth = replace(
+        STILL,
+        gait_class=None,
+        feet=(foot,) * 4,
+        height_m=None,
+        path_length_m=2.0,
+        forward_speed_mps=0.25,
+        impulse_over_weight=None,
+        static_margin_m=None,
+        carried_s=((2.0, 6.0),),
+    )
+    # While it stands again, its feet are where it was put down.
+    return Scene(truth, height=height, forward=forward, loads=(load,) * 4, rolls=True)
+
+
+def falling() -> Scene:
+    """Stand, then fall over to the side within half a second and lie."""
+    height = through((4.0, 0.45), (4.5, 0.1))
+    roll = through((4.0, 0.0), (4.5, 1.4))
+    sides = through((4.0, 0.25), (4.5, 0.08)), through((4.0, 0.25), (4.4, 0.0))
+    truth = replace(
+        STILL, height_m=None, path_length_m=0.0, impulse_over_weight=None,
+        static_margin_m=None, falls_s=(4.0,),
+    )  # fmt: skip
+    return Scene(truth, height=height, roll=roll, loads=(sides[1], sides[0]) * 2)
+
+
+def tipping() -> Scene:
+    """Stand, then tip over a side; the recording ends on the way down."""
+    roll = through((7.0, 0.0), (8.0, 0.35))
+    left, right = through((7.0, 0.25), (7.8, 0.0)), through((7.0, 0.25), (7.8, 0.5))
+    return Scene(replace(STILL, static_margin_m=None), roll=roll, loads=(left, right) * 2)
+
+
+def rolling() -> Scene:
+    """Drive on wheels, all of them loaded."""
+    truth = replace(STILL, gait_class=None, forward_speed_mps=0.5, path_length_m=4.0)
+    return Scene(truth, forward=lambda time: 0.5 * time, rolls=True)

@@ -1,0 +1,28 @@
+"""Each kind of log is measured right, or its figures are null and a finding names the cause."""
+
+from pathlib import Path
+
+import pytest
+
+from tests.truth.cases import all_cases
+from tests.truth.judging import Case, faults, judge
+from tests.truth.outcome import outcome
+
+
+@pytest.mark.parametrize("case", all_cases(), ids=lambda case: case.name)
+def test_right_or_null_with_the_cause_named(case: Case, tmp_path: Path) -> None:
+    recording = case.record()
+    found = outcome(recording, tmp_path)
+    wrong = faults(judge(case, recording, found))
+    assert not wrong, "\n".join(
+        f"{each.figure}: {each.status}; true {each.truth}, result {each.result} {each.why}"
+        for each in wrong
+    )
+
+
+def test_the_json_has_every_figure_that_there_is_truth_for(tmp_path: Path) -> None:
+    case = all_cases()[0]
+    recording = case.record()
+    judged = judge(case, recording, outcome(recording, tmp_path))
+    assert len(judged) > 12
+    assert [each.why for each in judged if each.status == "missing"] == []

@@ -1,0 +1,164 @@
+"""Write `docs/validation.md`: what `stats` makes of logs whose truth is known.
+
+    python -m tests.truth.validate
+
+Real logs with labelled events are those in the folder that LOGTOOL_LABELLED names: NAME.mcap or
+NAME.bag beside NAME.events.json. Without it, their part of the page stays as it is.
+"""
+
+import os
+import tempfile
+from collections import Counter
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any, Final
+
+import numpy as np
+
+from tests.paths import ROOT
+from tests.truth.cases import groups
+from tests.truth.judging import Case, Judged, faults, judge
+from tests.truth.labelled import labelled_rows
+from tests.truth.outcome import Outcome, outcome
+from tests.truth.recording import Recording
+from tests.truth.sample_truth import sample_rows
+
+PAGE: Final = ROOT / "docs" / "validation.md"
+REAL: Final = "## Real logs with labelled events\n"
+_HEAD: Final = """# Validation
+
+What `stats --json` and the verdict of `report` make of logs whose truth is known. This page is
+written by `make validate`; `tests/truth/` has the logs and the tolerances.
+
+Closed-form logs come from a walker that shares no code with the program: every touchdown, lift-off,
+force and pose is a formula, and the vertical impulse of all feet over whole strides is the weight
+times the time exactly. Each kind of log adds one fault of sensors, clocks or worlds. A figure is
+*right* within its tolerance, or *null* with a finding that names the cause; anything else is
+**wrong**. After ± stands the standard deviation: of events over all events of all feet, of other
+figures over strides.
+"""
+_COLUMNS: Final = (
+    "log",
+    "gait",
+    "duty factor",
+    "touchdowns",
+    "lift-offs",
+    "peak force",
+    "impulse / weight",
+    "speed, m/s",
+    "verdict: warnings",
+    "judged",
+)
+
+
+def main() -> None:
+    """Write the page."""
+    parts = [_HEAD]
+    verdicts: Counter[str] = Counter()
+    with tempfile.TemporaryDirectory() as folder:
+        for subject, cases in groups().items():
+            parts.append(f"\n## {subject}\n\n{_table_head(_COLUMNS)}")
+            for case in cases:
+                recording = case.record()
+                found = outcome(recording, Path(folder))
+                judged = judge(case, recording, found)
+                verdicts["wrong" if faults(judged) else "right or null with the cause named"] += 1
+                parts.append(_table_row(_row(case, recording, found, judged)))
+    parts.insert(1, f"\nOf {verdicts.total()} kinds of closed-form logs: {_counted(verdicts)}.\n")
+    parts.append(_samples())
+    parts.append(_real())
+    PAGE.write_text("".join(parts), encoding="utf-8")
+
+
+def _row(
+    case: Case, recording: Recording, found: Outcome, judged: Sequence[Judged]
+) -> tuple[str, ...]:
+    of = {each.figure: each for each in judged}
+    foot = recording.truth.feet[0]
+    return (
+        case.name,
+        _against(recording.truth.gait_class, found.figure("gait.class")),
+        _foot_figure(recording, found, "duty_factor", foot.duty_factor, 3),
+        of["touchdowns"].result if "touchdowns" in of else "",
+        of["lift-offs"].result if "lift-offs" in of else "",
+        _foot_figure(recording, found, "peak_vertical_force_n", foot.peak_vertical_force_n, 1),
+        _number(found.figure("forces.vertical_impulse_over_weight"), 3),
+        _against(
+            _number(recording.truth.forward_speed_mps, 3),
+            _number(found.figure("base.forward_speed_mps"), 3),
+        ),
+        _verdict(found),
+        _judgement(judged),
+    )
+
+
+def _foot_figure(
+    recording: Recording, found: Outcome, key: str, truth: float | None, decimals: int
+) -> str:
+    """Say the truth and the mean over all feet, with the deviation over strides."""
+    if truth is None:
+        return ""
+    values: list[Any] = [found.figure(f"feet.{name}.{key}") for name in recording.robot.feet]
+    known = [value for value in values if value is not None]
+    if not known:
+        return _against(_number(truth, decimals), "null")
+    mean = float(np.mean([value["mean"] for value in known]))
+    spread = float(np.sqrt(np.mean([(value["std"] or 0.0) ** 2 for value in known])))
+    return f"{truth:.{decimals}f} → {mean:.{decimals}f} ± {spread:.{decimals}f}"
+
+
+def _verdict(found: Outcome) -> str:
+    counts = Counter(found.warnings())
+    codes = ", ".join(f"`{code}`" + (f" x{n}" if n > 1 else "") for code, n in counts.items())
+    return f"{found.trust_level}: {codes}" if codes else found.trust_level
+
+
+def _judgement(judged: Sequence[Judged]) -> str:
+    wrong = [f"{each.figure} {each.status}" for each in faults(judged)]
+    null = [each.figure for each in judged if each.status == "null"]
+    if wrong:
+        return f"**wrong**: {'; '.join(wrong)}"
+    return f"right; null: {', '.join(null)}" if null else "right"
+
+
+def _samples() -> str:
+    head = "\n## Sample logs\n\nTruth is written with the logs by `sample_logs/generate.py`.\n\n"
+    columns = ("log", "figure", "truth", "result", "error")
+    return head + _table_head(columns) + "".join(map(_table_row, sample_rows()))
+
+
+def _real() -> str:
+    folder = os.environ.get("LOGTOOL_LABELLED")
+    if not folder:
+        _, found, kept = (PAGE.read_text("utf-8") if PAGE.exists() else "").partition(REAL)
+        return f"\n{REAL}{kept}" if found else ""
+    columns = ("log", "foot", "contact fraction", "touchdowns", "lift-offs")
+    words = "\nWithout any option but the feet's topics; events but the first and the last.\n\n"
+    rows = "".join(map(_table_row, labelled_rows(Path(folder))))
+    return f"\n{REAL}{words}{_table_head(columns)}{rows}"
+
+
+def _counted(verdicts: Counter[str]) -> str:
+    return ", ".join(f"{count} {name}" for name, count in sorted(verdicts.items()))
+
+
+def _against(truth: object, result: object) -> str:
+    if truth == result:
+        return str(truth)
+    return f"{'none' if truth is None else truth} → {'null' if result is None else result}"
+
+
+def _number(value: float | None, decimals: int) -> str:
+    return "null" if value is None else f"{value:.{decimals}f}"
+
+
+def _table_head(columns: Sequence[str]) -> str:
+    return f"| {' | '.join(columns)} |\n|{'---|' * len(columns)}\n"
+
+
+def _table_row(cells: Sequence[str]) -> str:
+    return f"| {' | '.join(cells)} |\n"
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,222 @@
+"""A walk at constant speed in closed form, on any number of feet.
+
+Each foot's vertical force over a stance is Alexander and Jayes' (1978) curve
+``A (sin(pi s) + q sin(3 pi s))``, s from 0 at touchdown to 1 at lift-off, with A such that over a
+whole stride the foot carries its share of the weight. So the vertical impulse of all feet over
+whole strides is the weight times the time, exactly. Along the slope it brakes and then propels:
+``-B sin(2 pi s)``, which adds up to nothing. A stance's foot stands where its corner of the body
+is in mid-stance.
+"""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from tests.truth.gaits import TROT, Gait
+from tests.truth.recording import (
+    Floats,
+    FootRecording,
+    FootTruth,
+    Recording,
+    Truth,
+    about_axis,
+    base_messages,
+    foot_messages,
+    product,
+    sample_times,
+    turned,
+)
+from tests.truth.robots import GRAVITY_MPS2, Robot, quadruped
+
+
+@dataclass(frozen=True, slots=True)
+class Walk:
+    """A robot that walks along its forward axis from before the recording until after it."""
+
+    gait: Gait = TROT
+    robot: Robot = field(default_factory=quadruped)
+    period_s: float = 0.8
+    speed_mps: float = 0.5
+    seconds: float = 8.0
+    slope_rad: float = 0.0
+    """Of the ground, upwards along the walk."""
+    heading_rad: float = 0.0
+    body_yaw_rad: float = 0.0
+    """Of the base's axes against the way it walks."""
+    step_height_m: float = 0.05
+    slip_m: float = 0.0
+    """Way of each foot on the ground over a stance, forward, at constant speed."""
+    shares: tuple[float, ...] | None = None
+    """Of the weight, by foot; None: equal ones."""
+    hump: float = 0.2
+    """q of the force curve."""
+    traction: float = 0.1
+    """B over the mean vertical force of a stance."""
+    link_swing_rad: float = 0.4
+    """How far a foot's link tilts forward and back against the base in a stride."""
+    begin: float = 0.137
+    """Phase of the reference foot at time 0: events lie off the grid of samples."""
+
+    @property
+    def stance_s(self) -> float:
+        """Duration of each stance."""
+        return self.gait.duty * self.period_s
+
+    @property
+    def _level(self) -> float:
+        """Horizontal part of a way along the slope."""
+        return float(np.cos(self.slope_rad))
+
+    def share(self, foot: int) -> float:
+        """Part of the weight that a foot carries over a stride."""
+        return self.shares[foot] if self.shares else 1.0 / len(self.robot.feet)
+
+    def mean_vertical_n(self, foot: int) -> float:
+        """Mean vertical force of a foot over its stance."""
+        return self.share(foot) * self.robot.weight_n / self.gait.duty
+
+    def peak_vertical_n(self, foot: int) -> float:
+        """Highest vertical force of a foot on level ground."""
+        q = self.hump
+        amplitude = self.mean_vertical_n(foot) * np.pi / (2.0 + 2.0 * q / 3.0)
+        if q <= 1.0 / 9.0:
+            return float(amplitude * (1.0 - q))
+        return float(amplitude * (2.0 / 3.0) * (1.0 + 3.0 * q) * np.sqrt((1 + 3 * q) / (12 * q)))
+
+    def cycles(self, foot: int, time: Floats) -> Floats:
+        """Strides since the foot's touchdown number 0."""
+        return np.asarray(time / self.period_s + self.begin - self.gait.phases[foot])
+
+    def touchdowns(self, foot: int) -> Floats:
+        """Times of the foot's touchdowns in the recording, s."""
+        return self._times(foot, 0.0)
+
+    def liftoffs(self, foot: int) -> Floats:
+        """Times of the foot's lift-offs in the recording, s."""
+        return self._times(foot, self.gait.duty)
+
+    def _times(self, foot: int, cycle: float) -> Floats:
+        first = int(np.floor(self.cycles(foot, np.zeros(1))[0])) - 1
+        count = int(self.seconds / self.period_s) + 4
+        strides = np.arange(first, first + count) + cycle
+        times = (strides - self.begin + self.gait.phases[foot]) * self.period_s
+        return np.asarray(times[(times >= 0.0) & (times <= self.seconds)])
+
+    def force(self, foot: int, time: Floats) -> Floats:
+        """(n, 3) N on the foot, in the world."""
+        stance = (self.cycles(foot, time) % 1.0) / self.gait.duty
+        s = np.where(stance < 1.0, stance, 0.0)
+        mean = self.mean_vertical_n(foot)
+        curve = np.sin(np.pi * s) + self.hump * np.sin(3.0 * np.pi * s)
+        vertical = mean * np.pi / (2.0 + 2.0 * self.hump / 3.0) * curve
+        along = -self.traction * mean * np.sin(2.0 * np.pi * s)
+        up = np.array([0.0, 0.0, 1.0])
+        return np.asarray(vertical[:, None] * up + along[:, None] * self._forward())
+
+    def sole(self, foot: int, time: Floats) -> Floats:
+        """(n, 3) m, the foot's sole in the world."""
+        cycles = self.cycles(foot, time)
+        stride = np.floor(cycles)
+        stance = (cycles - stride) / self.gait.duty
+        progress = np.clip((cycles - stride - self.gait.duty) / (1.0 - self.gait.duty), 0.0, 1.0)
+        eased = progress**3 * (10.0 - 15.0 * progress + 6.0 * progress**2)
+        slid = self.slip_m * (np.clip(stance, 0.0, 1.0) - 0.5 - eased)
+        corner_x, corner_y = self.robot.corners_m[foot]
+        mid_stance = (
+            stride + eased - self.begin + self.gait.phases[foot]
+        ) * self.period_s + self.stance_s / 2.0
+        along = corner_x + self.speed_mps * mid_stance + slid
+        height = self.step_height_m * np.sin(np.pi * progress) ** 2
+        return self._in_world(along, np.full_like(along, corner_y), height)
+
+    def base(self, time: Floats) -> Floats:
+        """(n, 3) m, the base in the world: `height_m` off the ground, along its normal."""
+        zero = np.zeros_like(time)
+        return self._in_world(self.speed_mps * time, zero, zero + self.robot.height_m)
+
+    def attitude(self, time: Floats) -> Floats:
+        """(n, 4) the base's orientation: parallel to the ground."""
+        heading = about_axis(2, np.full_like(time, self.heading_rad))
+        return product(heading, about_axis(1, np.full_like(time, -self.slope_rad)))
+
+    def _forward(self) -> Floats:
+        zero = np.zeros(1)
+        return np.asarray(self._in_world(zero + 1.0, zero, zero)[0])
+
+    def _in_world(self, along: Floats, left: Floats, above: Floats) -> Floats:
+        vector = np.stack([along, left, above], axis=1)
+        return turned(self.attitude(along), vector)
+
+    def link(self, foot: int, time: Floats) -> Floats:
+        """(n, 4) orientation of the foot's link in the base."""
+        angle = self.link_swing_rad * np.cos(2.0 * np.pi * self.cycles(foot, time))
+        return about_axis(1, angle)
+
+    def recorded(self, rate_hz: float = 250.0, odometry_hz: float | None = None) -> Recording:
+        """Return the messages of perfect sensors."""
+        time = sample_times(self.seconds, rate_hz)
+        base_time = time if odometry_hz is None else sample_times(self.seconds, odometry_hz)
+        velocity = np.tile(self.speed_mps * self._forward(), (len(base_time), 1))
+        body = about_axis(2, np.full_like(base_time, self.body_yaw_rad))
+        attitude = product(self.attitude(base_time), body)
+        base = base_messages(base_time, self.base(base_time), attitude, velocity)
+        feet = tuple(self._foot(foot, time) for foot in range(len(self.robot.feet)))
+        return Recording(self.robot, feet, base, self.truth(), self.seconds)
+
+    def _foot(self, foot: int, time: Floats) -> FootRecording:
+        touching = self.cycles(foot, time) % 1.0 < self.gait.duty
+        zero = np.zeros_like(time)
+        return foot_messages(
+            time,
+            touching,
+            self.force(foot, time),
+            self.sole(foot, time),
+            self._in_world(zero, zero, zero + 1.0),
+            self.link(foot, time),
+        )
+
+    def truth(self) -> Truth:
+        """Return what is true of the walk."""
+        return Truth(
+            gait_class=self.gait.name,
+            sequence=self.gait.sequence,
+            feet=tuple(self._foot_truth(foot) for foot in range(len(self.robot.feet))),
+            forward_speed_mps=self._level * self.speed_mps,
+            path_length_m=self._level * self.speed_mps * self.seconds,
+            height_m=self.robot.height_m / self._level,
+            slope_rad=self.slope_rad,
+            froude=(self._level * self.speed_mps) ** 2
+            * self._level
+            / (GRAVITY_MPS2 * self.robot.height_m),
+            pitch_rad=-self.slope_rad,
+            climb_m=self.speed_mps * self.seconds * float(np.sin(self.slope_rad)),
+            support=self.gait.support(),
+        )
+
+    def _foot_truth(self, foot: int) -> FootTruth:
+        duty, phases = self.gait.duty, self.gait.phases
+        return FootTruth(
+            touchdown_s=tuple(self.touchdowns(foot).tolist()),
+            liftoff_s=tuple(self.liftoffs(foot).tolist()),
+            contact_fraction=self._contact_fraction(foot),
+            stance_s=self.stance_s,
+            swing_s=self.period_s - self.stance_s,
+            duty_factor=duty,
+            stride_period_s=self.period_s,
+            stride_length_m=self._level * self.speed_mps * self.period_s,
+            peak_vertical_force_n=None if self.slope_rad else self.peak_vertical_n(foot),
+            braking_impulse_ns=self.traction * self.mean_vertical_n(foot) * self.stance_s / np.pi,
+            slip_m=self.slip_m,
+            load_share=self.share(foot),
+            phase=(phases[foot] - phases[0]) % 1.0,
+        )
+
+    def _contact_fraction(self, foot: int) -> float:
+        """Integrate the state over the recording: whole strides and what is left at both ends."""
+        first, last = self.cycles(foot, np.array([0.0, self.seconds]))
+
+        def down_until(cycles: float) -> float:
+            whole = np.floor(cycles)
+            return float(whole * self.gait.duty + min(cycles - whole, self.gait.duty))
+
+        return (down_until(last) - down_until(first)) / float(last - first)

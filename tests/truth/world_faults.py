@@ -1,0 +1,52 @@
+"""What odometry does to the world: another origin, drift, jumps, noise."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from tests.truth.recording import Disturbance, Floats, Recording
+
+
+def _moved(recording: Recording, by: Floats) -> Recording:
+    base = recording.base
+    return replace(recording, base=replace(base, position=base.position + by))
+
+
+def displaced(metres: Sequence[float]) -> Disturbance:
+    """Let the odometry count from another place than the contact points."""
+    return lambda recording: _moved(recording, np.array(metres, np.float64))
+
+
+def base_from_zero(recording: Recording) -> Recording:
+    """Let the odometry begin at the origin, wherever the base is."""
+    return _moved(recording, -recording.base.position[0])
+
+
+def drifting(metres_per_metre: float) -> Disturbance:
+    """Let the odometry overrate the way by a part of it, sideways."""
+
+    def change(recording: Recording) -> Recording:
+        position = recording.base.position
+        way = np.linalg.norm(position - position[0], axis=1)
+        return _moved(recording, np.outer(way * metres_per_metre, (0.0, 1.0, 0.0)))
+
+    return change
+
+
+def jump(at_s: float, metres: Sequence[float]) -> Disturbance:
+    """Let a localisation move the base at once."""
+    return lambda recording: _moved(
+        recording,
+        np.outer(np.where(recording.base.time >= at_s, 1.0, 0.0), np.array(metres, np.float64)),
+    )
+
+
+def pose_noise(std_m: float, seed: int = 0) -> Disturbance:
+    """Add white noise to the base's position."""
+
+    def change(recording: Recording) -> Recording:
+        random = np.random.default_rng(seed)
+        return _moved(recording, random.normal(0.0, std_m, recording.base.position.shape))
+
+    return change
