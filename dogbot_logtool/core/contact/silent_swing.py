@@ -13,9 +13,9 @@ from typing import Final
 import numpy as np
 
 from dogbot_logtool.core.contact.contacts import Samples
-from dogbot_logtool.core.contact.track import SILENCE_NS
 from dogbot_logtool.core.geometry.arrays import Flags, Floats, Ints, distinct
 from dogbot_logtool.core.geometry.blocks import concatenated
+from dogbot_logtool.core.geometry.clock import SILENCE_NS
 
 MISSED_INTERVALS: Final = 2.5
 """A silence of more than so many intervals is a swing."""
