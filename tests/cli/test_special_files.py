@@ -69,6 +69,8 @@ def test_files_that_are_not_regular_are_refused(tmp_path: Path, kind: str) -> No
     calls: list[tuple[str | Path, ...]] = [
         ("info", "--robot", path, log),
         ("compare", "--tolerances", path, log, log),
+        ("convert", "--urdf", path, TROT, "-o", tmp_path / "out.mcap"),
+        ("check", "--limits", path, log),
     ]
     if kind != "a directory":
         calls += [("info", path), ("compare", log, path)]
