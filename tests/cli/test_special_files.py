@@ -12,7 +12,7 @@ from dogbot_logtool.errors import CallError
 from dogbot_logtool.robot import load_robot
 from tests import forked_cli
 from tests.forked_cli import Ended
-from tests.paths import SAMPLE_LOGS
+from tests.paths import SAMPLE_LOGS, TROT
 from tests.reader.mcap_bytes import small_mcap
 
 MOST_SECONDS = 30
