@@ -111,7 +111,7 @@ def _summaries(entries: Iterable[ArrowStyle | OutputEncoding]) -> str:
 )
 @click.option(
     "--urdf",
-    type=click.Path(path_type=Path, exists=True, dir_okay=False),
+    type=click.Path(path_type=Path),
     metavar="FILE",
     help="Robot to draw; default: the log's own, else one of boxes and cylinders.",
 )
