@@ -14,6 +14,7 @@ import numpy as np
 from dogbot_logtool.core.contact.saturation import resolution_n, saturated_limit_n
 from dogbot_logtool.core.contact.sensor_modes import ALTERNATE, Modes, judge_modes, two_modes
 from dogbot_logtool.core.geometry.arrays import Flags, Floats, Ints, norms
+from dogbot_logtool.core.geometry.clock import usual_interval_s
 
 Origin = Literal["option", "robot", "estimated", "default"]
 """Where a setting comes from."""
@@ -30,6 +31,12 @@ LIGHT: Final = 0.05
 """Share of the usual load below which a sample counts as light."""
 _LOADED: Final = 75.0
 """Percentile of the forces that stands for the usual load where swings are not told apart."""
+_RANGE: Final = (3.0, 97.0)
+"""The same for the lightest and for the heaviest load."""
+SURE: Final = 3.0
+"""Lead in score from which it is certain which way a load turns what a sensor reads."""
+UNSURE: Final = 1.0
+"""Lead in score up to which that is not known, unless the weight tells."""
 _KNOT_VISITS: Final = 4
 _KNOT_S: Final = 15.0
 """A knot of the drift needs so many visits over so long a time."""
@@ -74,6 +81,18 @@ class SensorLevel:
     """Why the level could not be estimated; empty where it is known."""
     alternative: "SensorLevel | None" = None
     """The level if the lower of two alternating loads were none, where that is not clear."""
+    lightest_n: float | None = None
+    """N, magnitude that the lightest samples stay below; only where the level is not known. Also
+    `heaviest_n`, that the heaviest ones exceed."""
+    heaviest_n: float | None = None
+    raises: bool = True
+    """Whether load raises what the sensor reads."""
+    lead: float = np.inf
+    """How much better that fits than that load lowers it, or the other way round."""
+    opposite: "SensorLevel | None" = None
+    """The level if load turned it the other way, where that may be."""
+    refuted: str = ""
+    """Why nothing is known although swings and stances are seen; zero cannot be assumed either."""
 
     @property
     def offset_n(self) -> Floats:
@@ -109,7 +128,7 @@ def estimate_level(log_time: Ints, force: Floats) -> SensorLevel:
     """
     finite = np.isfinite(force).all(axis=1)
     log_time, force = log_time[finite], force[finite]
-    interval_s = _interval_s(log_time)
+    interval_s = usual_interval_s(log_time)
     if len(force) < FEWEST_SAMPLES:
         return _unknown("too few samples", interval_s, force)
     zero = zero_level(force, interval_s)
@@ -119,17 +138,37 @@ def estimate_level(log_time: Ints, force: Floats) -> SensorLevel:
     along = _without_spikes(force @ axis)
     runs = _run_numbers(log_time)
     modes = [two_modes(along, runs), two_modes(-along, runs)]
-    found = max(
+    judged = (
         judge_modes(modes[0], modes[1].swing.width, raises=True),
         judge_modes(modes[1], modes[0].swing.width, raises=False),
-        key=lambda judged: judged.score,
     )
-    if found.reason and found.reason != ALTERNATE:
-        return _unknown(found.reason, interval_s, force)
-    level = _level_of(found, log_time, force, axis if found.raises else -axis, interval_s)
-    if not found.reason or level.reason:
+    likely, other = sorted(judged, key=lambda each: each.score, reverse=True)
+    level, opposite = (
+        _judged_level(each, log_time, force, axis, interval_s) for each in (likely, other)
+    )
+    if level.reason or opposite.reason:
         return level
-    return replace(_unknown(found.reason, interval_s, force), alternative=level)
+    lead = likely.score - other.score
+    if opposite.limit_n is not None and level.limit_n is None:
+        # What is cut off at a limit does not vary there: that says nothing of swing.
+        lead -= 2.0 * likely.width_score
+    if lead < 0.0:
+        level, opposite, lead = opposite, level, -lead
+    if lead >= SURE:
+        return replace(level, lead=lead)
+    return replace(level, lead=lead, opposite=replace(opposite, lead=lead))
+
+
+def _judged_level(
+    judged: Modes, log_time: Ints, force: Floats, axis: Floats, interval_s: float | None
+) -> SensorLevel:
+    """Return the level that modes stand for, or why it is not known; see `_level_of`."""
+    if judged.reason and judged.reason != ALTERNATE:
+        return _unknown(judged.reason, interval_s, force)
+    level = _level_of(judged, log_time, force, axis if judged.raises else -axis, interval_s)
+    if not judged.reason or level.reason:
+        return level
+    return replace(_unknown(judged.reason, interval_s, force), alternative=level)
 
 
 def zero_level(force: Floats, interval_s: float | None = None) -> SensorLevel | None:
@@ -183,8 +222,9 @@ def _drops_out(force: Floats, loaded_n: float) -> bool:
 def _unknown(reason: str, interval_s: float | None, force: Floats) -> SensorLevel:
     """Return the level of a sensor that does not show it; its noise shows between samples."""
     usual = float(np.percentile(norms(force), _LOADED)) if len(force) else None
-    noise = None
+    noise = lightest = heaviest = None
     if len(force) >= FEWEST_SAMPLES:
+        lightest, heaviest = np.percentile(_without_spikes(norms(force)), _RANGE).tolist()
         steps = np.abs(np.diff(force, axis=0))
         noise = _NORMAL_SD * float(np.median(steps, axis=0).max()) / np.sqrt(2.0)
     return SensorLevel(
@@ -194,13 +234,9 @@ def _unknown(reason: str, interval_s: float | None, force: Floats) -> SensorLeve
         mean_n=usual,
         interval_s=interval_s,
         reason=reason,
+        lightest_n=lightest,
+        heaviest_n=heaviest,
     )
-
-
-def _interval_s(log_time: Ints) -> float | None:
-    steps = np.diff(log_time)
-    steps = steps[steps > 0]
-    return float(np.median(steps)) / 1e9 if len(steps) else None
 
 
 def _load_axis(force: Floats) -> Floats:
@@ -252,6 +288,7 @@ def _level_of(
         drift_n_per_min=_drift(middle, levels @ axis),
         interval_s=interval_s,
         origin="estimated",
+        raises=modes.raises,
     )
     load = (force - level.offset_at(log_time)) @ axis
     loaded = float(np.median(modes.stance.visits.quantiles(load, 0.5)))

@@ -23,6 +23,8 @@ CONSTANT: Final = "the force never changes"
 """Reason of a level that is not known since all samples are alike."""
 ALTERNATE: Final = "two loads alternate, which may be weight that is shifted in a stand"
 """Reason of a level that is not known since nothing tells a light load from none."""
+WIDE: Final = "no narrow unloaded mode: the foot may never be off the ground"
+"""Reason of a level that is not known since the forces of swing differ by much."""
 _MIDDLE: Final = (0.2, 0.8)
 """Part of a visit that is used: its ends are on the way between the modes."""
 _UNCLEAR: Final = 100.0
@@ -92,6 +94,8 @@ class Modes:
     """Why they are not clear; empty: they are."""
     raises: bool = True
     """Whether load raises what the sensor reads."""
+    width_score: float = 0.0
+    """The part of the score that rests on how much narrower swing is than stance."""
 
 
 def two_modes(values: Floats, runs: Ints) -> Modes:
@@ -131,12 +135,10 @@ def judge_modes(modes: Modes, other_width: float, *, raises: bool) -> Modes:
     floor = 1e-3 * distance
     wider = (other_width + floor) / (swing.width + floor)
     # Sensors are usually mounted so that a load raises their value, and offsets are smaller
-    # than loads; both are habits, so that a clear difference in width outweighs them.
+    # than loads; both are habits. A foot that swings may feel its inertia, which widens swing.
     nearer_zero = abs(stance.level) / max(abs(swing.level), floor)
-    score = float(
-        np.clip(np.log2(wider), -4.0, 4.0)
-        + 0.5 * np.clip(np.log2(max(nearer_zero, 1e-9)), -1.0, 1.0)
-    )
+    width_score = float(np.clip(np.log2(wider), -4.0, 4.0))
+    score = width_score + float(np.clip(np.log2(max(nearer_zero, 1e-9)), -3.0, 3.0))
     score += 0.5 if raises else 0.0
     reason = ""
     # Weight cannot pull, so that a level on the other side of zero than the load is unloaded.
@@ -145,10 +147,11 @@ def judge_modes(modes: Modes, other_width: float, *, raises: bool) -> Modes:
     if len(swing.visits) < FEWEST_VISITS and not pulls:
         reason = "the foot is seen unloaded fewer than twice"
     elif swing.width > NARROW * distance:
-        reason = "no narrow unloaded mode: the foot may never be off the ground"
+        reason = WIDE
     elif wider < WIDER and not plain:
         reason = ALTERNATE
-    return Modes(swing, stance, score - (_UNCLEAR if reason else 0.0), reason, raises)
+    score -= _UNCLEAR if reason else 0.0
+    return Modes(swing, stance, score, reason, raises, width_score)
 
 
 def _otsu(values: Floats) -> float:
