@@ -25,6 +25,8 @@ ALTERNATE: Final = "two loads alternate, which may be weight that is shifted in 
 """Reason of a level that is not known since nothing tells a light load from none."""
 WIDE: Final = "no narrow unloaded mode: the foot may never be off the ground"
 """Reason of a level that is not known since the forces of swing differ by much."""
+ONCE: Final = "the foot is seen unloaded fewer than twice"
+"""Reason of a level that is not known since no second swing confirms it."""
 _MIDDLE: Final = (0.2, 0.8)
 """Part of a visit that is used: its ends are on the way between the modes."""
 _UNCLEAR: Final = 100.0
@@ -142,15 +144,16 @@ def judge_modes(modes: Modes, other_width: float, *, raises: bool) -> Modes:
     score += 0.5 if raises else 0.0
     reason = ""
     # Weight cannot pull, so that a level on the other side of zero than the load is unloaded.
-    pulls = swing.level < 0.0 < stance.level
+    pulls = swing.level < -swing.width and stance.level > 0.0
     plain = swing.level <= PLAIN_OFFSET * distance and (raises or stance.level > 0.0)
     if len(swing.visits) < FEWEST_VISITS and not pulls:
-        reason = "the foot is seen unloaded fewer than twice"
+        reason = ONCE
     elif swing.width > NARROW * distance:
         reason = WIDE
     elif wider < WIDER and not plain:
         reason = ALTERNATE
-    score -= _UNCLEAR if reason else 0.0
+    # The only swing of a log may be one, so that it competes with what else may be.
+    score -= _UNCLEAR if reason not in {"", ONCE} else 0.0
     return Modes(swing, stance, score, reason, raises, width_score)
 
 
