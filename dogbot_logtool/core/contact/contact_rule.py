@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from typing import Final
 
 from dogbot_logtool.core.contact.sensor_level import Origin, SensorLevel
-from dogbot_logtool.core.contact.sensor_modes import ALTERNATE, WIDE
+from dogbot_logtool.core.contact.sensor_modes import ALTERNATE, NOISY, WIDE
 
 ZERO_ON: Final = 0.05
 """Share of the weight from which a foot is in contact whose sensor reads zero in swing."""
@@ -16,11 +16,14 @@ ON_NOISES, OFF_NOISES = 5.0, 3.0
 """Thresholds are at least so many standard deviations of the noise."""
 MOST_OF_LOAD: Final = 0.5
 """Largest share of the usual load that may be needed to detect contact."""
-STEPS_UNCLEAR: Final = frozenset({ALTERNATE, WIDE})
+STEPS_UNCLEAR: Final = frozenset({ALTERNATE, NOISY, WIDE})
 """Reasons of an unknown level with which a load that comes and goes is no sure contact."""
 DEBOUNCE_S: Final = 0.020
 DEBOUNCE_INTERVALS: Final = 1.5
 """Shorter swings and stances are no longer than one sample."""
+BOUNCE: Final = 0.0625
+"""Share of a foot's usual swing below which a swing is a bounce, or load that another foot takes
+for a moment."""
 MOST_DEBOUNCE_S: Final = 10.0
 """No foot steps more slowly: such intervals are those of stamps gone wrong."""
 ANY_FORCE_N: Final = 1e-9
@@ -37,6 +40,8 @@ class ContactRule:
     """N: |F| below which contact ends; it always ends at 0. 0: only there."""
     debounce_s: float
     """s: shorter swings are filled, then shorter stances dropped."""
+    bounce_s: float = 0.0
+    """s: so are shorter swings: much shorter than the foot's usual ones, they are none."""
     backdates: bool = False
     """Whether a touchdown is dated back to where the force rose above `off_n`."""
     origin: Origin = "default"
@@ -45,6 +50,11 @@ class ContactRule:
     """Whether the message's own contact flag decides, whatever the force."""
     unusable: str = ""
     """Why the sensor cannot tell contact; empty: it can."""
+
+    @property
+    def fill_s(self) -> float:
+        """Shorter swings are filled, s."""
+        return max(self.debounce_s, self.bounce_s)
 
 
 @dataclass(frozen=True, slots=True)
@@ -97,6 +107,7 @@ def contact_rule(
         on_n=on,
         off_n=off,
         debounce_s=_debounce_s(level, given.debounce_s),
+        bounce_s=BOUNCE * (level.swing_s or 0.0) if given.debounce_s is None else 0.0,
         backdates=not level.zero_in_swing,
         origin=given.origin if given.on_n else "estimated" if estimated else "default",
         unusable="" if given.on_n else _why_unusable(level, on, off),

@@ -12,7 +12,16 @@ from typing import Final, Literal
 import numpy as np
 
 from dogbot_logtool.core.contact.saturation import resolution_n, saturated_limit_n
-from dogbot_logtool.core.contact.sensor_modes import ALTERNATE, Modes, judge_modes, two_modes
+from dogbot_logtool.core.contact.sensor_modes import (
+    ALTERNATE,
+    MIDDLE_SHARE,
+    NOISY,
+    WIDE,
+    Modes,
+    Visits,
+    judge_modes,
+    two_modes,
+)
 from dogbot_logtool.core.geometry.arrays import Flags, Floats, Ints, norms
 from dogbot_logtool.core.geometry.clock import usual_interval_s
 
@@ -29,6 +38,10 @@ DROPOUTS: Final = 3
 """Lone zeros under load that make a sensor one that drops out."""
 LIGHT: Final = 0.05
 """Share of the usual load below which a sample counts as light."""
+PULL: Final = 0.02
+"""Share of the usual load by which no ground can pull at a foot."""
+PULLS: Final = 0.1
+"""Share of the zeros from which so many such pulls make a sensor that does not rest at zero."""
 _LOADED: Final = 75.0
 """Percentile of the forces that stands for the usual load where swings are not told apart."""
 _RANGE: Final = (3.0, 97.0)
@@ -66,7 +79,9 @@ class SensorLevel:
     mean_recorded_n: float | None = None
     """N, the same with the offset left in."""
     interval_s: float | None = None
-    """s, median sampling interval."""
+    """s, usual sampling interval."""
+    swing_s: float | None = None
+    """s, about how long the sensor is unloaded in a stride; None: not known."""
     zero_in_swing: bool = False
     """Whether the sensor reads exactly zero, or lists no contact, in swing."""
     origin: Origin = "default"
@@ -146,12 +161,14 @@ def estimate_level(log_time: Ints, force: Floats) -> SensorLevel:
     level, opposite = (
         _judged_level(each, log_time, force, axis, interval_s) for each in (likely, other)
     )
+    lead = likely.fit - other.fit
     if level.reason or opposite.reason:
-        return level
-    lead = likely.score - other.score
+        if not level.reason and opposite.reason == WIDE and lead < UNSURE:
+            return _unknown(WIDE, interval_s, force)
+        return replace(level, lead=lead)
     if opposite.limit_n is not None and level.limit_n is None:
         # What is cut off at a limit does not vary there: that says nothing of swing.
-        lead -= 2.0 * likely.width_score
+        lead -= 2.0 * likely.width_fit
     if lead < 0.0:
         level, opposite, lead = opposite, level, -lead
     if lead >= SURE:
@@ -184,7 +201,7 @@ def zero_level(force: Floats, interval_s: float | None = None) -> SensorLevel | 
         return None
     loaded = float(np.median(magnitude[~zero])) if not zero.all() else None
     light = (magnitude < LIGHT * loaded).sum() if loaded else zero.sum()
-    if 2 * zero.sum() < light:
+    if 2 * zero.sum() < light or _pulls(force, zero):
         return None
     knots, offset = no_offset()
     return SensorLevel(
@@ -200,6 +217,13 @@ def zero_level(force: Floats, interval_s: float | None = None) -> SensorLevel | 
         zero_in_swing=True,
         origin="estimated",
     )
+
+
+def _pulls(force: Floats, zero: Flags) -> bool:
+    """Tell whether a sensor that counts in steps also reads less than nothing, (n, 3) N."""
+    load = force @ force.mean(axis=0)
+    loaded = np.median(load[~zero]) if not zero.all() else 0.0
+    return bool((load < -PULL * loaded).sum() > PULLS * zero.sum())
 
 
 def _in_runs(flags: Flags) -> Flags:
@@ -287,13 +311,14 @@ def _level_of(
         noise_n=noise,
         drift_n_per_min=_drift(middle, levels @ axis),
         interval_s=interval_s,
+        swing_s=_visit_s(visits, log_time),
         origin="estimated",
         raises=modes.raises,
     )
     load = (force - level.offset_at(log_time)) @ axis
     loaded = float(np.median(modes.stance.visits.quantiles(load, 0.5)))
     if loaded < CLEAR_OF_NOISE * noise:
-        return _unknown("swing and stance differ by little more than the noise", interval_s, force)
+        return _unknown(NOISY, interval_s, force)
     return replace(
         level,
         loaded_n=loaded,
@@ -303,6 +328,12 @@ def _level_of(
         mean_n=float(load.mean()),
         mean_recorded_n=float(np.linalg.norm(force.mean(axis=0))),
     )
+
+
+def _visit_s(visits: Visits, log_time: Ints) -> float:
+    """Return how long a usual visit lasts, s; its ends were cut off."""
+    length = (log_time[visits.end - 1] - log_time[visits.start]) / 1e9
+    return float(np.median(length)) / MIDDLE_SHARE
 
 
 def _knots(time: Ints, levels: Floats) -> tuple[Ints, Floats]:

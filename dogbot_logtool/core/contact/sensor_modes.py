@@ -29,6 +29,9 @@ ONCE: Final = "the foot is seen unloaded fewer than twice"
 """Reason of a level that is not known since no second swing confirms it."""
 _MIDDLE: Final = (0.2, 0.8)
 """Part of a visit that is used: its ends are on the way between the modes."""
+MIDDLE_SHARE: Final = _MIDDLE[1] - _MIDDLE[0]
+NOISY: Final = "swing and stance differ by little more than the noise"
+"""Reason of a level that is not known since both modes are as wide as they are apart."""
 _UNCLEAR: Final = 100.0
 """What modes that are not clear score less than any that are."""
 _FEWEST_ROWS: Final = 3
@@ -90,14 +93,22 @@ class Modes:
 
     swing: Mode
     stance: Mode
-    score: float = -np.inf
+    fit: float = -np.inf
     """How well it fits that these are swing and stance."""
     reason: str = ""
     """Why they are not clear; empty: they are."""
     raises: bool = True
     """Whether load raises what the sensor reads."""
-    width_score: float = 0.0
-    """The part of the score that rests on how much narrower swing is than stance."""
+    width_fit: float = 0.0
+    """The part of the fit that rests on how much narrower swing is than stance."""
+
+    @property
+    def score(self) -> float:
+        """The fit, less for modes that are not clear.
+
+        The only swing of a log may be one, so that it competes with what else may be.
+        """
+        return self.fit - (_UNCLEAR if self.reason not in {"", ONCE} else 0.0)
 
 
 def two_modes(values: Floats, runs: Ints) -> Modes:
@@ -139,9 +150,9 @@ def judge_modes(modes: Modes, other_width: float, *, raises: bool) -> Modes:
     # Sensors are usually mounted so that a load raises their value, and offsets are smaller
     # than loads; both are habits. A foot that swings may feel its inertia, which widens swing.
     nearer_zero = abs(stance.level) / max(abs(swing.level), floor)
-    width_score = float(np.clip(np.log2(wider), -4.0, 4.0))
-    score = width_score + float(np.clip(np.log2(max(nearer_zero, 1e-9)), -3.0, 3.0))
-    score += 0.5 if raises else 0.0
+    width_fit = float(np.clip(np.log2(wider), -4.0, 4.0))
+    fit = width_fit + float(np.clip(np.log2(max(nearer_zero, 1e-9)), -3.0, 3.0))
+    fit += 0.5 if raises else 0.0
     reason = ""
     # Weight cannot pull, so that a level on the other side of zero than the load is unloaded.
     pulls = swing.level < -swing.width and stance.level > 0.0
@@ -152,9 +163,7 @@ def judge_modes(modes: Modes, other_width: float, *, raises: bool) -> Modes:
         reason = WIDE
     elif wider < WIDER and not plain:
         reason = ALTERNATE
-    # The only swing of a log may be one, so that it competes with what else may be.
-    score -= _UNCLEAR if reason not in {"", ONCE} else 0.0
-    return Modes(swing, stance, score, reason, raises, width_score)
+    return Modes(swing, stance, fit, reason, raises, width_fit)
 
 
 def _otsu(values: Floats) -> float:

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 from typing import Final
 
-from dogbot_logtool.core.contact.sensor_level import UNSURE, SensorLevel, no_offset
+from dogbot_logtool.core.contact.sensor_level import SURE, UNSURE, SensorLevel, no_offset
 
 WORSE: Final = 0.05
 """By how much offsets may worsen the sum of all loads over the weight."""
@@ -59,8 +59,14 @@ def _miss(levels: Sequence[SensorLevel], weight_n: float | None) -> float | None
 def checked_levels(
     levels: Sequence[SensorLevel], weight_n: float | None
 ) -> tuple[SensorLevel, ...]:
-    """Keep estimated offsets only if they do not worsen the sum of loads over a known weight."""
-    estimated = [level.origin == "estimated" and not level.zero_in_swing for level in levels]
+    """Keep estimated offsets only if they do not worsen the sum of loads over a known weight.
+
+    Where swings and stances are beyond doubt, so are the offsets: the mass is wrong then.
+    """
+    estimated = [
+        level.origin == "estimated" and not level.zero_in_swing and level.lead < SURE
+        for level in levels
+    ]
     after = weight_of_levels(levels)
     if weight_n is None or after is None or not any(estimated):
         return tuple(levels)
