@@ -7,7 +7,6 @@ from dogbot_logtool.core.quality.quality import mean_rate_hz
 from dogbot_logtool.finding import Finding, by_severity
 from dogbot_logtool.io.storage import Location
 from dogbot_logtool.pipeline.annotated import without_annotations
-from dogbot_logtool.pipeline.feet.candidates import candidates_finding
 from dogbot_logtool.pipeline.feet.message_feet import is_planned
 from dogbot_logtool.pipeline.frame_findings import frame_findings
 from dogbot_logtool.pipeline.frames import Frames, read_frames
@@ -60,9 +59,6 @@ def describe(
             frames = read_frames(log, [*selection.transforms, *added_transforms], jobs, progress)
             probe = _with_all_frames(probe, frames, ours)
         findings, added = _outlook(recorded, selection, probe)
-        if not selection.contacts and selection.offered_feet is None:
-            possible = candidates_finding(recorded)
-            findings += [possible] if possible else []
         if frames is not None:
             findings += frame_findings(frames, added)
         duration_ns = None

@@ -7,7 +7,7 @@ from dogbot_logtool.commands.tasks import figures_of
 from dogbot_logtool.errors import LogError
 from dogbot_logtool.io.storage import Location, shown
 from dogbot_logtool.pipeline.annotated import open_recorded
-from dogbot_logtool.pipeline.feet.candidates import FootCandidates, find_candidates
+from dogbot_logtool.pipeline.feet.candidates import FootCandidates
 from dogbot_logtool.pipeline.options import StatsOptions, TopicOptions
 from dogbot_logtool.pipeline.probe import frame_names, probe_log
 from dogbot_logtool.pipeline.selection import Selection, nothing_to_do, select_topics
@@ -44,15 +44,13 @@ def new_robot(
     log = open_recorded(path)
     try:
         selection = select_topics(log, options)
-        others: list[FootCandidates] = []
+        others = [*selection.possible_feet]
         because = ["Found by the types and names of their topics."]
-        if not selection.contacts and selection.offered_feet is None:
-            others = find_candidates(log)
-            if others:
-                chosen = others.pop(0)
-                because = [f"Chosen since: {'; '.join(chosen.reasons)}."]
-                options = replace(options, feet=chosen.feet)
-                selection = select_topics(log, options)
+        if others:
+            chosen = others.pop(0)
+            because = [f"Chosen since: {'; '.join(chosen.reasons)}."]
+            options = replace(options, feet=chosen.feet)
+            selection = select_topics(log, options)
         if not selection.odometry and not selection.contacts:
             raise LogError(nothing_to_do(log, selection))
         probe = probe_log(log, selection)
