@@ -17,7 +17,7 @@ from dogbot_logtool.pipeline.selection import Selection, select_topics
 from dogbot_logtool.reader.containers.log import Log
 from dogbot_logtool.reader.messages.bases.poses import ODOMETRY
 from dogbot_logtool.reader.messages.transforms import TRANSFORM_TYPES
-from dogbot_logtool.reader.opening import open_log
+from dogbot_logtool.reader.opening import open_joined
 from dogbot_logtool.results import LogInfo, TopicInfo
 from dogbot_logtool.run.in_order import OnProgress
 
@@ -43,7 +43,7 @@ def describe(
         CallError: no such file, or a topic in the options that the log does not have.
         LogError: it is no log.
     """
-    log = open_log(path)
+    log = open_joined([path, *options.joined])
     try:
         recorded = without_annotations(log)
         ours = frozenset(log.channels.keys() - recorded.channels.keys())

@@ -41,7 +41,7 @@ def new_robot(
         CallError: no such file, or an option that does not fit it.
         LogError: it is no log, or has nothing that may be feet or a base.
     """
-    log = open_recorded(path)
+    log = open_recorded(path, options.joined)
     try:
         selection = select_topics(log, options)
         others = [*selection.possible_feet]

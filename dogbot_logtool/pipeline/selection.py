@@ -315,7 +315,7 @@ def _apply_options(log: Log, robot: Robot, options: TopicOptions) -> Robot:
 
 def _offered(log: Log, options: TopicOptions, offer: FootOffer) -> Finding:
     """Return a warning with the command that chooses the feet."""
-    words = ["dogbot-logtool", "stats", shown(log.source.path)]
+    words = ["dogbot-logtool", "stats", *log.words]
     if options.odometry_topic is not None:
         words += ["--odom-topic", options.odometry_topic]
     if options.mass_kg is not None:

@@ -13,7 +13,6 @@ from dogbot_logtool.core.contact.contacts import Samples, no_samples
 from dogbot_logtool.core.geometry.blocks import concatenated
 from dogbot_logtool.errors import DefinitionError
 from dogbot_logtool.finding import Finding, warning
-from dogbot_logtool.io.storage import shown
 from dogbot_logtool.pipeline.chunks import spread_chunks
 from dogbot_logtool.pipeline.feet.content import Content, judge_content
 from dogbot_logtool.pipeline.feet.labels import with_labels
@@ -105,24 +104,20 @@ def candidates_finding(log: Log, found: Sequence[FootCandidates], base: str = ""
     text = f"fields of {first.type_name} look like feet: {first.text}"
     for other in others[:_ALTERNATIVES]:
         text += f"; or {other.text}"
-    path = shown(log.source.path)
+    file = f"{PurePath(log.words[0]).stem}.toml"
     chosen = ["--odom-topic", base] if base else []
-    draft = shlex.join(["dogbot-logtool", "robots", "new", path, *chosen, "-o", _file_name(path)])
+    draft = shlex.join(["dogbot-logtool", "robots", "new", log.words[0], *chosen, "-o", file])
     if any(foot.field and foot.field.kind for foot in first.feet):
         # What the fields are can only be said in a robot's file.
         text += f"; they are not used unasked. This writes a robot's file with them: {draft}"
         return replace(warning("FEET_POSSIBLE", text), command=draft)
     words = " ".join(f"--foot {foot.name}={shlex.quote(word_of(foot))}" for foot in first.feet)
-    command = f"{shlex.join(['dogbot-logtool', 'stats', path, *chosen])} {words}"
+    command = f"{shlex.join(['dogbot-logtool', 'stats', *log.words, *chosen])} {words}"
     text += (
         f"; they are not used unasked. `{draft}` writes a robot's file with them; this measures "
         f"with them: {command}"
     )
     return replace(warning("FEET_POSSIBLE", text), command=command)
-
-
-def _file_name(path: str) -> str:
-    return f"{PurePath(path).stem}.toml"
 
 
 def _without_repeats(sets: Iterable[FootCandidates]) -> list[FootCandidates]:
