@@ -13,9 +13,9 @@ from typing import Final
 import numpy as np
 
 from dogbot_logtool.core.contact.contacts import Samples
-from dogbot_logtool.core.contact.track import SILENCE_NS
-from dogbot_logtool.core.geometry.arrays import Flags, Floats, Ints
+from dogbot_logtool.core.geometry.arrays import Flags, Floats, Ints, distinct
 from dogbot_logtool.core.geometry.blocks import concatenated
+from dogbot_logtool.core.geometry.clock import SILENCE_NS
 
 MISSED_INTERVALS: Final = 2.5
 """A silence of more than so many intervals is a swing."""
@@ -109,7 +109,7 @@ def last_messages(
         foot: replace(last, interrupted=True) if _interrupts(dropouts, last) else last
         for foot, last in before.items()
     }
-    for foot in np.unique(samples.foot).tolist():
+    for foot in distinct(samples.foot).tolist():
         last = np.flatnonzero(samples.foot == foot)[-1]
         message = LastMessage(int(samples.log_time[last]), int(samples.stamp[last]))
         heard[foot] = replace(message, interrupted=_interrupts(dropouts, message))
