@@ -7,6 +7,8 @@ import click
 from dogbot_logtool.cli.options import (
     jobs_option,
     jobs_or_cores,
+    join_logs,
+    join_option,
     json_option,
     logs_argument,
     measuring_options,
@@ -23,6 +25,7 @@ from dogbot_logtool.cli.outcomes import Outcomes
 
 @click.command()
 @logs_argument
+@join_option
 @click.option(
     "-o",
     "--output",
@@ -48,6 +51,7 @@ def report(
     tares: tuple[str, ...],
     jobs: int | None,
     *,
+    join: bool,
     overwrite: bool,
     as_json: bool,
     quiet: bool,
@@ -72,10 +76,10 @@ def report(
     from dogbot_logtool.run.runner import SerialRunner  # noqa: PLC0415
 
     topics = parse_topics(robot, odom_topic, feet, mass_kg, tares)
-    chosen = StatsOptions(topics=topics, jobs=jobs_or_cores(jobs), **options)
     console = diagnostics()
-    log_set = find_logs(words)
-    several = may_be_several(words, log_set.paths)
+    log_set, topics = join_logs(find_logs(words), topics, join=join)
+    chosen = StatsOptions(topics=topics, jobs=jobs_or_cores(jobs), **options)
+    several = not join and may_be_several(words, log_set.paths)
     where = output_at(output, ".report.html", several=several)
     reports = Reports(log_set.paths, where, chosen, overwrite=overwrite)
     outcomes = Outcomes(quiet=quiet)
