@@ -95,7 +95,7 @@ def contact_rule(
         on_n=on,
         off_n=off,
         debounce_s=_debounce_s(level, given.debounce_s),
-        backdates=not level.zero_in_swing,
+        backdates=True,
         origin=given.origin if given.on_n else "estimated" if estimated else "default",
         unusable=unusable,
     )
