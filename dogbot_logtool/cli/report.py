@@ -136,9 +136,10 @@ def _report_against(
     log_sets = [find_logs(words), find_logs(against)]
     where = output_at(output, ENDING, several=False)
     target = comparison_target(where, *(each.paths for each in log_sets), overwrite=overwrite)
-    sides = [measured_side(each, options, quiet=quiet) for each in log_sets]
+    first, second = (measured_side(each, options, quiet=quiet) for each in log_sets)
     done = report_against(
-        *(side.figures for side in sides),
+        first.figures,
+        second.figures,
         target,
         overwrite=overwrite,
         makes_folder=where.is_folder,
@@ -148,4 +149,4 @@ def _report_against(
         click.echo(to_json({**found, **gait_comparison_json(done.found)}, indent=2))
     if not quiet:
         print_comparison_page(diagnostics(), shown(done.target), done.size, done.found)
-    sys.exit(exit_code_of(sides))
+    sys.exit(exit_code_of((first, second)))
