@@ -288,7 +288,7 @@ def _label_records(
     for axis, column in zip("xyz", labels.position.take(rows, 0).T, strict=True):
         records[axis] = column
     text = np.char.mod("%.0f N", np.minimum(labels.force[rows], _LARGEST_LABEL_N))
-    records["text"] = np.char.ljust(text, LABEL_WIDTH).astype(f"S{LABEL_WIDTH}")
+    records["text"] = np.char.center(text, LABEL_WIDTH).astype(f"S{LABEL_WIDTH}")
     return records
 
 

@@ -52,8 +52,9 @@ def primitive_urdf(
     _add_visual(links[frames.base], "body", centre, "box", size=_text(size))
     _add_nose(links[frames.base], centre, size, forward_axis)
     radius = _limb_radius(frames)
-    for _, pose in frames.limbs:
+    for frame, pose in frames.limbs:
         _add_limb(links[pose.parent], (0.0, 0.0, 0.0), pose.translation, radius)
+        _add_visual(links[frame], "limb", (0.0, 0.0, 0.0), "sphere", radius=_text([radius]))
     for foot in frames.feet:
         _add_limb(links[foot.frame], (0.0, 0.0, 0.0), foot.point, radius)
         material = f"foot {foot.name}"
@@ -68,15 +69,20 @@ def _body(frames: Skeleton, forward_axis: str, mass_kg: float | None) -> tuple[P
     """Return centre and size, m, of the box between the hips; of the mass's size without hips."""
     hips = [frames.frames[leg[-1]].translation for leg in frames.legs]
     if not hips:
-        third = ((mass_kg or _USUAL_MASS_KG) / _DENSITY / 6.0) ** (1.0 / 3.0)
-        length, width = 3.0 * third, 2.0 * third
+        length, width, height = body_size_m(mass_kg)
         along_x = _AXES[forward_axis][0] != 0
-        return (0.0, 0.0, 0.0), (*((length, width) if along_x else (width, length)), third)
+        return (0.0, 0.0, 0.0), (*((length, width) if along_x else (width, length)), height)
     low, high = np.min(hips, axis=0), np.max(hips, axis=0)
     longest = max(float((high - low)[:2].max()), 0.1)
     x, y = (max(float(side), 0.4 * longest) for side in (high - low)[:2])
     cx, cy, cz = ((low + high) / 2.0).tolist()
     return (cx, cy, cz), (x, y, 0.25 * longest)
+
+
+def body_size_m(mass_kg: float | None) -> tuple[float, float, float]:
+    """Return length, width and height, m, of a body of some mass; None: a usual one."""
+    third = ((mass_kg or _USUAL_MASS_KG) / _DENSITY / 6.0) ** (1.0 / 3.0)
+    return 3.0 * third, 2.0 * third, third
 
 
 def _limb_radius(frames: Skeleton) -> float:

@@ -84,8 +84,8 @@ PROJECTION_LOOK: Final = BallLook(1.5, 0.25, (0.337, 0.706, 0.914, 1.0))
 TOUCHDOWN_LOOK: Final = BallLook(1.0, 0.25, (0.6, 0.6, 0.6, 1.0))
 """Touchdowns have the colours of their feet."""
 LABEL_HEIGHT_M: Final = 0.05
-LABEL_COLOUR: Final = (0.35, 0.35, 0.35, 1.0)
-"""Readable on dark and on light ground."""
+LABEL_COLOUR: Final = (0.95, 0.95, 0.95, 1.0)
+"""Pale: Foxglove writes it on black, RViz has a dark ground."""
 LABEL_WIDTH: Final = 8
 """Characters of the number and its unit in a label, padded with spaces."""
 
