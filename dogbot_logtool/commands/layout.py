@@ -15,6 +15,7 @@ from dogbot_logtool.pipeline.options import ConvertOptions, TopicOptions
 from dogbot_logtool.pipeline.plan import Plan, make_plan
 from dogbot_logtool.pipeline.probe import DEFAULT_BASE, DEFAULT_WORLD, Probe, probe_log
 from dogbot_logtool.pipeline.robot_model.primitives import body_size_m
+from dogbot_logtool.pipeline.robot_model.shape import robot_shape
 from dogbot_logtool.pipeline.selection import select_topics
 from dogbot_logtool.report.layouts.view import View, upper_bound
 from dogbot_logtool.robot import Robot, load_robot
@@ -43,7 +44,13 @@ def view_of(log: Path | None, options: TopicOptions) -> View:
         probe = probe_log(opened, selection)
         plan = make_plan(opened, selection, probe, ConvertOptions())
         view = _view(selection.robot, plan.world_frame, plan.base_frame)
-        return replace(view, peak_n=_peak_n(plan, probe) or view.peak_n)
+        shape = robot_shape(selection, probe)
+        return replace(
+            view,
+            peak_n=_peak_n(plan, probe) or view.peak_n,
+            forward_axis=shape.forward_axis,
+            size_m=shape.size_m,
+        )
     finally:
         opened.close()
 

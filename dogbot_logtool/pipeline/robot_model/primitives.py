@@ -20,6 +20,8 @@ _AXES: Final = {"+x": (1, 0), "-x": (-1, 0), "+y": (0, 1), "-y": (0, -1)}
 _DENSITY: Final = 500.0
 """kg/m3 of a body whose legs are not known; half of water's, as robots have."""
 _USUAL_MASS_KG: Final = 12.0
+_FEWEST_HIPS: Final = 3
+"""Assumed hips that span a body."""
 _SHORTEST_LIMB_M: Final = 0.01
 _THICKNESS: Final = 0.045
 """Radius of a limb over the length of a leg."""
@@ -30,7 +32,11 @@ _NOSE: Final = "#2f3640"
 
 
 def primitive_urdf(
-    name: str, frames: Skeleton, forward_axis: str, mass_kg: float | None = None
+    name: str,
+    frames: Skeleton,
+    forward_axis: str,
+    mass_kg: float | None = None,
+    hips: Sequence[Point] = (),
 ) -> str:
     """Return the URDF of a body, limbs between joints, feet in their colours, and a nose.
 
@@ -39,6 +45,7 @@ def primitive_urdf(
         frames: below its base.
         forward_axis: the body axis that points forward, ``+x`` ...
         mass_kg: gives the body's size where the legs do not; None: not known.
+        hips: m, base frame: where legs without frames are assumed to begin.
     """
     robot = ET.Element("robot", name=name)
     colours = {"body": _BODY, "limb": _LIMB, "nose": _NOSE}
@@ -48,7 +55,7 @@ def primitive_urdf(
     links = {
         frame: ET.SubElement(robot, "link", name=frame) for frame in (frames.base, *frames.frames)
     }
-    centre, size = _body(frames, forward_axis, mass_kg)
+    centre, size = _body(frames, forward_axis, mass_kg, hips)
     _add_visual(links[frames.base], "body", centre, "box", size=_text(size))
     _add_nose(links[frames.base], centre, size, forward_axis)
     radius = _limb_radius(frames)
@@ -65,9 +72,13 @@ def primitive_urdf(
     return ET.tostring(robot, encoding="unicode") + "\n"
 
 
-def _body(frames: Skeleton, forward_axis: str, mass_kg: float | None) -> tuple[Point, Point]:
+def _body(
+    frames: Skeleton, forward_axis: str, mass_kg: float | None, assumed: Sequence[Point]
+) -> tuple[Point, Point]:
     """Return centre and size, m, of the box between the hips; of the mass's size without hips."""
     hips = [frames.frames[leg[-1]].translation for leg in frames.legs]
+    if not hips and len(assumed) >= _FEWEST_HIPS:
+        hips = list(assumed)
     if not hips:
         length, width, height = body_size_m(mass_kg)
         along_x = _AXES[forward_axis][0] != 0

@@ -10,6 +10,7 @@ from typing import Any, Final
 from dogbot_logtool.core.scene.foot_style import foot_colour
 from dogbot_logtool.report.layouts.view import View
 from dogbot_logtool.writer.annotations import (
+    LEGS_TOPIC,
     SUPPORT_TOPIC,
     arrow_topic,
     label_topic,
@@ -80,17 +81,17 @@ def _titled(title: str) -> dict[str, Any]:
 
 def _scene(view: View) -> dict[str, Any]:
     drawn = [topic(foot) for foot in view.feet for topic in (arrow_topic, label_topic)]
-    topics = (*drawn, SUPPORT_TOPIC, ROBOT_DESCRIPTION_TOPIC)
+    topics = (*drawn, SUPPORT_TOPIC, LEGS_TOPIC, ROBOT_DESCRIPTION_TOPIC)
     return {
         **_titled("Robot"),
         "cameraState": {
             "perspective": True,
-            "distance": round(3.5 * view.size_m, 2),
+            "distance": round(3.7 * view.size_m, 2),
             "phi": 72,
             # The camera stands at -90 degrees minus this.
             "thetaOffset": (_ASIDE_DEG - view.heading_deg - 90.0) % 360.0,
-            # Arrows stand above the robot.
-            "targetOffset": [0, 0, round(0.2 * view.size_m, 2)],
+            # Arrows stand above the robot as high as its feet are below it, and more.
+            "targetOffset": [0, 0, round(0.05 * view.size_m, 2)],
             "target": [0, 0, 0],
             "targetOrientation": [0, 0, 0, 1],
             "fovy": 45,
