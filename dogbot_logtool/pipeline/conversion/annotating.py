@@ -92,12 +92,14 @@ def _legs(
 ) -> LegLines:
     """Return the lines of the legs; those at the first pose stand at the log's first time, too."""
     legs = leg_lines(poses, trackers, hips)
-    first = state.last_pose_time is None and len(poses.log_time) > 0
-    if not first or plan.opening_time is None or poses.log_time[0] - plan.opening_time > NEAR_NS:
+    opening = plan.opening_time
+    if state.last_pose_time is not None or opening is None or not len(legs.log_time):
+        return legs
+    if not 0 < legs.log_time[0] - opening <= NEAR_NS:
         return legs
     return LegLines(
-        np.concatenate([[plan.opening_time], legs.log_time]),
-        np.concatenate([[plan.opening_time], legs.stamp]),
+        np.concatenate([[opening], legs.log_time]),
+        np.concatenate([[opening], legs.stamp]),
         np.concatenate([legs.ends[:1], legs.ends]),
     )
 
