@@ -48,7 +48,8 @@ EVENTS_TOPIC: Final = "/events"
 GAIT_TOPIC: Final = "/gait"
 FALLBACK_PREFIX: Final = "/dogbot_logtool"
 _MAX_ID: Final = 0xFFFF
-_LARGEST_LABEL_N: Final = 999_999.0
+_LARGEST_LABEL_N: Final = 9999.0
+_BEYOND: Final = ">10 kN"
 
 ResolveTopic = Callable[[str, MessageType], str]
 """Returns the topic under which messages of a type are written."""
@@ -303,7 +304,9 @@ def _label_records(
     records = _timed(template, labels, stamps, rows)
     for axis, column in zip("xyz", labels.position.take(rows, 0).T, strict=True):
         records[axis] = column
-    text = np.char.mod("%.0f N", np.minimum(labels.force[rows], _LARGEST_LABEL_N))
+    force = labels.force[rows]
+    text = np.char.mod("%.0f N", np.minimum(force, _LARGEST_LABEL_N))
+    text = np.where(force > _LARGEST_LABEL_N, _BEYOND, text)
     records["text"] = np.char.center(text, LABEL_WIDTH).astype(f"S{LABEL_WIDTH}")
     return records
 

@@ -38,7 +38,7 @@ class LegsWriter:
             records = template.copies(len(rows))
             template.write_stamps(records, "stamp", stamps.pick(rows))
             if feet:
-                ends = legs.ends[np.ix_(rows, feet)].reshape(len(rows), -1, 3)
+                ends = legs.ends[rows][:, feet].reshape(len(rows), -1, 3)
                 template.point_array(leg_points(len(feet))).view(records)[:] = ends
             write_log_time(records, legs.log_time[rows])
             yield records

@@ -3,17 +3,8 @@
 from pathlib import Path
 from typing import Final
 
-from tests.oracles.recorded import contact_topic
-from tests.oracles.ros1_logs import (
-    CONTACTS_TYPE,
-    ODOMETRY,
-    ODOMETRY_TYPE,
-    Entry,
-    contact,
-    contacts,
-    odometry,
-    write_ros1_mcap,
-)
+from tests.oracles.recorded import CONTACTS_TYPE, ODOMETRY, ODOMETRY_TYPE, contact_topic
+from tests.oracles.ros1_logs import Entry, contact, contacts, odometry, write_ros1_mcap
 
 S: Final = 1_000_000_000
 START: Final = 10 * S

@@ -74,7 +74,7 @@ def _camera(view: View) -> dict[str, Any]:
         "Class": "rviz/Orbit",
         "Name": "Robot",
         "Target Frame": view.base_frame,
-        "Distance": round(3.5 * view.size_m, 2),
+        "Distance": round(4.4 * view.size_m, 2),
         "Pitch": 0.35,
         "Yaw": round(radians((view.heading_deg - _ASIDE_DEG) % 360.0), 4),
         "Focal Point": {"X": 0, "Y": 0, "Z": 0},

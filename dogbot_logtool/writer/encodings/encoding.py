@@ -88,7 +88,7 @@ TOUCHDOWN_LOOK: Final = BallLook(1.0, 0.25, (0.6, 0.6, 0.6, 1.0))
 LABEL_HEIGHT_M: Final = 0.05
 LABEL_COLOUR: Final = (0.95, 0.95, 0.95, 1.0)
 """Pale: Foxglove writes it on black, RViz has a dark ground."""
-LABEL_WIDTH: Final = 8
+LABEL_WIDTH: Final = 6
 """Characters of the number and its unit in a label, padded with spaces."""
 
 

@@ -234,7 +234,7 @@ class FoxgloveEncoding:
             label.text = f"{name} {values['text']}"
             return message.SerializeToString(deterministic=True)
 
-        return learn(serialise, _STAMP | _POINT | {"text": Kind.TEXT8})
+        return learn(serialise, _STAMP | _POINT | {"text": Kind.TEXT6})
 
     def load(self, state: str) -> Template:
         """See `Encoding.load`."""

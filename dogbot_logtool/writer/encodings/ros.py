@@ -313,7 +313,7 @@ class RosEncoding(ABC):
             )
             return self._serialise(label, MARKER)
 
-        return learn(serialise, _STAMP | _POINT | {"text": Kind.TEXT8})
+        return learn(serialise, _STAMP | _POINT | {"text": Kind.TEXT6})
 
     def legs(self, colours: Sequence[Rgb], frame: str, look: SupportLook) -> Template:
         """See `Encoding.legs`."""
