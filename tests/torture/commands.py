@@ -149,7 +149,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--damaged", type=int, default=200, help="logs damaged at random")
     parser.add_argument("--seed", type=int, help="repeat a run")
-    parser.add_argument("--every", type=int, default=1, help="take each so manyth real log")
+    parser.add_argument("--every", type=int, default=1, help="take every Nth real log")
     parser.add_argument("--only", default="", help="commands that contain this text")
     arguments = parser.parse_args()
     seed = arguments.seed
