@@ -22,12 +22,8 @@ import numpy as np
 from dogbot_logtool.core.contact.contact_rule import ContactRule
 from dogbot_logtool.core.contact.contacts import Samples
 from dogbot_logtool.core.contact.stance_curves import AXES, PARTS, mean_forces
-from dogbot_logtool.core.contact.stances import (
-    LONGEST_STANCE_S,
-    StanceFigures,
-    StanceSamples,
-    reduce_stances,
-)
+from dogbot_logtool.core.contact.stance_samples import StanceSamples
+from dogbot_logtool.core.contact.stances import LONGEST_STANCE_S, StanceFigures, reduce_stances
 from dogbot_logtool.core.geometry.arrays import Flags, Floats, Ints, dots
 from dogbot_logtool.core.geometry.clock import SILENCE_NS
 
