@@ -95,7 +95,7 @@ class SensorLevel:
     reason: str = ""
     """Why the level could not be estimated; empty where it is known."""
     alternative: "SensorLevel | None" = None
-    """The level if the lower of two alternating loads were none, where that is not clear."""
+    """The level if the lower of two loads were none, where that is not clear."""
     lightest_n: float | None = None
     """N, magnitude that the lightest samples stay below; only where the level is not known. Also
     `heaviest_n`, that the heaviest ones exceed."""
@@ -105,7 +105,7 @@ class SensorLevel:
     lead: float = np.inf
     """How much better that fits than that load lowers it, or the other way round."""
     opposite: "SensorLevel | None" = None
-    """The level if load turned it the other way, where that may be."""
+    """The level if load turned it the other way, known or not."""
     refuted: str = ""
     """Why nothing is known although swings and stances are seen; zero cannot be assumed either."""
 
@@ -162,17 +162,15 @@ def estimate_level(log_time: Ints, force: Floats) -> SensorLevel:
         _judged_level(each, log_time, force, axis, interval_s) for each in (likely, other)
     )
     lead = likely.fit - other.fit
-    if level.reason or opposite.reason:
-        if not level.reason and opposite.reason == WIDE and lead < UNSURE:
-            return _unknown(WIDE, interval_s, force)
-        return replace(level, lead=lead)
-    if opposite.limit_n is not None and level.limit_n is None:
+    if level.reason:
+        return level
+    if not opposite.reason and (level.limit_n is None) != (opposite.limit_n is None):
         # What is cut off at a limit does not vary there: that says nothing of swing.
         lead -= 2.0 * likely.width_fit
+    if opposite.reason and lead < UNSURE:
+        return replace(opposite, alternative=None)
     if lead < 0.0:
         level, opposite, lead = opposite, level, -lead
-    if lead >= SURE:
-        return replace(level, lead=lead)
     return replace(level, lead=lead, opposite=replace(opposite, lead=lead))
 
 
@@ -180,12 +178,17 @@ def _judged_level(
     judged: Modes, log_time: Ints, force: Floats, axis: Floats, interval_s: float | None
 ) -> SensorLevel:
     """Return the level that modes stand for, or why it is not known; see `_level_of`."""
-    if judged.reason and judged.reason != ALTERNATE:
+    if judged.reason not in {"", ALTERNATE, WIDE}:
         return _unknown(judged.reason, interval_s, force)
     level = _level_of(judged, log_time, force, axis if judged.raises else -axis, interval_s)
-    if not judged.reason or level.reason:
+    reason = judged.reason or (NOISY if _is_noisy(level) else "")
+    if not reason:
         return level
-    return replace(_unknown(judged.reason, interval_s, force), alternative=level)
+    return replace(_unknown(reason, interval_s, force), alternative=level)
+
+
+def _is_noisy(level: SensorLevel) -> bool:
+    return (level.loaded_n or 0.0) < CLEAR_OF_NOISE * (level.noise_n or 0.0)
 
 
 def zero_level(force: Floats, interval_s: float | None = None) -> SensorLevel | None:
@@ -317,8 +320,6 @@ def _level_of(
     )
     load = (force - level.offset_at(log_time)) @ axis
     loaded = float(np.median(modes.stance.visits.quantiles(load, 0.5)))
-    if loaded < CLEAR_OF_NOISE * noise:
-        return _unknown(NOISY, interval_s, force)
     return replace(
         level,
         loaded_n=loaded,
