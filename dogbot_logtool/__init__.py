@@ -1,3 +1,56 @@
-"""See and measure a legged robot's footfalls from a recorded log."""
+"""See and measure a legged robot's footfalls from a recorded log.
+
+    import dogbot_logtool as dl
+
+    walk = dl.measure("walk.bag", robot="dogbot")
+    walk.stats["gait"]["class"]
+    walk.strides["duty_factor"]
+    dl.convert("walk.bag", "walk.mcap")
+
+Names are loaded when they are used, so that the import costs next to nothing.
+"""
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any, Final
+
+if TYPE_CHECKING:
+    from dogbot_logtool.api.functions import check, compare, convert, info, measure
+    from dogbot_logtool.api.table import Table
+    from dogbot_logtool.api.walk import Walk
+    from dogbot_logtool.errors import CallError, LogError, LogtoolError
 
 __version__ = "0.1.0"
+__all__ = [
+    "CallError",
+    "LogError",
+    "LogtoolError",
+    "Table",
+    "Walk",
+    "check",
+    "compare",
+    "convert",
+    "info",
+    "measure",
+]
+_MODULES: Final = {
+    "errors": ("CallError", "LogError", "LogtoolError"),
+    "api.functions": ("check", "compare", "convert", "info", "measure"),
+    "api.table": ("Table",),
+    "api.walk": ("Walk",),
+}
+"""Where the public names are, below this package."""
+
+
+if not TYPE_CHECKING:  # else a checker would take every name for one of ours
+
+    def __getattr__(name: str) -> Any:  # noqa: ANN401 - any public name
+        """Load a public name."""
+        for module, names in _MODULES.items():
+            if name in names:
+                return getattr(import_module(f"{__name__}.{module}"), name)
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+
+
+def __dir__() -> list[str]:
+    """List the public names only."""
+    return [*__all__, "__version__"]

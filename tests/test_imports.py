@@ -17,6 +17,7 @@ MODULES: Final = sorted(ROOT.rglob("*.py"))
 FLOORS: Final = (
     ("__main__",),
     ("cli",),
+    ("api",),
     ("commands",),
     ("report",),
     ("results",),

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field, replace
 from functools import partial
 from typing import Final
 
-from dogbot_logtool.core.accumulator import StatsAccumulator
+from dogbot_logtool.core.accumulator import OnSamples, StatsAccumulator
 from dogbot_logtool.core.contact.contact_rule import Thresholds
 from dogbot_logtool.core.contact.silent_swing import SilentFeet, SwingInserter
 from dogbot_logtool.core.frames.wrench_frame import WrenchFrame
@@ -36,7 +36,10 @@ _FRAMES: Final = {"world": WrenchFrame.WORLD, "link": WrenchFrame.LINK}
 
 
 def measure(
-    path: Location, options: StatsOptions, progress: OnProgress | None = None
+    path: Location,
+    options: StatsOptions,
+    progress: OnProgress | None = None,
+    on_samples: OnSamples | None = None,
 ) -> Measurement:
     """Work out all figures of a log.
 
@@ -44,12 +47,14 @@ def measure(
         path: the log.
         options: what is asked for.
         progress: called with bytes done and bytes in all.
+        on_samples: called with each foot's samples; twice, if only the first pass tells that stamps
+            are unusable.
 
     Raises:
         CallError: no such file, or a topic or time in the options that the log does not have.
         LogError: it is no log, or has nothing to measure.
     """
-    log = open_recorded(path)
+    log = open_recorded(path, options.topics.joined)
     try:
         selection = select_topics(log, options.topics)
         if not selection.odometry and not selection.contacts:
@@ -60,11 +65,15 @@ def measure(
         sensors = learn_sensors(log, selection, probe, options.topics, given)
         try:
             settings = _settings(selection, probe, sensors, options)
-            return _pass(log, selection, probe, sensors.silent, settings, options, progress)
+            return _pass(
+                log, selection, probe, sensors.silent, settings, options, progress, on_samples
+            )
         except UnusableStamps as reason:
             because = str(reason)
             settings = _settings(selection, probe, sensors, options, log_time_because=because)
-            return _pass(log, selection, probe, sensors.silent, settings, options, progress)
+            return _pass(
+                log, selection, probe, sensors.silent, settings, options, progress, on_samples
+            )
     finally:
         log.close()
 
@@ -122,6 +131,7 @@ def _pass(
     settings: StatsSettings,
     options: StatsOptions,
     progress: OnProgress | None,
+    on_samples: OnSamples | None,
 ) -> Measurement:
     """Read the log once, feeding all messages to the figures in order."""
     limits = time_limits(log, options.start_s, options.end_s)
@@ -130,7 +140,7 @@ def _pass(
     sensors = [settings.sensor(foot) for foot in range(len(settings.feet))]
     measurer = BatchMeasurer(BatchReader(selection, feet, frames, sensors, limits))
     feed = _Feed(
-        StatsAccumulator(settings, options.curves),
+        StatsAccumulator(settings, options.curves, on_samples),
         _swings(log, silent, limits),
         StreamedFrames(frames) if frames else None,
         list(log.losses),

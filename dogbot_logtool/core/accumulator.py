@@ -12,7 +12,7 @@ raises `UnusableStamps`: then a second pass with ``time_source=TimeSource.LOG`` 
 time.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 from dogbot_logtool.core.base.base_history import BaseRecorder
 from dogbot_logtool.core.base.odometry import Odometry
@@ -32,6 +32,9 @@ from dogbot_logtool.core.quality.stamps import StampFilter, set_spans, why_unusa
 from dogbot_logtool.core.settings import StatsSettings
 from dogbot_logtool.core.statistics import Recorded, Stats, work_out
 
+OnSamples = Callable[[int, Samples], None]
+"""Receives a foot's number, and the next of its samples in the order of the log."""
+
 
 class StatsAccumulator:
     """Measures a walk while its log streams past.
@@ -39,10 +42,17 @@ class StatsAccumulator:
     Args:
         settings: what decides the figures.
         curves: keep load curves for drawing, in this detail; None keeps none, and costs nothing.
+        on_samples: called with the samples of each foot as they are taken in.
     """
 
-    def __init__(self, settings: StatsSettings, curves: CurveDetail | None = None) -> None:
+    def __init__(
+        self,
+        settings: StatsSettings,
+        curves: CurveDetail | None = None,
+        on_samples: OnSamples | None = None,
+    ) -> None:
         self._settings = settings
+        self._on_samples = on_samples
         self._feet = [
             FootRecorder(
                 settings.sensor(row).rule,
@@ -66,7 +76,7 @@ class StatsAccumulator:
         """Take in contact samples of any feet; each foot's in the order of the log."""
         for foot, rows in rows_by_group(samples.foot):
             for checked in self._samples[foot].add(samples.pick(rows)):
-                self._feet[foot].add(checked)
+                self._add(foot, checked)
 
     def add_odometry(self, odometry: Odometry) -> None:
         """Take in odometry in the order of the log."""
@@ -104,15 +114,21 @@ class StatsAccumulator:
         )
         return work_out(self._settings, recorded)
 
+    def _add(self, foot: int, samples: Samples) -> None:
+        """Take in samples of a foot whose stamps are sound."""
+        self._feet[foot].add(samples)
+        if self._on_samples is not None:
+            self._on_samples(foot, samples)
+
     def _check_stamps(self) -> Ints:
         """Check all header stamps; return the spans in which the clock was set.
 
         Returns:
             (s, 2) ns. Empty on header stamps, whose own steps show.
         """
-        for samples, foot in zip(self._samples, self._feet, strict=True):
+        for foot, samples in enumerate(self._samples):
             for checked in samples.finish():
-                foot.add(checked)
+                self._add(foot, checked)
         for rest in self._odometry.finish():
             self._base.add(rest)
         checks = [*(each.check for each in self._samples), self._odometry.check]

@@ -2,7 +2,7 @@
 
 The logs are read with the containers' own libraries and decoded by rosbags with the definitions
 that are recorded in them. What should be written is computed in plain Python, a message at a time,
-by the formulas of the README; what was written is read and decoded by the mcap library and its
+by the formulas of docs/convert.md; what was written is read and decoded by the mcap library and its
 decoders, checksums and all. Nothing of the product takes part in either.
 """
 

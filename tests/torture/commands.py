@@ -35,13 +35,18 @@ COMMANDS: Final = (
     "convert {log} -o out.mcap",
     "convert {log} -o own.mcap --no-copy --encoding ros1 --style force",
     "convert {log} -o own.mcap --encoding ros2 --style classic --jobs 1 --compression lz4",
+    "convert {log} -o own.mcap --events --tf-rate 0",
     "stats {log}",
     "stats {log} --json",
     "stats {log} --csv --start 0.1",
     "stats {log} --parquet figures",
+    "stats {log} --events events.csv",
+    "check --suggest {log}",
+    "robots new {log} -o robot.toml",
     "report {log} -o page.html",
     "layout {log} -o view.json",
     "compare {log} {log}",
+    "compare --gait {log} {log}",
 )
 OUTPUTS: Final = {
     "frames.gv",
@@ -50,6 +55,8 @@ OUTPUTS: Final = {
     "page.html",
     "view.json",
     "figures",
+    "events.csv",
+    "robot.toml",
 }
 SUFFIXES: Final = (".bag", ".mcap", ".db3", ".active", ".zstd")
 PATIENCE_S: Final = 120.0
@@ -142,15 +149,17 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--damaged", type=int, default=200, help="logs damaged at random")
     parser.add_argument("--seed", type=int, help="repeat a run")
+    parser.add_argument("--only", default="", help="commands that contain this text")
     arguments = parser.parse_args()
     seed = arguments.seed
     if seed is None:
         seed = random.SystemRandom().randrange(1 << 32)
-    codes: dict[str, Counter[int]] = {command: Counter() for command in COMMANDS}
+    commands = [command for command in COMMANDS if arguments.only in command]
+    codes: dict[str, Counter[int]] = {command: Counter() for command in commands}
     faults, slowest = 0, (0.0, "")
     with tempfile.TemporaryDirectory() as name:
         for logs in (iter(real_logs()), damaged_logs(Path(name), arguments.damaged, seed)):
-            for command, log, ended in torture(logs):
+            for command, log, ended in torture(logs, commands):
                 codes[command][ended.exit_code] += 1
                 slowest = max(slowest, (ended.seconds, command.format(log=log.name)))
                 for fault in ended.faults:

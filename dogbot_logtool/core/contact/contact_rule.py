@@ -108,7 +108,7 @@ def contact_rule(
         off_n=off,
         debounce_s=_debounce_s(level, given.debounce_s),
         bounce_s=BOUNCE * (level.swing_s or 0.0) if given.debounce_s is None else 0.0,
-        backdates=not level.zero_in_swing,
+        backdates=True,
         origin=given.origin if given.on_n else "estimated" if estimated else "default",
         unusable="" if given.on_n else _why_unusable(level, on, off),
     )

@@ -15,8 +15,12 @@ from dogbot_logtool.core.geometry.arrays import Flags, Floats, Ints
 
 _LARGEST_FLOAT: Final = float(np.nextafter(2.0**63, 0.0))
 """The largest float that an int64 can hold."""
-_SILENCE: Final = 5.0
-"""Usual intervals from which a step is a silence."""
+SILENCE_NS: Final = 50_000_000
+"""ns: a shorter interval between messages is never a gap."""
+GAP_INTERVALS: Final = 5.0
+"""A gap is longer than this many usual intervals, and than `SILENCE_NS`."""
+FEWEST_INTERVALS: Final = 10
+"""Messages or intervals from which a rate, or what is usual, means something."""
 
 
 class Stamped(Protocol):
@@ -114,4 +118,4 @@ def usual_interval_s(log_time: Ints) -> float | None:
     usual = float(np.median(steps[steps > 0])) if (steps > 0).any() else None
     if usual is None:
         return None
-    return min(usual, float(steps[(steps >= 0) & (steps < _SILENCE * usual)].mean())) / 1e9
+    return min(usual, float(steps[(steps >= 0) & (steps < GAP_INTERVALS * usual)].mean())) / 1e9

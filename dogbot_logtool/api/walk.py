@@ -1,0 +1,237 @@
+"""The result of `measure`: figures, and tables of strides, stances, events, base and samples."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from dogbot_logtool.api.table import Table, texts
+from dogbot_logtool.commands.stats import measure
+from dogbot_logtool.core.accumulator import OnSamples
+from dogbot_logtool.core.contact.contacts import Samples, no_samples
+from dogbot_logtool.core.contact.stances import Cut
+from dogbot_logtool.core.geometry.arrays import Flags, Floats, Ints, norms
+from dogbot_logtool.core.geometry.clock import TimeSource
+from dogbot_logtool.core.statistics import Stats
+from dogbot_logtool.errors import CallError
+from dogbot_logtool.io.listing import listed
+from dogbot_logtool.io.storage import Location
+from dogbot_logtool.report.figures.events import EVENT_COLUMNS
+from dogbot_logtool.report.stats_json import stats_json
+from dogbot_logtool.report.stride_table import stride_table
+from dogbot_logtool.results import Measurement
+
+if TYPE_CHECKING:
+    from dogbot_logtool.pipeline.options import StatsOptions, TimeSourceOption
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Walk:
+    """What was measured of a log. Times in tables count in s from `start_ns`."""
+
+    path: Location
+    _measured: Measurement
+    _options: "StatsOptions" = field(repr=False)
+
+    def __repr__(self) -> str:
+        gait = self.stats["gait"]["class"] or "gait not known"
+        return f"<Walk {self._measured.facts.path}: {gait}, {len(self.strides)} strides>"
+
+    @property
+    def start_ns(self) -> int:
+        """ns, the earliest time of any used message: what times in tables count from."""
+        return self._stats.origin
+
+    @property
+    def damaged(self) -> bool:
+        """Whether some of the log could not be read; `stats["findings"]` says what."""
+        return bool(self._measured.losses)
+
+    @property
+    def feet(self) -> tuple[str, ...]:
+        """Names of the feet."""
+        return tuple(foot.name for foot in self._stats.feet)
+
+    @cached_property
+    def stats(self) -> dict[str, Any]:
+        """All figures: what `stats --json` prints; docs/figures.md defines each."""
+        return stats_json(self._stats, self._measured.facts)
+
+    @cached_property
+    def strides(self) -> Table:
+        """Whole strides, foot by foot: the columns of `stats --csv`."""
+        strides = stride_table(self._stats)
+        return Table({"foot": texts(list(strides.foot)), **strides.columns})
+
+    @cached_property
+    def stances(self) -> Table:
+        """All stances, foot by foot; `cut` says why one is no whole stance, and is else empty.
+
+        What a cut stance shows is there as well: a figure over whole stances leaves it out.
+        """
+        feet = self._stats.feet
+        rows = [foot.stances for foot in feet]
+        names = [foot.name for foot in feet for _ in foot.stances.touchdown]
+        cuts = [_CUTS[Cut(cut)] for each in rows for cut in each.cut.tolist()]
+        columns: dict[str, NDArray[Any]] = {
+            "foot": texts(list(names)),
+            "touchdown_s": self._seconds(_joined([each.touchdown for each in rows])),
+            "lift_off_s": self._seconds(_joined([each.liftoff for each in rows])),
+            "cut": texts(list(cuts)),
+        }
+        for name, figure in _STANCE_FIGURES.items():
+            columns[name] = _joined([getattr(each.figures, figure) for each in rows])
+        return Table(columns)
+
+    @cached_property
+    def events(self) -> Table:
+        """What happened, in the order of time: the columns of `stats --events`."""
+        events = self.stats["events"]
+        numbers = {"onset_s", "duration_s", "value"}
+        return Table(
+            {
+                name: np.array([row[name] for row in events], np.float64)
+                if name in numbers
+                else texts([row[name] for row in events])
+                for name in EVENT_COLUMNS
+            }
+        )
+
+    @cached_property
+    def base(self) -> Table:
+        """Poses of the base in the world as recorded, up to 100 a second; yaw is unwrapped."""
+        base = self._stats.base_history
+        names = ("x_m", "y_m", "z_m", "roll_rad", "pitch_rad", "yaw_rad")
+        values = np.column_stack([base.position, base.angles])
+        columns = {name: values[:, row].copy() for row, name in enumerate(names)}
+        return Table({"time_s": self._seconds(base.time), **columns})
+
+    def samples(self, foot: str) -> Table:
+        """Read the log again and return every contact sample of a foot that was measured.
+
+        Forces are those that figures are made of: on the foot, in N, sensor offsets taken off. The
+        parts `force_x_n` ... are in the world, and NaN where that direction is not known, as are
+        contact points without one. `state` is `stance`, `swing` or `unknown` (of a dead sensor, or
+        where the clock was set).
+
+        Raises:
+            CallError: the robot has no such foot, or the log is gone.
+            LogError: the log has become one that cannot be read.
+        """
+        if foot not in self.feet:
+            raise CallError(f"{foot!r} is no foot of this robot; it has {listed(self.feet)}")
+        wanted = self.feet.index(foot)
+        blocks = [self._sample_columns(wanted, no_samples())]
+
+        def keep(number: int, samples: Samples) -> None:
+            if number == wanted:
+                blocks.append(self._sample_columns(number, samples))
+
+        self._read_samples(keep)
+        names = blocks[0]
+        return Table({name: np.concatenate([each[name] for each in blocks]) for name in names})
+
+    def each_block_of_samples(self, take: Callable[[Table], None]) -> None:
+        """Read the log again and hand on the samples of all feet, block by block.
+
+        Of a long log not all need be held at once. The columns are those of `samples`, behind
+        the name of the foot; each foot's rows are in the order of time.
+
+        Raises:
+            CallError: the log is gone.
+            LogError: it has become one that cannot be read.
+        """
+
+        def pass_on(number: int, samples: Samples) -> None:
+            names = texts([self.feet[number]] * len(samples.foot))
+            take(Table({"foot": names, **self._sample_columns(number, samples)}))
+
+        self._read_samples(pass_on)
+
+    def _read_samples(self, on_samples: OnSamples) -> None:
+        """Measure again, with the clock that is known by now, so that the log is read once."""
+        on_log_time = self._stats.settings.clock is TimeSource.LOG
+        clock: TimeSourceOption = "log" if on_log_time else "header"
+        options = replace(self._options, time_source=clock, curves=None)
+        measure(self.path, options, on_samples=on_samples)
+
+    def _sample_columns(self, foot: int, samples: Samples) -> dict[str, NDArray[Any]]:
+        """Return the columns of some samples of a foot."""
+        settings = self._stats.settings
+        time = settings.clock.of(samples)
+        # No force is none in every frame.
+        in_world = samples.in_world | settings.force_in_world | ~samples.force.any(axis=1)
+        return {
+            "time_s": self._seconds(time),
+            "state": self._states(foot, time),
+            "in_contact": samples.in_contact.copy(),
+            "force_n": norms(samples.force),
+            **_parts("force_{}_n", np.where(in_world[:, None], samples.force, np.nan)),
+            **_parts("point_{}_m", samples.position),
+        }
+
+    @property
+    def _stats(self) -> Stats:
+        return self._measured.stats
+
+    def _seconds(self, time: Ints) -> Floats:
+        """Return times as seconds since the start, (n,)."""
+        return (time - self.start_ns) / 1e9
+
+    def _states(self, foot: int, time: Ints) -> NDArray[np.object_]:
+        """Return what a foot does at some times, (n,)."""
+        figures = self._stats.feet[foot]
+        record = figures.record
+        states = np.full(len(time), "unknown", np.object_)
+        if figures.is_dead:
+            return states
+        ends = np.isin(time, record.known[:, 1])
+        states[_within(record.known, time) | ends] = "swing"
+        # A stance ends before the sample of lift-off, but with the last one that is known.
+        cut = ends & np.isin(time, record.in_contact[:, 1]) & ~np.isin(time, figures.liftoff)
+        states[_within(record.in_contact, time) | cut] = "stance"
+        return states
+
+
+_CUTS = {
+    Cut.WHOLE: "",
+    Cut.LOG_START: "log_start",
+    Cut.LOG_END: "log_end",
+    Cut.GAP: "gap",
+    Cut.STANDING: "standing",
+    Cut.FALL: "fall",
+    Cut.OUTSIDE: "outside",
+}
+_STANCE_FIGURES = {
+    "peak_force_n": "peak_n",
+    "mean_force_n": "mean_n",
+    "peak_vertical_force_n": "peak_vertical_n",
+    "mean_vertical_force_n": "mean_vertical_n",
+    "vertical_impulse_ns": "vertical_impulse_ns",
+    "loading_rate_nps": "loading_rate_nps",
+    "impact_ratio": "impact_ratio",
+    "contact_travel_m": "contact_travel_m",
+    "friction_use": "friction_use",
+}
+"""Columns of `Walk.stances`, and where they come from in `StanceFigures`."""
+
+
+def _within(spans: Ints, time: Ints) -> Flags:
+    """Tell which times, (n,), lie in spans, (s, 2), without the last time of each."""
+    row = np.searchsorted(spans[:, 0], time, side="right") - 1
+    inside: Flags = row >= 0
+    inside[inside] = time[inside] < spans[row[inside], 1]
+    return inside
+
+
+def _joined(parts: list[Any]) -> NDArray[Any]:
+    """Return the parts of a column as one; (n,)."""
+    return np.concatenate([np.empty(0, parts[0].dtype if parts else np.float64), *parts])
+
+
+def _parts(name: str, vectors: Floats) -> dict[str, Floats]:
+    """Return the parts of vectors, (n, 3), as columns."""
+    return {name.format(axis): vectors[:, row].copy() for row, axis in enumerate("xyz")}

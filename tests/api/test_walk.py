@@ -1,0 +1,106 @@
+"""Tables of a walk, against messages decoded one by one, and against the truth of sample logs."""
+
+import json
+from typing import Any
+
+import numpy as np
+import pytest
+
+import dogbot_logtool as dl
+from tests.oracles.conversion import sample_of
+from tests.oracles.recorded import ODOMETRY, contact_topic, decoded_log
+from tests.paths import TROT, TROUBLED, WALK
+
+
+@pytest.fixture(scope="module")
+def walk() -> dl.Walk:
+    return dl.measure(WALK)
+
+
+def stamp_s(message: Any, origin: int) -> float:
+    stamp = message.header.stamp
+    return float((stamp.sec * 1_000_000_000 + stamp.nanosec - origin) / 1e9)
+
+
+@pytest.mark.parametrize("foot", ["front_left", "front_right"])
+def test_samples_are_what_was_recorded(walk: dl.Walk, foot: str) -> None:
+    messages = [each.message for each in decoded_log(WALK)[contact_topic(foot)]]
+    expected = [sample_of(message, foot) for message in messages]
+    samples = walk.samples(foot)
+
+    assert samples["time_s"].tolist() == [stamp_s(each, walk.start_ns) for each in messages]
+    assert samples["in_contact"].tolist() == [each.in_contact for each in expected]
+    forces = np.array([each.force for each in expected])
+    for row, axis in enumerate("xyz"):
+        assert samples[f"force_{axis}_n"] == pytest.approx(forces[:, row], abs=1e-9)
+    assert samples["force_n"] == pytest.approx(np.sqrt((forces**2).sum(axis=1)), abs=1e-9)
+    touching = samples["in_contact"]
+    places = np.array([each.position for each in expected if each.in_contact])
+    assert np.column_stack([samples[f"point_{axis}_m"] for axis in "xyz"])[touching] == (
+        pytest.approx(places)
+    )
+    assert np.isnan(samples["point_x_m"][~touching]).all()
+
+
+def test_states_of_samples_follow_the_stances(walk: dl.Walk) -> None:
+    samples, stances = walk.samples("back_left"), walk.stances
+    states, time = samples["state"], samples["time_s"]
+    rows = stances["foot"] == "back_left"
+    for begin, end in zip(stances["touchdown_s"][rows], stances["lift_off_s"][rows], strict=True):
+        inside = (time >= begin) & (time < end)
+        assert set(states[inside]) == {"stance"}
+    assert set(states) == {"stance", "swing"}
+
+
+def test_a_stance_with_a_gap_is_cut_and_a_dead_foot_is_unknown() -> None:
+    troubled = dl.measure(TROUBLED)
+    time = troubled.samples("front_right")["time_s"]
+    gap = int(np.diff(time).argmax())
+    stances = troubled.stances
+    rows = (stances["touchdown_s"] <= time[gap]) & (stances["lift_off_s"] >= time[gap + 1])
+    cut = stances["cut"][rows & (stances["foot"] == "front_right")]
+    assert time[gap + 1] - time[gap] > 0.5
+    assert cut.tolist() == ["gap"]
+    assert set(troubled.samples("back_left")["state"]) == {"unknown"}
+
+
+def test_forces_of_a_link_are_turned_into_the_world() -> None:
+    trot = dl.measure(TROT, end=4.0)
+    truth = json.loads(TROT.with_suffix(".truth.json").read_text())
+    samples = {foot: trot.samples(foot) for foot in trot.feet}
+    time = samples["front_left"]["time_s"]
+    total = sum(np.interp(time, each["time_s"], each["force_z_n"]) for each in samples.values())
+    assert np.isfinite(total).mean() > 0.95
+    assert np.nanmedian(total) == pytest.approx(truth["robot"]["weight_n"], rel=0.01)
+
+
+def test_whole_stances_are_those_of_the_truth(walk: dl.Walk) -> None:
+    truth = json.loads(WALK.with_suffix(".truth.json").read_text())
+    stances = walk.stances
+    whole = stances["cut"] == ""
+    period, duty = truth["gait"]["period_s"], truth["gait"]["duty_factor"]
+    lasting = (stances["lift_off_s"] - stances["touchdown_s"])[whole]
+    assert lasting == pytest.approx(np.full(whole.sum(), period * duty), abs=0.005)
+
+
+def test_the_base_is_where_odometry_says(walk: dl.Walk) -> None:
+    messages = [each.message for each in decoded_log(WALK)[ODOMETRY]]
+    time = [stamp_s(each, walk.start_ns) for each in messages]
+    x = [each.pose.pose.position.x for each in messages]
+    assert np.isin(walk.base["time_s"], time).all()
+    assert walk.base["x_m"] == pytest.approx(np.interp(walk.base["time_s"], time, x))
+
+
+def test_events_are_those_of_the_figures(walk: dl.Walk) -> None:
+    rows = walk.stats["events"]
+    assert walk.events["type"].tolist() == [row["type"] for row in rows]
+    assert walk.events["onset_s"].tolist() == [row["onset_s"] for row in rows]
+
+
+def test_a_wrong_foot_lists_those_that_exist(walk: dl.Walk) -> None:
+    with pytest.raises(dl.CallError, match="'left' is no foot of this robot; it has front_left"):
+        walk.samples("left")
+
+
+def test_a_walk_is_told_at_a_glance(walk: dl.Walk) -> None:
+    assert repr(walk).endswith("dogbot_walk.mcap: walk, 28 strides>")
