@@ -40,8 +40,9 @@ def turned_levels(levels: Sequence[SensorLevel], weight_n: float | None) -> tupl
         return tuple(_opposite(level) for level in likely)
     if miss <= WORSE < other_miss:
         return likely
+    needed = SURE if miss > 2.0 * WORSE else UNSURE
     return tuple(
-        _without_offset(level, TURNED) if level.opposite and level.lead < UNSURE else level
+        _without_offset(level, TURNED) if level.opposite and level.lead < needed else level
         for level in likely
     )
 
