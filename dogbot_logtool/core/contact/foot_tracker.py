@@ -135,9 +135,8 @@ class FootTracker:
         self._before = before
         self._rows = before.rows.then(_rows(new, before.rows, sensor))
         self._debounce_ns = round(sensor.rule.debounce_s * 1e9)
-        self._starts, self._ends = contact_groups(
-            self._rows.time, self._rows.down, self._debounce_ns
-        )
+        fill_ns = round(sensor.rule.fill_s * 1e9)
+        self._starts, self._ends = contact_groups(self._rows.time, self._rows.down, fill_ns)
         found = self._touchdowns(len(before.rows))
         self._trail = Touchdowns(
             np.concatenate([before.touchdowns.since, found.since]),
