@@ -10,6 +10,7 @@ from dataclasses import dataclass, field
 from dogbot_logtool.core.base.odometry import Odometry
 from dogbot_logtool.core.contact.foot_tracker import FootMemory, FootTracker, initial_memory
 from dogbot_logtool.core.contact.silent_swing import LastMessages, SilentFeet, last_messages
+from dogbot_logtool.core.frames.kinematics import LinkTransforms
 from dogbot_logtool.core.frames.transform_buffer import TransformBuffer
 from dogbot_logtool.core.load.silences import LastContact
 from dogbot_logtool.pipeline.batches import BatchColumns
@@ -22,6 +23,8 @@ class BatchState:
 
     last_pose_time: int | None = None
     """ns, time of the last usable odometry message."""
+    last_link_time: int | None = None
+    """ns, time of the last joint state that moved the robot's links."""
     last_messages: LastMessages = field(default_factory=dict)
     """The last message of each foot that is silent in swing."""
     transforms: TransformBuffer = field(default_factory=TransformBuffer)
@@ -54,6 +57,7 @@ class BatchState:
         trackers: Sequence[FootTracker],
         contacts: tuple[LastContact, ...],
         silent: SilentFeet,
+        links: Sequence[LinkTransforms] = (),
     ) -> "BatchState":
         """Return the state after a batch.
 
@@ -63,6 +67,7 @@ class BatchState:
             trackers: of each foot in it.
             contacts: the last contact message of each foot.
             silent: the feet that are silent in swing.
+            links: moved by joint states in it.
         """
         newest = self.last_messages
         for decoded in columns.contacts:
@@ -71,6 +76,10 @@ class BatchState:
         frames = columns.frames
         return BatchState(
             last_pose_time=int(poses.time[-1]) if len(poses.time) else self.last_pose_time,
+            last_link_time=next(
+                (int(each.stamp[-1]) for each in reversed(links) if len(each.stamp)),
+                self.last_link_time,
+            ),
             last_messages=newest,
             transforms=frames.handed_on(self.transforms) if frames else self.transforms,
             feet=tuple(tracker.memory() for tracker in trackers),
