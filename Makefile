@@ -9,12 +9,14 @@ DEMO := demo_output
 SECONDS := 600
 TRIES := 40
 MUTANTS := 60
+PAGE := dogbot_logtool/report/page
+PLOTTING := plotly.js-basic-dist-min@4.1.1
 SAMPLE := sample_logs/dogbot_trot.bag
 
 export PIP_DISABLE_PIP_VERSION_CHECK := 1
 export PIP_NO_PYTHON_VERSION_WARNING := 1
 
-.PHONY: help demo test lint format samples golden fuzz torture mutants bench docs validate clean
+.PHONY: help demo test lint format samples golden fuzz torture mutants bench docs validate vendor clean
 
 help:
 	@echo "make demo     convert a sample log and look at it"
@@ -27,6 +29,7 @@ help:
 	@echo "make mutants  change the core at random, MUTANTS=60 times, and see whether tests notice"
 	@echo "make golden   agree anew on what is made of the sample logs"
 	@echo "make docs     write the pages that are made of the program's tables"
+	@echo "make vendor   fetch the library that draws the report's page anew"
 	@echo "make validate measure logs of known truth, and write docs/validation.md"
 	@echo "make bench    measure against what one would use instead; some ten minutes"
 	@echo "make clean    remove what the others made"
@@ -86,6 +89,14 @@ mutants: $(VENV)/dev
 
 docs: $(VENV)/dev
 	$(BIN)/python docs/pages.py
+
+# npm compares the package with the registry's checksum.
+vendor:
+	rm -rf build/vendor && mkdir -p build/vendor
+	cd build/vendor && npm pack --silent $(PLOTTING) && tar xzf *.tgz
+	cp build/vendor/package/plotly-basic.min.js $(PAGE)/vendor/plotly-basic.min.js
+	cp build/vendor/package/LICENSE $(PAGE)/vendor/plotly.LICENSE
+	cd $(PAGE)/vendor && sha256sum plotly-basic.min.js
 
 # LOGTOOL_LABELLED=FOLDER adds real logs with labelled events: NAME.mcap, NAME.events.json.
 validate: $(VENV)/dev

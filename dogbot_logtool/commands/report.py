@@ -13,12 +13,14 @@ from dogbot_logtool.io.storage import Location, file_name, is_folder, shown, ver
 from dogbot_logtool.io.targets import Output, targets
 from dogbot_logtool.pipeline.options import StatsOptions
 from dogbot_logtool.report.gait_diagram import default_window
-from dogbot_logtool.report.page.render import Damage, IndexRow, index, index_row, page
+from dogbot_logtool.report.page.assets import page_script, shared_name
+from dogbot_logtool.report.page.index_page import IndexRow, index, index_row
+from dogbot_logtool.report.page.render import ALONE, Beside, Damage, page
 from dogbot_logtool.results import Measurement, Page
 from dogbot_logtool.run.in_order import OnProgress
 
-DETAIL: Final = CurveDetail()
-"""Half a minute at 250 Hz sample by sample; four feet make a page of up to 8 MB."""
+DETAIL: Final = CurveDetail(most_bins=3072)
+"""More bins than the page has columns of pixels; four feet take at most half a megabyte."""
 
 
 class Reports:
@@ -43,9 +45,11 @@ class Reports:
         self._overwrite = overwrite
         self._rows: dict[Location, IndexRow] = {}
         self._index: Location | None = None
+        self._beside = ALONE
         if len(logs) > 1:
             self._index = output.path / "index.html"
             self._refuse_bad_target(self._index, None)
+            self._beside = Beside(shared_name(), "index.html")
 
     def write(self, source: Location, progress: OnProgress | None = None) -> Page:
         """Measure a log and write its page.
@@ -63,14 +67,14 @@ class Reports:
         measured = measure(source, self._options, progress)
         typical = default_window(measured.stats)
         measured = with_detail(source, self._options, measured, typical, progress)
-        html = _page_of(source, measured)
+        html = _page_of(source, measured, self._beside)
         with self._whole_file(target) as file:
             file.write(html)
         self._rows[source] = index_row(measured.stats, measured.facts, file_name(target))
         return Page(source, target, len(html), measured)
 
     def finish(self, failures: Mapping[str, str]) -> None:
-        """Write the index of several logs, a row for each.
+        """Write the index of several logs, a row for each, and the script that their pages share.
 
         Args:
             failures: why a log has no page, by the log's name as it is shown.
@@ -80,6 +84,10 @@ class Reports:
         rows = [self._rows.get(log) or _row_without_page(log, failures) for log in self._targets]
         with self._whole_file(self._index) as file:
             file.write(index(rows))
+        # Its name tells its content: one that is there already is the same.
+        script = self._index.parent / self._beside.script
+        with whole_file(script, overwrite=True, makes_folder=self._makes_folder) as file:
+            file.write(page_script().encode())
 
     def _refuse_bad_target(self, target: Location, source: Location | None) -> None:
         refuse_bad_target(
@@ -95,7 +103,7 @@ def _row_without_page(log: Location, failures: Mapping[str, str]) -> IndexRow:
     return IndexRow(file_name(log), error=error.removeprefix(f"{shown(log)}: "))
 
 
-def _page_of(source: Location, measured: Measurement) -> bytes:
+def _page_of(source: Location, measured: Measurement, beside: Beside) -> bytes:
     damage = [Damage(loss.offset, loss.bytes, loss.what) for loss in measured.losses]
     size = 0 if is_folder(source) else version(source)[0]
-    return page(measured.stats, measured.facts, damage, size)
+    return page(measured.stats, measured.facts, damage, size, beside=beside)

@@ -170,7 +170,7 @@ def make_plan(log: Log, selection: Selection, probe: Probe, options: ConvertOpti
         arrow_look=_arrow_look(style, robot.shaft_diameter_m),
         support_look=_support_look(robot.shaft_diameter_m, options.tf_rate_hz),
         force_sensors=learnt.feet,
-        sensors=_contact_sensors(probe, learnt),
+        sensors=_contact_sensors(selection, probe, learnt),
         rates=_message_rates(selection, probe),
         draws_support=draws_support,
         urdf=description.urdf,
@@ -337,13 +337,16 @@ def _can_draw_support(selection: Selection, probe: Probe, findings: list[Finding
     return True
 
 
-def _contact_sensors(probe: Probe, learnt: LearntSensors) -> tuple[ContactSensor, ...]:
+def _contact_sensors(
+    selection: Selection, probe: Probe, learnt: LearntSensors
+) -> tuple[ContactSensor, ...]:
     """Return the contact sensor of each foot."""
     return tuple(
         ContactSensor(
             sensor.rule,
             learnt.silent.swing_from_ns(foot) if foot in probe.intervals else None,
             works=foot in probe.touching,
+            has_force=selection.knows_force(foot),
         )
         for foot, sensor in enumerate(learnt.feet)
     )

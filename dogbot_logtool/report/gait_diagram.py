@@ -13,6 +13,7 @@ from rich.text import Text
 
 from dogbot_logtool.core.geometry import timespans
 from dogbot_logtool.core.geometry.arrays import Ints
+from dogbot_logtool.core.scene.foot_style import foot_colour
 from dogbot_logtool.core.statistics import Stats
 from dogbot_logtool.io.printable import printable
 
@@ -20,8 +21,6 @@ STRIDES_SHOWN: Final = 4
 """Strides in the window that is chosen unless asked."""
 LONGEST_UNASKED_S: Final = 5.0
 """s, window without strides."""
-COLOURS: Final = ("cyan", "green", "magenta", "yellow", "blue", "red")
-"""A colour a foot, in turn."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -91,7 +90,7 @@ def gait_diagram(
         line = Text(f"{names[row]:<{margin}}")
         known = timespans.no_spans() if foot.is_dead else foot.record.known
         bar = _bar(foot.record.in_contact, known, cells, glyphs)
-        line.append(bar, style=COLOURS[row % len(COLOURS)])
+        line.append(bar, style=foot_colour(row))
         lines.append(line)
     return [*lines, *_axis(start, end, margin, columns, glyphs)]
 

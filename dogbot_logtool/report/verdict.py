@@ -15,18 +15,25 @@ FEWEST_STRIDES: Final = 3
 
 def headline(stats: Stats) -> str:
     """Name the gait of the longest segment in a few words; before that, when the robot falls."""
-    main = stats.main
-    name = "Gait not known" if main is None else gait_name(main)
-    if main is not None and (sure := how_sure(main)):
-        name = f"{name}, {sure}"
-    fall = fall_headline(stats)
+    name, fall = gait_headline(stats), fall_headline(stats)
     return f"{fall}; {name.lower()}" if fall else name
 
 
+def gait_headline(stats: Stats) -> str:
+    """Name the gait of the longest segment, and how sure that is."""
+    main = stats.main
+    if main is None:
+        return "Gait not known"
+    sure = how_sure(main)
+    return f"{gait_name(main)}, {sure}" if sure else gait_name(main)
+
+
 def fall_headline(stats: Stats) -> str:
-    """``Falls at 8.02 s``; empty if the robot does not fall."""
+    """``Falls at 8.02 s``, or that it tips over as the recording ends; empty if it does neither."""
     if not len(stats.fallen):
-        return ""
+        found = stats.tipping
+        at = "" if found is None else f"{(found.since - stats.origin) / 1e9:.2f} s"
+        return f"Tips over from {at}, as the recording ends" if at else ""
     times = ", ".join(f"{at:.2f} s" for at in stats.seconds(stats.fallen[:3, 0]))
     return f"Falls at {times}"
 
@@ -66,7 +73,7 @@ def evidence(segment: Segment) -> str:
     gait, consistency = segment.gait, _consistency(segment)
     feet = len(segment.phases)
     if segment.moves_without_steps:
-        return "all feet stay in contact while the base moves: wheels, or wrong contacts"
+        return "the base moves and no foot steps: wheels, or wrong contacts"
     if segment.is_lifted:
         return "the robot is held in the air, or lies on its body"
     if feet not in {BIPED, QUADRUPED, HEXAPOD}:

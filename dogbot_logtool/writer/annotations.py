@@ -324,10 +324,10 @@ def _label_records(
     records = _timed(template, labels, stamps, rows)
     for axis, column in zip("xyz", labels.position.take(rows, 0).T, strict=True):
         records[axis] = column
-    force = labels.force[rows]
-    text = np.char.mod("%.0f N", np.minimum(force, _LARGEST_LABEL_N))
-    text = np.where(force > _LARGEST_LABEL_N, _BEYOND, text)
-    records["text"] = np.char.center(text, LABEL_WIDTH).astype(f"S{LABEL_WIDTH}")
+    records["text"] = [
+        (_BEYOND if force > _LARGEST_LABEL_N else f"{force:.0f} N").center(LABEL_WIDTH).encode()
+        for force in labels.force[rows].tolist()
+    ]
     return records
 
 

@@ -13,6 +13,7 @@ from dogbot_logtool.commands.report import Reports
 from dogbot_logtool.errors import CallError, LogError
 from dogbot_logtool.io.targets import Output
 from dogbot_logtool.pipeline.options import StatsOptions
+from dogbot_logtool.report.page.assets import shared_name
 from tests.forked_cli import run
 from tests.paths import SAMPLE_LOGS
 
@@ -45,7 +46,12 @@ def test_several_logs_have_an_index_even_if_one_fails(tmp_path: Path) -> None:
     with pytest.raises(LogError):
         reports.write(bad)
     reports.finish({str(bad): f"{bad}: is damaged"})
-    assert names(out) == ["dogbot_trot.report.html", "index.html"]
+    script = shared_name()
+    assert names(out) == [script, "dogbot_trot.report.html", "index.html"]
+    page = (out / "dogbot_trot.report.html").read_text()
+    assert f'<script src="{script}">' in page
+    assert '<a href="index.html">' in page
+    assert len(page) < 1_000_000
     index = (out / "index.html").read_text()
     assert 'href="dogbot_trot.report.html"' in index
     assert '<th scope="row">bad.bag</th>' in index
@@ -92,7 +98,7 @@ def test_nothing_is_overwritten_unasked(tmp_path: Path) -> None:
 
 def test_without_the_extra_a_sentence_says_what_to_install(tmp_path: Path) -> None:
     blocked = (
-        "import sys; sys.modules['plotly'] = None; from dogbot_logtool.cli import main; main()"
+        "import sys; sys.modules['jinja2'] = None; from dogbot_logtool.cli import main; main()"
     )
     done = subprocess.run(  # noqa: S603
         [sys.executable, "-c", blocked, "report", str(TROT)],
@@ -102,15 +108,14 @@ def test_without_the_extra_a_sentence_says_what_to_install(tmp_path: Path) -> No
         check=False,
     )
     assert done.returncode == 1
-    assert re.search(r"pip install .*(plotly|\[report\])", done.stderr)
+    assert re.search(r"pip install .*(jinja2|\[report\])", done.stderr)
     assert "Traceback" not in done.stderr
     assert names(tmp_path) == []
 
 
 def test_the_other_commands_do_without_the_extra(tmp_path: Path) -> None:
     blocked = (
-        "import sys; sys.modules.update(plotly=None, jinja2=None); "
-        "from dogbot_logtool.cli import main; main()"
+        "import sys; sys.modules.update(jinja2=None); from dogbot_logtool.cli import main; main()"
     )
     done = subprocess.run(  # noqa: S603
         [sys.executable, "-c", blocked, "stats", str(TROUBLED), "--json"],

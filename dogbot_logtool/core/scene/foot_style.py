@@ -3,8 +3,9 @@
 from collections.abc import Sequence
 from typing import Final
 
-FOOT_COLOURS: Final = ("#0072b2", "#e69f00", "#009e73", "#d55e00", "#cc79a7", "#56b4e9")
-"""Colours that colour-blind readers tell apart (Okabe and Ito); a foot has one, in turn."""
+FOOT_COLOURS: Final = ("#0072b2", "#c28200", "#009e73", "#d55e00", "#c96fa0", "#3d97cf")
+"""A colour a foot, in turn: those of Okabe and Ito, which colour-blind readers tell apart, three of
+them darker, so that lines have a contrast of 3:1 on white and on a dark page."""
 
 
 def foot_colour(row: int) -> str:

@@ -65,16 +65,9 @@ def stability(
     extent = _extent(feet, base) if within is None else within
     known = timespans.intersect([known, extent])
     instants = _instants(feet, base, known)
-    chunk = max(_CHUNK_NUMBERS // max(len(feet), 1) ** 2, 1)
-    parts = [
-        _at(instants[start : start + chunk], feet, base, forward_axis)
-        for start in range(0, len(instants), chunk)
-    ]
-    if not parts:
+    if not len(instants):
         return None
-    margin, polygon, placed, ahead, left = (
-        np.concatenate(column) for column in zip(*parts, strict=True)
-    )
+    margin, polygon, placed, ahead, left = _at_all(instants, feet, base, forward_axis)
     margins = aggregate(margin[placed])
     unstable = float((margin[polygon & placed] < 0.0).mean()) if margins else None
     below_zero, least = _below_zero(instants, np.where(polygon & placed, margin, 0.0))
@@ -89,6 +82,38 @@ def stability(
         below_zero=below_zero,
         least_margin_m=least,
     )
+
+
+def margins(feet: Sequence[FootHistory], base: BaseHistory) -> tuple[Ints, Floats]:
+    """Return the static margin at 25 Hz, over the time in which base and feet are known.
+
+    Args:
+        feet: records of all feet.
+        base: poses.
+
+    Returns:
+        (n,) ns and (n,) m, NaN where there is no polygon, or some foot's place is not known.
+    """
+    instants = _instants(feet, base, _common_time(feet, base))
+    if not len(instants):
+        return instants, np.empty(0)
+    margin, polygon, placed, _, _ = _at_all(instants, feet, base, "+x")
+    return instants, np.where(polygon & placed, margin, np.nan)
+
+
+def _at_all(
+    instants: Ints, feet: Sequence[FootHistory], base: BaseHistory, forward_axis: str
+) -> tuple[Floats, Flags, Flags, Floats, Floats]:
+    """Measure at instants, a part at a time; see `_at`."""
+    chunk = max(_CHUNK_NUMBERS // max(len(feet), 1) ** 2, 1)
+    parts = [
+        _at(instants[start : start + chunk], feet, base, forward_axis)
+        for start in range(0, len(instants), chunk)
+    ]
+    margin, polygon, placed, ahead, left = (
+        np.concatenate(column) for column in zip(*parts, strict=True)
+    )
+    return margin, polygon, placed, ahead, left
 
 
 def _below_zero(instants: Ints, margin: Floats) -> tuple[Ints, Floats]:

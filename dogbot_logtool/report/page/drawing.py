@@ -1,21 +1,31 @@
 """What every figure of the page shares: names that stay text, margins, thinning."""
 
 import html
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, Final
 
 import numpy as np
 
-from dogbot_logtool.core.geometry.arrays import Floats, Ints
+from dogbot_logtool.core.geometry.arrays import Float32s, Floats, Ints
+from dogbot_logtool.core.scene.foot_style import foot_colour
 from dogbot_logtool.core.statistics import Stats
 from dogbot_logtool.io.printable import printable
+from dogbot_logtool.report.page.chart import Chart
 
 NEUTRAL: Final = "#808080"
 """Seen on white and on black."""
+LINE: Final = "#6f7680"
+"""Lines that are about no foot; also `SECOND`, for the second one of a figure."""
+SECOND: Final = "#8e6bbf"
 BAD: Final = "#c8382e"
 """Gaps and damage."""
 SYMBOLS: Final = ("triangle-up", "triangle-down", "square", "diamond", "circle", "cross")
-"""A marker a foot, in turn, for those who cannot tell the colours."""
+"""A marker a foot, in turn, for those who cannot tell the colours; hollow for hind feet."""
+GLYPHS: Final = ("▲△", "▼▽", "■□", "◆◇", "●○", "✚✛")
+"""The same in text, filled and hollow."""
+LONGEST_FLOAT32_S: Final = 8192.0
+"""s up to which 32 bits tell half a millisecond."""
 MARGIN: Final = {"l": 48, "r": 10, "t": 6, "b": 44}
 """Pixels; the same on the left for all figures over time, so that they stand in line."""
 
@@ -30,10 +40,30 @@ class Drawing:
     alt: str
     """What it shows, for those who do not see it."""
     caption: str
-    figure: Any
-    """A Plotly figure."""
+    figure: Chart
     over_time: bool = False
     """Whether its x axis is the time that all such figures share."""
+    feet: Sequence[tuple[float, float]] = ()
+    """Lower and upper edge of each foot's row, as shares of the height; empty: no such rows."""
+
+
+def is_hind(stats: Stats, row: int) -> bool:
+    """Tell whether a foot is a hind foot."""
+    place = stats.feet[row].place
+    return place is not None and place[0] == "back"
+
+
+def foot_marker(stats: Stats, row: int) -> dict[str, Any]:
+    """Return the marker of a foot by its index: its colour and shape, hollow for a hind foot."""
+    hollow = is_hind(stats, row)
+    symbol = SYMBOLS[row % len(SYMBOLS)] + ("-open" if hollow else "")
+    line = {"width": 2 if hollow else 0, "color": foot_colour(row)}
+    return {"color": foot_colour(row), "symbol": symbol, "size": 9, "line": line}
+
+
+def foot_glyph(stats: Stats, row: int) -> str:
+    """Return the marker of a foot as a character."""
+    return GLYPHS[row % len(GLYPHS)][is_hind(stats, row)]
 
 
 def label(text: str) -> str:
@@ -54,6 +84,13 @@ def seconds(stats: Stats, time: Ints) -> Floats:
     """Return times as s since the log's start."""
     since: Floats = (time - stats.origin) / 1e9
     return since
+
+
+def drawn_seconds(stats: Stats, time: Ints) -> Floats | Float32s:
+    """Return times as s since the log's start, to half a millisecond: half as many bytes."""
+    exact = seconds(stats, time)
+    fits = (stats.end - stats.origin) / 1e9 < LONGEST_FLOAT32_S
+    return exact.astype(np.float32) if fits else exact
 
 
 def thinned(count: int, most: int) -> Ints:

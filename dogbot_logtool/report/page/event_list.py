@@ -7,12 +7,17 @@ from typing import Any, Final
 from dogbot_logtool.core.events.event import STEPS, EventType
 from dogbot_logtool.core.statistics import Stats
 from dogbot_logtool.report.figures.events import EventSource, event_sources
-from dogbot_logtool.report.page.drawing import BAD, NEUTRAL, translucent
+from dogbot_logtool.report.page.drawing import BAD, NEUTRAL, Drawing, translucent
 
 MOST_SHOWN: Final = 200
 """Events in the list, and marks in each figure."""
+_LABELLED: Final = 12
+"""Most bands that are named in the gait diagram."""
 _MINOR: Final = frozenset({EventType.GAIT_CHANGE, EventType.GAP, EventType.EARLY_CONTACT})
 """Types that are no fault of the walk."""
+
+
+_FALLS: Final = frozenset({EventType.FALL.value, EventType.TIPPING.value})
 
 
 @dataclass(frozen=True, slots=True)
@@ -27,6 +32,8 @@ class EventRow:
     """Its value with unit; empty: there is none."""
     code: str
     is_minor: bool
+    foot_number: int | None = None
+    """Index of the foot; None: it happened to the robot or to the base's poses."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -56,23 +63,61 @@ def _row(source: EventSource) -> EventRow:
         size,
         event.code,
         event.type in _MINOR,
+        event.foot,
     )
 
 
-def marks(events: EventList) -> list[dict[str, Any]]:
-    """Return what shows the events in a figure over time: bands, or lines for instants."""
+def marks(events: EventList, drawing: Drawing) -> list[dict[str, Any]]:
+    """Return what shows the events in a figure over time: bands, or lines for instants.
+
+    A fall is darkest; what only the recording does is grey. Events of one foot stand in its row;
+    in figures without rows they have no more than an outline.
+    """
+    return [_mark(row, drawing) for row in events.rows]
+
+
+def _mark(row: EventRow, drawing: Drawing) -> dict[str, Any]:
+    low, high, filled = 0.0, 1.0, 0.28 if row.what in _FALLS else 0.12
+    if row.foot_number is not None:
+        low, high = drawing.feet[row.foot_number] if drawing.feet else (low, high)
+        filled = filled if drawing.feet else 0.0
+    return {
+        "type": "rect",
+        "xref": "x",
+        "yref": "paper",
+        "x0": row.start_s,
+        "x1": row.end_s,
+        "y0": low,
+        "y1": high,
+        "fillcolor": translucent(_colour(row), filled),
+        "line": {"width": 1, "color": _colour(row)},
+        "layer": "below",
+    }
+
+
+def band_labels(events: EventList) -> list[dict[str, Any]]:
+    """Return the names of the bands: the first of each kind, and every fall."""
+    seen: set[str] = set()
+    found = []
+    for row in events.rows:
+        if row.what in _FALLS or (row.what not in seen and not row.is_minor):
+            found.append(row)
+        seen.add(row.what)
     return [
         {
-            "type": "rect",
+            "text": row.what,
+            "x": row.start_s,
             "xref": "x",
+            "xanchor": "left",
+            "y": 1,
             "yref": "paper",
-            "x0": row.start_s,
-            "x1": row.end_s,
-            "y0": 0,
-            "y1": 1,
-            "fillcolor": translucent(NEUTRAL if row.is_minor else BAD, 0.12),
-            "line": {"width": 1, "color": translucent(NEUTRAL if row.is_minor else BAD, 0.6)},
-            "layer": "below",
+            "yanchor": "bottom",
+            "showarrow": False,
+            "font": {"size": 11},
         }
-        for row in events.rows
+        for row in found[:_LABELLED]
     ]
+
+
+def _colour(row: EventRow) -> str:
+    return NEUTRAL if row.is_minor else BAD

@@ -3,34 +3,31 @@
 from typing import Any, Final
 
 import numpy as np
-import plotly.graph_objects as go
 
 from dogbot_logtool.core.base.base_motion import FORWARD_ANGLES
 from dogbot_logtool.core.geometry.arrays import Floats, Ints
-from dogbot_logtool.core.scene.foot_style import foot_colour
 from dogbot_logtool.core.stability.ground_projection import (
     GroundPoints,
     footprints,
     pressure_path,
 )
 from dogbot_logtool.core.statistics import Stats
+from dogbot_logtool.report.page.chart import Chart, Trace, scatter
 from dogbot_logtool.report.page.drawing import (
     MARGIN,
     NEUTRAL,
-    SYMBOLS,
+    SECOND,
     Drawing,
+    drawn_seconds,
+    foot_marker,
     label,
-    seconds,
     thinned,
-    translucent,
 )
 
-MOST_POINTS: Final = 4000
+MOST_POINTS: Final = 2500
 """Points of a path."""
-MOST_FOOTPRINTS: Final = 500
+MOST_FOOTPRINTS: Final = 400
 """Touchdowns of a foot."""
-PRESSURE: Final = "#8e6bbf"
-"""The centre of pressure: no foot's colour."""
 HEADINGS: Final = 12
 """Arrows along the path."""
 _AT: Final = "x %{x:.3f} m, y %{y:.3f} m<br>at %{customdata:.3f} s"
@@ -42,20 +39,20 @@ def walk_from_above(stats: Stats) -> Drawing | None:
     base = stats.base_history
     if len(base.time) == 0 and not any(len(each.time) for each in prints):
         return None
-    figure = go.Figure()
+    figure = Chart()
     rows = thinned(len(base.time), MOST_POINTS)
     if len(rows):
-        figure.add_trace(_path(stats, rows))
+        figure.data.append(_path(stats, rows))
     centre = _centre_of_pressure(stats)
     if centre is not None:
-        figure.add_trace(centre)
+        figure.data.append(centre)
     for row, (foot, points) in enumerate(zip(stats.feet, prints, strict=True)):
         if len(points.time):
-            figure.add_trace(_footprints(stats, label(foot.name), points, row))
+            figure.data.append(_footprints(stats, label(foot.name), points, row))
     if len(rows):
-        figure.add_trace(_headings(stats))
-        figure.add_trace(_ends(stats))
-    figure.update_layout(
+        figure.data.append(_headings(stats))
+        figure.data.append(_ends(stats))
+    figure.layout.update(
         height=480,
         margin=MARGIN,
         hovermode="closest",
@@ -82,57 +79,52 @@ def _broken(time: Ints, gaps: Ints) -> Ints:
     return np.unique(np.searchsorted(time, gaps[:, 1]))
 
 
-def _path(stats: Stats, rows: Ints) -> go.Scatter:
+def _path(stats: Stats, rows: Ints) -> Trace:
     base = stats.base_history
-    time, position = base.time[rows], base.position[rows, :2]
+    time, position = base.time[rows], base.position[rows, :2].astype(np.float32)
     at = _broken(time, base.gaps)
     at = at[(at > 0) & (at < len(time))]
-    return go.Scatter(
+    return scatter(
         x=np.insert(position[:, 0], at, np.nan),
         y=np.insert(position[:, 1], at, np.nan),
-        customdata=np.insert(seconds(stats, time), at, np.nan),
+        customdata=np.insert(drawn_seconds(stats, time), at, np.nan),
         mode="lines",
-        line={"color": translucent(NEUTRAL, 0.6), "width": 4},
+        line={"color": NEUTRAL, "width": 3},
         name="base",
         hovertemplate=_AT,
     )
 
 
-def _centre_of_pressure(stats: Stats) -> go.Scatter | None:
+def _centre_of_pressure(stats: Stats) -> Trace | None:
     if stats.stability is None or stats.stability.pressure_forward_m is None:
         return None
     centre = pressure_path([foot.record for foot in stats.feet])
     rows = thinned(len(centre.time), MOST_POINTS)
-    return go.Scatter(
-        x=centre.point[rows, 0],
-        y=centre.point[rows, 1],
-        customdata=seconds(stats, centre.time[rows]),
+    return scatter(
+        x=centre.point[rows, 0].astype(np.float32),
+        y=centre.point[rows, 1].astype(np.float32),
+        customdata=drawn_seconds(stats, centre.time[rows]),
         mode="lines",
-        line={"color": PRESSURE, "width": 1.2},
+        line={"color": SECOND, "width": 1.2},
         name="centre of pressure",
         hovertemplate=_AT,
     )
 
 
-def _footprints(stats: Stats, name: str, points: GroundPoints, row: int) -> go.Scatter:
+def _footprints(stats: Stats, name: str, points: GroundPoints, row: int) -> Trace:
     rows = thinned(len(points.time), MOST_FOOTPRINTS)
-    return go.Scatter(
+    return scatter(
         x=points.point[rows, 0],
         y=points.point[rows, 1],
-        customdata=seconds(stats, points.time[rows]),
+        customdata=drawn_seconds(stats, points.time[rows]),
         mode="markers",
-        marker={
-            "color": foot_colour(row),
-            "symbol": SYMBOLS[row % len(SYMBOLS)],
-            "size": 9,
-            "line": {"width": 0},
-        },
+        marker=foot_marker(stats, row),
         name=name,
         hovertemplate="footfall at " + _AT,
     )
 
 
-def _headings(stats: Stats) -> go.Scatter:
+def _headings(stats: Stats) -> Trace:
     base = stats.base_history
     rows = thinned(len(base.time), HEADINGS)
     heading: Floats = base.angles[rows, 2] + FORWARD_ANGLES[stats.settings.forward_axis]
@@ -143,10 +135,10 @@ def _headings(stats: Stats) -> go.Scatter:
         "size": 13,
         "color": NEUTRAL,
     }
-    return go.Scatter(
+    return scatter(
         x=base.position[rows, 0],
         y=base.position[rows, 1],
-        customdata=np.stack([seconds(stats, base.time[rows]), np.degrees(heading)], axis=1),
+        customdata=np.stack([drawn_seconds(stats, base.time[rows]), np.degrees(heading)], axis=1),
         mode="markers",
         marker=marker,
         name="heading",
@@ -154,12 +146,12 @@ def _headings(stats: Stats) -> go.Scatter:
     )
 
 
-def _ends(stats: Stats) -> go.Scatter:
+def _ends(stats: Stats) -> Trace:
     base = stats.base_history
-    return go.Scatter(
+    return scatter(
         x=base.position[[0, -1], 0],
         y=base.position[[0, -1], 1],
-        customdata=seconds(stats, base.time[[0, -1]]),
+        customdata=drawn_seconds(stats, base.time[[0, -1]]),
         mode="text",
         text=["<b>start</b>", "<b>end</b>"],
         textposition=["bottom right", "top left"],
@@ -181,7 +173,8 @@ def _words(stats: Stats) -> str:
 
 def _caption(prints: list[GroundPoints]) -> str:
     words = (
-        "Arrows: where the robot heads. Markers: footfalls, each in its foot's colour and shape."
+        "Arrows: where the robot heads. Markers: footfalls, each in its foot's colour and shape, "
+        "hollow for hind feet."
     )
     count = sum(len(each.time) for each in prints)
     shown = sum(len(thinned(len(each.time), MOST_FOOTPRINTS)) for each in prints)

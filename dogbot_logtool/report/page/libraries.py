@@ -1,4 +1,4 @@
-"""The libraries that draw the page are an extra: the base install leaves them out."""
+"""The library that fills the page's templates is an extra: the base install leaves it out."""
 
 from importlib.util import find_spec
 
@@ -6,10 +6,10 @@ from dogbot_logtool.errors import ExtraMissingError
 
 
 def require_libraries() -> None:
-    """Check for the libraries that draw the page.
+    """Check for the library that fills the page's templates.
 
     Raises:
-        ExtraMissingError: one is not there.
+        ExtraMissingError: it is not there.
     """
-    if any(find_spec(name) is None for name in ("plotly", "jinja2")):
+    if find_spec("jinja2") is None:
         raise ExtraMissingError("report", "report")

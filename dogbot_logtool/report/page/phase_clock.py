@@ -3,19 +3,22 @@
 from typing import Any, Final
 
 import numpy as np
-import plotly.graph_objects as go
 
 from dogbot_logtool.core.gait.foot_statistics import FootStatistics
 from dogbot_logtool.core.gait.phases import phases_in
 from dogbot_logtool.core.gait.segments import Segment
+from dogbot_logtool.core.geometry.arrays import Floats
 from dogbot_logtool.core.scene.foot_style import foot_colour, short_names
 from dogbot_logtool.core.statistics import Stats
-from dogbot_logtool.report.page.drawing import SYMBOLS, Drawing, label, thinned
+from dogbot_logtool.report.page.chart import Chart, Trace, scatter
+from dogbot_logtool.report.page.drawing import NEUTRAL, Drawing, foot_marker, label, thinned
 
 MOST_DOTS: Final = 200
 """Touchdowns of a foot that are drawn."""
-_LABEL: Final = 90.0
-"""Degrees times radius by which a foot's name stands before its touchdown."""
+_LABEL: Final = 0.25
+"""Cycles times radius by which a foot's name stands before its touchdown."""
+_BESIDE: Final = 0.33
+"""Distance of the touchdowns from their ring, in distances between rings."""
 _INNER: Final = 2.0
 """Radius of the innermost ring, in distances between rings."""
 
@@ -30,26 +33,11 @@ def phase_clock(stats: Stats) -> Drawing | None:
         return None
     short = short_names([foot.name for foot in stats.feet])
     rings = len(stats.feet)
-    figure = go.Figure()
+    figure = Chart()
     for row, foot in enumerate(stats.feet):
         radius = _INNER + rings - row
-        for trace in _ring(stats, main, foot, row, radius, label(short[row])):
-            figure.add_trace(trace)
-    figure.update_layout(
-        height=480,
-        margin={"l": 36, "r": 36, "t": 28, "b": 28},
-        showlegend=False,
-        polar={
-            "bgcolor": "rgba(0,0,0,0)",
-            "radialaxis": {"visible": False, "range": [0, _INNER + rings + 0.6]},
-            "angularaxis": {
-                "direction": "clockwise",
-                "rotation": 90,
-                "tickvals": [0, 90, 180, 270],
-                "ticktext": ["0", "0.25", "0.5", "0.75"],
-            },
-        },
-    )
+        figure.data.extend(_ring(stats, main, foot, row, radius, label(short[row])))
+    figure.layout.update(_face(_INNER + rings + 0.6))
     reference = stats.feet[stats.reference].name
     phases = ", ".join(
         f"{foot.name} {phase.mean:.2f}"
@@ -66,9 +54,49 @@ def phase_clock(stats: Stats) -> Drawing | None:
     )
 
 
+def _face(radius: float) -> dict[str, Any]:
+    """Return the layout of a clock: a circle with its quarters."""
+    reach = radius * 1.15
+    axis = {"visible": False, "range": [-reach, reach], "fixedrange": True}
+    quarters = zip(("0", "0.25", "0.5", "0.75"), (0.0, 0.25, 0.5, 0.75), strict=True)
+    marks = [
+        (text, *(float(each[0]) for each in _on_ring(np.array([phase]), radius * 1.07)))
+        for text, phase in quarters
+    ]
+    return {
+        "height": 480,
+        "margin": {"l": 8, "r": 8, "t": 8, "b": 8},
+        "showlegend": False,
+        "hovermode": "closest",
+        "dragmode": False,
+        "xaxis": axis,
+        "yaxis": {**axis, "scaleanchor": "x", "scaleratio": 1},
+        "shapes": [
+            {
+                "type": "circle",
+                "xref": "x",
+                "yref": "y",
+                "x0": -radius,
+                "x1": radius,
+                "y0": -radius,
+                "y1": radius,
+                "line": {"color": NEUTRAL, "width": 1},
+                "layer": "below",
+            }
+        ],
+        "annotations": [{"text": text, "x": x, "y": y, "showarrow": False} for text, x, y in marks],
+    }
+
+
+def _on_ring(phase: Floats, radius: float) -> tuple[Floats, Floats]:
+    """Return x and y of phases, clockwise from the top."""
+    turn = 2.0 * np.pi * phase
+    return np.round(radius * np.sin(turn), 4), np.round(radius * np.cos(turn), 4)
+
+
 def _ring(
     stats: Stats, main: Segment, foot: FootStatistics, row: int, radius: float, short: str
-) -> list[go.Scatterpolar]:
+) -> list[Trace]:
     phase = main.phases[row]
     if phase is None:
         return []
@@ -76,47 +104,28 @@ def _ring(
     phases = phases_in(reference, foot.touchdown)
     phases = phases[thinned(len(phases), MOST_DOTS)]
     strides = foot.strides.within(main.spans)
-    colour = foot_colour(row)
-    shared: dict[str, Any] = {"name": label(foot.name)}
+    name, colour = label(foot.name), foot_colour(row)
     traces = []
     words = f"touchdown at phase {phase.mean:.3f}, R {phase.consistency:.3f}"
     if len(strides.stance):
         duty = float(strides.duty_factor.mean())
-        arc = 360.0 * (phase.mean + np.linspace(0.0, duty, 60))
-        traces.append(
-            go.Scatterpolar(
-                theta=np.round(arc, 3),
-                r=np.full(len(arc), radius, np.float32),
-                mode="lines",
-                line={"color": colour, "width": 9},
-                opacity=0.75,
-                hovertemplate=f"{words}<br>duty factor {duty:.3f}",
-                **shared,
-            )
-        )
+        x, y = _on_ring(phase.mean + np.linspace(0.0, duty, 60), radius)
+        line = {"color": colour, "width": 9}
+        hover = f"{words}<br>duty factor {duty:.3f}"
+        traces.append(scatter(x=x, y=y, mode="lines", line=line, name=name, hovertemplate=hover))
+    x, y = _on_ring(phases, radius + _BESIDE)
+    marker = foot_marker(stats, row)
     traces.append(
-        go.Scatterpolar(
-            theta=np.round(360.0 * phases, 3),
-            r=np.full(len(phases), radius, np.float32),
+        scatter(
+            x=x,
+            y=y,
             mode="markers",
-            marker={
-                "color": colour,
-                "symbol": SYMBOLS[row % len(SYMBOLS)],
-                "size": 9,
-                "line": {"color": "#ffffff", "width": 1},
-            },
+            marker=marker,
             customdata=phases,
+            name=name,
             hovertemplate="touchdown at phase %{customdata:.3f}",
-            **shared,
         )
     )
-    traces.append(
-        go.Scatterpolar(
-            theta=[round(360.0 * phase.mean - _LABEL / radius, 3)],
-            r=[radius],
-            mode="text",
-            text=[f"<b>{short}</b>"],
-            hoverinfo="skip",
-        )
-    )
+    x, y = _on_ring(np.array([phase.mean - _LABEL / radius]), radius)
+    traces.append(scatter(x=x, y=y, mode="text", text=[f"<b>{short}</b>"], hoverinfo="skip"))
     return traces

@@ -4,12 +4,12 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-import plotly.graph_objects as go
 
 from dogbot_logtool.core.geometry import timespans
 from dogbot_logtool.core.geometry.arrays import Ints
 from dogbot_logtool.core.quality.quality import TopicQuality
 from dogbot_logtool.core.statistics import Stats
+from dogbot_logtool.report.page.chart import Chart, Trace, bars
 from dogbot_logtool.report.page.drawing import (
     BAD,
     MARGIN,
@@ -38,11 +38,11 @@ class _Line:
 def recording(stats: Stats) -> Drawing:
     """Draw when each topic was recorded and when it was silent."""
     lines = _lines(stats)
-    figure = go.Figure()
+    figure = Chart()
     for row, line in enumerate(lines):
-        figure.add_trace(_bars(stats, line.span, row, NEUTRAL, "recorded", 0.28))
-        figure.add_trace(_bars(stats, line.gaps, row, BAD, "silent", 0.5))
-    figure.update_layout(
+        figure.data.append(_bars(stats, line.span, row, NEUTRAL, "recorded", 0.28))
+        figure.data.append(_bars(stats, line.gaps, row, BAD, "silent", 0.5))
+    figure.layout.update(
         height=34 * max(len(lines), 1) + 60,
         margin={**MARGIN, "t": 16},
         barmode="overlay",
@@ -123,13 +123,12 @@ def _extent(start: int | None, end: int | None) -> Ints:
     return np.array([[start, end]], np.int64)
 
 
-def _bars(stats: Stats, spans: Ints, row: int, colour: str, what: str, width: float) -> go.Bar:
+def _bars(stats: Stats, spans: Ints, row: int, colour: str, what: str, width: float) -> Trace:
     longest = np.argsort(spans[:, 0] - spans[:, 1], kind="stable")[:MOST_GAPS]
     spans = spans[np.sort(longest)]
     start = seconds(stats, spans[:, 0])
     length = seconds(stats, spans[:, 1]) - start
-    return go.Bar(
-        orientation="h",
+    return bars(
         base=start,
         x=length,
         customdata=length,

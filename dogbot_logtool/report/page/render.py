@@ -1,42 +1,34 @@
-"""The page itself: figures and tables set in a template, all that it needs inside it.
+"""The page itself: figures and tables set in a template, with all that it needs."""
 
-Texts of a log are escaped by the template, and by the figures' labels; data travel as JSON in
-which no ``<`` is left. A content security policy names the two scripts by their hashes and forbids
-everything else, the network included.
-"""
-
-import base64
-import hashlib
-import json
-import os
-from collections.abc import Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from functools import cache
 from pathlib import Path
 from typing import Any, Final
-from urllib.parse import quote
 
-import plotly.io
-from jinja2 import Environment, StrictUndefined
 from markupsafe import Markup
-from plotly.offline import get_plotlyjs
 
 from dogbot_logtool import __version__
 from dogbot_logtool.core.scene.foot_style import foot_colour, short_names
 from dogbot_logtool.core.statistics import Stats
-from dogbot_logtool.io.plain_json import to_json
-from dogbot_logtool.io.printable import printable
 from dogbot_logtool.report.figures.document import DOCUMENT, log_source
-from dogbot_logtool.report.figures.figure import TableName
-from dogbot_logtool.report.figures.tables import cells_of, headers
 from dogbot_logtool.report.gait_diagram import default_window
 from dogbot_logtool.report.numbers import NOTHING, span_of
-from dogbot_logtool.report.page.drawing import Drawing
-from dogbot_logtool.report.page.event_list import event_list, marks
+from dogbot_logtool.report.page.assets import (
+    json_in_html,
+    own,
+    page_script,
+    policy_of,
+    rendered,
+)
+from dogbot_logtool.report.page.chart import packed
+from dogbot_logtool.report.page.cycle_figure import force_over_cycle
+from dogbot_logtool.report.page.drawing import Drawing, drawn_seconds, foot_glyph
+from dogbot_logtool.report.page.event_list import band_labels, event_list, marks
 from dogbot_logtool.report.page.ground_figure import walk_from_above
+from dogbot_logtool.report.page.motion_figure import motion
 from dogbot_logtool.report.page.phase_clock import phase_clock
 from dogbot_logtool.report.page.quality_figure import recording
-from dogbot_logtool.report.page.summary import Trust, grouped, summary, trust
+from dogbot_logtool.report.page.summary import grouped, recorded_at, summary
 from dogbot_logtool.report.page.tables import (
     load_table,
     step_table,
@@ -45,14 +37,10 @@ from dogbot_logtool.report.page.tables import (
     topic_table,
 )
 from dogbot_logtool.report.page.time_figures import gait_diagram, load_curves
-from dogbot_logtool.report.verdict import headline
 from dogbot_logtool.results import LogFacts
 
-GLYPHS: Final = "▲▼■◆●✚"
-"""The figures' markers of the feet, in text."""
-FIGURES: Final = ("gait", "loads", "ground", "clock", "recording")
+FIGURES: Final = ("gait", "loads", "motion", "cycle", "ground", "clock", "recording")
 """Names of all figures; a log may lack some."""
-INDEX_COLUMNS: Final = ("log", "gait", "can it be trusted", *headers(TableName.INDEX))
 
 
 @dataclass(frozen=True, slots=True)
@@ -66,20 +54,27 @@ class Damage:
 
 
 @dataclass(frozen=True, slots=True)
-class IndexRow:
-    """A log in the index of several."""
+class Beside:
+    """What lies beside a page of several logs; nothing beside a page that stands alone."""
 
-    name: str
-    page: str = ""
-    """Relative URL of its page; empty: there is none, and `error` says why."""
-    verdict: str = ""
-    cells: tuple[str, ...] = ()
-    """The numbers of `INDEX_COLUMNS`."""
-    trust: Trust | None = None
-    error: str = ""
+    script: str = ""
+    """File name of the script that the pages share; empty: it is in the page."""
+    index: str = ""
+    """File name of the index."""
 
 
-def page(stats: Stats, log: LogFacts, damage: Sequence[Damage], file_size: int) -> bytes:
+ALONE: Final = Beside()
+
+
+def page(
+    stats: Stats,
+    log: LogFacts,
+    damage: Sequence[Damage],
+    file_size: int,
+    *,
+    replay: Mapping[str, Any] | None = None,
+    beside: Beside = ALONE,
+) -> bytes:
     """Return the HTML page of one log.
 
     Args:
@@ -87,137 +82,103 @@ def page(stats: Stats, log: LogFacts, damage: Sequence[Damage], file_size: int) 
         log: what the reader knows of it.
         damage: where the file is damaged.
         file_size: bytes; 0 where it is not one file.
+        replay: the walk in 3D; None: without it.
+        beside: files beside the page.
     """
     source = log_source(stats, log)
     document = DOCUMENT.plain(source)
-    drawings = {
-        each.name: each
-        for each in (
-            gait_diagram(stats),
-            load_curves(stats),
-            walk_from_above(stats),
-            phase_clock(stats),
-            recording(stats),
-        )
-        if each is not None
-    }
     events = event_list(stats)
+    drawings = {each.name: each for each in _drawings(stats)}
     for drawing in drawings.values():
         if drawing.over_time:
-            drawing.figure.update_layout(shapes=marks(events))
-    scripts = (_plotly_js(), _own("page.js"))
-    names = [foot.name for foot in stats.feet]
-    text = (
-        _environment()
-        .from_string(_own("page.html.j2"))
-        .render(
-            version=__version__,
-            name=Path(log.path).name,
-            about=_about(log),
-            css=Markup(_own("page.css")),  # noqa: S704 - our own file
-            plotly_js=Markup(scripts[0]),  # noqa: S704 - Plotly's
-            page_js=Markup(scripts[1]),  # noqa: S704 - our own file
-            script_hashes=Markup(" ".join(map(_hash, scripts))),  # noqa: S704 - hashes
-            drawings={name: drawings.get(name) for name in FIGURES},
-            drawings_json=_json([_drawing(each) for each in drawings.values()]),
-            times_json=_json(
-                {"typical": default_window(stats), "end": (stats.end - stats.origin) / 1e9}
-            ),
-            feet=[
-                {
-                    "name": name,
-                    "short": short,
-                    "colour": foot_colour(row),
-                    "symbol": GLYPHS[row % len(GLYPHS)],
-                }
-                for row, (name, short) in enumerate(zip(names, short_names(names), strict=True))
-            ],
-            summary=summary(stats, log),
-            findings=grouped([each for each in source.findings if each.code != "W_LOST"]),
-            events=events,
-            losses=log.losses,
-            file_marks=_file_marks(damage, file_size),
-            tables={
-                "steps": step_table(document),
-                "loads": load_table(document),
-                "symmetry": symmetry_table(document),
-                "strides": stride_table(stats),
-                "topics": topic_table(document),
-            },
-            settings=_settings(stats),
-        )
-    )
-    return text.encode()
-
-
-def index_row(stats: Stats, log: LogFacts, page_name: str) -> IndexRow:
-    """Return a log's row in the index."""
-    cells = tuple(cells_of(TableName.INDEX, DOCUMENT.plain(log_source(stats, log))))
-    name = Path(log.path).name
-    # The name of a file may be any bytes.
-    address = quote(os.fsencode(page_name), safe="")
-    return IndexRow(name, address, headline(stats), cells, trust(stats, log))
-
-
-def index(rows: Sequence[IndexRow]) -> bytes:
-    """Return the HTML page that leads to the pages of several logs."""
-    template = _environment().from_string(_own("index.html.j2"))
-    css = Markup(_own("page.css"))  # noqa: S704 - our own file
-    text = template.render(version=__version__, rows=rows, columns=INDEX_COLUMNS, css=css)
-    return text.encode()
-
-
-@cache
-def _environment() -> Environment:
-    return Environment(
-        autoescape=True,
-        undefined=StrictUndefined,
-        trim_blocks=True,
-        keep_trailing_newline=True,
-        finalize=_made_printable,
+            drawing.figure.layout["shapes"] = marks(events, drawing)
+    if "gait" in drawings:
+        drawings["gait"].figure.layout["annotations"] = band_labels(events)
+    script = "" if beside.script else page_script()
+    return rendered(
+        "page.html.j2",
+        version=__version__,
+        name=Path(log.path).name,
+        about=_about(log),
+        beside=beside,
+        css=Markup(own("page.css")),  # noqa: S704 - our own file
+        script=Markup(script),  # noqa: S704 - Plotly's and ours
+        policy=Markup(policy_of(script) if script else "'self' file:"),  # noqa: S704 - a hash
+        drawings={name: drawings.get(name) for name in FIGURES},
+        drawings_json=json_in_html([_plain(each) for each in drawings.values()]),
+        times_json=json_in_html(_times(stats)),
+        replay=replay,
+        replay_json=json_in_html(replay),
+        feet=_feet(stats),
+        summary=summary(stats, log),
+        findings=grouped([each for each in source.findings if each.code != "W_LOST"]),
+        events=events,
+        losses=log.losses,
+        file_marks=_file_marks(damage, file_size),
+        tables={
+            "steps": step_table(document),
+            "loads": load_table(document),
+            "symmetry": symmetry_table(document),
+            "strides": stride_table(stats),
+            "topics": topic_table(document),
+        },
+        settings=_settings(stats),
     )
 
 
-def _made_printable(value: object) -> object:
-    return printable(value) if isinstance(value, str) and not isinstance(value, Markup) else value
+def _drawings(stats: Stats) -> Iterator[Drawing]:
+    """Yield the figures that the log allows."""
+    makers = (
+        gait_diagram,
+        load_curves,
+        motion,
+        force_over_cycle,
+        walk_from_above,
+        phase_clock,
+        recording,
+    )
+    yield from (drawing for make in makers if (drawing := make(stats)) is not None)
 
 
-def _own(name: str) -> str:
-    return Path(__file__).with_name(name).read_text(encoding="utf-8")
+def _plain(drawing: Drawing) -> dict[str, Any]:
+    return {"name": drawing.name, "over_time": drawing.over_time, **drawing.figure.plain()}
 
 
-@cache
-def _plotly_js() -> str:
-    # A script ends at the first closing tag, wherever that stands.
-    return str(get_plotlyjs()).replace("</script", "<\\/script")
-
-
-def _hash(script: str) -> str:
-    digest = base64.b64encode(hashlib.sha256(script.encode()).digest()).decode()
-    return f"'sha256-{digest}'"
-
-
-def _drawing(drawing: Drawing) -> dict[str, Any]:
-    figure = json.loads(plotly.io.to_json(drawing.figure, validate=False, engine="json"))
+def _times(stats: Stats) -> dict[str, Any]:
+    """Return the log's end, its typical strides, and every stride of each foot."""
     return {
-        "name": drawing.name,
-        "over_time": drawing.over_time,
-        "data": figure["data"],
-        "layout": {key: each for key, each in figure["layout"].items() if key != "template"},
+        "typical": default_window(stats),
+        "end": (stats.end - stats.origin) / 1e9,
+        "weight": stats.loads.weight_n,
+        "reference": stats.reference,
+        "strides": [packed(drawn_seconds(stats, foot.strides.spans)) for foot in stats.feet],
     }
 
 
-def _json(value: object) -> Markup:
-    """Return JSON that no HTML parser takes for markup."""
-    text = to_json(value, compact=True)
-    for character in "<>&\u2028\u2029":
-        text = text.replace(character, f"\\u{ord(character):04x}")
-    return Markup(text)  # noqa: S704 - nothing of markup is left in it
+def _feet(stats: Stats) -> list[dict[str, str]]:
+    """Return how each foot is shown in text."""
+    names = [foot.name for foot in stats.feet]
+    return [
+        {
+            "name": name,
+            "short": short,
+            "colour": foot_colour(row),
+            "symbol": foot_glyph(stats, row),
+        }
+        for row, (name, short) in enumerate(zip(names, short_names(names), strict=True))
+    ]
 
 
-def _about(log: LogFacts) -> str:
+def _about(log: LogFacts) -> list[tuple[str, str]]:
+    """Return what the log is, by name."""
     duration = NOTHING if log.duration_s is None else f"{log.duration_s:.2f} s"
-    return f"{log.container}, {duration}, {log.messages:,} messages"
+    container = f"{log.container} ({log.profile})" if log.profile else log.container
+    return [
+        ("robot", log.robot or "not known"),
+        ("recorded", recorded_at(log.start_s)),
+        ("log", f"{container}, {duration}, {log.messages:,} messages"),
+        ("measured by", f"dogbot-logtool {__version__}"),
+    ]
 
 
 def _file_marks(damage: Sequence[Damage], file_size: int) -> list[dict[str, Any]]:

@@ -2,16 +2,32 @@
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from datetime import UTC, datetime
+from typing import Final
 
 from dogbot_logtool.core.findings.checks import Check, Outcome, checks_of
-from dogbot_logtool.core.findings.findings import first_of
+from dogbot_logtool.core.findings.findings import GRAVE, first_of
 from dogbot_logtool.core.gait.gait import STAND
 from dogbot_logtool.core.statistics import Stats
 from dogbot_logtool.finding import Finding, Severity
 from dogbot_logtool.report.figures.document import log_source
 from dogbot_logtool.report.numbers import decimal
-from dogbot_logtool.report.verdict import evidence, gait_name, headline, is_known
+from dogbot_logtool.report.verdict import (
+    evidence,
+    fall_headline,
+    gait_headline,
+    gait_name,
+    is_known,
+)
 from dogbot_logtool.results import LogFacts
+
+_FIRST_ROS_S: Final = 1_100_000_000.0
+"""s since the epoch, in 2004: before any robot's log was recorded. Also `_LAST_DATE_S`, in 2100."""
+_LAST_DATE_S: Final = 4_102_444_800.0
+_DOUBTFUL: Final = frozenset(GRAVE[: GRAVE.index("W_FORWARD_AXIS")]) - {"W_FALL"}
+"""Findings that make all figures doubtful."""
+_LONGEST: Final = 110
+"""Characters of a doubt in the headline; it stands in full below."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,7 +69,11 @@ class Summary:
     """The head of the page."""
 
     headline: str
-    is_known: bool
+    """The fall or, without one, what makes the figures doubtful, or else the gait."""
+    is_sound: bool
+    """Whether the headline is a gait that has a name."""
+    gait: str
+    """The gait, where something else is the headline."""
     evidence: str
     trust: Trust
     tiles: tuple[Tile, ...]
@@ -67,14 +87,41 @@ def summary(stats: Stats, log: LogFacts) -> Summary:
     words = "no foot makes a whole stride" if main is None else evidence(main)
     if main is not None and main.gait.name == STAND:
         words = "all feet are down" + (" for the longest time" if len(stats.segments) > 1 else "")
+    alarm = fall_headline(stats) or _doubt(stats, log)
+    name = gait_headline(stats)
     return Summary(
-        headline(stats),
-        is_known(stats),
+        alarm or name,
+        is_known(stats) and not alarm,
+        name if alarm else "",
         words,
         trust(stats, log),
         tuple(_tiles(stats)),
         tuple(_segments(stats)) if len(stats.segments) > 1 else (),
     )
+
+
+def recorded_at(start_s: float | None) -> str:
+    """Say when a recording began, in UTC; clocks of simulators begin in 1970."""
+    if start_s is None:
+        return "not known"
+    if not _FIRST_ROS_S < start_s < _LAST_DATE_S:
+        return f"{start_s:.0f} s (no date)"
+    return datetime.fromtimestamp(start_s, UTC).strftime("%Y-%m-%d %H:%M:%S UTC")
+
+
+def _doubt(stats: Stats, log: LogFacts) -> str:
+    """Say what makes all figures doubtful; empty: nothing known does."""
+    if log.losses:
+        return "In doubt: the log is damaged"
+    found = log_source(stats, log).findings
+    grave = [each for each in first_of(found) if each.code in _DOUBTFUL]
+    errors = [each for each in found if each.severity is Severity.ERROR]
+    if not (grave or errors):
+        return ""
+    text = (grave or errors)[0].text
+    if len(text) > _LONGEST:
+        text = f"{text[:_LONGEST].rsplit(' ', 1)[0]} ..."
+    return f"In doubt: {text}"
 
 
 def grouped(findings: Sequence[Finding]) -> list[FindingGroup]:

@@ -3,27 +3,28 @@
 from typing import Any, Final
 
 import numpy as np
-import plotly.graph_objects as go
 
 from dogbot_logtool.core.contact.curves import Curve
 from dogbot_logtool.core.gait.foot_statistics import FootStatistics
 from dogbot_logtool.core.geometry import timespans
-from dogbot_logtool.core.geometry.arrays import Floats, Ints
+from dogbot_logtool.core.geometry.arrays import Ints
 from dogbot_logtool.core.scene.foot_style import foot_colour, short_names
 from dogbot_logtool.core.statistics import Stats
 from dogbot_logtool.report.gait_diagram import default_window
 from dogbot_logtool.report.numbers import NOTHING, decimal, percent
+from dogbot_logtool.report.page.chart import Chart, Trace, bars, scatter
 from dogbot_logtool.report.page.drawing import (
     MARGIN,
     NEUTRAL,
     Drawing,
+    drawn_seconds,
     label,
     seconds,
     time_axis,
     translucent,
 )
 
-MOST_STANCES: Final = 1000
+MOST_STANCES: Final = 300
 """Stances of a foot that are drawn one by one."""
 SHARE_BINS: Final = 2000
 """Bins of the share of contact in the rest of a long log."""
@@ -36,16 +37,17 @@ def gait_diagram(stats: Stats) -> Drawing | None:
     if not stats.feet:
         return None
     short = short_names([foot.name for foot in stats.feet])
-    figure = go.Figure()
+    figure = Chart()
     parts = [_stances_drawn(stats, foot) for foot in stats.feet]
     for row, (foot, drawn) in enumerate(zip(stats.feet, parts, strict=True)):
-        figure.add_trace(_unknown_bars(stats, foot, row))
-        figure.add_trace(_bars(stats, foot, drawn, row))
+        figure.data.append(_unknown_bars(stats, foot, row))
+        figure.data.append(_bars(stats, foot, drawn, row))
         if len(drawn) < len(foot.record.in_contact):
-            figure.add_trace(_contact_share(stats, foot, drawn, row))
-    figure.update_layout(
-        height=46 * len(stats.feet) + 60,
-        margin=MARGIN,
+            figure.data.append(_contact_share(stats, foot, drawn, row))
+    figure.layout.update(
+        height=46 * len(stats.feet) + 72,
+        # The names of the bands stand above it.
+        margin={**MARGIN, "t": 18},
         barmode="overlay",
         showlegend=False,
         hovermode="closest",
@@ -71,7 +73,13 @@ def gait_diagram(stats: Stats) -> Drawing | None:
         "Filled: the foot is down. Hatched: nothing is known of it." + _partly(stats, parts),
         figure,
         over_time=True,
+        feet=_rows(len(stats.feet), 1.0),
     )
+
+
+def _rows(feet: int, height: float) -> list[tuple[float, float]]:
+    """Return the lower and the upper edge of each foot's row, as shares of the figure's height."""
+    return [(1.0 - (row + height) / feet, 1.0 - row / feet) for row in range(feet)]
 
 
 def _partly(stats: Stats, parts: list[Ints]) -> str:
@@ -95,30 +103,28 @@ def _stances_drawn(stats: Stats, foot: FootStatistics) -> Ints:
     return spans[first : first + MOST_STANCES]
 
 
-def _bars(stats: Stats, foot: FootStatistics, spans: Ints, row: int) -> go.Bar:
+def _bars(stats: Stats, foot: FootStatistics, spans: Ints, row: int) -> Trace:
     start, end = seconds(stats, spans[:, 0]), seconds(stats, spans[:, 1])
-    return go.Bar(
-        orientation="h",
+    return bars(
         base=start,
         x=end - start,
         y=np.full(len(spans), row, np.int16),
         width=_BAR,
         marker={"color": foot_colour(row), "line": {"width": 0}},
         name=label(foot.name),
-        customdata=np.stack([end - start, end], axis=1),
+        customdata=np.stack([end - start, end], axis=1).astype(np.float32),
         hovertemplate="down for %{customdata[0]:.3f} s<br>"
         "from %{base:.3f} to %{customdata[1]:.3f} s",
     )
 
 
-def _unknown_bars(stats: Stats, foot: FootStatistics, row: int) -> go.Bar:
+def _unknown_bars(stats: Stats, foot: FootStatistics, row: int) -> Trace:
     known = timespans.no_spans() if foot.is_dead else foot.record.known
     everything = np.array([[stats.origin, stats.end]], np.int64)
     spans = timespans.subtract(everything, known)
     start = seconds(stats, spans[:, 0])
     length = seconds(stats, spans[:, 1]) - start
-    return go.Bar(
-        orientation="h",
+    return bars(
         base=start,
         x=length,
         y=np.full(len(spans), row, np.int16),
@@ -135,7 +141,7 @@ def _unknown_bars(stats: Stats, foot: FootStatistics, row: int) -> go.Bar:
     )
 
 
-def _contact_share(stats: Stats, foot: FootStatistics, drawn: Ints, row: int) -> go.Scatter:
+def _contact_share(stats: Stats, foot: FootStatistics, drawn: Ints, row: int) -> Trace:
     edges = np.linspace(stats.origin, stats.end, SHARE_BINS + 1).astype(np.int64)
     known = timespans.covered(foot.record.known, edges)
     share = np.full(SHARE_BINS, np.nan)
@@ -143,9 +149,9 @@ def _contact_share(stats: Stats, foot: FootStatistics, drawn: Ints, row: int) ->
     share[known > 0] = down[known > 0] / known[known > 0]
     share[(edges[1:] > drawn[0, 0]) & (edges[:-1] < drawn[-1, 1])] = 0.0
     floor = row + _BAR / 2.0
-    at = np.repeat(seconds(stats, edges), 2)[1:-1]
+    at = np.repeat(drawn_seconds(stats, edges), 2)[1:-1]
     height = np.repeat(np.nan_to_num(share), 2)
-    return go.Scatter(
+    return scatter(
         x=np.concatenate([at, at[[-1, 0]]]),
         y=np.concatenate([floor - _BAR * height, [floor, floor]]).astype(np.float32),
         mode="lines",
@@ -163,16 +169,16 @@ def load_curves(stats: Stats) -> Drawing | None:
         return None
     short = short_names([foot.name for foot in stats.feet])
     low, high = _extent(stats)
-    figure = go.Figure()
+    figure = Chart()
     for row, foot in enumerate(stats.feet):
         axis = f"y{row + 1}" if row else "y"
         for trace in _load_traces(stats, foot, row, (low, high)):
-            figure.add_trace(trace.update(xaxis="x", yaxis=axis))
+            figure.data.append({**trace, "xaxis": "x", "yaxis": axis})
     rows = len(stats.feet)
-    height = 1.0 / rows
+    edges = _rows(rows, 0.88)
     axes: dict[str, Any] = {
         f"yaxis{row + 1 if row else ''}": {
-            "domain": [1.0 - (row + 0.88) * height, 1.0 - row * height],
+            "domain": edges[row],
             "range": [low, high],
             "fixedrange": True,
             "nticks": 4,
@@ -181,7 +187,7 @@ def load_curves(stats: Stats) -> Drawing | None:
         }
         for row, name in enumerate(short)
     }
-    figure.update_layout(
+    figure.layout.update(
         height=100 * rows + 50,
         margin=MARGIN,
         showlegend=False,
@@ -190,7 +196,8 @@ def load_curves(stats: Stats) -> Drawing | None:
         xaxis={**time_axis(stats), "anchor": f"y{rows}" if rows > 1 else "y"},
         **axes,
     )
-    return Drawing("loads", "Loads", _peaks(stats), _what_is_drawn(stats), figure, over_time=True)
+    words = _peaks(stats), _what_is_drawn(stats)
+    return Drawing("loads", "Loads", *words, figure, over_time=True, feet=edges)
 
 
 def _extent(stats: Stats) -> tuple[float, float]:
@@ -208,7 +215,7 @@ def _curves(foot: FootStatistics) -> list[Curve]:
 
 def _load_traces(
     stats: Stats, foot: FootStatistics, row: int, extent: tuple[float, float]
-) -> list[go.Scatter]:
+) -> list[Trace]:
     curves, colour = foot.record.curves, foot_colour(row)
     traces = [_shading(stats, _stances_drawn(stats, foot), colour, extent)]
     if curves is None or curves.force is None:
@@ -224,28 +231,28 @@ def _load_traces(
     return traces
 
 
-def _line(stats: Stats, curve: Curve, breaks: Ints, name: str, line: dict[str, Any]) -> go.Scatter:
+def _line(stats: Stats, curve: Curve, breaks: Ints, name: str, line: dict[str, Any]) -> Trace:
     time, force = curve.line(breaks)
     weight = stats.loads.weight_n
-    in_weights: Floats | None = None if weight is None else (force / weight).astype(np.float32)
-    return go.Scatter(
-        x=seconds(stats, time),
+    return scatter(
+        x=drawn_seconds(stats, time),
         y=force.astype(np.float32),
         mode="lines",
         line=line,
         # The whole force is drawn over its vertical part, but named before it.
         zorder=0 if line.get("dash") else 1,
         name=name,
-        customdata=in_weights,
+        # The page divides the forces by it.
+        meta={} if weight is None else {"weight": weight},
         hovertemplate="%{y:.1f} N" + ("" if weight is None else " (%{customdata:.2f} BW)"),
     )
 
 
-def _shading(stats: Stats, spans: Ints, colour: str, extent: tuple[float, float]) -> go.Scatter:
-    start, end = seconds(stats, spans[:, 0]), seconds(stats, spans[:, 1])
-    nothing = np.full(len(spans), np.nan)
+def _shading(stats: Stats, spans: Ints, colour: str, extent: tuple[float, float]) -> Trace:
+    start, end = (drawn_seconds(stats, each) for each in spans.T)
+    nothing = np.full(len(spans), np.nan, np.float32)
     low, high = (np.full(len(spans), each) for each in extent)
-    return go.Scatter(
+    return scatter(
         x=np.stack([start, start, end, end, nothing], axis=1).ravel(),
         y=np.stack([low, high, high, low, nothing], axis=1).ravel().astype(np.float32),
         mode="lines",

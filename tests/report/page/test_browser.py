@@ -1,5 +1,8 @@
 """The page in a real browser: it draws itself, zooms as one, tells values, and asks for nothing."""
 
+import base64
+import csv
+import io
 import json
 import shutil
 import time
@@ -10,6 +13,7 @@ from typing import Any, Final
 
 import numpy as np
 import pytest
+from pypdf import PdfReader
 from selenium.webdriver import Chrome
 from selenium.webdriver.chrome.options import Options
 from selenium.webdriver.chrome.service import Service
@@ -39,7 +43,7 @@ SWITCHES: Final = (
     "--hide-scrollbars",
     "--window-size=1300,1000",
 )
-OVER_TIME: Final = ("gait", "loads", "recording")
+OVER_TIME: Final = ("gait", "loads", "recording", "motion")
 pytestmark = pytest.mark.skipif(
     not (BROWSER and DRIVER), reason="no chromium with chromedriver on this machine"
 )
@@ -139,7 +143,9 @@ MARKS: Final = {
     "gait": ".barlayer .point path",
     "loads": ".scatterlayer path.js-line",
     "ground": ".scatterlayer .points path.point",
-    "clock": ".polarlayer path.js-line",
+    "clock": ".scatterlayer path.js-line",
+    "motion": ".scatterlayer path.js-line",
+    "cycle": ".scatterlayer path.js-line",
     "recording": ".barlayer .point path",
 }
 
@@ -155,6 +161,8 @@ def test_every_figure_is_drawn_and_nothing_is_asked_for(window: Window, trot_pag
     """
     drawn = {name: window.run(script, name, marks) for name, marks in MARKS.items()}
     assert drawn["gait"] == 4 * 7 + 2
+    assert drawn["motion"] >= 5
+    assert drawn["cycle"] >= 8
     assert drawn["loads"] >= 4
     assert drawn["ground"] >= 4 * 7
     assert drawn["clock"] == 4
@@ -166,7 +174,7 @@ def test_every_figure_is_drawn_and_nothing_is_asked_for(window: Window, trot_pag
 def test_time_is_one_for_all_figures(window: Window, trot_page: Path) -> None:
     window.open(trot_page)
     whole = window.ranges()
-    assert whole[0] == whole[1] == whole[2]
+    assert whole[0] == whole[1] == whole[2] == whole[3]
 
     node = window.driver.find_element("id", "loads")
     start, end = window.pixel("loads", 2.0, 60.0), window.pixel("loads", 4.0, 60.0)
@@ -218,12 +226,58 @@ def test_a_hover_tells_what_the_stats_say(window: Window, trot_page: Path, trot_
     assert f"from {touchdown:.3f} to {liftoff:.3f} s" in said
 
 
-@pytest.mark.parametrize(("width", "scheme"), [(400, "dark"), (1600, "light")])
-def test_nothing_is_wider_than_the_screen_and_colours_follow_the_reader(
+def test_one_cursor_for_all_figures(window: Window, trot_page: Path, trot_json: Any) -> None:
+    """The mouse over one figure puts the cursor of every figure at the same time."""
+    window.open(trot_page)
+    window.hover("loads", window.pixel("loads", 3.0, 60.0))
+    at = float(window.driver.find_element("id", "cursor").text.split()[1])
+    assert at == pytest.approx(3.0, abs=0.02)
+    script = """
+        const node = document.getElementById(arguments[0]);
+        const mark = node.querySelector(".mark.line"), axis = node._fullLayout.xaxis;
+        const shift = mark.getBoundingClientRect().left - node.getBoundingClientRect().left;
+        return axis.p2d(shift - axis._offset);
+    """
+    for name in OVER_TIME:
+        assert window.run(script, name) == pytest.approx(at, abs=0.02), name
+    hand = window.run("return document.querySelector('#clock .mark.hand').style.transform")
+    starts = trot_json["feet"]["front_left"]["touchdown_s"]
+    last = max(each for each in starts if each <= at)
+    following = min(each for each in starts if each > at)
+    turn = (at - last) / (following - last) + 0.5
+    assert float(hand.split("rotate(")[1].split("turn")[0]) == pytest.approx(turn, abs=0.02)
+    shown = window.run(
+        "return [...document.querySelectorAll('#cycle .mark.dot, #ground .mark.dot')]"
+        ".filter((mark) => !mark.hidden).length"
+    )
+    assert shown == 8 + 1
+
+
+CUT_OFF: Final = """
+    const cut = [];
+    const width = document.documentElement.clientWidth;
+    for (const node of document.querySelectorAll("body *")) {
+        const box = node.getBoundingClientRect(), style = getComputedStyle(node);
+        if (!box.width || !box.height || style.visibility === "hidden") continue;
+        if (node.closest("svg, script, .mark, .skip") && !node.matches("svg text")) continue;
+        if (node.matches("svg text, svg") && node.closest(".hoverlayer, .draglayer")) continue;
+        if (box.right > width + 1 || box.left < -1) cut.push(node.outerHTML.slice(0, 90));
+        if (node.scrollWidth > node.clientWidth + 1 && style.overflowX !== "visible")
+            cut.push("scrolls: " + node.outerHTML.slice(0, 90));
+    }
+    return cut;
+"""
+
+
+@pytest.mark.parametrize(
+    ("width", "scheme"), [(400, "dark"), (1024, "light"), (1600, "dark"), (1600, "light")]
+)
+def test_nothing_is_cut_off_and_colours_follow_the_reader(
     window: Window, trot_page: Path, width: int, scheme: str
 ) -> None:
     window.open(trot_page, width=width, scheme=scheme)
     assert window.run("return document.documentElement.scrollWidth") <= width
+    assert window.run(CUT_OFF) == []
     ink = window.run("return getComputedStyle(document.querySelector('#loads text')).fill")
     paper = window.run("return getComputedStyle(document.body).backgroundColor")
     brightness = [
@@ -231,6 +285,68 @@ def test_nothing_is_wider_than_the_screen_and_colours_follow_the_reader(
     ]
     assert (brightness[0] > 200 and brightness[1] < 50) == (scheme == "dark")
     assert (brightness[0] < 50 and brightness[1] > 200) == (scheme == "light")
+    assert window.complaints() == []
+
+
+def test_it_prints_whole_from_a_wide_window(window: Window, trot_page: Path) -> None:
+    """Every figure over time ends with its last tick, on the paper."""
+    window.open(trot_page, width=1920, scheme="dark")
+    paper = window.driver.execute_cdp_cmd("Page.printToPDF", {"printBackground": True})
+    places: list[tuple[str, float, float]] = []
+    for page in PdfReader(io.BytesIO(base64.b64decode(paper["data"]))).pages:
+
+        def visit(
+            text: str, cm: Any, tm: Any, *_: object, width: float = page.mediabox.width
+        ) -> None:
+            x = tm[4] * cm[0] + tm[5] * cm[2] + cm[4]
+            places.append((text.strip(), x, width))
+
+        page.extract_text(visitor_text=visit)
+    assert all(0.0 < x < width for text, x, width in places if text)
+    words = "".join(text for text, _, _ in places).replace("\n", "")
+    assert words.count("8 s") >= len(OVER_TIME)
+    window.open(trot_page)
+    assert window.run("return document.getElementById('loads')._fullLayout.width") > 1000
+
+
+def test_data_are_saved_as_csv(window: Window, trot_page: Path, trot_json: Any) -> None:
+    window.open(trot_page)
+    script = """
+        const done = arguments[arguments.length - 1];
+        URL.createObjectURL = (blob) => { blob.text().then(done); return "#"; };
+        document.querySelector(`button[data-csv=${arguments[0]}]`).click();
+    """
+    run = window.driver.execute_async_script
+    rows = list(csv.DictReader(run(script, "loads").splitlines()))
+    for name, foot in trot_json["feet"].items():
+        force = [float(row["value"]) for row in rows if row["series"] == f"{name} |F|"]
+        assert max(force) == pytest.approx(foot["peak_force_n"]["max"], rel=1e-6)
+    bars = list(csv.DictReader(run(script, "gait").splitlines()))
+    starts = [float(row["start_s"]) for row in bars if row["series"] == "front_left"]
+    assert starts == pytest.approx(trot_json["feet"]["front_left"]["touchdown_s"], abs=1e-6)
+    steps = list(csv.DictReader(run(script, "steps").splitlines()))
+    assert [row["foot"] for row in steps] == list(trot_json["feet"])
+    assert window.complaints() == []
+
+
+def test_pages_share_a_script_and_the_index_sorts(window: Window, tmp_path: Path) -> None:
+    logs = [TROT, SAMPLE_LOGS / "dogbot_walk.mcap"]
+    reports = Reports(logs, Output(tmp_path, is_folder=True), StatsOptions(), overwrite=False)
+    for log in logs:
+        reports.write(log)
+    reports.finish({})
+    window.open(tmp_path / "dogbot_walk.report.html")
+    assert window.run("return document.querySelectorAll('.plot .main-svg').length") > 7
+    assert window.run("return document.getElementById('alone')") is None
+    window.driver.find_element("link text", "All logs").click()
+    names = "return [...document.querySelectorAll('tbody th')].map((cell) => cell.innerText)"
+    shown = ["dogbot_trot.bag", "dogbot_walk.mcap"]
+    assert window.run(names) == shown
+    heading = window.driver.find_element("xpath", "//thead//button[text()='duration s']")
+    heading.click()
+    assert window.run(names) == shown
+    heading.click()
+    assert window.run(names) == shown[::-1]
     assert window.complaints() == []
 
 

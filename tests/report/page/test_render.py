@@ -2,11 +2,13 @@
 
 import re
 from dataclasses import replace
+from functools import cache
 from html.parser import HTMLParser
 
 import numpy as np
 import pytest
 
+from dogbot_logtool.commands.report import DETAIL
 from dogbot_logtool.commands.stats import measure
 from dogbot_logtool.core.accumulator import StatsAccumulator
 from dogbot_logtool.core.base.odometry import Odometry
@@ -18,7 +20,10 @@ from dogbot_logtool.core.settings import FootSettings, StatsSettings
 from dogbot_logtool.core.statistics import Stats
 from dogbot_logtool.finding import warning
 from dogbot_logtool.pipeline.options import StatsOptions
-from dogbot_logtool.report.page.render import Damage, IndexRow, index, index_row, page
+from dogbot_logtool.report.page.assets import own
+from dogbot_logtool.report.page.index_page import IndexRow, index, index_row
+from dogbot_logtool.report.page.render import Beside, Damage, page
+from dogbot_logtool.report.stats_json import stats_json
 from dogbot_logtool.results import LogFacts
 from tests.paths import SAMPLE_LOGS
 from tests.report.page.page_data import drawings, numbers, trace
@@ -30,6 +35,7 @@ PHASES = (0.0, 0.5, 0.5, 0.0)
 PLACES = (("front", "left"), ("front", "right"), ("back", "left"), ("back", "right"))
 
 
+@cache
 def trot() -> tuple[Stats, LogFacts]:
     measured = measure(TROT, StatsOptions(curves=CurveDetail()))
     return measured.stats, measured.facts
@@ -56,10 +62,10 @@ class Tags(HTMLParser):
 
 def test_the_page_loads_nothing_and_has_each_id_once() -> None:
     tags = Tags(page(*trot(), [], 0))
-    assert set(tags.loads) == {"href=#findings"}
+    assert set(tags.loads) == {"href=#findings", "href=#events"}
     assert len(tags.ids) == len(set(tags.ids))
-    assert tags.seen.count("script") == 4
-    assert tags.seen.count("figure") == 5
+    assert tags.seen.count("script") == 3
+    assert tags.seen.count("figure") == 7
     assert tags.seen.count("h1") == 1
 
 
@@ -96,6 +102,9 @@ def test_the_policy_names_the_scripts_that_run() -> None:
     html = page(*trot(), [], 0).decode()
     (policy,) = re.findall(r'Content-Security-Policy" content="([^"]*)"', html)
     assert policy.startswith("default-src 'none'; script-src 'sha256-")
+    beside = page(*trot(), [], 0, beside=Beside("shared.js", "index.html")).decode()
+    assert "script-src 'self' file:; style-src" in beside
+    assert len(beside) < MB
     assert "unsafe-inline'; img-src" in policy
     assert "unsafe-inline" not in policy.split(";")[1]
 
@@ -113,6 +122,80 @@ def test_figures_agree_with_the_stats() -> None:
         assert known == pytest.approx(
             np.array(stats.seconds(foot.record.stances.touchdown)), abs=1e-9
         )
+
+
+def test_the_usual_force_over_the_stride_is_that_of_the_stats() -> None:
+    stats, facts = trot()
+    document = stats_json(stats, facts)
+    cycle = drawings(page(stats, facts, [], 0))["cycle"]
+    for name, foot in document["feet"].items():
+        traces = [each for each in cycle["data"] if each["name"] == name]
+        keys = ("vertical_over_stride_n", "forward_over_stride_n")
+        for found, wanted in zip(traces, (foot["force_curves"][key] for key in keys), strict=True):
+            assert numbers(found["y"]) == pytest.approx(np.array(wanted["median"]), abs=1e-3)
+            bounds = numbers(found["customdata"]).reshape(-1, 2)
+            assert bounds[:, 0] == pytest.approx(np.array(wanted["lower_quartile"]), abs=1e-3)
+
+
+def test_motion_agrees_with_the_stats() -> None:
+    stats, facts = trot()
+    document, shown = stats_json(stats, facts), drawings(page(stats, facts, [], 0))["motion"]
+    known = {each["name"]: numbers(each["y"]) for each in shown["data"]}
+    ranges = {
+        "static margin": (document["stability"]["static_margin_m"], 1e3),
+        "height over the feet": (document["base"]["height_m"], 1.0),
+        "roll": (document["base"]["roll_rad"], 180.0 / np.pi),
+        "pitch": (document["base"]["pitch_rad"], 180.0 / np.pi),
+    }
+    for name, (wanted, scale) in ranges.items():
+        assert np.nanmin(known[name]) == pytest.approx(wanted["min"] * scale, rel=1e-3, abs=1e-3)
+        assert np.nanmax(known[name]) == pytest.approx(wanted["max"] * scale, rel=1e-3, abs=1e-3)
+    speed = document["base"]["forward_speed_mps"]
+    assert np.nanmedian(known["speed forward"]) == pytest.approx(speed, rel=0.02)
+
+
+def test_a_fall_or_a_doubt_is_the_headline() -> None:
+    stats, facts = trot()
+    start = stats.origin + 2_000_000_000
+    fallen = replace(stats, fallen=np.array([[start, stats.end]], np.int64))
+    html = page(fallen, facts, [], 0).decode()
+    assert re.search(r'class="verdict unknown">Falls at 2\.00 s<', html)
+    assert '<p class="gait">Trot, clearly</p>' in html
+    bands = [
+        each["layout"]["shapes"] for each in drawings(html.encode()).values() if each["over_time"]
+    ]
+    assert all((band[0]["x0"], band[0]["y0"], band[0]["y1"]) == (2.0, 0.0, 1.0) for band in bands)
+    html = page(stats, replace(facts, losses=["gone"]), [], 0).decode()
+    assert "In doubt: the log is damaged" in html
+
+
+def test_the_page_tells_date_robot_and_version() -> None:
+    stats, facts = trot()
+    html = page(stats, replace(facts, start_s=1_760_000_000.0), [], 0).decode()
+    assert "<dd>2025-10-09 08:53:20 UTC</dd>" in html
+    assert "<dt>robot</dt><dd>dogbot</dd>" in html
+    assert "(no date)" in page(stats, facts, [], 0).decode()
+
+
+def luminance(colour: str) -> float:
+    """WCAG 2: relative luminance of ``#rrggbb``."""
+    parts = [int(colour[start : start + 2], 16) / 255.0 for start in (1, 3, 5)]
+    linear = [p / 12.92 if p <= 0.04045 else ((p + 0.055) / 1.055) ** 2.4 for p in parts]
+    return float(np.dot([0.2126, 0.7152, 0.0722], linear))
+
+
+@pytest.mark.parametrize("scheme", [0, 1])
+def test_every_line_is_seen_on_light_and_dark(scheme: int) -> None:
+    """The contrast of each line and marker with the paper is at least 3:1."""
+    paper = luminance(re.findall(r"--paper: (#\w{6})", own("page.css"))[scheme])
+    for drawing in drawings(page(*trot(), [], 0)).values():
+        for each in drawing["data"]:
+            for part in ("line", "marker"):
+                colour = each.get(part, {}).get("color", "")
+                if not re.fullmatch("#[0-9a-f]{6}", str(colour)):
+                    continue
+                low, high = sorted((luminance(colour), paper))
+                assert (high + 0.05) / (low + 0.05) >= 3.0, (drawing["name"], colour)
 
 
 def test_damage_is_marked_where_it_is_in_the_file() -> None:
@@ -152,7 +235,7 @@ def test_a_page_of_a_long_log_is_small_and_has_every_peak() -> None:
         FootSettings("_".join(place), f"/{foot}", place) for foot, place in enumerate(PLACES)
     )
     settings = StatsSettings(feet, mass_kg=20.0, wrench_frame=WrenchFrame.WORLD)
-    accumulator = StatsAccumulator(settings, CurveDetail())
+    accumulator = StatsAccumulator(settings, DETAIL)
     time = np.arange(0.0, 3600.0, 0.02)
     spikes = np.arange(30.0, 3600.0, 61.7)
     for foot in range(4):
@@ -163,7 +246,7 @@ def test_a_page_of_a_long_log_is_small_and_has_every_peak() -> None:
     place = np.stack([0.25 * time, zero, zero + 0.4], axis=1)
     accumulator.add_odometry(Odometry(stamp, stamp, place, level, place * 0.0, place * 0.0))
     html = page(accumulator.finish(), LogFacts("day.bag", "ROS 1 bag", "ros1", 0.0, 1.0, 1), [], 0)
-    assert len(html) < 10 * MB
+    assert len(html) < 2.5 * MB
     shown = drawings(html)
     for name in (place.name for place in feet):
         force = numbers(trace(shown["loads"], f"{name} |F|")["y"])
@@ -206,6 +289,7 @@ def test_the_index_has_a_row_a_log_and_says_why_one_is_missing() -> None:
     html = index(rows)
     tags = Tags(html)
     assert tags.loads == ["href=a%20b%23%3F.report.html"]
+    assert tags.seen.count("rect") > 4 * 3
     assert "img" not in tags.seen
     assert b"Trot, clearly" in html
     assert b"is no log" in html
