@@ -65,7 +65,8 @@ def compute_annotations(
         arrows.append(of_type)
         skipped += left_out
         if plan.draws_labels:
-            labels.append(foot_labels(samples, of_type, state.last_contact_times))
+            last = state.last_contact_times
+            labels.append(foot_labels(samples, of_type, last, state.feet_down))
     if plan.opening_time is not None:
         new = state.feet_without_messages(len(plan.sensors))
         if new:
