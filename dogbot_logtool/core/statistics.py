@@ -23,6 +23,7 @@ from dogbot_logtool.core.gait.foot_statistics import (
     foot_statistics,
     overlap,
 )
+from dogbot_logtool.core.gait.planned import PlannedFoot
 from dogbot_logtool.core.gait.segments import (
     GaitInput,
     Segment,
@@ -111,6 +112,8 @@ class Stats:
     """Topics whose clocks are too far from the others' for figures of both."""
     worlds: Worlds | None = None
     """Where the base is among the feet; None where contact points do not tell."""
+    planned: tuple[PlannedFoot | None, ...] = ()
+    """How each foot follows its plan; None without one; empty: the log has no plan beside."""
     all_silent: Ints = field(default_factory=timespans.no_spans)
     """(s, 2) ns, spans in which no foot's sensor sends anything, though the odometry does."""
 
