@@ -101,13 +101,13 @@ def _own_topics(log: Log) -> list[str]:
 def _of_primitives(selection: Selection, probe: Probe, base_frame: str) -> str:
     """Return a URDF of primitives with the log's frames."""
     ambiguous = {child for child, parents in probe.parents.items() if len(parents) > 1}
-    feet = tuple(_feet(selection, probe))
+    feet = tuple(model_feet(selection, probe))
     frames = skeleton(base_frame, probe.frame_poses, ambiguous, feet)
     robot = selection.robot
     return primitive_urdf(robot.name, frames, robot.forward_axis, robot.mass_kg)
 
 
-def _feet(selection: Selection, probe: Probe) -> Iterator[ModelFoot]:
+def model_feet(selection: Selection, probe: Probe) -> Iterator[ModelFoot]:
     """Yield the feet whose frames are known, with the points where they touch the ground."""
     for number, foot in enumerate(selection.robot.feet):
         if foot.frame is not None:

@@ -166,6 +166,10 @@ function listen(plot) {
     const time = timeAt(event);
     if (time !== null) cursor.set(time, "hover");
   });
+  plot.node.addEventListener("click", (event) => {
+    const time = timeAt(event);
+    if (time !== null) cursor.set(time, "click");
+  });
   plot.node.addEventListener("keydown", (event) => {
     const action = keys[event.key];
     if (action && !event.ctrlKey && !event.metaKey && !event.altKey) { event.preventDefault(); actions[action](); }
