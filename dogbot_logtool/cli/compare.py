@@ -3,17 +3,12 @@
 import sys
 from collections.abc import Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, NoReturn
+from typing import NoReturn
 
 import click
 
 from dogbot_logtool.cli.options import json_option, number, output_file, quietness
-from dogbot_logtool.cli.outcomes import Outcomes, say
 from dogbot_logtool.errors import CallError
-
-if TYPE_CHECKING:
-    from dogbot_logtool.results import Figures
-    from dogbot_logtool.run.runner import Runner
 
 
 @click.command()
@@ -161,8 +156,8 @@ def _compare_gait(
 ) -> NoReturn:
     """Compare how the robot walks on either side; exit."""
     from dogbot_logtool.cli.options import jobs_or_cores  # noqa: PLC0415
+    from dogbot_logtool.cli.two_sides import exit_code_of, measured_side  # noqa: PLC0415
     from dogbot_logtool.commands.compare_gait import compare_gait  # noqa: PLC0415
-    from dogbot_logtool.commands.tasks import Measure  # noqa: PLC0415
     from dogbot_logtool.io.plain_json import to_json  # noqa: PLC0415
     from dogbot_logtool.pipeline.options import StatsOptions, TopicOptions  # noqa: PLC0415
     from dogbot_logtool.report.console import results  # noqa: PLC0415
@@ -170,22 +165,15 @@ def _compare_gait(
         gait_comparison_json,
         print_gait_comparison,
     )
-    from dogbot_logtool.run.choice import runner_for  # noqa: PLC0415
     from dogbot_logtool.run.inputs import find_logs  # noqa: PLC0415
 
-    sides: list[list[Figures]] = []
-    for word in (expected, actual):
-        log_set = find_logs((str(word),))
-        runner: Runner[Figures] = runner_for(len(log_set.paths), jobs_or_cores(None), None)
-        outcomes = Outcomes(quiet=quiet)
-        outcomes.mention_left_out(log_set)
-        work = Measure(StatsOptions(TopicOptions(), jobs=runner.jobs))
-        sides.append(list(outcomes.of(runner, work, log_set.paths, log_set.names)))
-        for name, sentence in outcomes.failures:
-            say(f"{name}: {sentence}" if not sentence.startswith(name) else sentence)
-    found = compare_gait(*sides)
+    options = StatsOptions(TopicOptions(), jobs=jobs_or_cores(None))
+    sides = [
+        measured_side(find_logs((str(word),)), options, quiet=quiet) for word in (expected, actual)
+    ]
+    found = compare_gait(*(side.figures for side in sides))
     if as_json:
         click.echo(to_json(gait_comparison_json(found), indent=2))
     elif not quiet:
         print_gait_comparison(results(), found, verbose=verbose)
-    sys.exit(found.exit_code)
+    sys.exit(found.exit_code or exit_code_of(sides))

@@ -10,6 +10,8 @@ import click
 from dogbot_logtool.cli.options import (
     jobs_option,
     jobs_or_cores,
+    join_logs,
+    join_option,
     json_option,
     logs_argument,
     number,
@@ -41,6 +43,7 @@ def _summaries(entries: Iterable[ArrowStyle | OutputEncoding]) -> str:
 
 @click.command()
 @logs_argument
+@join_option
 @click.option(
     "-o",
     "--output",
@@ -111,7 +114,7 @@ def _summaries(entries: Iterable[ArrowStyle | OutputEncoding]) -> str:
 )
 @click.option(
     "--urdf",
-    type=click.Path(path_type=Path, exists=True, dir_okay=False),
+    type=click.Path(path_type=Path),
     metavar="FILE",
     help="Robot to draw; default: the log's own, else one of boxes and cylinders.",
 )
@@ -145,6 +148,7 @@ def convert(
     jobs: int | None,
     scheduler: str | None,
     *,
+    join: bool,
     as_json: bool,
     quiet: bool,
     verbose: bool,
@@ -155,13 +159,13 @@ def convert(
     from dogbot_logtool.io.storage import from_root  # noqa: PLC0415
     from dogbot_logtool.io.targets import may_be_several, output_at, targets  # noqa: PLC0415
     from dogbot_logtool.pipeline.options import ConvertOptions  # noqa: PLC0415
-    from dogbot_logtool.report.convert_json import conversion_json  # noqa: PLC0415
     from dogbot_logtool.run.choice import runner_for  # noqa: PLC0415
     from dogbot_logtool.run.inputs import find_logs  # noqa: PLC0415
 
     topics = parse_topics(robot, odom_topic, feet, mass_kg, tares)
     log_set = find_logs(words, for_workers=scheduler is not None)
-    several = may_be_several(words, log_set.paths)
+    log_set, topics = join_logs(log_set, topics, join=join)
+    several = not join and may_be_several(words, log_set.paths)
     where = output_at(output, ".annotated.mcap", several=several)
     if scheduler is not None:
         where = replace(where, path=from_root(where.path))
@@ -174,10 +178,16 @@ def convert(
     outcomes = Outcomes(quiet=quiet)
     outcomes.mention_left_out(log_set)
     for done in outcomes.of(runner, Convert(chosen), work, log_set.names):
-        outcomes.add(conversion_json(done), done.exit_code)
+        outcomes.add(_as_json(done) if as_json else {}, done.exit_code)
         if not quiet:
             _print(done, verbose=verbose)
     outcomes.finish(as_json=as_json)
+
+
+def _as_json(done: "Conversion") -> dict[str, Any]:
+    from dogbot_logtool.report.convert_json import conversion_json  # noqa: PLC0415
+
+    return conversion_json(done)
 
 
 def _print(done: "Conversion", *, verbose: bool) -> None:

@@ -1,12 +1,15 @@
 """The words of `report`."""
 
-from typing import Any
+import sys
+from typing import TYPE_CHECKING, Any, NoReturn
 
 import click
 
 from dogbot_logtool.cli.options import (
     jobs_option,
     jobs_or_cores,
+    join_logs,
+    join_option,
     json_option,
     logs_argument,
     measuring_options,
@@ -19,15 +22,27 @@ from dogbot_logtool.cli.options import (
     wrench_frame_option,
 )
 from dogbot_logtool.cli.outcomes import Outcomes
+from dogbot_logtool.errors import CallError
+
+if TYPE_CHECKING:
+    from dogbot_logtool.pipeline.options import StatsOptions
 
 
 @click.command()
 @logs_argument
+@join_option
 @click.option(
     "-o",
     "--output",
     metavar="OUT",
     help="File, or a directory (ends in /, or several logs); default: <log>.report.html here.",
+)
+@click.option(
+    "--against",
+    multiple=True,
+    metavar="LOG",
+    help="Other logs (directory, glob, @LIST): one page shows both sides, and what differs; "
+    "default: <log>.against.html here.",
 )
 @topic_options
 @tare_option
@@ -49,6 +64,7 @@ from dogbot_logtool.cli.outcomes import Outcomes
 def report(
     words: tuple[str, ...],
     output: str | None,
+    against: tuple[str, ...],
     robot: str | None,
     odom_topic: str | None,
     feet: tuple[str, ...],
@@ -56,6 +72,7 @@ def report(
     tares: tuple[str, ...],
     jobs: int | None,
     *,
+    join: bool,
     with_replay: bool,
     overwrite: bool,
     as_json: bool,
@@ -66,7 +83,8 @@ def report(
     """Write a page that shows what happened: the walk in 3D, gait, loads, path, what to doubt.
 
     One HTML file a log, which opens from disk and loads nothing. Several logs also give an
-    index.html with a row each. Needs the extra `report`.
+    index.html with a row each. With --against, one page says whether two runs, or two groups of
+    runs, can be compared, and which figures differ. Needs the extra `report`.
     """
     from dogbot_logtool.report.page.libraries import require_libraries  # noqa: PLC0415
 
@@ -81,10 +99,16 @@ def report(
     from dogbot_logtool.run.runner import SerialRunner  # noqa: PLC0415
 
     topics = parse_topics(robot, odom_topic, feet, mass_kg, tares)
-    chosen = StatsOptions(topics=topics, jobs=jobs_or_cores(jobs), **options)
+    if against:
+        if join:
+            raise CallError("--join and --against: choose one")
+        chosen = StatsOptions(topics=topics, jobs=jobs_or_cores(jobs), **options)
+        _report_against(words, against, output, chosen, overwrite=overwrite, as_json=as_json,
+                        quiet=quiet)  # fmt: skip
     console = diagnostics()
-    log_set = find_logs(words)
-    several = may_be_several(words, log_set.paths)
+    log_set, topics = join_logs(find_logs(words), topics, join=join)
+    chosen = StatsOptions(topics=topics, jobs=jobs_or_cores(jobs), **options)
+    several = not join and may_be_several(words, log_set.paths)
     where = output_at(output, ".report.html", several=several)
     reports = Reports(log_set.paths, where, chosen, overwrite=overwrite, with_replay=with_replay)
     outcomes = Outcomes(quiet=quiet)
@@ -97,3 +121,49 @@ def report(
             print_page(console, done, verbose=verbose)
     reports.finish(dict(outcomes.failures))
     outcomes.finish(as_json=as_json)
+
+
+def _report_against(
+    words: tuple[str, ...],
+    against: tuple[str, ...],
+    output: str | None,
+    options: "StatsOptions",
+    *,
+    overwrite: bool,
+    as_json: bool,
+    quiet: bool,
+) -> NoReturn:
+    """Write a page that compares two sides; exit."""
+    from dogbot_logtool.cli.two_sides import exit_code_of, measured_side  # noqa: PLC0415
+    from dogbot_logtool.commands.report_against import (  # noqa: PLC0415
+        ENDING,
+        comparison_target,
+        report_against,
+    )
+    from dogbot_logtool.io.plain_json import to_json  # noqa: PLC0415
+    from dogbot_logtool.io.storage import shown  # noqa: PLC0415
+    from dogbot_logtool.io.targets import output_at  # noqa: PLC0415
+    from dogbot_logtool.report.console import diagnostics  # noqa: PLC0415
+    from dogbot_logtool.report.gait_comparison import (  # noqa: PLC0415
+        gait_comparison_json,
+        print_comparison_page,
+    )
+    from dogbot_logtool.run.inputs import find_logs  # noqa: PLC0415
+
+    log_sets = [find_logs(words), find_logs(against)]
+    where = output_at(output, ENDING, several=False)
+    target = comparison_target(where, *(each.paths for each in log_sets), overwrite=overwrite)
+    first, second = (measured_side(each, options, quiet=quiet) for each in log_sets)
+    done = report_against(
+        first.figures,
+        second.figures,
+        target,
+        overwrite=overwrite,
+        makes_folder=where.is_folder,
+    )
+    if as_json:
+        found = {"output": shown(done.target), "bytes": done.size}
+        click.echo(to_json({**found, **gait_comparison_json(done.found)}, indent=2))
+    if not quiet:
+        print_comparison_page(diagnostics(), shown(done.target), done.size, done.found)
+    sys.exit(exit_code_of((first, second)))

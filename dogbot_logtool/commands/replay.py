@@ -29,7 +29,7 @@ def replay_of(
     if not len(stats.base_history.time):
         return None
     time = frame_times(stats)
-    log = open_recorded(source)
+    log = open_recorded(source, options.topics.joined)
     try:
         selection = select_topics(log, options.topics)
         limbs: Limbs | None = None

@@ -9,13 +9,26 @@ from dataclasses import dataclass
 from difflib import get_close_matches
 from enum import StrEnum
 from fnmatch import fnmatchcase
-from typing import Any, TypeGuard
+from typing import Any, Final, TypeGuard
 
 from dogbot_logtool.comparison.limits import Level, Null, Rule, Subject
 
 Json = Mapping[str, Any]
 Value = float | str | bool | None
 """A figure in JSON."""
+
+
+NEEDED: Final[Mapping[str, str]] = {
+    "slip": "feet.*.contact_travel_m.median",
+    "stumble": "feet.*.contact_fraction",
+    "early_contact": "feet.*.contact_fraction",
+    "fall": "base.duration_s",
+    "tipping": "base.duration_s",
+    "carried": "base.duration_s",
+    "pose_jump": "base.duration_s",
+    "margin_below_zero": "stability.static_margin_m.median",
+}
+"""Figures by type of event: where all are null, that there was no such event is not known."""
 
 
 class Status(StrEnum):
@@ -82,8 +95,16 @@ def _of_events(document: Json, rule: Rule) -> Judgement:
     if events is None:
         return Judgement(Status.UNKNOWN, rule, rule.pattern, None, rule.demand, "no events in it")
     found = [each for each in events if fnmatchcase(each["type"], rule.pattern)]
+    if not found and not can_tell(document, rule.pattern):
+        return _unknown(rule, rule.pattern, f"the log cannot tell: {NEEDED[rule.pattern]} is null")
     times = ", ".join(f"{each['onset_s']:.2f} s" for each in found[:3])
     return _counted(rule, len(found), f"at {times}" if times else "")
+
+
+def can_tell(document: Json, event: str) -> bool:
+    """Tell whether a log has what events of a type are found by."""
+    values = [value for _, value in figures_in(document, NEEDED.get(event, ""))]
+    return not values or any(value is not None for value in values)
 
 
 def _counted(rule: Rule, count: int, look: str) -> Judgement:

@@ -4,7 +4,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Final
 
-from dogbot_logtool.comparison.judge import figures_in, findings_in
+from dogbot_logtool.comparison.judge import can_tell, figures_in, findings_in
 
 Json = Mapping[str, Any]
 
@@ -55,6 +55,17 @@ finding = "W_*"
 at_most = {most}
 level = "warn"
 """
+_EVENTS: Final = (
+    "fall",
+    "tipping",
+    "carried",
+    "stumble",
+    "slip",
+    "early_contact",
+    "margin_below_zero",
+    "gait_change",
+)
+"""What happens to a robot; what happens to its recording is among the findings."""
 _SENSORS: Final = ("W_DEAD", "W_STUCK", "W_SATURATED", "W_FALL")
 
 
@@ -70,6 +81,7 @@ def suggest_limits(documents: Sequence[Json], names: Sequence[str]) -> str:
     parts += _gait(documents)
     for suggested in _FIGURES:
         parts += _rules(documents, suggested)
+    parts += _events(documents)
     counts = [_findings(document) for document in documents]
     unseen = [code for code in _SENSORS if not any(code in count for count in counts)]
     parts += [f'\n[[rule]]\nfinding = "{code}"\n' for code in unseen]
@@ -122,6 +134,20 @@ def _demand(limits: tuple[float, float], suggested: _Suggested) -> str:
     if not suggested.lower:
         return f"at_most = {top}"
     return f"between = [{bottom}, {top}]"
+
+
+def _events(documents: Sequence[Json]) -> Iterator[str]:
+    """Yield a rule for each type of event that these runs can tell.
+
+    Where good runs have some, one more is not bad yet: that is a warning.
+    """
+    comment = "\n# What may happen: what never did in these runs, fails."
+    for kind in _EVENTS:
+        if all(can_tell(document, kind) for document in documents):
+            counts = [sum(e["type"] == kind for e in d["events"]) for d in documents]
+            most = f'at_most = {max(counts)}\nlevel = "warn"\n' if any(counts) else ""
+            yield f'{comment}\n[[rule]]\nevent = "{kind}"\n{most}'
+            comment = ""
 
 
 def _findings(document: Json) -> dict[str, int]:

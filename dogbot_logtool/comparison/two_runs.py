@@ -1,7 +1,8 @@
 """Two runs, or two groups of runs, stride by stride: which figures differ, and by how much?
 
 A figure differs where a bootstrap interval of the difference of its medians leaves zero out, and
-the difference is more than what the recording resolves. Strides follow one another and are not
+the difference is more than what the recording resolves. Intervals of times are as wide as the
+sampling leaves them in doubt. Strides follow one another and are not
 independent, so whole blocks of strides are drawn (moving blocks, Künsch 1989). There are many
 figures, so that each interval is as wide as the number of them asks for (Bonferroni).
 """
@@ -140,6 +141,8 @@ def _difference(
     difference = medians[1] - medians[0]
     random = np.random.default_rng(_SEED)
     drawn = _drawn_medians(other, random) - _drawn_medians(one, random)
+    # Sampled times are off by up to half an interval, and those of one side often all alike.
+    drawn += random.triangular(-resolution, 0.0, resolution, DRAWS) if resolution else 0.0
     tail = (1.0 - CONFIDENCE) / max(figures, 1) / 2.0
     low, high = np.quantile(drawn, [tail, 1.0 - tail])
     least = max(LEAST_SHARE * abs(medians[0]), resolution)

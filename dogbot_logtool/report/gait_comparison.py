@@ -6,7 +6,7 @@ from rich.console import Console
 
 from dogbot_logtool.comparison.two_runs import CONFIDENCE, FigureDifference, GaitComparison
 from dogbot_logtool.io.printable import printable
-from dogbot_logtool.report.console import print_sentence
+from dogbot_logtool.report.console import human_size, print_sentence
 from dogbot_logtool.report.text_layout import NameTable, Row
 
 _HEADINGS: Final = ("figure", "first", "second", "difference", "from", "to", "effect", "strides")
@@ -34,6 +34,22 @@ def print_gait_comparison(console: Console, found: GaitComparison, *, verbose: b
     shown = all_of_them if verbose else differing
     if shown:
         console.print(NameTable(_HEADINGS, [_row(each) for each in shown]), crop=False)
+
+
+def print_comparison_page(console: Console, name: str, size: int, found: GaitComparison) -> None:
+    """Print what a page that compares two sides comes to.
+
+    Args:
+        console: where to.
+        name: of the page.
+        size: bytes.
+        found: the comparison.
+    """
+    words = f"{len(found.differing)} of {len(found.differences)} figures differ"
+    if found.reasons:
+        words = f"not comparable: {'; '.join(found.reasons)}"
+    name_in_bold = printable(name), "bold"
+    print_sentence(console, name_in_bold, printable(f": {words} ({human_size(size)})"))
 
 
 def _row(each: FigureDifference) -> Row:

@@ -13,9 +13,9 @@ from typing import Final
 import numpy as np
 
 from dogbot_logtool.core.contact.contacts import Samples
-from dogbot_logtool.core.contact.track import SILENCE_NS
-from dogbot_logtool.core.geometry.arrays import Flags, Floats, Ints
+from dogbot_logtool.core.geometry.arrays import Flags, Floats, Ints, distinct
 from dogbot_logtool.core.geometry.blocks import concatenated
+from dogbot_logtool.core.geometry.clock import SILENCE_NS
 
 MISSED_INTERVALS: Final = 2.5
 """A silence of more than so many intervals is a swing."""
@@ -30,6 +30,8 @@ _LONG_INTERVALS: Final = 6.0
 _FEWEST_SILENCES: Final = 3
 _PART_OF_SWING: Final = 0.5
 """A swing is at least this part of the usual swing."""
+_PART_OF_STANCE: Final = 0.9
+"""A stance may be over after this part of the usual stance."""
 _PART_OF_STRIDES: Final = 0.5
 """Part of the strides that must have a flight for flight to be usual."""
 _LONGER_FLIGHT: Final = 1.5
@@ -46,6 +48,8 @@ class SilentFeet:
     """ns of silence from which a foot swings, where its usual swing is known."""
     dropout_ns: int | None = None
     """ns of silence of all feet that no flight lasts; None: not known."""
+    stance_ns: Mapping[int, int] = field(default_factory=dict)
+    """ns, the usual stance of a foot, where it and the usual swing are known."""
 
     def swing_from_ns(self, foot: int) -> int:
         """Return the silence, ns, that is a swing and no lost message."""
@@ -54,6 +58,25 @@ class SilentFeet:
     def cut_swing_from_ns(self, foot: int) -> int:
         """Return the same, ns, for a silence that the log's start or end cuts."""
         return round(MISSED_INTERVALS * self.interval_ns[foot])
+
+    def may_swing(self, foot: int, since: Ints, last_swing: Ints) -> Flags:
+        """(n,) tell whether a foot may be in swing, by its last swing that was certain.
+
+        The swing is not over yet, as when the foot hits something in it; or the stance is.
+
+        Args:
+            foot: its index.
+            since: (n,) ns, when it fell silent.
+            last_swing: (n, 2) ns, when its last certain swing began and ended; negative: unknown.
+        """
+        stance = self.stance_ns.get(foot)
+        if stance is None:
+            return np.zeros(len(since), np.bool_)
+        swing = self.swing_ns[foot] / _PART_OF_SWING
+        begun, stands = since - last_swing[:, 0], since - last_swing[:, 1]
+        over = (stands >= _PART_OF_STANCE * stance) & (stands <= stance + swing)
+        may: Flags = (last_swing[:, 0] >= 0) & ((begun < swing) | over)
+        return may
 
 
 def learn_silences(samples: Samples, interval_ns: Mapping[int, int]) -> SilentFeet:
@@ -65,15 +88,18 @@ def learn_silences(samples: Samples, interval_ns: Mapping[int, int]) -> SilentFe
     """
     longest = LONGEST_SWING_S * 1e9
     swing_ns: dict[int, int] = {}
+    stance_ns: dict[int, int] = {}
     strides = []
     for foot, interval in interval_ns.items():
-        steps = np.diff(samples.log_time[samples.foot == foot])
+        time = samples.log_time[samples.foot == foot]
+        steps = np.diff(time)
         long = steps[(steps > _LONG_INTERVALS * interval) & (steps <= longest)]
         if len(long) >= _FEWEST_SILENCES:
             swing_ns[foot] = round(_PART_OF_SWING * float(np.median(long)))
             strides.append(len(long))
+            stance_ns[foot] = _usual_stance_ns(time, swing_ns[foot])
     if not strides or len(strides) < len(interval_ns):
-        return SilentFeet(interval_ns, swing_ns)
+        return SilentFeet(interval_ns, swing_ns, stance_ns=stance_ns)
     rows = np.isin(samples.foot, list(interval_ns))
     times: Ints = np.sort(samples.log_time[rows])
     together = times[1:] - times[:-1]
@@ -81,7 +107,18 @@ def learn_silences(samples: Samples, interval_ns: Mapping[int, int]) -> SilentFe
     flights = together[(together > shortest) & (together <= longest)]
     usual = len(flights) >= _PART_OF_STRIDES * float(np.median(strides))
     dropout = _LONGER_FLIGHT * float(np.median(flights)) if usual else shortest
-    return SilentFeet(interval_ns, swing_ns, round(max(dropout, shortest)))
+    return SilentFeet(interval_ns, swing_ns, round(max(dropout, shortest)), stance_ns)
+
+
+def _usual_stance_ns(time: Ints, swing_from_ns: int) -> int:
+    """Return the median time between two swings, ns.
+
+    Args:
+        time: (n,) ns, of a foot's messages.
+        swing_from_ns: ns of silence that are a swing.
+    """
+    ends = np.flatnonzero(np.diff(time) > swing_from_ns)
+    return round(float(np.median(time[ends[1:]] - time[ends[:-1] + 1])))
 
 
 @dataclass(frozen=True, slots=True)
@@ -94,6 +131,8 @@ class LastMessage:
     """ns."""
     interrupted: bool = False
     """Whether all feet dropped out since."""
+    swing: tuple[int, int] = (-1, -1)
+    """ns, log times at which the last certain swing of the foot began and ended; -1: none yet."""
 
 
 LastMessages = Mapping[int, LastMessage]
@@ -109,11 +148,36 @@ def last_messages(
         foot: replace(last, interrupted=True) if _interrupts(dropouts, last) else last
         for foot, last in before.items()
     }
-    for foot in np.unique(samples.foot).tolist():
-        last = np.flatnonzero(samples.foot == foot)[-1]
-        message = LastMessage(int(samples.log_time[last]), int(samples.stamp[last]))
-        heard[foot] = replace(message, interrupted=_interrupts(dropouts, message))
+    for foot in distinct(samples.foot).tolist():
+        rows = np.flatnonzero(samples.foot == foot)
+        message = LastMessage(int(samples.log_time[rows[-1]]), int(samples.stamp[rows[-1]]))
+        swing = (-1, -1)
+        if silent is not None and foot in silent.stance_ns:
+            swing = _last_swing(samples.log_time[rows], before.get(foot), foot, silent)
+        heard[foot] = replace(message, interrupted=_interrupts(dropouts, message), swing=swing)
     return heard
+
+
+def _last_swing(
+    log_time: Ints, before: LastMessage | None, foot: int, silent: SilentFeet
+) -> tuple[int, int]:
+    """Return the last certain swing of a foot that sent messages at some times, ns."""
+    first = log_time[:1] if before is None else np.array([before.log_time])
+    last = _certain_swings(np.concatenate([first, log_time]), before, foot, silent)[-1]
+    return int(last[0]), int(last[1])
+
+
+def _certain_swings(
+    log_time: Ints, before: LastMessage | None, foot: int, silent: SilentFeet
+) -> Ints:
+    """(n, 2) ns, the last certain swing up to each of n messages; negative: none."""
+    step = np.diff(log_time, prepend=log_time[0])
+    certain = (step > silent.swing_from_ns(foot)) & (step <= LONGEST_SWING_S * 1e9)
+    row = np.maximum.accumulate(np.where(certain, np.arange(len(step)), -1))
+    earlier = (-1, -1) if before is None else before.swing
+    spans = np.stack([log_time[row - 1], log_time[row]], axis=1)
+    swings: Ints = np.where(row[:, None] >= 0, spans, np.array(earlier))
+    return swings
 
 
 def _dropouts(samples: Samples, before: LastMessages, silent: SilentFeet | None) -> Ints:
@@ -159,6 +223,12 @@ def with_swings(
         known = ~_within(dropouts, log_time[:-1], log_time[1:])
         known[0] &= not heard.interrupted
         lasts_from = np.full(len(rows), silent.swing_from_ns(foot))
+        if foot in silent.stance_ns:
+            # What comes before the foot's first message is no certain swing.
+            begun = log_time if foot in before else np.maximum(log_time, log_time[1])
+            swings = _certain_swings(begun, before.get(foot), foot, silent)[:-1]
+            long = round(_LONG_INTERVALS * interval)
+            lasts_from[silent.may_swing(foot, log_time[:-1], swings)] = long
         if foot not in before:
             lasts_from[0] = silent.cut_swing_from_ns(foot)
         silence, log_time, stamp = _swings(log_time, stamp, interval, lasts_from, known)

@@ -15,6 +15,12 @@ from dogbot_logtool.core.geometry.arrays import Flags, Floats, Ints
 
 _LARGEST_FLOAT: Final = float(np.nextafter(2.0**63, 0.0))
 """The largest float that an int64 can hold."""
+SILENCE_NS: Final = 50_000_000
+"""ns: a shorter interval between messages is never a gap."""
+GAP_INTERVALS: Final = 5.0
+"""A gap is longer than this many usual intervals, and than `SILENCE_NS`."""
+FEWEST_INTERVALS: Final = 10
+"""Messages or intervals from which a rate, or what is usual, means something."""
 
 
 class Stamped(Protocol):
@@ -97,3 +103,19 @@ def first_at_each_tick(time: Ints, rate_hz: float, previous_time: int | None) ->
     if previous_time is not None and len(time):
         chosen[0] = tick[0] != previous_time // period
     return chosen
+
+
+def usual_interval_s(log_time: Ints) -> float | None:
+    """Return the usual time between messages, s; None without two times.
+
+    The median of all steps that go on; but messages that are logged in bursts share a time, so
+    that their mean is shorter. Silences are left out of it.
+
+    Args:
+        log_time: (n,) ns.
+    """
+    steps = np.diff(log_time)
+    usual = float(np.median(steps[steps > 0])) if (steps > 0).any() else None
+    if usual is None:
+        return None
+    return min(usual, float(steps[(steps >= 0) & (steps < GAP_INTERVALS * usual)].mean())) / 1e9

@@ -11,8 +11,8 @@ from dogbot_logtool.core.geometry.clock import TimeSource
 from dogbot_logtool.core.geometry.rotations import rotate
 from dogbot_logtool.pipeline.frames import useful_spans
 from dogbot_logtool.pipeline.probe import Probe, frame_names
-from dogbot_logtool.pipeline.robot_model.description import model_feet
-from dogbot_logtool.pipeline.robot_model.skeleton import Skeleton, skeleton
+from dogbot_logtool.pipeline.robot_model.description import log_skeleton
+from dogbot_logtool.pipeline.robot_model.skeleton import Skeleton
 from dogbot_logtool.pipeline.selection import Selection
 from dogbot_logtool.reader.containers.log import Log, Span
 from dogbot_logtool.reader.messages.frame_tracks import moving_tracks
@@ -49,8 +49,7 @@ def read_limbs(
         jobs: how many batches are read at once.
     """
     _, base = frame_names(selection.robot, probe)
-    ambiguous = {child for child, parents in probe.parents.items() if len(parents) > 1}
-    bones = skeleton(base, probe.frame_poses, ambiguous, tuple(model_feet(selection, probe)))
+    bones = log_skeleton(selection, probe, base)
     legs = {frame for leg in bones.legs for frame in leg}
     shown = [name for name, pose in bones.frames.items() if name in legs or not pose.static]
     if not shown or len(shown) > MOST_FRAMES:

@@ -11,6 +11,7 @@ from dogbot_logtool.core.contact.silent_swing import (
     SilentFeet,
     SwingInserter,
     last_messages,
+    learn_silences,
     with_swings,
 )
 from dogbot_logtool.core.geometry.blocks import concatenated
@@ -87,18 +88,19 @@ def test_where_a_log_is_cut_makes_no_difference(
     steps: list[int], feet: list[int], cut: int
 ) -> None:
     samples = in_contact(np.cumsum(steps).tolist())
+    usual = {0: 150 * MS, 1: 100 * MS}, None, {0: 60 * MS, 1: 200 * MS}
     samples = Samples(
         np.array(feet[: len(steps)], np.int64),
         *(getattr(samples, name) for name in list(Samples.__dataclass_fields__)[1:]),
     )
-    intervals = SilentFeet({0: INTERVAL, 1: 20 * MS})
+    intervals = SilentFeet({0: INTERVAL, 1: 20 * MS}, *usual)
     rows = np.arange(len(steps))
     first, second = samples.pick(rows < cut), samples.pick(rows >= cut)
 
     whole = with_swings(samples, intervals, {}, ZERO)
     halves = [
         with_swings(first, intervals, {}, ZERO),
-        with_swings(second, intervals, last_messages(first, {}), ZERO),
+        with_swings(second, intervals, last_messages(first, {}, intervals), ZERO),
     ]
 
     for foot in (0, 1):
@@ -106,3 +108,36 @@ def test_where_a_log_is_cut_makes_no_difference(
         mine = whole.pick(whole.foot == foot)
         assert told.log_time.tolist() == mine.log_time.tolist()
         assert told.stamp.tolist() == mine.stamp.tolist()
+
+
+STANCE_MS, SWING_MS = 400, 300
+
+
+def steps_ms(touch: list[int], lost: list[int]) -> list[int]:
+    """Messages of five steps; in the third swing the foot also touches at some times."""
+    stances = [
+        range(start, start + STANCE_MS + 1, 10)
+        for start in range(0, 5 * (STANCE_MS + SWING_MS), STANCE_MS + SWING_MS)
+    ]
+    third = 3 * STANCE_MS + 2 * SWING_MS
+    times = {*(each for stance in stances for each in stance), *(third + each for each in touch)}
+    return sorted(times - set(lost))
+
+
+@pytest.mark.parametrize("share", [0.3, 0.5, 0.6])
+def test_a_foot_that_hits_something_swings_before_and_after_it(share: float) -> None:
+    at = round(share * SWING_MS / 10) * 10
+    samples = in_contact(steps_ms([at, at + 10, at + 20], []))
+    usual = learn_silences(in_contact(steps_ms([], [])), {0: INTERVAL})
+    free = told_ms(with_swings(samples, usual, {}, None), contact=False)
+    liftoff = 3 * STANCE_MS + 2 * SWING_MS
+    mine = [each - liftoff for each in free if liftoff < each < liftoff + SWING_MS]
+    assert (mine[0], mine[-1]) == (10, SWING_MS - 10)
+    assert {at - 10, at + 30} <= set(mine)
+
+
+def test_lost_messages_inside_a_stance_are_no_swing() -> None:
+    lost = list(range(1500, 1600, 10))
+    usual = learn_silences(in_contact(steps_ms([], [])), {0: INTERVAL})
+    free = told_ms(with_swings(in_contact(steps_ms([], lost)), usual, {}, None), contact=False)
+    assert not set(free) & set(range(1400, 1800))

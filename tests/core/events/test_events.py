@@ -13,7 +13,7 @@ from tests.truth import gaits, planted, scenes, time_faults, world_faults
 from tests.truth import sensor_faults as sensor
 from tests.truth.core_columns import measure, stats_settings
 from tests.truth.recording import Disturbance, Recording, disturbed
-from tests.truth.robots import biped
+from tests.truth.robots import biped, hexapod, quadruped
 from tests.truth.scenes import Scene
 from tests.truth.sequences import then
 from tests.truth.walking import Walk
@@ -46,8 +46,16 @@ def swing_of(foot: int, number: int, **of: object) -> tuple[float, float]:
     return float(liftoff), float(touchdowns[touchdowns > liftoff][0])
 
 
-def test_every_touchdown_and_lift_off_is_an_event() -> None:
-    recording = walk()
+@pytest.mark.parametrize(
+    "of",
+    [
+        {},
+        {"gait": gaits.WALK, "robot": quadruped(50.0), "period_s": 1.3, "hump": 0.0},
+        {"gait": gaits.WAVE, "robot": hexapod(), "period_s": 2.4},
+    ],
+)
+def test_every_touchdown_and_lift_off_is_an_event(of: dict[str, object]) -> None:
+    recording = walk(**of)
     stats = measure(recording)
     for kind, key in (
         (EventType.TOUCHDOWN, "touchdown_s"),
@@ -59,7 +67,7 @@ def test_every_touchdown_and_lift_off_is_an_event() -> None:
                 for each in find_events(stats)
                 if each.type is kind and each.foot == foot
             ]
-            assert found == pytest.approx(list(getattr(truth, key)), abs=0.012)
+            assert found == pytest.approx(list(getattr(truth, key)), abs=SAMPLE_S)
 
 
 def clean() -> Iterator[Recording]:

@@ -1,0 +1,117 @@
+"""The page that shows two sides side by side."""
+
+import copy
+import re
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from dogbot_logtool.commands.compare_gait import compare_gait
+from dogbot_logtool.commands.tasks import Measure
+from dogbot_logtool.pipeline.options import StatsOptions, TopicOptions
+from dogbot_logtool.report.page.comparison import comparison_page
+from dogbot_logtool.report.page.comparison_figures import (
+    PANEL,
+    STANCES,
+    cycle_panels,
+    stance_bars,
+)
+from dogbot_logtool.results import Figures
+from tests.truth import gaits
+from tests.truth.gaits import Gait
+from tests.truth.log_file import write_log
+from tests.truth.walking import Walk
+
+TROT, SHORTER, PACE = gaits.TROT, Gait("trot", gaits.TROT.phases, 0.55), gaits.PACE
+
+
+@pytest.fixture(scope="module")
+def measured(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Figures]:
+    folder = tmp_path_factory.mktemp("logs")
+    return {
+        name: _measured(folder / f"{name}.mcap", gait)
+        for name, gait in (("trot", TROT), ("<shorter>", SHORTER), ("pace", PACE))
+    }
+
+
+def _measured(path: Path, gait: Gait) -> Figures:
+    log = write_log(Walk(gait=gait, seconds=9.0).recorded(200.0), path)
+    return Measure(StatsOptions(TopicOptions(mass_kg=20.0), jobs=1))(log, None)
+
+
+def page(first: Figures, second: Figures) -> str:
+    found = compare_gait([first], [second])
+    return comparison_page(found, ([first.json], [second.json])).decode()
+
+
+def test_it_says_what_differs_the_largest_effect_first(measured: dict[str, Figures]) -> None:
+    html = page(measured["trot"], measured["<shorter>"])
+    found = compare_gait([measured["trot"]], [measured["<shorter>"]])
+    assert f"{len(found.differing)} of {len(found.differences)} figures differ" in html
+    order = re.findall(r'<th scope="row">(\w+ \w+) <span role="img" aria-label="(\w+)"', html)
+    assert [name for name, _ in order] == [f"{e.foot} {e.figure}" for e in found.differing]
+    assert ("front_left duty_factor", "less") in order
+    assert "&lt;shorter&gt;.mcap" in html
+    assert "<shorter>" not in html
+    assert "<script" not in html
+
+
+def test_runs_that_cannot_be_compared_say_why_first(measured: dict[str, Figures]) -> None:
+    html = page(measured["trot"], measured["pace"])
+    assert html.index("They cannot be compared") < html.index("the gaits differ: trot against pace")
+    assert "Figures of strides" not in html
+    assert "Side by side" in html
+
+
+def test_curves_of_both_sides_are_laid_over_each_other(measured: dict[str, Figures]) -> None:
+    sides = [measured["trot"].json], [measured["<shorter>"].json]
+    panels = cycle_panels(sides, "vertical_over_stride_n")
+    assert [panel.title for panel in panels] == list(sides[0][0]["feet"])
+    for side in (0, 1):
+        curve = panels[0].curves[side]
+        assert curve is not None
+        points = np.array([each.split(",") for each in curve.line.split()], np.float64)
+        truth = sides[side][0]["feet"]["front_left"]["force_curves"]["vertical_over_stride_n"]
+        assert points[[0, -1], 0] == pytest.approx([PANEL["left"], PANEL["right"]])
+        # The drawing's y is a falling linear function of the force.
+        slope, at_zero = np.polyfit(truth["median"], points[:, 1], 1)
+        assert slope < 0.0
+        drawn = slope * np.array(truth["median"]) + at_zero
+        assert drawn == pytest.approx(points[:, 1], abs=0.1)
+
+
+def test_ticks_are_round_numbers(measured: dict[str, Figures]) -> None:
+    (panel, *_) = cycle_panels(([measured["trot"].json],) * 2, "vertical_over_stride_n")
+    assert [text for _, text in panel.ticks] == ["0", "50", "100"]
+
+
+def test_stances_are_bars_in_the_stride(measured: dict[str, Figures]) -> None:
+    bars = stance_bars(([measured["trot"].json], [measured["<shorter>"].json]))
+    widths = [[sum(width for _, width in side) for side in foot.bars] for foot in bars]
+    expected = [0.6 * STANCES["cycle"], 0.55 * STANCES["cycle"]]
+    for each in widths:
+        assert each == pytest.approx(expected, rel=0.02)
+    begin = bars[1].bars[0][0][0]
+    assert begin == pytest.approx(STANCES["name"] + 0.5 * STANCES["cycle"], abs=4.0)
+
+
+def test_what_is_not_known_is_left_out(measured: dict[str, Figures]) -> None:
+    blind: dict[str, Any] = copy.deepcopy(measured["trot"].json)
+    for foot in blind["feet"].values():
+        foot["force_curves"] = foot["duty_factor"] = None
+    blind["base"] = blind["stability"] = None
+    assert cycle_panels(([blind], [blind]), "vertical_over_stride_n") == []
+    assert stance_bars(([blind], [blind])) == []
+    found = compare_gait([measured["trot"]], [measured["pace"]])
+    html = comparison_page(found, ([measured["trot"].json], [blind])).decode()
+    assert "polyline class" in html
+
+
+def test_a_side_of_several_logs_is_their_median(measured: dict[str, Figures]) -> None:
+    one, other = measured["trot"], measured["<shorter>"]
+    found = compare_gait([one, other], [one])
+    html = comparison_page(found, ([one.json, other.json], [one.json])).decode()
+    assert "2 logs: " in html
+    assert re.search(r"duty factor</th><td>0\.57\d</td><td>0\.60\d</td>", html)
