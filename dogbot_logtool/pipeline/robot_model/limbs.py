@@ -110,7 +110,8 @@ def _recorded(buffer: TransformBuffer, frame: str, time: Ints) -> Ints:
     if track is None or track.static:
         return time
     since = np.interp(time - time[0], track.time - time[0], track.log_time - track.log_time[0])
-    return track.log_time[0] + np.rint(since).astype(np.int64)
+    recorded: Ints = track.log_time[0] + np.rint(since).astype(np.int64)
+    return recorded
 
 
 def _ancestor(bones: Skeleton, name: str, number: dict[str, int]) -> int:

@@ -142,7 +142,8 @@ def _in_world(point: Floats, position: Floats, angles: Floats) -> Floats:
         sy * cp * x + (sy * sp * sr + cy * cr) * y + (sy * sp * cr - cy * sr) * z,
         -sp * x + cp * sr * y + cp * cr * z,
     )
-    return position + np.stack(turned, axis=1)
+    world: Floats = position + np.stack(turned, axis=1)
+    return world
 
 
 def _nominal(place: LegPosition | None, row: int, height: float) -> Floats:

@@ -399,6 +399,5 @@ function startReplay() {
     go(time, "cursor");
   });
   new ResizeObserver(() => replay.draw()).observe(canvas);
-  matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => replay.draw());
-  for (const each of ["beforeprint", "afterprint"]) addEventListener(each, () => replay.draw());
+  onColours.push(() => replay.draw());
 }
