@@ -72,13 +72,14 @@ class Reports:
         measured = with_detail(source, self._options, measured, typical, progress)
         replay = replay_of(source, self._options, measured) if self._with_replay else None
         html = _page_of(source, measured, replay, self._beside)
+        self._share_script()
         with self._whole_file(target) as file:
             file.write(html)
         self._rows[source] = index_row(measured.stats, measured.facts, file_name(target))
         return Page(source, target, len(html), measured)
 
     def finish(self, failures: Mapping[str, str]) -> None:
-        """Write the index of several logs, a row for each, and the script that their pages share.
+        """Write the index of several logs, a row for each.
 
         Args:
             failures: why a log has no page, by the log's name as it is shown.
@@ -88,6 +89,11 @@ class Reports:
         rows = [self._rows.get(log) or _row_without_page(log, failures) for log in self._targets]
         with self._whole_file(self._index) as file:
             file.write(index(rows))
+
+    def _share_script(self) -> None:
+        """Write the script beside the pages that share it, before the first of them."""
+        if self._index is None or self._rows:
+            return
         # Its name tells its content: one that is there already is the same.
         script = self._index.parent / self._beside.script
         with whole_file(script, overwrite=True, makes_folder=self._makes_folder) as file:

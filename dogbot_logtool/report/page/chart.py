@@ -7,7 +7,6 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-
 Trace = dict[str, Any]
 """A trace of Plotly.js; arrays may be numpy's."""
 _DTYPES: Final = {"float64": "f8", "float32": "f4", "int32": "i4", "int16": "i2", "int8": "i1"}

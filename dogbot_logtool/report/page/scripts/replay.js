@@ -393,6 +393,8 @@ function startReplay() {
     replay.camera.distance *= Math.exp(Math.sign(event.deltaY) * 0.12);
     replay.draw();
   }, { passive: false });
+  // The first picture shows the robot whole, also on paper.
+  go(replay.time[replay.built], "cursor");
   cursor.listeners.push((time, from) => {
     if (from === "replay" || time === null || (playing && from === "hover")) return;
     if (from === "event" || from === "click") setPlaying(false);
