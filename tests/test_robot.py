@@ -43,6 +43,8 @@ def test_known_robots_load_under_their_own_name(name: str) -> None:
     assert robot.name == name
     assert robot.description
     assert robot.forward_axis in AXES
+    # Which of them may fit a log is seen before any is parsed.
+    assert all(topic in robot_toml(name) for topic in robot.topics)
 
 
 @pytest.mark.parametrize("name", known_robots())

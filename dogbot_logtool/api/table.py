@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dogbot_logtool.errors import LogtoolError
+from dogbot_logtool.report.table_file import arrow_table
 
 Result = TypeVar("Result")
 
@@ -70,15 +71,7 @@ class Table:
         Raises:
             LogtoolError: pyarrow is not installed.
         """
-        return _with(
-            "pyarrow",
-            lambda pyarrow: pyarrow.table(
-                {
-                    name: pyarrow.array(column, from_pandas=True)
-                    for name, column in self.columns.items()
-                }
-            ),
-        )
+        return _with("pyarrow", lambda _: arrow_table(self.columns))
 
     def __arrow_c_stream__(self, requested_schema: object | None = None) -> object:
         """Export the table; see the Arrow PyCapsule interface."""

@@ -1,5 +1,6 @@
 """The result of `measure`: figures, and tables of strides, stances, events, base and samples."""
 
+from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
@@ -9,9 +10,11 @@ from numpy.typing import NDArray
 
 from dogbot_logtool.api.table import Table, texts
 from dogbot_logtool.commands.stats import measure
-from dogbot_logtool.core.contact.contacts import Samples
+from dogbot_logtool.core.accumulator import OnSamples
+from dogbot_logtool.core.contact.contacts import Samples, no_samples
 from dogbot_logtool.core.contact.stances import Cut
 from dogbot_logtool.core.geometry.arrays import Flags, Floats, Ints, norms
+from dogbot_logtool.core.geometry.clock import TimeSource
 from dogbot_logtool.core.statistics import Stats
 from dogbot_logtool.errors import CallError
 from dogbot_logtool.io.listing import listed
@@ -22,7 +25,7 @@ from dogbot_logtool.report.stride_table import stride_table
 from dogbot_logtool.results import Measurement
 
 if TYPE_CHECKING:
-    from dogbot_logtool.pipeline.options import StatsOptions
+    from dogbot_logtool.pipeline.options import StatsOptions, TimeSourceOption
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -120,33 +123,55 @@ class Walk:
         """
         if foot not in self.feet:
             raise CallError(f"{foot!r} is no foot of this robot; it has {listed(self.feet)}")
-        row, settings = self.feet.index(foot), self._stats.settings
-        # The clock is known by now, so that the log is read once.
-        options = replace(self._options, time_source=settings.clock.value, curves=None)
-        blocks: list[Samples] = []
+        wanted = self.feet.index(foot)
+        blocks = [self._sample_columns(wanted, no_samples())]
 
         def keep(number: int, samples: Samples) -> None:
-            if number == row:
-                blocks.append(samples)
+            if number == wanted:
+                blocks.append(self._sample_columns(number, samples))
 
-        measure(self.path, options, on_samples=keep)
-        time = _joined([settings.clock.of(block) for block in blocks], np.int64)
-        force = _rows([block.force for block in blocks])
-        in_world = _joined([block.in_world for block in blocks], np.bool_)
+        self._read_samples(keep)
+        names = blocks[0]
+        return Table({name: np.concatenate([each[name] for each in blocks]) for name in names})
+
+    def each_block_of_samples(self, take: Callable[[Table], None]) -> None:
+        """Read the log again and hand on the samples of all feet, block by block.
+
+        Of a long log not all need be held at once. The columns are those of `samples`, behind
+        the name of the foot; each foot's rows are in the order of time.
+
+        Raises:
+            CallError: the log is gone.
+            LogError: it has become one that cannot be read.
+        """
+
+        def pass_on(number: int, samples: Samples) -> None:
+            names = texts([self.feet[number]] * len(samples.foot))
+            take(Table({"foot": names, **self._sample_columns(number, samples)}))
+
+        self._read_samples(pass_on)
+
+    def _read_samples(self, on_samples: OnSamples) -> None:
+        """Measure again, with the clock that is known by now, so that the log is read once."""
+        on_log_time = self._stats.settings.clock is TimeSource.LOG
+        clock: TimeSourceOption = "log" if on_log_time else "header"
+        options = replace(self._options, time_source=clock, curves=None)
+        measure(self.path, options, on_samples=on_samples)
+
+    def _sample_columns(self, foot: int, samples: Samples) -> dict[str, NDArray[Any]]:
+        """Return the columns of some samples of a foot."""
+        settings = self._stats.settings
+        time = settings.clock.of(samples)
         # No force is none in every frame.
-        in_world |= settings.force_in_world | ~force.any(axis=1)
-        world = np.where(in_world[:, None], force, np.nan)
-        point = _rows([block.position for block in blocks])
-        return Table(
-            {
-                "time_s": self._seconds(time),
-                "state": self._states(row, time),
-                "in_contact": _joined([block.in_contact for block in blocks], np.bool_),
-                "force_n": norms(force),
-                **_parts("force_{}_n", world),
-                **_parts("point_{}_m", point),
-            }
-        )
+        in_world = samples.in_world | settings.force_in_world | ~samples.force.any(axis=1)
+        return {
+            "time_s": self._seconds(time),
+            "state": self._states(foot, time),
+            "in_contact": samples.in_contact.copy(),
+            "force_n": norms(samples.force),
+            **_parts("force_{}_n", np.where(in_world[:, None], samples.force, np.nan)),
+            **_parts("point_{}_m", samples.position),
+        }
 
     @property
     def _stats(self) -> Stats:
@@ -202,14 +227,9 @@ def _within(spans: Ints, time: Ints) -> Flags:
     return inside
 
 
-def _joined(parts: list[Any], kind: Any = np.float64) -> NDArray[Any]:  # noqa: ANN401
+def _joined(parts: list[Any]) -> NDArray[Any]:
     """Return the parts of a column as one; (n,)."""
-    return np.concatenate([np.empty(0, parts[0].dtype if parts else kind), *parts])
-
-
-def _rows(parts: list[Floats]) -> Floats:
-    """Return blocks of vectors as one; (n, 3)."""
-    return np.concatenate([np.empty((0, 3)), *parts])
+    return np.concatenate([np.empty(0, parts[0].dtype if parts else np.float64), *parts])
 
 
 def _parts(name: str, vectors: Floats) -> dict[str, Floats]:

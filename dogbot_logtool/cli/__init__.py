@@ -15,6 +15,7 @@ from dogbot_logtool import __version__
 from dogbot_logtool.cli.check import check
 from dogbot_logtool.cli.compare import compare
 from dogbot_logtool.cli.convert import convert
+from dogbot_logtool.cli.export import export
 from dogbot_logtool.cli.info import info
 from dogbot_logtool.cli.layout import layout
 from dogbot_logtool.cli.outcomes import say, say_error
@@ -39,7 +40,7 @@ def cli() -> None:
     """
 
 
-for _command in (info, convert, stats, report, check, compare, layout, robots):
+for _command in (info, convert, stats, report, check, export, compare, layout, robots):
     cli.add_command(_command)
 
 

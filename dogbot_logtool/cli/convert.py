@@ -111,7 +111,7 @@ def _summaries(entries: Iterable[ArrowStyle | OutputEncoding]) -> str:
 )
 @click.option(
     "--urdf",
-    type=click.Path(path_type=Path, exists=True, dir_okay=False),
+    type=click.Path(path_type=Path),
     metavar="FILE",
     help="Robot to draw; default: the log's own, else one of boxes and cylinders.",
 )
@@ -155,7 +155,6 @@ def convert(
     from dogbot_logtool.io.storage import from_root  # noqa: PLC0415
     from dogbot_logtool.io.targets import may_be_several, output_at, targets  # noqa: PLC0415
     from dogbot_logtool.pipeline.options import ConvertOptions  # noqa: PLC0415
-    from dogbot_logtool.report.convert_json import conversion_json  # noqa: PLC0415
     from dogbot_logtool.run.choice import runner_for  # noqa: PLC0415
     from dogbot_logtool.run.inputs import find_logs  # noqa: PLC0415
 
@@ -174,10 +173,16 @@ def convert(
     outcomes = Outcomes(quiet=quiet)
     outcomes.mention_left_out(log_set)
     for done in outcomes.of(runner, Convert(chosen), work, log_set.names):
-        outcomes.add(conversion_json(done), done.exit_code)
+        outcomes.add(_as_json(done) if as_json else {}, done.exit_code)
         if not quiet:
             _print(done, verbose=verbose)
     outcomes.finish(as_json=as_json)
+
+
+def _as_json(done: "Conversion") -> dict[str, Any]:
+    from dogbot_logtool.report.convert_json import conversion_json  # noqa: PLC0415
+
+    return conversion_json(done)
 
 
 def _print(done: "Conversion", *, verbose: bool) -> None:

@@ -105,9 +105,10 @@ def figures_of(measured: "Measurement", *, whole: bool = False) -> Figures:
     from dogbot_logtool.report.stride_table import stride_table  # noqa: PLC0415
 
     stats, facts = measured.stats, measured.facts
+    document = stats_json(stats, facts)
     return Figures(
-        summary_row(stats, facts),
-        stats_json(stats, facts),
+        summary_row(stats, document),
+        document,
         stride_table(stats),
         facts.robot,
         measured.exit_code,

@@ -3,6 +3,7 @@
 import json
 import math
 from collections.abc import Iterator, Mapping
+from functools import partial
 from typing import Any
 
 Json = Any
@@ -18,7 +19,11 @@ def to_json(value: Json, *, indent: int | None = None, compact: bool = False) ->
         compact: without spaces.
     """
     separators = (",", ":") if compact else None
-    return json.dumps(only_finite(value), indent=indent, separators=separators, allow_nan=False)
+    write = partial(json.dumps, indent=indent, separators=separators, allow_nan=False)
+    try:
+        return write(value)
+    except (TypeError, ValueError):
+        return write(only_finite(value))
 
 
 def only_finite(value: Json) -> Json:

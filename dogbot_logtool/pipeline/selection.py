@@ -56,7 +56,7 @@ from dogbot_logtool.reader.messages.contacts.source import (
     FootChannels,
 )
 from dogbot_logtool.reader.messages.transforms import TRANSFORM_TYPES, is_static
-from dogbot_logtool.robot import GENERIC, Robot, known_robots, load_robot
+from dogbot_logtool.robot import GENERIC, Robot, known_robots, load_robot, robot_toml
 
 _LIKELY_WORDS: Final = ("odom", "contact", "foot", "feet", "force", "wrench", "pose", "leg")
 """Words in topics and types that may tell of the base or the feet."""
@@ -254,11 +254,17 @@ def _choose_robot(log: Log, options: TopicOptions, findings: list[Finding]) -> R
         robot = load_robot(options.robot)
     else:
         topics = _usable_topics(log)
-        known = [load_robot(name) for name in known_robots()]
+        known = [load_robot(name) for name in known_robots() if _may_fit(name, topics)]
         robot = max(known, key=lambda one: (len(one.topics & topics), one.name == GENERIC))
         text = f"robot: {robot.name} (guessed from the topics; change with --robot)"
         findings.append(note("ROBOT_GUESSED", text))
     return robot.with_mass(options.mass_kg)
+
+
+def _may_fit(name: str, topics: frozenset[str]) -> bool:
+    """Tell, without parsing its file, whether a known robot may have one of some topics."""
+    text = robot_toml(name)
+    return name == GENERIC or any(topic in text for topic in topics)
 
 
 def _usable_topics(log: Log) -> frozenset[str]:

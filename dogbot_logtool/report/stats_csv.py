@@ -25,7 +25,7 @@ def write_strides(file: TextIO, results: Iterable[tuple[str, StrideTable]]) -> N
     for path, strides in results:
         columns = [strides.columns[name].tolist() for name in figures]
         for foot, *values in zip(strides.foot, *columns, strict=True):
-            writer.writerow([_word(path), _word(foot), *map(_text, values)])
+            writer.writerow([text_cell(path), text_cell(foot), *map(_text, values)])
 
 
 def write_events(file: TextIO, events: Iterable[Json]) -> None:
@@ -34,10 +34,12 @@ def write_events(file: TextIO, events: Iterable[Json]) -> None:
     writer.writerow(EVENT_COLUMNS)
     for event in events:
         cells = (event[name] for name in EVENT_COLUMNS)
-        writer.writerow([_word(each) if isinstance(each, str) else _text(each) for each in cells])
+        writer.writerow(
+            [text_cell(each) if isinstance(each, str) else _text(each) for each in cells]
+        )
 
 
-def _word(text: str) -> str:
+def text_cell(text: str) -> str:
     """Return the text of a cell, with an apostrophe before what spreadsheets take for a formula."""
     safe = printable(text)
     return f"'{safe}" if text.startswith(_FORMULA) else safe

@@ -4,32 +4,38 @@ from pathlib import Path
 from typing import Final
 
 from dogbot_logtool.core.statistics import Stats
+from dogbot_logtool.finding import Severity
 from dogbot_logtool.io.printable import printable
-from dogbot_logtool.report.figures.document import DOCUMENT, log_source
-from dogbot_logtool.report.figures.figure import TableName
+from dogbot_logtool.report.figures.figure import Json, TableName
 from dogbot_logtool.report.figures.tables import cells_of, headers
 from dogbot_logtool.report.numbers import NOTHING
 from dogbot_logtool.report.verdict import gait_name
-from dogbot_logtool.results import LogFacts
 
 SUMMARY_HEADERS: Final = ("log", "gait", *headers(TableName.SUMMARY), "warnings", "damage")
 """Headings of a `summary_row`."""
 
 
-def summary_row(stats: Stats, log: LogFacts) -> tuple[str, ...]:
-    """Return the row of a log among several."""
-    main, source = stats.main, log_source(stats, log)
+def summary_row(stats: Stats, document: Json) -> tuple[str, ...]:
+    """Return the row of a log among several.
+
+    Args:
+        stats: its figures.
+        document: the same as `stats_json`.
+    """
+    main = stats.main
+    notes = [each["severity"] == Severity.NOTE.word for each in document["findings"]]
     return (
-        printable(Path(log.path).name),
+        printable(Path(document["log"]["path"]).name),
         NOTHING if main is None or main.gait.name is None else gait_name(main).lower(),
-        *cells_of(TableName.SUMMARY, DOCUMENT.plain(source)),
-        str(source.doubts),
-        _damage(log),
+        *cells_of(TableName.SUMMARY, document),
+        str(notes.count(False)),
+        _damage(document["quality"]),
     )
 
 
-def _damage(log: LogFacts) -> str:
+def _damage(quality: Json) -> str:
     """Say in a word or two what could not be read."""
-    if not (log.losses or log.lost_bytes or log.lost_messages != 0):
+    lost = quality["lost_messages"]
+    if not (quality["losses"] or quality["lost_bytes"] or lost != 0):
         return NOTHING
-    return f"{log.lost_messages} lost" if log.lost_messages else "damaged"
+    return f"{lost} lost" if lost else "damaged"

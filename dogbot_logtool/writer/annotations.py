@@ -287,8 +287,8 @@ def _label_records(
     records = _timed(template, labels, stamps, rows)
     for axis, column in zip("xyz", labels.position.take(rows, 0).T, strict=True):
         records[axis] = column
-    text = np.char.mod("%.0f N", np.minimum(labels.force[rows], _LARGEST_LABEL_N))
-    records["text"] = np.char.ljust(text, LABEL_WIDTH).astype(f"S{LABEL_WIDTH}")
+    force = np.minimum(labels.force[rows], _LARGEST_LABEL_N).tolist()
+    records["text"] = [f"{each:.0f} N".ljust(LABEL_WIDTH).encode() for each in force]
     return records
 
 

@@ -12,7 +12,7 @@ from dogbot_logtool.errors import CallError
 from dogbot_logtool.robot import load_robot
 from tests import forked_cli
 from tests.forked_cli import Ended
-from tests.paths import SAMPLE_LOGS
+from tests.paths import SAMPLE_LOGS, TROT
 from tests.reader.mcap_bytes import small_mcap
 
 MOST_SECONDS = 30
@@ -69,6 +69,8 @@ def test_files_that_are_not_regular_are_refused(tmp_path: Path, kind: str) -> No
     calls: list[tuple[str | Path, ...]] = [
         ("info", "--robot", path, log),
         ("compare", "--tolerances", path, log, log),
+        ("convert", "--urdf", path, TROT, "-o", tmp_path / "out.mcap"),
+        ("check", "--limits", path, log),
     ]
     if kind != "a directory":
         calls += [("info", path), ("compare", log, path)]

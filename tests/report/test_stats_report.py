@@ -260,7 +260,7 @@ def test_the_window_chosen_is_a_few_strides(trot: Stats) -> None:
 
 def test_several_logs_have_a_row_each(trot: Stats) -> None:
     file = io.StringIO()
-    rows = [summary_row(stats, FACTS) for stats in (trot, measured(feet=0))]
+    rows = [summary_row(stats, stats_json(stats, FACTS)) for stats in (trot, measured(feet=0))]
     print_summary(Console(file=file, width=80), rows)
     lines = file.getvalue().splitlines()
     assert len(lines) == 3

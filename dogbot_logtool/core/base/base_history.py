@@ -11,13 +11,14 @@ from dogbot_logtool.core.geometry.aggregates import IntervalHistogram
 from dogbot_logtool.core.geometry.arrays import Floats, Ints
 from dogbot_logtool.core.geometry.blocks import BLOCK_ROWS, Blocks, GrowingTable
 from dogbot_logtool.core.geometry.clock import (
+    SILENCE_NS,
     TimeSource,
     absolute_time,
     advancing,
     first_at_each_tick,
 )
 from dogbot_logtool.core.geometry.rotations import normalised, roll_pitch_yaw, rotate
-from dogbot_logtool.core.quality.quality import SILENCE_NS, steady_rhythm
+from dogbot_logtool.core.quality.quality import steady_rhythm
 
 POSE_RATE_HZ: Final = 100.0
 """A day at this rate is half a gigabyte."""

@@ -28,8 +28,8 @@ from dogbot_logtool.core.contact.stances import (
     StanceSamples,
     reduce_stances,
 )
-from dogbot_logtool.core.contact.track import SILENCE_NS
 from dogbot_logtool.core.geometry.arrays import Flags, Floats, Ints, dots
+from dogbot_logtool.core.geometry.clock import SILENCE_NS
 
 LONGEST_RISE_S: Final = 0.1
 """s: a touchdown is dated back by no more."""

@@ -11,12 +11,10 @@ import numpy as np
 
 from dogbot_logtool.core.geometry.arrays import Flags, Floats, Ints
 from dogbot_logtool.core.geometry.blocks import GrowingTable
-from dogbot_logtool.core.geometry.clock import absolute_time, first_at_each_tick
+from dogbot_logtool.core.geometry.clock import SILENCE_NS, absolute_time, first_at_each_tick
 
 TRACK_RATE_HZ: Final = 25.0
 """A day of four feet is half a gigabyte at this rate."""
-SILENCE_NS: Final = 50_000_000
-"""ns: a shorter interval between samples is never a gap."""
 
 
 @dataclass(frozen=True, slots=True)

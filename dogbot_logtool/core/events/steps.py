@@ -88,18 +88,22 @@ def _usual(values: Floats, of: np.ufunc) -> Floats:
 
     Where both are known, `of` chooses between them: a gait that changes is no event of one foot.
     """
-    medians = np.full((2, len(values)), np.nan)
-    for row in range(len(values)):
-        before = values[max(row - NEIGHBOURS, 0) : row]
-        after = values[row + 1 : row + 1 + NEIGHBOURS]
-        for side, part in enumerate((before, after)):
-            known = part[np.isfinite(part)]
-            if len(known) >= FEWEST:
-                medians[side, row] = np.median(known)
-    before, after = medians
+    unknown = np.full(NEIGHBOURS, np.nan)
+    padded = np.concatenate([unknown, np.where(np.isfinite(values), values, np.nan), unknown])
+    windows = np.lib.stride_tricks.sliding_window_view(padded, NEIGHBOURS)
+    before, after = _medians(windows[: len(values)]), _medians(windows[NEIGHBOURS + 1 :])
     both = of(before, after)
     usual: Floats = np.where(np.isnan(before), after, np.where(np.isnan(after), before, both))
     return usual
+
+
+def _medians(windows: Floats) -> Floats:
+    """(n,) the median of what each row, (n, w), knows; NaN of fewer than `FEWEST`."""
+    known = np.isfinite(windows).sum(axis=1)
+    ordered, rows = np.sort(windows, axis=1), np.arange(len(windows))
+    # NaN is sorted to the end.
+    middle = ordered[rows, np.maximum(known - 1, 0) // 2] + ordered[rows, known // 2]
+    return np.where(known < FEWEST, np.nan, middle / 2.0)
 
 
 def _inside(segments: list[Segment], time: Ints) -> Flags:

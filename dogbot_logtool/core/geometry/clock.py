@@ -15,6 +15,12 @@ from dogbot_logtool.core.geometry.arrays import Flags, Floats, Ints
 
 _LARGEST_FLOAT: Final = float(np.nextafter(2.0**63, 0.0))
 """The largest float that an int64 can hold."""
+SILENCE_NS: Final = 50_000_000
+"""ns: a shorter interval between messages is never a gap."""
+GAP_INTERVALS: Final = 5.0
+"""A gap is longer than this many usual intervals, and than `SILENCE_NS`."""
+FEWEST_INTERVALS: Final = 10
+"""Messages or intervals from which a rate, or what is usual, means something."""
 
 
 class Stamped(Protocol):

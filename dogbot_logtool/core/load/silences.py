@@ -11,8 +11,8 @@ import numpy as np
 
 from dogbot_logtool.core.contact.contacts import Samples
 from dogbot_logtool.core.geometry.arrays import Ints
+from dogbot_logtool.core.geometry.clock import FEWEST_INTERVALS, GAP_INTERVALS, SILENCE_NS
 from dogbot_logtool.core.load.loads import Loads, LoadState
-from dogbot_logtool.core.quality.quality import FEWEST, GAP_INTERVALS, SILENCE_NS
 
 _USUAL: Final = 0.95
 """Quantile of the intervals between messages that counts as usual."""
@@ -51,7 +51,7 @@ def message_rate(log_time: Ints, longest_swing_ns: int | None = None) -> Message
     """
     step = np.diff(log_time)
     step = step[step > 0]
-    if len(step) < FEWEST:
+    if len(step) < FEWEST_INTERVALS:
         return MessageRate(SILENCE_NS, longest_swing_ns or 20 * SILENCE_NS)
     gap = longest_swing_ns or max(SILENCE_NS, GAP_INTERVALS * float(np.quantile(step, _USUAL)))
     return MessageRate(round(float(np.median(step))), round(gap))

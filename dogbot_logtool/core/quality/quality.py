@@ -8,16 +8,16 @@ import numpy as np
 from dogbot_logtool.core.geometry.aggregates import IntervalHistogram
 from dogbot_logtool.core.geometry.arrays import Floats, Ints
 from dogbot_logtool.core.geometry.blocks import BLOCK_ROWS, GrowingTable
-from dogbot_logtool.core.geometry.clock import TimeSource, first_at_each_tick
+from dogbot_logtool.core.geometry.clock import (
+    FEWEST_INTERVALS,
+    GAP_INTERVALS,
+    SILENCE_NS,
+    TimeSource,
+    first_at_each_tick,
+)
 from dogbot_logtool.core.quality.clocks import OffsetRecorder, OffsetTrack
 from dogbot_logtool.core.quality.stamps import ClockStep, StampFilter
 
-SILENCE_NS: Final = 50_000_000
-"""ns: a shorter interval is never a gap."""
-GAP_INTERVALS: Final = 5.0
-"""A gap is longer than this many usual intervals, and than `SILENCE_NS`."""
-FEWEST: Final = 10
-"""Messages or intervals from which a rate, or what is usual, means something."""
 _FAR_QUARTILES: Final = 10.0
 """Intervals whose quartiles are further apart are of two kinds: within bursts and between them."""
 LONGEST_SHOWN: Final = 5
@@ -54,7 +54,7 @@ def rhythm(intervals: IntervalHistogram) -> Rhythm:
     usual interval is that of these silences. Where they are few, and the messages between them
     irregular or there for less than 50 ms, messages come on events, of which none is late.
     """
-    if intervals.count < FEWEST:
+    if intervals.count < FEWEST_INTERVALS:
         return Rhythm(None)
     low, median, high = _quartiles(intervals)
     within = low if high > _FAR_QUARTILES * low else median
@@ -62,7 +62,7 @@ def rhythm(intervals: IntervalHistogram) -> Rhythm:
     in_bursts = 2 * breaks.total > intervals.total
     silences = breaks.longer_than(SILENCE_NS)
     if 2 * silences.total > intervals.total:
-        if silences.count >= FEWEST:
+        if silences.count >= FEWEST_INTERVALS:
             return Rhythm(_usual(silences), in_bursts)
         run_ns = (intervals.total - silences.total) / (silences.count + 1)
         if high - low > median or run_ns < SILENCE_NS:
@@ -90,10 +90,10 @@ def mean_rate_hz(number: int, span_ns: int) -> float | None:
     """Return messages a second; None where they are too few, or all within 50 ms.
 
     Args:
-        number: of messages, or of intervals between them: of `FEWEST` messages one less.
+        number: of messages, or of intervals between them: of `FEWEST_INTERVALS` messages one less.
         span_ns: ns, the time in which they were recorded.
     """
-    known = number + 1 >= FEWEST and span_ns >= SILENCE_NS
+    known = number + 1 >= FEWEST_INTERVALS and span_ns >= SILENCE_NS
     return number * 1e9 / span_ns if known else None
 
 

@@ -7,7 +7,7 @@ from typing import Final
 import numpy as np
 
 from dogbot_logtool.core.contact.contacts import Samples
-from dogbot_logtool.core.geometry.arrays import Flags, Floats, Ints, norms
+from dogbot_logtool.core.geometry.arrays import Flags, Floats, Ints, distinct, norms
 from dogbot_logtool.core.geometry.clock import first_at_each_tick
 from dogbot_logtool.core.scene.arrows import Arrows
 
@@ -44,7 +44,7 @@ def foot_labels(samples: Samples, arrows: Arrows, last_time: Mapping[int, int]) 
         last_time: ns, log time of each foot's last sample before these.
     """
     chosen = [np.empty(0, np.int64)]
-    for foot in np.unique(arrows.foot).tolist():
+    for foot in distinct(arrows.foot).tolist():
         rows = np.flatnonzero(arrows.foot == foot)
         chosen.append(rows[first_at_each_tick(arrows.log_time[rows], RATE_HZ, last_time.get(foot))])
     rows = np.concatenate(chosen)

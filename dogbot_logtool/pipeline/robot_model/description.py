@@ -9,6 +9,7 @@ from xml.etree import ElementTree as ET
 from dogbot_logtool.core.scene.foot_style import foot_colour
 from dogbot_logtool.errors import CallError
 from dogbot_logtool.finding import Finding, note, warning
+from dogbot_logtool.io.storage import content
 from dogbot_logtool.pipeline.probe import Probe
 from dogbot_logtool.pipeline.robot_model.primitives import primitive_urdf
 from dogbot_logtool.pipeline.robot_model.skeleton import ModelFoot, skeleton
@@ -64,11 +65,12 @@ def read_urdf(file: Path) -> str:
             entities, which viewers might fetch.
     """
     try:
-        with file.open("rb") as stream:
-            data = stream.read(_LARGEST + 1)
+        data = content(file, _LARGEST)
+    except CallError as error:
+        raise CallError(f"--urdf {error}") from None
     except OSError as error:
         raise CallError(f"--urdf {file}: {error.strerror}") from None
-    if len(data) > _LARGEST:
+    if data is None:
         raise CallError(f"--urdf {file}: is larger than {_LARGEST >> 20} MiB")
     try:
         text = data.decode("utf-8-sig")

@@ -28,7 +28,7 @@ class Channel:
     message_encoding: str
     """``ros1``, ``cdr``, ``protobuf`` ..."""
     schema: Schema | None
-    metadata: Mapping[str, str]
+    metadata: Mapping[str, str] = field(hash=False)
 
     @property
     def type_name(self) -> str:

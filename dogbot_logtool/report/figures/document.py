@@ -8,7 +8,7 @@ from dogbot_logtool import __version__
 from dogbot_logtool.core.findings.checks import checks_of
 from dogbot_logtool.core.findings.findings import findings_of
 from dogbot_logtool.core.statistics import Stats
-from dogbot_logtool.finding import Finding, Severity, warning
+from dogbot_logtool.finding import Finding, warning
 from dogbot_logtool.report.figures.base import BASE
 from dogbot_logtool.report.figures.events import EVENTS, event_sources
 from dogbot_logtool.report.figures.feet import FOOT, foot_sources
@@ -51,11 +51,6 @@ class LogSource:
     log: LogFacts
     findings: tuple[Finding, ...]
     """Of the log and of its figures, the worst first."""
-
-    @property
-    def doubts(self) -> int:
-        """How many of the findings are errors and warnings."""
-        return sum(each.severity is not Severity.NOTE for each in self.findings)
 
 
 def log_source(stats: Stats, log: LogFacts) -> LogSource:

@@ -106,5 +106,5 @@ def test_what_is_no_urdf_is_refused(content: bytes, why: str, tmp_path: Path) ->
 
 
 def test_a_file_that_is_not_there_is_refused(tmp_path: Path) -> None:
-    with pytest.raises(CallError, match="No such file"):
+    with pytest.raises(CallError, match="no such file"):
         read_urdf(tmp_path / "none.urdf")

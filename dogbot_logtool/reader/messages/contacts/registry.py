@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import lru_cache
 from typing import Final
 
 from dogbot_logtool.core.plausible import plausible_samples
@@ -76,6 +77,7 @@ def source_of(channel: Channel, feet: Iterable[Foot] = ()) -> ContactSource | No
     return field_source(channel, paths) if paths else _source_by_type(channel)
 
 
+@lru_cache(maxsize=1024)
 def _source_by_type(channel: Channel) -> ContactSource | None:
     known = SOURCES.get(channel.type_name)
     if known is not None and not known.is_about_feet(channel.topic):
