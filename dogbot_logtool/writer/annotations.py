@@ -42,6 +42,7 @@ from dogbot_logtool.writer.template import Stamps, Template
 TF_TOPIC: Final = "/tf"
 SUPPORT_TOPIC: Final = "/support"
 EVENTS_TOPIC: Final = "/events"
+SPANS_TOPIC: Final = "/events/spans"
 GAIT_TOPIC: Final = "/gait"
 FALLBACK_PREFIX: Final = "/dogbot_logtool"
 _MAX_ID: Final = 0xFFFF
@@ -83,6 +84,8 @@ class EventChannels:
 
     events: int
     gait: int
+    spans: int | None
+    """None: the encoding has no message for spans of time."""
 
 
 class IdSource:
@@ -164,7 +167,8 @@ class Annotations:
         if with_events:
             events = self._declare(EVENTS_TOPIC, encoding.event_type)
             gait = self._declare(GAIT_TOPIC, encoding.gait_type)
-            self.event_channels = EventChannels(events, gait)
+            spans = encoding.span_type and self._declare(SPANS_TOPIC, encoding.span_type)
+            self.event_channels = EventChannels(events, gait, spans)
 
     def _declare(self, topic: str, kind: MessageType) -> int:
         schema = next((one for one in self.schemas if one.name == kind.name), None)
