@@ -167,7 +167,8 @@ class Annotations:
         if with_events:
             events = self._declare(EVENTS_TOPIC, encoding.event_type)
             gait = self._declare(GAIT_TOPIC, encoding.gait_type)
-            spans = encoding.span_type and self._declare(SPANS_TOPIC, encoding.span_type)
+            kind = encoding.span_type
+            spans = None if kind is None else self._declare(SPANS_TOPIC, kind)
             self.event_channels = EventChannels(events, gait, spans)
 
     def _declare(self, topic: str, kind: MessageType) -> int:
