@@ -10,6 +10,8 @@ import click
 from dogbot_logtool.cli.options import (
     jobs_option,
     jobs_or_cores,
+    join_logs,
+    join_option,
     json_option,
     logs_argument,
     number,
@@ -41,6 +43,7 @@ def _summaries(entries: Iterable[ArrowStyle | OutputEncoding]) -> str:
 
 @click.command()
 @logs_argument
+@join_option
 @click.option(
     "-o",
     "--output",
@@ -145,6 +148,7 @@ def convert(
     jobs: int | None,
     scheduler: str | None,
     *,
+    join: bool,
     as_json: bool,
     quiet: bool,
     verbose: bool,
@@ -160,7 +164,8 @@ def convert(
 
     topics = parse_topics(robot, odom_topic, feet, mass_kg, tares)
     log_set = find_logs(words, for_workers=scheduler is not None)
-    several = may_be_several(words, log_set.paths)
+    log_set, topics = join_logs(log_set, topics, join=join)
+    several = not join and may_be_several(words, log_set.paths)
     where = output_at(output, ".annotated.mcap", several=several)
     if scheduler is not None:
         where = replace(where, path=from_root(where.path))

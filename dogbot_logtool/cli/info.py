@@ -7,6 +7,8 @@ import click
 from dogbot_logtool.cli.options import (
     jobs_option,
     jobs_or_cores,
+    join_logs,
+    join_option,
     json_option,
     logs_argument,
     output_file,
@@ -21,6 +23,7 @@ from dogbot_logtool.errors import CallError
 
 @click.command()
 @logs_argument
+@join_option
 @topic_options
 @click.option(
     "--frames",
@@ -50,6 +53,7 @@ def info(
     jobs: int | None,
     scheduler: str | None,
     *,
+    join: bool,
     all_frames: bool,
     dot: bool,
     overwrite: bool,
@@ -69,6 +73,7 @@ def info(
         raise CallError("--dot and --json: choose one")
     options = parse_topics(robot, odom_topic, feet, mass_kg)
     log_set = find_logs(words, for_workers=scheduler is not None)
+    log_set, options = join_logs(log_set, options, join=join)
     if output is not None:
         if not dot:
             raise CallError("-o says where --dot writes; without --dot results go to stdout")

@@ -3,6 +3,7 @@
 import math
 import os
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final, TypeVar
 
@@ -12,10 +13,12 @@ from dogbot_logtool.errors import CallError
 
 if TYPE_CHECKING:
     from dogbot_logtool.pipeline.options import TopicOptions
+    from dogbot_logtool.run.inputs import LogSet
 
 LONGEST_S: Final = 1e9
 """No log lasts longer."""
 
+_FEWEST_JOINED: Final = 2
 _STRONGEST_N: Final = 1e6
 """N; no sensor reads more without load."""
 
@@ -76,6 +79,12 @@ def _number(text: str, least: float, most: float, wanted: str) -> float:
 Command = TypeVar("Command", bound=Callable[..., Any])
 
 logs_argument: Final = click.argument("words", nargs=-1, required=True, metavar="LOG...", type=str)
+join_option: Final = click.option(
+    "--join",
+    is_flag=True,
+    help="The logs are files of one recording (a split series, one bag a sensor): merge them by "
+    "time. What is made is named after the first.",
+)
 json_option: Final = click.option(
     "--json", "as_json", is_flag=True, help="Print the result as JSON on stdout."
 )
@@ -198,6 +207,17 @@ def tare_option(command: Command) -> Command:
         "offsets stay in. Default: the robot's, else estimated from the log.",
     )
     return tare(command)
+
+
+def join_logs(
+    log_set: "LogSet", topics: "TopicOptions", *, join: bool
+) -> "tuple[LogSet, TopicOptions]":
+    """Make one log of all that were named, if that is wanted."""
+    if not join or len(log_set.logs) < _FEWEST_JOINED:
+        return log_set, topics
+    first, *others = log_set.logs
+    joined = tuple(other.path for other in others)
+    return replace(log_set, logs=(first,)), replace(topics, joined=joined)
 
 
 def parse_topics(

@@ -8,6 +8,8 @@ import click
 from dogbot_logtool.cli.options import (
     jobs_option,
     jobs_or_cores,
+    join_logs,
+    join_option,
     json_option,
     logs_argument,
     measuring_options,
@@ -20,6 +22,7 @@ from dogbot_logtool.cli.options import (
     wrench_frame_option,
 )
 from dogbot_logtool.cli.outcomes import Outcomes
+from dogbot_logtool.errors import CallError
 
 if TYPE_CHECKING:
     from dogbot_logtool.pipeline.options import StatsOptions
@@ -27,6 +30,7 @@ if TYPE_CHECKING:
 
 @click.command()
 @logs_argument
+@join_option
 @click.option(
     "-o",
     "--output",
@@ -60,6 +64,7 @@ def report(
     tares: tuple[str, ...],
     jobs: int | None,
     *,
+    join: bool,
     overwrite: bool,
     as_json: bool,
     quiet: bool,
@@ -85,13 +90,16 @@ def report(
     from dogbot_logtool.run.runner import SerialRunner  # noqa: PLC0415
 
     topics = parse_topics(robot, odom_topic, feet, mass_kg, tares)
-    chosen = StatsOptions(topics=topics, jobs=jobs_or_cores(jobs), **options)
     if against:
+        if join:
+            raise CallError("--join and --against: choose one")
+        chosen = StatsOptions(topics=topics, jobs=jobs_or_cores(jobs), **options)
         _report_against(words, against, output, chosen, overwrite=overwrite, as_json=as_json,
                         quiet=quiet)  # fmt: skip
     console = diagnostics()
-    log_set = find_logs(words)
-    several = may_be_several(words, log_set.paths)
+    log_set, topics = join_logs(find_logs(words), topics, join=join)
+    chosen = StatsOptions(topics=topics, jobs=jobs_or_cores(jobs), **options)
+    several = not join and may_be_several(words, log_set.paths)
     where = output_at(output, ".report.html", several=several)
     reports = Reports(log_set.paths, where, chosen, overwrite=overwrite)
     outcomes = Outcomes(quiet=quiet)

@@ -12,6 +12,8 @@ from dogbot_logtool.cli.options import (
     LONGEST_S,
     jobs_option,
     jobs_or_cores,
+    join_logs,
+    join_option,
     json_option,
     logs_argument,
     measuring_options,
@@ -38,6 +40,7 @@ if TYPE_CHECKING:
 
 @click.command()
 @logs_argument
+@join_option
 @topic_options
 @tare_option
 @wrench_frame_option
@@ -93,6 +96,7 @@ def stats(
     jobs: int | None,
     scheduler: str | None,
     *,
+    join: bool,
     overwrite: bool,
     as_csv: bool,
     as_json: bool,
@@ -109,15 +113,14 @@ def stats(
     from dogbot_logtool.run.choice import runner_for  # noqa: PLC0415
     from dogbot_logtool.run.inputs import find_logs  # noqa: PLC0415
 
-    if as_csv and as_json:
-        raise CallError("--csv and --json: choose one")
+    _refuse_both(("--csv", as_csv), ("--json", as_json))
+    _refuse_both(("--join", join), ("--parquet", parquet is not None))
     shown = _parse_window(window)
-    chosen = StatsOptions(
-        topics=parse_topics(robot, odom_topic, feet, mass_kg, tares),
-        curves=CurveDetail() if plot else None,
-        **options,
-    )
     log_set = find_logs(words, for_workers=scheduler is not None)
+    topics = parse_topics(robot, odom_topic, feet, mass_kg, tares)
+    log_set, topics = join_logs(log_set, topics, join=join)
+    curves = CurveDetail() if plot else None
+    chosen = StatsOptions(topics=topics, curves=curves, **options)
     drawing = _plot_options(plot, plot_size, shown, log_set.paths, overwrite=overwrite)
     if overwrite and plot is None and events is None:
         raise CallError("--overwrite goes with --plot and --events")
@@ -153,6 +156,11 @@ def stats(
     if pending is not None and dataset is not None and not quiet:
         _print_dataset(dataset.root, measured, pending.unchanged, len(outcomes.failures))
     outcomes.finish(as_json=as_json)
+
+
+def _refuse_both(one: tuple[str, bool], other: tuple[str, bool]) -> None:
+    if one[1] and other[1]:
+        raise CallError(f"{one[0]} and {other[0]}: choose one")
 
 
 def _plot_options(

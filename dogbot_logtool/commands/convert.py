@@ -80,8 +80,9 @@ def convert(
         LogtoolError: the target cannot be written.
     """
     overwrite, makes_folder = options.overwrite, options.makes_folder
-    refuse_bad_target(target, source, overwrite=overwrite, makes_folder=makes_folder)
-    log = open_recorded(source)
+    for file in (source, *options.topics.joined):
+        refuse_bad_target(target, file, overwrite=overwrite, makes_folder=makes_folder)
+    log = open_recorded(source, options.topics.joined)
     try:
         selection = select_topics(log, options.topics)
         plan = make_plan(log, selection, probe_log(log, selection), options)

@@ -7,7 +7,6 @@ from dogbot_logtool.core.quality.quality import mean_rate_hz
 from dogbot_logtool.finding import Finding, by_severity
 from dogbot_logtool.io.storage import Location
 from dogbot_logtool.pipeline.annotated import without_annotations
-from dogbot_logtool.pipeline.feet.candidates import candidates_finding
 from dogbot_logtool.pipeline.feet.message_feet import is_planned
 from dogbot_logtool.pipeline.frame_findings import frame_findings
 from dogbot_logtool.pipeline.frames import Frames, read_frames
@@ -18,7 +17,7 @@ from dogbot_logtool.pipeline.selection import Selection, select_topics
 from dogbot_logtool.reader.containers.log import Log
 from dogbot_logtool.reader.messages.bases.poses import ODOMETRY
 from dogbot_logtool.reader.messages.transforms import TRANSFORM_TYPES
-from dogbot_logtool.reader.opening import open_log
+from dogbot_logtool.reader.opening import open_joined
 from dogbot_logtool.results import LogInfo, TopicInfo
 from dogbot_logtool.run.in_order import OnProgress
 
@@ -44,7 +43,7 @@ def describe(
         CallError: no such file, or a topic in the options that the log does not have.
         LogError: it is no log.
     """
-    log = open_log(path)
+    log = open_joined([path, *options.joined])
     try:
         recorded = without_annotations(log)
         ours = frozenset(log.channels.keys() - recorded.channels.keys())
@@ -60,9 +59,6 @@ def describe(
             frames = read_frames(log, [*selection.transforms, *added_transforms], jobs, progress)
             probe = _with_all_frames(probe, frames, ours)
         findings, added = _outlook(recorded, selection, probe)
-        if not selection.contacts and selection.offered_feet is None:
-            possible = candidates_finding(recorded)
-            findings += [possible] if possible else []
         if frames is not None:
             findings += frame_findings(frames, added)
         duration_ns = None

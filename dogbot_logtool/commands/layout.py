@@ -1,15 +1,29 @@
 """`dogbot-logtool layout`: the view of an annotated walk, set up for a viewer."""
 
+from dataclasses import replace
 from pathlib import Path
+from typing import Final
 
+import numpy as np
+
+from dogbot_logtool.core.geometry.arrays import norms
+from dogbot_logtool.core.load.loads import body_weight_n
+from dogbot_logtool.core.plausible import STRONGEST_N
 from dogbot_logtool.pipeline.annotated import open_recorded
 from dogbot_logtool.pipeline.feet.selection import assign_feet
 from dogbot_logtool.pipeline.options import ConvertOptions, TopicOptions
-from dogbot_logtool.pipeline.plan import make_plan
-from dogbot_logtool.pipeline.probe import DEFAULT_BASE, DEFAULT_WORLD, probe_log
+from dogbot_logtool.pipeline.plan import Plan, make_plan
+from dogbot_logtool.pipeline.probe import DEFAULT_BASE, DEFAULT_WORLD, Probe, probe_log
+from dogbot_logtool.pipeline.robot_model.primitives import body_size_m
+from dogbot_logtool.pipeline.robot_model.shape import robot_shape
 from dogbot_logtool.pipeline.selection import select_topics
-from dogbot_logtool.report.layouts.view import View
+from dogbot_logtool.report.layouts.view import View, upper_bound
 from dogbot_logtool.robot import Robot, load_robot
+
+_NEARLY_ALL: Final = 0.995
+"""Share of the loads that lie within the curves' bounds: a spike shall not flatten the rest."""
+_ROOM: Final = 1.1
+"""Bound over the load: only a part of the log was seen."""
 
 
 def view_of(log: Path | None, options: TopicOptions) -> View:
@@ -27,11 +41,39 @@ def view_of(log: Path | None, options: TopicOptions) -> View:
     opened = open_recorded(log)
     try:
         selection = select_topics(opened, options)
-        plan = make_plan(opened, selection, probe_log(opened, selection), ConvertOptions())
-        return _view(selection.robot, plan.world_frame, plan.base_frame)
+        probe = probe_log(opened, selection)
+        plan = make_plan(opened, selection, probe, ConvertOptions())
+        view = _view(selection.robot, plan.world_frame, plan.base_frame)
+        shape = robot_shape(selection, probe)
+        return replace(
+            view,
+            peak_n=_peak_n(plan, probe) or view.peak_n,
+            forward_axis=shape.forward_axis,
+            size_m=shape.size_m,
+        )
     finally:
         opened.close()
 
 
 def _view(robot: Robot, world: str, base: str) -> View:
-    return View(tuple(foot.name for foot in robot.feet), world, base, robot.forward_axis)
+    weight = body_weight_n(robot.mass_kg)
+    return View(
+        tuple(foot.name for foot in robot.feet),
+        world,
+        base,
+        robot.forward_axis,
+        None if weight is None else upper_bound(weight),
+        body_size_m(robot.mass_kg)[0],
+    )
+
+
+def _peak_n(plan: Plan, probe: Probe) -> float | None:
+    """Return a round bound, N, of the loads that were seen, above their sensors' offsets."""
+    largest = 0.0
+    for foot, sensor in enumerate(plan.force_sensors):
+        samples = probe.contacts.pick(probe.contacts.foot == foot)
+        force = norms(samples.force - sensor.level.offset_at(samples.log_time))
+        force = force[np.isfinite(force) & (force < STRONGEST_N)]
+        if len(force):
+            largest = max(largest, _ROOM * float(np.quantile(force, _NEARLY_ALL)))
+    return upper_bound(largest) if largest > 0.0 else None

@@ -7,7 +7,7 @@ from dogbot_logtool.commands.tasks import figures_of
 from dogbot_logtool.errors import LogError
 from dogbot_logtool.io.storage import Location, shown
 from dogbot_logtool.pipeline.annotated import open_recorded
-from dogbot_logtool.pipeline.feet.candidates import FootCandidates, find_candidates
+from dogbot_logtool.pipeline.feet.candidates import FootCandidates
 from dogbot_logtool.pipeline.options import StatsOptions, TopicOptions
 from dogbot_logtool.pipeline.probe import frame_names, probe_log
 from dogbot_logtool.pipeline.selection import Selection, nothing_to_do, select_topics
@@ -41,18 +41,16 @@ def new_robot(
         CallError: no such file, or an option that does not fit it.
         LogError: it is no log, or has nothing that may be feet or a base.
     """
-    log = open_recorded(path)
+    log = open_recorded(path, options.joined)
     try:
         selection = select_topics(log, options)
-        others: list[FootCandidates] = []
+        others = [*selection.possible_feet]
         because = ["Found by the types and names of their topics."]
-        if not selection.contacts and selection.offered_feet is None:
-            others = find_candidates(log)
-            if others:
-                chosen = others.pop(0)
-                because = [f"Chosen since: {'; '.join(chosen.reasons)}."]
-                options = replace(options, feet=chosen.feet)
-                selection = select_topics(log, options)
+        if others:
+            chosen = others.pop(0)
+            because = [f"Chosen since: {'; '.join(chosen.reasons)}."]
+            options = replace(options, feet=chosen.feet)
+            selection = select_topics(log, options)
         if not selection.odometry and not selection.contacts:
             raise LogError(nothing_to_do(log, selection))
         probe = probe_log(log, selection)

@@ -54,7 +54,7 @@ def measure(
         CallError: no such file, or a topic or time in the options that the log does not have.
         LogError: it is no log, or has nothing to measure.
     """
-    log = open_recorded(path)
+    log = open_recorded(path, options.topics.joined)
     try:
         selection = select_topics(log, options.topics)
         if not selection.odometry and not selection.contacts:

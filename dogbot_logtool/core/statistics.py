@@ -30,7 +30,7 @@ from dogbot_logtool.core.gait.segments import (
     main_segment,
     transition_strides,
 )
-from dogbot_logtool.core.gait.standing import Standing, find_standing, steps_apart, typical_period_s
+from dogbot_logtool.core.gait.standing import Standing, standing_in, steps_apart, typical_period_s
 from dogbot_logtool.core.gait.strides import (
     Strides,
     cut_by_fall,
@@ -159,6 +159,9 @@ class _Walk:
     standing: Standing
     dead: tuple[bool, ...]
     saturated: tuple[bool, ...]
+    refuted: tuple[bool, ...]
+    """Feet whose sensor was assumed to read zero without load, on a robot that then makes no steps
+    although it moves."""
     apart: frozenset[str]
     """Topics whose clocks are too far from the others'."""
     worlds: Worlds | None
@@ -194,24 +197,27 @@ class _Walk:
                     foot_rolling_m=settings.foot_rolling_m,
                     is_dead=is_dead,
                     is_saturated=cut_off,
+                    contact_known=not (is_dead or refuted),
                     direction_known=self.direction_known,
                     within=within,
                 ),
                 settings.odometry_topic,
                 self.apart,
             )
-            for foot, record, is_dead, cut_off in zip(
-                settings.feet, self.records, self.dead, self.saturated, strict=True
+            for foot, record, is_dead, cut_off, refuted in zip(
+                settings.feet, self.records, self.dead, self.saturated, self.refuted, strict=True
             )
         )
 
     def support(self, within: Ints | None = None) -> Support | None:
         """Return the support pattern; where one foot's state is not known, none is."""
-        return None if any(self.dead) or self.feet_apart else support(self.records, within)
+        if any(self.dead) or any(self.refuted) or self.feet_apart:
+            return None
+        return support(self.records, within)
 
     def stability(self, within: Ints | None = None) -> Stability | None:
         """Return the figures of stability."""
-        if any(self.dead) or self.feet_apart or self.base_apart:
+        if any(self.dead) or any(self.refuted) or self.feet_apart or self.base_apart:
             return None
         return stability(
             self.records,
@@ -293,7 +299,16 @@ def _walk(settings: StatsSettings, recorded: Recorded) -> tuple[_Walk, PoseJumps
     apart = _too_far_apart(recorded.clocks, typical_period_s([each.stances for each in records]))
     feet_apart = any(foot.topic in apart for foot in settings.feet)
     supported = None if any(dead) or feet_apart else support(records)
-    standing = _standing(records, supported, base, fallen)
+    # Sensors that never report a contact say nothing of where the feet are.
+    touching = any(len(each.in_contact) for each in records)
+    sensors = [settings.sensor(row) for row in range(len(records))]
+    standing = standing_in(
+        supported if touching else None,
+        [each.stances for each in records],
+        base,
+        fallen,
+        is_steady=bool(sensors) and all(sensor.is_steady for sensor in sensors),
+    )
     strides = _any_strides(records, fallen, standing.without_steps)
     track = BaseTrack(base, find_travel(base), height, records, standing.still)
     walk = _Walk(
@@ -306,6 +321,7 @@ def _walk(settings: StatsSettings, recorded: Recorded) -> tuple[_Walk, PoseJumps
         standing=standing,
         dead=dead,
         saturated=_saturated(settings, records),
+        refuted=tuple(bool(each.level.reason and len(standing.moving)) for each in sensors),
         apart=apart,
         worlds=compare_worlds([record.track for record in records], base),
         vertical_known=loads.share_of == "vertical_impulse",
@@ -381,19 +397,6 @@ def _on_clock(foot: FootStatistics, odometry_topic: str, apart: frozenset[str]) 
     if not apart & {foot.topic, odometry_topic}:
         return foot
     return replace(foot, length_m=np.full_like(foot.length_m, np.nan), stride_length_m=None)
-
-
-def _standing(
-    records: Sequence[FootHistory], supported: Support | None, base: BaseHistory, fallen: Ints
-) -> Standing:
-    # Sensors that never report a contact say nothing of where the feet are.
-    if supported is None or not any(len(each.in_contact) for each in records):
-        return Standing(timespans.no_spans(), timespans.no_spans(), timespans.no_spans())
-    # A robot that lies with its feet on the ground does not stand.
-    all_down = timespans.subtract(supported.all_down, fallen)
-    in_flight = timespans.subtract(supported.in_flight, fallen)
-    period = typical_period_s([each.stances for each in records])
-    return find_standing(all_down, in_flight, period, base)
 
 
 def _gait_input(

@@ -26,6 +26,7 @@ _FORMATS: Final = {
     ".xml": "XML",
     ".toml": "TOML",
     ".yaml": "YAML",
+    ".rviz": "a view for RViz",
     ".yml": "YAML",
     ".txt": "a text",
     **dict.fromkeys((".pdf", ".svg", ".png", ".jpg", ".jpeg", ".gif"), "a picture"),

@@ -15,22 +15,26 @@ from dogbot_logtool.io.storage import Location, shown
 from dogbot_logtool.provenance import PROVENANCE, is_marked
 from dogbot_logtool.reader.containers.log import Channel, Extra, Log
 from dogbot_logtool.reader.containers.recorded_log import EarlierAnnotations, RecordedLog
-from dogbot_logtool.reader.opening import open_log
+from dogbot_logtool.reader.opening import open_joined
 from dogbot_logtool.writer.encodings.registry import ENCODINGS, OutputEncoding
 
 _NAME: Final = struct.pack("<I", len(PROVENANCE)) + PROVENANCE.encode()
 _LARGEST_RECORD: Final = 1 << 24
 
 
-def open_recorded(path: Location) -> Log:
+def open_recorded(path: Location, others: Sequence[Location] = ()) -> Log:
     """Open a log without what `convert` may have added to it.
+
+    Args:
+        path: the log.
+        others: further files of the same recording.
 
     Raises:
         CallError: there is no such file.
         LogError: it is no log, or nothing else is in it.
         StoreError: the store fails.
     """
-    log = open_log(path)
+    log = open_joined([path, *others])
     try:
         log = without_annotations(log)
         annotations = annotations_left_out(log)

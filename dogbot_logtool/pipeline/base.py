@@ -13,6 +13,7 @@ from dogbot_logtool.errors import CallError, DefinitionError, LogError
 from dogbot_logtool.finding import Finding, note, warning
 from dogbot_logtool.io.listing import listed
 from dogbot_logtool.io.storage import shown
+from dogbot_logtool.pipeline.pose_fields import pose_fields
 from dogbot_logtool.pipeline.readable import why_no_poses
 from dogbot_logtool.pipeline.topics import (
     most_frequent,
@@ -23,7 +24,12 @@ from dogbot_logtool.pipeline.topics import (
 from dogbot_logtool.reader.containers.log import Channel, Log
 from dogbot_logtool.reader.messages.bases.numbers import path_source
 from dogbot_logtool.reader.messages.bases.poses import ODOMETRY_TYPE
-from dogbot_logtool.reader.messages.bases.registry import BASE_SOURCES, Base, base_source
+from dogbot_logtool.reader.messages.bases.registry import (
+    BASE_SOURCES,
+    Base,
+    base_source,
+    base_type,
+)
 from dogbot_logtool.reader.messages.bases.source import BaseSource
 from dogbot_logtool.reader.messages.messages import decode_channels
 from dogbot_logtool.reader.messages.transforms import is_static
@@ -66,6 +72,9 @@ class ChosenBase:
     robot: Robot
     channels: tuple[Channel, ...] = ()
     base: Base | None = None
+    offered: str = ""
+    """Poses that are named like the base's and are not taken unasked, as ``--odom-topic`` takes
+    them; empty: there are none, or a base is known."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -98,7 +107,9 @@ def choose_base(log: Log, robot: Robot, findings: list[Finding]) -> ChosenBase:
     others = [each for each in found if each is not best]
     if best is None:
         findings.append(_none(log, others))
-        return ChosenBase(robot)
+        likely = [o for o in others if not _words(o.name).isdisjoint(_BASE_WORDS)]
+        measured = [each.name for each in likely if not _is_planned(each)]
+        return ChosenBase(robot, offered=measured[0] if measured else "")
     text = f"the base's poses are taken from {best.name} ({best.source.type_name})"
     if named is not None:
         text += f", since the robot's {named} is missing or cannot be used"
@@ -118,7 +129,7 @@ def check_named_base(log: Log, robot: Robot, name: str) -> None:
     topic, element = split_topic(name, log.channels_by_topic)
     channels = log.channels_by_topic.get(topic, ())
     if not element or not channels:
-        require_topic(log, "--odom-topic", topic, BASE_SOURCES.keys())
+        require_topic(log, "--odom-topic", topic, _base_types(log))
     where = f"{shown(log.source.path)}: --odom-topic"
     try:
         source, element = _source(channels[0], element)
@@ -137,6 +148,12 @@ def check_named_base(log: Log, robot: Robot, name: str) -> None:
         )
 
 
+def _base_types(log: Log) -> frozenset[str]:
+    """Return the types that hold poses: all that are known, and those of the log read like them."""
+    own = {channel.type_name for channel in log.channels.values()}
+    return frozenset({*BASE_SOURCES, *(name for name in own if base_type(name))})
+
+
 def base_source_of(log: Log, topic: str) -> BaseSource:
     """Return the source of the first channel of a topic that can be read.
 
@@ -144,7 +161,7 @@ def base_source_of(log: Log, topic: str) -> BaseSource:
         LogError: none can.
     """
     for channel in log.channels_by_topic.get(topic, ()):
-        if channel.type_name in BASE_SOURCES and not why_no_poses(channel):
+        if base_type(channel.type_name) and not why_no_poses(channel):
             return base_source(channel)
     raise LogError(f"{shown(log.source.path)}: {topic} holds no poses that can be read")
 
@@ -155,7 +172,7 @@ def _source(channel: Channel, element: str) -> tuple[BaseSource, str]:
     Raises:
         DefinitionError: the channel has no such poses.
     """
-    known = BASE_SOURCES.get(channel.type_name, ())
+    known = BASE_SOURCES.get(base_type(channel.type_name), ())
     if any(source.elements for source in known):
         return base_source(channel), element.lstrip("/")
     if element:
@@ -189,7 +206,7 @@ def _chosen(log: Log, robot: Robot, candidate: _Candidate, findings: list[Findin
             fits = _source(channel, candidate.element)[0].fields == source.fields
         except DefinitionError:
             continue
-        if fits and channel.type_name == source.type_name:
+        if fits and source.type_name in {channel.type_name, base_type(channel.type_name)}:
             channels.append(channel)
     if _is_planned(candidate):
         text = f"{candidate.name}: these poses are planned, not measured"
@@ -267,7 +284,7 @@ def _topics(log: Log, types: Collection[str]) -> list[str]:
         {
             channel.topic
             for channel in log.channels.values()
-            if channel.type_name in types and not why_no_poses(channel)
+            if base_type(channel.type_name) in types and not why_no_poses(channel)
         }
     )
 
@@ -289,7 +306,18 @@ def _candidates(log: Log, robot: Robot) -> list[_Candidate]:
         # Of two robots' poses, or two objects', none is surely the base's.
         several = sum(each.is_sure for each in sure) > 1 and sure[0].source.anything
         found += [replace(each, is_sure=each.is_sure and not several) for each in sure]
+    found += _in_unknown_messages(log)
     return sorted(found, key=lambda each: (not each.is_sure, _is_planned(each)))
+
+
+def _in_unknown_messages(log: Log) -> list[_Candidate]:
+    """Return poses in messages of unknown types, those named like the base's first."""
+    found = [
+        _Candidate(channel.topic, path_source(channel, path), path, is_sure=False)
+        for path, channel in pose_fields(log)
+        if _words(path).isdisjoint(_OTHER_WORDS)
+    ]
+    return sorted(found, key=lambda each: _words(each.name).isdisjoint(_BASE_WORDS))
 
 
 def _is_base(topic: str, source: BaseSource) -> bool:
@@ -309,7 +337,7 @@ def _elements(log: Log, topic: str, source: BaseSource) -> frozenset[str]:
     channels = [
         channel
         for channel in log.channels_by_topic[topic]
-        if channel.type_name == source.type_name and not why_no_poses(channel)
+        if base_type(channel.type_name) == source.type_name and not why_no_poses(channel)
     ]
     ids = {channel.id for channel in channels}
     chunks = [c for c in log.chunks if c.counts is None or not ids.isdisjoint(c.counts)]

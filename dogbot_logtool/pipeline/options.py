@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
 from dogbot_logtool.core.scene.styles import DEFAULT_STYLE
+from dogbot_logtool.io.storage import Location
 from dogbot_logtool.writer.encodings.registry import DEFAULT_ENCODING
 
 # `stats` does without the writer, `convert` without curves.
@@ -36,6 +37,8 @@ class TopicOptions:
     """Whether offsets are estimated and taken off the forces of feet without a given one."""
     feet: "tuple[Foot, ...]" = ()
     """Feet that were found in the log; none: the robot's."""
+    joined: tuple[Location, ...] = ()
+    """Further files of the same recording, merged with the log by time."""
 
 
 @dataclass(frozen=True, slots=True)

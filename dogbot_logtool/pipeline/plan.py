@@ -9,6 +9,7 @@ from dogbot_logtool.core.contact.foot_tracker import ContactSensor
 from dogbot_logtool.core.contact.silent_swing import LONGEST_SWING_S, SilentFeet
 from dogbot_logtool.core.findings.sensors import sensor_findings
 from dogbot_logtool.core.frames.wrench_frame import WrenchFrame
+from dogbot_logtool.core.geometry.arrays import Floats
 from dogbot_logtool.core.geometry.clock import TimeSource
 from dogbot_logtool.core.load.loads import body_weight_n
 from dogbot_logtool.core.load.silences import MessageRate, message_rate
@@ -61,6 +62,8 @@ class Plan:
     """Whether `/support` is written."""
     urdf: str | None
     """The robot description that is written; None: none."""
+    hips: Floats | None
+    """(feet, 3) m, base frame: where the lines of `/legs` begin; None: there is no such topic."""
     opening_time: int | None
     """ns, log time of the output's first message; None: the log is empty."""
     silent: SilentFeet
@@ -164,10 +167,11 @@ def make_plan(log: Log, selection: Selection, probe: Probe, options: ConvertOpti
         arrow_look=_arrow_look(style, robot.shaft_diameter_m),
         support_look=_support_look(robot.shaft_diameter_m, options.tf_rate_hz),
         force_sensors=learnt.feet,
-        sensors=_contact_sensors(probe, learnt),
+        sensors=_contact_sensors(selection, probe, learnt),
         rates=_message_rates(selection, probe),
         draws_support=draws_support,
         urdf=description.urdf,
+        hips=description.hips if draws_support else None,
         opening_time=log.start_time if start_time is None else start_time,
         silent=learnt.silent,
         swings_from=log.start_time if start_time is None else None,
@@ -329,13 +333,16 @@ def _can_draw_support(selection: Selection, probe: Probe, findings: list[Finding
     return True
 
 
-def _contact_sensors(probe: Probe, learnt: LearntSensors) -> tuple[ContactSensor, ...]:
+def _contact_sensors(
+    selection: Selection, probe: Probe, learnt: LearntSensors
+) -> tuple[ContactSensor, ...]:
     """Return the contact sensor of each foot."""
     return tuple(
         ContactSensor(
             sensor.rule,
             learnt.silent.swing_from_ns(foot) if foot in probe.intervals else None,
             works=foot in probe.touching,
+            has_force=selection.knows_force(foot),
         )
         for foot, sensor in enumerate(learnt.feet)
     )

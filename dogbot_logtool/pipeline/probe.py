@@ -29,7 +29,7 @@ from dogbot_logtool.core.plausible import plausible_odometry
 from dogbot_logtool.finding import Finding, note, warning
 from dogbot_logtool.pipeline.chunks import spread_chunks
 from dogbot_logtool.pipeline.robot_model.skeleton import FramePose, Point
-from dogbot_logtool.pipeline.robot_model.soles import SoleFinder, first_poses
+from dogbot_logtool.pipeline.robot_model.soles import STANCE_SPREAD_M, SoleFinder, first_poses
 from dogbot_logtool.pipeline.selection import Selection
 from dogbot_logtool.pipeline.world_frames import WorldFrames, follow_frames
 from dogbot_logtool.reader.containers.log import Batch, Chunk, Log
@@ -86,6 +86,8 @@ class Probe:
     """The first pose that was seen of each frame, by name without a leading slash."""
     soles: Mapping[int, Point] = field(default_factory=dict)
     """m, where feet touch the ground in the frames of their `links`, as far as it is known."""
+    stances: Mapping[int, Point] = field(default_factory=dict)
+    """m, the same in the base's frame: the median while the foot stands."""
 
     @property
     def forceless(self) -> frozenset[int]:
@@ -216,14 +218,37 @@ class _Prober:
             frame_poses=self._frame_poses,
         )
         probe = replace(probe, wrench_frame=self._wrench_frame(probe))
-        return replace(probe, soles=self._soles(probe))
+        return replace(probe, soles=self._soles(probe), stances=self._stances(probe))
 
     def _soles(self, probe: Probe) -> Mapping[int, Point]:
         """Return where feet touch the ground, in the frames of their links."""
         frames = self._frames(probe)
         if frames is None:
             return {}
-        finder = SoleFinder(frames)
+        return self._points(SoleFinder(frames), frames)
+
+    def _stances(self, probe: Probe) -> Mapping[int, Point]:
+        """Return where feet touch the ground in the frame of the base that odometry places."""
+        selection = self._selection
+        if not selection.odometry:
+            return {}
+        feet = range(len(selection.robot.feet))
+        world, base = frame_names(selection.robot, probe)
+        frames = WorldFrames(
+            links=(base,) * len(feet),
+            points=(None,) * len(feet),
+            world=world,
+            base=base,
+            odometry_places_base=True,
+            moving={},
+            statics=TransformBuffer(),
+            clock=TimeSource.LOG if probe.zero_stamps else TimeSource.HEADER,
+        )
+        in_base = {f for f in feet if any(one.in_base for one in selection.sources_of(f))}
+        return self._points(SoleFinder(frames, STANCE_SPREAD_M, in_base), frames)
+
+    def _points(self, finder: SoleFinder, frames: WorldFrames) -> Mapping[int, Point]:
+        """Return what a finder makes of everything that was seen."""
         for look in self._looks:
             poses, _ = plausible_odometry(joined_poses(look.base))
             finder.add(look.samples, frames.tracks(look.transforms, poses))

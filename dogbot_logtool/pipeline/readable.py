@@ -9,7 +9,7 @@ from dogbot_logtool.finding import Finding, error, note, warning
 from dogbot_logtool.io.listing import listed
 from dogbot_logtool.reader.containers.log import Channel
 from dogbot_logtool.reader.messages.bases.poses import ODOMETRY_TYPE
-from dogbot_logtool.reader.messages.bases.registry import BASE_SOURCES, check_base
+from dogbot_logtool.reader.messages.bases.registry import base_type, check_base
 from dogbot_logtool.reader.messages.contacts.registry import check_contacts, source_of
 from dogbot_logtool.reader.messages.foxglove_transforms import FOXGLOVE_TYPES
 from dogbot_logtool.reader.messages.messages import SERIALISATIONS
@@ -20,11 +20,6 @@ from dogbot_logtool.reader.messages.transforms import (
 
 _MOST_REASONS: Final = 3
 _NOT_USED: Final = "; not used"
-_CHECKS: Final = {
-    **dict.fromkeys(BASE_SOURCES, check_base),
-    **dict.fromkeys(TRANSFORM_TYPES, check_transforms),
-}
-"""What checks a channel, by the type of its messages; all others may be of feet."""
 _ALWAYS_USED: Final = frozenset((ODOMETRY_TYPE, *TRANSFORM_TYPES))
 """Types that cannot be about anything else, like those of feet: what they would tell is missed."""
 
@@ -41,8 +36,9 @@ def why_unreadable(channel: Channel) -> str:
 def _check(channel: Channel) -> str:
     if source_of(channel) is not None:
         return check_contacts(channel)
-    check = _CHECKS.get(channel.type_name)
-    return check(channel) if check else ""
+    if channel.type_name in TRANSFORM_TYPES:
+        return check_transforms(channel)
+    return check_base(channel) if base_type(channel.type_name) else ""
 
 
 def why_no_poses(channel: Channel) -> str:

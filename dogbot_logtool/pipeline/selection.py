@@ -14,7 +14,11 @@ from dogbot_logtool.io.printable import printable
 from dogbot_logtool.io.storage import shown
 from dogbot_logtool.pipeline.annotated import annotation_findings
 from dogbot_logtool.pipeline.base import check_named_base, choose_base
-from dogbot_logtool.pipeline.feet.candidates import candidates_finding
+from dogbot_logtool.pipeline.feet.candidates import (
+    FootCandidates,
+    candidates_finding,
+    find_candidates,
+)
 from dogbot_logtool.pipeline.feet.message_feet import (
     compare_flags,
     flag_findings,
@@ -78,6 +82,8 @@ class Selection:
     findings: tuple[Finding, ...]
     offered_feet: Finding | None = None
     """Which topics may be feet, and how to say so, where none surely is; also in `findings`."""
+    possible_feet: tuple[FootCandidates, ...] = ()
+    """Fields that may be feet, the most likely first, where no topics are; see also `findings`."""
     forceless: frozenset[int] = frozenset()
     """Feet whose messages have forces that are always zero."""
     ignores_flags: bool = False
@@ -186,6 +192,11 @@ def select_topics(log: Log, options: TopicOptions) -> Selection:
         for channel in foot_channels(log, robot, topic):
             contacts.append(channel)
             feet_of[channel.id] = feet
+    possible: list[FootCandidates] = []
+    if not contacts and offered is None:
+        possible = find_candidates(log)
+        if possible:
+            findings.append(candidates_finding(log, possible, chosen.offered))
     levels = with_raw_levels(log, contacts, feet_of, robot)
     robot = levels.robot
     findings.extend(_source_findings(contacts, levels))
@@ -209,6 +220,7 @@ def select_topics(log: Log, options: TopicOptions) -> Selection:
         tuple(transforms),
         tuple(dict.fromkeys(findings)),
         offered,
+        tuple(possible),
         ignores_flags=check.are_useless,
         base=chosen.base,
     )
@@ -220,7 +232,8 @@ def nothing_to_do(log: Log, selection: Selection) -> str:
     if selection.offered_feet is not None:
         offered = selection.offered_feet
         return f"{path}: there is no nav_msgs/Odometry, and {offered.sentence}\n  {offered.command}"
-    if (possible := candidates_finding(log)) is not None:
+    possible = next((f for f in selection.findings if f.code == "W_FEET_POSSIBLE"), None)
+    if possible is not None:
         none = "there is neither nav_msgs/Odometry nor a known type of contact messages"
         return f"{path}: {none}, but {possible.sentence}\n  {possible.command}"
     for finding in selection.findings:
@@ -308,7 +321,7 @@ def _apply_options(log: Log, robot: Robot, options: TopicOptions) -> Robot:
 
 def _offered(log: Log, options: TopicOptions, offer: FootOffer) -> Finding:
     """Return a warning with the command that chooses the feet."""
-    words = ["dogbot-logtool", "stats", shown(log.source.path)]
+    words = ["dogbot-logtool", "stats", *log.words]
     if options.odometry_topic is not None:
         words += ["--odom-topic", options.odometry_topic]
     if options.mass_kg is not None:

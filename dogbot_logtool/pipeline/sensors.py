@@ -14,10 +14,7 @@ from dogbot_logtool.core.contact.contact_rule import (
     ContactRule,
     FootSensor,
     Thresholds,
-    checked_levels,
     contact_rule,
-    weighed_levels,
-    weight_of_levels,
 )
 from dogbot_logtool.core.contact.contacts import Samples, no_samples
 from dogbot_logtool.core.contact.sensor_level import (
@@ -30,8 +27,15 @@ from dogbot_logtool.core.contact.sensor_level import (
 )
 from dogbot_logtool.core.contact.sensor_modes import CONSTANT
 from dogbot_logtool.core.contact.silent_swing import SilentFeet, learn_silences
+from dogbot_logtool.core.contact.weighed_levels import (
+    checked_levels,
+    turned_levels,
+    weighed_levels,
+    weight_of_levels,
+)
 from dogbot_logtool.core.geometry.arrays import norms
 from dogbot_logtool.core.geometry.blocks import concatenated
+from dogbot_logtool.core.geometry.clock import usual_interval_s
 from dogbot_logtool.core.load.loads import body_weight_n
 from dogbot_logtool.errors import CallError
 from dogbot_logtool.io.listing import listed
@@ -98,7 +102,9 @@ def learn_sensors(
     samples = _stretches(log, selection, closer) if closer else no_samples()
     levels = tuple(found[foot] or _level(selection, samples, foot, topics) for foot in feet)
     if not selection.robot_is_guessed or topics.mass_kg is not None:
-        levels = checked_levels(weighed_levels(levels, weight), weight)
+        levels = checked_levels(weighed_levels(turned_levels(levels, weight), weight), weight)
+    else:
+        levels = turned_levels(levels, None)
     walks = any(level.loaded_n and not level.reason for level in levels)
     estimated = weight_of_levels(levels) if weight is None else None
     return LearntSensors(
@@ -147,7 +153,7 @@ def _zero_in_probe(
     sources = selection.sources_of(foot)
     samples = probe.contacts.pick(probe.contacts.foot == foot)
     force = samples.force[np.isfinite(samples.force).all(axis=1)]
-    interval_s = _interval_s(samples)
+    interval_s = usual_interval_s(samples.log_time)
     if any(source.silent_in_swing for source in sources):
         # Its samples are those in contact only, and their mean is no mean over strides.
         level = zero_level(np.concatenate([np.zeros((len(force) + 3, 3)), force]), interval_s)
@@ -175,12 +181,6 @@ def _saw_light_load_only(
         return False
     # Without a mean, the sensor is silent in swing: a closer look shows no swing either.
     return level.mean_n is not None and bool(contact_rule(level, weight_n, given).unusable)
-
-
-def _interval_s(samples: Samples) -> float | None:
-    steps = np.diff(samples.log_time)
-    steps = steps[steps > 0]
-    return float(np.median(steps)) / 1e9 if len(steps) else None
 
 
 def _level(selection: Selection, samples: Samples, foot: int, topics: TopicOptions) -> SensorLevel:

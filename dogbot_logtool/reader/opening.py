@@ -1,5 +1,6 @@
 """Opening a log: its first bytes tell what it is, not its name."""
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
@@ -34,6 +35,29 @@ def open_log(path: Location) -> Log:
         return _open_folder(path) if storage.is_folder(path) else _open_file(path)
     facts = storage.facts(path)
     return _open_folder(path) if facts.is_folder else _open_object(path, "", facts)
+
+
+def open_joined(paths: Sequence[Location]) -> Log:
+    """Open files of one recording as one log, merged by time; one file as it is.
+
+    Raises:
+        CallError: there is no such file.
+        LogError: one is no log.
+        StoreError: the store fails.
+    """
+    if len(paths) == 1:
+        return open_log(paths[0])
+    from dogbot_logtool.reader.containers.merged_log import MergedLog  # noqa: PLC0415
+
+    logs: list[Log] = []
+    try:
+        for path in paths:
+            logs.append(open_log(path))  # noqa: PERF401 - those that are open are closed
+        return MergedLog(logs)
+    except BaseException:
+        for log in logs:
+            log.close()
+        raise
 
 
 def _open_folder(path: Location) -> Log:

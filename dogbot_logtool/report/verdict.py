@@ -73,7 +73,7 @@ def evidence(segment: Segment) -> str:
     gait, consistency = segment.gait, _consistency(segment)
     feet = len(segment.phases)
     if segment.moves_without_steps:
-        return "all feet stay in contact while the base moves: wheels, or wrong contacts"
+        return "the base moves and no foot steps: wheels, or wrong contacts"
     if segment.is_lifted:
         return "the robot is held in the air, or lies on its body"
     if feet not in {BIPED, QUADRUPED, HEXAPOD}:

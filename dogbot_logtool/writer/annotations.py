@@ -15,6 +15,7 @@ from dogbot_logtool.core.load.loads import Loads
 from dogbot_logtool.core.scene.arrows import Arrows
 from dogbot_logtool.core.scene.foot_style import short_names
 from dogbot_logtool.core.scene.labels import Labels
+from dogbot_logtool.core.scene.legs import LegLines
 from dogbot_logtool.core.scene.styles import LIFETIME_S
 from dogbot_logtool.core.scene.support_scene import SupportScene
 from dogbot_logtool.errors import LogtoolError
@@ -28,6 +29,7 @@ from dogbot_logtool.writer.encodings.encoding import (
     MessageType,
     SupportLook,
 )
+from dogbot_logtool.writer.legs import LegsWriter
 from dogbot_logtool.writer.message_records import (
     MessageRecords,
     by_channel,
@@ -41,12 +43,14 @@ from dogbot_logtool.writer.template import Stamps, Template
 
 TF_TOPIC: Final = "/tf"
 SUPPORT_TOPIC: Final = "/support"
+LEGS_TOPIC: Final = "/legs"
 EVENTS_TOPIC: Final = "/events"
 SPANS_TOPIC: Final = "/events/spans"
 GAIT_TOPIC: Final = "/gait"
 FALLBACK_PREFIX: Final = "/dogbot_logtool"
 _MAX_ID: Final = 0xFFFF
-_LARGEST_LABEL_N: Final = 999_999.0
+_LARGEST_LABEL_N: Final = 9999.0
+_BEYOND: Final = ">10 kN"
 
 ResolveTopic = Callable[[str, MessageType], str]
 """Returns the topic under which messages of a type are written."""
@@ -76,6 +80,7 @@ class AnnotationColumns:
     loads: Sequence[Loads]
     support: Sequence[SupportScene] = ()
     labels: Sequence[Labels] = ()
+    legs: Sequence[LegLines] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -122,6 +127,7 @@ class Annotations:
         with_tf: bool,
         support_look: SupportLook | None = None,
         with_labels: bool = False,
+        legs_look: SupportLook | None = None,
         description: MessageType | None = None,
         with_events: bool = False,
         schema_ids: IdSource,
@@ -158,6 +164,10 @@ class Annotations:
         if support_look is not None:
             channel = self._declare(SUPPORT_TOPIC, encoding.support_type)
             self._support = SupportWriter(channel, encoding, world_frame, support_look)
+        self._legs: LegsWriter | None = None
+        if legs_look is not None:
+            channel = self._declare(LEGS_TOPIC, encoding.arrow_type)
+            self._legs = LegsWriter(channel, encoding, world_frame, legs_look)
         self._description = description
         self._description_channel = 0
         if description is not None:
@@ -227,11 +237,18 @@ class Annotations:
             for group, rows in rows_by_group(states * loads.foot + loads.state):
                 template = self._loads[group // states][group % states]
                 yield _load_records(template, loads, stamps, rows)
+        yield from self._scene_parts(columns)
+
+    def _scene_parts(self, columns: AnnotationColumns) -> Iterator[NDArray[np.void]]:
+        """Yield the records of what is drawn besides arrows."""
         if self._labels:
             yield from self._label_parts(columns.labels)
         if self._support is not None:
             for scene in columns.support:
                 yield from self._support.records(scene, self._load.stamps("stamp", scene.stamp))
+        if self._legs is not None:
+            for legs in columns.legs:
+                yield from self._legs.records(legs, self._load.stamps("stamp", legs.stamp))
 
     def _label_parts(self, columns: Sequence[Labels]) -> Iterator[NDArray[np.void]]:
         for labels in columns:
@@ -292,8 +309,10 @@ def _label_records(
     records = _timed(template, labels, stamps, rows)
     for axis, column in zip("xyz", labels.position.take(rows, 0).T, strict=True):
         records[axis] = column
-    force = np.minimum(labels.force[rows], _LARGEST_LABEL_N).tolist()
-    records["text"] = [f"{each:.0f} N".ljust(LABEL_WIDTH).encode() for each in force]
+    records["text"] = [
+        (_BEYOND if force > _LARGEST_LABEL_N else f"{force:.0f} N").center(LABEL_WIDTH).encode()
+        for force in labels.force[rows].tolist()
+    ]
     return records
 
 

@@ -32,7 +32,7 @@ class Kind(Enum):
     FLOAT32 = ("<f4", struct.unpack("<f", b"\x11" * 4)[0], struct.unpack("<f", b"\x22" * 4)[0])
     UINT32 = ("<u4", 0x11111111, 0x22222222)
     BOOL = ("u1", False, True)
-    TEXT8 = ("S8", "aaaaaaaa", "bbbbbbbb")
+    TEXT6 = ("S6", "aaaaaa", "bbbbbb")
     # Protobuf writes small numbers in fewer bytes, but negative ones always in ten. A number
     # padded to ten bytes with empty groups is valid, too.
     VARINT = (f"V{_VARINT_WIDTH}", -0x1111111, -0x2222222)

@@ -18,7 +18,8 @@ from dogbot_logtool.errors import CallError
 from dogbot_logtool.pipeline.options import ConvertOptions, TopicOptions
 from dogbot_logtool.report.layouts.foxglove import foxglove_layout
 from dogbot_logtool.report.layouts.rviz import rviz_config
-from dogbot_logtool.report.layouts.view import View
+from dogbot_logtool.report.layouts.view import View, upper_bound
+from tests.oracles.standing_log import write_standing_log
 from tests.paths import SAMPLE_LOGS
 
 TROUBLED = SAMPLE_LOGS / "dogbot_troubled.bag"
@@ -57,7 +58,8 @@ def test_every_topic_and_field_is_in_a_converted_log(tmp_path: Path) -> None:
     layout = foxglove_layout_of(TROUBLED, TopicOptions())
     drawn = {topic for topic in fields if topic != "/tf" and not topic.startswith("/load/")}
     scene = panel(layout, "3D")
-    assert set(scene["topics"]) == drawn
+    # Lines for legs are written only where no transforms move them.
+    assert set(scene["topics"]) == drawn | {"/legs"}
     assert frames == {(scene["layers"]["grid"]["frameId"], scene["followTf"])}
     for shown in (plots(layout), panel(layout, "StateTransitions")["paths"]):
         paths = [path["value"] for path in shown]
@@ -70,7 +72,7 @@ def test_every_topic_and_field_is_in_a_converted_log(tmp_path: Path) -> None:
 def test_the_robot_is_followed_and_its_arrows_are_visible() -> None:
     scene = panel(foxglove_layout(View(FEET, "map", "trunk")), "3D")
     assert (scene["followTf"], scene["followMode"]) == ("trunk", "follow-position")
-    drawn = ["/support", "/robot_description"]
+    drawn = ["/support", "/legs", "/robot_description"]
     drawn += [name for foot in FEET for name in (f"/marker_basic_{foot}_foot", f"/label/{foot}")]
     assert scene["topics"] == {topic: {"visible": True} for topic in drawn}
     assert scene["scene"]["transforms"]["enablePreloading"] is True
@@ -120,27 +122,57 @@ def test_loads_and_gait_share_one_time_axis() -> None:
 
 def test_every_panel_has_a_title_where_viewers_look_for_it() -> None:
     layout = foxglove_layout(View(FEET, "world", "base_link"))
-    titles = {"Robot", *(f"{foot} [N]" for foot in FEET), "Gait diagram", "Events"}
+    titles = {"Robot", *(f"{foot}  [N]" for foot in FEET), "Gait diagram", "Events"}
     for key in ("foxglovePanelTitle", "lichtblickPanelTitle"):
         assert {config[key] for config in layout["configById"].values()} == titles
 
 
-def test_all_rows_are_high_enough_to_read() -> None:
-    """On a screen of 1280 x 720, of which the viewer's own bars take 110."""
-    node, left, heights = foxglove_layout(View(FEET, "w", "b"))["layout"]["second"], 610.0, []
-    while isinstance(node, dict):
-        heights.append(left * node["splitPercentage"] / 100.0)
-        left -= heights[-1]
-        node = node["second"]
-    assert len(heights) == len(FEET) + 1
-    assert min(*heights, left) > 85.0
+def column(node: Any, height: float) -> dict[str, float]:
+    """The heights of panels that stand one below the other."""
+    if isinstance(node, str):
+        return {node: height}
+    assert node["direction"] == "column"
+    first = height * node["splitPercentage"] / 100.0
+    return {node["first"]: first, **column(node["second"], height - first)}
+
+
+@pytest.mark.parametrize(("feet", "most"), [(2, 2), (4, 4), (6, 3), (8, 4)])
+def test_all_rows_are_high_enough_to_read(feet: int, most: int) -> None:
+    """On a screen of 1280 x 720, of which the viewer's own bars take 107."""
+    names = tuple(f"foot_{number}" for number in range(feet))
+    layout = foxglove_layout(View(names, "w", "b"))["layout"]
+    heights = column(layout["second"], 613.0)
+    assert sum(heights.values()) == pytest.approx(613.0)
+    *curves, gait = heights.values()
+    assert len(curves) == most
+    assert min(curves) > 68.0
+    # Rows of 64 pixels, a title and a time axis; more rows are scrolled.
+    assert gait >= min(61.0 + 64.0 * feet, 330.0)
+    assert column(layout["first"], 613.0)["RosOut!events"] > 100.0
+
+
+def test_curves_have_one_scale_and_no_labels_that_would_shift_their_time_axes() -> None:
+    """Loads of the trot reach 122 N, as the simulator knows; the walk's weight is 208 N."""
+    for log, bound in ((SAMPLE_LOGS / "dogbot_trot.bag", 150.0), (None, 250.0)):
+        configs = foxglove_layout_of(log, TopicOptions())["configById"].values()
+        curves = [config for config in configs if "minYValue" in config]
+        assert [(c["minYValue"], c["maxYValue"]) for c in curves] == [(0, bound)] * len(FEET)
+        assert not any(c["showYAxisLabels"] or c["showXAxisLabels"] for c in curves)
+        assert all(f"0 to {bound:g} N" in c["foxglovePanelTitle"] for c in curves)
+
+
+@pytest.mark.parametrize(
+    ("value", "bound"), [(1.0, 1.0), (1.01, 1.5), (208.6, 250.0), (850.0, 1000.0), (0.03, 0.03)]
+)
+def test_bounds_are_round_and_hardly_more(value: float, bound: float) -> None:
+    assert upper_bound(value) == pytest.approx(bound)
 
 
 def test_rviz_shows_what_is_written() -> None:
     displays = rviz_config(View(FEET, "map", "trunk"))["Visualization Manager"]["Displays"]
     topics = {each["Marker Topic"] for each in displays if "Marker Topic" in each}
     feet = {name for foot in FEET for name in (f"/marker_basic_{foot}_foot", f"/label/{foot}")}
-    assert topics == feet | {"/support"}
+    assert topics == feet | {"/support", "/legs"}
     assert {"rviz/RobotModel", "rviz/Grid"} < {each["Class"] for each in displays}
 
 
@@ -168,16 +200,26 @@ def test_more_feet_than_colours() -> None:
 
 
 def test_without_a_log_the_feet_are_the_robot_s() -> None:
-    dogbot = foxglove_layout(View(FEET, "world", "base_link", "+y"))
-    assert foxglove_layout_of(None, TopicOptions()) == dogbot
-    assert foxglove_layout_of(None, TopicOptions(robot="dogbot")) == dogbot
-    named = foxglove_layout_of(None, TopicOptions(robot="generic", foot_topics={"paw": "/x"}))
-    assert named == foxglove_layout(View(("paw",), "world", "base_link"))
+    for options in (TopicOptions(), TopicOptions(robot="dogbot")):
+        dogbot = view_of(None, options)
+        assert (dogbot.feet, dogbot.base_frame, dogbot.forward_axis) == (FEET, "base_link", "+y")
+    named = view_of(None, TopicOptions(robot="generic", foot_topics={"paw": "/x"}))
+    assert (named.feet, named.forward_axis, named.peak_n) == (("paw",), "+x", None)
     with pytest.raises(CallError):
         foxglove_layout_of(None, TopicOptions(robot="unicorn"))
 
 
 @pytest.mark.parametrize("log", ["dogbot_trot.bag", "dogbot_walk.mcap", "dogbot_troubled.bag"])
 def test_the_sample_logs_have_the_dogbot_s_layout(log: str) -> None:
-    found = foxglove_layout_of(SAMPLE_LOGS / log, TopicOptions())
-    assert found == foxglove_layout(View(FEET, "world", "base_link", "+y"))
+    """It is 0.46 m high, and its feet stand 0.4 to 0.6 m apart from front to back."""
+    view = view_of(SAMPLE_LOGS / log, TopicOptions())
+    assert (view.feet, view.world_frame, view.base_frame) == (FEET, "world", "base_link")
+    assert view.forward_axis == "+y"
+    assert 0.4 <= view.size_m <= 0.6
+
+
+def test_a_guessed_robot_looks_to_where_its_fore_feet_are(tmp_path: Path) -> None:
+    """The guessed robot's +y is forward, but here its topics are those of another one."""
+    log = write_standing_log(tmp_path / "log.mcap")
+    assert view_of(log, TopicOptions()).forward_axis == "+x"
+    assert view_of(log, TopicOptions(robot="dogbot")).forward_axis == "+y"

@@ -14,6 +14,7 @@ from dogbot_logtool.io.targets import (
     refuse_other_format,
     targets,
 )
+from dogbot_logtool.report.layouts.viewers import VIEWERS
 
 MCAP = ".annotated.mcap"
 
@@ -79,6 +80,8 @@ def test_names_of_the_same_format_are_alike() -> None:
     refuse_other_format(Path("x.gv"), ".dot")
     refuse_other_format(Path("x.htm"), ".html")
     refuse_other_format(Path("x"), ".json")
+    for viewer in VIEWERS.values():
+        refuse_other_format(Path(f"view{viewer.suffix}"), viewer.suffix)
 
 
 def test_a_dash_is_no_file() -> None:

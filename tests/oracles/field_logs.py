@@ -12,6 +12,7 @@ from tests.oracles import walks
 DEFINITIONS: Final = {
     "odd_msgs/msg/Reading": "float32 value\n",
     "odd_msgs/msg/LoadCell": "uint32 rows\nuint32 cols\nfloat32[] data\n",
+    "odd_msgs/msg/Counts": "int16 value\n",
     "odd_msgs/msg/Touch": "bool is_down\n",
     "odd_msgs/msg/Leg": "string name\nint16 counts\ngeometry_msgs/Vector3 force\nfloat32[] cells\n",
     "odd_msgs/msg/State": (
@@ -74,6 +75,8 @@ def _six_feet(walk: walks.Walk, kind: str) -> Iterator[walks.Entry]:
         for foot in range(6):
             down = is_down(time_s, foot)
             value = {"is_down": down} if kind.endswith("Touch") else {"value": load_n(time_s, foot)}
+            if kind.endswith("Counts"):
+                value = {"value": round(load_n(time_s, foot))}
             yield _entry(walk, f"/crawler/strut_{foot + 1}/tip_load", kind, time, value)
             warm = {"value": 40.0 + foot + sample * 1e-3}
             yield _entry(

@@ -205,7 +205,11 @@ class Walk:
             stride_period_s=self.period_s,
             stride_length_m=self._level * self.speed_mps * self.period_s,
             peak_vertical_force_n=None if self.slope_rad else self.peak_vertical_n(foot),
-            braking_impulse_ns=self.traction * self.mean_vertical_n(foot) * self.stance_s / np.pi,
+            braking_impulse_ns=self._level
+            * self.traction
+            * self.mean_vertical_n(foot)
+            * self.stance_s
+            / np.pi,
             slip_m=self.slip_m,
             load_share=self.share(foot),
             phase=(phases[foot] - phases[0]) % 1.0,

@@ -287,7 +287,7 @@ def test_labels_are_written_and_removed() -> None:
     ]
     assert [topic for topic, _ in found] == ["/label/front_left", *["/label/front_right"] * 2]
     (text,) = found[0][1].entities[0].texts
-    assert text.text.rstrip() == "FL 94 N"
+    assert text.text.split() == ["FL", "94", "N"]
     assert (text.pose.position.x, text.pose.position.z) == (0.0, 2.0)
-    assert found[1][1].entities[0].texts[0].text == "FR 999999 N"
+    assert found[1][1].entities[0].texts[0].text == "FR >10 kN"
     assert [deletion.id for deletion in found[2][1].deletions] == ["front_right"]

@@ -49,7 +49,10 @@ def height_over_feet(base: BaseHistory, feet: Sequence[FootHistory]) -> Floats:
     if normal is None:
         return np.asarray(offset[:, 2])
     # The feet's centre lies higher or lower than the ground below the base.
-    return np.asarray(offset[:, :3] @ (normal / normal[2]))
+    over_ground = offset[:, :3] @ (normal / normal[2])
+    if np.nanmedian(over_ground) < LOWEST_M:
+        return np.full(len(base.time), np.nan)
+    return np.asarray(over_ground)
 
 
 def _base_from_feet(base: BaseHistory, feet: Sequence[FootHistory], part: slice) -> Floats:

@@ -175,14 +175,14 @@ def backdated(signal: FootSignal, rule: ContactRule) -> FootSignal:
 
 
 def contact_groups(
-    time: Ints, contact: Flags, debounce_ns: int, silent_before: Flags | None = None
+    time: Ints, contact: Flags, fill_ns: int, silent_before: Flags | None = None
 ) -> tuple[Ints, Ints]:
     """Join the runs of contact over short swings.
 
     Args:
         time: (n,) ns, strictly increasing.
         contact: (n,) state of the Schmitt trigger.
-        debounce_ns: shorter swings are short.
+        fill_ns: shorter swings are short.
         silent_before: (n,) nothing was known just before: a swing that begins so is not short.
 
     Returns:
@@ -192,7 +192,7 @@ def contact_groups(
     padded = np.concatenate([[False], contact, [False]])
     edges = np.flatnonzero(padded[1:] != padded[:-1])
     starts, ends = edges[::2], edges[1::2]
-    filled = time[starts[1:]] - time[ends[:-1]] < debounce_ns
+    filled = time[starts[1:]] - time[ends[:-1]] < fill_ns
     if silent_before is not None:
         filled &= ~silent_before[ends[:-1]]
     first = np.concatenate([[True], ~filled])[: len(starts)]
@@ -226,6 +226,7 @@ class StanceFinder:
     def __init__(self, rule: ContactRule) -> None:
         self._rule = rule
         self._debounce_ns = round(rule.debounce_s * 1e9)
+        self._fill_ns = round(rule.fill_s * 1e9)
         self._open: FootSignal | None = None
         self._standing_since: int | None = None
         self.filled_swings = 0
@@ -262,14 +263,14 @@ class StanceFinder:
         return self._stances(self._open, starts, ends, may_be_brief=True)
 
     def _groups(self, signal: FootSignal) -> tuple[Ints, Ints]:
-        return contact_groups(signal.time, signal.contact, self._debounce_ns, signal.silent_before)
+        return contact_groups(signal.time, signal.contact, self._fill_ns, signal.silent_before)
 
     def _is_over(self, signal: FootSignal, end: int) -> bool:
         """Tell whether the swing that begins at a row can no longer be filled."""
         if end == len(signal):
             return False
         swing = int(signal.time[max(self._settled(signal) - 1, end)] - signal.time[end])
-        return swing >= self._debounce_ns or bool(signal.silent_before[end])
+        return swing >= self._fill_ns or bool(signal.silent_before[end])
 
     def _settled(self, signal: FootSignal) -> int:
         """Return the number of rows whose contact no later row can change."""

@@ -1,10 +1,10 @@
 """What counts as contact: thresholds relative to the robot's weight and to the sensor's noise."""
 
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Final
 
-from dogbot_logtool.core.contact.sensor_level import Origin, SensorLevel, no_offset
+from dogbot_logtool.core.contact.sensor_level import Origin, SensorLevel
+from dogbot_logtool.core.contact.sensor_modes import ALTERNATE, NOISY, WIDE
 
 ZERO_ON: Final = 0.05
 """Share of the weight from which a foot is in contact whose sensor reads zero in swing."""
@@ -16,15 +16,18 @@ ON_NOISES, OFF_NOISES = 5.0, 3.0
 """Thresholds are at least so many standard deviations of the noise."""
 MOST_OF_LOAD: Final = 0.5
 """Largest share of the usual load that may be needed to detect contact."""
+STEPS_UNCLEAR: Final = frozenset({ALTERNATE, NOISY, WIDE})
+"""Reasons of an unknown level with which a load that comes and goes is no sure contact."""
 DEBOUNCE_S: Final = 0.020
 DEBOUNCE_INTERVALS: Final = 1.5
 """Shorter swings and stances are no longer than one sample."""
+BOUNCE: Final = 0.0625
+"""Share of a foot's usual swing below which a swing is a bounce, or load that another foot takes
+for a moment."""
 MOST_DEBOUNCE_S: Final = 10.0
 """No foot steps more slowly: such intervals are those of stamps gone wrong."""
 ANY_FORCE_N: Final = 1e-9
 """Threshold where no force was ever seen, so that nothing tells what a load is."""
-WORSE: Final = 0.05
-"""By how much offsets may worsen the sum of all loads over the weight."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -37,6 +40,8 @@ class ContactRule:
     """N: |F| below which contact ends; it always ends at 0. 0: only there."""
     debounce_s: float
     """s: shorter swings are filled, then shorter stances dropped."""
+    bounce_s: float = 0.0
+    """s: so are shorter swings: much shorter than the foot's usual ones, they are none."""
     backdates: bool = False
     """Whether a touchdown is dated back to where the force rose above `off_n`."""
     origin: Origin = "default"
@@ -45,6 +50,11 @@ class ContactRule:
     """Whether the message's own contact flag decides, whatever the force."""
     unusable: str = ""
     """Why the sensor cannot tell contact; empty: it can."""
+
+    @property
+    def fill_s(self) -> float:
+        """Shorter swings are filled, s."""
+        return max(self.debounce_s, self.bounce_s)
 
 
 @dataclass(frozen=True, slots=True)
@@ -63,6 +73,14 @@ class FootSensor:
 
     level: SensorLevel
     rule: ContactRule
+
+    @property
+    def is_steady(self) -> bool:
+        """Whether the load never comes and goes by what contact would need, whatever the level."""
+        level = self.level
+        if not level.reason or level.heaviest_n is None or level.lightest_n is None:
+            return False
+        return level.heaviest_n - level.lightest_n < self.rule.on_n
 
 
 def contact_rule(
@@ -85,77 +103,37 @@ def contact_rule(
     on = given.on_n or max(on, ANY_FORCE_N)
     off = min(given.off_n or off, on)
     estimated = weight_n is None or level.origin == "estimated"
-    unusable = ""
-    if level.loaded_n is not None and on > MOST_OF_LOAD * level.loaded_n and given.on_n is None:
-        unusable = (
-            f"contact would need {on:.3g} N, more than half of the {level.loaded_n:.3g} N that "
-            "the foot usually carries"
-        )
     return ContactRule(
         on_n=on,
         off_n=off,
         debounce_s=_debounce_s(level, given.debounce_s),
+        bounce_s=BOUNCE * (level.swing_s or 0.0) if given.debounce_s is None else 0.0,
         backdates=True,
         origin=given.origin if given.on_n else "estimated" if estimated else "default",
-        unusable=unusable,
+        unusable="" if given.on_n else _why_unusable(level, on, off),
     )
+
+
+def _why_unusable(level: SensorLevel, on_n: float, off_n: float) -> str:
+    """Say why a sensor cannot tell contact with some thresholds, N; empty where it can."""
+    if level.refuted:
+        return level.refuted
+    loaded, lightest = level.loaded_n, level.lightest_n
+    if loaded is None:
+        return ""
+    if on_n > MOST_OF_LOAD * loaded:
+        return (
+            f"contact would need {on_n:.3g} N, more than half of the {loaded:.3g} N that "
+            "the foot usually carries"
+        )
+    if level.reason in STEPS_UNCLEAR and lightest is not None and lightest < off_n:
+        return (
+            f"its load comes and goes, but what it reads without load is not known: {level.reason}"
+        )
+    return ""
 
 
 def _debounce_s(level: SensorLevel, given: float | None) -> float:
     if given is not None:
         return given
     return min(max(DEBOUNCE_S, DEBOUNCE_INTERVALS * (level.interval_s or 0.0)), MOST_DEBOUNCE_S)
-
-
-def weight_of_levels(levels: Sequence[SensorLevel]) -> float | None:
-    """Return the sum of the feet's mean loads, N; None where one of them is not known."""
-    means = [None if level.reason else level.mean_n for level in levels]
-    known = [mean for mean in means if mean is not None]
-    total = sum(known)
-    return total if known and len(known) == len(means) and total > 0.0 else None
-
-
-def checked_levels(
-    levels: Sequence[SensorLevel], weight_n: float | None
-) -> tuple[SensorLevel, ...]:
-    """Keep estimated offsets only if they do not worsen the sum of loads over a known weight."""
-    estimated = [level.origin == "estimated" and not level.zero_in_swing for level in levels]
-    after = weight_of_levels(levels)
-    if weight_n is None or after is None or not any(estimated):
-        return tuple(levels)
-    before = sum(level.mean_recorded_n or level.mean_n or 0.0 for level in levels)
-    if abs(after / weight_n - 1.0) <= abs(before / weight_n - 1.0) + WORSE:
-        return tuple(levels)
-    why = f"taking it off would make the loads add up to {after / weight_n:.2f} of the weight"
-    return tuple(
-        _without_offset(level, why) if one else level
-        for level, one in zip(levels, estimated, strict=True)
-    )
-
-
-def weighed_levels(
-    levels: Sequence[SensorLevel], weight_n: float | None
-) -> tuple[SensorLevel, ...]:
-    """Take the lower of two alternating loads for none where only so all add up to the weight."""
-    if weight_n is None or not any(level.alternative for level in levels):
-        return tuple(levels)
-    others = tuple(level.alternative or level for level in levels)
-    after = weight_of_levels(others)
-    before = sum(level.mean_recorded_n or level.mean_n or 0.0 for level in others)
-    if after is None or abs(after / weight_n - 1.0) > WORSE:
-        return tuple(levels)
-    return others if abs(before / weight_n - 1.0) > 2.0 * WORSE else tuple(levels)
-
-
-def _without_offset(level: SensorLevel, why: str) -> SensorLevel:
-    knots, offset = no_offset()
-    return replace(
-        level,
-        knots=knots,
-        offset=offset,
-        noise_n=None,
-        drift_n_per_min=None,
-        loaded_n=None,
-        origin="default",
-        reason=why,
-    )

@@ -23,6 +23,8 @@ from dogbot_logtool.core.geometry.blocks import concatenated
 from dogbot_logtool.core.geometry.clock import advancing
 from dogbot_logtool.core.geometry.support_polygon import NEAR_NS
 
+_TOUCH_N: Final = 1e12
+"""Stands for the force of a contact that is told without one: above any threshold."""
 TRAIL: Final = 3
 """Touchdowns of each foot that are remembered."""
 
@@ -38,6 +40,8 @@ class ContactSensor:
     works: bool = True
     """Whether it is known to report contacts. A sensor that never did may be dead: until the first
     one, nothing is known of the foot."""
+    has_force: bool = True
+    """Whether it tells a force, not only contact."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -131,9 +135,8 @@ class FootTracker:
         self._before = before
         self._rows = before.rows.then(_rows(new, before.rows, sensor))
         self._debounce_ns = round(sensor.rule.debounce_s * 1e9)
-        self._starts, self._ends = contact_groups(
-            self._rows.time, self._rows.down, self._debounce_ns
-        )
+        fill_ns = round(sensor.rule.fill_s * 1e9)
+        self._starts, self._ends = contact_groups(self._rows.time, self._rows.down, fill_ns)
         found = self._touchdowns(len(before.rows))
         self._trail = Touchdowns(
             np.concatenate([before.touchdowns.since, found.since]),
@@ -160,6 +163,11 @@ class FootTracker:
         row = np.searchsorted(rows.time, time, side="right") - 1
         known, down = self._contact(row, time)
         return FootState(known, down, rows.point[row], rows.vertical[row])
+
+    @property
+    def has_force(self) -> bool:
+        """Whether its sensor tells a force, not only contact."""
+        return self._sensor.has_force
 
     def contact_at(self, time: Ints) -> tuple[Flags, Flags]:
         """Return whether it was known at some log times, ns, (n,), if the foot is down; and if."""
@@ -300,18 +308,24 @@ def follow_feet(
     """
     if not sensors:
         return ()
-    told = _finite_samples(samples, force_in_world=force_in_world)
+    forceless = [foot for foot, sensor in enumerate(sensors) if not sensor.has_force]
+    told = _finite_samples(samples, forceless, force_in_world=force_in_world)
     return tuple(
         FootTracker(told.pick(np.flatnonzero(told.foot == foot)), memory, sensor)
         for foot, (memory, sensor) in enumerate(zip(before, sensors, strict=True))
     )
 
 
-def _finite_samples(samples: Sequence[Samples], *, force_in_world: bool) -> _FiniteSamples:
+def _finite_samples(
+    samples: Sequence[Samples], forceless: Sequence[int], *, force_in_world: bool
+) -> _FiniteSamples:
     """Return the messages of all feet; where there are several sorts, in the order of the log."""
     together = concatenated(samples) if samples else no_samples()
     force = norms(together.force)
     known = together.in_world | force_in_world | (force == 0.0)
+    if forceless:
+        touch = np.isin(together.foot, forceless) & together.in_contact
+        force, known = np.where(touch, _TOUCH_N, force), known & ~touch
     told = _FiniteSamples(
         together.foot,
         together.log_time,

@@ -12,8 +12,18 @@ from typing import Final, Literal
 import numpy as np
 
 from dogbot_logtool.core.contact.saturation import resolution_n, saturated_limit_n
-from dogbot_logtool.core.contact.sensor_modes import ALTERNATE, Modes, judge_modes, two_modes
+from dogbot_logtool.core.contact.sensor_modes import (
+    ALTERNATE,
+    MIDDLE_SHARE,
+    NOISY,
+    WIDE,
+    Modes,
+    Visits,
+    judge_modes,
+    two_modes,
+)
 from dogbot_logtool.core.geometry.arrays import Flags, Floats, Ints, norms
+from dogbot_logtool.core.geometry.clock import usual_interval_s
 
 Origin = Literal["option", "robot", "estimated", "default"]
 """Where a setting comes from."""
@@ -28,8 +38,18 @@ DROPOUTS: Final = 3
 """Lone zeros under load that make a sensor one that drops out."""
 LIGHT: Final = 0.05
 """Share of the usual load below which a sample counts as light."""
+PULL: Final = 0.02
+"""Share of the usual load by which no ground can pull at a foot."""
+PULLS: Final = 0.1
+"""Share of the zeros from which so many such pulls make a sensor that does not rest at zero."""
 _LOADED: Final = 75.0
 """Percentile of the forces that stands for the usual load where swings are not told apart."""
+_RANGE: Final = (3.0, 97.0)
+"""The same for the lightest and for the heaviest load."""
+SURE: Final = 3.0
+"""Lead in score from which it is certain which way a load turns what a sensor reads."""
+UNSURE: Final = 1.0
+"""Lead in score up to which that is not known, unless the weight tells."""
 _KNOT_VISITS: Final = 4
 _KNOT_S: Final = 15.0
 """A knot of the drift needs so many visits over so long a time."""
@@ -59,7 +79,9 @@ class SensorLevel:
     mean_recorded_n: float | None = None
     """N, the same with the offset left in."""
     interval_s: float | None = None
-    """s, median sampling interval."""
+    """s, usual sampling interval."""
+    swing_s: float | None = None
+    """s, about how long the sensor is unloaded in a stride; None: not known."""
     zero_in_swing: bool = False
     """Whether the sensor reads exactly zero, or lists no contact, in swing."""
     origin: Origin = "default"
@@ -74,6 +96,18 @@ class SensorLevel:
     """Why the level could not be estimated; empty where it is known."""
     alternative: "SensorLevel | None" = None
     """The level if the lower of two alternating loads were none, where that is not clear."""
+    lightest_n: float | None = None
+    """N, magnitude that the lightest samples stay below; only where the level is not known. Also
+    `heaviest_n`, that the heaviest ones exceed."""
+    heaviest_n: float | None = None
+    raises: bool = True
+    """Whether load raises what the sensor reads."""
+    lead: float = np.inf
+    """How much better that fits than that load lowers it, or the other way round."""
+    opposite: "SensorLevel | None" = None
+    """The level if load turned it the other way, where that may be."""
+    refuted: str = ""
+    """Why nothing is known although swings and stances are seen; zero cannot be assumed either."""
 
     @property
     def offset_n(self) -> Floats:
@@ -109,7 +143,7 @@ def estimate_level(log_time: Ints, force: Floats) -> SensorLevel:
     """
     finite = np.isfinite(force).all(axis=1)
     log_time, force = log_time[finite], force[finite]
-    interval_s = _interval_s(log_time)
+    interval_s = usual_interval_s(log_time)
     if len(force) < FEWEST_SAMPLES:
         return _unknown("too few samples", interval_s, force)
     zero = zero_level(force, interval_s)
@@ -119,17 +153,39 @@ def estimate_level(log_time: Ints, force: Floats) -> SensorLevel:
     along = _without_spikes(force @ axis)
     runs = _run_numbers(log_time)
     modes = [two_modes(along, runs), two_modes(-along, runs)]
-    found = max(
+    judged = (
         judge_modes(modes[0], modes[1].swing.width, raises=True),
         judge_modes(modes[1], modes[0].swing.width, raises=False),
-        key=lambda judged: judged.score,
     )
-    if found.reason and found.reason != ALTERNATE:
-        return _unknown(found.reason, interval_s, force)
-    level = _level_of(found, log_time, force, axis if found.raises else -axis, interval_s)
-    if not found.reason or level.reason:
+    likely, other = sorted(judged, key=lambda each: each.score, reverse=True)
+    level, opposite = (
+        _judged_level(each, log_time, force, axis, interval_s) for each in (likely, other)
+    )
+    lead = likely.fit - other.fit
+    if level.reason or opposite.reason:
+        if not level.reason and opposite.reason == WIDE and lead < UNSURE:
+            return _unknown(WIDE, interval_s, force)
+        return replace(level, lead=lead)
+    if opposite.limit_n is not None and level.limit_n is None:
+        # What is cut off at a limit does not vary there: that says nothing of swing.
+        lead -= 2.0 * likely.width_fit
+    if lead < 0.0:
+        level, opposite, lead = opposite, level, -lead
+    if lead >= SURE:
+        return replace(level, lead=lead)
+    return replace(level, lead=lead, opposite=replace(opposite, lead=lead))
+
+
+def _judged_level(
+    judged: Modes, log_time: Ints, force: Floats, axis: Floats, interval_s: float | None
+) -> SensorLevel:
+    """Return the level that modes stand for, or why it is not known; see `_level_of`."""
+    if judged.reason and judged.reason != ALTERNATE:
+        return _unknown(judged.reason, interval_s, force)
+    level = _level_of(judged, log_time, force, axis if judged.raises else -axis, interval_s)
+    if not judged.reason or level.reason:
         return level
-    return replace(_unknown(found.reason, interval_s, force), alternative=level)
+    return replace(_unknown(judged.reason, interval_s, force), alternative=level)
 
 
 def zero_level(force: Floats, interval_s: float | None = None) -> SensorLevel | None:
@@ -145,7 +201,7 @@ def zero_level(force: Floats, interval_s: float | None = None) -> SensorLevel | 
         return None
     loaded = float(np.median(magnitude[~zero])) if not zero.all() else None
     light = (magnitude < LIGHT * loaded).sum() if loaded else zero.sum()
-    if 2 * zero.sum() < light:
+    if 2 * zero.sum() < light or _pulls(force, zero):
         return None
     knots, offset = no_offset()
     return SensorLevel(
@@ -161,6 +217,13 @@ def zero_level(force: Floats, interval_s: float | None = None) -> SensorLevel | 
         zero_in_swing=True,
         origin="estimated",
     )
+
+
+def _pulls(force: Floats, zero: Flags) -> bool:
+    """Tell whether a sensor that counts in steps also reads less than nothing, (n, 3) N."""
+    load = force @ force.mean(axis=0)
+    loaded = np.median(load[~zero]) if not zero.all() else 0.0
+    return bool((load < -PULL * loaded).sum() > PULLS * zero.sum())
 
 
 def _in_runs(flags: Flags) -> Flags:
@@ -183,8 +246,9 @@ def _drops_out(force: Floats, loaded_n: float) -> bool:
 def _unknown(reason: str, interval_s: float | None, force: Floats) -> SensorLevel:
     """Return the level of a sensor that does not show it; its noise shows between samples."""
     usual = float(np.percentile(norms(force), _LOADED)) if len(force) else None
-    noise = None
+    noise = lightest = heaviest = None
     if len(force) >= FEWEST_SAMPLES:
+        lightest, heaviest = np.percentile(_without_spikes(norms(force)), _RANGE).tolist()
         steps = np.abs(np.diff(force, axis=0))
         noise = _NORMAL_SD * float(np.median(steps, axis=0).max()) / np.sqrt(2.0)
     return SensorLevel(
@@ -194,13 +258,9 @@ def _unknown(reason: str, interval_s: float | None, force: Floats) -> SensorLeve
         mean_n=usual,
         interval_s=interval_s,
         reason=reason,
+        lightest_n=lightest,
+        heaviest_n=heaviest,
     )
-
-
-def _interval_s(log_time: Ints) -> float | None:
-    steps = np.diff(log_time)
-    steps = steps[steps > 0]
-    return float(np.median(steps)) / 1e9 if len(steps) else None
 
 
 def _load_axis(force: Floats) -> Floats:
@@ -251,12 +311,14 @@ def _level_of(
         noise_n=noise,
         drift_n_per_min=_drift(middle, levels @ axis),
         interval_s=interval_s,
+        swing_s=_visit_s(visits, log_time),
         origin="estimated",
+        raises=modes.raises,
     )
     load = (force - level.offset_at(log_time)) @ axis
     loaded = float(np.median(modes.stance.visits.quantiles(load, 0.5)))
     if loaded < CLEAR_OF_NOISE * noise:
-        return _unknown("swing and stance differ by little more than the noise", interval_s, force)
+        return _unknown(NOISY, interval_s, force)
     return replace(
         level,
         loaded_n=loaded,
@@ -266,6 +328,12 @@ def _level_of(
         mean_n=float(load.mean()),
         mean_recorded_n=float(np.linalg.norm(force.mean(axis=0))),
     )
+
+
+def _visit_s(visits: Visits, log_time: Ints) -> float:
+    """Return how long a usual visit lasts, s; its ends were cut off."""
+    length = (log_time[visits.end - 1] - log_time[visits.start]) / 1e9
+    return float(np.median(length)) / MIDDLE_SHARE
 
 
 def _knots(time: Ints, levels: Floats) -> tuple[Ints, Floats]:

@@ -23,8 +23,15 @@ CONSTANT: Final = "the force never changes"
 """Reason of a level that is not known since all samples are alike."""
 ALTERNATE: Final = "two loads alternate, which may be weight that is shifted in a stand"
 """Reason of a level that is not known since nothing tells a light load from none."""
+WIDE: Final = "no narrow unloaded mode: the foot may never be off the ground"
+"""Reason of a level that is not known since the forces of swing differ by much."""
+ONCE: Final = "the foot is seen unloaded fewer than twice"
+"""Reason of a level that is not known since no second swing confirms it."""
 _MIDDLE: Final = (0.2, 0.8)
 """Part of a visit that is used: its ends are on the way between the modes."""
+MIDDLE_SHARE: Final = _MIDDLE[1] - _MIDDLE[0]
+NOISY: Final = "swing and stance differ by little more than the noise"
+"""Reason of a level that is not known since both modes are as wide as they are apart."""
 _UNCLEAR: Final = 100.0
 """What modes that are not clear score less than any that are."""
 _FEWEST_ROWS: Final = 3
@@ -86,12 +93,22 @@ class Modes:
 
     swing: Mode
     stance: Mode
-    score: float = -np.inf
+    fit: float = -np.inf
     """How well it fits that these are swing and stance."""
     reason: str = ""
     """Why they are not clear; empty: they are."""
     raises: bool = True
     """Whether load raises what the sensor reads."""
+    width_fit: float = 0.0
+    """The part of the fit that rests on how much narrower swing is than stance."""
+
+    @property
+    def score(self) -> float:
+        """The fit, less for modes that are not clear.
+
+        The only swing of a log may be one, so that it competes with what else may be.
+        """
+        return self.fit - (_UNCLEAR if self.reason not in {"", ONCE} else 0.0)
 
 
 def two_modes(values: Floats, runs: Ints) -> Modes:
@@ -131,24 +148,22 @@ def judge_modes(modes: Modes, other_width: float, *, raises: bool) -> Modes:
     floor = 1e-3 * distance
     wider = (other_width + floor) / (swing.width + floor)
     # Sensors are usually mounted so that a load raises their value, and offsets are smaller
-    # than loads; both are habits, so that a clear difference in width outweighs them.
+    # than loads; both are habits. A foot that swings may feel its inertia, which widens swing.
     nearer_zero = abs(stance.level) / max(abs(swing.level), floor)
-    score = float(
-        np.clip(np.log2(wider), -4.0, 4.0)
-        + 0.5 * np.clip(np.log2(max(nearer_zero, 1e-9)), -1.0, 1.0)
-    )
-    score += 0.5 if raises else 0.0
+    width_fit = float(np.clip(np.log2(wider), -4.0, 4.0))
+    fit = width_fit + float(np.clip(np.log2(max(nearer_zero, 1e-9)), -3.0, 3.0))
+    fit += 0.5 if raises else 0.0
     reason = ""
     # Weight cannot pull, so that a level on the other side of zero than the load is unloaded.
-    pulls = swing.level < 0.0 < stance.level
+    pulls = swing.level < -swing.width and stance.level > 0.0
     plain = swing.level <= PLAIN_OFFSET * distance and (raises or stance.level > 0.0)
     if len(swing.visits) < FEWEST_VISITS and not pulls:
-        reason = "the foot is seen unloaded fewer than twice"
+        reason = ONCE
     elif swing.width > NARROW * distance:
-        reason = "no narrow unloaded mode: the foot may never be off the ground"
+        reason = WIDE
     elif wider < WIDER and not plain:
         reason = ALTERNATE
-    return Modes(swing, stance, score - (_UNCLEAR if reason else 0.0), reason, raises)
+    return Modes(swing, stance, fit, reason, raises, width_fit)
 
 
 def _otsu(values: Floats) -> float:

@@ -16,6 +16,7 @@ from dogbot_logtool.finding import Finding, Severity
 
 GRAVE: Final = (
     "W_FALL",
+    "N_PLANNED",
     "W_NO_MESSAGES",
     "W_NOTHING_USABLE",
     "W_CONTACT_UNKNOWN",

@@ -49,9 +49,9 @@ def _without_steps(stats: Stats) -> Iterator[Finding]:
         seconds = sum(segment.end - segment.start for segment in moving) / 1e9
         start = (moving[0].start - stats.origin) / 1e9
         text = (
-            f"the robot moves without steps for {seconds:.1f} s, first at {start:.2f} s: all feet "
-            "are in contact throughout, and the base goes somewhere. It rolls on wheels, or the "
-            "contacts are wrong (a force sensor that does not read zero in the air)"
+            f"the robot moves without steps for {seconds:.1f} s, first at {start:.2f} s: no foot's "
+            "contact or load comes and goes, and the base goes somewhere. It rolls on wheels, or "
+            "the contacts are wrong (a force sensor that does not read zero in the air)"
         )
         yield Finding("W_MOVES_WITHOUT_STEPS", text, "gait.class")
     lifted = [segment for segment in stats.segments if segment.is_lifted]

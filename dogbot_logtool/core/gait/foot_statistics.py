@@ -65,7 +65,7 @@ class FootStatistics:
     spikes: int
     """Lone spikes of its force in whole stances; kept out of the peaks."""
     contact_fraction: float | None
-    """Time in contact over time known; None for a dead sensor."""
+    """Time in contact over time known; None where contact is not known."""
     stance_s: Aggregate | None
     swing_s: Aggregate | None
     stride_period_s: Aggregate | None
@@ -112,6 +112,7 @@ def foot_statistics(
     foot_rolling_m: float | None,
     is_dead: bool,
     is_saturated: bool = False,
+    contact_known: bool = True,
     direction_known: bool = True,
     within: Ints | None = None,
 ) -> FootStatistics:
@@ -130,6 +131,7 @@ def foot_statistics(
             not known.
         is_dead: whether its sensor seems dead.
         is_saturated: whether its sensor is cut off at a limit.
+        contact_known: whether nothing refutes its contacts.
         direction_known: whether nothing contradicts the direction of the force.
         within: (w, 2) ns, a part of the log; its stances and strides are those with their middle in
             it. None: all of it.
@@ -162,7 +164,7 @@ def foot_statistics(
         is_dead=is_dead,
         is_saturated=is_saturated,
         spikes=int(stances.figures.spikes[lone & whole].sum()),
-        contact_fraction=None if is_dead else record.contact_fraction(within),
+        contact_fraction=record.contact_fraction(within) if contact_known else None,
         stance_s=aggregate(stances.duration_s[whole]),
         swing_s=aggregate(strides.swing_s),
         stride_period_s=aggregate(strides.period_s),

@@ -6,6 +6,7 @@ import numpy as np
 
 from dogbot_logtool.core.base.base_history import BaseHistory
 from dogbot_logtool.core.contact.stances import LONGEST_STANCE_S, Cut, Stances
+from dogbot_logtool.core.gait.support_pattern import Support
 from dogbot_logtool.core.geometry import timespans
 from dogbot_logtool.core.geometry.arrays import Flags, Floats, Ints
 
@@ -38,6 +39,34 @@ class Standing(NamedTuple):
     def without_steps(self) -> Ints:
         """(n, 2) ns, all of these."""
         return timespans.merge(np.concatenate(self))
+
+
+def standing_in(
+    support: Support | None,
+    stances: list[Stances],
+    base: BaseHistory,
+    fallen: Ints,
+    *,
+    is_steady: bool,
+) -> Standing:
+    """Find where the robot stands, moves without steps, or is in the air.
+
+    Args:
+        support: which feet are down; None: never known of all, or no contact is.
+        stances: of all feet.
+        base: poses, without jumps.
+        fallen: (f, 2) ns, spans in which the robot lies.
+        is_steady: whether no foot's load ever comes and goes, so that there are no steps even where
+            contact is not known.
+    """
+    none = timespans.no_spans()
+    if support is None:
+        whole = base.known if is_steady else none
+        return Standing(none, find_standing(whole, none, None, base).moving, none)
+    # A robot that lies with its feet on the ground does not stand.
+    all_down = timespans.subtract(support.all_down, fallen)
+    in_flight = timespans.subtract(support.in_flight, fallen)
+    return find_standing(all_down, in_flight, typical_period_s(stances), base)
 
 
 def find_standing(

@@ -103,3 +103,19 @@ def first_at_each_tick(time: Ints, rate_hz: float, previous_time: int | None) ->
     if previous_time is not None and len(time):
         chosen[0] = tick[0] != previous_time // period
     return chosen
+
+
+def usual_interval_s(log_time: Ints) -> float | None:
+    """Return the usual time between messages, s; None without two times.
+
+    The median of all steps that go on; but messages that are logged in bursts share a time, so
+    that their mean is shorter. Silences are left out of it.
+
+    Args:
+        log_time: (n,) ns.
+    """
+    steps = np.diff(log_time)
+    usual = float(np.median(steps[steps > 0])) if (steps > 0).any() else None
+    if usual is None:
+        return None
+    return min(usual, float(steps[(steps >= 0) & (steps < GAP_INTERVALS * usual)].mean())) / 1e9

@@ -70,10 +70,11 @@ def foot_loads(samples: Samples, trackers: Sequence[FootTracker], weight_n: floa
 
 
 def _states(samples: Samples, force: Floats, trackers: Sequence[FootTracker]) -> Ints:
-    """(n,) `LoadState` of samples; unknown where the force is not finite."""
+    """(n,) `LoadState` of samples; unknown where a force that is told is not finite."""
     state = np.full(len(force), LoadState.UNKNOWN, np.int64)
     for foot, tracker in enumerate(trackers):
-        rows = np.flatnonzero((samples.foot == foot) & np.isfinite(force))
+        told = np.isfinite(force) | (not tracker.has_force)
+        rows = np.flatnonzero((samples.foot == foot) & told)
         known, down = tracker.contact_at(samples.log_time[rows])
         in_air_or_down = np.where(down, LoadState.STANCE, LoadState.SWING)
         state[rows] = np.where(known, in_air_or_down, LoadState.UNKNOWN)

@@ -13,7 +13,7 @@ from dogbot_logtool.core.scene.arrows import Arrows
 
 RATE_HZ: Final = 20.0
 """Labels a second: numbers that change faster cannot be read."""
-_BELOW_M: Final = 0.04
+_BELOW_M: Final = 0.1
 """m from the contact point down to the label, so that neither leg nor arrow hides it."""
 
 

@@ -9,10 +9,13 @@ from dogbot_logtool.core.base.odometry import Odometry, base_transforms, from_op
 from dogbot_logtool.core.contact.contacts import Samples
 from dogbot_logtool.core.contact.foot_tracker import FootTracker
 from dogbot_logtool.core.contact.silent_swing import with_swings
+from dogbot_logtool.core.geometry.arrays import Floats
 from dogbot_logtool.core.geometry.clock import first_at_each_tick
+from dogbot_logtool.core.geometry.support_polygon import NEAR_NS
 from dogbot_logtool.core.load.loads import Loads, foot_loads, opening_loads
 from dogbot_logtool.core.scene.arrows import ArrowCounts, ArrowInput, Arrows, no_arrows
 from dogbot_logtool.core.scene.labels import Labels, foot_labels
+from dogbot_logtool.core.scene.legs import LegLines, leg_lines
 from dogbot_logtool.core.scene.support_scene import opening_support, support_scene
 from dogbot_logtool.pipeline.conversion.batch_state import BatchState
 from dogbot_logtool.pipeline.plan import Plan
@@ -75,7 +78,30 @@ def compute_annotations(
         transforms = from_opening(transforms, plan.opening_time)
         if plan.draws_support:
             support.append(opening_support(at_ticks, trackers, plan.opening_time))
-    return AnnotationColumns(transforms, arrows, [*loads, silences], support, labels), skipped
+    legs = [] if plan.hips is None else [_legs(at_ticks, trackers, plan.hips, state, plan)]
+    columns = AnnotationColumns(transforms, arrows, [*loads, silences], support, labels, legs)
+    return columns, skipped
+
+
+def _legs(
+    poses: Odometry,
+    trackers: Sequence[FootTracker],
+    hips: Floats,
+    state: BatchState,
+    plan: Plan,
+) -> LegLines:
+    """Return the lines of the legs; those at the first pose stand at the log's first time, too."""
+    legs = leg_lines(poses, trackers, hips)
+    opening = plan.opening_time
+    if state.last_pose_time is not None or opening is None or not len(legs.log_time):
+        return legs
+    if not 0 < legs.log_time[0] - opening <= NEAR_NS:
+        return legs
+    return LegLines(
+        np.concatenate([[opening], legs.log_time]),
+        np.concatenate([[opening], legs.stamp]),
+        np.concatenate([legs.ends[:1], legs.ends]),
+    )
 
 
 def _with_swings(

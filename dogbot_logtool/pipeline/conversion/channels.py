@@ -46,6 +46,7 @@ def annotations_of(log: Log, plan: Plan) -> tuple[Annotations, Mapping[str, str]
         schema_ids=IdSource({channel.schema.id for channel in copied if channel.schema}),
         channel_ids=IdSource({channel.id for channel in copied}),
         with_labels=plan.draws_labels,
+        legs_look=None if plan.hips is None else plan.support_look,
         description=description_type(profile) if plan.urdf is not None else None,
         resolve_topic=resolve_topic,
     )

@@ -13,9 +13,9 @@ from dogbot_logtool.core.contact.contacts import Samples, no_samples
 from dogbot_logtool.core.geometry.blocks import concatenated
 from dogbot_logtool.errors import DefinitionError
 from dogbot_logtool.finding import Finding, warning
-from dogbot_logtool.io.storage import shown
 from dogbot_logtool.pipeline.chunks import spread_chunks
 from dogbot_logtool.pipeline.feet.content import Content, judge_content
+from dogbot_logtool.pipeline.feet.labels import with_labels
 from dogbot_logtool.pipeline.feet.names import FootSet, NamedFoot, leg_position, name_feet
 from dogbot_logtool.pipeline.feet.words import MERITS, Part, words_of
 from dogbot_logtool.reader.containers.log import Channel, Log
@@ -37,6 +37,8 @@ _MOST_NAMES: Final = 2000
 """Names that are compared with each other."""
 _FEWEST_LEGS: Final = 2
 _USUAL_LEGS: Final = (2, 4, 6, 8)
+_OTHER_PART: Final = 4
+"""Points that a name costs which speaks of something else than a foot."""
 _SLOW_HZ, _FAST_HZ = 5.0, 20.0
 _CONTACT: Final = frozenset({"contact", "contacts", "grf", "stance", "touch", "touches", "ground"})
 _FORCE: Final = frozenset(
@@ -90,22 +92,31 @@ def find_candidates(log: Log) -> list[FootCandidates]:
     return _without_repeats(sorted(likely, key=lambda one: (-one.points, one.is_contact)))
 
 
-def candidates_finding(log: Log) -> Finding | None:
-    """Return which fields may be feet, why, and the command that makes a robot's file of them."""
-    found = find_candidates(log)
-    if not found:
-        return None
+def candidates_finding(log: Log, found: Sequence[FootCandidates], base: str = "") -> Finding:
+    """Return which fields may be feet, why, and the command that measures with them.
+
+    Args:
+        log: the log.
+        found: what `find_candidates` finds, at least one.
+        base: poses that may be the base's, as ``--odom-topic`` takes them; empty: none.
+    """
     first, *others = found
     text = f"fields of {first.type_name} look like feet: {first.text}"
-    if not any(foot.field and foot.field.kind for foot in first.feet):
-        words = " ".join(f"--foot {foot.name}={shlex.quote(word_of(foot))}" for foot in first.feet)
-        text += f" ({words})"
     for other in others[:_ALTERNATIVES]:
         text += f"; or {other.text}"
-    path = shown(log.source.path)
-    file = f"{PurePath(path).stem}.toml"
-    command = shlex.join(["dogbot-logtool", "robots", "new", path, "-o", file])
-    text += f"; they are not used unasked. This writes a robot's file with them: {command}"
+    file = f"{PurePath(log.words[0]).stem}.toml"
+    chosen = ["--odom-topic", base] if base else []
+    draft = shlex.join(["dogbot-logtool", "robots", "new", log.words[0], *chosen, "-o", file])
+    if any(foot.field and foot.field.kind for foot in first.feet):
+        # What the fields are can only be said in a robot's file.
+        text += f"; they are not used unasked. This writes a robot's file with them: {draft}"
+        return replace(warning("FEET_POSSIBLE", text), command=draft)
+    words = " ".join(f"--foot {foot.name}={shlex.quote(word_of(foot))}" for foot in first.feet)
+    command = f"{shlex.join(['dogbot-logtool', 'stats', *log.words, *chosen])} {words}"
+    text += (
+        f"; they are not used unasked. `{draft}` writes a robot's file with them; this measures "
+        f"with them: {command}"
+    )
     return replace(warning("FEET_POSSIBLE", text), command=command)
 
 
@@ -275,7 +286,7 @@ def _scored(
         points += 2
         reasons.append("the names speak of feet or legs")
     if Part.NOT_A_FOOT in parts:
-        points -= 4
+        points -= _OTHER_PART
     if not words.isdisjoint(_CONTACT | _FORCE):
         points += 1
         reasons.append("of contact or force")
@@ -316,7 +327,7 @@ def _judged(log: Log, named: FootCandidates) -> FootCandidates | None:
             return None
         if not _FEWEST_LEGS <= len(there) <= _MOST_FEET:
             return None
-        named = replace(named, feet=named.feet[: len(there)])
+        named = _labelled(log, replace(named, feet=named.feet[: len(there)]))
     content = judge_content(samples, len(named.feet))
     if content is None or content.points <= 0:
         return None
@@ -329,6 +340,19 @@ def _judged(log: Log, named: FootCandidates) -> FootCandidates | None:
         reasons=(*named.reasons, *content.reasons),
         is_contact=content.is_contact,
     )
+
+
+def _labelled(log: Log, named: FootCandidates) -> FootCandidates:
+    """Name the elements of an array by the strings beside them, and score these."""
+    feet, labels = with_labels(log, named.feet)
+    parts = {word.part for label in labels for word in words_of(label)}
+    if Part.NOT_A_FOOT in parts:
+        return replace(named, feet=feet, points=named.points - _OTHER_PART)
+    if not labels:
+        return named
+    reason = f"they are called {', '.join(labels)}"
+    points = named.points + (1 if parts.isdisjoint({Part.FOOT, Part.LEG}) else 2)
+    return replace(named, feet=feet, points=points, reasons=(*named.reasons, reason))
 
 
 def _with_kind(log: Log, foot: Foot, content: Content) -> Foot:

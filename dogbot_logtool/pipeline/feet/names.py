@@ -265,6 +265,20 @@ def _may_be_foot(words: Sequence[Word], *, contacts_only: bool) -> bool:
     return contacts_only or (Part.LEG in parts and any(word.is_position for word in words))
 
 
+def label_names(labels: Sequence[str]) -> list[NamedFoot]:
+    """Return feet that messages call by labels, in their order; ``topic`` is the label.
+
+    Labels that differ in the leg only are read together: ``BR_tip`` is a middle leg beside
+    ``AR_tip``, and else a hind one.
+    """
+    found = name_feet(labels, contacts_only=True)
+    for together in (found.chosen, *found.offered):
+        if together and together.kind != "alone" and together.topics == set(labels):
+            by_label = {foot.topic: foot for foot in together.feet}
+            return [by_label[label] for label in labels]
+    return [NamedFoot(foot_name(label), label, leg_position(label)) for label in labels]
+
+
 def foot_name(label: str) -> str:
     """Return a name for a foot that messages call by a label, such as ``LF_FOOT``."""
     return _lone_name(label, words_of(label))

@@ -12,7 +12,7 @@ import numpy as np
 
 from dogbot_logtool.core.contact.contact_rule import MOST_OF_LOAD, contact_rule
 from dogbot_logtool.core.contact.contacts import Samples, no_samples
-from dogbot_logtool.core.contact.sensor_level import estimate_level
+from dogbot_logtool.core.contact.sensor_level import SensorLevel, estimate_level
 from dogbot_logtool.core.geometry.blocks import concatenated
 from dogbot_logtool.pipeline.feet.message_feet import sampled_messages
 from dogbot_logtool.reader.containers.log import Channel, Log
@@ -22,6 +22,11 @@ from dogbot_logtool.robot import Robot
 
 _LOOKS: Final = 24
 """Chunks of a topic that are read."""
+_BLUR: Final = 0.02
+"""Share of a sensor's range by which its counts are blurred; a walk's loads vary by far more."""
+_UNLOADED: Final = 0.25
+"""Share of the counts under load up to which the lower of two levels is that of a foot in the air;
+weight that is shifted in a stand leaves more on each foot."""
 _WALKING: Final = (0.1, 0.95)
 """Share of the time in which a walking robot's foot is on the ground."""
 
@@ -56,7 +61,7 @@ def with_raw_levels(
     feet, thresholds = [], []
     for index, foot in enumerate(robot.feet):
         mine = samples.pick(samples.foot == index)
-        level = estimate_level(mine.log_time, mine.force)
+        level = _level(mine)
         rule = contact_rule(level, None)
         offset, loaded = float(level.offset_n[2]), level.loaded_n
         if level.reason or loaded is None or rule.on_n > MOST_OF_LOAD * loaded:
@@ -70,6 +75,21 @@ def with_raw_levels(
     return RawLevels(
         replace(robot, feet=tuple(feet), contact_on_counts=max(thresholds)), estimated=True
     )
+
+
+def _level(samples: Samples) -> SensorLevel:
+    """Return the level of a sensor that load raises, from its counts."""
+    if not len(samples.force):
+        return estimate_level(samples.log_time, samples.force)
+    # A mode that is a count or two narrower than the other must not pass for the unloaded one.
+    low, high = np.percentile(samples.force[:, 2], [5.0, 95.0])
+    blur = np.random.default_rng(0).normal(0.0, _BLUR * (high - low), len(samples.force))
+    level = estimate_level(samples.log_time, samples.force + blur[:, None] * [0.0, 0.0, 1.0])
+    light = level.alternative
+    if light is None or light.loaded_n is None:
+        return level
+    offset = float(light.offset_n[2])
+    return light if 0.0 <= offset <= _UNLOADED * (offset + light.loaded_n) else level
 
 
 def _counts(

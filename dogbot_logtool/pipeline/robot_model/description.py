@@ -6,13 +6,17 @@ from pathlib import Path
 from typing import Final
 from xml.etree import ElementTree as ET
 
+import numpy as np
+
+from dogbot_logtool.core.geometry.arrays import Floats
 from dogbot_logtool.core.scene.foot_style import foot_colour
 from dogbot_logtool.errors import CallError
 from dogbot_logtool.finding import Finding, note, warning
 from dogbot_logtool.io.storage import content
 from dogbot_logtool.pipeline.probe import Probe
 from dogbot_logtool.pipeline.robot_model.primitives import primitive_urdf
-from dogbot_logtool.pipeline.robot_model.skeleton import ModelFoot, skeleton
+from dogbot_logtool.pipeline.robot_model.shape import RobotShape, robot_shape
+from dogbot_logtool.pipeline.robot_model.skeleton import ModelFoot, Skeleton, skeleton
 from dogbot_logtool.pipeline.selection import Selection
 from dogbot_logtool.reader.containers.log import Log
 
@@ -28,6 +32,9 @@ class RobotDescription:
     urdf: str | None
     """None: nothing."""
     findings: tuple[Finding, ...] = ()
+    hips: Floats | None = None
+    """(feet, 3) m, base frame: where lines to standing feet begin, NaN where not known; None: the
+    legs move by transforms, or no foot has a place."""
 
 
 def robot_description(
@@ -47,14 +54,23 @@ def robot_description(
         CallError: the user's file is no URDF.
     """
     given = None if urdf is None else read_urdf(urdf)
+    shape = robot_shape(selection, probe)
+    frames = _skeleton(selection, probe, base_frame)
+    hips = None if frames.legs else _hips(shape, len(selection.robot.feet))
     own = _own_topics(log) if copy else []
     if own:
         text = f"the log has its own robot description ({', '.join(own)}): none is written"
         make = note if given is None else warning
-        return RobotDescription(None, (make("OWN_ROBOT_DESCRIPTION", text),))
-    if given is not None:
-        return RobotDescription(given)
-    return RobotDescription(_of_primitives(selection, probe, base_frame))
+        return RobotDescription(None, (make("OWN_ROBOT_DESCRIPTION", text),), hips)
+    if given is None:
+        given = primitive_urdf(
+            selection.robot.name,
+            frames,
+            shape.forward_axis,
+            selection.robot.mass_kg,
+            list(shape.hips.values()),
+        )
+    return RobotDescription(given, hips=hips)
 
 
 def read_urdf(file: Path) -> str:
@@ -100,13 +116,18 @@ def _own_topics(log: Log) -> list[str]:
     )
 
 
-def _of_primitives(selection: Selection, probe: Probe, base_frame: str) -> str:
-    """Return a URDF of primitives with the log's frames."""
+def _skeleton(selection: Selection, probe: Probe, base_frame: str) -> Skeleton:
+    """Return the log's frames below the base."""
     ambiguous = {child for child, parents in probe.parents.items() if len(parents) > 1}
-    feet = tuple(_feet(selection, probe))
-    frames = skeleton(base_frame, probe.frame_poses, ambiguous, feet)
-    robot = selection.robot
-    return primitive_urdf(robot.name, frames, robot.forward_axis, robot.mass_kg)
+    return skeleton(base_frame, probe.frame_poses, ambiguous, tuple(_feet(selection, probe)))
+
+
+def _hips(shape: RobotShape, feet: int) -> Floats | None:
+    """Return where the lines of legs begin; None: no foot has a place."""
+    if not shape.hips:
+        return None
+    nowhere = (np.nan,) * 3
+    return np.array([shape.hips.get(foot, nowhere) for foot in range(feet)])
 
 
 def _feet(selection: Selection, probe: Probe) -> Iterator[ModelFoot]:

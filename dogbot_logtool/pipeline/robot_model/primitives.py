@@ -20,6 +20,8 @@ _AXES: Final = {"+x": (1, 0), "-x": (-1, 0), "+y": (0, 1), "-y": (0, -1)}
 _DENSITY: Final = 500.0
 """kg/m3 of a body whose legs are not known; half of water's, as robots have."""
 _USUAL_MASS_KG: Final = 12.0
+_FEWEST_HIPS: Final = 3
+"""Assumed hips that span a body."""
 _SHORTEST_LIMB_M: Final = 0.01
 _THICKNESS: Final = 0.045
 """Radius of a limb over the length of a leg."""
@@ -30,7 +32,11 @@ _NOSE: Final = "#2f3640"
 
 
 def primitive_urdf(
-    name: str, frames: Skeleton, forward_axis: str, mass_kg: float | None = None
+    name: str,
+    frames: Skeleton,
+    forward_axis: str,
+    mass_kg: float | None = None,
+    hips: Sequence[Point] = (),
 ) -> str:
     """Return the URDF of a body, limbs between joints, feet in their colours, and a nose.
 
@@ -39,6 +45,7 @@ def primitive_urdf(
         frames: below its base.
         forward_axis: the body axis that points forward, ``+x`` ...
         mass_kg: gives the body's size where the legs do not; None: not known.
+        hips: m, base frame: where legs without frames are assumed to begin.
     """
     robot = ET.Element("robot", name=name)
     colours = {"body": _BODY, "limb": _LIMB, "nose": _NOSE}
@@ -48,12 +55,13 @@ def primitive_urdf(
     links = {
         frame: ET.SubElement(robot, "link", name=frame) for frame in (frames.base, *frames.frames)
     }
-    centre, size = _body(frames, forward_axis, mass_kg)
+    centre, size = _body(frames, forward_axis, mass_kg, hips)
     _add_visual(links[frames.base], "body", centre, "box", size=_text(size))
     _add_nose(links[frames.base], centre, size, forward_axis)
     radius = _limb_radius(frames)
-    for _, pose in frames.limbs:
+    for frame, pose in frames.limbs:
         _add_limb(links[pose.parent], (0.0, 0.0, 0.0), pose.translation, radius)
+        _add_visual(links[frame], "limb", (0.0, 0.0, 0.0), "sphere", radius=_text([radius]))
     for foot in frames.feet:
         _add_limb(links[foot.frame], (0.0, 0.0, 0.0), foot.point, radius)
         material = f"foot {foot.name}"
@@ -64,19 +72,28 @@ def primitive_urdf(
     return ET.tostring(robot, encoding="unicode") + "\n"
 
 
-def _body(frames: Skeleton, forward_axis: str, mass_kg: float | None) -> tuple[Point, Point]:
+def _body(
+    frames: Skeleton, forward_axis: str, mass_kg: float | None, assumed: Sequence[Point]
+) -> tuple[Point, Point]:
     """Return centre and size, m, of the box between the hips; of the mass's size without hips."""
     hips = [frames.frames[leg[-1]].translation for leg in frames.legs]
+    if not hips and len(assumed) >= _FEWEST_HIPS:
+        hips = list(assumed)
     if not hips:
-        third = ((mass_kg or _USUAL_MASS_KG) / _DENSITY / 6.0) ** (1.0 / 3.0)
-        length, width = 3.0 * third, 2.0 * third
+        length, width, height = body_size_m(mass_kg)
         along_x = _AXES[forward_axis][0] != 0
-        return (0.0, 0.0, 0.0), (*((length, width) if along_x else (width, length)), third)
+        return (0.0, 0.0, 0.0), (*((length, width) if along_x else (width, length)), height)
     low, high = np.min(hips, axis=0), np.max(hips, axis=0)
     longest = max(float((high - low)[:2].max()), 0.1)
     x, y = (max(float(side), 0.4 * longest) for side in (high - low)[:2])
     cx, cy, cz = ((low + high) / 2.0).tolist()
     return (cx, cy, cz), (x, y, 0.25 * longest)
+
+
+def body_size_m(mass_kg: float | None) -> tuple[float, float, float]:
+    """Return length, width and height, m, of a body of some mass; None: a usual one."""
+    third = ((mass_kg or _USUAL_MASS_KG) / _DENSITY / 6.0) ** (1.0 / 3.0)
+    return 3.0 * third, 2.0 * third, third
 
 
 def _limb_radius(frames: Skeleton) -> float:

@@ -1,4 +1,4 @@
-"""Where feet touch the ground in the frames of their links, and where frames were first seen."""
+"""Where feet touch the ground in frames of the robot, and where frames were first seen."""
 
 from collections.abc import Mapping, Sequence
 from collections.abc import Set as AbstractSet
@@ -19,6 +19,8 @@ _MOST_SAMPLES: Final = 200
 _FEWEST: Final = 5
 _SPREAD_M: Final = 0.05
 """m, median distance from the median beyond which points are no place of a sole."""
+STANCE_SPREAD_M: Final = 0.3
+"""m, the same in the base's frame, in which a foot moves back while it stands."""
 _GRID_M: Final = 0.02
 """m, to which the points of soles are rounded."""
 _FARTHEST_M: Final = 1.5
@@ -49,8 +51,22 @@ def first_poses(
 class SoleFinder:
     """Collects contact points in the frames of the feet's links."""
 
-    def __init__(self, frames: WorldFrames) -> None:
+    def __init__(
+        self,
+        frames: WorldFrames,
+        spread_m: float = _SPREAD_M,
+        in_base: AbstractSet[int] = frozenset(),
+    ) -> None:
+        """Begin without points.
+
+        Args:
+            frames: how the links hang in the world.
+            spread_m: m, median distance from the median beyond which a foot has no place.
+            in_base: feet whose points are in the base's frame as they are recorded.
+        """
         self._frames = frames
+        self._spread_m = spread_m
+        self._in_base = in_base
         self._points: dict[int, list[Floats]] = {}
 
     def add(self, samples: Sequence[Samples], tracks: TransformBuffer) -> None:
@@ -64,6 +80,9 @@ class SoleFinder:
                 if link is None or not len(rows):
                     continue
                 picked = each.pick(rows)
+                if foot in self._in_base:
+                    self._points.setdefault(foot, []).append(picked.position)
+                    continue
                 time = frames.clock.of(picked)
                 poses = buffer.lookup(link, frames.world, time, picked.log_time)
                 offset = (picked.position - poses.translation)[poses.known]
@@ -79,7 +98,7 @@ class SoleFinder:
                 continue
             middle = np.median(points, axis=0)
             spread = float(np.median(np.sqrt(((points - middle) ** 2).sum(axis=1))))
-            if spread <= _SPREAD_M and float(np.sqrt((middle**2).sum())) <= _FARTHEST_M:
+            if spread <= self._spread_m and float(np.sqrt((middle**2).sum())) <= _FARTHEST_M:
                 # A picture needs no more, and which chunks were looked into hardly shows then.
                 found[foot] = tuple((np.round(middle / _GRID_M) * _GRID_M + 0.0).tolist())
         return found

@@ -10,6 +10,7 @@ from functools import cached_property
 from itertools import islice
 from typing import Final
 
+from dogbot_logtool.io.storage import Location, shown
 from dogbot_logtool.reader.containers.batch import Batch, LoadedChunk
 from dogbot_logtool.reader.containers.contents import Channel, Chunk, Contents, Extra, Schema
 from dogbot_logtool.reader.containers.loss import Loss, lost_messages
@@ -48,6 +49,8 @@ class Log(ABC):
 
     container: str
     """What people call the container: ``ROS 1 bag``, ``MCAP``."""
+    joined: tuple[Location, ...] = ()
+    """Further files that are merged into it."""
     copies_chunks: bool = False
     """Whether its chunks are an MCAP's and can be copied into one as they stand."""
 
@@ -66,6 +69,12 @@ class Log(ABC):
     def compressions(self) -> tuple[str, ...]:
         """Compressions of the chunks, sorted, ``none`` for the absence of one."""
         return tuple(sorted({chunk.compression or "none" for chunk in self.chunks}))
+
+    @property
+    def words(self) -> tuple[str, ...]:
+        """What names it on the command line."""
+        files = tuple(shown(path) for path in (self.source.path, *self.joined))
+        return (*files, "--join") if self.joined else files
 
     @cached_property
     def channels_by_topic(self) -> Mapping[str, tuple[Channel, ...]]:

@@ -55,6 +55,7 @@ class RecordedLog(Log):
             ),
         )
         self.container = log.container
+        self.joined = log.joined
         self.copies_chunks = log.copies_chunks
         self.annotations = annotations
         self._log = log

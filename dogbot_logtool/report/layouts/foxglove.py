@@ -1,4 +1,8 @@
-"""A layout for Foxglove and Lichtblick: the robot beside load curves, gait diagram and events."""
+"""A layout for Foxglove and Lichtblick: robot and events beside load curves and gait diagram.
+
+Curves and gait diagram have the same width and no labels at their left, since only then their time
+axes line up: what a curve spans stands in its title.
+"""
 
 from collections.abc import Sequence
 from typing import Any, Final
@@ -6,6 +10,7 @@ from typing import Any, Final
 from dogbot_logtool.core.scene.foot_style import foot_colour
 from dogbot_logtool.report.layouts.view import View
 from dogbot_logtool.writer.annotations import (
+    LEGS_TOPIC,
     SUPPORT_TOPIC,
     arrow_topic,
     label_topic,
@@ -16,26 +21,42 @@ from dogbot_logtool.writer.robot_description import ROBOT_DESCRIPTION_TOPIC
 EVENTS_TOPIC: Final = "/events"
 _ASIDE_DEG: Final = 40.0
 """The camera looks at the robot's front from this much to its right."""
-_GAIT_ROWS, _LOG_ROWS = 1.6, 1.0
-"""Heights of the gait diagram and of the events, in those of a curve."""
+_MOST_CURVES: Final = 4
+"""Panels of curves: more would be too low to read."""
+_ROW, _AXIS, _TITLE, _SCREEN = 64, 30, 31, 613
+"""Pixels of a row of the gait diagram, of its time axis, of a panel's title, and between the bars
+of a viewer on a screen of 1280 x 720."""
+_MOST_GAIT: Final = 0.55
+"""Of the height, for the gait diagram; what does not fit is scrolled."""
+_EVENTS_SHARE: Final = 20.0
+"""Percent of the height, below the robot."""
 
 Node = str | dict[str, Any]
 
 
 def foxglove_layout(view: View) -> dict[str, Any]:
-    """Return a layout: the robot followed in 3D beside a load curve a foot, gait and events."""
-    curves = {f"Plot!load{row}": _load(view, row) for row in range(len(view.feet))}
-    below = {"StateTransitions!gait": _gait(view.feet), "RosOut!events": _events()}
-    heights = [1.0] * len(curves) + [_GAIT_ROWS, _LOG_ROWS]
+    """Return a layout: the robot followed in 3D and events beside load curves and gait diagram."""
+    per_panel = -(-len(view.feet) // _MOST_CURVES)
+    rows = range(len(view.feet))
+    groups = [rows[first : first + per_panel] for first in rows[::per_panel]]
+    curves = {f"Plot!load{number}": _loads(view, group) for number, group in enumerate(groups)}
+    panels = {**curves, "StateTransitions!gait": _gait(view.feet)}
+    gait = min((_ROW * len(view.feet) + _AXIS + _TITLE) / _SCREEN, _MOST_GAIT)
+    heights = [(1.0 - gait) / max(len(curves), 1)] * len(curves) + [gait]
     return {
-        "configById": {"3D!robot": _scene(view), **curves, **below},
+        "configById": {"3D!robot": _scene(view), "RosOut!events": _events(), **panels},
         "globalVariables": {},
         "userNodes": {},
         "playbackConfig": {"speed": 0.5},
         "layout": {
             "direction": "row",
-            "first": "3D!robot",
-            "second": _stacked([*curves, *below], heights),
+            "first": {
+                "direction": "column",
+                "first": "3D!robot",
+                "second": "RosOut!events",
+                "splitPercentage": 100.0 - _EVENTS_SHARE,
+            },
+            "second": _stacked(list(panels), heights),
             "splitPercentage": 50,
         },
     }
@@ -60,16 +81,17 @@ def _titled(title: str) -> dict[str, Any]:
 
 def _scene(view: View) -> dict[str, Any]:
     drawn = [topic(foot) for foot in view.feet for topic in (arrow_topic, label_topic)]
-    topics = (*drawn, SUPPORT_TOPIC, ROBOT_DESCRIPTION_TOPIC)
+    topics = (*drawn, SUPPORT_TOPIC, LEGS_TOPIC, ROBOT_DESCRIPTION_TOPIC)
     return {
         **_titled("Robot"),
         "cameraState": {
             "perspective": True,
-            "distance": 1.8,
-            "phi": 68,
+            "distance": round(3.7 * view.size_m, 2),
+            "phi": 72,
             # The camera stands at -90 degrees minus this.
             "thetaOffset": (_ASIDE_DEG - view.heading_deg - 90.0) % 360.0,
-            "targetOffset": [0, 0, 0],
+            # Arrows stand above the robot as high as its feet are below it, and more.
+            "targetOffset": [0, 0, round(0.05 * view.size_m, 2)],
             "target": [0, 0, 0],
             "targetOrientation": [0, 0, 0, 1],
             "fovy": 45,
@@ -115,24 +137,28 @@ def _scene(view: View) -> dict[str, Any]:
     }
 
 
-def _load(view: View, row: int) -> dict[str, Any]:
+def _loads(view: View, rows: range) -> dict[str, Any]:
     # The whole log, as in the gait diagram: a view that follows the time is empty at the start.
-    foot = view.feet[row]
+    names = ", ".join(view.feet[row] for row in rows)
+    unit = "[N]" if view.peak_n is None else f"0 to {view.peak_n:g} N"
+    bound = {} if view.peak_n is None else {"maxYValue": view.peak_n}
     return {
-        **_titled(f"{foot} [N]"),
+        **_titled(f"{names}  {unit}"),
         "paths": [
             {
-                "value": f"{load_topic(foot)}.force",
+                "value": f"{load_topic(view.feet[row])}.force",
                 "enabled": True,
                 "timestampMethod": "receiveTime",
-                "label": foot,
+                "label": view.feet[row],
                 "color": foot_colour(row),
                 "showLine": True,
             }
+            for row in rows
         ],
         "minYValue": 0,
-        "showXAxisLabels": row == len(view.feet) - 1,
-        "showYAxisLabels": True,
+        **bound,
+        "showXAxisLabels": False,
+        "showYAxisLabels": False,
         "showLegend": False,
         "legendDisplay": "none",
         "isSynced": True,

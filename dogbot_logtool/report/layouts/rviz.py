@@ -4,7 +4,7 @@ from math import radians
 from typing import Any, Final
 
 from dogbot_logtool.report.layouts.view import View
-from dogbot_logtool.writer.annotations import SUPPORT_TOPIC, arrow_topic, label_topic
+from dogbot_logtool.writer.annotations import LEGS_TOPIC, SUPPORT_TOPIC, arrow_topic, label_topic
 
 _ASIDE_DEG: Final = 40.0
 """The camera looks at the robot's front from this much to its right."""
@@ -16,6 +16,7 @@ def rviz_config(view: View) -> dict[str, Any]:
     RViz takes the robot from the parameter ``robot_description``, not from the topic.
     """
     topics = [topic(foot) for foot in view.feet for topic in (arrow_topic, label_topic)]
+    topics.append(LEGS_TOPIC)
     return {
         "Visualization Manager": {
             "Class": "",
@@ -73,8 +74,8 @@ def _camera(view: View) -> dict[str, Any]:
         "Class": "rviz/Orbit",
         "Name": "Robot",
         "Target Frame": view.base_frame,
-        "Distance": 2.4,
-        "Pitch": 0.4,
+        "Distance": round(4.4 * view.size_m, 2),
+        "Pitch": 0.35,
         "Yaw": round(radians((view.heading_deg - _ASIDE_DEG) % 360.0), 4),
         "Focal Point": {"X": 0, "Y": 0, "Z": 0},
     }

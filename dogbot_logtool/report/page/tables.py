@@ -20,7 +20,7 @@ from dogbot_logtool.report.figures.figure import Json, TableName
 from dogbot_logtool.report.figures.tables import cells_of, columns_of, headers
 from dogbot_logtool.report.numbers import decimal, percent
 
-MOST_STRIDES: Final = 250
+MOST_STRIDES: Final = 200
 """Rows of the stride table."""
 
 

@@ -1,12 +1,14 @@
 """What an output encoding must offer, and what all have in common."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Final, Protocol
 
 from dogbot_logtool.core.events.messages import EventMessage, GaitState
 from dogbot_logtool.writer.template import Kind, Template
 
+Rgb = tuple[float, float, float]
+"""Red, green and blue in [0, 1]."""
 SHAFT_SHARE: Final = 0.77
 """The shaft's share of an arrow's length, as viewers draw ROS markers."""
 HEAD_TO_SHAFT: Final = 2.0
@@ -84,9 +86,9 @@ PROJECTION_LOOK: Final = BallLook(1.5, 0.25, (0.337, 0.706, 0.914, 1.0))
 TOUCHDOWN_LOOK: Final = BallLook(1.0, 0.25, (0.6, 0.6, 0.6, 1.0))
 """Touchdowns have the colours of their feet."""
 LABEL_HEIGHT_M: Final = 0.05
-LABEL_COLOUR: Final = (0.35, 0.35, 0.35, 1.0)
-"""Readable on dark and on light ground."""
-LABEL_WIDTH: Final = 8
+LABEL_COLOUR: Final = (0.95, 0.95, 0.95, 1.0)
+"""Pale: Foxglove writes it on black, RViz has a dark ground."""
+LABEL_WIDTH: Final = 6
 """Characters of the number and its unit in a label, padded with spaces."""
 
 
@@ -120,14 +122,28 @@ def support_points(shape: SupportShape) -> SupportPoints:
     )
 
 
+LEG_COLOUR: Final = (0.36, 0.39, 0.44, 1.0)
+"""Of a leg's line at the hip; at its foot it has the foot's colour."""
+
+
+def leg_points(legs: int) -> tuple[str, ...]:
+    """Return the names of the points of some legs' lines: each hip, then its foot."""
+    return tuple(f"{end}{leg}" for leg in range(legs) for end in ("hip", "foot"))
+
+
+def leg_fields(legs: int) -> Mapping[str, Kind]:
+    """Return the numbers of some legs' lines."""
+    return {f"{point}.{axis}": Kind.FLOAT64 for point in leg_points(legs) for axis in "xyz"}
+
+
 class Encoding(Protocol):
     """Makes templates of the annotations; `registry.py` lists the encodings.
 
     Numbers have the same names in all encodings: ``stamp``; ``x``, ``y``, ``z`` of a position;
     ``qx``, ``qy``, ``qz``, ``qw`` of an orientation; ``length`` of an arrow or, where an encoding
     has none, ``shaft`` and ``head``; ``r``, ``g``, ``b``, ``a``; those of `LOAD_FIELDS`; ``text``
-    of a label; and of each of the `support_points`, ``x``, ``y`` and ``z`` after its name and a
-    dot, of touchdowns also ``r``, ``g`` and ``b``.
+    of a label; and of each of the `support_points` and `leg_points`, ``x``, ``y`` and ``z`` after
+    its name and a dot, of touchdowns also ``r``, ``g`` and ``b``.
     """
 
     transform_type: MessageType
@@ -156,6 +172,9 @@ class Encoding(Protocol):
 
     def support(self, shape: SupportShape, frame: str, style: SupportLook) -> Template:
         """Return a message that draws what the robot stands on; it replaces the one before."""
+
+    def legs(self, colours: Sequence[Rgb], frame: str, look: SupportLook) -> Template:
+        """Return a message of lines from hips to feet of some colours; none removes the lines."""
 
     def event(self, event: EventMessage) -> bytes:
         """Return a message that log panels show."""

@@ -1,6 +1,6 @@
 """Annotations as Foxglove's protobuf messages."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any, Final, cast
 
 from foxglove_schemas_protobuf.Color_pb2 import Color
@@ -32,6 +32,7 @@ from dogbot_logtool.writer.encodings.encoding import (
     HEAD_TO_SHAFT,
     LABEL_COLOUR,
     LABEL_HEIGHT_M,
+    LEG_COLOUR,
     LOAD_FIELDS,
     PRESSURE_LOOK,
     PROJECTION_LOOK,
@@ -39,8 +40,11 @@ from dogbot_logtool.writer.encodings.encoding import (
     ArrowLook,
     BallLook,
     MessageType,
+    Rgb,
     SupportLook,
     SupportShape,
+    leg_fields,
+    leg_points,
     support_points,
 )
 from dogbot_logtool.writer.template import Kind, Number, Template, learn
@@ -243,7 +247,7 @@ class FoxgloveEncoding:
             label.text = f"{name} {values['text']}"
             return message.SerializeToString(deterministic=True)
 
-        return learn(serialise, _STAMP | _POINT | {"text": Kind.TEXT8})
+        return learn(serialise, _STAMP | _POINT | {"text": Kind.TEXT6})
 
     def load(self, state: str) -> Template:
         """See `Encoding.load`."""
@@ -293,6 +297,28 @@ class FoxgloveEncoding:
         return learn(
             serialise, {**_STAMP, **colour, **points.fields, **points.colours(Kind.FLOAT64)}
         )
+
+    def legs(self, colours: Sequence[Rgb], frame: str, look: SupportLook) -> Template:
+        """See `Encoding.legs`."""
+        if not colours:
+            return self.removal("legs", frame)
+        message = SceneUpdate()
+        entity = message.entities.add(id="legs", frame_id=frame)
+        entity.lifetime.FromNanoseconds(round(look.lifetime_s * 1e9))
+        lines = entity.lines.add(type=LinePrimitive.LINE_LIST, thickness=look.mark_m)
+        lines.pose.orientation.w = 1.0
+        points = {name: lines.points.add() for name in leg_points(len(colours))}
+        for colour in colours:
+            for red, green, blue in (LEG_COLOUR[:3], colour):
+                lines.colors.add(r=red, g=green, b=blue, a=1.0)
+
+        def serialise(values: Mapping[str, Number]) -> bytes:
+            _set_time(entity.timestamp, values)
+            for name, point in points.items():
+                _set_parts(point, "xyz", values, f"{name}.")
+            return message.SerializeToString(deterministic=True)
+
+        return learn(serialise, {**_STAMP, **leg_fields(len(colours))})
 
     def event(self, event: EventMessage) -> bytes:
         """See `Encoding.event`."""

@@ -13,6 +13,7 @@ from dogbot_logtool.writer.encodings.encoding import (
     GAIT_NUMBERS,
     LABEL_COLOUR,
     LABEL_HEIGHT_M,
+    LEG_COLOUR,
     LOAD_FIELDS,
     PRESSURE_LOOK,
     PROJECTION_LOOK,
@@ -20,8 +21,11 @@ from dogbot_logtool.writer.encodings.encoding import (
     ArrowLook,
     BallLook,
     MessageType,
+    Rgb,
     SupportLook,
     SupportShape,
+    leg_fields,
+    leg_points,
     support_points,
 )
 from dogbot_logtool.writer.template import Kind, Number, Template, learn
@@ -49,7 +53,7 @@ float64[] phases             # cycles, of each foot
 """
 _NAMESPACE: Final = "dogbot"
 _ADD, _DELETE = 0, 2
-_ARROW_TYPE, _LINE_STRIP_TYPE, _SPHERE_LIST_TYPE, _TEXT_TYPE = 0, 4, 7, 9
+_ARROW_TYPE, _LINE_STRIP_TYPE, _LINE_LIST_TYPE, _SPHERE_LIST_TYPE, _TEXT_TYPE = 0, 4, 5, 7, 9
 _SUPPORT_MARKERS: Final = 4
 """Outline, centre of pressure, projection and touchdowns, in the order of their ids."""
 _STAMP: Final = {"stamp.sec": Kind.UINT32, "stamp.nanosec": Kind.UINT32}
@@ -310,7 +314,26 @@ class RosEncoding(ABC):
             )
             return self._serialise(label, MARKER)
 
-        return learn(serialise, _STAMP | _POINT | {"text": Kind.TEXT8})
+        return learn(serialise, _STAMP | _POINT | {"text": Kind.TEXT6})
+
+    def legs(self, colours: Sequence[Rgb], frame: str, look: SupportLook) -> Template:
+        """See `Encoding.legs`."""
+        if not colours:
+            return self.removal("legs", frame)
+
+        def serialise(values: Mapping[str, Number]) -> bytes:
+            ends = [end for colour in colours for end in (LEG_COLOUR, (*colour, 1.0))]
+            lines = self.marker(
+                self.header(frame, values),
+                type=_LINE_LIST_TYPE,
+                scale=self._vector(look.mark_m, 0.0, 0.0),
+                points=[self.point(values, f"{name}.") for name in leg_points(len(colours))],
+                colors=[self._colour(end) for end in ends],
+                lifetime=self._duration(look.lifetime_s),
+            )
+            return self._serialise(lines, MARKER)
+
+        return learn(serialise, {**_STAMP, **leg_fields(len(colours))})
 
     def load(self, state: str) -> Template:
         """See `Encoding.load`."""

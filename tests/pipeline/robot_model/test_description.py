@@ -32,8 +32,8 @@ def test_a_log_without_one_gets_one_of_its_frames(tmp_path: Path) -> None:
     assert summary.statistics is not None
     assert time == summary.statistics.message_start_time
     robot = ET.fromstring(urdf)  # noqa: S314
-    spheres = robot.findall(".//sphere")
-    assert len(spheres) == 4
+    coloured = [one.get("name", "") for one in robot.findall(".//visual/material")]
+    assert len([name for name in coloured if name.startswith("foot ")]) == 4
     # The sample logs' shins are 0.3 m long, and their round feet roll.
     for foot in ("front_left", "front_right", "back_left", "back_right"):
         (link,) = [one for one in robot.findall("link") if one.get("name") == f"{foot}_lowerleg"]

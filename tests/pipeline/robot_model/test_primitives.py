@@ -86,7 +86,8 @@ def test_limbs_end_at_the_next_joint(end: Point) -> None:
 
 def test_a_shin_ends_at_the_contact_point_in_a_coloured_foot() -> None:
     robot = tree(skeleton("base", POSES, set(), FEET))
-    shin, ball = link(robot, "knee").findall("visual")
+    joint, shin, ball = link(robot, "knee").findall("visual")
+    assert joint.find("origin").get("xyz") == "0 0 0"  # type: ignore[union-attr]
     np.testing.assert_allclose(ends(shin)[1], [0.0, 0.0, -0.3], atol=1e-5)
     assert ball.find("geometry/sphere") is not None
     material = ball.find("material")

@@ -16,7 +16,7 @@ from dogbot_logtool.reader.containers.packed_messages import unpacked
 from dogbot_logtool.reader.containers.source import ByteSource
 
 
-class _Folder(ByteSource):
+class Folder(ByteSource):
     """Stands for the bytes of all files."""
 
     def __init__(self, path: Location, size: int) -> None:
@@ -56,34 +56,16 @@ class JoinedLog(Log):
             logs: at least one.
             losses: damage to the whole.
         """
-        joint = _JointChannels()
+        joint = JointChannels()
         self._parts: list[_Part] = []
         chunks: list[Chunk] = []
-        counts: dict[int, int] = {}
         for log in logs:
             part = _Part(log, joint.take(log.channels), len(chunks))
             self._parts.append(part)
             chunks.extend(_renumbered(chunk, part, row) for row, chunk in enumerate(log.chunks))
-            for number, count in log.counts.items():
-                mine = int(part.channel[number])
-                counts[mine] = counts.get(mine, 0) + count
-        starts = [log.start_time for log in logs if log.start_time is not None]
-        ends = [log.end_time for log in logs if log.end_time is not None]
-        contents = Contents(
-            channels=joint.channels,
-            chunks=chunks,
-            counts=counts,
-            start_time=min(starts, default=None),
-            end_time=max(ends, default=None),
-            profile=logs[0].profile,
-            extras=[
-                replace(extra, file=number)
-                for number, log in enumerate(logs)
-                for extra in log.extras
-            ],
-            losses=(*losses, *(_in_file(loss, log) for log in logs for loss in log.losses)),
-        )
-        super().__init__(_Folder(path, sum(log.source.size for log in logs)), contents)
+        contents = joint_contents(joint.channels, logs, [part.channel for part in self._parts])
+        contents = replace(contents, chunks=chunks, losses=(*losses, *contents.losses))
+        super().__init__(Folder(path, sum(log.source.size for log in logs)), contents)
         storage = logs[0].container
         self.container = storage if "ROS 2 bag" in storage else f"ROS 2 bag ({storage})"
 
@@ -118,7 +100,7 @@ class JoinedLog(Log):
             replace(loaded, chunk=joint[loaded.chunk.offset], whole=False)
             for loaded in batch.chunks
         )
-        losses = tuple(_in_file(loss, part.log) for loss in batch.losses)
+        losses = tuple(loss_in_file(loss, part.log) for loss in batch.losses)
         return unpacked(Batch(batch.buffer, messages, chunks, losses))
 
     def _part(self, chunk: Chunk) -> _Part:
@@ -130,7 +112,7 @@ class JoinedLog(Log):
             part.log.close()
 
 
-class _JointChannels:
+class JointChannels:
     """Channels of all files, each once."""
 
     def __init__(self) -> None:
@@ -159,6 +141,37 @@ class _JointChannels:
         return self._schemas.setdefault(key, fresh)
 
 
+def joint_contents(
+    channels: Mapping[int, Channel], logs: Sequence[Log], numbers: Sequence[Ints]
+) -> Contents:
+    """Return what is known of several files together, but for their chunks.
+
+    Args:
+        channels: of all files.
+        logs: the files.
+        numbers: joint channel id by each file's own, see `JointChannels.take`.
+    """
+    counts: dict[int, int] = {}
+    for log, own in zip(logs, numbers, strict=True):
+        for number, count in log.counts.items():
+            mine = int(own[number])
+            counts[mine] = counts.get(mine, 0) + count
+    return Contents(
+        channels=channels,
+        chunks=(),
+        counts=counts,
+        start_time=min(
+            (log.start_time for log in logs if log.start_time is not None), default=None
+        ),
+        end_time=max((log.end_time for log in logs if log.end_time is not None), default=None),
+        profile=logs[0].profile,
+        extras=[
+            replace(extra, file=number) for number, log in enumerate(logs) for extra in log.extras
+        ],
+        losses=tuple(loss_in_file(loss, log) for log in logs for loss in log.losses),
+    )
+
+
 def _renumbered(chunk: Chunk, part: _Part, row: int) -> Chunk:
     """Return a chunk whose offset is its number among all, so that it stays unique."""
     counts = None
@@ -167,6 +180,6 @@ def _renumbered(chunk: Chunk, part: _Part, row: int) -> Chunk:
     return replace(chunk, offset=part.first + row, counts=counts)
 
 
-def _in_file(loss: Loss, log: Log) -> Loss:
+def loss_in_file(loss: Loss, log: Log) -> Loss:
     """Say in which file it is."""
     return replace(loss, what=f"{file_name(log.source.path)}: {loss.what}")

@@ -91,6 +91,7 @@ def array_source(
     *,
     fewest: int = 0,
     fixed: bool = False,
+    any_package: bool = False,
     is_planned: bool = False,
 ) -> BaseSource:
     """Return the source of poses in an array of numbers, of messages without a header.
@@ -102,11 +103,19 @@ def array_source(
         to_pose: makes positions, (n, 3), and quaternions, (n, 4), of those elements, (n, k).
         fewest: elements below which an array holds no pose.
         fixed: the array's length stands in its definition.
+        any_package: see `BaseSource`.
         is_planned: see `BaseSource`.
     """
     read = partial(_read_array, path=path, part=part, to_pose=to_pose, fewest=fewest, fixed=fixed)
     declared = fixed_numbers(path, max(part.stop, fewest)) if fixed else numbers(path)
-    return BaseSource(type_name, (declared,), read, has_header=False, is_planned=is_planned)
+    return BaseSource(
+        type_name,
+        (declared,),
+        read,
+        has_header=False,
+        any_package=any_package,
+        is_planned=is_planned,
+    )
 
 
 def _read_array(
@@ -164,5 +173,6 @@ OCS2: Final = array_source(
     slice(6, 12),
     _from_yaw_first,
     fewest=18,
+    any_package=True,
     is_planned=True,
 )

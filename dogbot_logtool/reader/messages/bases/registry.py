@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Final
 
 from dogbot_logtool.core.base.odometry import Odometry, concatenate_odometry
@@ -27,6 +28,20 @@ BASE_SOURCES: Final[Mapping[str, tuple[BaseSource, ...]]] = {
 """By type name; a type of which definitions differ has several. The best types come first."""
 
 
+@lru_cache(maxsize=1024)
+def base_type(type_name: str) -> str:
+    """Return the known type as which messages of a type are read; empty: as none.
+
+    Robots' states are known in any package, since drivers copy them into packages of their own.
+    Whether the fields are there, `check_base` tells.
+    """
+    if type_name in BASE_SOURCES:
+        return type_name
+    name = type_name.rpartition("/")[2]
+    known = (one.type_name for one in _SOURCES if one.any_package)
+    return next((one for one in known if one.rpartition("/")[2] == name), "")
+
+
 @dataclass(frozen=True, slots=True)
 class Base:
     """What the base's poses are read from."""
@@ -48,7 +63,7 @@ def base_source(channel: Channel) -> BaseSource:
         DefinitionError: none does; why.
     """
     reasons = []
-    for source in BASE_SOURCES.get(channel.type_name, ()):
+    for source in BASE_SOURCES.get(base_type(channel.type_name), ()):
         try:
             check_channel(channel, source.fields)
         except DefinitionError as error:

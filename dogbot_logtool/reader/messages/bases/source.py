@@ -44,6 +44,8 @@ class BaseSource:
     """Whether each message has one pose and one stamp."""
     is_transform: bool = False
     """Its poses are transforms of the log's own frame tree."""
+    any_package: bool = False
+    """Whether messages of this name and fields are taken from any package."""
     anything: bool = False
     """Such messages can be about anything: only topics that name the base are taken for it."""
     on_request: bool = False
@@ -64,6 +66,7 @@ def pose_source(
     stamp: str = "header.stamp",
     world: str = "header.frame_id",
     base: str = "",
+    any_package: bool = False,
     anything: bool = False,
     on_request: bool = False,
     is_planned: bool = False,
@@ -79,6 +82,7 @@ def pose_source(
         stamp: path of the stamp; empty: there is none.
         world: path of the frame that the pose is in; empty: there is none.
         base: path of the frame that it places; empty: there is none.
+        any_package: see `BaseSource`.
         anything: see `BaseSource`.
         on_request: see `BaseSource`.
         is_planned: see `BaseSource`.
@@ -106,6 +110,7 @@ def pose_source(
         fields=fields,
         read=read,
         has_header=bool(stamp),
+        any_package=any_package,
         anything=anything,
         on_request=on_request,
         is_planned=is_planned,

@@ -10,10 +10,12 @@ SOURCES: Final = (
         "anymal_msgs/AnymalState",
         "pose.pose",
         world="pose.header.frame_id",
+        any_package=True,
     ),
     pose_source(
         "quad_msgs/RobotState",
         "body.pose",
+        any_package=True,
     ),
     # Log time is their only time: `time_from_start` counts from the start of a plan.
     *(
@@ -22,6 +24,7 @@ SOURCES: Final = (
             f"{base}.pose",
             stamp="",
             world="",
+            any_package=True,
             is_planned=True,
         )
         # Today's definition, and the one before it.

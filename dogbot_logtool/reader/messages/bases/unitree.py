@@ -31,11 +31,13 @@ def _read(messages: DecodedMessages, element: str, *, quaternion: str) -> BasePo
 def _source(type_name: str, imu: str) -> BaseSource:
     quaternion = f"{imu}.quaternion"
     fields = (fixed_numbers("position", 3), fixed_numbers(quaternion, 4))
-    return BaseSource(type_name, fields, partial(_read, quaternion=quaternion), has_header=False)
+    read = partial(_read, quaternion=quaternion)
+    return BaseSource(type_name, fields, read, has_header=False, any_package=True)
 
 
 SOURCES: Final = (
     _source("unitree_go/SportModeState", "imu_state"),
+    _source("unitree_go/SportModeState", "imu"),
     _source("unitree_legged_msgs/HighState", "imu"),
     _source("ros2_unitree_legged_msgs/HighState", "imu"),
 )

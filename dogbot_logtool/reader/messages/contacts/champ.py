@@ -34,6 +34,7 @@ SOURCE: Final = ContactSource(
     fields=(time("header.stamp"), text("header.frame_id"), numbers("contacts")),
     read=to_contact_samples,
     elements=_LEGS,
+    any_package=True,
     frame=WrenchFrame.UNKNOWN,
     has_force=False,
     has_points=False,

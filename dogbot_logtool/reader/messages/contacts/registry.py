@@ -53,7 +53,7 @@ SOURCES: Final[Mapping[str, ContactSource]] = by_type(
         joint_foot.SOURCE,
         wrench.SOURCE,
         pronto.SOURCE,
-        spot.SOURCE,
+        *spot.SOURCES,
         champ.SOURCE,
         *flags.SOURCES,
         hrpsys.SOURCE,

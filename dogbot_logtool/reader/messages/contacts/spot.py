@@ -1,43 +1,57 @@
-"""spot_msgs/FootStateArray: which feet of Spot touch. No force, no header."""
+"""spot_msgs/FootStateArray: which feet of Spot touch, and where they are. No force, no header."""
 
+from collections.abc import Sequence
+from functools import partial
 from typing import Final
 
 import numpy as np
 
 from dogbot_logtool.core.frames.wrench_frame import WrenchFrame
-from dogbot_logtool.reader.decode.fields import number, table
-from dogbot_logtool.reader.messages.contacts.source import (
-    ContactSamples,
-    ContactSource,
-    FootChannels,
-    by_element,
-    each_foot,
-    only_contact,
-)
+from dogbot_logtool.reader.decode.fields import number, table, vector
+from dogbot_logtool.reader.messages.contacts.source import ContactSource
+from dogbot_logtool.reader.messages.contacts.whole_robot import FootValues, matrix, reader_of
 from dogbot_logtool.reader.messages.messages import DecodedMessages
+from dogbot_logtool.robot import Foot
 
 _LEGS: Final = ("front_left", "front_right", "back_left", "back_right")
 _MADE, _LOST = 1, 2
 """Values of FootState.contact; any other means that Spot does not know."""
+_POSITION: Final = "foot_position_rt_body"
 
 
-def to_contact_samples(messages: DecodedMessages, feet: FootChannels) -> ContactSamples:
-    """Reduce messages to samples; see `ContactSource.read`."""
-    states = messages.table.nested("states")
+def _values(messages: DecodedMessages, feet: Sequence[Foot], *, position: str) -> FootValues:
+    del feet
+    states, rows = messages.table.nested("states"), len(messages.channel)
     contact = states.table.numbers("contact")
     touches = np.select([contact == _MADE, contact == _LOST], [1.0, 0.0], np.nan)
-    count = len(messages.channel)
-    values = by_element(states, touches, count, len(_LEGS))
-    return each_foot(messages, feet, np.zeros(count, np.int64), values, only_contact)
+    points = None
+    if position:
+        recorded = states.table.vectors(position, "xyz")
+        # Some drivers fill in the contact only; no foot is in the middle of the body.
+        recorded = np.where((recorded != 0.0).any(axis=1, keepdims=True), recorded, np.nan)
+        points = matrix(states, recorded, rows)
+    return FootValues(
+        stamp=np.zeros(rows, np.int64), contact=matrix(states, touches, rows), position=points
+    )
 
 
-SOURCE: Final = ContactSource(
-    type_name="spot_msgs/FootStateArray",
-    fields=(table("states", number("contact")),),
-    read=to_contact_samples,
-    elements=_LEGS,
-    frame=WrenchFrame.UNKNOWN,
-    has_header=False,
-    has_force=False,
-    has_points=False,
-)
+def _source(position: str) -> ContactSource:
+    values = partial(_values, position=position)
+    placed = vector(position) if position else ()
+    return ContactSource(
+        type_name="spot_msgs/FootStateArray",
+        fields=(table("states", number("contact"), *placed),),
+        read=reader_of(values, in_base=bool(position)),
+        values=values,
+        elements=_LEGS,
+        any_package=True,
+        frame=WrenchFrame.UNKNOWN,
+        has_header=False,
+        has_force=False,
+        has_points=bool(position),
+        has_flags=True,
+        in_base=bool(position),
+    )
+
+
+SOURCES: Final = (_source(_POSITION), _source(""))

@@ -2,8 +2,8 @@
 
 from dataclasses import replace
 
-from dogbot_logtool.core.contact.contact_rule import weighed_levels
 from dogbot_logtool.core.contact.sensor_level import SensorLevel, zero_reading
+from dogbot_logtool.core.contact.weighed_levels import weighed_levels
 
 WEIGHT_N = 200.0
 

@@ -1,0 +1,212 @@
+"""Several files of one recording, merged by time: a split series, or one bag a sensor.
+
+Their chunks may overlap in time, and those of a slow topic span much of the recording. So the
+merged log has chunks of its own: spans of time, each with the messages of all files, by log time.
+"""
+
+from bisect import bisect_right
+from collections import Counter
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field, replace
+from typing import Final
+
+import numpy as np
+
+from dogbot_logtool.core.geometry.arrays import Flags
+from dogbot_logtool.reader.containers.batch import Batch, LoadedChunk
+from dogbot_logtool.reader.containers.contents import Chunk, Contents, Extra
+from dogbot_logtool.reader.containers.log import BATCH_SIZE, Log, Span
+from dogbot_logtool.reader.containers.loss import Loss
+from dogbot_logtool.reader.containers.packed_messages import unpacked
+from dogbot_logtool.reader.containers.rosbag2.joined_log import (
+    Folder,
+    JointChannels,
+    joint_contents,
+    loss_in_file,
+)
+from dogbot_logtool.reader.containers.source import ByteSource
+from dogbot_logtool.reader.decode.message_table import concatenate_messages
+
+_EARLIEST: Final = -(1 << 62)
+_LATEST: Final = 1 << 62
+
+
+@dataclass(frozen=True, slots=True)
+class _Piece:
+    """A chunk of one of the files."""
+
+    file: int
+    chunk: Chunk
+
+    @property
+    def start(self) -> int:
+        """ns; as early as can be where it is not known."""
+        return _EARLIEST if self.chunk.start_time is None else self.chunk.start_time
+
+    @property
+    def end(self) -> int:
+        """ns; as late as can be where it is not known."""
+        known = self.chunk.start_time is not None and self.chunk.end_time is not None
+        return max(self.start, self.chunk.end_time or 0) if known else _LATEST
+
+
+@dataclass(slots=True)
+class _Window:
+    """The chunks that may hold messages of a span of time."""
+
+    start: int
+    end: int
+    """ns, the first time behind it."""
+    pieces: list[_Piece] = field(default_factory=list)
+
+    def begins(self, piece: _Piece) -> bool:
+        """Tell whether a chunk begins in it, so that it is counted here."""
+        return self.start <= piece.start < self.end
+
+
+class MergedLog(Log):
+    """Logs of one recording. Channels that are alike in all are one."""
+
+    def __init__(self, logs: Sequence[Log]) -> None:
+        """Merge logs; they are closed with this one. The first one's name stands for all.
+
+        Args:
+            logs: at least two.
+        """
+        first, *others = (log.source.path for log in logs)
+        self.joined = tuple(others)
+        joint = JointChannels()
+        self._logs = logs
+        self._channels = [joint.take(log.channels) for log in logs]
+        pieces = [_Piece(file, chunk) for file, log in enumerate(logs) for chunk in log.chunks]
+        self._windows = _windows(sorted(pieces, key=lambda piece: (piece.start, piece.file)))
+        self._last: dict[int, tuple[int, Batch]] = {}
+        """The batch that was read last of each file, by its chunk's offset: a long chunk reaches
+        over several windows."""
+        contents: Contents = joint_contents(joint.channels, logs, self._channels)
+        chunks = [self._chunk(number) for number in range(len(self._windows))]
+        size = sum(log.source.size for log in logs)
+        super().__init__(Folder(first, size), replace(contents, chunks=chunks))
+        kinds = sorted({log.container for log in logs})
+        self.container = f"{len(logs)} joined logs ({', '.join(kinds)})"
+
+    def _chunk(self, number: int) -> Chunk:
+        window = self._windows[number]
+        own = [piece for piece in window.pieces if window.begins(piece)]
+        compressions = {piece.chunk.compression for piece in own}
+        return Chunk(
+            offset=number,
+            data_offset=number,
+            data_size=sum(piece.chunk.data_size for piece in own),
+            end=number + 1,
+            index_end=number + 1,
+            compression=compressions.pop() if len(compressions) == 1 else "",
+            size=sum(piece.chunk.size for piece in own),
+            start_time=None if window.start == _EARLIEST else window.start,
+            end_time=None if window.end == _LATEST else window.end - 1,
+            counts=self._counts(window),
+        )
+
+    def _counts(self, window: _Window) -> dict[int, int] | None:
+        """Count messages by joint channel: those of chunks that reach on are counted in each."""
+        counts: Counter[int] = Counter()
+        for piece in window.pieces:
+            if piece.chunk.counts is None:
+                return None
+            for number, count in piece.chunk.counts.items():
+                counts[int(self._channels[piece.file][number])] += count
+        return dict(counts)
+
+    @property
+    def can_fork(self) -> bool:
+        """See `Log.can_fork`."""
+        return all(log.can_fork for log in self._logs)
+
+    def source_of(self, extra: Extra) -> ByteSource:
+        """See `Log.source_of`."""
+        return self._logs[extra.file].source
+
+    def read(self, span: Span) -> Batch:
+        """See `Log.read`."""
+        parts: list[Batch] = []
+        losses: list[Loss] = []
+        for chunk in span:
+            window = self._windows[chunk.offset]
+            for piece in window.pieces:
+                batch = self._batch(piece)
+                parts.append(_within(batch, window, piece))
+                if window.begins(piece):
+                    losses += [loss_in_file(loss, self._logs[piece.file]) for loss in batch.losses]
+        return _merged(parts, span, tuple(losses))
+
+    def _batch(self, piece: _Piece) -> Batch:
+        """Read a chunk of a file, with joint channels."""
+        last = self._last.get(piece.file)
+        if last is not None and last[0] == piece.chunk.offset:
+            return last[1]
+        batch = unpacked(self._logs[piece.file].read((piece.chunk,)))
+        channel = self._channels[piece.file][batch.messages.channel]
+        batch = replace(batch, messages=replace(batch.messages, channel=channel))
+        self._last[piece.file] = piece.chunk.offset, batch
+        return batch
+
+    def close(self) -> None:
+        """Close all files."""
+        self._last.clear()
+        for log in self._logs:
+            log.close()
+
+
+def _windows(pieces: Sequence[_Piece]) -> list[_Window]:
+    """Cut the time into windows that begin with a chunk, each of about a batch.
+
+    Args:
+        pieces: by their start.
+    """
+    starts = [_EARLIEST]
+    size = 0
+    for piece in pieces:
+        if size >= BATCH_SIZE and piece.start > starts[-1]:
+            starts.append(piece.start)
+            size = 0
+        size += piece.chunk.size
+    windows = [
+        _Window(start, end) for start, end in zip(starts, [*starts[1:], _LATEST], strict=True)
+    ]
+    for piece in pieces:
+        first = bisect_right(starts, piece.start) - 1
+        for window in _from(windows, first):
+            if window.start > piece.end:
+                break
+            window.pieces.append(piece)
+    return windows
+
+
+def _from(windows: Sequence[_Window], first: int) -> Iterator[_Window]:
+    yield from (windows[number] for number in range(first, len(windows)))
+
+
+def _within(batch: Batch, window: _Window, piece: _Piece) -> Batch:
+    """Return the messages in a window. An index that is wrong about times hides none."""
+    time = np.clip(batch.messages.log_time, piece.start, piece.end)
+    kept: Flags = (time >= window.start) & (time < window.end)
+    if kept.all():
+        return batch
+    return replace(batch, messages=batch.messages.pick(kept))
+
+
+def _merged(parts: Sequence[Batch], span: Span, losses: tuple[Loss, ...]) -> Batch:
+    """Return messages of several batches, by log time."""
+    offsets = np.cumsum([0, *(len(part.buffer) for part in parts)]).tolist()
+    messages = concatenate_messages(
+        [part.messages.shifted(offset) for part, offset in zip(parts, offsets, strict=False)]
+    )
+    messages = messages.pick(np.argsort(messages.log_time, kind="stable"))
+    buffers = [part.buffer for part in parts] or [np.zeros(1, np.uint8)]
+    # All rows are the first chunk's: sorted by time, those of a chunk are not side by side.
+    rows = [slice(0, len(messages)), *[slice(len(messages), len(messages))] * (len(span) - 1)]
+    chunks = tuple(
+        LoadedChunk(chunk, memoryview(b""), 0, own, whole=False)
+        for chunk, own in zip(span, rows, strict=True)
+    )
+    return Batch(np.concatenate(buffers), messages, chunks, losses)

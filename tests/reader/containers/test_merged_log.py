@@ -1,0 +1,110 @@
+"""Files of one recording, merged: the same results as of the recording in one file."""
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+from mcap.reader import make_reader
+
+from dogbot_logtool.commands.convert import convert
+from dogbot_logtool.commands.stats import measure
+from dogbot_logtool.errors import CallError
+from dogbot_logtool.pipeline.options import ConvertOptions, StatsOptions, TopicOptions
+from dogbot_logtool.reader.containers import merged_log
+from dogbot_logtool.report.stats_json import stats_json
+from tests import forked_cli
+from tests.oracles import walks
+
+KIND = "gazebo_msgs/msg/ContactsState"
+
+
+def in_thirds(entry: walks.Entry) -> str:
+    return f"part_{(entry.log_time - walks.START) * 3 // (walks.SAMPLES * walks.STEP)}"
+
+
+def by_sensor(entry: walks.Entry) -> str:
+    """One file a topic: each reaches over the whole time."""
+    return entry.topic.strip("/").replace("/", "_")
+
+
+def by_sensor_late_first(entry: walks.Entry) -> str:
+    """The same, and a file that is named first begins last."""
+    late = entry.log_time - walks.START > walks.SAMPLES * walks.STEP // 2
+    return f"{'a' if late else 'b'}_{by_sensor(entry)}"
+
+
+def write(folder: Path, ros: int, part: Callable[[walks.Entry], str]) -> list[Path]:
+    """Write the walk into several files, with many small chunks."""
+    walk = walks.Walk(ros)
+    parts: dict[str, list[walks.Entry]] = {}
+    for entry in walk.messages(KIND):
+        parts.setdefault(part(entry), []).append(entry)
+    for name, entries in parts.items():
+        if ros == 1:
+            walks._write_bag(folder / f"{name}.bag", walk, entries)
+        else:
+            walks.write_mcap(folder / f"{name}.mcap", walk, entries, chunk_size=20_000)
+    return sorted(folder.iterdir())
+
+
+def figures(paths: list[Path]) -> dict[str, Any]:
+    topics = TopicOptions(joined=tuple(paths[1:]))
+    done = measure(paths[0], StatsOptions(topics, jobs=1))
+    found = stats_json(done.stats, done.facts)
+    del found["log"]["path"], found["log"]["container"]
+    return found
+
+
+def recorded(path: Path) -> list[tuple[int, str, bytes]]:
+    with path.open("rb") as file:
+        messages = make_reader(file).iter_messages(log_time_order=False)
+        found = [(m.log_time, c.topic, m.data) for _, c, m in messages if not c.metadata]
+    return sorted(found)
+
+
+@pytest.mark.parametrize("part", [in_thirds, by_sensor, by_sensor_late_first])
+@pytest.mark.parametrize("ros", [1, 2])
+def test_joined_files_give_the_figures_of_the_whole(
+    tmp_path: Path,
+    ros: int,
+    part: Callable[[walks.Entry], str],
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    (tmp_path / "whole").mkdir()
+    whole = figures(write(tmp_path / "whole", ros, lambda _: "whole"))
+    assert whole["gait"]["class"] == "trot"
+    (tmp_path / "parts").mkdir()
+    paths = write(tmp_path / "parts", ros, part)
+    assert figures(paths) == whole
+    # Many windows of time, over which long chunks reach.
+    monkeypatch.setattr(merged_log, "BATCH_SIZE", 30_000)
+    assert figures(paths) == whole
+
+
+def test_the_joined_output_has_every_message_once(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(merged_log, "BATCH_SIZE", 30_000)
+    (tmp_path / "parts").mkdir()
+    paths = write(tmp_path / "parts", 2, by_sensor)
+    topics = TopicOptions(joined=tuple(paths[1:]))
+    convert(paths[0], tmp_path / "out.mcap", ConvertOptions(topics))
+    expected = sorted(message for path in paths for message in recorded(path))
+    assert recorded(tmp_path / "out.mcap") == expected
+
+
+def test_no_joined_file_is_overwritten(tmp_path: Path) -> None:
+    paths = write(tmp_path, 2, by_sensor)
+    options = ConvertOptions(TopicOptions(joined=tuple(paths[1:])), overwrite=True)
+    with pytest.raises(CallError):
+        convert(paths[0], paths[1], options)
+
+
+def test_join_on_the_command_line_makes_one_output(tmp_path: Path) -> None:
+    paths = write(tmp_path, 2, in_thirds)
+    done = forked_cli.run("convert", "--join", *(path.name for path in paths), folder=tmp_path)
+    assert done.returncode == 0, done.stderr
+    assert sorted(path.name for path in tmp_path.glob("*.annotated.mcap")) == [
+        "part_0.annotated.mcap"
+    ]
