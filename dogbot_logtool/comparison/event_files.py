@@ -52,7 +52,8 @@ def read_event_file(path: Path) -> list[LabelledEvent]:
 
 def _of_yaml(text: str, path: Path) -> Iterator[LabelledEvent]:
     """Yield the events of EUROBENCH's lists of seconds."""
-    from ruamel.yaml import YAML, YAMLError  # noqa: PLC0415 - only here
+    from ruamel.yaml import YAML  # noqa: PLC0415 - only here
+    from ruamel.yaml.error import YAMLError  # noqa: PLC0415
 
     try:
         document = YAML(typ="safe", pure=True).load(text)
