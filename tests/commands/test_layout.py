@@ -151,6 +151,12 @@ def test_all_rows_are_high_enough_to_read(feet: int, most: int) -> None:
     assert column(layout["first"], 613.0)["RosOut!events"] > 100.0
 
 
+def test_a_robot_without_feet_has_no_curves() -> None:
+    layout = foxglove_layout(View((), "w", "b"))
+    assert sorted(layout["configById"]) == ["3D!robot", "RosOut!events", "StateTransitions!gait"]
+    assert layout["layout"]["second"] == "StateTransitions!gait"
+
+
 def test_curves_have_one_scale_and_no_labels_that_would_shift_their_time_axes() -> None:
     """Loads of the trot reach 122 N, as the simulator knows; the walk's weight is 208 N."""
     for log, bound in ((SAMPLE_LOGS / "dogbot_trot.bag", 150.0), (None, 250.0)):

@@ -1,5 +1,6 @@
 """What a log says of itself in words and states: events as sentences, the gait as it changes."""
 
+from itertools import zip_longest
 from typing import Final
 
 import numpy as np
@@ -60,7 +61,7 @@ def gait_states(stats: Stats) -> tuple[GaitState, ...]:
     """Return the gait where it begins, and that it is unknown where a segment ends."""
     states: list[GaitState] = []
     nothing = (float("nan"),) * len(stats.feet)
-    for segment, after in zip(stats.segments, [*stats.segments[1:], None], strict=True):
+    for segment, after in zip_longest(stats.segments, stats.segments[1:]):
         states.append(_state(segment))
         if after is None or after.start > segment.end:
             states.append(GaitState(segment.end, UNKNOWN, nothing[0], nothing[0], nothing))
