@@ -134,6 +134,8 @@ def _settings(
         foot_rolling_m=robot.foot_rolling_m,
         contact_on_counts=robot.contact_on_counts,
         wrench_frame=_FRAMES.get(options.wrench_frame, probe.wrench_frame.frame),
+        wrench_frame_is_inferred=options.wrench_frame not in _FRAMES
+        and probe.wrench_frame.is_inferred,
         time_source=TimeSource.LOG if log_time_because else chosen,
         time_source_reason=log_time_because,
         odometry_topic=selection.odometry[0].topic if selection.odometry else "",

@@ -327,7 +327,8 @@ _LOADING: Final[Sequence[Figure[FootStatistics]]] = (
         lambda foot: foot.braking_impulse_ns,
         "size of the impulse of a stance against the base's forward axis at mid-stance",
         null=f"{_NO_VERTICAL}; no odometry around the stances; the feet's vertical impulse misses "
-        "the weight by more than 5 % (an assumed one: 20 %)",
+        "the weight by more than 5 % (an assumed one: 20 %); forces lean, and neither transforms "
+        "nor the weight tell that they are in the world frame",
     ),
     Figure(
         "propulsive_impulse_ns",
@@ -336,7 +337,8 @@ _LOADING: Final[Sequence[Figure[FootStatistics]]] = (
         lambda foot: foot.propulsive_impulse_ns,
         "impulse of a stance along the base's forward axis at mid-stance",
         null=f"{_NO_VERTICAL}; no odometry around the stances; the feet's vertical impulse misses "
-        "the weight by more than 5 % (an assumed one: 20 %)",
+        "the weight by more than 5 % (an assumed one: 20 %); forces lean, and neither transforms "
+        "nor the weight tell that they are in the world frame",
     ),
     Figure(
         "loading_rate_nps",
