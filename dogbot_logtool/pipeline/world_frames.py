@@ -209,8 +209,8 @@ def _sensor(
     described = selection.robot.feet[foot]
     frame = described.frame or probe.links[foot]
     is_placed = frame is not None and chain_of_frames(parents, frame, world) is not None
-    if described.frame is None and not is_placed and described.place in named:
-        frame = named[described.place]
+    if described.frame is None and described.place is not None and not is_placed:
+        frame = named.get(described.place, frame)
     return FramePoint(frame, described.contact_point_m) if frame else None
 
 
