@@ -46,6 +46,7 @@ TF_TOPIC: Final = "/tf"
 SUPPORT_TOPIC: Final = "/support"
 LEGS_TOPIC: Final = "/legs"
 EVENTS_TOPIC: Final = "/events"
+SPANS_TOPIC: Final = "/events/spans"
 GAIT_TOPIC: Final = "/gait"
 FALLBACK_PREFIX: Final = "/dogbot_logtool"
 _MAX_ID: Final = 0xFFFF
@@ -90,6 +91,8 @@ class EventChannels:
 
     events: int
     gait: int
+    spans: int | None
+    """None: the encoding has no message for spans of time."""
 
 
 class IdSource:
@@ -181,7 +184,9 @@ class Annotations:
         if with_events:
             events = self._declare(EVENTS_TOPIC, encoding.event_type)
             gait = self._declare(GAIT_TOPIC, encoding.gait_type)
-            self.event_channels = EventChannels(events, gait)
+            kind = encoding.span_type
+            spans = None if kind is None else self._declare(SPANS_TOPIC, kind)
+            self.event_channels = EventChannels(events, gait, spans)
 
     def _declare(self, topic: str, kind: MessageType) -> int:
         schema = next((one for one in self.schemas if one.name == kind.name), None)

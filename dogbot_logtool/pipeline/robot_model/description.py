@@ -61,7 +61,7 @@ def robot_description(
     """
     given = None if urdf is None else read_urdf(urdf)
     shape = robot_shape(selection, probe)
-    frames = _skeleton(selection, probe, base_frame)
+    frames = log_skeleton(selection, probe, base_frame)
     hips = None if frames.legs else _hips(shape, len(selection.robot.feet))
     own = sorted({channel.topic for channel in description_channels(log)}) if copy else []
     motion = joint_motion(log, probe, base_frame, given)
@@ -126,7 +126,7 @@ def read_urdf(file: Path) -> str:
     return text
 
 
-def _skeleton(selection: Selection, probe: Probe, base_frame: str) -> Skeleton:
+def log_skeleton(selection: Selection, probe: Probe, base_frame: str) -> Skeleton:
     """Return the log's frames below the base."""
     ambiguous = {child for child, parents in probe.parents.items() if len(parents) > 1}
     return skeleton(base_frame, probe.frame_poses, ambiguous, tuple(_feet(selection, probe)))

@@ -157,6 +157,8 @@ class Encoding(Protocol):
     support_type: MessageType
     event_type: MessageType
     gait_type: MessageType
+    span_type: MessageType | None
+    """Of events as spans of time; None: the encoding has no message for them."""
 
     def transform(self, parent: str, child: str) -> Template:
         """Return a message of one transform."""
@@ -187,6 +189,9 @@ class Encoding(Protocol):
 
     def event(self, event: EventMessage) -> bytes:
         """Return a message that log panels show."""
+
+    def span(self, event: EventMessage) -> bytes:
+        """Return a message that gives an event from its begin to its end, of `span_type`."""
 
     def gait(self, state: GaitState) -> bytes:
         """Return a message that gives the gait from a time on."""

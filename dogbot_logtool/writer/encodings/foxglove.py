@@ -145,6 +145,15 @@ def _own_class(message: DescriptorProto) -> type[Message]:
     return GetMessageClass(pool.FindMessageTypeByName(f"dogbot_logtool.{message.name}"))
 
 
+def _span_class() -> Any:  # noqa: ANN401 - older schemas have no such class
+    """Return the class of events; None where the installed schemas are older than 0.4."""
+    try:
+        from foxglove_schemas_protobuf.Event_pb2 import Event  # noqa: PLC0415
+    except ImportError:
+        return None
+    return Event
+
+
 def _set_time(stamp: Timestamp, values: Mapping[str, Number], prefix: str = "") -> None:
     stamp.seconds = int(values[f"{prefix}stamp.sec"])
     stamp.nanos = int(values[f"{prefix}stamp.nanosec"])
@@ -180,6 +189,10 @@ class FoxgloveEncoding:
         self.event_type = _message_type(Log)
         self._gait_class = _gait_class()
         self.gait_type = _message_type(self._gait_class)
+        self._span_class = _span_class()
+        self.span_type: MessageType | None = (
+            _message_type(self._span_class) if self._span_class else None
+        )
 
     def transform(self, parent: str, child: str) -> Template:
         """See `Encoding.transform`."""
@@ -333,6 +346,15 @@ class FoxgloveEncoding:
         message.file = EVENT_SOURCE
         message.timestamp.FromNanoseconds(event.time)
         return message.SerializeToString(deterministic=True)
+
+    def span(self, event: EventMessage) -> bytes:
+        """See `Encoding.span`."""
+        message = self._span_class()
+        message.start_time.FromNanoseconds(event.time)
+        message.end_time.FromNanoseconds(event.end)
+        for key, value in event.details.items():
+            message.metadata.add(key=key, value=value)
+        return bytes(message.SerializeToString(deterministic=True))
 
     def gait(self, state: GaitState) -> bytes:
         """See `Encoding.gait`."""

@@ -77,6 +77,7 @@ class RosEncoding(ABC):
     """The distribution's log message."""
     log_levels: ClassVar[Mapping[Level, int]]
     """Its numbers of the levels."""
+    span_type: MessageType | None = None
 
     def __init__(self) -> None:
         self._store = get_typestore(self.distribution)
@@ -362,6 +363,10 @@ class RosEncoding(ABC):
             return self._serialise(load, _LOAD)
 
         return learn(serialise, _STAMP | LOAD_FIELDS)
+
+    def span(self, event: EventMessage) -> bytes:
+        """See `Encoding.span`; there is none."""
+        raise NotImplementedError
 
     def event(self, event: EventMessage) -> bytes:
         """See `Encoding.event`."""

@@ -384,3 +384,55 @@ def test_names_in_a_log_are_never_markup(window: Window, tmp_path: Path) -> None
     assert "<b>%{x}" in said
     assert window.complaints() == []
     assert window.requests() == {target.as_uri()}
+
+
+def test_the_walk_is_replayed(window: Window, trot_page: Path, trot_json: Any) -> None:
+    """Playing moves robot, slider and cursors; the view follows, turns, and steps to events."""
+    window.open(trot_page, scheme="dark")
+    picture = "return document.getElementById('replay').toDataURL()"
+    drawn = "return Number(document.getElementById('replay').dataset.drawn)"
+    at = "return Number(document.getElementById('scrub').value)"
+    seek = """
+        const scrub = document.getElementById("scrub");
+        scrub.value = arguments[0];
+        scrub.dispatchEvent(new Event("input"));
+    """
+    before = window.run(picture)
+    window.driver.find_element("id", "play").click()
+    count = window.run(drawn)
+    WebDriverWait(window.driver, 20, 0.05).until(lambda _: window.run(at) > 0.5)
+    window.driver.find_element("id", "play").click()
+    assert window.run(drawn) > count + 3
+    assert window.run(picture) != before
+    shown = window.driver.find_element("id", "cursor").text
+    assert float(shown.split()[1]) == pytest.approx(window.run(at), abs=2e-3)
+
+    window.run(seek, 3.0)
+    still = window.run(picture)
+    canvas = window.driver.find_element("id", "replay")
+    ActionChains(window.driver).drag_and_drop_by_offset(canvas, 80, 20).perform()
+    assert window.run(picture) != still
+    canvas.send_keys(Keys.ARROW_RIGHT)
+    assert window.run(at) == pytest.approx(3.04, abs=1e-3)
+    window.hover("gait", window.pixel("gait", 5.0, 1.0))
+    assert window.run(at) == pytest.approx(5.0, abs=0.02)
+    assert trot_json["log"]["duration_s"] == pytest.approx(
+        float(window.driver.find_element("id", "scrub").get_attribute("max") or 0), abs=0.05
+    )
+    assert window.complaints() == []
+
+
+def test_the_replay_steps_from_event_to_event(window: Window, tmp_path: Path) -> None:
+    log, target = SAMPLE_LOGS / "dogbot_troubled.bag", tmp_path / "troubled.html"
+    Reports([log], Output(target, is_folder=False), StatsOptions(), overwrite=False).write(log)
+    window.open(target)
+    onsets = window.run(
+        "return [...document.querySelectorAll('#events button[data-from]')]"
+        ".map((button) => Number(button.dataset.from))"
+    )
+    assert len(window.driver.find_elements("css selector", "#ticks i")) == len(onsets)
+    window.driver.find_element("css selector", "button[data-replay=forth]").click()
+    at = float(window.driver.find_element("id", "scrub").get_attribute("value") or 0)
+    assert at == pytest.approx(next(each for each in onsets if each > 0.01), abs=1e-3)
+    assert "gap" in window.driver.find_element("id", "happens").text
+    assert window.complaints() == []
