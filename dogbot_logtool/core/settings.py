@@ -48,6 +48,8 @@ class StatsSettings:
     """Of raw sensors without a scale; the reader has applied it."""
     wrench_frame: WrenchFrame = WrenchFrame.UNKNOWN
     """Frame of the forces in `Samples`; samples that are `in_world` are in the world anyway."""
+    wrench_frame_is_inferred: bool = False
+    """Whether that is the world's only since the recorded forces may be in it."""
     time_source: TimeSource | None = None
     """None: header stamps, and `UnusableStamps` when they turn out to be unusable."""
     time_source_reason: str = ""

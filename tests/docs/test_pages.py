@@ -92,6 +92,16 @@ def test_every_code_is_declared() -> None:
     assert codes - finding_kinds().keys() == set()
 
 
+def test_every_finding_says_what_to_do() -> None:
+    """A remedy is something that a person can do, in a sentence."""
+    idle = [
+        code
+        for code, kind in finding_kinds().items()
+        if not kind.remedy.endswith(".") or kind.remedy.startswith("Nothing")
+    ]
+    assert idle == []
+
+
 def test_every_declared_code_is_used() -> None:
     names = {code[2:] for code in finding_kinds()}
     texts = [file.read_text(encoding="utf-8") for file in (ROOT / "dogbot_logtool").rglob("*.py")]
