@@ -179,6 +179,12 @@ def test_every_figure_is_drawn_and_nothing_is_asked_for(window: Window, trot_pag
     assert drawn["ground"] >= 4 * 7
     assert drawn["clock"] == 4
     assert drawn["recording"] == 5
+    script = """
+        const wrong = (each) => Plotly.validate(each.data, each.layout) ?? [];
+        return JSON.parse(document.getElementById("drawings").textContent).flatMap(wrong)
+            .filter((each) => ["schema", "value"].includes(each.code)).map((each) => each.msg);
+    """
+    assert window.run(script) == []
     assert window.complaints() == []
     assert window.requests() == {trot_page.as_uri()}
 
@@ -288,11 +294,8 @@ def test_nothing_is_cut_off_and_colours_follow_the_reader(window: Window, trot_p
         window.show_as(width, scheme)
         WebDriverWait(window.driver, 10, 0.1).until(lambda _: window.run(CUT_OFF) == [])
         assert window.run("return document.documentElement.scrollWidth") <= width
-        WebDriverWait(window.driver, 5, 0.1).until(
-            lambda _, dark=scheme == "dark": (
-                window.brightness() == ((True, False), (False, True))[dark]
-            )
-        )
+        wanted = (scheme == "light", scheme == "dark")
+        WebDriverWait(window.driver, 5, 0.1).until(lambda _, w=wanted: window.brightness() == w)
     assert window.complaints() == []
 
 
