@@ -39,7 +39,22 @@ def _message(event: Event, names: list[str]) -> EventMessage:
     if event.code and event.type is not EventType.GAIT_CHANGE:
         parts.append(event.code)
     level = _LEVELS.get(event.type, Level.WARNING)
-    return EventMessage(event.onset, level, source, ", ".join(filter(None, parts)))
+    details = {
+        "type": str(event.type),
+        "foot": "" if event.foot is None else source,
+        "value": "" if event.value is None else f"{event.value:.9g}",
+        "unit": event.unit,
+        "code": event.code,
+    }
+    return EventMessage(
+        event.onset,
+        level,
+        source,
+        ", ".join(filter(None, parts)),
+        end=event.onset + event.duration,
+        is_step=event.type in STEPS,
+        details={name: text for name, text in details.items() if text},
+    )
 
 
 def gait_states(stats: Stats) -> tuple[GaitState, ...]:

@@ -84,6 +84,11 @@ class WrenchFrameEvidence:
     """The forces turned from the links' frames; None where no transforms turn them."""
 
     @property
+    def is_inferred(self) -> bool:
+        """Whether the world is taken for the frame since the forces as recorded may be in it."""
+        return self.frame is WrenchFrame.WORLD and self.world is not None
+
+    @property
     def samples(self) -> int:
         """Loaded samples that were looked at; 0 where the type of the messages decides."""
         return 0 if self.world is None else self.world.samples

@@ -126,6 +126,15 @@ class Nested:
     table: "Table"
     """m rows."""
 
+    @property
+    def index(self) -> Ints:
+        """(m,) index of each element in the array of its row."""
+        order = np.argsort(self.parent, kind="stable")
+        parent = self.parent[order]
+        index = np.empty(len(parent), np.int64)
+        index[order] = np.arange(len(parent)) - np.searchsorted(parent, parent)
+        return index
+
 
 Rows = NDArray[np.void]
 """(n,) structured; the fields are named by their paths."""
