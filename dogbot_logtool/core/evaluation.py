@@ -76,7 +76,8 @@ class _Walk:
     records: tuple[FootHistory, ...]
     base: BaseHistory
     """Poses without jumps."""
-    recorded_base: BaseHistory
+    placed_base: BaseHistory
+    """Poses among the contact points: with jumps, if these jump with the odometry."""
     track: BaseTrack
     fallen: Ints
     standing: Standing
@@ -147,7 +148,7 @@ class _Walk:
             return None
         return stability(
             self.records,
-            self.recorded_base,
+            self.placed_base,
             self.settings.forward_axis,
             vertical_known=self.vertical_known,
             height_known=bool(np.isfinite(self.track.height_m).any()),
@@ -243,12 +244,13 @@ def _walk(settings: StatsSettings, recorded: Recorded) -> tuple[_Walk, PoseJumps
         _any_strides(records, fallen, standing.without_steps),
         mass_is_assumed=settings.mass_is_assumed,
     )
+    placed_base, worlds = _placed(records, recorded.base, base)
     track = BaseTrack(base, find_travel(base), height, records, standing.still)
     walk = _Walk(
         settings=with_forward_axis(settings, track),
         records=records,
         base=base,
-        recorded_base=recorded.base,
+        placed_base=placed_base,
         track=track,
         fallen=fallen,
         standing=standing,
@@ -256,7 +258,7 @@ def _walk(settings: StatsSettings, recorded: Recorded) -> tuple[_Walk, PoseJumps
         saturated=_saturated(settings, records),
         refuted=tuple(bool(each.level.reason and len(standing.moving)) for each in sensors),
         apart=apart,
-        worlds=compare_worlds([record.track for record in records], base),
+        worlds=worlds,
         vertical_known=weighed.share_of == "vertical_impulse",
         direction_known=not (
             loads.direction_refuted or (settings.wrench_frame_is_inferred and loads.may_be_tilted)
@@ -264,6 +266,24 @@ def _walk(settings: StatsSettings, recorded: Recorded) -> tuple[_Walk, PoseJumps
         upright=not loads.vertical_refuted,
     )
     return walk, jumps
+
+
+def _placed(
+    records: Sequence[FootHistory], recorded: BaseHistory, base: BaseHistory
+) -> tuple[BaseHistory, Worlds | None]:
+    """Return the poses that contact points are compared with, and how they agree.
+
+    Args:
+        records: of all feet.
+        recorded: poses as recorded, jumps and all.
+        base: poses without jumps.
+    """
+    tracks, stances = [each.track for each in records], [each.stances for each in records]
+    worlds = compare_worlds(tracks, recorded, stances)
+    if recorded is base or worlds is None or worlds.agree:
+        return recorded, worlds
+    without = compare_worlds(tracks, base, stances)
+    return (base, without) if without is not None and without.agree else (recorded, worlds)
 
 
 def _saturated(settings: StatsSettings, records: Sequence[FootHistory]) -> tuple[bool, ...]:
