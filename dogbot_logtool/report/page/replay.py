@@ -24,6 +24,8 @@ MOST_FRAMES: Final = 4000
 """Frames of a log: 160 s in full; of a longer one the typical strides and what is near events."""
 BESIDE_NS: Final = 5_000_000_000
 """ns before and after an event that are shown in full."""
+LONGEST_SWING_NS: Final = 1_500_000_000
+"""ns without contact points across which no foot is drawn: it is lifted, or nothing is known."""
 MOST_FOOTFALLS: Final = 1000
 """Of a foot."""
 _SMALL_M: Final = 3.2
@@ -122,7 +124,9 @@ def _foot_points(
         at = record.track.time[known]
         for axis in range(3):
             place[:, axis] = np.interp(time - at[0], at - at[0], record.track.point[known, axis])
-        place[(time < at[0]) | (time > at[-1])] = np.nan
+        after = np.clip(np.searchsorted(at, time), 1, max(len(at) - 1, 1))
+        apart = at[np.minimum(after, len(at) - 1)] - at[after - 1] > LONGEST_SWING_NS
+        place[(time < at[0]) | (time > at[-1]) | apart] = np.nan
     sole = None if limbs is None else limbs.soles[row]
     if limbs is not None and sole is not None:
         swings = ~timespans.covers(record.in_contact, time) | np.isnan(place[:, 0])

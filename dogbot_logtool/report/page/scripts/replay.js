@@ -117,7 +117,7 @@ class Replay {
     pen.clearRect(0, 0, width, height);
     const base = this.at(this.position, row);
     if (isKnown(base) && (this.follows || !this.placed)) {
-      camera.target = [base[0], base[1], this.ground + 0.55 * this.height];
+      camera.target = [base[0], base[1], this.ground + 0.55 * Math.max(this.height, base[2] - this.ground)];
       this.placed = true;
     }
     camera.prepare(width, height);
@@ -284,14 +284,19 @@ class Replay {
     const top = [foot.place[0], foot.place[1], foot.place[2] + length];
     const end = this.camera.see(top);
     if (!end) return;
-    this.line([foot.place, [top[0], top[1], top[2] - 0.15 * length]], foot.colour, Math.max(2, 0.03 * this.height * seen[3]));
-    this.arrowHead(seen, end, foot);
+    this.paintArrow(seen, end, foot, Math.max(2, 0.03 * this.height * seen[3]));
   }
-  arrowHead(from, to, foot) {
+  paintArrow(from, to, foot, width) {
     const { pen } = this;
     const [dx, dy] = [to[0] - from[0], to[1] - from[1]], long = Math.hypot(dx, dy);
     if (long > 2) {
-      const size = Math.min(0.3 * long, 14), [ux, uy] = [dx / long, dy / long];
+      const size = Math.min(0.35 * long, 3.2 * width + 4), [ux, uy] = [dx / long, dy / long];
+      pen.setLineDash([]);
+      Object.assign(pen, { strokeStyle: foot.colour, lineWidth: width, lineCap: "round" });
+      pen.beginPath();
+      pen.moveTo(from[0], from[1]);
+      pen.lineTo(to[0] - size * ux, to[1] - size * uy);
+      pen.stroke();
       pen.beginPath();
       pen.moveTo(to[0], to[1]);
       pen.lineTo(to[0] - size * (ux + 0.45 * uy), to[1] - size * (uy - 0.45 * ux));
