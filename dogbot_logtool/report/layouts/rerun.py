@@ -5,6 +5,7 @@ arrows nor support. Blueprints belong to an application id, which `rerun mcap co
 """
 
 from importlib.util import find_spec
+from math import cos, radians, sin
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Any, Final
@@ -17,6 +18,8 @@ if TYPE_CHECKING:
     from dogbot_logtool.report.layouts.view import View
 
 APPLICATION: Final = "dogbot_logtool"
+_ASIDE_DEG: Final = 40.0
+"""The camera looks at the robot's front from this much to its right."""
 _TIMELINE: Final = "message_log_time"
 _LOAD: Final = "dogbot_logtool.Load:message"
 """The load messages of `convert --encoding foxglove`, as Rerun names what it has no type for."""
@@ -45,6 +48,7 @@ def rerun_blueprint(view: "View") -> bytes:
         origin="/",
         name="Robot",
         spatial_information=rrb.SpatialInformation(target_frame=view.world_frame),
+        eye_controls=_eye(rrb, view),
     )
     loads = [_load(rrb, view, row) for row in range(len(view.feet))]
     blueprint = rrb.Blueprint(
@@ -59,6 +63,17 @@ def rerun_blueprint(view: "View") -> bytes:
         file = Path(folder) / "view.rbl"
         blueprint.save(APPLICATION, file)
         return file.read_bytes()
+
+
+def _eye(rrb: Any, view: "View") -> Any:  # noqa: ANN401 - of a library without types
+    """Return a camera that faces the robot and goes along with its body."""
+    away, angle = 3.7 * view.size_m, radians(view.heading_deg - _ASIDE_DEG)
+    body = f"/{view.robot_name}/visual_geometries/{view.base_frame}/visual_0"
+    return rrb.EyeControls3D(
+        position=[away * cos(angle), away * sin(angle), 0.35 * away],
+        look_target=[0.0, 0.0, 0.0],
+        tracking_entity=body if view.robot_name else None,
+    )
 
 
 def _load(rrb: Any, view: "View", row: int) -> Any:  # noqa: ANN401 - of a library without types
