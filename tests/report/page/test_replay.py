@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 from functools import cache
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -14,6 +15,7 @@ from dogbot_logtool.pipeline.options import StatsOptions
 from dogbot_logtool.report.page.render import page
 from dogbot_logtool.report.page.replay import MOST_FRAMES, frame_times, replay
 from dogbot_logtool.results import Measurement
+from tests.commands.test_convert_joints import write
 from tests.paths import SAMPLE_LOGS
 from tests.report.page.page_data import numbers
 
@@ -72,6 +74,23 @@ def _world(point: Any, position: Any, angles: Any) -> Any:
         about_z = np.array([[c(yaw), -s(yaw), 0], [s(yaw), c(yaw), 0], [0, 0, 1]])
         placed.append(about_z @ about_y @ about_x @ row)
     return position + np.array(placed)
+
+
+def test_joint_states_bend_the_legs_as_the_transforms_do(tmp_path: Path) -> None:
+    """The log without its transforms, but with a robot description, gives the same joints."""
+    log = write(tmp_path / "log.mcap", description=True)
+    found = replay_of(log, OPTIONS, measure(log, OPTIONS))
+    assert found is not None
+    by_transforms, by_states = (
+        (numbers(each["limbs"]["point"]) * each["limbs"]["scale"]).reshape(
+            -1, len(each["limbs"]["parents"]), 3
+        )
+        for each in (shown(), found)
+    )
+    assert len(by_states) == 25
+    row = 10
+    for joint in by_states[row]:
+        assert np.linalg.norm(by_transforms[row] - joint, axis=1).min() < 1e-3
 
 
 def test_without_frames_lines_lead_to_the_feet_and_unknown_feet_are_below_the_base() -> None:
