@@ -131,6 +131,7 @@ def _settings(
         estimated_weight_n=sensors.estimated_weight_n,
         forward_axis=options.forward_axis or robot.forward_axis,
         forward_axis_is_assumed=selection.robot_is_guessed and options.forward_axis is None,
+        com_offset_m=robot.com_offset_m,
         foot_rolling_m=robot.foot_rolling_m,
         contact_on_counts=robot.contact_on_counts,
         wrench_frame=_FRAMES.get(options.wrench_frame, probe.wrench_frame.frame),

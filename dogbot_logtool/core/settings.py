@@ -41,6 +41,8 @@ class StatsSettings:
     """Whether it is that of a robot that was only guessed; then evidence may correct it."""
     forward_axis_reason: str = ""
     """Why it is not that of the robot, when evidence corrected it."""
+    com_offset_m: tuple[float, float, float] | None = None
+    """m, the centre of mass from the base's frame, in its axes; None: taken to be there."""
     foot_rolling_m: float | None = None
     """m, way of the contact point in a stance without slip; None: not known."""
     thresholds: Thresholds = field(default_factory=Thresholds)

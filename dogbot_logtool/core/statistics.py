@@ -230,6 +230,8 @@ class _Walk:
             self.recorded_base,
             self.settings.forward_axis,
             vertical_known=self.vertical_known,
+            height_known=bool(np.isfinite(self.track.height_m).any()),
+            com_offset_m=self.settings.com_offset_m or (0.0, 0.0, 0.0),
             within=within,
         )
 

@@ -15,7 +15,14 @@ from tests.truth.robots import biped, hexapod, quadruped
 from tests.truth.walking import Walk
 
 COARSE = Tolerance(
-    event_s=0.08, duty=0.08, contact=0.06, force=0.15, impulse=0.06, phase=0.06, share=0.04
+    event_s=0.08,
+    duty=0.08,
+    contact=0.06,
+    force=0.15,
+    impulse=0.06,
+    phase=0.06,
+    share=0.04,
+    margin=0.035,
 )
 _OFFSET = "offset|unloaded"
 
@@ -130,6 +137,14 @@ def swinging_legs() -> Iterator[Case]:
         faults = FORCE, sensor.wobble(wobble), sensor.noise(0.05), sensor.offset(newtons)
         unknown = f"{_OFFSET}|CONTACT_UNKNOWN"
         yield Case(name, recorder(walk, *faults), unknown, tolerance=COARSE, skip=("verdict",))
+    stuck = Walk(gait=gaits.WAVE, robot=hexapod(3.3), period_s=0.7, speed_mps=0.05)
+    yield Case(
+        "hexapod of 3.3 kg, wobble 12 %, one sensor stuck",
+        recorder(
+            stuck, FORCE, sensor.wobble(3.9), sensor.noise(0.1), sensor.stuck(6.5, "middle_left")
+        ),
+        "CONTACT_UNKNOWN", "stuck|constant", COARSE,
+    )  # fmt: skip
     counting = Walk(gait=gaits.WALK, robot=quadruped(2.2), period_s=0.9, speed_mps=0.2)
     yield Case(
         "2 kg, wobble 8 %, counted in steps of 0.5 N",

@@ -75,11 +75,12 @@ def compute_annotations(
         first_at_each_tick(poses.time, plan.options.tf_rate_hz, state.last_pose_time)
     )
     transforms = base_transforms(at_ticks)
-    support = [support_scene(at_ticks, trackers)] if plan.draws_support else []
+    com_offset_m = plan.selection.robot.com_offset_m or (0.0, 0.0, 0.0)
+    support = [support_scene(at_ticks, trackers, com_offset_m)] if plan.draws_support else []
     if state.last_pose_time is None and plan.opening_time is not None:
         transforms = from_opening(transforms, plan.opening_time)
         if plan.draws_support:
-            support.append(opening_support(at_ticks, trackers, plan.opening_time))
+            support.append(opening_support(at_ticks, trackers, plan.opening_time, com_offset_m))
     legs = [] if plan.hips is None else [_legs(at_ticks, trackers, plan.hips, state, plan)]
     columns = AnnotationColumns(transforms, arrows, [*loads, silences], support, labels, legs)
     return columns, skipped

@@ -14,13 +14,7 @@ from dogbot_logtool.pipeline.probe import Probe
 from dogbot_logtool.pipeline.robot_model.urdf import parse_urdf, urdf_joints
 from dogbot_logtool.reader.containers.log import Batch, Channel, Log
 from dogbot_logtool.reader.decode.fields import text
-from dogbot_logtool.reader.messages.joints import (
-    JOINT_TYPE,
-    check_joints,
-    decode_joints,
-    joint_names,
-    joint_positions,
-)
+from dogbot_logtool.reader.messages.joints import JOINT_TYPES, check_joints, read_joints
 from dogbot_logtool.reader.messages.messages import check_channel, decode_channels
 
 _MOST_CHUNKS: Final = 64
@@ -46,11 +40,11 @@ class JointMotion:
     def read(self, batch: Batch) -> Iterator[LinkTransforms]:
         """Yield the links of a batch's joint states; those that lack a joint are left out."""
         moving = np.array([joint.kind != "fixed" for joint in self.joints])
-        for messages in decode_joints(batch, [self.channel]):
-            told = joint_positions(messages, [joint.measured for joint in self.joints])
-            rows = np.flatnonzero(np.isfinite(told.position[:, moving]).all(axis=1))
+        for told in read_joints(batch, self.channel):
+            position = told.positions_of([joint.measured for joint in self.joints])
+            rows = np.flatnonzero(np.isfinite(position[:, moving]).all(axis=1))
             log_time = told.log_time[rows]
-            poses = link_poses(self.joints, told.position[rows])
+            poses = link_poses(self.joints, position[rows])
             yield LinkTransforms(log_time, header_time(told.stamp[rows], log_time), poses)
 
 
@@ -109,11 +103,11 @@ def own_description(log: Log) -> str | None:
 
 
 def _joint_channel(log: Log) -> Channel | None:
-    """Return the channel of the joints' measured positions: the one of the shortest topic."""
+    """Return the channel of the joints' measured positions: best type first, then short topics."""
     found = []
     for channel in log.channels.values():
         words = channel.topic.lower()
-        if channel.type_name != JOINT_TYPE or any(word in words for word in _NOT_MEASURED):
+        if channel.type_name not in JOINT_TYPES or any(word in words for word in _NOT_MEASURED):
             continue
         try:
             check_joints(channel)
@@ -121,15 +115,19 @@ def _joint_channel(log: Log) -> Channel | None:
             continue
         if log.counts.get(channel.id, 1):
             found.append(channel)
-    return min(found, key=lambda channel: (len(channel.topic), channel.topic), default=None)
+    return min(
+        found,
+        key=lambda each: (JOINT_TYPES.index(each.type_name), len(each.topic), each.topic),
+        default=None,
+    )
 
 
 def _names(log: Log, channel: Channel) -> frozenset[str]:
     """Return the joints that the first messages of a channel name."""
     for batch in _batches_of(log, channel):
-        for messages in decode_joints(batch, [channel]):
-            if len(messages.channel):
-                return joint_names(messages)
+        for told in read_joints(batch, channel):
+            if len(told.log_time):
+                return frozenset(told.names)
     return frozenset()
 
 

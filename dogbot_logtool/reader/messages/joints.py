@@ -1,15 +1,27 @@
-"""sensor_msgs/JointState to columns."""
+"""Joint states of ROS, Foxglove and Unitree's motors: positions, velocities and efforts by name."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import Final
 
 import numpy as np
 
 from dogbot_logtool.core.geometry.arrays import Floats, Ints
+from dogbot_logtool.errors import DefinitionError
 from dogbot_logtool.reader.containers.batch import Batch
 from dogbot_logtool.reader.containers.contents import Channel
-from dogbot_logtool.reader.decode.fields import numbers, texts, time
+from dogbot_logtool.reader.decode.columns import Nested, Texts
+from dogbot_logtool.reader.decode.fields import (
+    Fields,
+    number,
+    numbers,
+    optional_number,
+    table,
+    text,
+    texts,
+    time,
+)
 from dogbot_logtool.reader.decode.message_layout import ELEMENT
 from dogbot_logtool.reader.messages.messages import (
     DecodedMessages,
@@ -17,55 +29,172 @@ from dogbot_logtool.reader.messages.messages import (
     decode_channels,
 )
 
-JOINT_TYPE: Final = "sensor_msgs/JointState"
-_FIELDS: Final = (time("header.stamp"), texts("name"), numbers("position"))
+_MOTORS: Final = tuple(
+    f"{leg}_{joint}_joint" for leg in ("FR", "FL", "RR", "RL") for joint in ("hip", "thigh", "calf")
+)
+"""Unitree's quadrupeds in the order of their messages, named as in their robot descriptions."""
 
 
 @dataclass(frozen=True, slots=True)
-class JointPositions:
-    """Positions of some joints, in the order of the log."""
+class JointStates:
+    """What n messages say of k joints, in the order of the log; NaN where a message does not."""
 
     log_time: Ints
     """(n,) ns."""
     stamp: Ints
-    """(n,) ns, header stamp as recorded."""
+    """(n,) ns, header stamp as recorded; 0: none."""
+    names: tuple[str, ...]
     position: Floats
-    """(n, joints) rad or m; NaN where a message does not tell."""
+    """(n, k) rad or m."""
+    velocity: Floats
+    """(n, k) rad/s or m/s."""
+    effort: Floats
+    """(n, k) N m or N."""
+
+    def positions_of(self, joints: Sequence[str]) -> Floats:
+        """(n, len(joints)) positions of joints by name; NaN for one that is not there."""
+        found = np.full((len(self.log_time), len(joints)), np.nan)
+        for column, joint in enumerate(joints):
+            if joint in self.names:
+                found[:, column] = self.position[:, self.names.index(joint)]
+        return found
+
+
+@dataclass(frozen=True, slots=True)
+class _JointSource:
+    """How messages of a type tell of joints."""
+
+    type_name: str
+    fields: Fields
+    read: Callable[[DecodedMessages], JointStates]
+
+
+def _matrices(
+    messages: DecodedMessages,
+    stamp: Ints,
+    names: tuple[str, ...],
+    parent: Ints,
+    joint: Ints,
+    values: Sequence[Floats],
+) -> JointStates:
+    """Return values as matrices.
+
+    Args:
+        messages: n messages.
+        stamp: (n,) ns.
+        names: of k joints.
+        parent: (m,) message of each value.
+        joint: (m,) joint of each value.
+        values: position, velocity and effort, (m,) each.
+    """
+    found = []
+    for each in values:
+        matrix = np.full((len(messages.channel), len(names)), np.nan)
+        matrix[parent, joint] = each
+        found.append(matrix)
+    return JointStates(messages.log_time, stamp, names, *found)
+
+
+def _read_ros(messages: DecodedMessages) -> JointStates:
+    """Read arrays of names and values that stand side by side."""
+    named = messages.table.nested("name")
+    joint, names = named.table.texts(ELEMENT).encode()
+    rows = len(messages.channel)
+    values = [
+        _beside(named, messages.table.nested(path), rows)
+        for path in ("position", "velocity", "effort")
+    ]
+    stamp = messages.table.nanoseconds("header.stamp")
+    return _matrices(messages, stamp, names, named.parent, joint, values)
+
+
+def _beside(named: Nested, told: Nested, rows: int) -> Floats:
+    """(m,) value with the index of each name; NaN where an array is shorter than that of names."""
+    width = int(told.index.max(initial=-1)) + 1
+    wide = np.full((rows, max(width, 1)), np.nan)
+    wide[told.parent, told.index] = told.table.numbers(ELEMENT).astype(np.float64)
+    values = np.full(len(named.parent), np.nan)
+    there = named.index < width
+    values[there] = wide[named.parent[there], named.index[there]]
+    return values
+
+
+def _read_foxglove(messages: DecodedMessages) -> JointStates:
+    joints = messages.table.nested("joints")
+    called: Texts = joints.table.texts("name")
+    joint, names = called.encode()
+    values = [
+        joints.table.numbers(path).astype(np.float64) for path in ("position", "velocity", "effort")
+    ]
+    stamp = messages.table.nanoseconds("timestamp")
+    return _matrices(messages, stamp, names, joints.parent, joint, values)
+
+
+def _read_motors(messages: DecodedMessages, *, motors: str, values: Sequence[str]) -> JointStates:
+    told = messages.table.nested(motors)
+    rows = np.flatnonzero(told.index < len(_MOTORS))
+    columns = [told.table.numbers(path).astype(np.float64)[rows] for path in values]
+    stamp = np.zeros(len(messages.channel), np.int64)
+    return _matrices(messages, stamp, _MOTORS, told.parent[rows], told.index[rows], columns)
+
+
+def _motors(type_name: str, motors: str, effort: str) -> _JointSource:
+    values = ("q", "dq", effort)
+    return _JointSource(
+        type_name,
+        (table(motors, *map(number, values)),),
+        partial(_read_motors, motors=motors, values=values),
+    )
+
+
+def _foxglove(type_name: str) -> _JointSource:
+    joint = (text("name"), *map(optional_number, ("position", "velocity", "effort")))
+    return _JointSource(type_name, (time("timestamp"), table("joints", *joint)), _read_foxglove)
+
+
+_SOURCES: Final = {
+    source.type_name: source
+    for source in (
+        _JointSource(
+            "sensor_msgs/JointState",
+            (
+                time("header.stamp"),
+                texts("name"),
+                numbers("position"),
+                numbers("velocity"),
+                numbers("effort"),
+            ),
+            _read_ros,
+        ),
+        _foxglove("foxglove.JointStates"),
+        _foxglove("foxglove_msgs/JointStates"),
+        _motors("unitree_go/LowState", "motor_state", "tau_est"),
+        _motors("go2_interfaces/LowState", "motor_state", "tau_est"),
+        _motors("unitree_legged_msgs/LowState", "motorState", "tauEst"),
+        _motors("ros2_unitree_legged_msgs/LowState", "motor_state", "tau_est"),
+    )
+}
+JOINT_TYPES: Final = tuple(_SOURCES)
+"""The best first."""
 
 
 def check_joints(channel: Channel) -> str:
-    """Check that a channel's messages can be decoded; see `check_channel`."""
-    return check_channel(channel, _FIELDS)
+    """Check that a channel's messages tell of joints and can be decoded; see `check_channel`.
+
+    Raises:
+        DefinitionError: they do not, or cannot.
+    """
+    if channel.type_name not in _SOURCES:
+        raise DefinitionError("it tells of no joints")
+    return check_channel(channel, _SOURCES[channel.type_name].fields)
 
 
-def decode_joints(batch: Batch, channels: Sequence[Channel]) -> list[DecodedMessages]:
-    """Decode the joint states of a batch; see `decode_channels`."""
-    return decode_channels(batch, channels, _FIELDS)
-
-
-def joint_names(messages: DecodedMessages) -> frozenset[str]:
-    """Return the joints that messages name."""
-    _, names = messages.table.nested("name").table.texts(ELEMENT).encode()
-    return frozenset(names)
-
-
-def joint_positions(messages: DecodedMessages, joints: Sequence[str]) -> JointPositions:
-    """Return the positions of joints by name.
+def read_joints(batch: Batch, channel: Channel) -> list[JointStates]:
+    """Read the joint states of a batch that a channel has, one entry a definition.
 
     Args:
-        messages: decoded by `decode_joints`.
-        joints: names.
+        batch: the batch.
+        channel: one that `check_joints` accepts.
     """
-    position = np.full((len(messages.channel), len(joints)), np.nan)
-    named, told = messages.table.nested("name"), messages.table.nested("position")
-    code, names = named.table.texts(ELEMENT).encode()
-    columns = [[column for column, joint in enumerate(joints) if joint == n] for n in names]
-    # A joint's position stands where its name does.
-    values = np.full((len(messages.channel), int(told.index.max(initial=-1)) + 1), np.nan)
-    values[told.parent, told.index] = told.table.numbers(ELEMENT).astype(np.float64)
-    has_value = named.index < values.shape[1]
-    for number, wanted in enumerate(columns):
-        rows = np.flatnonzero((code == number) & has_value)
-        for column in wanted:
-            position[named.parent[rows], column] = values[named.parent[rows], named.index[rows]]
-    return JointPositions(messages.log_time, messages.table.nanoseconds("header.stamp"), position)
+    source = _SOURCES[channel.type_name]
+    return [source.read(messages) for messages in decode_channels(batch, [channel], source.fields)]
