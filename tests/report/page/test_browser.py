@@ -288,7 +288,7 @@ CUT_OFF: Final = """
 """
 
 
-def _looks(wanted: tuple[bool, bool], window: Window) -> bool:
+def _looks(window: Window, wanted: tuple[bool, bool], _: Chrome) -> bool:
     return window.brightness() == wanted
 
 
@@ -300,7 +300,7 @@ def test_nothing_is_cut_off_and_colours_follow_the_reader(window: Window, trot_p
         WebDriverWait(window.driver, 10, 0.1).until(lambda _: window.run(CUT_OFF) == [])
         assert window.run("return document.documentElement.scrollWidth") <= width
         wanted = (scheme == "light", scheme == "dark")
-        WebDriverWait(window, 5, 0.1).until(partial(_looks, wanted))
+        WebDriverWait(window.driver, 5, 0.1).until(partial(_looks, window, wanted))
     assert window.complaints() == []
 
 

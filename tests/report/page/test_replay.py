@@ -44,6 +44,7 @@ def test_the_robot_is_where_the_log_says() -> None:
     history, time = measured().stats.base_history, numbers(shown()["time"])
     assert np.diff(time) == pytest.approx(0.04, abs=1e-4)
     since = (history.time - measured().stats.origin) / 1e9
+    assert abs(history.position[0, :2]).max() < 0.5
     for axis, column in enumerate(points(shown()["position"]).T):
         wanted = np.interp(time, since, history.position[:, axis])
         assert column == pytest.approx(wanted, abs=1e-3)
@@ -119,6 +120,19 @@ def test_without_frames_lines_lead_to_the_feet_and_unknown_feet_are_below_the_ba
     assert "does not tell where the feet are" in html
     assert "<canvas" in html
     assert "<canvas" not in page(stats, measured().facts, [], 0).decode()
+
+
+def test_a_walk_far_from_the_worlds_origin_is_as_exact() -> None:
+    """In UTM coordinates 32 bits would tell half a metre."""
+    stats = measured().stats
+    away = np.array([448_000.0, 5_412_000.0, 0.0])
+    base = replace(stats.base_history, position=stats.base_history.position + away)
+    time = frame_times(stats)
+    near, far = replay(stats, time, None), replay(replace(stats, base_history=base), time, None)
+    assert near is not None
+    assert far is not None
+    moved = [np.diff(points(each["position"]), axis=0) for each in (near, far)]
+    assert moved[0] == pytest.approx(moved[1], abs=1e-5)
 
 
 def test_a_long_log_is_thinned() -> None:
