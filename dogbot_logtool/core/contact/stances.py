@@ -7,7 +7,7 @@ from typing import Final, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from dogbot_logtool.core.contact.loaded_way import loaded_ways
+from dogbot_logtool.core.contact.loaded_way import Ways, loaded_ways, quick_ways
 from dogbot_logtool.core.geometry.arrays import Flags, Floats, Ints
 
 IMPACT_S: Final = 0.050
@@ -71,6 +71,8 @@ class StanceSamples(NamedTuple):
     x: Floats
     """(n,) m, contact point in the world; NaN where there is none; also `y`."""
     y: Floats
+    single: Flags
+    """(n,) whether that is one contact point, not the mean of several."""
     friction: Floats
     """(n,) tangential over normal force; NaN where not known or hardly loaded."""
 
@@ -117,6 +119,11 @@ class StanceFigures(NamedTuple):
     """s after touchdown, the last time before half of that reach with at most a tenth of it."""
     reach_ends_s: Floats
     """s after touchdown, the first time with at least nine tenths of it."""
+    quick_way_m: Floats
+    """m, furthest that a single contact point of the loaded foot goes in `QUICK_S`."""
+    quick_begins_s: Floats
+    """s after touchdown, when it does so; also `quick_ends_s`."""
+    quick_ends_s: Floats
 
 
 @dataclass(frozen=True, slots=True)
@@ -158,7 +165,7 @@ def reduce_stances(samples: StanceSamples) -> StanceFigures:
     spike = _spikes(samples)
     travel, reach = _contact_ways(samples)
     mean = _sums(force, begin, end) / (end - begin)
-    loaded_reach, reach_begins, reach_ends = _loaded_ways(samples, mean)
+    loaded, quick = _loaded_ways(samples, mean)
     peak_samples, peak_rise = _plateaus(samples, peak)
     impact_end = np.minimum(_first_where(samples.time > IMPACT_S, begin), end)
     impact, median = _highest(force, begin, impact_end), quantiles(ordered, begin, end, 0.5)
@@ -181,9 +188,12 @@ def reduce_stances(samples: StanceSamples) -> StanceFigures:
         contact_travel_m=travel,
         contact_reach_m=reach,
         friction_use=_friction_use(samples),
-        loaded_reach_m=loaded_reach,
-        reach_begins_s=reach_begins,
-        reach_ends_s=reach_ends,
+        loaded_reach_m=loaded.metres,
+        reach_begins_s=loaded.begins_s,
+        reach_ends_s=loaded.ends_s,
+        quick_way_m=quick.metres,
+        quick_begins_s=quick.begins_s,
+        quick_ends_s=quick.ends_s,
     )
 
 
@@ -400,8 +410,8 @@ def _contact_ways(samples: StanceSamples) -> tuple[Floats, Floats]:
     return travel, reach
 
 
-def _loaded_ways(samples: StanceSamples, mean: Floats) -> tuple[Floats, Floats, Floats]:
-    """(k,) see `loaded_ways`: of samples from 10 % to 90 % of a stance, with a contact point."""
+def _loaded_ways(samples: StanceSamples, mean: Floats) -> tuple[Ways, Ways]:
+    """(k,) all and quick ways of samples from 10 % to 90 % of a stance, with a contact point."""
     duration = samples.time[samples.end][samples.stance]
     counts = _own_rows(samples) & np.isfinite(samples.x) & np.isfinite(samples.y)
     counts &= (samples.time >= 0.1 * duration) & (samples.time <= 0.9 * duration)
@@ -409,7 +419,11 @@ def _loaded_ways(samples: StanceSamples, mean: Floats) -> tuple[Floats, Floats, 
     stance = samples.stance[rows]
     loaded = samples.force[rows] >= (LOADED * mean)[stance]
     columns = samples.time[rows], samples.x[rows], samples.y[rows]
-    return loaded_ways(*columns, loaded, stance, len(mean))
+    single = loaded & samples.single[rows]
+    return (
+        loaded_ways(*columns, loaded, stance, len(mean)),
+        quick_ways(*columns, single, stance, len(mean)),
+    )
 
 
 def _interpolated(at: Floats, time: Floats, values: Floats, around: tuple[Ints, Ints]) -> Floats:
