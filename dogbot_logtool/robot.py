@@ -86,6 +86,8 @@ class Robot:
     description: str = ""
     mass_kg: float | None = None
     forward_axis: str = "+x"
+    com_offset_m: tuple[float, float, float] | None = None
+    """m: the centre of mass from the base's frame, in its axes; None: taken to be there."""
     foot_rolling_m: float | None = None
     """m: how far a foot's contact point travels in a stance without slipping; None: not known."""
     odometry_topic: str | None = None
@@ -176,6 +178,7 @@ def parse_robot(text: str, source: str) -> Robot:
         description=table.text("description") or "",
         mass_kg=table.positive("mass_kg"),
         forward_axis=table.choice("forward_axis", AXES) or "+x",
+        com_offset_m=table.vector("com_offset_m"),
         foot_rolling_m=table.positive("foot_rolling_m"),
         odometry_topic=topics.text("odometry"),
         world_frame=frames.frame("world"),

@@ -141,6 +141,7 @@ def test_every_key_is_read() -> None:
         description = "eight feet"
         mass_kg = 3
         forward_axis = "-x"
+        com_offset_m = [0.02, 0, -0.01]
         foot_rolling_m = 0.002
         [topics]
         odometry = "/odom"
@@ -170,6 +171,7 @@ def test_every_key_is_read() -> None:
         description="eight feet",
         mass_kg=3.0,
         forward_axis="-x",
+        com_offset_m=(0.02, 0.0, -0.01),
         foot_rolling_m=0.002,
         odometry_topic="/odom",
         world_frame="map",

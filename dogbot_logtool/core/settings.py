@@ -41,6 +41,8 @@ class StatsSettings:
     """Whether it is that of a robot that was only guessed; then evidence may correct it."""
     forward_axis_reason: str = ""
     """Why it is not that of the robot, when evidence corrected it."""
+    com_offset_m: tuple[float, float, float] | None = None
+    """m, the centre of mass from the base's frame, in its axes; None: taken to be there."""
     foot_rolling_m: float | None = None
     """m, way of the contact point in a stance without slip; None: not known."""
     thresholds: Thresholds = field(default_factory=Thresholds)
@@ -48,6 +50,8 @@ class StatsSettings:
     """Of raw sensors without a scale; the reader has applied it."""
     wrench_frame: WrenchFrame = WrenchFrame.UNKNOWN
     """Frame of the forces in `Samples`; samples that are `in_world` are in the world anyway."""
+    wrench_frame_is_inferred: bool = False
+    """Whether that is the world's only since the recorded forces may be in it."""
     time_source: TimeSource | None = None
     """None: header stamps, and `UnusableStamps` when they turn out to be unusable."""
     time_source_reason: str = ""

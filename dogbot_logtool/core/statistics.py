@@ -23,6 +23,7 @@ from dogbot_logtool.core.gait.foot_statistics import (
     foot_statistics,
     overlap,
 )
+from dogbot_logtool.core.gait.planned import PlannedFoot
 from dogbot_logtool.core.gait.segments import (
     GaitInput,
     Segment,
@@ -111,6 +112,8 @@ class Stats:
     """Topics whose clocks are too far from the others' for figures of both."""
     worlds: Worlds | None = None
     """Where the base is among the feet; None where contact points do not tell."""
+    planned: tuple[PlannedFoot | None, ...] = ()
+    """How each foot follows its plan; None without one; empty: the log has no plan beside."""
     all_silent: Ints = field(default_factory=timespans.no_spans)
     """(s, 2) ns, spans in which no foot's sensor sends anything, though the odometry does."""
 
@@ -167,7 +170,9 @@ class _Walk:
     worlds: Worlds | None
     vertical_known: bool
     direction_known: bool
-    """Whether nothing says that the feet's vertical forces miss the weight."""
+    """Whether nothing says that the feet's forces lean otherwise than they seem to."""
+    upright: bool
+    """Whether they are not so far from it that they are no vertical forces."""
 
     @property
     def feet_apart(self) -> bool:
@@ -199,6 +204,7 @@ class _Walk:
                     is_saturated=cut_off,
                     contact_known=not (is_dead or refuted),
                     direction_known=self.direction_known,
+                    vertical_known=self.upright,
                     within=within,
                 ),
                 settings.odometry_topic,
@@ -224,6 +230,8 @@ class _Walk:
             self.recorded_base,
             self.settings.forward_axis,
             vertical_known=self.vertical_known,
+            height_known=bool(np.isfinite(self.track.height_m).any()),
+            com_offset_m=self.settings.com_offset_m or (0.0, 0.0, 0.0),
             within=within,
         )
 
@@ -292,10 +300,10 @@ def _walk(settings: StatsSettings, recorded: Recorded) -> tuple[_Walk, PoseJumps
     base = without_jumps(recorded.base, jumps)
     height = height_over_feet(recorded.base, records)
     fallen = fallen_spans(recorded.base, records, height, jumps.spans)
-    loads = load_figures(
+    weighed = load_figures(
         records, settings.body_weight_n, _any_strides(records, fallen, timespans.no_spans())
     )
-    dead = tuple(dead_feet(records, loads))
+    dead = tuple(dead_feet(records, weighed))
     apart = _too_far_apart(recorded.clocks, typical_period_s([each.stances for each in records]))
     feet_apart = any(foot.topic in apart for foot in settings.feet)
     supported = None if any(dead) or feet_apart else support(records)
@@ -309,7 +317,12 @@ def _walk(settings: StatsSettings, recorded: Recorded) -> tuple[_Walk, PoseJumps
         fallen,
         is_steady=bool(sensors) and all(sensor.is_steady for sensor in sensors),
     )
-    strides = _any_strides(records, fallen, standing.without_steps)
+    loads = load_figures(
+        records,
+        settings.body_weight_n,
+        _any_strides(records, fallen, standing.without_steps),
+        mass_is_assumed=settings.mass_is_assumed,
+    )
     track = BaseTrack(base, find_travel(base), height, records, standing.still)
     walk = _Walk(
         settings=with_forward_axis(settings, track),
@@ -324,13 +337,11 @@ def _walk(settings: StatsSettings, recorded: Recorded) -> tuple[_Walk, PoseJumps
         refuted=tuple(bool(each.level.reason and len(standing.moving)) for each in sensors),
         apart=apart,
         worlds=compare_worlds([record.track for record in records], base),
-        vertical_known=loads.share_of == "vertical_impulse",
-        direction_known=not load_figures(
-            records,
-            settings.body_weight_n,
-            strides,
-            mass_is_assumed=settings.mass_is_assumed,
-        ).direction_refuted,
+        vertical_known=weighed.share_of == "vertical_impulse",
+        direction_known=not (
+            loads.direction_refuted or (settings.wrench_frame_is_inferred and loads.may_be_tilted)
+        ),
+        upright=not loads.vertical_refuted,
     )
     return walk, jumps
 

@@ -105,7 +105,7 @@ def learn_sensors(
         levels = checked_levels(weighed_levels(turned_levels(levels, weight), weight), weight)
     else:
         levels = turned_levels(levels, None)
-    walks = any(level.loaded_n and not level.reason for level in levels)
+    varies = any(level.loaded_n and level.reason != CONSTANT for level in levels)
     estimated = weight_of_levels(levels) if weight is None else None
     return LearntSensors(
         tuple(
@@ -115,7 +115,7 @@ def learn_sensors(
                     level,
                     weight or estimated,
                     thresholds,
-                    others_vary=walks,
+                    others_vary=varies,
                     by_flag=selection.has_flags(foot),
                 ),
             )

@@ -43,6 +43,8 @@ def robot_file(robot: Robot, evidence: RobotEvidence) -> str:
         *_mass(robot, evidence),
         *_forward_axis(evidence),
     ]
+    if robot.com_offset_m is not None:
+        lines.append(f"com_offset_m = [{', '.join(map(_number, robot.com_offset_m))}]")
     if robot.foot_rolling_m is not None:
         lines.append(f"foot_rolling_m = {_number(robot.foot_rolling_m)}")
     if robot.odometry_topic is not None:

@@ -7,6 +7,7 @@ from math import radians
 from tests.truth import gaits, scenes
 from tests.truth import sensor_faults as sensor
 from tests.truth import time_faults as time
+from tests.truth import world_faults as world
 from tests.truth.judging import Case, Tolerance
 from tests.truth.recorders import FORCE, RATE_HZ, recorder
 from tests.truth.recording import disturbed
@@ -14,7 +15,14 @@ from tests.truth.robots import biped, hexapod, quadruped
 from tests.truth.walking import Walk
 
 COARSE = Tolerance(
-    event_s=0.08, duty=0.08, contact=0.06, force=0.15, impulse=0.06, phase=0.06, share=0.04
+    event_s=0.08,
+    duty=0.08,
+    contact=0.06,
+    force=0.15,
+    impulse=0.06,
+    phase=0.06,
+    share=0.04,
+    margin=0.035,
 )
 _OFFSET = "offset|unloaded"
 
@@ -101,6 +109,93 @@ def clocks_and_losses() -> Iterator[Case]:
                 recorder(walk, *faults, rate_hz=rate_hz), said,
                 tolerance=COARSE, skip=("verdict",),
             )  # fmt: skip
+
+
+def swinging_legs() -> Iterator[Case]:
+    """Sensors above the foot, that feel the inertia of the leg in swing."""
+    tall = Walk(gait=gaits.BIPED_WALK, robot=biped(80.0), period_s=1.4)
+    for newtons in (-65.0, -40.0, 20.0):
+        for kilograms in (80.0, None):
+            told = "" if kilograms else ", mass not given"
+            yield Case(
+                f"biped of 80 kg, wobble 100 N, offset {newtons:+g} N{told}",
+                recorder(
+                    tall, FORCE, sensor.wobble(100.0), sensor.noise(3.0), sensor.offset(newtons),
+                    sensor.wrong_mass(kilograms),
+                ),
+                f"{_OFFSET}|mass", "mass" if not kilograms else _OFFSET if newtons < 0 else "",
+                COARSE,
+            )  # fmt: skip
+    cases = (
+        ("hexapod of 2 kg, wobble 8 %, offset -2 N", gaits.TETRAPOD, hexapod(), 1.6, -2.0),
+        ("hexapod of 2 kg, wobble 9 %", gaits.TETRAPOD, hexapod(), 1.8, 0.0),
+        ("pronk, 2 kg, wobble 11 %", gaits.PRONK, quadruped(2.0), 2.2, 0.0),
+        ("bound, 6 kg, wobble 10 %, offset -16 N", gaits.BOUND, quadruped(6.0), 6.0, -16.0),
+    )
+    for name, gait, robot, wobble, newtons in cases:
+        walk = Walk(gait=gait, robot=robot, period_s=0.6, speed_mps=0.2)
+        faults = FORCE, sensor.wobble(wobble), sensor.noise(0.05), sensor.offset(newtons)
+        unknown = f"{_OFFSET}|CONTACT_UNKNOWN"
+        yield Case(name, recorder(walk, *faults), unknown, tolerance=COARSE, skip=("verdict",))
+    stuck = Walk(gait=gaits.WAVE, robot=hexapod(3.3), period_s=0.7, speed_mps=0.05)
+    yield Case(
+        "hexapod of 3.3 kg, wobble 12 %, one sensor stuck",
+        recorder(
+            stuck, FORCE, sensor.wobble(3.9), sensor.noise(0.1), sensor.stuck(6.5, "middle_left")
+        ),
+        "CONTACT_UNKNOWN", "stuck|constant", COARSE,
+    )  # fmt: skip
+    counting = Walk(gait=gaits.WALK, robot=quadruped(2.2), period_s=0.9, speed_mps=0.2)
+    yield Case(
+        "2 kg, wobble 8 %, counted in steps of 0.5 N",
+        recorder(
+            counting, FORCE, sensor.wobble(1.7), sensor.noise(0.06), sensor.quantised(0.5),
+            rate_hz=100.0,
+        ),
+        f"{_OFFSET}|CONTACT_UNKNOWN", tolerance=COARSE, skip=("verdict",),
+    )  # fmt: skip
+
+
+def contradictory() -> Iterator[Case]:
+    """Offsets beside a second fault that hides which is which."""
+    tall = Walk(gait=gaits.BIPED_WALK, robot=biped(80.0))
+    yield Case(
+        "saturated at 500 N, biped of 80 kg, 4 strides",
+        recorder(replace(tall, seconds=3.2), FORCE, sensor.noise(2.0), sensor.saturated(500.0)),
+        "SATURATED|IMPULSE", tolerance=COARSE, skip=("verdict", "peak force", "load share"),
+    )  # fmt: skip
+    yield Case(
+        "offset -60 N, biped of 80 kg, mass -20 % wrong",
+        recorder(
+            tall, FORCE, sensor.noise(2.0), sensor.offset(-60.0), sensor.wrong_mass(64.0)
+        ),
+        "mass", "mass", COARSE, skip=("impulse",),
+    )  # fmt: skip
+    slope = Walk(gait=gaits.BIPED_WALK, robot=biped(57.0), slope_rad=radians(14))
+    yield Case(
+        "slope of 14 degrees, two feet, odometry begins at z = 0",
+        recorder(slope, world.base_from_zero), skip=("verdict",),
+    )  # fmt: skip
+    for name, faults, rate_hz in (
+        ("bumpers", (), 100.0),
+        ("force sensors, 50 Hz", (FORCE, sensor.noise(0.05)), 50.0),
+    ):
+        yield Case(
+            f"quick steps logged in bursts of 0.1 s, {name}",
+            recorder(
+                Walk(gait=gaits.WAVE, robot=hexapod(), period_s=0.6, speed_mps=0.1),
+                *faults, time.in_bursts(0.1), rate_hz=rate_hz,
+            ),
+            "OFFSET_UNKNOWN", tolerance=COARSE, skip=("verdict",),
+        )  # fmt: skip
+    for newtons in (-60.0, -20.0, 20.0):
+        wheels = "without steps|wheel"
+        offset = FORCE, sensor.noise(0.5), sensor.offset(newtons)
+        yield Case(
+            f"rolling on wheels, offset {newtons:+g} N",
+            lambda offset=offset: disturbed(scenes.rolling().recorded(RATE_HZ), *offset),  # type: ignore[misc]
+            wheels, wheels,
+        )  # fmt: skip
 
 
 def in_the_air() -> Iterator[Case]:

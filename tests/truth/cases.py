@@ -25,6 +25,8 @@ def groups() -> dict[str, tuple[Case, ...]]:
         "Hexapods": tuple(attack_cases.hexapods()),
         "Slopes across": tuple(attack_cases.slopes_across()),
         "Clocks and losses together": tuple(attack_cases.clocks_and_losses()),
+        "Swinging legs": tuple(attack_cases.swinging_legs()),
+        "Faults that contradict": tuple(attack_cases.contradictory()),
         "No foot on the ground": tuple(attack_cases.in_the_air()),
         "A walk, and then": tuple(other_cases.sequences()),
     }

@@ -30,6 +30,8 @@ class Tolerance:
     """Of the force."""
     impulse: float = 0.03
     share: float = 0.02
+    margin: float = 0.01
+    """m"""
     speed: float = 0.02
     """Of the speed, or m/s: the larger."""
     phase: float = 0.03
@@ -204,13 +206,14 @@ def _whole(case: Case, recording: Recording, found: Outcome) -> Iterator[Judged]
         ("height", "base.height_m.mean", truth.height_m, 0.02 * (truth.height_m or 0.0)),
         ("impulse", "forces.vertical_impulse_over_weight", truth.impulse_over_weight,
          allow.impulse),
-        ("margin", "stability.static_margin_m.mean", truth.static_margin_m, 0.01),
+        ("margin", "stability.static_margin_m.mean", truth.static_margin_m, allow.margin),
+        ("energy margin", "stability.energy_margin_m.mean", truth.energy_margin_m, 0.001),
         ("froude", "base.froude", truth.froude, 0.05 * (truth.froude or 0.0)),
         ("pitch", "base.pitch_rad.mean", truth.pitch_rad, 0.01),
         ("climb", "base.climb_m", truth.climb_m, 0.05),
     )  # fmt: skip
     for name, key, true, allowed in wanted:
-        if true is None or (name == "margin" and recording.kind == "wrench"):
+        if true is None or ("margin" in name and recording.kind == "wrench"):
             continue
         yield _numbers(case, found, name, [key], [true], allowed)
 

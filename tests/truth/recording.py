@@ -68,6 +68,8 @@ class Truth:
     """Classes one after another, where there are several."""
     impulse_over_weight: float | None = 1.0
     static_margin_m: float | None = None
+    """Mean, of the base's ground projection, while three feet are down."""
+    energy_margin_m: float | None = None
     """Where it does not change."""
     falls_s: tuple[float, ...] = ()
     carried_s: tuple[tuple[float, float], ...] = ()

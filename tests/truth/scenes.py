@@ -97,7 +97,12 @@ def _no_steps(contact_fraction: float = 1.0) -> tuple[FootTruth, ...]:
     return (FootTruth((), (), contact_fraction),) * 4
 
 
-STILL = Truth("stand", _no_steps(), path_length_m=0.0, height_m=0.45, static_margin_m=0.15)
+STILL: Final = Truth(
+    "stand", _no_steps(), path_length_m=0.0, height_m=0.45, static_margin_m=0.15,
+    energy_margin_m=float(np.hypot(0.45, 0.15) - 0.45),
+)  # fmt: skip
+MOVING = replace(STILL, energy_margin_m=None)
+"""The same at a height that changes."""
 
 
 def standing() -> Scene:
@@ -117,21 +122,21 @@ def shifting_weight() -> Scene:
 def crouching() -> Scene:
     """Stand, crouch with all the weight on the feet, and rise again."""
     height = through((2.0, 0.45), (3.0, 0.2), (5.0, 0.2), (6.0, 0.45))
-    return Scene(replace(STILL, height_m=None, path_length_m=0.0), height=height)
+    return Scene(replace(MOVING, height_m=None, path_length_m=0.0), height=height)
 
 
 def sitting_down() -> Scene:
     """Stand, then sit down slowly: the belly takes most of the weight from the feet."""
     height = through((3.0, 0.45), (5.0, 0.14))
     load = through((4.5, 0.25), (5.2, 0.05))
-    truth = replace(STILL, height_m=None, path_length_m=0.0, impulse_over_weight=None)
+    truth = replace(MOVING, height_m=None, path_length_m=0.0, impulse_over_weight=None)
     return Scene(truth, height=height, loads=(load,) * 4)
 
 
 def sitting() -> Scene:
     """Sit on the belly, no foot loaded."""
     truth = replace(
-        STILL, gait_class=None, feet=_no_steps(0.0), height_m=None, static_margin_m=None,
+        MOVING, gait_class=None, feet=_no_steps(0.0), height_m=None, static_margin_m=None,
         impulse_over_weight=None,
     )  # fmt: skip
     return Scene(truth, height=constant(0.14), loads=(NONE,) * 4)
@@ -141,7 +146,7 @@ def standing_up() -> Scene:
     """Lie on the belly, then stand up."""
     height = through((3.0, 0.14), (5.0, 0.45))
     load = through((2.8, 0.05), (3.5, 0.25))
-    truth = replace(STILL, height_m=None, path_length_m=0.0, impulse_over_weight=None)
+    truth = replace(MOVING, height_m=None, path_length_m=0.0, impulse_over_weight=None)
     return Scene(truth, height=height, loads=(load,) * 4)
 
 
@@ -152,7 +157,7 @@ def carried() -> Scene:
     load = through((1.98, 0.25), (2.02, 0.0), (5.98, 0.0), (6.02, 0.25))
     foot = FootTruth(touchdown_s=(6.0,), liftoff_s=(2.0,), contact_fraction=0.5)
     truth = replace(
-        STILL,
+        MOVING,
         gait_class=None,
         feet=(foot,) * 4,
         height_m=None,
@@ -160,6 +165,7 @@ def carried() -> Scene:
         forward_speed_mps=0.25,
         impulse_over_weight=None,
         static_margin_m=None,
+        energy_margin_m=None,
         carried_s=((2.0, 6.0),),
     )
     # While it stands again, its feet are where it was put down.
@@ -172,7 +178,7 @@ def falling() -> Scene:
     roll = through((4.0, 0.0), (4.5, 1.4))
     sides = through((4.0, 0.25), (4.5, 0.08)), through((4.0, 0.25), (4.4, 0.0))
     truth = replace(
-        STILL, height_m=None, path_length_m=0.0, impulse_over_weight=None,
+        MOVING, height_m=None, path_length_m=0.0, impulse_over_weight=None,
         static_margin_m=None, falls_s=(4.0,),
     )  # fmt: skip
     return Scene(truth, height=height, roll=roll, loads=(sides[1], sides[0]) * 2)
@@ -182,7 +188,11 @@ def tipping() -> Scene:
     """Stand, then tip over a side; the recording ends on the way down."""
     roll = through((7.0, 0.0), (8.0, 0.35))
     left, right = through((7.0, 0.25), (7.8, 0.0)), through((7.0, 0.25), (7.8, 0.5))
-    return Scene(replace(STILL, static_margin_m=None), roll=roll, loads=(left, right) * 2)
+    return Scene(
+        replace(MOVING, static_margin_m=None),
+        roll=roll,
+        loads=(left, right) * 2,
+    )
 
 
 def rolling() -> Scene:

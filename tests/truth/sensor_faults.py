@@ -155,6 +155,28 @@ def inertia(newtons: float) -> Disturbance:
     return lambda recording: recording.each_foot(change)
 
 
+def wobble(newtons: float, turns: int = 2) -> Disturbance:
+    """Let feet feel in each swing the legs' inertia, which adds up to nothing.
+
+    Args:
+        newtons: largest force along z; a third of it goes forward.
+        turns: half waves in a swing, at least two.
+    """
+
+    def change(foot: FootRecording, swing_s: float) -> FootRecording:
+        ends = np.flatnonzero(foot.touching[:-1] & ~foot.touching[1:]) + 1
+        swing = np.searchsorted(ends, np.arange(len(foot.time)), side="right") - 1
+        known = ~foot.touching & (swing >= 0)
+        since = foot.time - foot.time[ends[np.maximum(swing, 0)]]
+        part = np.pi * np.clip(since / swing_s, 0.0, 1.0)
+        force = np.where(known, newtons * np.sin(part) * np.sin(turns * part), 0.0)
+        return replace(foot, force=foot.force + np.outer(force, (0.3, 0.0, 1.0)))
+
+    return lambda recording: recording.each_foot(
+        lambda row, foot: change(foot, recording.truth.feet[row].swing_s or np.inf)
+    )
+
+
 def wrong_mass(mass_kg: float | None) -> Disturbance:
     """Let the user give another mass, or none."""
     return lambda recording: replace(recording, given={**recording.given, "mass_kg": mass_kg})

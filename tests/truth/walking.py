@@ -13,6 +13,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from tests.truth.gaits import TROT, Gait
+from tests.truth.margins import mean_margin
 from tests.truth.recording import (
     Floats,
     FootRecording,
@@ -27,6 +28,9 @@ from tests.truth.recording import (
     turned,
 )
 from tests.truth.robots import GRAVITY_MPS2, Robot, quadruped
+
+MARGIN_HZ = 50.0
+"""The margin is looked at so often; `stats` does so 25 times a second."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -191,7 +195,18 @@ class Walk:
             pitch_rad=-self.slope_rad,
             climb_m=self.speed_mps * self.seconds * float(np.sin(self.slope_rad)),
             support=self.gait.support(),
+            static_margin_m=self._static_margin_m(),
         )
+
+    def _static_margin_m(self) -> float | None:
+        """Return the mean margin of the base's ground projection."""
+        if len(self.robot.feet) < 3:
+            return None
+        time = sample_times(self.seconds, MARGIN_HZ)
+        feet = range(len(self.robot.feet))
+        soles = np.stack([self.sole(foot, time)[:, :2] for foot in feet], axis=1)
+        down = np.stack([self.cycles(foot, time) % 1.0 < self.gait.duty for foot in feet], axis=1)
+        return mean_margin(soles, down, self.base(time)[:, :2])
 
     def _foot_truth(self, foot: int) -> FootTruth:
         duty, phases = self.gait.duty, self.gait.phases

@@ -17,7 +17,12 @@ from dogbot_logtool.core.geometry.clock import (
     advancing,
     first_at_each_tick,
 )
-from dogbot_logtool.core.geometry.rotations import normalised, roll_pitch_yaw, rotate
+from dogbot_logtool.core.geometry.rotations import (
+    from_roll_pitch_yaw,
+    normalised,
+    roll_pitch_yaw,
+    rotate,
+)
 from dogbot_logtool.core.quality.quality import steady_rhythm
 
 POSE_RATE_HZ: Final = 100.0
@@ -77,6 +82,19 @@ class BaseHistory:
             (n, 3) m, NaN in gaps, and before and after the poses.
         """
         return self._interpolated(time, self.position)
+
+    def point_at(self, time: Ints, in_body_m: Floats) -> Floats:
+        """Return where a point of the body is; (n, 3) m, NaN like `position_at`.
+
+        Args:
+            time: (n,) ns.
+            in_body_m: (3,) m, from the base's frame, in its axes.
+        """
+        position = self.position_at(time)
+        if not in_body_m.any():
+            return position
+        turn = from_roll_pitch_yaw(self.angles_at(time))
+        return position + rotate(turn, np.broadcast_to(in_body_m, position.shape))
 
     def angles_at(self, time: Ints) -> Floats:
         """Interpolate roll, pitch and unwrapped yaw; (n, 3) rad, NaN like `position_at`."""

@@ -30,6 +30,10 @@ LASTING_S: Final = 0.3
 """A fall lasts; a single wrong pose does not make one."""
 SLOWEST_FALL: Final = 4.0
 """Times the duration of a free fall from which a descent is sitting down."""
+SLOWEST_UPRIGHT_FALL: Final = 2.0
+"""The same of a base that keeps upright: legs that give way all at once."""
+LEANS_RAD: Final = 0.25
+"""A base that leans less on its way down, and when it is down, keeps upright."""
 TOPPLES_S: Final = 3.0
 """s, from upright to lying on a side, at most; what is slower is laid down."""
 LOADED_S: Final = 0.5
@@ -74,8 +78,8 @@ def fallen_spans(
     posture = _posture(base, feet, height_m)
     lying = timespans.spans_where(base.time, posture.lies[:-1])
     lying = lying[lying[:, 1] - lying[:, 0] >= LASTING_S * 1e9]
-    tilted = _tilt(base.angles) > TILT_RAD
-    onsets = [_fell_since(int(start), posture, feet, jumps, tilted) for start in lying[:, 0]]
+    tilt = _tilt(base.angles)
+    onsets = [_fell_since(int(start), posture, feet, jumps, tilt) for start in lying[:, 0]]
     falls = [(since, end) for since, end in zip(onsets, lying[:, 1], strict=True) if since]
     return timespans.merge(np.array(falls, np.int64).reshape(-1, 2))
 
@@ -111,7 +115,7 @@ def _standing_height_m(
 
 
 def _fell_since(
-    start: int, posture: _Posture, feet: Sequence[FootHistory], jumps: Ints, tilted: Flags
+    start: int, posture: _Posture, feet: Sequence[FootHistory], jumps: Ints, tilt: Floats
 ) -> int | None:
     """Return when the fall into the lying that begins at `start` began, ns; None: it is none."""
     row = int(np.searchsorted(posture.time, start))
@@ -119,7 +123,11 @@ def _fell_since(
     if len(stood) == 0:
         return None
     since = int(posture.time[stood[-1]])
-    longest = TOPPLES_S if tilted[row] else _longest_fall_s(posture.standing_height_m)
+    down = int(np.searchsorted(posture.time, start + round(LASTING_S * 1e9), side="right"))
+    leans = bool((tilt[stood[-1] : down] > LEANS_RAD).any())
+    slowest = SLOWEST_FALL if leans else SLOWEST_UPRIGHT_FALL
+    tilted = tilt > TILT_RAD
+    longest = TOPPLES_S if tilted[row] else slowest * _free_fall_s(posture.standing_height_m)
     if start - since > longest * 1e9:
         return None
     descent = np.array([[since, start]], np.int64)
@@ -131,10 +139,10 @@ def _fell_since(
     return began if since - began <= TOPPLES_S * 1e9 else since
 
 
-def _longest_fall_s(height_m: float | None) -> float:
-    """Return how long a fall from standing to lying takes at most, s."""
+def _free_fall_s(height_m: float | None) -> float:
+    """Return how long a free fall from standing to lying takes, s."""
     drop = (STANDING - LYING) * (height_m or 0.0)
-    return SLOWEST_FALL * float(np.sqrt(2.0 * drop / GRAVITY_MPS2))
+    return float(np.sqrt(2.0 * drop / GRAVITY_MPS2))
 
 
 def _loaded_before(feet: Sequence[FootHistory], since: int, start: int) -> bool:

@@ -14,6 +14,10 @@ NOISY_ON, NOISY_OFF = 0.08, 0.04
 """The same of any other sensor."""
 ON_NOISES, OFF_NOISES = 5.0, 3.0
 """Thresholds are at least so many standard deviations of the noise."""
+ON_WOBBLES: Final = 1.25
+"""Times the furthest that an unloaded sensor strays, by a leg's inertia."""
+ON_TO_OFF: Final = 0.8
+"""Where that decides, contact ends at the furthest itself, or at this share of `on` at most."""
 MOST_OF_LOAD: Final = 0.5
 """Largest share of the usual load that may be needed to detect contact."""
 STEPS_UNCLEAR: Final = frozenset({ALTERNATE, NOISY, WIDE})
@@ -98,8 +102,8 @@ def contact_rule(
     if level.zero_in_swing:
         on, off = ZERO_ON * scale, ZERO_OFF * scale
     else:
-        on = max(NOISY_ON * scale, ON_NOISES * noise)
-        off = max(NOISY_OFF * scale, OFF_NOISES * noise)
+        on = max(NOISY_ON * scale, ON_NOISES * noise, ON_WOBBLES * level.wobble_n)
+        off = max(NOISY_OFF * scale, OFF_NOISES * noise, min(level.wobble_n, ON_TO_OFF * on))
     on = given.on_n or max(on, ANY_FORCE_N)
     off = min(given.off_n or off, on)
     estimated = weight_n is None or level.origin == "estimated"

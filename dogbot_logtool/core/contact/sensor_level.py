@@ -16,6 +16,7 @@ from dogbot_logtool.core.contact.sensor_modes import (
     ALTERNATE,
     MIDDLE_SHARE,
     NOISY,
+    ONCE,
     WIDE,
     Modes,
     Visits,
@@ -50,6 +51,10 @@ SURE: Final = 3.0
 """Lead in score from which it is certain which way a load turns what a sensor reads."""
 UNSURE: Final = 1.0
 """Lead in score up to which that is not known, unless the weight tells."""
+_STRAYS: Final = 98.0
+"""Percentile of the unloaded forces, against the offset, that stands for the furthest."""
+_LONG_ROWS: Final = 8
+"""Samples in the middle of a visit, from which its ends are surely left out."""
 _KNOT_VISITS: Final = 4
 _KNOT_S: Final = 15.0
 """A knot of the drift needs so many visits over so long a time."""
@@ -68,7 +73,10 @@ class SensorLevel:
     offset: Floats
     """(k, 3) N, what the unloaded sensor reads at the knots."""
     noise_n: float | None = None
-    """N, standard deviation of the unloaded sensor's noisiest component; None: not known."""
+    """N, standard deviation of the unloaded sensor's noisiest component, from one sample to the
+    next; None: not known."""
+    wobble_n: float = 0.0
+    """N, how far the unloaded sensor strays from the offset: the inertia of a leg that swings."""
     drift_n_per_min: float | None = None
     """N a minute, towards the load; None: the swings span too short a time."""
     loaded_n: float | None = None
@@ -95,7 +103,7 @@ class SensorLevel:
     reason: str = ""
     """Why the level could not be estimated; empty where it is known."""
     alternative: "SensorLevel | None" = None
-    """The level if the lower of two alternating loads were none, where that is not clear."""
+    """The level if the lower of two loads were none, where that is not clear."""
     lightest_n: float | None = None
     """N, magnitude that the lightest samples stay below; only where the level is not known. Also
     `heaviest_n`, that the heaviest ones exceed."""
@@ -105,7 +113,7 @@ class SensorLevel:
     lead: float = np.inf
     """How much better that fits than that load lowers it, or the other way round."""
     opposite: "SensorLevel | None" = None
-    """The level if load turned it the other way, where that may be."""
+    """The level if load turned it the other way, known or not."""
     refuted: str = ""
     """Why nothing is known although swings and stances are seen; zero cannot be assumed either."""
 
@@ -153,26 +161,25 @@ def estimate_level(log_time: Ints, force: Floats) -> SensorLevel:
     along = _without_spikes(force @ axis)
     runs = _run_numbers(log_time)
     modes = [two_modes(along, runs), two_modes(-along, runs)]
+    step = resolution_n(force)
     judged = (
-        judge_modes(modes[0], modes[1].swing.width, raises=True),
-        judge_modes(modes[1], modes[0].swing.width, raises=False),
+        judge_modes(modes[0], modes[1].swing.width, raises=True, step=step),
+        judge_modes(modes[1], modes[0].swing.width, raises=False, step=step),
     )
     likely, other = sorted(judged, key=lambda each: each.score, reverse=True)
     level, opposite = (
         _judged_level(each, log_time, force, axis, interval_s) for each in (likely, other)
     )
     lead = likely.fit - other.fit
-    if level.reason or opposite.reason:
-        if not level.reason and opposite.reason == WIDE and lead < UNSURE:
-            return _unknown(WIDE, interval_s, force)
-        return replace(level, lead=lead)
-    if opposite.limit_n is not None and level.limit_n is None:
+    if level.reason:
+        return level
+    if not opposite.reason and (level.limit_n is None) != (opposite.limit_n is None):
         # What is cut off at a limit does not vary there: that says nothing of swing.
         lead -= 2.0 * likely.width_fit
+    if opposite.reason and lead < (SURE if opposite.reason == ONCE else UNSURE):
+        return replace(opposite, alternative=None)
     if lead < 0.0:
         level, opposite, lead = opposite, level, -lead
-    if lead >= SURE:
-        return replace(level, lead=lead)
     return replace(level, lead=lead, opposite=replace(opposite, lead=lead))
 
 
@@ -180,12 +187,20 @@ def _judged_level(
     judged: Modes, log_time: Ints, force: Floats, axis: Floats, interval_s: float | None
 ) -> SensorLevel:
     """Return the level that modes stand for, or why it is not known; see `_level_of`."""
-    if judged.reason and judged.reason != ALTERNATE:
+    if judged.reason not in {"", ALTERNATE, ONCE, WIDE}:
         return _unknown(judged.reason, interval_s, force)
     level = _level_of(judged, log_time, force, axis if judged.raises else -axis, interval_s)
-    if not judged.reason or level.reason:
+    reason = judged.reason or (NOISY if _is_noisy(level) else "")
+    if not reason:
         return level
-    return replace(_unknown(judged.reason, interval_s, force), alternative=level)
+    unknown = _unknown(reason, interval_s, force)
+    if reason == ONCE:
+        return replace(unknown, wobble_n=level.wobble_n)
+    return replace(unknown, alternative=level)
+
+
+def _is_noisy(level: SensorLevel) -> bool:
+    return (level.loaded_n or 0.0) < CLEAR_OF_NOISE * (level.noise_n or 0.0)
 
 
 def zero_level(force: Floats, interval_s: float | None = None) -> SensorLevel | None:
@@ -304,11 +319,16 @@ def _level_of(
     rows = visits.rows()
     residual = force[rows] - np.repeat(levels, visits.end - visits.start, axis=0)
     noise = _NORMAL_SD * float(np.median(np.abs(residual), axis=0).max())
+    inside = np.diff(rows) == 1
+    steps = np.abs(np.diff(residual, axis=0))[inside]
+    if len(steps):
+        noise = min(noise, _NORMAL_SD * float(np.median(steps, axis=0).max()) / np.sqrt(2.0))
     knots, offset = _knots(middle, levels)
     level = SensorLevel(
         knots,
         offset,
         noise_n=noise,
+        wobble_n=_wobble_n(visits, residual),
         drift_n_per_min=_drift(middle, levels @ axis),
         interval_s=interval_s,
         swing_s=_visit_s(visits, log_time),
@@ -317,8 +337,6 @@ def _level_of(
     )
     load = (force - level.offset_at(log_time)) @ axis
     loaded = float(np.median(modes.stance.visits.quantiles(load, 0.5)))
-    if loaded < CLEAR_OF_NOISE * noise:
-        return _unknown(NOISY, interval_s, force)
     return replace(
         level,
         loaded_n=loaded,
@@ -328,6 +346,18 @@ def _level_of(
         mean_n=float(load.mean()),
         mean_recorded_n=float(np.linalg.norm(force.mean(axis=0))),
     )
+
+
+def _wobble_n(visits: Visits, residual: Floats) -> float:
+    """Return how far forces stray in swings, N; 0 where these last too few samples to tell.
+
+    Args:
+        visits: to the swing mode.
+        residual: (m, 3) N, forces in them, row after row, less the level of the visit.
+    """
+    length = visits.end - visits.start
+    long = np.repeat(length >= _LONG_ROWS, length)
+    return float(np.percentile(norms(residual[long]), _STRAYS)) if long.any() else 0.0
 
 
 def _visit_s(visits: Visits, log_time: Ints) -> float:

@@ -4,10 +4,14 @@ from collections.abc import Sequence
 from dataclasses import replace
 from typing import Final
 
+import numpy as np
+
 from dogbot_logtool.core.contact.sensor_level import SURE, UNSURE, SensorLevel, no_offset
 
 WORSE: Final = 0.05
 """By how much offsets may worsen the sum of all loads over the weight."""
+FAR: Final = 0.3
+"""By how much of the weight loads may miss it for a mass that is wrong, rather than a level."""
 TURNED: Final = "swing and stance look alike, so that either may be the unloaded level"
 
 
@@ -30,30 +34,52 @@ def turned_levels(levels: Sequence[SensorLevel], weight_n: float | None) -> tupl
     likely = _all_turned(levels, raises=lead >= 0.0)
     if all(level.opposite is None for level in likely):
         return likely
-    other = _all_turned(levels, raises=lead < 0.0)
-    misses = [_miss(each, weight_n) for each in (likely, other)]
-    if None not in misses and min(misses) <= WORSE < max(misses):
-        return likely if misses[0] <= WORSE else other
+    miss, other_miss = (_miss(each, weight_n) for each in (likely, _all_opposite(likely)))
+    sure = all(level.lead >= SURE for level in likely if level.opposite)
+    if other_miss <= WORSE and miss > (FAR if sure else WORSE):
+        return tuple(_opposite(level) for level in likely)
+    if miss <= WORSE < other_miss:
+        return likely
+    needed = SURE if miss > 2.0 * WORSE else UNSURE
     return tuple(
-        _without_offset(level, TURNED) if level.opposite and level.lead < UNSURE else level
+        _without_offset(level, TURNED) if level.opposite and level.lead < needed else level
         for level in likely
     )
 
 
 def _all_turned(levels: Sequence[SensorLevel], *, raises: bool) -> tuple[SensorLevel, ...]:
-    """Turn the levels of all feet one way, where that may be."""
+    """Turn the levels that may be the other way round to that of the other feet."""
     return tuple(
-        replace(level.opposite, opposite=replace(level, opposite=None))
-        if level.opposite is not None and level.raises is not raises
-        else level
+        _opposite(level) if level.raises is not raises and level.lead < SURE else level
         for level in levels
     )
 
 
-def _miss(levels: Sequence[SensorLevel], weight_n: float | None) -> float | None:
-    """Return by how much of the weight the sum of the feet's mean loads misses it."""
+def _all_opposite(levels: Sequence[SensorLevel]) -> tuple[SensorLevel, ...]:
+    """Return what the levels of all feet would be if loads turned them the other way."""
+    return tuple(
+        level if level.opposite is None else level.opposite.alternative or level.opposite
+        for level in levels
+    )
+
+
+def _opposite(level: SensorLevel) -> SensorLevel:
+    """Turn a level; one that is too clear for that, or not clear then, is not known."""
+    other = level.opposite
+    if other is None:
+        return level
+    if other.reason or level.lead >= SURE:
+        return _without_offset(level, TURNED)
+    return replace(other, opposite=replace(level, opposite=None))
+
+
+def _miss(levels: Sequence[SensorLevel], weight_n: float | None) -> float:
+    """Return by how much of the weight the sum of the feet's mean loads misses it.
+
+    NaN, which is neither more nor less than anything, where that is not known.
+    """
     total = weight_of_levels(levels)
-    return None if total is None or weight_n is None else abs(total / weight_n - 1.0)
+    return np.nan if total is None or weight_n is None else abs(total / weight_n - 1.0)
 
 
 def checked_levels(

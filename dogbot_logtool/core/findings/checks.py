@@ -251,6 +251,13 @@ _KINDS: Final = (
         "the feet carry the weight",
         _no_forces,
         _weight_not_compared,
-        frozenset({"W_IMPULSE_IS_NOT_WEIGHT", "W_WRENCH_FRAME_UNKNOWN", "W_FORCES_TURNED"}),
+        frozenset(
+            {
+                "W_IMPULSE_IS_NOT_WEIGHT",
+                "W_WRENCH_FRAME_UNKNOWN",
+                "W_DIRECTION_UNKNOWN",
+                "W_FORCES_TURNED",
+            }
+        ),
     ),
 )

@@ -37,14 +37,34 @@ def _weight_findings(stats: Stats) -> Iterator[Finding]:
     if loads.magnitude_over_weight is not None and loads.magnitude_misses_weight:
         yield _magnitude_finding(stats, loads.magnitude_over_weight, where)
     ratio = loads.mean_over_weight
+    if ratio is None and loads.vertical_refuted:
+        text = (
+            f"the feet's vertical forces add up to {loads.mean_vertical_n:.4g} N, downwards: the "
+            "wrenches are in another frame, or those of the feet on the ground; no vertical forces"
+        )
+        yield Finding("W_IMPULSE_IS_NOT_WEIGHT", text, where)
     if ratio is not None and loads.misses_weight:
         cause = _likely_cause(stats, ratio)
         text = f"the feet's vertical impulse is {ratio:.2f} of the weight: {cause}"
+        if loads.vertical_refuted:
+            text += "; no vertical forces"
         if loads.direction_refuted:
             text += "; no braking and propulsive impulses"
         if loads.weight_n is None:
             text += "; nothing is given in body weights"
         yield Finding("W_IMPULSE_IS_NOT_WEIGHT", text, where)
+    if stats.settings.wrench_frame_is_inferred and loads.may_be_tilted:
+        yield _tilt_finding(loads.mean_magnitude_n, loads.mean_vertical_n)
+
+
+def _tilt_finding(magnitude_n: float | None, vertical_n: float | None) -> Finding:
+    """Return that the forces may be in the frames of legs that swing; sums over feet, N."""
+    text = (
+        f"the sum of |F| is {magnitude_n:.4g} N, that of vertical forces {vertical_n:.4g} N: these "
+        "lean, and nothing tells a push along the ground from wrenches in the frames of swinging "
+        "legs; no braking and propulsive impulses, no friction"
+    )
+    return Finding("W_DIRECTION_UNKNOWN", text, "feet")
 
 
 def _magnitude_finding(stats: Stats, ratio: float, where: str) -> Finding:

@@ -19,7 +19,7 @@ from typing import Final
 import numpy as np
 
 from dogbot_logtool.core.contact.contacts import Samples
-from dogbot_logtool.core.geometry.arrays import Flags, Floats, Ints, distinct, norms
+from dogbot_logtool.core.geometry.arrays import Flags, Floats, Ints, norms
 
 FRICTION: Final = 1.0
 """Highest tangential over normal force that a foot is expected to find."""
@@ -84,6 +84,11 @@ class WrenchFrameEvidence:
     """The forces turned from the links' frames; None where no transforms turn them."""
 
     @property
+    def is_inferred(self) -> bool:
+        """Whether the world is taken for the frame since the forces as recorded may be in it."""
+        return self.frame is WrenchFrame.WORLD and self.world is not None
+
+    @property
     def samples(self) -> int:
         """Loaded samples that were looked at; 0 where the type of the messages decides."""
         return 0 if self.world is None else self.world.samples
@@ -141,7 +146,7 @@ def _vertical_sum_n(samples: Sequence[Samples], rows: Sequence[Flags]) -> float:
     everyone = np.concatenate([part.foot for part in samples])
     contact = np.concatenate([part.in_contact for part in samples])
     total = 0.0
-    for each in distinct(foot).tolist():
+    for each in np.unique(foot).tolist():
         total += float(force[foot == each, 2].mean()) * float(contact[everyone == each].mean())
     return abs(total)
 
@@ -154,7 +159,7 @@ def _fit(foot: Ints, force: Floats, normal: Floats, vertical_n: float) -> FrameF
     along *= np.sign(along.sum()) or 1.0
     across = np.sqrt(np.maximum(magnitude**2 - along**2, 0.0))
     inside = across <= FRICTION * along
-    tilts = [_tilt(force[foot == each].sum(axis=0)) for each in distinct(foot)]
+    tilts = [_tilt(force[foot == each].sum(axis=0)) for each in np.unique(foot)]
     return FrameFit(
         samples=len(force),
         in_cone=float(magnitude[inside].sum() / magnitude.sum()),

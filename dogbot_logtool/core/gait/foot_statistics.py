@@ -8,7 +8,7 @@ import numpy as np
 from dogbot_logtool.core.base.base_history import BaseHistory
 from dogbot_logtool.core.base.base_motion import stride_lengths
 from dogbot_logtool.core.contact.foot_history import FootHistory
-from dogbot_logtool.core.contact.stances import Cut, Stances
+from dogbot_logtool.core.contact.stances import Cut, StanceFigures, Stances
 from dogbot_logtool.core.gait.cycle_curves import (
     ForceCurves,
     force_curves,
@@ -114,6 +114,7 @@ def foot_statistics(
     is_saturated: bool = False,
     contact_known: bool = True,
     direction_known: bool = True,
+    vertical_known: bool = True,
     within: Ints | None = None,
 ) -> FootStatistics:
     """Aggregate what was recorded of one foot.
@@ -133,6 +134,7 @@ def foot_statistics(
         is_saturated: whether its sensor is cut off at a limit.
         contact_known: whether nothing refutes its contacts.
         direction_known: whether nothing contradicts the direction of the force.
+        vertical_known: whether its vertical part may be what it seems.
         within: (w, 2) ns, a part of the log; its stances and strides are those with their middle in
             it. None: all of it.
     """
@@ -148,6 +150,7 @@ def foot_statistics(
     whole = stances.whole
     forward = forward_forces(record, base, forward_axis)
     forward = forward if direction_known else np.full_like(forward, np.nan)
+    upright = stances.figures if vertical_known else _without_vertical(stances.figures)
     fore_aft = fore_aft_impulses(forward, stances)
     return FootStatistics(
         name=name,
@@ -173,21 +176,31 @@ def foot_statistics(
         stride_length_m=aggregate(length),
         peak_force_n=None if is_saturated else aggregate(stances.figures.peak_n[whole]),
         mean_force_n=aggregate(stances.figures.mean_n[whole]),
-        peak_vertical_force_n=(
-            None if is_saturated else aggregate(stances.figures.peak_vertical_n[whole])
+        peak_vertical_force_n=(None if is_saturated else aggregate(upright.peak_vertical_n[whole])),
+        mean_vertical_force_n=aggregate(upright.mean_vertical_n[whole]),
+        vertical_impulse_ns=(
+            vertical_impulse_ns(record, within) if vertical_known and not is_dead else None
         ),
-        mean_vertical_force_n=aggregate(stances.figures.mean_vertical_n[whole]),
-        vertical_impulse_ns=None if is_dead else vertical_impulse_ns(record, within),
         braking_impulse_ns=aggregate(fore_aft.braking[whole]),
         propulsive_impulse_ns=aggregate(fore_aft.propulsive[whole]),
-        force_curves=force_curves(record.stance_forces[:, 2], forward, stances, strides),
+        force_curves=force_curves(
+            record.stance_forces[:, 2] if vertical_known else np.full_like(forward, np.nan),
+            forward,
+            stances,
+            strides,
+        ),
         loading_rate_nps=aggregate(stances.figures.loading_rate_nps[whole]),
         impact_ratio=aggregate(stances.figures.impact_ratio[whole]),
         contact_travel_m=aggregate(stances.figures.contact_travel_m[whole]),
         slip_distance_m=aggregate(slip[whole]),
         largest_slip_m=aggregate(largest_slip[whole]),
-        friction_use=aggregate(stances.figures.friction_use[whole]),
+        friction_use=aggregate(stances.figures.friction_use[whole]) if direction_known else None,
     )
+
+
+def _without_vertical(figures: StanceFigures) -> StanceFigures:
+    unknown = np.full_like(figures.peak_n, np.nan)
+    return figures._replace(peak_vertical_n=unknown, mean_vertical_n=unknown)
 
 
 def _seen(time: Ints, record: FootHistory, unseen: Cut, stances: Stances) -> Ints:

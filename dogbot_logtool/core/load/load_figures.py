@@ -18,6 +18,14 @@ WEIGHT_TOLERANCE: Final = 0.05
 """By how much the vertical impulse may miss the weight before figures of direction are left out."""
 REFUTED: Final = 0.20
 """By how much the feet's vertical force may miss the weight before nothing rests on the weight."""
+NOT_THE_WEIGHT: Final = 0.5
+"""Share of the weight below which the feet's vertical force is none: no mass is so far off."""
+LEANS: Final = 0.006
+"""Share by which the sum of |F| exceeds that of vertical forces, from which these lean so much (6
+degrees) that those of legs that swing, in their links' frames, could look alike."""
+CLEARLY: Final = 0.002
+"""Share of the weight by which the vertical sum must be nearer to it than that of |F|: only so
+the vertical is one."""
 ENOUGH: Final = 0.99
 """Share of the loaded time in which the vertical force must be known for totals to be given."""
 CARRIED: Final = 0.05
@@ -66,6 +74,27 @@ class LoadFigures:
     """Whether it misses 1 by so much that the direction of the forces is doubtful: by
     `WEIGHT_TOLERANCE`, or by `REFUTED` where the mass is only assumed. The load on a foot that is
     never seen to touch may be missing instead."""
+
+    @property
+    def vertical_refuted(self) -> bool:
+        """Whether the feet's vertical force is so far below the weight that it is another one."""
+        if self.mean_over_weight is None:
+            return self.mean_vertical_n is not None and self.mean_vertical_n < 0.0
+        return self.direction_refuted and self.mean_over_weight < NOT_THE_WEIGHT
+
+    mean_magnitude_n: float | None = None
+    """N, mean of the feet's summed |F|; None where vertical forces are not known."""
+
+    @property
+    def may_be_tilted(self) -> bool:
+        """Whether the forces lean, and the weight does not tell that their vertical is one."""
+        vertical, magnitude = self.mean_vertical_n, self.mean_magnitude_n
+        if not vertical or magnitude is None or magnitude <= (1.0 + LEANS) * vertical:
+            return False
+        if self.mean_over_weight is None or self.weight_source is not WeightSource.MASS:
+            return True
+        magnitude_misses = abs(magnitude / vertical * self.mean_over_weight - 1.0)
+        return magnitude_misses < abs(self.mean_over_weight - 1.0) + CLEARLY
 
     @property
     def misses_weight(self) -> bool:
@@ -184,6 +213,7 @@ def load_figures(
     refuted = ratio is not None and (ratio > 1.0 + REFUTED or (ratio < 1.0 - REFUTED and complete))
     estimated_n = mean_n if over_strides and complete else None
     magnitude = None
+    mean_magnitude = _mean_magnitude_n(feet, spans) if mean_n is not None else None
     has_forces = all(foot.has_force for foot in feet)
     if body_weight_n and over_strides and complete and has_forces and not vertical:
         magnitude = _mean_magnitude_n(feet, spans) / body_weight_n
@@ -201,6 +231,7 @@ def load_figures(
         shares=shares,
         mean_over_weight=ratio,
         magnitude_over_weight=magnitude,
+        mean_magnitude_n=mean_magnitude,
         direction_refuted=ratio is not None
         and (complete or ratio > 1.0)
         and abs(ratio - 1.0) > (REFUTED if mass_is_assumed else WEIGHT_TOLERANCE),

@@ -14,6 +14,7 @@ import numpy as np
 from dogbot_logtool.core.base.odometry import Odometry
 from dogbot_logtool.core.contact.foot_tracker import TRAIL, FootTracker
 from dogbot_logtool.core.geometry.arrays import Float32s, Floats, Ints, all_finite
+from dogbot_logtool.core.geometry.rotations import normalised, rotate
 from dogbot_logtool.core.geometry.support_polygon import (
     NEAR_NS,
     Hulls,
@@ -66,13 +67,17 @@ class SupportScene:
 
 
 @np.errstate(over="ignore", invalid="ignore")
-def support_scene(poses: Odometry, feet: Sequence[FootTracker]) -> SupportScene:
+def support_scene(
+    poses: Odometry, feet: Sequence[FootTracker], com_offset_m: Sequence[float] = (0.0, 0.0, 0.0)
+) -> SupportScene:
     """Compute what the robot stands on.
 
     Args:
         poses: of the base, (n), at the wanted times.
         feet: all feet of the robot.
+        com_offset_m: m, the centre of mass from the base's frame, in its axes.
     """
+    body = _body(poses, com_offset_m)
     states = [foot.at(poses.log_time) for foot in feet]
     down = np.stack([state.down for state in states], axis=1)
     known = np.stack([state.known for state in states], axis=1)
@@ -84,7 +89,7 @@ def support_scene(poses: Odometry, feet: Sequence[FootTracker]) -> SupportScene:
     points = np.where((down & has_point)[:, :, None], point, np.nan)
     in_use = np.where(all_known[:, None, None], points, np.nan)
     hull = hulls(in_use[:, :, :2])
-    margin = margin_in(hull, poses.position[:, :2])
+    margin = margin_in(hull, body[:, :2])
     # A foot that pulls does not move the centre of pressure, as in `stats`.
     load = np.where(down, np.maximum(vertical, 0.0), 0.0)
     weighed = np.isfinite(load).all(axis=1)
@@ -100,7 +105,7 @@ def support_scene(poses: Odometry, feet: Sequence[FootTracker]) -> SupportScene:
         margin=margin,
         colour=margin_colour(margin),
         pressure=_known(pressure),
-        projection=_projection(poses.position, points, newest),
+        projection=_projection(body, points, newest),
         touchdowns=np.take_along_axis(touchdowns, order[:, :, None], axis=1),
         touchdown_feet=order // TRAIL,
         unknown=int((~all_known).sum()),
@@ -108,16 +113,30 @@ def support_scene(poses: Odometry, feet: Sequence[FootTracker]) -> SupportScene:
     )
 
 
-def opening_support(poses: Odometry, feet: Sequence[FootTracker], opening: int) -> SupportScene:
+def _body(poses: Odometry, com_offset_m: Sequence[float]) -> Floats:
+    """(n, 3) m, the centre of mass, as far as it is known where in the body that is."""
+    if not any(com_offset_m):
+        return poses.position
+    offset = np.broadcast_to(np.array(com_offset_m, np.float64), poses.position.shape)
+    return poses.position + rotate(normalised(poses.orientation), offset)
+
+
+def opening_support(
+    poses: Odometry,
+    feet: Sequence[FootTracker],
+    opening: int,
+    com_offset_m: Sequence[float] = (0.0, 0.0, 0.0),
+) -> SupportScene:
     """Return what the robot stands on at its first pose, if near, as of the log's first time.
 
     Args:
         poses: of the base, the first of the log.
         feet: all feet of the robot.
         opening: ns, log time.
+        com_offset_m: m, the centre of mass from the base's frame, in its axes.
     """
     near = poses.pick(np.flatnonzero(poses.log_time[:1] - opening <= NEAR_NS))
-    scene = support_scene(near, feet)
+    scene = support_scene(near, feet, com_offset_m)
     time = np.full(len(near.log_time), opening)
     return replace(scene, log_time=time, stamp=time)
 

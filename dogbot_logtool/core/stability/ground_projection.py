@@ -51,4 +51,5 @@ def pressure_path(feet: Sequence[FootHistory]) -> GroundPoints:
     known = timespans.intersect([foot.vertical_known for foot in feet])
     time = feet[0].track.time
     time = time[timespans.covers(known, time)]
-    return GroundPoints(time, centre_of_pressure(*feet_down(time, feet)))
+    points, load = feet_down(time, feet)
+    return GroundPoints(time, centre_of_pressure(points[:, :, :2], load))

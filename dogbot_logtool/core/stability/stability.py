@@ -13,6 +13,7 @@ from dogbot_logtool.core.geometry import timespans
 from dogbot_logtool.core.geometry.aggregates import Aggregate, aggregate
 from dogbot_logtool.core.geometry.arrays import Flags, Floats, Ints
 from dogbot_logtool.core.geometry.support_polygon import NEAR_NS, centre_of_pressure, margin_in_hull
+from dogbot_logtool.core.stability.energy_margin import energy_margin_m
 
 FEWEST_FEET: Final = 3
 """Feet that span a polygon."""
@@ -25,8 +26,10 @@ class Stability:
     """Figures at 25 Hz over the time in which the base and all feet that are down are known."""
 
     static_margin_m: Aggregate | None
-    """m, signed distance of the base's ground projection to the support polygon's edge, positive
+    """m, signed distance of the body's ground projection to the support polygon's edge, positive
     inside (McGhee and Frank 1968)."""
+    energy_margin_m: Aggregate | None
+    """m, see `energy_margin_m`; None where the body's height over the feet is not known."""
     unknown_fraction: float
     """Share of the log's time in which the base, or whether and where a foot stands, is not known;
     the other figures leave it out."""
@@ -50,6 +53,8 @@ def stability(
     forward_axis: str,
     *,
     vertical_known: bool,
+    height_known: bool = True,
+    com_offset_m: Sequence[float] = (0.0, 0.0, 0.0),
     within: Ints | None = None,
 ) -> Stability | None:
     """Measure static stability; None where feet and base have no time in common.
@@ -59,6 +64,8 @@ def stability(
         base: poses.
         forward_axis: the body's axis that points forward.
         vertical_known: whether vertical forces are known; else there is no centre of pressure.
+        height_known: whether the base's height over the feet is known.
+        com_offset_m: m, the centre of mass from the base's frame, in its axes.
         within: (w, 2) ns, a part of the log; None: all of it.
     """
     known = _common_time(feet, base)
@@ -67,13 +74,16 @@ def stability(
     instants = _instants(feet, base, known)
     if not len(instants):
         return None
-    margin, polygon, placed, ahead, left = _at_all(instants, feet, base, forward_axis)
+    offset = np.array(com_offset_m, np.float64)
+    parts = _at_all(instants, feet, base, forward_axis, offset)
+    margin, polygon, placed, ahead, left, energy = parts
     margins = aggregate(margin[placed])
     unstable = float((margin[polygon & placed] < 0.0).mean()) if margins else None
     below_zero, least = _below_zero(instants, np.where(polygon & placed, margin, 0.0))
     known_share = timespans.total(known) / max(timespans.total(extent), 1)
     return Stability(
         static_margin_m=margins,
+        energy_margin_m=aggregate(energy[placed]) if height_known else None,
         unknown_fraction=1.0 - known_share * float(placed.mean()),
         undefined_fraction=float(1.0 - polygon[placed].mean()) if placed.any() else None,
         unstable_fraction=unstable,
@@ -84,12 +94,15 @@ def stability(
     )
 
 
-def margins(feet: Sequence[FootHistory], base: BaseHistory) -> tuple[Ints, Floats]:
+def margins(
+    feet: Sequence[FootHistory], base: BaseHistory, com_offset_m: Sequence[float] = (0.0, 0.0, 0.0)
+) -> tuple[Ints, Floats]:
     """Return the static margin at 25 Hz, over the time in which base and feet are known.
 
     Args:
         feet: records of all feet.
         base: poses.
+        com_offset_m: m, the centre of mass from the base's frame, in its axes.
 
     Returns:
         (n,) ns and (n,) m, NaN where there is no polygon, or some foot's place is not known.
@@ -97,23 +110,28 @@ def margins(feet: Sequence[FootHistory], base: BaseHistory) -> tuple[Ints, Float
     instants = _instants(feet, base, _common_time(feet, base))
     if not len(instants):
         return instants, np.empty(0)
-    margin, polygon, placed, _, _ = _at_all(instants, feet, base, "+x")
+    offset = np.array(com_offset_m, np.float64)
+    margin, polygon, placed, *_ = _at_all(instants, feet, base, "+x", offset)
     return instants, np.where(polygon & placed, margin, np.nan)
 
 
 def _at_all(
-    instants: Ints, feet: Sequence[FootHistory], base: BaseHistory, forward_axis: str
-) -> tuple[Floats, Flags, Flags, Floats, Floats]:
+    instants: Ints,
+    feet: Sequence[FootHistory],
+    base: BaseHistory,
+    forward_axis: str,
+    com_offset_m: Floats,
+) -> tuple[Floats, Flags, Flags, Floats, Floats, Floats]:
     """Measure at instants, a part at a time; see `_at`."""
     chunk = max(_CHUNK_NUMBERS // max(len(feet), 1) ** 2, 1)
     parts = [
-        _at(instants[start : start + chunk], feet, base, forward_axis)
+        _at(instants[start : start + chunk], feet, base, forward_axis, com_offset_m)
         for start in range(0, len(instants), chunk)
     ]
-    margin, polygon, placed, ahead, left = (
+    margin, polygon, placed, ahead, left, energy = (
         np.concatenate(column) for column in zip(*parts, strict=True)
     )
-    return margin, polygon, placed, ahead, left
+    return margin, polygon, placed, ahead, left, energy
 
 
 def _below_zero(instants: Ints, margin: Floats) -> tuple[Ints, Floats]:
@@ -150,25 +168,31 @@ def _instants(feet: Sequence[FootHistory], base: BaseHistory, known: Ints) -> In
 
 
 def _at(
-    instants: Ints, feet: Sequence[FootHistory], base: BaseHistory, forward_axis: str
-) -> tuple[Floats, Flags, Flags, Floats, Floats]:
+    instants: Ints,
+    feet: Sequence[FootHistory],
+    base: BaseHistory,
+    forward_axis: str,
+    com_offset_m: Floats,
+) -> tuple[Floats, Flags, Flags, Floats, Floats, Floats]:
     """Measure at some instants.
 
     Returns:
         (n,) m, margin; whether there is a polygon; whether the base and every foot that is down
-        have a known place; m, centre of pressure ahead and to the left.
+        have a known place; m, centre of pressure ahead and to the left of the base; m, energy
+        margin.
     """
-    body = base.position_at(instants)[:, :2]
+    place = base.position_at(instants)[:, :2]
+    body = base.point_at(instants, com_offset_m)
     heading = base.angles_at(instants)[:, 2] + FORWARD_ANGLES[forward_axis]
     points, load = feet_down(instants, feet)
     standing = np.isfinite(points[:, :, 0])
     down = np.stack([timespans.covers(foot.in_contact, instants) for foot in feet], axis=1)
     placed = (standing == down).all(axis=1) & np.isfinite(body[:, 0])
     polygon = (standing.sum(axis=1) >= FEWEST_FEET) & np.isfinite(body[:, 0])
-    margin = margin_in_hull(points, body)
-    pressure = centre_of_pressure(points, load)
-    ahead, left = along_heading(pressure - body, heading)
-    return margin, polygon, placed, ahead, left
+    margin = margin_in_hull(points[:, :, :2], body[:, :2])
+    pressure = centre_of_pressure(points[:, :, :2], load)
+    ahead, left = along_heading(pressure - place, heading)
+    return margin, polygon, placed, ahead, left, energy_margin_m(points, body)
 
 
 def feet_down(instants: Ints, feet: Sequence[FootHistory]) -> tuple[Floats, Floats]:
@@ -179,11 +203,11 @@ def feet_down(instants: Ints, feet: Sequence[FootHistory]) -> tuple[Floats, Floa
         feet: records of all feet.
 
     Returns:
-        (n, feet, 2) m, contact points seen from above, NaN where a foot is not down; and
+        (n, feet, 3) m, contact points, NaN where a foot is not down; and
         (n, feet) N, vertical force, 0 where a foot is not down or it is not known.
         A foot that is down stands at its nearest known contact point.
     """
-    points = np.full((len(instants), len(feet), 2), np.nan)
+    points = np.full((len(instants), len(feet), 3), np.nan)
     load = np.zeros((len(instants), len(feet)))
     for column, foot in enumerate(feet):
         track, down = foot.track, timespans.covers(foot.in_contact, instants)
@@ -192,7 +216,7 @@ def feet_down(instants: Ints, feet: Sequence[FootHistory]) -> tuple[Floats, Floa
         if not len(placed):
             continue
         row, near = _nearest(track.time[placed], instants)
-        points[down & near, column] = track.point[placed[row[down & near]], :2]
+        points[down & near, column] = track.point[placed[row[down & near]]]
         row, heard = _nearest(track.time, instants)
         vertical = np.maximum(np.nan_to_num(track.vertical_force[row]), 0.0)
         load[:, column] = np.where(down & near & heard, vertical, 0.0)

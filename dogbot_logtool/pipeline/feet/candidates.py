@@ -38,7 +38,9 @@ _MOST_NAMES: Final = 2000
 _FEWEST_LEGS: Final = 2
 _USUAL_LEGS: Final = (2, 4, 6, 8)
 _OTHER_PART: Final = 4
-"""Points that a name costs which speaks of something else than a foot."""
+"""Points that a name costs which speaks of something else beside a foot."""
+_NO_FOOT: Final = 20
+"""Points that a name costs which speaks of something else only: none can outweigh it."""
 _SLOW_HZ, _FAST_HZ = 5.0, 20.0
 _CONTACT: Final = frozenset({"contact", "contacts", "grf", "stance", "touch", "touches", "ground"})
 _FORCE: Final = frozenset(
@@ -285,8 +287,7 @@ def _scored(
     if Part.FOOT in parts or Part.LEG in parts:
         points += 2
         reasons.append("the names speak of feet or legs")
-    if Part.NOT_A_FOOT in parts:
-        points -= _OTHER_PART
+    points -= _cost_of_parts(parts)
     if not words.isdisjoint(_CONTACT | _FORCE):
         points += 1
         reasons.append("of contact or force")
@@ -346,13 +347,20 @@ def _labelled(log: Log, named: FootCandidates) -> FootCandidates:
     """Name the elements of an array by the strings beside them, and score these."""
     feet, labels = with_labels(log, named.feet)
     parts = {word.part for label in labels for word in words_of(label)}
-    if Part.NOT_A_FOOT in parts:
-        return replace(named, feet=feet, points=named.points - _OTHER_PART)
+    if cost := _cost_of_parts(parts):
+        return replace(named, feet=feet, points=named.points - cost)
     if not labels:
         return named
     reason = f"they are called {', '.join(labels)}"
     points = named.points + (1 if parts.isdisjoint({Part.FOOT, Part.LEG}) else 2)
     return replace(named, feet=feet, points=points, reasons=(*named.reasons, reason))
+
+
+def _cost_of_parts(parts: Collection[Part | None]) -> int:
+    """Return the points that names cost which speak of hands, wheels, tools ..."""
+    if Part.NOT_A_FOOT not in parts:
+        return 0
+    return _OTHER_PART if {Part.FOOT, Part.LEG} & set(parts) else _NO_FOOT
 
 
 def _with_kind(log: Log, foot: Foot, content: Content) -> Foot:

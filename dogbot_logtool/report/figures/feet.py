@@ -6,6 +6,7 @@ from typing import Final
 
 from dogbot_logtool.core.contact.sensor_level import SensorLevel
 from dogbot_logtool.core.gait.foot_statistics import FootStatistics
+from dogbot_logtool.core.gait.planned import PlannedFoot
 from dogbot_logtool.core.statistics import Stats
 from dogbot_logtool.report.figures.figure import (
     Column,
@@ -18,6 +19,7 @@ from dogbot_logtool.report.figures.figure import (
     scaled,
 )
 from dogbot_logtool.report.figures.force_curves import FORCE_CURVES
+from dogbot_logtool.report.figures.planned import PLANNED
 
 _STEPS, _LOADS, _PAGE_LOADS = TableName.STEPS, TableName.LOADS, TableName.PAGE_LOADS
 _NO_STANCE: Final = "no stance is seen from touchdown to lift-off"
@@ -325,7 +327,8 @@ _LOADING: Final[Sequence[Figure[FootStatistics]]] = (
         lambda foot: foot.braking_impulse_ns,
         "size of the impulse of a stance against the base's forward axis at mid-stance",
         null=f"{_NO_VERTICAL}; no odometry around the stances; the feet's vertical impulse misses "
-        "the weight by more than 5 % (an assumed one: 20 %)",
+        "the weight by more than 5 % (an assumed one: 20 %); forces lean, and neither transforms "
+        "nor the weight tell that they are in the world frame",
     ),
     Figure(
         "propulsive_impulse_ns",
@@ -334,7 +337,8 @@ _LOADING: Final[Sequence[Figure[FootStatistics]]] = (
         lambda foot: foot.propulsive_impulse_ns,
         "impulse of a stance along the base's forward axis at mid-stance",
         null=f"{_NO_VERTICAL}; no odometry around the stances; the feet's vertical impulse misses "
-        "the weight by more than 5 % (an assumed one: 20 %)",
+        "the weight by more than 5 % (an assumed one: 20 %); forces lean, and neither transforms "
+        "nor the weight tell that they are in the world frame",
     ),
     Figure(
         "loading_rate_nps",
@@ -429,6 +433,10 @@ def _of_foot(source: FootSource) -> FootStatistics:
     return source.foot
 
 
+def _plan_of(source: FootSource) -> PlannedFoot | None:
+    return source.stats.planned[source.row] if source.stats.planned else None
+
+
 FOOT_OF_SEGMENT: Final[Sequence[Member]] = (
     *inside(_CONTACT, _of_foot),
     *inside(_TIMING, _of_foot),
@@ -447,5 +455,12 @@ FOOT: Final[Sequence[Member]] = (
     *inside(_LOADING, _of_foot),
     *inside((FORCE_CURVES,), _of_foot),
     *_EVENTS,
+    Scope(
+        "planned",
+        PLANNED,
+        _plan_of,
+        "how the foot follows its plan",
+        null="the log has no plan of the foot beside its measurement, or on another clock",
+    ),
 )
 """Figures of a `FootSource` of the whole log."""

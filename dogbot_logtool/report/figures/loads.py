@@ -249,9 +249,21 @@ STABILITY: Final[Sequence[Figure[Stability]]] = (
         Kind.AGGREGATE,
         "m",
         lambda found: found.static_margin_m,
-        "signed distance of the base's ground projection to the edge of the support polygon, "
-        "positive inside; McGhee and Frank 1968 use the centre of gravity instead of the base",
+        "signed distance of the ground projection of the base, or of the centre of mass that "
+        "`settings.com_offset_m` gives, to the edge of the support polygon, positive inside "
+        "(McGhee and Frank 1968)",
         null="there are never three feet with a contact point down at once",
+    ),
+    Figure(
+        "energy_margin_m",
+        Kind.AGGREGATE,
+        "m",
+        lambda found: found.energy_margin_m,
+        "by how much the same point must rise to tip over an edge of the support polygon, on a "
+        "slope, too, where it is inside: the energy stability margin over the weight (Messuri and "
+        "Klein 1985)",
+        null="there are never three feet with a contact point down at once; the base's height over "
+        "the feet is not known",
     ),
     Figure(
         "unknown_fraction",

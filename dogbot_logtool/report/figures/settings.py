@@ -164,6 +164,14 @@ SETTINGS: Final[Sequence[Figure[Stats]]] = (
         null="it differs from foot to foot: see `sensors`",
     ),
     Figure(
+        "com_offset_m",
+        Kind.NUMBERS,
+        "m",
+        lambda stats: None if (at := stats.settings.com_offset_m) is None else list(at),
+        "centre of mass from the base's frame, in its axes",
+        null="the robot's file does not say: it is taken to be at the base",
+    ),
+    Figure(
         "foot_rolling_m",
         Kind.NUMBER,
         "m",

@@ -91,7 +91,8 @@ def _rows(stats: Stats) -> Iterator[_Row]:
         return
     axis = stats.settings.forward_axis
     if stats.stability is not None:
-        time, margin = margins([foot.record for foot in stats.feet], base)
+        offset = stats.settings.com_offset_m or (0.0, 0.0, 0.0)
+        time, margin = margins([foot.record for foot in stats.feet], base, offset)
         yield _Row("margin", "mm", 0, 20.0, (_Line("static margin", time, margin * 1e3),))
     yield _Row("speed", "m/s", 3, 0.1, (_Line("speed forward", base.time, _speed(stats)),))
     feet = [foot.record for foot in stats.feet]

@@ -136,6 +136,11 @@ def leg_fields(legs: int) -> Mapping[str, Kind]:
     return {f"{point}.{axis}": Kind.FLOAT64 for point in leg_points(legs) for axis in "xyz"}
 
 
+def numbered(fields: Mapping[str, Kind], count: int) -> Mapping[str, Kind]:
+    """Return fields for each of a count, named after its index and a dot."""
+    return {f"{index}.{name}": kind for index in range(count) for name, kind in fields.items()}
+
+
 class Encoding(Protocol):
     """Makes templates of the annotations; `registry.py` lists the encodings.
 
@@ -157,6 +162,12 @@ class Encoding(Protocol):
 
     def transform(self, parent: str, child: str) -> Template:
         """Return a message of one transform."""
+
+    def transforms(self, pairs: Sequence[tuple[str, str]]) -> Template:
+        """Return a message of the transforms of some parents and children.
+
+        Numbers of each have the names of `transform`'s after its index: ``0.stamp``, ``0.x`` ...
+        """
 
     def arrow(self, foot: str, frame: str, style: ArrowLook) -> Template:
         """Return a message that draws a foot's arrow."""

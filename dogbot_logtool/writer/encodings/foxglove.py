@@ -45,6 +45,7 @@ from dogbot_logtool.writer.encodings.encoding import (
     SupportShape,
     leg_fields,
     leg_points,
+    numbered,
     support_points,
 )
 from dogbot_logtool.writer.template import Kind, Number, Template, learn
@@ -153,9 +154,22 @@ def _span_class() -> Any:  # noqa: ANN401 - older schemas have no such class
     return Event
 
 
-def _set_time(stamp: Timestamp, values: Mapping[str, Number]) -> None:
-    stamp.seconds = int(values["stamp.sec"])
-    stamp.nanos = int(values["stamp.nanosec"])
+def _set_time(stamp: Timestamp, values: Mapping[str, Number], prefix: str = "") -> None:
+    stamp.seconds = int(values[f"{prefix}stamp.sec"])
+    stamp.nanos = int(values[f"{prefix}stamp.nanosec"])
+
+
+def _add_transform(
+    message: FrameTransforms,
+    parent: str,
+    child: str,
+    values: Mapping[str, Number],
+    prefix: str = "",
+) -> None:
+    one = message.transforms.add(parent_frame_id=parent, child_frame_id=child)
+    _set_time(one.timestamp, values, prefix)
+    _set_parts(one.translation, "xyz", values, prefix)
+    _set_parts(one.rotation, "xyzw", values, f"{prefix}q")
 
 
 def _set_parts(target: Message, parts: str, values: Mapping[str, Number], prefix: str = "") -> None:
@@ -185,15 +199,21 @@ class FoxgloveEncoding:
 
         def serialise(values: Mapping[str, Number]) -> bytes:
             message = FrameTransforms()
-            one = message.transforms.add(parent_frame_id=parent, child_frame_id=child)
-            _set_time(one.timestamp, values)
-            for axis in "xyz":
-                setattr(one.translation, axis, values[axis])
-            for axis in "xyzw":
-                setattr(one.rotation, axis, values[f"q{axis}"])
+            _add_transform(message, parent, child, values)
             return message.SerializeToString(deterministic=True)
 
         return learn(serialise, _STAMP | _POSE)
+
+    def transforms(self, pairs: Sequence[tuple[str, str]]) -> Template:
+        """See `Encoding.transforms`."""
+
+        def serialise(values: Mapping[str, Number]) -> bytes:
+            message = FrameTransforms()
+            for index, (parent, child) in enumerate(pairs):
+                _add_transform(message, parent, child, values, f"{index}.")
+            return message.SerializeToString(deterministic=True)
+
+        return learn(serialise, numbered(_STAMP | _POSE, len(pairs)))
 
     def arrow(self, foot: str, frame: str, style: ArrowLook) -> Template:
         """See `Encoding.arrow`."""

@@ -95,6 +95,7 @@ def test_the_second_fall_counts_too() -> None:
     ("name", "height", "roll", "load"),
     [
         ("sits down", [(3.0, 0.45), (5.0, 0.14)], [(0.0, 0.0)], LOADED),
+        ("sits down fast, upright", [(3.0, 0.6), (4.2, 0.18)], [(0.0, 0.0)], LOADED),
         ("stands up", [(3.0, 0.14), (5.0, 0.45)], [(0.0, 0.0)], LOADED),
         ("lies, then is turned upright", STANDS, [(3.0, 1.5), (4.0, 0.0)], LOADED),
         ("crouches", [(2.0, 0.45), (2.5, 0.22), (4.0, 0.22), (4.5, 0.45)], [(0.0, 0.0)], LOADED),

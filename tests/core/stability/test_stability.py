@@ -27,7 +27,11 @@ def base(time: Floats = TIME) -> BaseHistory:
 
 
 def robot(
-    forces: Sequence[Floats], heard: Flags | None = None, *, points: bool = True
+    forces: Sequence[Floats],
+    heard: Flags | None = None,
+    *,
+    points: bool = True,
+    com_offset_m: tuple[float, float, float] = (0.0, 0.0, 0.0),
 ) -> Stability:
     """Measure a robot whose last foot is heard at some times, and may tell no contact points."""
     feet: list[FootHistory] = []
@@ -37,7 +41,7 @@ def robot(
         place = np.array([x, y, 0.0 if points or not last else np.nan])
         place = np.where(np.isnan(place).any(), np.nan, place)
         feet.append(foot(TIME[rows], force[rows], np.tile(place, (int(rows.sum()), 1))))
-    found = stability(feet, base(), "+x", vertical_known=True)
+    found = stability(feet, base(), "+x", vertical_known=True, com_offset_m=com_offset_m)
     assert found is not None
     return found
 
@@ -52,6 +56,16 @@ def test_a_robot_that_stands_has_the_margin_of_its_feet() -> None:
     assert found.static_margin_m.mean == pytest.approx(0.15)
     assert found.unknown_fraction == pytest.approx(0.0)
     assert found.undefined_fraction == 0.0
+
+
+def test_the_centre_of_mass_counts_where_it_is_known() -> None:
+    found = robot(STANDING, com_offset_m=(0.0, 0.05, -0.1))
+    assert found.static_margin_m is not None
+    assert found.energy_margin_m is not None
+    assert found.static_margin_m.mean == pytest.approx(0.10)
+    assert found.energy_margin_m.mean == pytest.approx(np.hypot(0.10, 0.3) - 0.3)
+    assert found.pressure_left_m is not None
+    assert found.pressure_left_m.mean == pytest.approx(0.0, abs=1e-9)
 
 
 def test_two_feet_down_are_undefined_not_unknown() -> None:

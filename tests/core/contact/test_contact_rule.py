@@ -1,0 +1,37 @@
+"""Which thresholds a sensor gets, and when it can tell no contact."""
+
+from dataclasses import replace
+
+import pytest
+
+from dogbot_logtool.core.contact.contact_rule import FootSensor, contact_rule
+from dogbot_logtool.core.contact.sensor_level import SensorLevel, zero_reading
+from dogbot_logtool.core.contact.sensor_modes import WIDE
+
+WEIGHT_N = 200.0
+UNKNOWN = replace(
+    zero_reading(), zero_in_swing=False, reason=WIDE, loaded_n=60.0, lightest_n=3.0, heaviest_n=70.0
+)
+
+
+def test_loads_that_come_and_go_around_an_unknown_level_tell_no_contact() -> None:
+    assert "comes and goes" in contact_rule(UNKNOWN, WEIGHT_N).unusable
+
+
+@pytest.mark.parametrize("changed", [{"reason": ""}, {"lightest_n": 40.0}])
+def test_known_levels_and_steady_loads_tell_it(changed: dict[str, float]) -> None:
+    assert contact_rule(replace(UNKNOWN, **changed), WEIGHT_N).unusable == ""  # type: ignore[arg-type]
+
+
+def test_a_load_that_varies_less_than_a_contact_is_steady() -> None:
+    def sensor(level: SensorLevel) -> FootSensor:
+        return FootSensor(level, contact_rule(level, WEIGHT_N))
+
+    assert sensor(replace(UNKNOWN, lightest_n=60.0)).is_steady
+    assert not sensor(UNKNOWN).is_steady
+
+
+def test_swings_much_shorter_than_usual_are_filled() -> None:
+    rule = contact_rule(replace(zero_reading(), swing_s=0.8, interval_s=0.02), WEIGHT_N)
+    assert rule.debounce_s == pytest.approx(0.03)
+    assert rule.fill_s == pytest.approx(0.05)

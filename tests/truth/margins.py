@@ -1,0 +1,57 @@
+"""The static margin of a walk, from where its feet are."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from tests.truth.recording import Flags, Floats
+
+Point = tuple[float, float]
+
+
+def mean_margin(feet: Floats, down: Flags, body: Floats) -> float | None:
+    """Return the mean margin over the times with three feet down; None without any.
+
+    Args:
+        feet: (n, feet, 2) m.
+        down: (n, feet).
+        body: (n, 2) m.
+    """
+    found = [
+        margin(hull([tuple(point) for point in standing[is_down].tolist()]), tuple(at.tolist()))
+        for standing, is_down, at in zip(feet, down, body, strict=True)
+        if is_down.sum() >= 3
+    ]
+    return float(np.mean(found)) if found else None
+
+
+def hull(points: Sequence[Point]) -> list[Point]:
+    """Return the convex hull, counter-clockwise: Andrew's monotone chain."""
+    ordered = sorted(points)
+
+    def chain(way: Sequence[Point]) -> list[Point]:
+        found: list[Point] = []
+        for point in way:
+            while len(found) > 1 and side(found[-2], found[-1], point) <= 0.0:
+                found.pop()
+            found.append(point)
+        return found[:-1]
+
+    return chain(ordered) + chain(ordered[::-1])
+
+
+def side(start: Point, end: Point, point: Point) -> float:
+    """Return twice the area of a triangle: positive for a point to the left of the way."""
+    along, to = (end[0] - start[0], end[1] - start[1]), (point[0] - start[0], point[1] - start[1])
+    return along[0] * to[1] - along[1] * to[0]
+
+
+def margin(corners: Sequence[Point], point: Point) -> float:
+    """Return how far a point is inside a convex polygon; negative outside."""
+    inside, nearest = True, np.inf
+    for start, end in zip(corners, (*corners[1:], corners[0]), strict=True):
+        inside &= side(start, end, point) >= 0.0
+        edge, to = np.subtract(end, start), np.subtract(point, start)
+        part = np.clip(edge @ to / (edge @ edge), 0.0, 1.0)
+        nearest = min(nearest, float(np.hypot(*(to - part * edge))))
+    return nearest if inside else -nearest
