@@ -80,8 +80,8 @@ def quick_ways(time: Floats, x: Floats, y: Floats, counts: Flags, stance: Ints, 
     found.metres[stance[goes]] = 0.0
     rows = np.flatnonzero(_may_be_quick(time, np.where(goes, length, 0.0), stance, count)[stance])
     if len(rows):
-        steps = (np.where(goes, step, 0.0)[rows] for step in (step_x, step_y))
-        _find_quickest(time[rows], *steps, stance[rows], found)
+        along, aside = (np.where(goes, step, 0.0)[rows] for step in (step_x, step_y))
+        _find_quickest(time[rows], along, aside, stance[rows], found)
     return found
 
 
@@ -94,12 +94,11 @@ def _may_be_quick(time: Floats, length: Floats, stance: Ints, count: int) -> Fla
         stance: (n,) ascending.
         count: number of stances.
     """
-    window = (time / QUICK_S).astype(np.int64)
+    window: Ints = (time / QUICK_S).astype(np.int64)
     windows = int(window.max(initial=0)) + 2
     path = np.bincount(stance * windows + window, length, count * windows)
     path = path.reshape(count, windows)
-    quick: Flags = (path[:, 1:] + path[:, :-1] >= LEAST_M).any(axis=1)
-    return quick
+    return np.asarray((path[:, 1:] + path[:, :-1] >= LEAST_M).any(axis=1))
 
 
 def _find_quickest(time: Floats, step_x: Floats, step_y: Floats, stance: Ints, found: Ways) -> None:
