@@ -16,7 +16,7 @@ SAMPLE := sample_logs/dogbot_trot.bag
 export PIP_DISABLE_PIP_VERSION_CHECK := 1
 export PIP_NO_PYTHON_VERSION_WARNING := 1
 
-.PHONY: help demo test lint format samples golden fuzz torture mutants bench docs validate vendor clean
+.PHONY: help demo test lint format samples golden fuzz torture mutants bench docs pictures validate vendor clean
 
 help:
 	@echo "make demo     convert a sample log and look at it"
@@ -30,6 +30,7 @@ help:
 	@echo "make golden   agree anew on what is made of the sample logs"
 	@echo "make docs     write the pages that are made of the program's tables"
 	@echo "make vendor   fetch the library that draws the report's page anew"
+	@echo "make pictures take the documentation's pictures anew, in Chromium (CHROMIUM=/usr/bin/chromium)"
 	@echo "make validate measure logs of known truth, and write docs/validation.md"
 	@echo "make bench    measure against what one would use instead; some ten minutes"
 	@echo "make clean    remove what the others made"
@@ -89,6 +90,10 @@ mutants: $(VENV)/dev
 
 docs: $(VENV)/dev
 	$(BIN)/python docs/pages.py
+
+pictures: $(VENV)/dev
+	@$(BIN)/python -m pip install --quiet --editable '.[dev,report]' --constraint $(CONSTRAINTS)
+	$(BIN)/python docs/pictures.py
 
 # npm compares the package with the registry's checksum.
 vendor:

@@ -75,7 +75,7 @@ class Finding:
 
     @property
     def remedy(self) -> str:
-        """The remedy; empty: nothing to do."""
+        """What to do about it; empty of a code that is not declared."""
         kind = finding_kinds().get(self.code)
         return kind.remedy if kind else ""
 

@@ -94,11 +94,16 @@ def compare(
     Exit code 0: the same; 1: different; 2: the call or a file is wrong; 3: the same as far as can
     be read, but a file is damaged.
 
+    Where EXPECTED holds labelled events (.yaml EUROBENCH, .tsv BIDS, .csv as of stats --events),
+    those of a log or of another such file are matched with them, within --atol (0.05 s). Exit code
+    1: some are missed or invented.
+
     With --gait, either side is a log, a directory, a glob or @LIST; its strides are compared figure
     by figure, with intervals. Exit code 1: some differ, or the runs are not comparable.
     """
     from dogbot_logtool.commands.compare import compare as compare_files  # noqa: PLC0415
     from dogbot_logtool.commands.compare import update  # noqa: PLC0415
+    from dogbot_logtool.comparison.event_files import is_event_file  # noqa: PLC0415
     from dogbot_logtool.io.output import whole_file  # noqa: PLC0415
     from dogbot_logtool.io.printable import printable  # noqa: PLC0415
     from dogbot_logtool.io.targets import refuse_bad_report  # noqa: PLC0415
@@ -108,6 +113,18 @@ def compare(
     from dogbot_logtool.report.console import results  # noqa: PLC0415
     from dogbot_logtool.report.junit import junit_xml  # noqa: PLC0415
 
+    if is_event_file(expected):
+        no_meaning = {
+            "--rtol": rtol is not None,
+            "--tolerances": tolerances is not None,
+            "--ignore": ignore,
+            "--topics": topics,
+            "--junit": junit is not None,
+            "--gait": by_gait,
+            "--update": write_over,
+        }
+        _refuse(f"{expected} holds labelled events", no_meaning)
+        _compare_events(expected, actual, atol, as_json=as_json, quiet=quiet)
     others = {
         "--atol": atol is not None,
         "--rtol": rtol is not None,
@@ -149,6 +166,29 @@ def _refuse(why: str, options: Mapping[str, object]) -> None:
     """
     for option in (name for name, given in options.items() if given):
         raise CallError(f"{why}: {option} has no meaning with it")
+
+
+def _compare_events(
+    labels: Path, actual: Path, atol: float | None, *, as_json: bool, quiet: bool
+) -> NoReturn:
+    """Match labelled events with those that are found; exit."""
+    from dogbot_logtool.commands.compare_events import compare_events  # noqa: PLC0415
+    from dogbot_logtool.comparison.labelled_events import WITHIN_S  # noqa: PLC0415
+    from dogbot_logtool.io.plain_json import to_json  # noqa: PLC0415
+    from dogbot_logtool.pipeline.options import StatsOptions, TopicOptions  # noqa: PLC0415
+    from dogbot_logtool.report.console import results  # noqa: PLC0415
+    from dogbot_logtool.report.event_matches import (  # noqa: PLC0415
+        event_matches_json,
+        print_event_matches,
+    )
+
+    within_s = WITHIN_S if atol is None else atol
+    matches = compare_events(labels, actual, within_s, StatsOptions(TopicOptions()))
+    if as_json:
+        click.echo(to_json(event_matches_json(matches, within_s), indent=2))
+    elif not quiet:
+        print_event_matches(results(), matches, within_s)
+    sys.exit(1 if any(each.missed_s or each.invented_s for each in matches) else 0)
 
 
 def _compare_gait(

@@ -49,6 +49,14 @@ if TYPE_CHECKING:
 @wrench_frame_option
 @measuring_options
 @time_range
+@click.option(
+    "--no-replay",
+    "with_replay",
+    is_flag=True,
+    default=True,
+    flag_value=False,
+    help="Leave out the walk in 3D, which takes up to a megabyte.",
+)
 @jobs_option
 @overwrite_option
 @json_option
@@ -65,13 +73,14 @@ def report(
     jobs: int | None,
     *,
     join: bool,
+    with_replay: bool,
     overwrite: bool,
     as_json: bool,
     quiet: bool,
     verbose: bool,
     **options: Any,  # noqa: ANN401 - click's words go straight into the dataclass
 ) -> None:
-    """Write a page that shows what happened: gait, loads, path, and what to doubt.
+    """Write a page that shows what happened: the walk in 3D, gait, loads, path, what to doubt.
 
     One HTML file a log, which opens from disk and loads nothing. Several logs also give an
     index.html with a row each. With --against, one page says whether two runs, or two groups of
@@ -101,7 +110,7 @@ def report(
     chosen = StatsOptions(topics=topics, jobs=jobs_or_cores(jobs), **options)
     several = not join and may_be_several(words, log_set.paths)
     where = output_at(output, ".report.html", several=several)
-    reports = Reports(log_set.paths, where, chosen, overwrite=overwrite)
+    reports = Reports(log_set.paths, where, chosen, overwrite=overwrite, with_replay=with_replay)
     outcomes = Outcomes(quiet=quiet)
     outcomes.mention_left_out(log_set)
     # One after the other, since the index needs them all.

@@ -67,8 +67,9 @@ if TYPE_CHECKING:
 @click.option(
     "--events",
     type=output_file,
-    metavar="FILE.csv",
-    help="Write what happened there, a row for each event: slips, stumbles, falls, gaps ...",
+    metavar="FILE",
+    help="Write what happened there: .csv, .tsv (BIDS) a row for each event, .yaml (EUROBENCH) the "
+    "steps of two feet.",
 )
 @click.option(
     "--parquet",
@@ -200,7 +201,7 @@ def _write_events(target: Path | None, done: "Figures", *, overwrite: bool) -> N
     if target is not None:
         from dogbot_logtool.commands.events_file import write_events_file  # noqa: PLC0415
 
-        write_events_file(target, done.json["events"], overwrite=overwrite)
+        write_events_file(target, done.json, overwrite=overwrite)
 
 
 def _print_drawn(target: Path, window: tuple[float, float]) -> None:

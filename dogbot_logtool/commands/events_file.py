@@ -1,14 +1,13 @@
-"""`stats --events`: the events of a log as a CSV file."""
+"""`stats --events`: the events of a log as a file."""
 
-import io
 from collections.abc import Sequence
 from pathlib import Path
 
 from dogbot_logtool.errors import CallError
 from dogbot_logtool.io.output import refuse_bad_target, whole_file
 from dogbot_logtool.io.storage import Location
+from dogbot_logtool.report.event_files import event_file
 from dogbot_logtool.report.figures.figure import Json
-from dogbot_logtool.report.stats_csv import write_events
 
 
 def refuse_bad_events_file(target: Path, logs: Sequence[Location], *, overwrite: bool) -> None:
@@ -23,18 +22,18 @@ def refuse_bad_events_file(target: Path, logs: Sequence[Location], *, overwrite:
     refuse_bad_target(target, logs[0], overwrite=overwrite)
 
 
-def write_events_file(target: Path, events: Sequence[Json], *, overwrite: bool) -> None:
+def write_events_file(target: Path, document: Json, *, overwrite: bool) -> None:
     """Write the events of a log.
 
     Args:
-        target: the file.
-        events: rows of the log's JSON.
+        target: the file; its suffix chooses the format, see `event_file`.
+        document: the log's JSON.
         overwrite: replace a file that is there.
 
     Raises:
-        LogtoolError: it cannot be written.
+        LogtoolError: it cannot be written, or the format cannot hold the events.
     """
-    text = io.StringIO()
-    write_events(text, events)
+    feet = {name: foot["place"] for name, foot in document["feet"].items()}
+    text = event_file(target.suffix.lower(), document["events"], feet)
     with whole_file(target, overwrite=overwrite) as file:
-        file.write(text.getvalue().encode())
+        file.write(text.encode())

@@ -3,9 +3,10 @@
 from collections.abc import Mapping, Sequence
 from contextlib import AbstractContextManager
 from dataclasses import replace
-from typing import BinaryIO, Final
+from typing import Any, BinaryIO, Final
 
 from dogbot_logtool.commands.load_detail import with_detail
+from dogbot_logtool.commands.replay import replay_of
 from dogbot_logtool.commands.stats import measure
 from dogbot_logtool.core.contact.curves import CurveDetail
 from dogbot_logtool.io.output import refuse_bad_target, whole_file
@@ -33,6 +34,7 @@ class Reports:
         options: StatsOptions,
         *,
         overwrite: bool,
+        with_replay: bool = True,
     ) -> None:
         """Choose the outputs.
 
@@ -43,6 +45,7 @@ class Reports:
         self._options = replace(options, curves=DETAIL)
         self._makes_folder = output.is_folder
         self._overwrite = overwrite
+        self._with_replay = with_replay
         self._rows: dict[Location, IndexRow] = {}
         self._index: Location | None = None
         self._beside = ALONE
@@ -67,14 +70,16 @@ class Reports:
         measured = measure(source, self._options, progress)
         typical = default_window(measured.stats)
         measured = with_detail(source, self._options, measured, typical, progress)
-        html = _page_of(source, measured, self._beside)
+        replay = replay_of(source, self._options, measured) if self._with_replay else None
+        html = _page_of(source, measured, replay, self._beside)
+        self._share_script()
         with self._whole_file(target) as file:
             file.write(html)
         self._rows[source] = index_row(measured.stats, measured.facts, file_name(target))
         return Page(source, target, len(html), measured)
 
     def finish(self, failures: Mapping[str, str]) -> None:
-        """Write the index of several logs, a row for each, and the script that their pages share.
+        """Write the index of several logs, a row for each.
 
         Args:
             failures: why a log has no page, by the log's name as it is shown.
@@ -84,6 +89,11 @@ class Reports:
         rows = [self._rows.get(log) or _row_without_page(log, failures) for log in self._targets]
         with self._whole_file(self._index) as file:
             file.write(index(rows))
+
+    def _share_script(self) -> None:
+        """Write the script beside the pages that share it, before the first of them."""
+        if self._index is None or self._rows:
+            return
         # Its name tells its content: one that is there already is the same.
         script = self._index.parent / self._beside.script
         with whole_file(script, overwrite=True, makes_folder=self._makes_folder) as file:
@@ -103,7 +113,9 @@ def _row_without_page(log: Location, failures: Mapping[str, str]) -> IndexRow:
     return IndexRow(file_name(log), error=error.removeprefix(f"{shown(log)}: "))
 
 
-def _page_of(source: Location, measured: Measurement, beside: Beside) -> bytes:
+def _page_of(
+    source: Location, measured: Measurement, replay: Mapping[str, Any] | None, beside: Beside
+) -> bytes:
     damage = [Damage(loss.offset, loss.bytes, loss.what) for loss in measured.losses]
     size = 0 if is_folder(source) else version(source)[0]
-    return page(measured.stats, measured.facts, damage, size, beside=beside)
+    return page(measured.stats, measured.facts, damage, size, replay=replay, beside=beside)

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field, replace
 from functools import partial
 from typing import Final
 
+from dogbot_logtool.commands.planned import options_of_plan, with_plan
 from dogbot_logtool.core.accumulator import OnSamples, StatsAccumulator
 from dogbot_logtool.core.contact.contact_rule import Thresholds
 from dogbot_logtool.core.contact.silent_swing import SilentFeet, SwingInserter
@@ -19,6 +20,7 @@ from dogbot_logtool.finding import Finding, warning
 from dogbot_logtool.io.storage import Location, shown
 from dogbot_logtool.pipeline.annotated import open_recorded
 from dogbot_logtool.pipeline.batches import BatchReader
+from dogbot_logtool.pipeline.feet.plans import planned_feet
 from dogbot_logtool.pipeline.measuring import BatchMeasurer, MeasuredBatch
 from dogbot_logtool.pipeline.options import StatsOptions
 from dogbot_logtool.pipeline.probe import Probe, evidence_findings, frame_names, probe_log
@@ -29,7 +31,7 @@ from dogbot_logtool.pipeline.world_frames import StreamedFrames, WorldFrames, fo
 from dogbot_logtool.reader.containers.log import Log, Loss, lost_messages
 from dogbot_logtool.reader.salvage.losses import malformed_messages, wrong_statistics
 from dogbot_logtool.results import LogFacts, Measurement
-from dogbot_logtool.robot import Robot
+from dogbot_logtool.robot import Foot, Robot
 from dogbot_logtool.run.in_order import OnProgress, in_order
 
 _FRAMES: Final = {"world": WrenchFrame.WORLD, "link": WrenchFrame.LINK}
@@ -54,6 +56,20 @@ def measure(
         CallError: no such file, or a topic or time in the options that the log does not have.
         LogError: it is no log, or has nothing to measure.
     """
+    measured, plan = _measured_feet(path, options, progress, on_samples)
+    if not plan:
+        return measured
+    planned, _ = _measured_feet(path, options_of_plan(options, plan), progress, None)
+    return with_plan(measured, planned.stats)
+
+
+def _measured_feet(
+    path: Location,
+    options: StatsOptions,
+    progress: OnProgress | None,
+    on_samples: OnSamples | None,
+) -> tuple[Measurement, tuple[Foot, ...]]:
+    """Work out the figures of the feet that are used; return also those of a plan in the log."""
     log = open_recorded(path, options.topics.joined)
     try:
         selection = select_topics(log, options.topics)
@@ -63,17 +79,20 @@ def measure(
         selection = selection.without_forces(probe.forceless)
         given = Thresholds(options.contact_on_n, options.contact_off_n, options.debounce_s)
         sensors = learn_sensors(log, selection, probe, options.topics, given)
+        chosen = options.topics.feet
+        plan = () if chosen else planned_feet(log, selection.robot, selection.contacts)
         try:
             settings = _settings(selection, probe, sensors, options)
-            return _pass(
+            measured = _pass(
                 log, selection, probe, sensors.silent, settings, options, progress, on_samples
             )
         except UnusableStamps as reason:
             because = str(reason)
             settings = _settings(selection, probe, sensors, options, log_time_because=because)
-            return _pass(
+            measured = _pass(
                 log, selection, probe, sensors.silent, settings, options, progress, on_samples
             )
+        return measured, plan
     finally:
         log.close()
 

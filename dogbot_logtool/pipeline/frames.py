@@ -88,7 +88,7 @@ def read_frames(
     foxglove = [c for c in log.channels.values() if c.type_name in FOXGLOVE_TYPES]
     readable = [channel for channel in foxglove if channel.message_encoding in OBJECT_ENCODINGS]
     channels = {channel.id: channel for channel in (*ros_channels, *readable)}
-    spans = _useful_spans(log, channels)
+    spans = useful_spans(log, channels)
     total, done = sum(chunk.data_size for span in spans for chunk in span), 0
 
     def work(span: Span) -> _ReadBatch:
@@ -109,8 +109,8 @@ def read_frames(
     return Frames(recorder.finish(), channels, unread, tuple(losses))
 
 
-def _useful_spans(log: Log, channels: Mapping[int, Channel]) -> list[Span]:
-    """Return the batches, without the chunks that have no transforms by their index."""
+def useful_spans(log: Log, channels: Mapping[int, Channel]) -> list[Span]:
+    """Return the batches, without the chunks that have nothing of some channels by their index."""
     if not channels:
         return []
     spans = [

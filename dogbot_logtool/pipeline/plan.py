@@ -21,6 +21,7 @@ from dogbot_logtool.pipeline.copied_topics import channels_left_out, copy_findin
 from dogbot_logtool.pipeline.options import ConvertOptions
 from dogbot_logtool.pipeline.probe import Probe, evidence_findings, frame_names
 from dogbot_logtool.pipeline.robot_model.description import robot_description
+from dogbot_logtool.pipeline.robot_model.joint_motion import JointMotion
 from dogbot_logtool.pipeline.selection import Selection, nothing_to_do
 from dogbot_logtool.pipeline.sensors import LearntSensors, learn_sensors
 from dogbot_logtool.pipeline.time_span import TimeLimits, time_limits
@@ -64,6 +65,8 @@ class Plan:
     """The robot description that is written; None: none."""
     hips: Floats | None
     """(feet, 3) m, base frame: where the lines of `/legs` begin; None: there is no such topic."""
+    motion: JointMotion | None
+    """How joint states move the robot's links; None: they do not, or it is recorded."""
     opening_time: int | None
     """ns, log time of the output's first message; None: the log is empty."""
     silent: SilentFeet
@@ -172,6 +175,7 @@ def make_plan(log: Log, selection: Selection, probe: Probe, options: ConvertOpti
         draws_support=draws_support,
         urdf=description.urdf,
         hips=description.hips if draws_support else None,
+        motion=description.motion if options.tf != "never" else None,
         opening_time=log.start_time if start_time is None else start_time,
         silent=learnt.silent,
         swings_from=log.start_time if start_time is None else None,

@@ -21,7 +21,7 @@ from dogbot_logtool.core.frames.wrench_frame import (
     frame_fit,
     judge_wrench_frame,
 )
-from dogbot_logtool.core.geometry.arrays import Flags, Ints, distinct
+from dogbot_logtool.core.geometry.arrays import Flags, Ints
 from dogbot_logtool.core.geometry.blocks import concatenated
 from dogbot_logtool.core.geometry.clock import TimeSource
 from dogbot_logtool.core.load.loads import body_weight_n
@@ -153,14 +153,14 @@ class _Prober:
             samples = read.reduced.samples
             self._contacts.append(samples)
             self._timings.append(read.timing)
-            self._touching.update(distinct(samples.foot[samples.in_contact]).tolist())
+            self._touching.update(np.unique(samples.foot[samples.in_contact]).tolist())
             for foot, names in read.links.items():
                 self._links.setdefault(foot, set()).update(names)
             if read.source.has_header:
                 stamps = read.messages.table.nanoseconds("header.stamp")
                 self._see_stamps(read.messages.channel, stamps)
             if read.source.silent_in_swing:
-                for foot in distinct(samples.foot).tolist():
+                for foot in np.unique(samples.foot).tolist():
                     steps = _steps(samples.log_time[samples.foot == foot], _begins(batch))
                     self._steps.setdefault(foot, []).append(steps)
         for messages in transforms:
@@ -188,7 +188,7 @@ class _Prober:
 
     def _see_stamps(self, channel: Ints, stamp: Ints) -> None:
         topics = {c.id: c.topic for c in (*self._selection.odometry, *self._selection.contacts)}
-        for number in distinct(channel).tolist():
+        for number in np.unique(channel).tolist():
             stamped = bool((stamp[channel == number] != 0).any())
             topic = topics[number]
             self._stamped[topic] = self._stamped.get(topic, False) or stamped

@@ -5,7 +5,7 @@ what came before, and looks a little ahead. What is found does not depend on whe
 `LONGEST_DELAY_S` says how far a transform may stand from a sample that it is used for.
 """
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Protocol
 
@@ -23,7 +23,10 @@ from dogbot_logtool.core.frames.transform_buffer import (
     frame_track,
 )
 from dogbot_logtool.core.geometry.clock import TimeSource
+from dogbot_logtool.core.leg_position import LegPosition
 from dogbot_logtool.finding import Finding, note, warning
+from dogbot_logtool.pipeline.feet.names import name_feet
+from dogbot_logtool.pipeline.feet.words import Part
 from dogbot_logtool.pipeline.selection import Selection
 from dogbot_logtool.reader.messages.frame_tracks import moving_tracks
 from dogbot_logtool.reader.messages.messages import DecodedMessages
@@ -147,10 +150,11 @@ def follow_frames(
         link if turn_forces and link and chain_of_frames(parents, link, world) is not None else None
         for link in probe.links
     )
+    named = _foot_frames(parents)
     sensors = [
         FramePoint(base, recorded=True)
         if any(source.in_base for source in selection.sources_of(foot))
-        else _sensor(selection, probe, foot)
+        else _sensor(selection, probe, foot, parents, world, named)
         if place_sensors
         else None
         for foot in range(len(selection.robot.feet))
@@ -178,13 +182,35 @@ def follow_frames(
     )
 
 
-def _sensor(selection: Selection, probe: RecordedFrames, foot: int) -> FramePoint | None:
-    """Return the place of a foot whose sensor tells forces but no contact points."""
+def _foot_frames(frames: Iterable[str]) -> Mapping[LegPosition, str]:
+    """Return the frames that are named like the feet of all legs, by where the leg is."""
+    found = name_feet(frames, contacts_only=False).chosen
+    if found is None or found.part is not Part.FOOT:
+        return {}
+    return {foot.position: foot.topic for foot in found.feet if foot.position}
+
+
+def _sensor(
+    selection: Selection,
+    probe: RecordedFrames,
+    foot: int,
+    parents: Mapping[str, str],
+    world: str,
+    named: Mapping[LegPosition, str],
+) -> FramePoint | None:
+    """Return the place of a foot whose sensor tells forces but no contact points.
+
+    It is at the frame of the robot's file or of its messages; where the log's transforms do not
+    place that, at the frame that is named like the leg's foot.
+    """
     sources = selection.sources_of(foot)
     if not selection.knows_force(foot) or any(source.has_points for source in sources):
         return None
     described = selection.robot.feet[foot]
     frame = described.frame or probe.links[foot]
+    is_placed = frame is not None and chain_of_frames(parents, frame, world) is not None
+    if described.frame is None and described.place is not None and not is_placed:
+        frame = named.get(described.place, frame)
     return FramePoint(frame, described.contact_point_m) if frame else None
 
 

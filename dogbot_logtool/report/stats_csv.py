@@ -32,11 +32,13 @@ def write_events(file: TextIO, events: Iterable[Json]) -> None:
     """Write a row for each event of a log's JSON; what is not known is empty."""
     writer = csv.writer(file, lineterminator="\n")
     writer.writerow(EVENT_COLUMNS)
-    for event in events:
-        cells = (event[name] for name in EVENT_COLUMNS)
-        writer.writerow(
-            [text_cell(each) if isinstance(each, str) else _text(each) for each in cells]
-        )
+    writer.writerows(map(event_cells, events))
+
+
+def event_cells(event: Json) -> list[str]:
+    """Return the cells of an event of a log's JSON; what is not known is empty."""
+    cells = (event[name] for name in EVENT_COLUMNS)
+    return [text_cell(each) if isinstance(each, str) else _text(each) for each in cells]
 
 
 def text_cell(text: str) -> str:

@@ -10,6 +10,7 @@ from mcap import records
 from numpy.typing import NDArray
 
 from dogbot_logtool.core.base.odometry import Transforms
+from dogbot_logtool.core.frames.kinematics import LinkTransforms
 from dogbot_logtool.core.geometry.arrays import Floats, Ints, rows_by_group
 from dogbot_logtool.core.load.loads import Loads
 from dogbot_logtool.core.scene.arrows import Arrows
@@ -45,6 +46,7 @@ TF_TOPIC: Final = "/tf"
 SUPPORT_TOPIC: Final = "/support"
 LEGS_TOPIC: Final = "/legs"
 EVENTS_TOPIC: Final = "/events"
+SPANS_TOPIC: Final = "/events/spans"
 GAIT_TOPIC: Final = "/gait"
 FALLBACK_PREFIX: Final = "/dogbot_logtool"
 _MAX_ID: Final = 0xFFFF
@@ -80,6 +82,7 @@ class AnnotationColumns:
     support: Sequence[SupportScene] = ()
     labels: Sequence[Labels] = ()
     legs: Sequence[LegLines] = ()
+    links: Sequence[LinkTransforms] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -88,6 +91,8 @@ class EventChannels:
 
     events: int
     gait: int
+    spans: int | None
+    """None: the encoding has no message for spans of time."""
 
 
 class IdSource:
@@ -122,6 +127,7 @@ class Annotations:
         world_frame: str,
         base_frame: str,
         with_tf: bool,
+        links: Sequence[tuple[str, str]] = (),
         support_look: SupportLook | None = None,
         with_labels: bool = False,
         legs_look: SupportLook | None = None,
@@ -137,9 +143,13 @@ class Annotations:
         self._schema_ids = schema_ids
         self._resolve = resolve_topic
         self._tf: Template | None = None
-        if with_tf:
+        self._links: Template | None = None
+        if with_tf or links:
             channel = self._declare(TF_TOPIC, encoding.transform_type)
-            self._tf = record_template(encoding.transform(world_frame, base_frame), channel)
+            if with_tf:
+                self._tf = record_template(encoding.transform(world_frame, base_frame), channel)
+            if links:
+                self._links = record_template(encoding.transforms(links), channel)
         self._arrows: list[tuple[Template, Template]] = []
         for foot in feet:
             channel = self._declare(arrow_topic(foot), encoding.arrow_type)
@@ -174,7 +184,9 @@ class Annotations:
         if with_events:
             events = self._declare(EVENTS_TOPIC, encoding.event_type)
             gait = self._declare(GAIT_TOPIC, encoding.gait_type)
-            self.event_channels = EventChannels(events, gait)
+            kind = encoding.span_type
+            spans = None if kind is None else self._declare(SPANS_TOPIC, kind)
+            self.event_channels = EventChannels(events, gait, spans)
 
     def _declare(self, topic: str, kind: MessageType) -> int:
         schema = next((one for one in self.schemas if one.name == kind.name), None)
@@ -217,6 +229,9 @@ class Annotations:
         """Yield the records of a batch, channel by channel."""
         if self._tf is not None:
             yield _transform_records(self._tf, columns.transforms)
+        if self._links is not None:
+            for links in columns.links:
+                yield _link_records(self._links, links)
         # All messages of an encoding have times in the same form, so they are converted once.
         for arrows in columns.arrows:
             stamps = self._load.stamps("stamp", arrows.stamp)
@@ -261,6 +276,16 @@ def _transform_records(template: Template, transforms: Transforms) -> NDArray[np
     write_log_time(records, transforms.log_time)
     template.write_time(records, "stamp", transforms.stamp)
     _write_pose(records, transforms.translation, transforms.rotation)
+    return records
+
+
+def _link_records(template: Template, links: LinkTransforms) -> NDArray[np.void]:
+    records = template.copies(len(links.log_time))
+    write_log_time(records, links.log_time)
+    for index in range(links.poses.translation.shape[1]):
+        template.write_time(records, f"{index}.stamp", links.stamp)
+        position, turn = links.poses.translation[:, index], links.poses.rotation[:, index]
+        _write_pose(records, position, turn, f"{index}.")
     return records
 
 
@@ -311,8 +336,10 @@ def _label_records(
     return records
 
 
-def _write_pose(records: NDArray[np.void], position: Floats, orientation: Floats) -> None:
+def _write_pose(
+    records: NDArray[np.void], position: Floats, orientation: Floats, prefix: str = ""
+) -> None:
     for axis, column in zip("xyz", position.T, strict=True):
-        records[axis] = column
+        records[prefix + axis] = column
     for axis, column in zip("xyzw", orientation.T, strict=True):
-        records[f"q{axis}"] = column
+        records[f"{prefix}q{axis}"] = column

@@ -1,5 +1,6 @@
 """`/events` and `/gait` in a converted log: what they say, and when."""
 
+import sys
 from pathlib import Path
 from typing import Any
 
@@ -73,6 +74,37 @@ def test_the_gait_is_written_where_it_changes_and_ends(tmp_path: Path, encoding:
     assert list(begins.phases) == pytest.approx([0.0, 0.5, 0.5, 0.0], abs=0.02)
     assert ends.gait == "unknown"
     assert ends.duty_factor != ends.duty_factor
+
+
+def test_events_are_spans_where_the_schemas_have_them(tmp_path: Path) -> None:
+    pytest.importorskip("foxglove_schemas_protobuf.Event_pb2")
+    target = converted(TROUBLED, tmp_path / "out.mcap")
+    measured = measure(TROUBLED, StatsOptions())
+    events = stats_json(measured.stats, measured.facts)["events"]
+    odd = [each for each in events if each["type"] not in {"touchdown", "lift_off"}]
+    found = messages_of(target, "/events/spans")
+    assert [message.start_time.ToNanoseconds() for _, message in found] == [
+        measured.stats.origin + round(each["onset_s"] * 1e9) for each in odd
+    ]
+    for (log_time, message), event in zip(found, odd, strict=True):
+        start, end = (each.ToNanoseconds() for each in (message.start_time, message.end_time))
+        assert log_time == start
+        assert (end - start) / 1e9 == pytest.approx(event["duration_s"], abs=1e-8)
+        details = {each.key: each.value for each in message.metadata}
+        assert details["type"] == event["type"]
+        assert details.get("foot") == event["foot"]
+        assert float(details.get("value", "nan")) == pytest.approx(
+            float("nan") if event["value"] is None else event["value"], nan_ok=True
+        )
+
+
+def test_without_spans_in_the_schemas_the_rest_is_written(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setitem(sys.modules, "foxglove_schemas_protobuf.Event_pb2", None)
+    target = converted(TROUBLED, tmp_path / "out.mcap", jobs=1)
+    assert messages_of(target, "/events/spans") == []
+    assert messages_of(target, "/events")
 
 
 def test_without_the_option_neither_is_written(tmp_path: Path) -> None:

@@ -12,6 +12,7 @@ from pages import PAGES
 from dogbot_logtool.finding import finding_kinds
 from dogbot_logtool.report.figures.document import DOCUMENT, STRIDE_ROWS
 from dogbot_logtool.report.figures.figure import all_figures
+from tests.commands.test_planned import GRF, Plan, figures, write
 from tests.paths import ROOT, SAMPLE_LOGS
 
 _CODE = re.compile(r'"([EWN]_[A-Z_]+)"')
@@ -56,8 +57,8 @@ def null_objects(path: str) -> Iterator[str]:
         yield path.removesuffix("[]")
 
 
-def test_the_table_holds_every_key_of_real_documents_and_no_other() -> None:
-    found: set[str] = set()
+def test_the_table_holds_every_key_of_real_documents_and_no_other(tmp_path: Path) -> None:
+    found = set(leaves(figures(write(tmp_path, GRF, Plan(2)))))
     for golden in SAMPLE_LOGS.glob("golden/*.stats.json"):
         found |= set(leaves(json.loads(golden.read_text(encoding="utf-8"))))
     paths = [path for path, _ in all_figures(DOCUMENT)]
@@ -90,6 +91,16 @@ def test_every_code_is_declared() -> None:
     codes = codes_in_the_code()
     assert len(codes) > 80
     assert codes - finding_kinds().keys() == set()
+
+
+def test_every_finding_says_what_to_do() -> None:
+    """A remedy is something that a person can do, in a sentence."""
+    idle = [
+        code
+        for code, kind in finding_kinds().items()
+        if not kind.remedy.endswith(".") or kind.remedy.startswith("Nothing")
+    ]
+    assert idle == []
 
 
 def test_every_declared_code_is_used() -> None:

@@ -74,8 +74,10 @@ def _six_feet(walk: walks.Walk, kind: str) -> Iterator[walks.Entry]:
         time = START_NS + round(time_s * 1e9)
         for foot in range(6):
             down = is_down(time_s, foot)
-            value = {"is_down": down} if kind.endswith("Touch") else {"value": load_n(time_s, foot)}
-            if kind.endswith("Counts"):
+            value: dict[str, float] = {"value": load_n(time_s, foot)}
+            if kind.endswith("Touch"):
+                value = {"is_down": down}
+            elif kind.endswith("Counts"):
                 value = {"value": round(load_n(time_s, foot))}
             yield _entry(walk, f"/crawler/strut_{foot + 1}/tip_load", kind, time, value)
             warm = {"value": 40.0 + foot + sample * 1e-3}

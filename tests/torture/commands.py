@@ -149,6 +149,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--damaged", type=int, default=200, help="logs damaged at random")
     parser.add_argument("--seed", type=int, help="repeat a run")
+    parser.add_argument("--every", type=int, default=1, help="take every Nth real log")
     parser.add_argument("--only", default="", help="commands that contain this text")
     arguments = parser.parse_args()
     seed = arguments.seed
@@ -158,7 +159,8 @@ def main() -> None:
     codes: dict[str, Counter[int]] = {command: Counter() for command in commands}
     faults, slowest = 0, (0.0, "")
     with tempfile.TemporaryDirectory() as name:
-        for logs in (iter(real_logs()), damaged_logs(Path(name), arguments.damaged, seed)):
+        real = iter(real_logs()[:: arguments.every])
+        for logs in (real, damaged_logs(Path(name), arguments.damaged, seed)):
             for command, log, ended in torture(logs, commands):
                 codes[command][ended.exit_code] += 1
                 slowest = max(slowest, (ended.seconds, command.format(log=log.name)))

@@ -161,9 +161,10 @@ def estimate_level(log_time: Ints, force: Floats) -> SensorLevel:
     along = _without_spikes(force @ axis)
     runs = _run_numbers(log_time)
     modes = [two_modes(along, runs), two_modes(-along, runs)]
+    step = resolution_n(force)
     judged = (
-        judge_modes(modes[0], modes[1].swing.width, raises=True),
-        judge_modes(modes[1], modes[0].swing.width, raises=False),
+        judge_modes(modes[0], modes[1].swing.width, raises=True, step=step),
+        judge_modes(modes[1], modes[0].swing.width, raises=False, step=step),
     )
     likely, other = sorted(judged, key=lambda each: each.score, reverse=True)
     level, opposite = (

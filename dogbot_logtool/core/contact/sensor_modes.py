@@ -36,6 +36,8 @@ _UNCLEAR: Final = 100.0
 """What modes that are not clear score less than any that are."""
 _FEWEST_ROWS: Final = 3
 """Samples in a visit; shorter ones are brushes and flicker."""
+_ROUNDED: Final = 4.0
+"""Steps of a sensor below which widths of modes tell nothing."""
 _ROUNDS: Final = 5
 _ENTER, _LEAVE = 0.1, 0.35
 """Shares of the way from swing to the highest loads: a visit to the swing mode begins below the
@@ -133,19 +135,20 @@ def two_modes(values: Floats, runs: Ints) -> Modes:
     return Modes(swing, stance)
 
 
-def judge_modes(modes: Modes, other_width: float, *, raises: bool) -> Modes:
+def judge_modes(modes: Modes, other_width: float, *, raises: bool, step: float = 0.0) -> Modes:
     """Decide whether two modes are swing and stance, and how well they look like it.
 
     Args:
         modes: what may be swing and stance.
         other_width: N, of the narrow mode if swing were stance and stance were swing.
         raises: whether load would raise what the sensor reads.
+        step: N, in which it counts: by so much either mode may be narrower by chance.
     """
     if modes.reason:
         return modes
     swing, stance = modes.swing, modes.stance
     distance = stance.level - swing.level
-    floor = 1e-3 * distance
+    floor = max(1e-3 * distance, _ROUNDED * step)
     wider = (other_width + floor) / (swing.width + floor)
     # Sensors are usually mounted so that a load raises their value, and offsets are smaller
     # than loads; both are habits. A foot that swings may feel its inertia, which widens swing.

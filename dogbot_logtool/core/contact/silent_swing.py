@@ -13,7 +13,7 @@ from typing import Final
 import numpy as np
 
 from dogbot_logtool.core.contact.contacts import Samples
-from dogbot_logtool.core.geometry.arrays import Flags, Floats, Ints, distinct
+from dogbot_logtool.core.geometry.arrays import Flags, Floats, Ints
 from dogbot_logtool.core.geometry.blocks import concatenated
 from dogbot_logtool.core.geometry.clock import SILENCE_NS
 
@@ -148,7 +148,7 @@ def last_messages(
         foot: replace(last, interrupted=True) if _interrupts(dropouts, last) else last
         for foot, last in before.items()
     }
-    for foot in distinct(samples.foot).tolist():
+    for foot in np.unique(samples.foot).tolist():
         rows = np.flatnonzero(samples.foot == foot)
         message = LastMessage(int(samples.log_time[rows[-1]]), int(samples.stamp[rows[-1]]))
         swing = (-1, -1)

@@ -1,5 +1,6 @@
 """What a log says of itself in words and states: events as sentences, the gait as it changes."""
 
+from itertools import zip_longest
 from typing import Final
 
 import numpy as np
@@ -38,14 +39,29 @@ def _message(event: Event, names: list[str]) -> EventMessage:
     if event.code and event.type is not EventType.GAIT_CHANGE:
         parts.append(event.code)
     level = _LEVELS.get(event.type, Level.WARNING)
-    return EventMessage(event.onset, level, source, ", ".join(filter(None, parts)))
+    details = {
+        "type": str(event.type),
+        "foot": "" if event.foot is None else source,
+        "value": "" if event.value is None else f"{event.value:.9g}",
+        "unit": event.unit,
+        "code": event.code,
+    }
+    return EventMessage(
+        event.onset,
+        level,
+        source,
+        ", ".join(filter(None, parts)),
+        end=event.onset + event.duration,
+        is_step=event.type in STEPS,
+        details={name: text for name, text in details.items() if text},
+    )
 
 
 def gait_states(stats: Stats) -> tuple[GaitState, ...]:
     """Return the gait where it begins, and that it is unknown where a segment ends."""
     states: list[GaitState] = []
     nothing = (float("nan"),) * len(stats.feet)
-    for segment, after in zip(stats.segments, [*stats.segments[1:], None], strict=True):
+    for segment, after in zip_longest(stats.segments, stats.segments[1:]):
         states.append(_state(segment))
         if after is None or after.start > segment.end:
             states.append(GaitState(segment.end, UNKNOWN, nothing[0], nothing[0], nothing))

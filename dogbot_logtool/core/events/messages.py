@@ -1,6 +1,7 @@
 """Records of what annotated logs say of events and gaits."""
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from enum import IntEnum
 from typing import Final
 
@@ -27,6 +28,12 @@ class EventMessage:
     source: str
     """Name of the foot, or ``robot``."""
     text: str
+    end: int = 0
+    """ns."""
+    is_step: bool = False
+    """Whether it is a touchdown or a lift-off."""
+    details: Mapping[str, str] = field(default_factory=dict)
+    """What is known of it, by name: ``type``, ``foot``, ``value``, ``unit``, ``code``."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -24,6 +24,7 @@ def gait_findings(stats: Stats) -> Iterator[Finding]:
             text = "the clocks of the feet's topics differ: the gait is not known"
         yield Finding("N_NO_GAIT", text, where)
         return
+    yield from _against_plan(stats)
     order = legs_in_order([foot.place for foot in stats.feet]) or range(len(stats.feet))
     if stats.reference != order[0]:
         first = stats.feet[order[0]].name
@@ -41,6 +42,24 @@ def gait_findings(stats: Stats) -> Iterator[Finding]:
             "of the longest"
         )
         yield Finding("N_SEVERAL_GAITS", text, "gait.segments")
+
+
+def _against_plan(stats: Stats) -> Iterator[Finding]:
+    """Say how the feet follow their plan."""
+    for foot, plan in zip(stats.feet, stats.planned, strict=False):
+        if plan is None or not plan.touchdowns:
+            continue
+        text = (
+            f"{foot.name} against {plan.topic}: of {plan.touchdowns} planned touchdowns "
+            f"{plan.early} early, {plan.late} late, {plan.missed} missed, and {plan.unplanned} "
+            "unplanned ones"
+        )
+        if plan.delay is not None:
+            when = "late" if plan.delay.median >= 0.0 else "early"
+            text += f"; {1e3 * abs(plan.delay.median):.0f} ms {when} in the median"
+        if plan.force_error is not None:
+            text += f"; mean force of a stance {plan.force_error.median:+.3g} N off"
+        yield Finding("N_AGAINST_PLAN", text, f"feet.{foot.name}.planned")
 
 
 def _without_steps(stats: Stats) -> Iterator[Finding]:

@@ -19,7 +19,7 @@ from typing import Final
 import numpy as np
 
 from dogbot_logtool.core.contact.contacts import Samples
-from dogbot_logtool.core.geometry.arrays import Flags, Floats, Ints, distinct, norms
+from dogbot_logtool.core.geometry.arrays import Flags, Floats, Ints, norms
 
 FRICTION: Final = 1.0
 """Highest tangential over normal force that a foot is expected to find."""
@@ -146,7 +146,7 @@ def _vertical_sum_n(samples: Sequence[Samples], rows: Sequence[Flags]) -> float:
     everyone = np.concatenate([part.foot for part in samples])
     contact = np.concatenate([part.in_contact for part in samples])
     total = 0.0
-    for each in distinct(foot).tolist():
+    for each in np.unique(foot).tolist():
         total += float(force[foot == each, 2].mean()) * float(contact[everyone == each].mean())
     return abs(total)
 
@@ -159,7 +159,7 @@ def _fit(foot: Ints, force: Floats, normal: Floats, vertical_n: float) -> FrameF
     along *= np.sign(along.sum()) or 1.0
     across = np.sqrt(np.maximum(magnitude**2 - along**2, 0.0))
     inside = across <= FRICTION * along
-    tilts = [_tilt(force[foot == each].sum(axis=0)) for each in distinct(foot)]
+    tilts = [_tilt(force[foot == each].sum(axis=0)) for each in np.unique(foot)]
     return FrameFit(
         samples=len(force),
         in_cone=float(magnitude[inside].sum() / magnitude.sum()),

@@ -8,7 +8,7 @@ import numpy as np
 
 from dogbot_logtool.core.contact.foot_history import FootHistory
 from dogbot_logtool.core.geometry import timespans
-from dogbot_logtool.core.geometry.arrays import Ints, distinct
+from dogbot_logtool.core.geometry.arrays import Ints
 
 MOST_FREQUENT: Final = 5
 """Support sets that are reported."""
@@ -60,7 +60,7 @@ def support(feet: Sequence[FootHistory], within: Ints | None = None) -> Support 
     if timespans.total(known) == 0:
         return None
     contacts = [timespans.intersect([foot.in_contact, known]) for foot in feet]
-    edges = distinct(np.concatenate([spans.ravel() for spans in (known, *contacts)]))
+    edges = np.unique(np.concatenate([spans.ravel() for spans in (known, *contacts)]))
     begin, duration = edges[:-1], np.diff(edges)
     code = np.zeros(len(begin), np.int64)
     number = np.zeros(len(begin), np.int64)

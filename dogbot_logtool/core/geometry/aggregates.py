@@ -5,7 +5,7 @@ from typing import Final
 
 import numpy as np
 
-from dogbot_logtool.core.geometry.arrays import Floats, Ints, distinct
+from dogbot_logtool.core.geometry.arrays import Floats, Ints
 
 _SUB_BINS: Final = 9
 """2^9 bins an octave: a bin is at most 0.2 % wide."""
@@ -121,7 +121,7 @@ class IntervalHistogram:
 
     def _merge(self, bins: Ints, counts: Ints, sums: Ints) -> None:
         """Add bins, sorted and each only once, to those that are kept."""
-        all_bins = distinct(np.concatenate([self._bins, bins]))
+        all_bins = np.union1d(self._bins, bins)
         all_counts, all_sums = np.zeros((2, len(all_bins)), np.int64)
         for held, held_counts, held_sums in (
             (self._bins, self._counts, self._sums),

@@ -2,7 +2,6 @@
 
 from collections.abc import Iterator
 from itertools import pairwise
-from typing import TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,7 +13,6 @@ Ints = NDArray[np.int64]
 """int64: times in nanoseconds, or row numbers."""
 Flags = NDArray[np.bool_]
 Bytes = NDArray[np.uint8]
-_Number = TypeVar("_Number", bound=np.generic)
 
 
 def norms(vectors: Floats) -> Floats:
@@ -95,17 +93,6 @@ def stable_order(values: Ints) -> Ints:
     """
     short = not len(values) or int(values.max()) < 1 << 16
     return np.argsort(values.astype(np.uint16) if short else values, kind="stable")
-
-
-def distinct(values: NDArray[_Number]) -> NDArray[_Number]:
-    """Return all values, ascending and each once, of an array without NaN.
-
-    `np.unique`, too, returns them, but loads numpy.ma first, which takes 20 ms.
-    """
-    ordered = np.sort(values, axis=None)
-    is_new = np.ones(len(ordered), np.bool_)
-    is_new[1:] = ordered[1:] != ordered[:-1]
-    return ordered[is_new]
 
 
 def rows_by_group(group: Ints) -> Iterator[tuple[int, Ints]]:

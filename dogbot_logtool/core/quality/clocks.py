@@ -6,7 +6,7 @@ from typing import Final
 
 import numpy as np
 
-from dogbot_logtool.core.geometry.arrays import Floats, Ints, distinct
+from dogbot_logtool.core.geometry.arrays import Floats, Ints
 from dogbot_logtool.core.geometry.blocks import GrowingTable
 
 WINDOW_NS: Final = 500_000_000
@@ -106,7 +106,7 @@ def clock_differences(
     """
     if len(tracks) < 2:
         return ()
-    windows = distinct(np.concatenate([track.window for track in tracks.values()]))
+    windows = np.unique(np.concatenate([track.window for track in tracks.values()]))
     origin = min(int(track.least_ns.min(initial=0)) for track in tracks.values())
     offset = np.full((len(tracks), len(windows)), np.nan)
     for row, track in enumerate(tracks.values()):

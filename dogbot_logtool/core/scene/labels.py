@@ -1,13 +1,14 @@
 """What is written beside each foot: its load in newtons."""
 
 from collections.abc import Mapping
+from collections.abc import Set as AbstractSet
 from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
 
 from dogbot_logtool.core.contact.contacts import Samples
-from dogbot_logtool.core.geometry.arrays import Flags, Floats, Ints, distinct, norms
+from dogbot_logtool.core.geometry.arrays import Flags, Floats, Ints, norms
 from dogbot_logtool.core.geometry.clock import first_at_each_tick
 from dogbot_logtool.core.scene.arrows import Arrows
 
@@ -35,18 +36,25 @@ class Labels:
     """(n,) N, magnitude."""
 
 
-def foot_labels(samples: Samples, arrows: Arrows, last_time: Mapping[int, int]) -> Labels:
+def foot_labels(
+    samples: Samples, arrows: Arrows, last_time: Mapping[int, int], down: AbstractSet[int]
+) -> Labels:
     """Return labels for the arrows of samples, at most `RATE_HZ` for each foot.
+
+    A label is removed at once when its foot leaves the ground.
 
     Args:
         samples: (n,).
         arrows: (n,) of the same samples.
         last_time: ns, log time of each foot's last sample before these.
+        down: feet whose last sample before these was in contact.
     """
     chosen = [np.empty(0, np.int64)]
-    for foot in distinct(arrows.foot).tolist():
+    for foot in np.unique(arrows.foot).tolist():
         rows = np.flatnonzero(arrows.foot == foot)
-        chosen.append(rows[first_at_each_tick(arrows.log_time[rows], RATE_HZ, last_time.get(foot))])
+        at_ticks = first_at_each_tick(arrows.log_time[rows], RATE_HZ, last_time.get(foot))
+        was_down = np.concatenate([[foot in down], samples.in_contact[rows][:-1]])
+        chosen.append(rows[at_ticks | (was_down & ~samples.in_contact[rows])])
     rows = np.concatenate(chosen)
     return Labels(
         foot=arrows.foot[rows],

@@ -9,6 +9,7 @@ from dogbot_logtool.core.base.odometry import Odometry, base_transforms, from_op
 from dogbot_logtool.core.contact.contacts import Samples
 from dogbot_logtool.core.contact.foot_tracker import FootTracker
 from dogbot_logtool.core.contact.silent_swing import with_swings
+from dogbot_logtool.core.frames.kinematics import LinkTransforms
 from dogbot_logtool.core.geometry.arrays import Floats
 from dogbot_logtool.core.geometry.clock import first_at_each_tick
 from dogbot_logtool.core.geometry.support_polygon import NEAR_NS
@@ -64,7 +65,8 @@ def compute_annotations(
         arrows.append(of_type)
         skipped += left_out
         if plan.draws_labels:
-            labels.append(foot_labels(samples, of_type, state.last_contact_times))
+            last = state.last_contact_times
+            labels.append(foot_labels(samples, of_type, last, state.feet_down))
     if plan.opening_time is not None:
         new = state.feet_without_messages(len(plan.sensors))
         if new:
@@ -82,6 +84,20 @@ def compute_annotations(
     legs = [] if plan.hips is None else [_legs(at_ticks, trackers, plan.hips, state, plan)]
     columns = AnnotationColumns(transforms, arrows, [*loads, silences], support, labels, legs)
     return columns, skipped
+
+
+def links_at_ticks(
+    links: Sequence[LinkTransforms], state: BatchState, plan: Plan
+) -> Sequence[LinkTransforms]:
+    """Return the links that are written: as often as the base, and at the log's first time."""
+    previous, chosen = state.last_link_time, []
+    for each in links:
+        rows = first_at_each_tick(each.stamp, plan.options.tf_rate_hz, previous)
+        chosen.append(each.pick(rows))
+        previous = int(each.stamp[-1]) if len(each.stamp) else previous
+    if chosen and state.last_link_time is None and plan.opening_time is not None:
+        chosen[0] = chosen[0].from_opening(plan.opening_time)
+    return chosen
 
 
 def _legs(

@@ -9,7 +9,7 @@ from dogbot_logtool.core.frames.link_frames import FrameCounts
 from dogbot_logtool.core.load.silences import follow_silences
 from dogbot_logtool.core.scene.arrows import ArrowCounts
 from dogbot_logtool.pipeline.batches import BatchColumns
-from dogbot_logtool.pipeline.conversion.annotating import compute_annotations
+from dogbot_logtool.pipeline.conversion.annotating import compute_annotations, links_at_ticks
 from dogbot_logtool.pipeline.conversion.batch_state import BatchState
 from dogbot_logtool.pipeline.conversion.copying import copied_chunks
 from dogbot_logtool.pipeline.plan import Plan
@@ -99,10 +99,12 @@ class BatchConverter:
         silences, last = follow_silences(
             columns.samples, state.contacts, plan.rates, plan.opening_time or 0, columns.end_time
         )
-        exchange.send(state.after(columns, poses, trackers, last, plan.silent))
+        links = list(plan.motion.read(columns.batch)) if plan.motion else []
+        exchange.send(state.after(columns, poses, trackers, last, plan.silent, links))
         written, skipped = compute_annotations(
             columns.contacts, placed.samples, poses, trackers, silences, state, plan
         )
+        written = replace(written, links=links_at_ticks(links, state, plan))
         contacts, support = columns.contacts, written.support[:1]
         return columns.batch, ConvertedBatch(
             chunks=tuple(self._finished(written)),

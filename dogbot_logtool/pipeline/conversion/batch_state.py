@@ -7,9 +7,13 @@ decoded messages alone, and is sent on before the expensive work begins.
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
+import numpy as np
+
 from dogbot_logtool.core.base.odometry import Odometry
+from dogbot_logtool.core.contact.contacts import Samples
 from dogbot_logtool.core.contact.foot_tracker import FootMemory, FootTracker, initial_memory
 from dogbot_logtool.core.contact.silent_swing import LastMessages, SilentFeet, last_messages
+from dogbot_logtool.core.frames.kinematics import LinkTransforms
 from dogbot_logtool.core.frames.transform_buffer import TransformBuffer
 from dogbot_logtool.core.load.silences import LastContact
 from dogbot_logtool.pipeline.batches import BatchColumns
@@ -22,8 +26,12 @@ class BatchState:
 
     last_pose_time: int | None = None
     """ns, time of the last usable odometry message."""
+    last_link_time: int | None = None
+    """ns, time of the last joint state that moved the robot's links."""
     last_messages: LastMessages = field(default_factory=dict)
     """The last message of each foot that is silent in swing."""
+    feet_down: frozenset[int] = frozenset()
+    """Feet whose last contact message told of contact."""
     transforms: TransformBuffer = field(default_factory=TransformBuffer)
     """The newest transforms of the frames that are needed."""
     feet: tuple[FootMemory, ...] = ()
@@ -54,6 +62,7 @@ class BatchState:
         trackers: Sequence[FootTracker],
         contacts: tuple[LastContact, ...],
         silent: SilentFeet,
+        links: Sequence[LinkTransforms] = (),
     ) -> "BatchState":
         """Return the state after a batch.
 
@@ -63,6 +72,7 @@ class BatchState:
             trackers: of each foot in it.
             contacts: the last contact message of each foot.
             silent: the feet that are silent in swing.
+            links: moved by joint states in it.
         """
         newest = self.last_messages
         for decoded in columns.contacts:
@@ -71,8 +81,23 @@ class BatchState:
         frames = columns.frames
         return BatchState(
             last_pose_time=int(poses.time[-1]) if len(poses.time) else self.last_pose_time,
+            last_link_time=next(
+                (int(each.stamp[-1]) for each in reversed(links) if len(each.stamp)),
+                self.last_link_time,
+            ),
             last_messages=newest,
+            feet_down=_feet_down(columns.samples, self.feet_down),
             transforms=frames.handed_on(self.transforms) if frames else self.transforms,
             feet=tuple(tracker.memory() for tracker in trackers),
             contacts=contacts,
         )
+
+
+def _feet_down(samples: Sequence[Samples], before: frozenset[int]) -> frozenset[int]:
+    """Return the feet whose last sample is in contact; those without one are as before."""
+    down = set(before)
+    for each in samples:
+        for foot in np.unique(each.foot).tolist():
+            last = np.flatnonzero(each.foot == foot)[-1]
+            (down.add if each.in_contact[last] else down.discard)(foot)
+    return frozenset(down)

@@ -40,6 +40,7 @@ def annotations_of(log: Log, plan: Plan) -> tuple[Annotations, Mapping[str, str]
         world_frame=plan.world_frame,
         base_frame=plan.base_frame,
         with_tf=plan.write_tf,
+        links=plan.motion.pairs if plan.motion else (),
         support_look=plan.support_look if plan.draws_support else None,
         with_events=plan.options.events,
         # Chunks that are copied as they are may describe channels that are left out.

@@ -57,14 +57,15 @@ def event_records(annotations: Annotations, walk: WalkEvents) -> list[MessageRec
         return []
     gaits = [encoding.gait(each) for each in walk.gaits]
     events = [encoding.event(each) for each in walk.events]
-    parts = (
+    parts = [
         (channels.gait, gaits, walk.gait_log_time),
-        (
-            channels.events,
-            events,
-            walk.event_log_time,
-        ),
-    )
+        (channels.events, events, walk.event_log_time),
+    ]
+    if channels.spans is not None:
+        # A viewer's timeline shows what calls for a look; steps are in the log panel.
+        odd = [row for row, each in enumerate(walk.events) if not each.is_step]
+        spans = [encoding.span(walk.events[row]) for row in odd]
+        parts.append((channels.spans, spans, walk.event_log_time[odd]))
     return [_records(*part) for part in parts if part[1]]
 
 

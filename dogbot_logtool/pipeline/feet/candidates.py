@@ -3,16 +3,13 @@
 They are offered, with the reasons, and never taken unasked.
 """
 
-import shlex
 from collections.abc import Collection, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
-from pathlib import PurePath
 from typing import Final
 
 from dogbot_logtool.core.contact.contacts import Samples, no_samples
 from dogbot_logtool.core.geometry.blocks import concatenated
 from dogbot_logtool.errors import DefinitionError
-from dogbot_logtool.finding import Finding, warning
 from dogbot_logtool.pipeline.chunks import spread_chunks
 from dogbot_logtool.pipeline.feet.content import Content, judge_content
 from dogbot_logtool.pipeline.feet.labels import with_labels
@@ -31,14 +28,14 @@ ENOUGH: Final = 5
 _MOST_FEET: Final = 8
 _MOST_SETS: Final = 40
 """Sets of fields whose content is looked at."""
-_ALTERNATIVES: Final = 2
-"""Sets that are offered beside the most likely one."""
 _MOST_NAMES: Final = 2000
 """Names that are compared with each other."""
 _FEWEST_LEGS: Final = 2
 _USUAL_LEGS: Final = (2, 4, 6, 8)
 _OTHER_PART: Final = 4
-"""Points that a name costs which speaks of something else than a foot."""
+"""Points that a name costs which speaks of something else beside a foot."""
+_NO_FOOT: Final = 20
+"""Points that a name costs which speaks of something else only: none can outweigh it."""
 _SLOW_HZ, _FAST_HZ = 5.0, 20.0
 _CONTACT: Final = frozenset({"contact", "contacts", "grf", "stance", "touch", "touches", "ground"})
 _FORCE: Final = frozenset(
@@ -90,34 +87,6 @@ def find_candidates(log: Log) -> list[FootCandidates]:
     judged = (_judged(log, one) for one in named)
     likely = [one for one in judged if one is not None and one.points >= ENOUGH]
     return _without_repeats(sorted(likely, key=lambda one: (-one.points, one.is_contact)))
-
-
-def candidates_finding(log: Log, found: Sequence[FootCandidates], base: str = "") -> Finding:
-    """Return which fields may be feet, why, and the command that measures with them.
-
-    Args:
-        log: the log.
-        found: what `find_candidates` finds, at least one.
-        base: poses that may be the base's, as ``--odom-topic`` takes them; empty: none.
-    """
-    first, *others = found
-    text = f"fields of {first.type_name} look like feet: {first.text}"
-    for other in others[:_ALTERNATIVES]:
-        text += f"; or {other.text}"
-    file = f"{PurePath(log.words[0]).stem}.toml"
-    chosen = ["--odom-topic", base] if base else []
-    draft = shlex.join(["dogbot-logtool", "robots", "new", log.words[0], *chosen, "-o", file])
-    if any(foot.field and foot.field.kind for foot in first.feet):
-        # What the fields are can only be said in a robot's file.
-        text += f"; they are not used unasked. This writes a robot's file with them: {draft}"
-        return replace(warning("FEET_POSSIBLE", text), command=draft)
-    words = " ".join(f"--foot {foot.name}={shlex.quote(word_of(foot))}" for foot in first.feet)
-    command = f"{shlex.join(['dogbot-logtool', 'stats', *log.words, *chosen])} {words}"
-    text += (
-        f"; they are not used unasked. `{draft}` writes a robot's file with them; this measures "
-        f"with them: {command}"
-    )
-    return replace(warning("FEET_POSSIBLE", text), command=command)
 
 
 def _without_repeats(sets: Iterable[FootCandidates]) -> list[FootCandidates]:
@@ -285,8 +254,7 @@ def _scored(
     if Part.FOOT in parts or Part.LEG in parts:
         points += 2
         reasons.append("the names speak of feet or legs")
-    if Part.NOT_A_FOOT in parts:
-        points -= _OTHER_PART
+    points -= _cost_of_parts(parts)
     if not words.isdisjoint(_CONTACT | _FORCE):
         points += 1
         reasons.append("of contact or force")
@@ -346,13 +314,20 @@ def _labelled(log: Log, named: FootCandidates) -> FootCandidates:
     """Name the elements of an array by the strings beside them, and score these."""
     feet, labels = with_labels(log, named.feet)
     parts = {word.part for label in labels for word in words_of(label)}
-    if Part.NOT_A_FOOT in parts:
-        return replace(named, feet=feet, points=named.points - _OTHER_PART)
+    if cost := _cost_of_parts(parts):
+        return replace(named, feet=feet, points=named.points - cost)
     if not labels:
         return named
     reason = f"they are called {', '.join(labels)}"
     points = named.points + (1 if parts.isdisjoint({Part.FOOT, Part.LEG}) else 2)
     return replace(named, feet=feet, points=points, reasons=(*named.reasons, reason))
+
+
+def _cost_of_parts(parts: Collection[Part | None]) -> int:
+    """Return the points that names cost which speak of hands, wheels, tools ..."""
+    if Part.NOT_A_FOOT not in parts:
+        return 0
+    return _OTHER_PART if {Part.FOOT, Part.LEG} & set(parts) else _NO_FOOT
 
 
 def _with_kind(log: Log, foot: Foot, content: Content) -> Foot:

@@ -34,6 +34,7 @@ from dogbot_logtool.reader.messages.contacts.registry import (
     source_of,
 )
 from dogbot_logtool.reader.messages.contacts.source import ContactSource
+from dogbot_logtool.reader.messages.contacts.whole_robot import is_named_as_planned
 from dogbot_logtool.robot import Foot, Robot
 
 _RARE: Final = 2
@@ -200,13 +201,13 @@ def _candidates(log: Log) -> list[tuple[ContactSource, list[str]]]:
 
     Of Unitree's states, those with positions come first, unless others are much more frequent.
     """
-    groups: dict[tuple[bool, str], list[str]] = {}
-    frequencies: dict[tuple[bool, str], int] = {}
+    groups: dict[tuple[int, str], list[str]] = {}
+    frequencies: dict[tuple[int, str], int] = {}
     for channel in log.channels.values():
         source = source_of(channel)
         if source is None or why_unreadable(channel):
             continue
-        key = is_planned(channel), source.type_name
+        key = _planning(channel, source), source.type_name
         topics = groups.setdefault(key, [])
         if channel.topic not in topics:
             topics.append(channel.topic)
@@ -215,12 +216,18 @@ def _candidates(log: Log) -> list[tuple[ContactSource, list[str]]]:
     order = list(SOURCES)
     most_raw = max((frequencies[key] for key in groups if SOURCES[key[1]].is_raw), default=0)
 
-    def rank(key: tuple[bool, str]) -> tuple[bool, bool, int]:
+    def rank(key: tuple[int, str]) -> tuple[int, bool, int]:
         planned, name = key
         rare = SOURCES[name].is_raw and _RARE * frequencies[key] < most_raw
         return planned, rare, order.index(name)
 
     return [(SOURCES[key[1]], sorted(groups[key])) for key in sorted(groups, key=rank)]
+
+
+def _planning(channel: Channel, source: ContactSource) -> int:
+    """Return 0 for a measurement, 1 for what only planners write, 2 for what is named a plan."""
+    named = source.tells_all_feet and is_named_as_planned(channel.topic)
+    return int(is_planned(channel)) + int(named)
 
 
 def _check_elements_differ(feet: Sequence[Foot]) -> None:

@@ -4,7 +4,6 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
-from xml.etree import ElementTree as ET
 
 import numpy as np
 
@@ -14,13 +13,18 @@ from dogbot_logtool.errors import CallError
 from dogbot_logtool.finding import Finding, note, warning
 from dogbot_logtool.io.storage import content
 from dogbot_logtool.pipeline.probe import Probe
+from dogbot_logtool.pipeline.robot_model.joint_motion import (
+    JointMotion,
+    description_channels,
+    joint_motion,
+)
 from dogbot_logtool.pipeline.robot_model.primitives import primitive_urdf
 from dogbot_logtool.pipeline.robot_model.shape import RobotShape, robot_shape
 from dogbot_logtool.pipeline.robot_model.skeleton import ModelFoot, Skeleton, skeleton
+from dogbot_logtool.pipeline.robot_model.urdf import parse_urdf
 from dogbot_logtool.pipeline.selection import Selection
 from dogbot_logtool.reader.containers.log import Log
 
-STRING_TYPE: Final = "std_msgs/String"
 _LARGEST: Final = 16 << 20
 """Bytes of a URDF that are read."""
 
@@ -35,6 +39,8 @@ class RobotDescription:
     hips: Floats | None = None
     """(feet, 3) m, base frame: where lines to standing feet begin, NaN where not known; None: the
     legs move by transforms, or no foot has a place."""
+    motion: JointMotion | None = None
+    """How joint states move its links; None: they do not."""
 
 
 def robot_description(
@@ -55,13 +61,17 @@ def robot_description(
     """
     given = None if urdf is None else read_urdf(urdf)
     shape = robot_shape(selection, probe)
-    frames = _skeleton(selection, probe, base_frame)
+    frames = log_skeleton(selection, probe, base_frame)
     hips = None if frames.legs else _hips(shape, len(selection.robot.feet))
-    own = _own_topics(log) if copy else []
+    own = sorted({channel.topic for channel in description_channels(log)}) if copy else []
+    motion = joint_motion(log, probe, base_frame, given)
+    hips = None if motion else hips
+    moved = tuple(_moved(motion, base_frame)) if motion else ()
     if own:
         text = f"the log has its own robot description ({', '.join(own)}): none is written"
         make = note if given is None else warning
-        return RobotDescription(None, (make("OWN_ROBOT_DESCRIPTION", text),), hips)
+        found = (make("OWN_ROBOT_DESCRIPTION", text), *moved)
+        return RobotDescription(None, found, hips, motion)
     if given is None:
         given = primitive_urdf(
             selection.robot.name,
@@ -70,7 +80,24 @@ def robot_description(
             selection.robot.mass_kg,
             list(shape.hips.values()),
         )
-    return RobotDescription(given, hips=hips)
+    return RobotDescription(given, moved, hips, motion)
+
+
+def _moved(motion: JointMotion, base_frame: str) -> Iterator[Finding]:
+    """Yield findings about links that joint states move."""
+    moving = sum(joint.kind != "fixed" for joint in motion.joints)
+    topic = motion.channel.topic
+    yield note(
+        "LINKS_BY_JOINTS",
+        f"the log has no transforms of the links: they are computed from {topic}, joints: {moving}",
+        topic,
+    )
+    links = {link for pair in motion.pairs for link in pair}
+    if base_frame not in links:
+        yield warning(
+            "URDF_WITHOUT_BASE",
+            f"the robot description has no link {base_frame}: its robot does not go along",
+        )
 
 
 def read_urdf(file: Path) -> str:
@@ -92,34 +119,17 @@ def read_urdf(file: Path) -> str:
         text = data.decode("utf-8-sig")
     except UnicodeDecodeError:
         raise CallError(f"--urdf {file}: is not UTF-8 text") from None
-    if "\0" in text or "<!DOCTYPE" in text or "<!ENTITY" in text:
-        raise CallError(f"--urdf {file}: declares a document type or entities, which is refused")
     try:
-        root = ET.fromstring(text)  # noqa: S314 - without entities
-    except (ET.ParseError, ValueError) as error:
-        raise CallError(f"--urdf {file}: is no XML: {error}") from None
-    if root.tag != "robot":
-        raise CallError(f"--urdf {file}: its root is {root.tag!r}, not 'robot', so it is no URDF")
+        parse_urdf(text)
+    except ValueError as error:
+        raise CallError(f"--urdf {file}: {error}") from None
     return text
 
 
-def _own_topics(log: Log) -> list[str]:
-    """Return the log's topics that describe a robot."""
-    return sorted(
-        {
-            channel.topic
-            for channel in log.channels.values()
-            if channel.topic.rpartition("/")[2] == "robot_description"
-            and channel.type_name == STRING_TYPE
-            and log.counts.get(channel.id, 1)
-        }
-    )
-
-
-def _skeleton(selection: Selection, probe: Probe, base_frame: str) -> Skeleton:
+def log_skeleton(selection: Selection, probe: Probe, base_frame: str) -> Skeleton:
     """Return the log's frames below the base."""
     ambiguous = {child for child, parents in probe.parents.items() if len(parents) > 1}
-    return skeleton(base_frame, probe.frame_poses, ambiguous, tuple(_feet(selection, probe)))
+    return skeleton(base_frame, probe.frame_poses, ambiguous, tuple(model_feet(selection, probe)))
 
 
 def _hips(shape: RobotShape, feet: int) -> Floats | None:
@@ -130,7 +140,7 @@ def _hips(shape: RobotShape, feet: int) -> Floats | None:
     return np.array([shape.hips.get(foot, nowhere) for foot in range(feet)])
 
 
-def _feet(selection: Selection, probe: Probe) -> Iterator[ModelFoot]:
+def model_feet(selection: Selection, probe: Probe) -> Iterator[ModelFoot]:
     """Yield the feet whose frames are known, with the points where they touch the ground."""
     for number, foot in enumerate(selection.robot.feet):
         if foot.frame is not None:

@@ -10,7 +10,7 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from dogbot_logtool.core.geometry.arrays import Bytes, Flags, Floats, Ints, distinct
+from dogbot_logtool.core.geometry.arrays import Bytes, Flags, Floats, Ints
 
 _DOUBLE: Final = np.dtype("<f8")
 _ROUNDS: Final = 64
@@ -97,7 +97,7 @@ class Texts:
             code[alike] = len(rows)
             rows.append(int(first))
             left = left[code[left] < 0] if len(alike) < len(left) else left[:0]
-        for one in distinct(key[left]).tolist():
+        for one in np.unique(key[left]).tolist():
             alike = left[key[left] == one]
             size = int(self.length[alike[0]])
             # Texts without a byte are all alike.
@@ -125,6 +125,15 @@ class Nested:
     """(m,) row of the outer table. Elements of one row stand in their order; rows may mix."""
     table: "Table"
     """m rows."""
+
+    @property
+    def index(self) -> Ints:
+        """(m,) index of each element in the array of its row."""
+        order = np.argsort(self.parent, kind="stable")
+        parent = self.parent[order]
+        index = np.empty(len(parent), np.int64)
+        index[order] = np.arange(len(parent)) - np.searchsorted(parent, parent)
+        return index
 
 
 Rows = NDArray[np.void]

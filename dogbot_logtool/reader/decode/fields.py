@@ -53,6 +53,8 @@ class Field:
     """Fewest elements of a fixed array."""
     inside: tuple["Field", ...] = ()
     """What is read of each element of a table."""
+    optional: bool = False
+    """Whether a message of protobuf or JSON may lack the number, which then is NaN."""
 
 
 Fields = tuple[Field, ...]
@@ -61,6 +63,11 @@ Fields = tuple[Field, ...]
 def number(path: str) -> Field:
     """Declare a number of any width."""
     return Field(path, Kind.NUMBER)
+
+
+def optional_number(path: str) -> Field:
+    """Declare a number that messages of protobuf and JSON may lack."""
+    return Field(path, Kind.NUMBER, optional=True)
 
 
 def vector(path: str, components: str = "xyz") -> Fields:

@@ -109,8 +109,12 @@ def _row(message: Any, fields: Fields) -> Row:  # noqa: ANN401 - a message or a 
 
 def _value(message: Any, field: Field) -> Any:  # noqa: ANN401
     value = message
-    for name in field.path.split("."):
+    *outer, last = field.path.split(".")
+    for name in outer:
         value = _member(value, name)
+    if field.optional and not (last in value if isinstance(value, dict) else value.HasField(last)):
+        return np.nan
+    value = _member(value, last)
     match field.kind:
         case Kind.TEXT:
             if not isinstance(value, str):

@@ -7,7 +7,7 @@ from typing import Final
 import numpy as np
 
 from dogbot_logtool.core.frames.recorded_transforms import RecordedTransforms
-from dogbot_logtool.core.geometry.arrays import Ints, distinct
+from dogbot_logtool.core.geometry.arrays import Ints
 from dogbot_logtool.core.plausible import plausible_translations
 from dogbot_logtool.reader.containers.batch import Batch
 from dogbot_logtool.reader.containers.contents import Channel
@@ -106,5 +106,5 @@ def frame_pairs(messages: DecodedMessages) -> set[tuple[str, str]]:
     each = messages.table.nested("transforms").table
     parent, parents = each.texts("header.frame_id").encode()
     child, children = each.texts("child_frame_id").encode()
-    pairs = distinct(parent * max(len(children), 1) + child).tolist()
+    pairs = np.unique(parent * max(len(children), 1) + child).tolist()
     return {(parents[pair // len(children)], children[pair % len(children)]) for pair in pairs}

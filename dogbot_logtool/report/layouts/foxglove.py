@@ -36,7 +36,7 @@ Node = str | dict[str, Any]
 
 def foxglove_layout(view: View) -> dict[str, Any]:
     """Return a layout: the robot followed in 3D and events beside load curves and gait diagram."""
-    per_panel = -(-len(view.feet) // _MOST_CURVES)
+    per_panel = max(-(-len(view.feet) // _MOST_CURVES), 1)
     rows = range(len(view.feet))
     groups = [rows[first : first + per_panel] for first in rows[::per_panel]]
     curves = {f"Plot!load{number}": _loads(view, group) for number, group in enumerate(groups)}

@@ -5,8 +5,7 @@ from dataclasses import dataclass, field
 from typing import Any, Final
 
 import numpy as np
-
-from dogbot_logtool.core.geometry.arrays import Floats
+from numpy.typing import NDArray
 
 Trace = dict[str, Any]
 """A trace of Plotly.js; arrays may be numpy's."""
@@ -36,7 +35,7 @@ def bars(**parts: Any) -> Trace:  # noqa: ANN401 - whatever Plotly.js documents
     return {"type": "bar", "orientation": "h", **parts}
 
 
-def packed(values: Floats) -> dict[str, Any]:
+def packed(values: NDArray[Any]) -> dict[str, Any]:
     """Return an array as Plotly.js reads it from base64; of types that it does not know, as f8."""
     known = values if values.dtype.name in _DTYPES else values.astype(np.float64)
     little = np.ascontiguousarray(known, known.dtype.newbyteorder("<"))

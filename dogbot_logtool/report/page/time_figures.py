@@ -24,7 +24,7 @@ from dogbot_logtool.report.page.drawing import (
     translucent,
 )
 
-MOST_STANCES: Final = 300
+MOST_STANCES: Final = 200
 """Stances of a foot that are drawn one by one."""
 SHARE_BINS: Final = 2000
 """Bins of the share of contact in the rest of a long log."""

@@ -136,6 +136,11 @@ def leg_fields(legs: int) -> Mapping[str, Kind]:
     return {f"{point}.{axis}": Kind.FLOAT64 for point in leg_points(legs) for axis in "xyz"}
 
 
+def numbered(fields: Mapping[str, Kind], count: int) -> Mapping[str, Kind]:
+    """Return fields for each of a count, named after its index and a dot."""
+    return {f"{index}.{name}": kind for index in range(count) for name, kind in fields.items()}
+
+
 class Encoding(Protocol):
     """Makes templates of the annotations; `registry.py` lists the encodings.
 
@@ -152,9 +157,17 @@ class Encoding(Protocol):
     support_type: MessageType
     event_type: MessageType
     gait_type: MessageType
+    span_type: MessageType | None
+    """Of events as spans of time; None: the encoding has no message for them."""
 
     def transform(self, parent: str, child: str) -> Template:
         """Return a message of one transform."""
+
+    def transforms(self, pairs: Sequence[tuple[str, str]]) -> Template:
+        """Return a message of the transforms of some parents and children.
+
+        Numbers of each have the names of `transform`'s after its index: ``0.stamp``, ``0.x`` ...
+        """
 
     def arrow(self, foot: str, frame: str, style: ArrowLook) -> Template:
         """Return a message that draws a foot's arrow."""
@@ -176,6 +189,9 @@ class Encoding(Protocol):
 
     def event(self, event: EventMessage) -> bytes:
         """Return a message that log panels show."""
+
+    def span(self, event: EventMessage) -> bytes:
+        """Return a message that gives an event from its begin to its end, of `span_type`."""
 
     def gait(self, state: GaitState) -> bytes:
         """Return a message that gives the gait from a time on."""

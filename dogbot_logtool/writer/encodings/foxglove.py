@@ -45,6 +45,7 @@ from dogbot_logtool.writer.encodings.encoding import (
     SupportShape,
     leg_fields,
     leg_points,
+    numbered,
     support_points,
 )
 from dogbot_logtool.writer.template import Kind, Number, Template, learn
@@ -144,9 +145,31 @@ def _own_class(message: DescriptorProto) -> type[Message]:
     return GetMessageClass(pool.FindMessageTypeByName(f"dogbot_logtool.{message.name}"))
 
 
-def _set_time(stamp: Timestamp, values: Mapping[str, Number]) -> None:
-    stamp.seconds = int(values["stamp.sec"])
-    stamp.nanos = int(values["stamp.nanosec"])
+def _span_class() -> Any:  # noqa: ANN401 - older schemas have no such class
+    """Return the class of events; None where the installed schemas are older than 0.4."""
+    try:
+        from foxglove_schemas_protobuf.Event_pb2 import Event  # noqa: PLC0415
+    except ImportError:
+        return None
+    return Event
+
+
+def _set_time(stamp: Timestamp, values: Mapping[str, Number], prefix: str = "") -> None:
+    stamp.seconds = int(values[f"{prefix}stamp.sec"])
+    stamp.nanos = int(values[f"{prefix}stamp.nanosec"])
+
+
+def _add_transform(
+    message: FrameTransforms,
+    parent: str,
+    child: str,
+    values: Mapping[str, Number],
+    prefix: str = "",
+) -> None:
+    one = message.transforms.add(parent_frame_id=parent, child_frame_id=child)
+    _set_time(one.timestamp, values, prefix)
+    _set_parts(one.translation, "xyz", values, prefix)
+    _set_parts(one.rotation, "xyzw", values, f"{prefix}q")
 
 
 def _set_parts(target: Message, parts: str, values: Mapping[str, Number], prefix: str = "") -> None:
@@ -166,21 +189,31 @@ class FoxgloveEncoding:
         self.event_type = _message_type(Log)
         self._gait_class = _gait_class()
         self.gait_type = _message_type(self._gait_class)
+        self._span_class = _span_class()
+        self.span_type: MessageType | None = (
+            _message_type(self._span_class) if self._span_class else None
+        )
 
     def transform(self, parent: str, child: str) -> Template:
         """See `Encoding.transform`."""
 
         def serialise(values: Mapping[str, Number]) -> bytes:
             message = FrameTransforms()
-            one = message.transforms.add(parent_frame_id=parent, child_frame_id=child)
-            _set_time(one.timestamp, values)
-            for axis in "xyz":
-                setattr(one.translation, axis, values[axis])
-            for axis in "xyzw":
-                setattr(one.rotation, axis, values[f"q{axis}"])
+            _add_transform(message, parent, child, values)
             return message.SerializeToString(deterministic=True)
 
         return learn(serialise, _STAMP | _POSE)
+
+    def transforms(self, pairs: Sequence[tuple[str, str]]) -> Template:
+        """See `Encoding.transforms`."""
+
+        def serialise(values: Mapping[str, Number]) -> bytes:
+            message = FrameTransforms()
+            for index, (parent, child) in enumerate(pairs):
+                _add_transform(message, parent, child, values, f"{index}.")
+            return message.SerializeToString(deterministic=True)
+
+        return learn(serialise, numbered(_STAMP | _POSE, len(pairs)))
 
     def arrow(self, foot: str, frame: str, style: ArrowLook) -> Template:
         """See `Encoding.arrow`."""
@@ -313,6 +346,15 @@ class FoxgloveEncoding:
         message.file = EVENT_SOURCE
         message.timestamp.FromNanoseconds(event.time)
         return message.SerializeToString(deterministic=True)
+
+    def span(self, event: EventMessage) -> bytes:
+        """See `Encoding.span`."""
+        message = self._span_class()
+        message.start_time.FromNanoseconds(event.time)
+        message.end_time.FromNanoseconds(event.end)
+        for key, value in event.details.items():
+            message.metadata.add(key=key, value=value)
+        return bytes(message.SerializeToString(deterministic=True))
 
     def gait(self, state: GaitState) -> bytes:
         """See `Encoding.gait`."""

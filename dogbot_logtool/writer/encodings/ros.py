@@ -26,6 +26,7 @@ from dogbot_logtool.writer.encodings.encoding import (
     SupportShape,
     leg_fields,
     leg_points,
+    numbered,
     support_points,
 )
 from dogbot_logtool.writer.template import Kind, Number, Template, learn
@@ -76,6 +77,7 @@ class RosEncoding(ABC):
     """The distribution's log message."""
     log_levels: ClassVar[Mapping[Level, int]]
     """Its numbers of the levels."""
+    span_type: MessageType | None = None
 
     def __init__(self) -> None:
         self._store = get_typestore(self.distribution)
@@ -128,28 +130,46 @@ class RosEncoding(ABC):
             "std_msgs/msg/Header", stamp=stamp, frame_id=frame, **self._header_extras()
         )
 
-    def _quaternion(self, values: Mapping[str, Number]) -> Any:  # noqa: ANN401
-        parts = {axis: values[f"q{axis}"] for axis in "xyzw"}
+    def _quaternion(self, values: Mapping[str, Number], prefix: str = "") -> Any:  # noqa: ANN401
+        parts = {axis: values[f"{prefix}q{axis}"] for axis in "xyzw"}
         return self.make("geometry_msgs/msg/Quaternion", **parts)
 
     def transform(self, parent: str, child: str) -> Template:
         """See `Encoding.transform`."""
 
         def serialise(values: Mapping[str, Number]) -> bytes:
-            position = {axis: values[axis] for axis in "xyz"}
-            one = self.make(
-                "geometry_msgs/msg/TransformStamped",
-                header=self.header(parent, values),
-                child_frame_id=child,
-                transform=self.make(
-                    "geometry_msgs/msg/Transform",
-                    translation=self.make("geometry_msgs/msg/Vector3", **position),
-                    rotation=self._quaternion(values),
-                ),
-            )
+            one = self._transform(parent, child, values)
             return self._serialise(self.make(TF, transforms=[one]), TF)
 
         return learn(serialise, _STAMP | _POSE)
+
+    def transforms(self, pairs: Sequence[tuple[str, str]]) -> Template:
+        """See `Encoding.transforms`."""
+
+        def serialise(values: Mapping[str, Number]) -> bytes:
+            each = [
+                self._transform(parent, child, values, f"{index}.")
+                for index, (parent, child) in enumerate(pairs)
+            ]
+            return self._serialise(self.make(TF, transforms=each), TF)
+
+        return learn(serialise, numbered(_STAMP | _POSE, len(pairs)))
+
+    def _transform(
+        self, parent: str, child: str, values: Mapping[str, Number], prefix: str = ""
+    ) -> Any:  # noqa: ANN401
+        """Make a transform."""
+        position = {axis: values[prefix + axis] for axis in "xyz"}
+        return self.make(
+            "geometry_msgs/msg/TransformStamped",
+            header=self.header(parent, values, f"{prefix}stamp"),
+            child_frame_id=child,
+            transform=self.make(
+                "geometry_msgs/msg/Transform",
+                translation=self.make("geometry_msgs/msg/Vector3", **position),
+                rotation=self._quaternion(values, prefix),
+            ),
+        )
 
     def arrow(self, foot: str, frame: str, style: ArrowLook) -> Template:
         """See `Encoding.arrow`; every foot has a topic of its own, so all markers have one id."""
@@ -343,6 +363,10 @@ class RosEncoding(ABC):
             return self._serialise(load, _LOAD)
 
         return learn(serialise, _STAMP | LOAD_FIELDS)
+
+    def span(self, event: EventMessage) -> bytes:
+        """See `Encoding.span`; there is none."""
+        raise NotImplementedError
 
     def event(self, event: EventMessage) -> bytes:
         """See `Encoding.event`."""

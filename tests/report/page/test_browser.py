@@ -8,6 +8,7 @@ import shutil
 import time
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import Any, Final
 
@@ -57,15 +58,27 @@ class Window:
 
     def open(self, path: Path, *, width: int = 1300, scheme: str = "light") -> None:
         """Open a page from disk and wait until it has drawn itself."""
-        size = {"width": width, "height": 1000, "deviceScaleFactor": 1, "mobile": False}
-        self.driver.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", size)
-        features = [{"name": "prefers-color-scheme", "value": scheme}]
-        self.driver.execute_cdp_cmd("Emulation.setEmulatedMedia", {"features": features})
+        self.show_as(width, scheme)
         self.driver.get_log("performance")
         self.driver.get(path.as_uri())
         WebDriverWait(self.driver, 30, 0.05).until(
             lambda driver: driver.execute_script("return document.documentElement.dataset.drawn")
         )
+
+    def show_as(self, width: int, scheme: str) -> None:
+        """Give the window a width and the reader a scheme."""
+        size = {"width": width, "height": 1000, "deviceScaleFactor": 1, "mobile": False}
+        self.driver.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", size)
+        features = [{"name": "prefers-color-scheme", "value": scheme}]
+        self.driver.execute_cdp_cmd("Emulation.setEmulatedMedia", {"features": features})
+
+    def brightness(self) -> tuple[bool, bool]:
+        """Whether the paper is bright, and whether the text of a figure is."""
+        script = "return getComputedStyle(document.querySelector(arguments[0]))[arguments[1]]"
+        paper = self.run(script, "body", "backgroundColor")
+        ink = self.run(script, "#loads text", "fill")
+        parts = [[int(each) for each in colour[4:-1].split(",")] for colour in (paper, ink)]
+        return float(np.mean(parts[0])) > 200, float(np.mean(parts[1])) > 200
 
     def run(self, script: str, *words: object) -> Any:
         return self.driver.execute_script(script, *words)
@@ -167,6 +180,12 @@ def test_every_figure_is_drawn_and_nothing_is_asked_for(window: Window, trot_pag
     assert drawn["ground"] >= 4 * 7
     assert drawn["clock"] == 4
     assert drawn["recording"] == 5
+    script = """
+        const wrong = (each) => Plotly.validate(each.data, each.layout) ?? [];
+        return JSON.parse(document.getElementById("drawings").textContent).flatMap(wrong)
+            .filter((each) => ["schema", "value"].includes(each.code)).map((each) => each.msg);
+    """
+    assert window.run(script) == []
     assert window.complaints() == []
     assert window.requests() == {trot_page.as_uri()}
 
@@ -269,22 +288,19 @@ CUT_OFF: Final = """
 """
 
 
-@pytest.mark.parametrize(
-    ("width", "scheme"), [(400, "dark"), (1024, "light"), (1600, "dark"), (1600, "light")]
-)
-def test_nothing_is_cut_off_and_colours_follow_the_reader(
-    window: Window, trot_page: Path, width: int, scheme: str
-) -> None:
-    window.open(trot_page, width=width, scheme=scheme)
-    assert window.run("return document.documentElement.scrollWidth") <= width
-    assert window.run(CUT_OFF) == []
-    ink = window.run("return getComputedStyle(document.querySelector('#loads text')).fill")
-    paper = window.run("return getComputedStyle(document.body).backgroundColor")
-    brightness = [
-        float(np.mean([int(each) for each in colour[4:-1].split(",")])) for colour in (ink, paper)
-    ]
-    assert (brightness[0] > 200 and brightness[1] < 50) == (scheme == "dark")
-    assert (brightness[0] < 50 and brightness[1] > 200) == (scheme == "light")
+def _looks(window: Window, wanted: tuple[bool, bool], _: Chrome) -> bool:
+    return window.brightness() == wanted
+
+
+def test_nothing_is_cut_off_and_colours_follow_the_reader(window: Window, trot_page: Path) -> None:
+    """Whatever the width and the scheme, also when they change while the page is open."""
+    window.open(trot_page, width=1600)
+    for width, scheme in ((1600, "light"), (400, "dark"), (1024, "light"), (1600, "dark")):
+        window.show_as(width, scheme)
+        WebDriverWait(window.driver, 10, 0.1).until(lambda _: window.run(CUT_OFF) == [])
+        assert window.run("return document.documentElement.scrollWidth") <= width
+        wanted = (scheme == "light", scheme == "dark")
+        WebDriverWait(window.driver, 5, 0.1).until(partial(_looks, window, wanted))
     assert window.complaints() == []
 
 
@@ -330,23 +346,34 @@ def test_data_are_saved_as_csv(window: Window, trot_page: Path, trot_json: Any) 
 
 
 def test_pages_share_a_script_and_the_index_sorts(window: Window, tmp_path: Path) -> None:
-    logs = [TROT, SAMPLE_LOGS / "dogbot_walk.mcap"]
+    """The page of a log with events steps from one to the next."""
+    logs = [TROT, SAMPLE_LOGS / "dogbot_troubled.bag"]
     reports = Reports(logs, Output(tmp_path, is_folder=True), StatsOptions(), overwrite=False)
     for log in logs:
         reports.write(log)
     reports.finish({})
-    window.open(tmp_path / "dogbot_walk.report.html")
+    window.open(tmp_path / "dogbot_troubled.report.html")
     assert window.run("return document.querySelectorAll('.plot .main-svg').length") > 7
     assert window.run("return document.getElementById('alone')") is None
+    onsets = window.run(
+        "return [...document.querySelectorAll('#events button[data-from]')]"
+        ".map((button) => Number(button.dataset.from))"
+    )
+    assert len(window.driver.find_elements("css selector", "#ticks i")) == len(onsets) == 2
+    window.driver.find_element("css selector", "button[data-replay=forth]").click()
+    at = float(window.driver.find_element("id", "scrub").get_attribute("value") or 0)
+    assert at == pytest.approx(onsets[1], abs=1e-3)
+    assert "gap" in window.driver.find_element("id", "happens").text
+
     window.driver.find_element("link text", "All logs").click()
     names = "return [...document.querySelectorAll('tbody th')].map((cell) => cell.innerText)"
-    shown = ["dogbot_trot.bag", "dogbot_walk.mcap"]
+    shown = ["dogbot_trot.bag", "dogbot_troubled.bag"]
     assert window.run(names) == shown
     heading = window.driver.find_element("xpath", "//thead//button[text()='duration s']")
     heading.click()
-    assert window.run(names) == shown
-    heading.click()
     assert window.run(names) == shown[::-1]
+    heading.click()
+    assert window.run(names) == shown
     assert window.complaints() == []
 
 
@@ -384,3 +411,39 @@ def test_names_in_a_log_are_never_markup(window: Window, tmp_path: Path) -> None
     assert "<b>%{x}" in said
     assert window.complaints() == []
     assert window.requests() == {target.as_uri()}
+
+
+def test_the_walk_is_replayed(window: Window, trot_page: Path, trot_json: Any) -> None:
+    """Playing moves robot, slider and cursors; the view follows, turns, and steps to events."""
+    window.open(trot_page, scheme="dark")
+    picture = "return document.getElementById('replay').toDataURL()"
+    drawn = "return Number(document.getElementById('replay').dataset.drawn)"
+    at = "return Number(document.getElementById('scrub').value)"
+    seek = """
+        const scrub = document.getElementById("scrub");
+        scrub.value = arguments[0];
+        scrub.dispatchEvent(new Event("input"));
+    """
+    before = window.run(picture)
+    window.driver.find_element("id", "play").click()
+    count = window.run(drawn)
+    WebDriverWait(window.driver, 20, 0.05).until(lambda _: window.run(at) > 0.5)
+    window.driver.find_element("id", "play").click()
+    assert window.run(drawn) > count + 3
+    assert window.run(picture) != before
+    shown = window.driver.find_element("id", "cursor").text
+    assert float(shown.split()[1]) == pytest.approx(window.run(at), abs=2e-3)
+
+    window.run(seek, 3.0)
+    still = window.run(picture)
+    canvas = window.driver.find_element("id", "replay")
+    ActionChains(window.driver).drag_and_drop_by_offset(canvas, 80, 20).perform()
+    assert window.run(picture) != still
+    canvas.send_keys(Keys.ARROW_RIGHT)
+    assert window.run(at) == pytest.approx(3.04, abs=1e-3)
+    window.hover("gait", window.pixel("gait", 5.0, 1.0))
+    assert window.run(at) == pytest.approx(5.0, abs=0.02)
+    assert trot_json["log"]["duration_s"] == pytest.approx(
+        float(window.driver.find_element("id", "scrub").get_attribute("max") or 0), abs=0.05
+    )
+    assert window.complaints() == []

@@ -23,7 +23,7 @@ def _gazebo_poses(messages: DecodedMessages, element: str) -> BasePoses:
     code, known = names.table.texts(ELEMENT).encode()
     wanted = known.index(element) if element in known else -1
     named = np.flatnonzero(code == wanted)
-    keys = (names.parent << 32 | _index_in_message(names))[named]
+    keys = (names.parent << 32 | names.index)[named]
     message = names.parent[named]
     at, kept = _rows_at(poses, keys)
     order = np.argsort(message[kept], kind="stable")
@@ -40,18 +40,9 @@ def _gazebo_poses(messages: DecodedMessages, element: str) -> BasePoses:
     )
 
 
-def _index_in_message(nested: Nested) -> Ints:
-    """(m,) index of each element in its message's array."""
-    order = np.argsort(nested.parent, kind="stable")
-    parent = nested.parent[order]
-    index = np.empty(len(parent), np.int64)
-    index[order] = np.arange(len(parent)) - np.searchsorted(parent, parent)
-    return index
-
-
 def _rows_at(nested: Nested, keys: Ints) -> tuple[Ints, Ints]:
     """Return the rows of elements by message and index, and which of them exist."""
-    own = nested.parent << 32 | _index_in_message(nested)
+    own = nested.parent << 32 | nested.index
     order = np.argsort(own)
     place = np.minimum(np.searchsorted(own[order], keys), max(len(own) - 1, 0))
     if not len(own):

@@ -19,12 +19,12 @@ from dogbot_logtool.reader.messages.contacts.whole_robot import arrays_of_length
 from dogbot_logtool.reader.messages.messages import DecodedMessages
 
 _LEGS: Final = ("front_left", "front_right", "back_left", "back_right")
-_JOINTS: Final = 12
+JOINTS: Final = 12
 
 
 def _counts(messages: DecodedMessages) -> Floats:
     """(n, 4) counts; NaN in messages of another number of joints."""
-    return arrays_of_length(messages, "effort", _JOINTS + len(_LEGS))[:, _JOINTS:]
+    return arrays_of_length(messages, "effort", JOINTS + len(_LEGS))[:, JOINTS:]
 
 
 def to_contact_samples(messages: DecodedMessages, feet: FootChannels) -> ContactSamples:

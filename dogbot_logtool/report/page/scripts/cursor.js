@@ -39,4 +39,6 @@ const cursor = {
   },
 };
 
+// Called when the page's colours have changed.
+const onColours = [];
 const colour = (name) => getComputedStyle(document.documentElement).getPropertyValue(name).trim();

@@ -166,6 +166,10 @@ function listen(plot) {
     const time = timeAt(event);
     if (time !== null) cursor.set(time, "hover");
   });
+  plot.node.addEventListener("click", (event) => {
+    const time = timeAt(event);
+    if (time !== null) cursor.set(time, "click");
+  });
   plot.node.addEventListener("keydown", (event) => {
     const action = keys[event.key];
     if (action && !event.ctrlKey && !event.metaKey && !event.altKey) { event.preventDefault(); actions[action](); }
@@ -173,7 +177,10 @@ function listen(plot) {
 }
 
 const patched = (plot, more) => Plotly.relayout(plot.node, { ...theme(plot.layout), ...more });
-const everywhere = (more) => Promise.all(plots.map((plot) => patched(plot, more)));
+function everywhere(more) {
+  for (const redraw of onColours) redraw();
+  return Promise.all(plots.map((plot) => patched(plot, more)));
+}
 
 // On paper every figure is as wide as the paper, whatever the width of the window, and light.
 function listenToPrinter() {

@@ -215,3 +215,34 @@ def test_efforts_of_joint_foot_are_feet(tmp_path: Path) -> None:
 def test_other_joint_states_are_not_of_feet(tmp_path: Path) -> None:
     told = describe(write_joint_foot(tmp_path, "/joint_states"), TopicOptions())
     assert {t.topic: t.use for t in told.topics}["/joint_states"] == ""
+
+
+@pytest.mark.parametrize("kind", ["old_xpp/msg/RobotStateCartesian", "anymal_msgs/msg/AnymalState"])
+def test_the_base_is_part_of_a_state_in_any_package(tmp_path: Path, kind: str) -> None:
+    walk = StateWalk(2)
+    entries = [entry for entry in walk.messages(kind) if entry.kind == kind]
+    walks.write_mcap(tmp_path / "walk.mcap", walk, entries)
+    walked = 0.003 * (walks.SAMPLES - 1)
+    got = figures(tmp_path / "walk.mcap", TopicOptions())
+    assert got["base"]["net_displacement_m"] == pytest.approx(walked, rel=1e-6)
+
+
+class Rounded(StateWalk):
+    """Counts that are as good as constant on the ground, and jitter by one in the air."""
+
+    def counts(self, forces: Any) -> Any:
+        down = {leg: force[2] > 0.0 for leg, force in forces.items()}
+        order = ("front_right", "front_left", "back_right", "back_left")
+        jitter = int(next(self.ticks) % 2)
+        return np.array([140 if down[leg] else 20 + jitter for leg in order], np.int16)
+
+    def __init__(self, ros: int) -> None:
+        super().__init__(ros)
+        self.ticks = iter(range(10**6))
+
+
+def test_counts_of_two_levels_tell_contact(tmp_path: Path) -> None:
+    """The narrower level is that of stance here, but a load never lowers a count."""
+    got = figures(written(tmp_path, "go2_interfaces/msg/Go2State", Rounded(2)), TopicOptions())
+    for leg in walks.LEGS:
+        assert got["feet"][leg]["touchdown_s"] == pytest.approx(steps(leg)[0], abs=1e-6)

@@ -1,0 +1,152 @@
+"""How a foot follows its plan: touchdowns early, late and missed, and how far forces are off."""
+
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+
+from dogbot_logtool.core.contact.stances import Stances
+from dogbot_logtool.core.gait.foot_statistics import FootStatistics
+from dogbot_logtool.core.geometry import timespans
+from dogbot_logtool.core.geometry.aggregates import Aggregate, aggregate
+from dogbot_logtool.core.geometry.arrays import Flags, Floats, Ints
+
+ON_TIME_S: Final = 0.02
+"""s; touchdowns that are off by less are on time, and by less than a sample of either, too."""
+_LONE_S: Final = 0.25
+"""s around a touchdown without neighbours in which its match is looked for."""
+
+
+@dataclass(frozen=True, slots=True)
+class PlannedFoot:
+    """A foot's measured steps against its planned ones, in the time that is known of both."""
+
+    topic: str
+    """Of the plan."""
+    touchdowns: int
+    """Planned ones."""
+    delay: Aggregate | None
+    """s, of the touchdowns that have a match: measured minus planned; positive: late."""
+    early: int
+    """Matched touchdowns that are more than `tolerance_s` early. Also `late`."""
+    late: int
+    missed: int
+    """Planned touchdowns without a measured one."""
+    unplanned: int
+    """Measured touchdowns without a planned one."""
+    tolerance_s: float
+    agreement: float | None
+    """Share of the time in which plan and measurement agree on contact; None: no common time."""
+    force_error: Aggregate | None
+    """N, mean force of a whole stance, measured minus planned; None where either gives no force."""
+
+
+def follow_plan(measured: FootStatistics, planned: FootStatistics) -> PlannedFoot:
+    """Compare a foot's steps with its plan.
+
+    A planned touchdown is matched with the nearest measured one if it is the nearest of that one,
+    too, and nearer than half the way to the planned touchdowns before and after it. Touchdowns
+    nearer than that to where either is unknown are left out: their match may be hidden.
+
+    Args:
+        measured: the foot.
+        planned: the same foot in a plan, on the same clock.
+    """
+    both = timespans.intersect([measured.record.known, planned.record.known])
+    plan = planned.touchdown
+    reach = _reach(plan)
+    steps = measured.touchdown
+    match = _matches(plan, steps, reach)
+    found = match >= 0
+    counted = _well_inside(both, plan, reach) | (found & timespans.covers(both, plan))
+    delay = (steps[match[found & counted]] - plan[found & counted]) / 1e9
+    tolerance = max(
+        ON_TIME_S, *(foot.record.median_interval_s or 0.0 for foot in (measured, planned))
+    )
+    alone = np.setdiff1d(np.arange(len(steps)), match[found])
+    margin = np.full(len(alone), np.median(reach) if len(reach) else _LONE_S * 1e9)
+    return PlannedFoot(
+        topic=planned.topic,
+        touchdowns=int(counted.sum()),
+        delay=aggregate(delay),
+        early=int((delay < -tolerance).sum()),
+        late=int((delay > tolerance).sum()),
+        missed=int((counted & ~found).sum()),
+        unplanned=int(_well_inside(both, steps[alone], margin.astype(np.int64)).sum()),
+        tolerance_s=tolerance,
+        agreement=_agreement(both, measured, planned),
+        force_error=aggregate(_force_errors(measured.stances, planned.stances, plan, steps, match)),
+    )
+
+
+def _reach(plan: Ints) -> Ints:
+    """(p,) ns around each planned touchdown in which its match may be."""
+    if len(plan) < 2:
+        return np.full(len(plan), round(_LONE_S * 1e9), np.int64)
+    steps = np.diff(plan)
+    before = np.concatenate([steps[:1], steps])
+    after = np.concatenate([steps, steps[-1:]])
+    reach: Ints = np.minimum(before, after) // 2
+    return reach
+
+
+def _matches(plan: Ints, steps: Ints, reach: Ints) -> Ints:
+    """(p,) measured touchdown of each planned one; -1: none."""
+    if not len(plan) or not len(steps):
+        return np.full(len(plan), -1, np.int64)
+    nearest = _nearest(steps, plan)
+    mutual = _nearest(plan, steps)[nearest] == np.arange(len(plan))
+    near = np.abs(steps[nearest] - plan) <= reach
+    match: Ints = np.where(mutual & near, nearest, -1)
+    return match
+
+
+def _nearest(among: Ints, times: Ints) -> Ints:
+    """(n,) row of the nearest of sorted times."""
+    after = np.clip(np.searchsorted(among, times), 0, len(among) - 1)
+    before = np.maximum(after - 1, 0)
+    nearer = np.abs(among[before] - times) <= np.abs(among[after] - times)
+    rows: Ints = np.where(nearer, before, after)
+    return rows
+
+
+def _well_inside(spans: Ints, time: Ints, margin: Ints) -> Flags:
+    """(n,) whether a span reaches further than a margin around each time."""
+    row = np.searchsorted(spans[:, 0], time, side="right") - 1
+    inside = row >= 0
+    if not inside.any():
+        return inside
+    row = np.maximum(row, 0)
+    well: Flags = inside & (spans[row, 0] <= time - margin) & (time + margin <= spans[row, 1])
+    return well
+
+
+def _agreement(both: Ints, measured: FootStatistics, planned: FootStatistics) -> float | None:
+    known = timespans.total(both)
+    if not known:
+        return None
+    down = [timespans.intersect([foot.record.in_contact, both]) for foot in (measured, planned)]
+    together = timespans.total(timespans.intersect(down))
+    differ = timespans.total(down[0]) + timespans.total(down[1]) - 2 * together
+    return 1.0 - differ / known
+
+
+def _force_errors(
+    measured: Stances, planned: Stances, plan: Ints, steps: Ints, match: Ints
+) -> Floats:
+    """(m,) N, of matched touchdowns whose stances are whole in both; NaN: not known."""
+    rows = match >= 0
+    mine = _means(measured, steps[match[rows]])
+    theirs = _means(planned, plan[rows])
+    return mine - theirs
+
+
+def _means(stances: Stances, touchdown: Ints) -> Floats:
+    """(n,) N, mean force of the stances that begin at some times; NaN where it is not whole."""
+    found = np.full(len(touchdown), np.nan)
+    if not len(stances.touchdown):
+        return found
+    row = np.clip(np.searchsorted(stances.touchdown, touchdown), 0, len(stances.touchdown) - 1)
+    whole = (stances.touchdown[row] == touchdown) & stances.whole[row]
+    found[whole] = stances.figures.mean_n[row[whole]]
+    return found

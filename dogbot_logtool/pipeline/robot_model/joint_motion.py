@@ -1,0 +1,138 @@
+"""The joints of a robot description that the log's joint states move, where no transforms do."""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from itertools import islice
+from typing import Final
+
+import numpy as np
+
+from dogbot_logtool.core.frames.kinematics import Joint, LinkTransforms, link_poses
+from dogbot_logtool.core.geometry.arrays import header_time
+from dogbot_logtool.errors import DefinitionError
+from dogbot_logtool.pipeline.probe import Probe
+from dogbot_logtool.pipeline.robot_model.urdf import parse_urdf, urdf_joints
+from dogbot_logtool.reader.containers.log import Batch, Channel, Log
+from dogbot_logtool.reader.decode.fields import text
+from dogbot_logtool.reader.messages.joints import JOINT_TYPES, check_joints, read_joints
+from dogbot_logtool.reader.messages.messages import check_channel, decode_channels
+
+_MOST_CHUNKS: Final = 64
+"""Chunks that are searched for a first message."""
+_NOT_MEASURED: Final = ("command", "cmd", "desired", "target", "goal", "reference", "foot")
+"""Words in topics whose joint states are no positions of joints."""
+_DESCRIPTION: Final = (text("data"),)
+
+
+@dataclass(frozen=True, slots=True)
+class JointMotion:
+    """How joint states move the links of a robot description."""
+
+    channel: Channel
+    joints: tuple[Joint, ...]
+    """Those whose children no recorded transform places."""
+
+    @property
+    def pairs(self) -> tuple[tuple[str, str], ...]:
+        """Parent and child of each joint."""
+        return tuple((joint.parent, joint.child) for joint in self.joints)
+
+    def read(self, batch: Batch) -> Iterator[LinkTransforms]:
+        """Yield the links of a batch's joint states; those that lack a joint are left out."""
+        moving = np.array([joint.kind != "fixed" for joint in self.joints])
+        for told in read_joints(batch, self.channel):
+            position = told.positions_of([joint.measured for joint in self.joints])
+            rows = np.flatnonzero(np.isfinite(position[:, moving]).all(axis=1))
+            log_time = told.log_time[rows]
+            poses = link_poses(self.joints, position[rows])
+            yield LinkTransforms(log_time, header_time(told.stamp[rows], log_time), poses)
+
+
+def joint_motion(log: Log, probe: Probe, base: str, description: str | None) -> JointMotion | None:
+    """Return how joint states move the links; None: they do not, or transforms do already.
+
+    Args:
+        log: the log.
+        probe: the frames that its transforms place.
+        base: the base's frame.
+        description: URDF; None: the log's own, if it has one.
+    """
+    channel = _joint_channel(log)
+    if channel is None:
+        return None
+    urdf = own_description(log) if description is None else description
+    try:
+        joints = urdf_joints(parse_urdf(urdf or ""))
+    except ValueError:
+        return None
+    named = _names(log, channel)
+    kept = tuple(
+        joint
+        for joint in joints
+        if joint.child not in probe.parents
+        and joint.child != base
+        and (joint.kind == "fixed" or joint.measured in named)
+    )
+    moves = any(joint.kind != "fixed" for joint in kept)
+    return JointMotion(channel, kept) if moves else None
+
+
+def description_channels(log: Log) -> Sequence[Channel]:
+    """Return the channels that describe a robot."""
+    return [
+        channel
+        for channel in log.channels.values()
+        if channel.topic.rpartition("/")[2] == "robot_description"
+        and channel.type_name == "std_msgs/String"
+        and log.counts.get(channel.id, 1)
+    ]
+
+
+def own_description(log: Log) -> str | None:
+    """Return the log's first robot description; None: it has none that can be read."""
+    for channel in description_channels(log):
+        try:
+            check_channel(channel, _DESCRIPTION)
+        except DefinitionError:
+            continue
+        for batch in _batches_of(log, channel):
+            for messages in decode_channels(batch, [channel], _DESCRIPTION):
+                if len(messages.channel):
+                    return messages.table.texts("data").text(0)
+    return None
+
+
+def _joint_channel(log: Log) -> Channel | None:
+    """Return the channel of the joints' measured positions: best type first, then short topics."""
+    found = []
+    for channel in log.channels.values():
+        words = channel.topic.lower()
+        if channel.type_name not in JOINT_TYPES or any(word in words for word in _NOT_MEASURED):
+            continue
+        try:
+            check_joints(channel)
+        except DefinitionError:
+            continue
+        if log.counts.get(channel.id, 1):
+            found.append(channel)
+    return min(
+        found,
+        key=lambda each: (JOINT_TYPES.index(each.type_name), len(each.topic), each.topic),
+        default=None,
+    )
+
+
+def _names(log: Log, channel: Channel) -> frozenset[str]:
+    """Return the joints that the first messages of a channel name."""
+    for batch in _batches_of(log, channel):
+        for told in read_joints(batch, channel):
+            if len(told.log_time):
+                return frozenset(told.names)
+    return frozenset()
+
+
+def _batches_of(log: Log, channel: Channel) -> Iterator[Batch]:
+    """Yield the first chunks that may hold messages of a channel."""
+    chunks = (c for c in log.chunks if c.counts is None or channel.id in c.counts)
+    for chunk in islice(chunks, _MOST_CHUNKS):
+        yield log.read((chunk,))

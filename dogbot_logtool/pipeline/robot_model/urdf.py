@@ -1,0 +1,97 @@
+"""URDF: reading it safely, and its joints."""
+
+from collections.abc import Iterator
+from math import isfinite
+from typing import Final, cast
+from xml.etree import ElementTree as ET
+
+import numpy as np
+
+from dogbot_logtool.core.frames.kinematics import Joint, Kind, Triple
+from dogbot_logtool.core.geometry.rotations import from_roll_pitch_yaw
+
+_KINDS: Final = {
+    "revolute": "revolute",
+    "continuous": "revolute",
+    "prismatic": "prismatic",
+    "fixed": "fixed",
+}
+"""Joints with one position or none; planar and floating ones have more."""
+
+
+def parse_urdf(text: str) -> ET.Element:
+    """Parse a robot description.
+
+    Raises:
+        ValueError: a sentence without a subject: it is no XML with a root `robot`, or declares
+            entities, which viewers might fetch.
+    """
+    if "\0" in text or "<!DOCTYPE" in text or "<!ENTITY" in text:
+        raise ValueError("declares a document type or entities, which is refused")
+    try:
+        root = ET.fromstring(text)  # noqa: S314 - without entities
+    except (ET.ParseError, ValueError) as error:
+        raise ValueError(f"is no XML: {error}") from None
+    if root.tag != "robot":
+        raise ValueError(f"its root is {root.tag!r}, not 'robot', so it is no URDF")
+    return root
+
+
+def urdf_joints(root: ET.Element) -> tuple[Joint, ...]:
+    """Return the joints of a description; those that are not understood are left out."""
+    return tuple(joint for element in root.findall("joint") for joint in _joint(element))
+
+
+def _joint(element: ET.Element) -> Iterator[Joint]:
+    """Yield a joint, if it is understood."""
+    name, kind = element.get("name", ""), _KINDS.get(element.get("type", ""))
+    parent, child = (
+        "" if (link := element.find(end)) is None else link.get("link", "").lstrip("/")
+        for end in ("parent", "child")
+    )
+    if not (name and kind and parent and child):
+        return
+    mimic = element.find("mimic")
+    try:
+        axis = _triple(element, "axis", "xyz", (1.0, 0.0, 0.0))
+        turn = from_roll_pitch_yaw(np.array([_triple(element, "origin", "rpy")]))[0]
+        length = float(np.linalg.norm(axis))
+        if not length and kind != "fixed":
+            return
+        yield Joint(
+            name=name,
+            parent=parent,
+            child=child,
+            kind=cast("Kind", kind),
+            translation=_triple(element, "origin", "xyz"),
+            rotation=tuple(turn.tolist()),
+            axis=cast("Triple", tuple(part / (length or 1.0) for part in axis)),
+            source="" if mimic is None else mimic.get("joint", ""),
+            multiplier=1.0 if mimic is None else _number(mimic.get("multiplier", "1")),
+            offset=0.0 if mimic is None else _number(mimic.get("offset", "0")),
+        )
+    except ValueError:
+        return
+
+
+def _triple(
+    element: ET.Element, tag: str, attribute: str, default: Triple = (0.0, 0.0, 0.0)
+) -> Triple:
+    """Return three numbers of a joint.
+
+    Raises:
+        ValueError: they are others.
+    """
+    found = element.find(tag)
+    text = None if found is None else found.get(attribute)
+    if text is None:
+        return default
+    x, y, z = (_number(word) for word in text.split())
+    return x, y, z
+
+
+def _number(text: str) -> float:
+    number = float(text)
+    if not isfinite(number):
+        raise ValueError(f"{text!r} is not finite")
+    return number

@@ -1,0 +1,200 @@
+"""Joint states of ROS, Foxglove and Unitree's motors: positions, velocities and efforts by name."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import partial
+from typing import Final
+
+import numpy as np
+
+from dogbot_logtool.core.geometry.arrays import Floats, Ints
+from dogbot_logtool.errors import DefinitionError
+from dogbot_logtool.reader.containers.batch import Batch
+from dogbot_logtool.reader.containers.contents import Channel
+from dogbot_logtool.reader.decode.columns import Nested, Texts
+from dogbot_logtool.reader.decode.fields import (
+    Fields,
+    number,
+    numbers,
+    optional_number,
+    table,
+    text,
+    texts,
+    time,
+)
+from dogbot_logtool.reader.decode.message_layout import ELEMENT
+from dogbot_logtool.reader.messages.messages import (
+    DecodedMessages,
+    check_channel,
+    decode_channels,
+)
+
+_MOTORS: Final = tuple(
+    f"{leg}_{joint}_joint" for leg in ("FR", "FL", "RR", "RL") for joint in ("hip", "thigh", "calf")
+)
+"""Unitree's quadrupeds in the order of their messages, named as in their robot descriptions."""
+
+
+@dataclass(frozen=True, slots=True)
+class JointStates:
+    """What n messages say of k joints, in the order of the log; NaN where a message does not."""
+
+    log_time: Ints
+    """(n,) ns."""
+    stamp: Ints
+    """(n,) ns, header stamp as recorded; 0: none."""
+    names: tuple[str, ...]
+    position: Floats
+    """(n, k) rad or m."""
+    velocity: Floats
+    """(n, k) rad/s or m/s."""
+    effort: Floats
+    """(n, k) N m or N."""
+
+    def positions_of(self, joints: Sequence[str]) -> Floats:
+        """(n, len(joints)) positions of joints by name; NaN for one that is not there."""
+        found = np.full((len(self.log_time), len(joints)), np.nan)
+        for column, joint in enumerate(joints):
+            if joint in self.names:
+                found[:, column] = self.position[:, self.names.index(joint)]
+        return found
+
+
+@dataclass(frozen=True, slots=True)
+class _JointSource:
+    """How messages of a type tell of joints."""
+
+    type_name: str
+    fields: Fields
+    read: Callable[[DecodedMessages], JointStates]
+
+
+def _matrices(
+    messages: DecodedMessages,
+    stamp: Ints,
+    names: tuple[str, ...],
+    parent: Ints,
+    joint: Ints,
+    values: Sequence[Floats],
+) -> JointStates:
+    """Return values as matrices.
+
+    Args:
+        messages: n messages.
+        stamp: (n,) ns.
+        names: of k joints.
+        parent: (m,) message of each value.
+        joint: (m,) joint of each value.
+        values: position, velocity and effort, (m,) each.
+    """
+    found = []
+    for each in values:
+        matrix = np.full((len(messages.channel), len(names)), np.nan)
+        matrix[parent, joint] = each
+        found.append(matrix)
+    return JointStates(messages.log_time, stamp, names, *found)
+
+
+def _read_ros(messages: DecodedMessages) -> JointStates:
+    """Read arrays of names and values that stand side by side."""
+    named = messages.table.nested("name")
+    joint, names = named.table.texts(ELEMENT).encode()
+    rows = len(messages.channel)
+    values = [
+        _beside(named, messages.table.nested(path), rows)
+        for path in ("position", "velocity", "effort")
+    ]
+    stamp = messages.table.nanoseconds("header.stamp")
+    return _matrices(messages, stamp, names, named.parent, joint, values)
+
+
+def _beside(named: Nested, told: Nested, rows: int) -> Floats:
+    """(m,) value with the index of each name; NaN where an array is shorter than that of names."""
+    width = int(told.index.max(initial=-1)) + 1
+    wide = np.full((rows, max(width, 1)), np.nan)
+    wide[told.parent, told.index] = told.table.numbers(ELEMENT).astype(np.float64)
+    values = np.full(len(named.parent), np.nan)
+    there = named.index < width
+    values[there] = wide[named.parent[there], named.index[there]]
+    return values
+
+
+def _read_foxglove(messages: DecodedMessages) -> JointStates:
+    joints = messages.table.nested("joints")
+    called: Texts = joints.table.texts("name")
+    joint, names = called.encode()
+    values = [
+        joints.table.numbers(path).astype(np.float64) for path in ("position", "velocity", "effort")
+    ]
+    stamp = messages.table.nanoseconds("timestamp")
+    return _matrices(messages, stamp, names, joints.parent, joint, values)
+
+
+def _read_motors(messages: DecodedMessages, *, motors: str, values: Sequence[str]) -> JointStates:
+    told = messages.table.nested(motors)
+    rows = np.flatnonzero(told.index < len(_MOTORS))
+    columns = [told.table.numbers(path).astype(np.float64)[rows] for path in values]
+    stamp = np.zeros(len(messages.channel), np.int64)
+    return _matrices(messages, stamp, _MOTORS, told.parent[rows], told.index[rows], columns)
+
+
+def _motors(type_name: str, motors: str, effort: str) -> _JointSource:
+    values = ("q", "dq", effort)
+    return _JointSource(
+        type_name,
+        (table(motors, *map(number, values)),),
+        partial(_read_motors, motors=motors, values=values),
+    )
+
+
+def _foxglove(type_name: str) -> _JointSource:
+    joint = (text("name"), *map(optional_number, ("position", "velocity", "effort")))
+    return _JointSource(type_name, (time("timestamp"), table("joints", *joint)), _read_foxglove)
+
+
+_SOURCES: Final = {
+    source.type_name: source
+    for source in (
+        _JointSource(
+            "sensor_msgs/JointState",
+            (
+                time("header.stamp"),
+                texts("name"),
+                numbers("position"),
+                numbers("velocity"),
+                numbers("effort"),
+            ),
+            _read_ros,
+        ),
+        _foxglove("foxglove.JointStates"),
+        _foxglove("foxglove_msgs/JointStates"),
+        _motors("unitree_go/LowState", "motor_state", "tau_est"),
+        _motors("go2_interfaces/LowState", "motor_state", "tau_est"),
+        _motors("unitree_legged_msgs/LowState", "motorState", "tauEst"),
+        _motors("ros2_unitree_legged_msgs/LowState", "motor_state", "tau_est"),
+    )
+}
+JOINT_TYPES: Final = tuple(_SOURCES)
+"""The best first."""
+
+
+def check_joints(channel: Channel) -> str:
+    """Check that a channel's messages tell of joints and can be decoded; see `check_channel`.
+
+    Raises:
+        DefinitionError: they do not, or cannot.
+    """
+    if channel.type_name not in _SOURCES:
+        raise DefinitionError("it tells of no joints")
+    return check_channel(channel, _SOURCES[channel.type_name].fields)
+
+
+def read_joints(batch: Batch, channel: Channel) -> list[JointStates]:
+    """Read the joint states of a batch that a channel has, one entry a definition.
+
+    Args:
+        batch: the batch.
+        channel: one that `check_joints` accepts.
+    """
+    source = _SOURCES[channel.type_name]
+    return [source.read(messages) for messages in decode_channels(batch, [channel], source.fields)]

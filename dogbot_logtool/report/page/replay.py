@@ -1,0 +1,235 @@
+"""The walk in 3D: what the page's replay draws, thinned to what an eye sees."""
+
+from collections.abc import Sequence
+from typing import Any, Final
+
+import numpy as np
+
+from dogbot_logtool.core.base.base_motion import FORWARD_ANGLES
+from dogbot_logtool.core.contact.foot_history import FootHistory
+from dogbot_logtool.core.geometry import timespans
+from dogbot_logtool.core.geometry.arrays import Flags, Float32s, Floats, Ints
+from dogbot_logtool.core.leg_position import LegPosition
+from dogbot_logtool.core.scene.foot_style import foot_colour, short_names
+from dogbot_logtool.core.statistics import Stats
+from dogbot_logtool.pipeline.robot_model.limbs import Limbs
+from dogbot_logtool.report.gait_diagram import default_window
+from dogbot_logtool.report.page.chart import packed
+from dogbot_logtool.report.page.drawing import drawn_seconds, is_hind, thinned
+from dogbot_logtool.report.page.event_list import event_list
+
+STEP_NS: Final = 40_000_000
+"""ns between frames: 25 a second."""
+MOST_FRAMES: Final = 4000
+"""Frames of a log: 160 s in full; of a longer one the typical strides and what is near events."""
+BESIDE_NS: Final = 5_000_000_000
+"""ns before and after an event that are shown in full."""
+LONGEST_SWING_NS: Final = 1_500_000_000
+"""ns without contact points across which no foot is drawn: it is lifted, or nothing is known."""
+MOST_FOOTFALLS: Final = 1000
+"""Of a foot."""
+_SMALL_M: Final = 3.2
+"""m, the furthest joint from the base that 16 bits tell to 0.1 mm."""
+_UNKNOWN: Final = -32768
+"""Stands for a joint whose place is not known."""
+_SWING, _STANCE, _NOT_KNOWN = 0, 1, 2
+_ALONG: Final = {"front": 1.0, "back": -1.0}
+_ASIDE: Final = {"left": 1.0, "right": -1.0}
+
+
+def frame_times(stats: Stats) -> Ints:
+    """Return the times of the frames, (n,) ns, increasing."""
+    every = np.arange(stats.origin, stats.end + 1, STEP_NS)
+    if len(every) <= MOST_FRAMES:
+        return every
+    typical = [stats.origin + round(each * 1e9) for each in default_window(stats)]
+    events = [
+        (stats.origin + round(each.start_s * 1e9), stats.origin + round(each.end_s * 1e9))
+        for each in event_list(stats).rows
+        if not each.is_minor
+    ]
+    coarse = every[thinned(len(every), MOST_FRAMES // 4)]
+    shown = [coarse]
+    for start, end in [(typical[0], typical[1]), *events]:
+        inside = every[(every >= start - BESIDE_NS) & (every <= end + BESIDE_NS)]
+        if sum(map(len, shown)) + len(inside) > MOST_FRAMES:
+            break
+        shown.append(inside)
+    return np.unique(np.concatenate(shown))
+
+
+def replay(stats: Stats, time: Ints, limbs: Limbs | None) -> dict[str, Any] | None:
+    """Return what the replay draws, as JSON; None without poses of the base.
+
+    Args:
+        stats: figures, with load curves.
+        time: (n,) ns, of the frames; see `frame_times`.
+        limbs: the robot's joints at these times; None: not known.
+    """
+    base = stats.base_history
+    if len(base.time) == 0 or len(time) == 0:
+        return None
+    position, angles = base.position_at(time), base.angles_at(time)
+    # Near the robot, 32 bits tell places to less than a millimetre, wherever the world begins.
+    origin = np.array([*np.round(base.position[0, :2]), 0.0])
+    points = [
+        _foot_points(stats, row, time, limbs, position, angles) for row in range(len(stats.feet))
+    ]
+    ground = _ground(points, position)
+    height = float(np.nanmedian(position[:, 2])) - ground if np.isfinite(position).any() else 0.5
+    is_schematic = bool(points) and not any(np.isfinite(each).any() for each in points)
+    if is_schematic:
+        points = [
+            _in_world(_nominal(foot.place, row, height), position, angles)
+            for row, foot in enumerate(stats.feet)
+        ]
+    short = short_names([foot.name for foot in stats.feet])
+    return {
+        "time": packed(drawn_seconds(stats, time)),
+        "position": packed(_row_by_row(position - origin)),
+        "angles": packed(_row_by_row(angles)),
+        "forward": FORWARD_ANGLES[stats.settings.forward_axis],
+        "ground": ground,
+        "height": max(height, 0.05),
+        "newtons_per_metre": _newtons_per_metre(stats, height),
+        "schematic": is_schematic,
+        "feet": [
+            {
+                "name": foot.name,
+                "short": short[row],
+                "colour": foot_colour(row),
+                "hind": is_hind(stats, row),
+                "point": packed(_row_by_row(points[row] - origin)),
+                "state": packed(_states(foot.record, time, is_dead=foot.is_dead)),
+                "load": packed(_loads(foot.record, time)),
+                **_footfalls(stats, foot.record, origin),
+            }
+            for row, foot in enumerate(stats.feet)
+        ],
+        "limbs": None if limbs is None else _packed_limbs(limbs),
+        "events": [
+            {"at": each.start_s, "what": f"{each.what} {each.foot}".strip(), "minor": each.is_minor}
+            for each in event_list(stats).rows
+        ],
+    }
+
+
+def _foot_points(
+    stats: Stats, row: int, time: Ints, limbs: Limbs | None, position: Floats, angles: Floats
+) -> Floats:
+    """(n, 3) m, in the world: the contact point in stance, the sole or a straight line in swing."""
+    record = stats.feet[row].record
+    place = np.full((len(time), 3), np.nan)
+    known = np.isfinite(record.track.point).all(axis=1)
+    if known.any() and _in_one_world(stats):
+        at = record.track.time[known]
+        for axis in range(3):
+            place[:, axis] = np.interp(time - at[0], at - at[0], record.track.point[known, axis])
+        after = np.clip(np.searchsorted(at, time), 1, max(len(at) - 1, 1))
+        apart = at[np.minimum(after, len(at) - 1)] - at[after - 1] > LONGEST_SWING_NS
+        place[(time < at[0]) | (time > at[-1]) | apart] = np.nan
+    sole = None if limbs is None else limbs.soles[row]
+    if limbs is not None and sole is not None:
+        swings = ~timespans.covers(record.in_contact, time) | np.isnan(place[:, 0])
+        by_frames = _in_world(limbs.point[:, sole].astype(np.float64), position, angles)
+        use: Flags = swings & np.isfinite(by_frames[:, 0])
+        place[use] = by_frames[use]
+    return place
+
+
+def _in_one_world(stats: Stats) -> bool:
+    """Tell whether contact points and base are in one world, on one clock."""
+    return not (stats.worlds_differ or stats.base_clock_is_apart)
+
+
+def _in_world(point: Floats, position: Floats, angles: Floats) -> Floats:
+    """(n, 3) m in the world of points in the base's frame, (n, 3) or (3,)."""
+    (roll, pitch, yaw) = angles.T
+    cr, sr, cp, sp, cy, sy = (each(a) for a in (roll, pitch, yaw) for each in (np.cos, np.sin))
+    x, y, z = np.broadcast_to(point, position.shape).T
+    turned = (
+        cy * cp * x + (cy * sp * sr - sy * cr) * y + (cy * sp * cr + sy * sr) * z,
+        sy * cp * x + (sy * sp * sr + cy * cr) * y + (sy * sp * cr - cy * sr) * z,
+        -sp * x + cp * sr * y + cp * cr * z,
+    )
+    world: Floats = position + np.stack(turned, axis=1)
+    return world
+
+
+def _nominal(place: LegPosition | None, row: int, height: float) -> Floats:
+    """(3,) m, in the base's frame: below the base, where a foot of its name may be."""
+    along, aside = (
+        (0.0, 0.0) if place is None else (_ALONG.get(place[0], 0.0), _ASIDE.get(place[1], 0.0))
+    )
+    if place is None:
+        aside = 1.0 - 2.0 * (row % 2)
+    return np.array([0.4 * height * along, 0.15 * height * aside, -height])
+
+
+def _ground(points: Sequence[Floats], position: Floats) -> float:
+    """Return the height of the grid: that of the lowest feet, or 0 if the base is above it."""
+    lowest = [
+        float(np.nanpercentile(each[:, 2], 5.0)) for each in points if np.isfinite(each).any()
+    ]
+    if lowest:
+        return float(np.median(lowest))
+    middle = float(np.nanmedian(position[:, 2])) if np.isfinite(position).any() else 0.0
+    return 0.0 if middle > 0.1 else middle - 0.5
+
+
+def _newtons_per_metre(stats: Stats, height: float) -> float:
+    """Return the N of an arrow of 1 m: a body weight is as long as the base is high."""
+    weight = stats.loads.weight_n
+    if weight is None:
+        peaks = [
+            float(curves.force.high.max())
+            for foot in stats.feet
+            if (curves := foot.record.curves) and curves.force
+        ]
+        weight = max(peaks, default=100.0)
+    return max(weight, 1.0) / max(height, 0.05)
+
+
+def _states(record: FootHistory, time: Ints, *, is_dead: bool) -> Any:  # noqa: ANN401 - int8
+    state = np.where(timespans.covers(record.in_contact, time), _STANCE, _SWING)
+    known = timespans.covers(record.known, time)
+    return np.where(known & (not is_dead), state, _NOT_KNOWN).astype(np.int8)
+
+
+def _loads(record: FootHistory, time: Ints) -> Any:  # noqa: ANN401 - float32
+    """(n,) N, |F|; NaN where it is not known."""
+    curve = record.curves.force if record.curves else None
+    if curve is None:
+        return np.full(len(time), np.nan, np.float32)
+    at, force = curve.line(record.gaps)
+    return np.interp(time - at[0], at - at[0], force, np.nan, np.nan).astype(np.float32)
+
+
+def _footfalls(stats: Stats, record: FootHistory, origin: Floats) -> dict[str, Any]:
+    """Return where and when a foot came down, as far as it is known where that is to the base."""
+    track = record.track
+    known = np.flatnonzero(np.isfinite(track.point).all(axis=1))
+    first = np.searchsorted(track.time[known], record.stances.touchdown)
+    inside = np.flatnonzero(first < len(known))
+    rows = known[first[inside]]
+    hit = (track.time[rows] < record.stances.liftoff[inside]) & _in_one_world(stats)
+    chosen = thinned(int(hit.sum()), MOST_FOOTFALLS)
+    times = record.stances.touchdown[inside][hit][chosen]
+    return {
+        "fall_time": packed(drawn_seconds(stats, times)),
+        "fall_point": packed(_row_by_row(track.point[rows][hit][chosen] - origin)),
+    }
+
+
+def _row_by_row(table: Floats) -> Float32s:
+    """Return the rows of a table one after the other."""
+    return table.astype(np.float32).reshape(-1)
+
+
+def _packed_limbs(limbs: Limbs) -> dict[str, Any]:
+    """Return joints in 0.1 mm where they are near the base, else in m."""
+    flat = limbs.point.reshape(-1)
+    if not np.nanmax(np.abs(flat), initial=0.0) < _SMALL_M:
+        return {"parents": list(limbs.parents), "scale": 1.0, "point": packed(flat)}
+    small = np.where(np.isfinite(flat), np.rint(flat * 1e4), _UNKNOWN).astype(np.int16)
+    return {"parents": list(limbs.parents), "scale": 1e-4, "point": packed(small)}

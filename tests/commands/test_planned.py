@@ -1,0 +1,132 @@
+"""Feet against their plan, where a log has both: delays, misses, forces and agreement."""
+
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any, Final
+
+import numpy as np
+import pytest
+
+from dogbot_logtool.commands.stats import measure
+from dogbot_logtool.pipeline.options import StatsOptions, TopicOptions
+from dogbot_logtool.report.stats_json import stats_json
+from tests.oracles import walks
+from tests.oracles.state_walks import StateWalk
+
+AHEAD: Final = 4
+"""Samples of 10 ms by which everything is planned earlier."""
+PLANNED_FORCE: Final = 1.25
+GRF, HRP, XPP = (
+    "quad_msgs/msg/GRFArray",
+    "hrpsys_ros_bridge/msg/ContactStatesStamped",
+    "xpp_msgs/msg/RobotStateCartesian",
+)
+TOPICS: Final = {
+    GRF: ("/state/grfs", "/control/grfs"),
+    HRP: ("/act_contact_states", "/ref_contact_states"),
+    XPP: ("/xpp/state_curr", "/xpp/state_des"),
+}
+SWINGING: Final = 12
+"""Samples after its lift-off at which a foot is planned to touch down once more."""
+
+
+class Plan(StateWalk):
+    """The walk as it is planned: earlier, and stronger."""
+
+    def header(self, sample: int, frame: str) -> Any:
+        return super().header(max(sample - AHEAD, 0), frame)
+
+    def _forces(self, sample: int, legs: Any = walks.LEGS) -> list[Any]:
+        return [self.vector(PLANNED_FORCE * walks.FORCES[leg][sample]) for leg in legs]
+
+
+class HastyPlan(Plan):
+    """A plan in which the left front foot touches down once more in its first swing."""
+
+    def _flags(self, sample: int, legs: Any = walks.LEGS) -> Any:
+        flags = super()._flags(sample, legs)
+        (lifted, *_) = np.flatnonzero(np.diff(walks.TOUCHES["front_left"].astype(int)) < 0)
+        extra = SWINGING <= sample - lifted < SWINGING + 5
+        return flags | (np.array([leg == "front_left" for leg in legs]) & extra)
+
+
+def both(kind: str, plan: StateWalk) -> Iterator[walks.Entry]:
+    topics = TOPICS[kind]
+    for entry in StateWalk(2).messages(kind):
+        topic = topics[0] if entry.kind == kind else entry.topic
+        yield walks.Entry(topic, entry.kind, entry.log_time, entry.data)
+    for entry in plan.messages(kind):
+        time = entry.log_time - AHEAD * walks.STEP
+        if entry.kind == kind and time >= walks.START:
+            yield walks.Entry(topics[1], kind, time, entry.data)
+
+
+def figures(path: Path, **options: Any) -> dict[str, Any]:
+    done = measure(path, StatsOptions(TopicOptions(), **options))
+    found: dict[str, Any] = stats_json(done.stats, done.facts)
+    return found
+
+
+def write(folder: Path, kind: str, plan: StateWalk) -> Path:
+    path = folder / "walk.mcap"
+    entries = sorted(both(kind, plan), key=lambda entry: entry.log_time)
+    walks.write_mcap(path, StateWalk(2), entries)
+    return path
+
+
+@pytest.mark.parametrize("kind", TOPICS)
+def test_a_walk_that_is_late_against_its_plan(tmp_path: Path, kind: str) -> None:
+    found = figures(write(tmp_path, kind, Plan(2)))
+    assert {foot["topic"] for foot in found["feet"].values()} == {TOPICS[kind][0]}
+    for foot in found["feet"].values():
+        planned, steps = foot["planned"], len(foot["touchdown_s"])
+        assert planned["topic"] == TOPICS[kind][1]
+        assert (planned["touchdowns"], planned["late"]) == (steps, steps)
+        assert (planned["early"], planned["missed"], planned["unplanned"]) == (0, 0, 0)
+        delay = planned["touchdown_delay_s"]
+        assert (delay["min"], delay["max"]) == pytest.approx((0.04, 0.04), abs=1e-6)
+        # 40 ms of disagreement at each touchdown and each lift-off.
+        known = (walks.SAMPLES - 1 - AHEAD) * walks.STEP / 1e9
+        changes = steps + len(foot["liftoff_s"])
+        assert planned["contact_agreement"] == pytest.approx(1 - 0.04 * changes / known, abs=1e-6)
+        if kind == GRF:
+            off = foot["mean_force_n"]["median"] * (1.0 - PLANNED_FORCE)
+            assert planned["force_error_n"]["median"] == pytest.approx(off, rel=1e-6)
+    assert "N_AGAINST_PLAN" in {finding["code"] for finding in found["findings"]}
+
+
+def test_a_planned_touchdown_that_does_not_come_is_missed(tmp_path: Path) -> None:
+    found = figures(write(tmp_path, GRF, HastyPlan(2)))
+    missed = {name: foot["planned"]["missed"] for name, foot in found["feet"].items()}
+    assert missed == {"front_left": 1, "front_right": 0, "back_left": 0, "back_right": 0}
+    assert found["feet"]["front_left"]["planned"]["late"] == len(
+        found["feet"]["front_left"]["touchdown_s"]
+    )
+
+
+class Velocities(StateWalk):
+    """The driver of the A1: planned contacts stand beside the counts, as velocities."""
+
+    def _sensor_msgs(self, kind: str, sample: int) -> Any:
+        message = super()._sensor_msgs(kind, sample)
+        ahead = min(sample + AHEAD, walks.SAMPLES - 1)
+        message.velocity[12:] = self._flags(ahead)
+        return message
+
+
+def test_planned_contacts_beside_the_counts(tmp_path: Path) -> None:
+    kind, walk = "sensor_msgs/msg/JointState", Velocities(2)
+    entries = [
+        walks.Entry("/joint_foot" if e.kind == kind else e.topic, e.kind, e.log_time, e.data)
+        for e in walk.messages(kind)
+    ]
+    walks.write_mcap(tmp_path / "walk.mcap", walk, entries)
+    for foot in figures(tmp_path / "walk.mcap")["feet"].values():
+        assert foot["planned"]["touchdown_delay_s"]["median"] == pytest.approx(0.04, abs=1e-6)
+        assert foot["planned"]["force_error_n"] is None
+
+
+def test_a_log_without_a_plan_has_none(tmp_path: Path) -> None:
+    path = tmp_path / "walk.mcap"
+    walks.write_mcap(path, StateWalk(2), list(StateWalk(2).messages(GRF)))
+    assert {str(foot["planned"]) for foot in figures(path)["feet"].values()} == {"None"}

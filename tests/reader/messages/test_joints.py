@@ -1,0 +1,155 @@
+"""Joint states of every type: the same positions, velocities and efforts by name."""
+
+import json
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any, Final
+
+import numpy as np
+import pytest
+from foxglove_schemas_protobuf.JointStates_pb2 import JointStates as Message
+from mcap.writer import Writer
+from rosbags.typesys import get_types_from_msg
+
+from dogbot_logtool.reader.messages.joints import JointStates, check_joints, read_joints
+from dogbot_logtool.reader.opening import open_log
+from tests.oracles import walks
+
+NAMES: Final = tuple(
+    f"{leg}_{joint}_joint" for leg in ("FR", "FL", "RR", "RL") for joint in ("hip", "thigh", "calf")
+)
+SAMPLES: Final = 7
+MOTORS: Final = {
+    "unitree_go/msg/LowState": ("motor_state", "tau_est"),
+    "unitree_legged_msgs/msg/LowState": ("motorState", "tauEst"),
+}
+ROS, FOXGLOVE = "sensor_msgs/msg/JointState", "foxglove.JointStates"
+
+
+def value(sample: int, joint: int, kind: int) -> float:
+    """Position, velocity or effort of a joint; exact in single precision."""
+    return sample + joint / 16.0 + kind * 100.0
+
+
+def values(sample: int, kind: int, joints: Sequence[int] = range(12)) -> list[float]:
+    return [value(sample, joint, kind) for joint in joints]
+
+
+def ros(walk: walks.Walk, sample: int) -> Any:
+    """Names in another order in every message; efforts of the first ten only."""
+    order = np.roll(np.arange(12), sample).tolist()
+    return walk.make(
+        ROS,
+        header=walk.header(sample, ""),
+        name=[NAMES[joint] for joint in order],
+        position=np.array(values(sample, 0, order)),
+        velocity=np.array(values(sample, 1, order)),
+        effort=np.array(values(sample, 2, order[:10])),
+    )
+
+
+def motors(walk: walks.Walk, kind: str, sample: int) -> Any:
+    """Twenty motors, of which a quadruped has twelve."""
+    field, effort = MOTORS[kind]
+    package = kind.partition("/")[0]
+    states = [
+        walk.make(
+            f"{package}/MotorState",
+            mode=1,
+            q=value(sample, joint, 0),
+            dq=value(sample, joint, 1),
+            **{effort: value(sample, joint, 2)},
+        )
+        for joint in range(20)
+    ]
+    return walk.make(kind, tick=sample, **{field: states})
+
+
+def store(kind: str, ros_version: int) -> walks.Walk:
+    walk = walks.Walk(ros_version)
+    if kind in MOTORS:
+        field, effort = MOTORS[kind]
+        package = kind.partition("/")[0]
+        walk.store.fielddefs.pop(kind, None)
+        for name, text in {
+            f"{package}/msg/MotorState": f"uint8 mode\nfloat32 q\nfloat32 dq\nfloat32 {effort}",
+            kind: f"{package}/MotorState[20] {field}\nuint32 tick",
+        }.items():
+            walk.store.register(get_types_from_msg(text, name))
+    return walk
+
+
+def foxglove(sample: int, encoding: str) -> bytes:
+    """A message in which the last joint has no effort."""
+    seconds, nanoseconds = divmod(walks.START + sample * walks.STEP, 1_000_000_000)
+    joints = [
+        {"name": name, "position": value(sample, joint, 0), "velocity": value(sample, joint, 1)}
+        | ({} if joint == 11 else {"effort": value(sample, joint, 2)})
+        for joint, name in enumerate(NAMES)
+    ]
+    if encoding == "json":
+        stamp = {"sec": seconds, "nsec": nanoseconds}
+        return json.dumps({"timestamp": stamp, "joints": joints}).encode()
+    message: Any = Message()
+    message.timestamp.seconds, message.timestamp.nanos = seconds, nanoseconds
+    for joint in joints:
+        message.joints.add(**joint)
+    return bytes(message.SerializeToString())
+
+
+def read(path: Path) -> JointStates:
+    log = open_log(path)
+    try:
+        (channel,) = log.channels.values()
+        assert check_joints(channel) == ""
+        (span,) = log.spans()
+        (states,) = read_joints(log.read(span), channel)
+    finally:
+        log.close()
+    return states
+
+
+def check(states: JointStates, *, unknown_efforts: bool) -> None:
+    assert sorted(states.names) == sorted(NAMES)
+    assert states.log_time.tolist() == [walks.START + s * walks.STEP for s in range(SAMPLES)]
+    order = [states.names.index(name) for name in NAMES]
+    for kind, found in enumerate((states.position, states.velocity, states.effort)):
+        expected = np.array([values(sample, kind) for sample in range(SAMPLES)])
+        told = np.isfinite(found[:, order])
+        assert found[:, order][told].tolist() == expected[told].tolist()
+        assert told.all() == (kind < 2 or not unknown_efforts)
+    chosen = states.positions_of(["FL_hip_joint", "neck"])
+    assert chosen[:, 0].tolist() == [value(sample, 3, 0) for sample in range(SAMPLES)]
+    assert np.isnan(chosen[:, 1]).all()
+
+
+@pytest.mark.parametrize("ros_version", [1, 2])
+@pytest.mark.parametrize("kind", [ROS, *MOTORS])
+def test_ros_messages(tmp_path: Path, kind: str, ros_version: int) -> None:
+    walk = store(kind, ros_version)
+    made = [ros(walk, s) if kind == ROS else motors(walk, kind, s) for s in range(SAMPLES)]
+    entries = [
+        walks.Entry("/joints", kind, walks.START + s * walks.STEP, walk.bytes_of(kind, message))
+        for s, message in enumerate(made)
+    ]
+    path = tmp_path / ("log.bag" if ros_version == 1 else "log.mcap")
+    (walks._write_bag if ros_version == 1 else walks.write_mcap)(path, walk, entries)
+    states = read(path)
+    check(states, unknown_efforts=kind == ROS)
+    assert states.stamp.any() == (kind == ROS)
+
+
+@pytest.mark.parametrize("encoding", ["protobuf", "json"])
+def test_foxglove_messages(tmp_path: Path, encoding: str) -> None:
+    with (tmp_path / "log.mcap").open("wb") as stream:
+        writer = Writer(stream)
+        writer.start()
+        schema = writer.register_schema(FOXGLOVE, encoding, b"{}")
+        channel = writer.register_channel("/joints", encoding, schema)
+        for sample in range(SAMPLES):
+            time = walks.START + sample * walks.STEP
+            writer.add_message(channel, time, foxglove(sample, encoding), time)
+        writer.finish()
+    states = read(tmp_path / "log.mcap")
+    check(states, unknown_efforts=True)
+    assert states.stamp.tolist() == states.log_time.tolist()

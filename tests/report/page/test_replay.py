@@ -1,0 +1,151 @@
+"""What the replay draws, held against the walk that the sample log was made of."""
+
+from dataclasses import replace
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from dogbot_logtool.commands.replay import replay_of
+from dogbot_logtool.commands.report import DETAIL
+from dogbot_logtool.commands.stats import measure
+from dogbot_logtool.pipeline.options import StatsOptions
+from dogbot_logtool.report.page.render import page
+from dogbot_logtool.report.page.replay import MOST_FRAMES, frame_times, replay
+from dogbot_logtool.results import Measurement
+from tests.commands.test_convert_joints import write
+from tests.paths import SAMPLE_LOGS
+from tests.report.page.page_data import numbers
+
+TROT = SAMPLE_LOGS / "dogbot_trot.bag"
+OPTIONS = StatsOptions(curves=DETAIL)
+MB = 1_000_000
+
+
+@cache
+def measured() -> Measurement:
+    return measure(TROT, OPTIONS)
+
+
+@cache
+def shown() -> dict[str, Any]:
+    found = replay_of(TROT, OPTIONS, measured())
+    assert found is not None
+    return found
+
+
+def points(column: Any) -> Any:
+    return numbers(column).reshape(-1, 3)
+
+
+def test_the_robot_is_where_the_log_says() -> None:
+    history, time = measured().stats.base_history, numbers(shown()["time"])
+    assert np.diff(time) == pytest.approx(0.04, abs=1e-4)
+    since = (history.time - measured().stats.origin) / 1e9
+    assert abs(history.position[0, :2]).max() < 0.5
+    for axis, column in enumerate(points(shown()["position"]).T):
+        wanted = np.interp(time, since, history.position[:, axis])
+        assert column == pytest.approx(wanted, abs=1e-3)
+
+
+def test_a_foot_stands_still_while_it_is_down_and_frames_lead_to_it() -> None:
+    """The joints come from transforms, the standing feet from contact points: both must agree."""
+    angles, position = points(shown()["angles"]), points(shown()["position"])
+    limbs = shown()["limbs"]
+    joints = (numbers(limbs["point"]) * limbs["scale"]).reshape(len(position), -1, 3)
+    tips = [joint for joint in range(joints.shape[1]) if joint not in limbs["parents"]]
+    for foot in shown()["feet"]:
+        down, place = numbers(foot["state"]) == 1, points(foot["point"])
+        moved = np.linalg.norm(np.diff(place, axis=0), axis=1)
+        assert moved[down[1:] & down[:-1]].max() < 2e-3
+        turned = [_world(joints[:, tip], position, angles) for tip in tips]
+        away = [np.median(np.linalg.norm(each - place, axis=1)[down]) for each in turned]
+        assert min(away) < 3e-3
+
+
+def _world(point: Any, position: Any, angles: Any) -> Any:
+    """Turn points by yaw, pitch and roll, one elementary rotation after the other."""
+    placed = []
+    for row, (roll, pitch, yaw) in zip(point, angles, strict=True):
+        c, s = np.cos, np.sin
+        about_x = np.array([[1, 0, 0], [0, c(roll), -s(roll)], [0, s(roll), c(roll)]])
+        about_y = np.array([[c(pitch), 0, s(pitch)], [0, 1, 0], [-s(pitch), 0, c(pitch)]])
+        about_z = np.array([[c(yaw), -s(yaw), 0], [s(yaw), c(yaw), 0], [0, 0, 1]])
+        placed.append(about_z @ about_y @ about_x @ row)
+    return position + np.array(placed)
+
+
+def test_joint_states_bend_the_legs_as_the_transforms_do(tmp_path: Path) -> None:
+    """The log without its transforms, but with a robot description, gives the same joints."""
+    log = write(tmp_path / "log.mcap", description=True)
+    found = replay_of(log, OPTIONS, measure(log, OPTIONS))
+    assert found is not None
+    by_transforms, by_states = (
+        (numbers(each["limbs"]["point"]) * each["limbs"]["scale"]).reshape(
+            -1, len(each["limbs"]["parents"]), 3
+        )
+        for each in (shown(), found)
+    )
+    assert len(by_states) == 25
+    row = 10
+    for joint in by_states[row]:
+        assert np.linalg.norm(by_transforms[row] - joint, axis=1).min() < 1e-3
+
+
+def test_without_frames_lines_lead_to_the_feet_and_unknown_feet_are_below_the_base() -> None:
+    stats = measured().stats
+    time = frame_times(stats)
+    plain = replay(stats, time, None)
+    assert plain is not None
+    assert plain["limbs"] is None
+    assert not plain["schematic"]
+    nowhere = tuple(
+        replace(
+            foot,
+            record=replace(
+                foot.record,
+                track=replace(
+                    foot.record.track, point=np.full_like(foot.record.track.point, np.nan)
+                ),
+            ),
+        )
+        for foot in stats.feet
+    )
+    unknown = replay(replace(stats, feet=nowhere), time, None)
+    assert unknown is not None
+    assert unknown["schematic"]
+    html = page(stats, measured().facts, [], 0, replay=unknown).decode()
+    assert "does not tell where the feet are" in html
+    assert "<canvas" in html
+    assert "<canvas" not in page(stats, measured().facts, [], 0).decode()
+
+
+def test_a_walk_far_from_the_worlds_origin_is_as_exact() -> None:
+    """In UTM coordinates 32 bits would tell half a metre."""
+    stats = measured().stats
+    away = np.array([448_000.0, 5_412_000.0, 0.0])
+    base = replace(stats.base_history, position=stats.base_history.position + away)
+    time = frame_times(stats)
+    near, far = replay(stats, time, None), replay(replace(stats, base_history=base), time, None)
+    assert near is not None
+    assert far is not None
+    moved = [np.diff(points(each["position"]), axis=0) for each in (near, far)]
+    assert moved[0] == pytest.approx(moved[1], abs=1e-5)
+
+
+def test_a_long_log_is_thinned() -> None:
+    stats = measured().stats
+    day = replace(stats, end=stats.origin + 86_400_000_000_000)
+    time = frame_times(day)
+    assert len(time) <= MOST_FRAMES
+    assert (np.diff(time) > 0).all()
+    near = (time > stats.origin + 3_000_000_000) & (time < stats.origin + 6_000_000_000)
+    assert np.diff(time[near]).max() <= 40_000_000
+
+
+def test_a_page_with_its_replay_is_small() -> None:
+    stats, facts = measured().stats, measured().facts
+    html = page(stats, facts, [], 0, replay=shown())
+    assert len(page(stats, facts, [], 0)) < len(html) < 2 * MB
