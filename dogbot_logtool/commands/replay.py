@@ -6,7 +6,7 @@ from dogbot_logtool.io.storage import Location
 from dogbot_logtool.pipeline.annotated import open_recorded
 from dogbot_logtool.pipeline.options import StatsOptions
 from dogbot_logtool.pipeline.probe import probe_log
-from dogbot_logtool.pipeline.robot_model.limbs import Limbs, read_limbs
+from dogbot_logtool.pipeline.robot_model.limbs import read_limbs
 from dogbot_logtool.pipeline.selection import select_topics
 from dogbot_logtool.report.page.replay import frame_times, replay
 from dogbot_logtool.results import Measurement
@@ -32,11 +32,8 @@ def replay_of(
     log = open_recorded(source, options.topics.joined)
     try:
         selection = select_topics(log, options.topics)
-        limbs: Limbs | None = None
-        if selection.transforms:
-            probe = probe_log(log, selection)
-            clock = stats.settings.clock
-            limbs = read_limbs(log, selection, probe, clock, time, options.jobs)
+        probe, clock = probe_log(log, selection), stats.settings.clock
+        limbs = read_limbs(log, selection, probe, clock, time, options.jobs)
         return replay(stats, time, limbs)
     finally:
         log.close()

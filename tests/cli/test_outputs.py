@@ -6,6 +6,7 @@ from pathlib import Path
 
 import pytest
 
+from dogbot_logtool.report.page.assets import shared_name
 from tests.oracles.small_logs import odometry_log
 from tests.paths import TROUBLED
 from tests.shell import Shell
@@ -138,7 +139,8 @@ def test_pages_go_into_a_directory(shell: Shell, logs: Path, name: str) -> None:
     assert shell("report", *words, "-o", name).code == 0
     found = sorted(file.name for file in (shell.folder / "out").iterdir())
     pages = ["one.report.html", "two.report.html"][: len(words)]
-    assert found == [*(["index.html"] if len(words) > 1 else []), *pages]
+    beside = [shared_name(), "index.html"] if len(words) > 1 else []
+    assert found == sorted([*beside, *pages])
 
 
 def test_overwriting_keeps_what_kind_of_file_there_was(shell: Shell, logs: Path) -> None:

@@ -129,7 +129,7 @@ def read_urdf(file: Path) -> str:
 def log_skeleton(selection: Selection, probe: Probe, base_frame: str) -> Skeleton:
     """Return the log's frames below the base."""
     ambiguous = {child for child, parents in probe.parents.items() if len(parents) > 1}
-    return skeleton(base_frame, probe.frame_poses, ambiguous, tuple(_feet(selection, probe)))
+    return skeleton(base_frame, probe.frame_poses, ambiguous, tuple(model_feet(selection, probe)))
 
 
 def _hips(shape: RobotShape, feet: int) -> Floats | None:
@@ -140,7 +140,7 @@ def _hips(shape: RobotShape, feet: int) -> Floats | None:
     return np.array([shape.hips.get(foot, nowhere) for foot in range(feet)])
 
 
-def _feet(selection: Selection, probe: Probe) -> Iterator[ModelFoot]:
+def model_feet(selection: Selection, probe: Probe) -> Iterator[ModelFoot]:
     """Yield the feet whose frames are known, with the points where they touch the ground."""
     for number, foot in enumerate(selection.robot.feet):
         if foot.frame is not None:

@@ -1,18 +1,26 @@
-"""Where the robot's joints are over time: its frames, by the log's own transforms."""
+"""Where the robot's joints are over time: its frames, by transforms or by joint states."""
 
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
 
-from dogbot_logtool.core.frames.transform_buffer import FrameTrack, TransformBuffer
+from dogbot_logtool.core.frames.kinematics import LinkTransforms
+from dogbot_logtool.core.frames.transform_buffer import (
+    FrameTrack,
+    TransformBuffer,
+    chain_of_frames,
+    frame_track,
+)
 from dogbot_logtool.core.geometry.arrays import Float32s, Floats, Ints
 from dogbot_logtool.core.geometry.clock import TimeSource
 from dogbot_logtool.core.geometry.rotations import rotate
 from dogbot_logtool.pipeline.frames import useful_spans
 from dogbot_logtool.pipeline.probe import Probe, frame_names
-from dogbot_logtool.pipeline.robot_model.description import log_skeleton
-from dogbot_logtool.pipeline.robot_model.skeleton import Skeleton
+from dogbot_logtool.pipeline.robot_model.description import log_skeleton, model_feet
+from dogbot_logtool.pipeline.robot_model.joint_motion import JointMotion, joint_motion
+from dogbot_logtool.pipeline.robot_model.skeleton import ModelFoot
 from dogbot_logtool.pipeline.selection import Selection
 from dogbot_logtool.reader.containers.log import Log, Span
 from dogbot_logtool.reader.messages.frame_tracks import moving_tracks
@@ -35,10 +43,24 @@ class Limbs:
     """Index of each foot's sole; None: its frame is not known."""
 
 
+@dataclass(frozen=True, slots=True)
+class _Bones:
+    """How the frames of a robot hang below its base."""
+
+    base: str
+    parents: Mapping[str, str]
+    """Parent of each frame, as transforms or joint states tell it."""
+    shown: Sequence[str]
+    """Frames that are drawn: those of legs, and others that move."""
+    feet: Sequence[ModelFoot]
+
+
 def read_limbs(
     log: Log, selection: Selection, probe: Probe, clock: TimeSource, time: Ints, jobs: int
 ) -> Limbs | None:
-    """Follow the frames of a robot; None where no transforms connect any with its base.
+    """Follow the frames of a robot; None where nothing connects any with its base.
+
+    The log's transforms place them, or its joint states with its robot description.
 
     Args:
         log: the log.
@@ -49,27 +71,60 @@ def read_limbs(
         jobs: how many batches are read at once.
     """
     _, base = frame_names(selection.robot, probe)
-    bones = log_skeleton(selection, probe, base)
-    legs = {frame for leg in bones.legs for frame in leg}
-    shown = [name for name, pose in bones.frames.items() if name in legs or not pose.static]
-    if not shown or len(shown) > MOST_FRAMES:
+    motion = joint_motion(log, probe, base, None)
+    bones = _bones(selection, probe, base, motion)
+    if not bones.shown or len(bones.shown) > MOST_FRAMES:
         return None
     moving = {
-        name: pose.parent for name, pose in bones.frames.items() if name not in probe.statics.frames
+        frame: parent
+        for frame, parent in bones.parents.items()
+        if frame not in probe.statics.frames
     }
     channels = {channel.id: channel for channel in selection.transforms}
+    if motion is not None:
+        channels[motion.channel.id] = motion.channel
 
     def work(span: Span) -> TransformBuffer:
         batch = log.read(span)
         found = TransformBuffer()
         for messages in decode_transforms(batch, selection.transforms):
             found = found.then(moving_tracks(transform_columns(messages), moving, clock))
+        for links in motion.read(batch) if motion else ():
+            found = found.then(_link_tracks(links, motion, clock))
         return TransformBuffer({name: _near(track, time) for name, track in found.frames.items()})
 
-    buffer = probe.statics.only(bones.frames.keys())
+    buffer = probe.statics.only(bones.parents.keys())
     for part in in_order(work, useful_spans(log, channels), jobs, forks=log.can_fork):
         buffer = buffer.then(part)
-    return _limbs(buffer, bones, shown, time, [foot.name for foot in selection.robot.feet])
+    return _limbs(buffer, bones, time, [foot.name for foot in selection.robot.feet])
+
+
+def _bones(selection: Selection, probe: Probe, base: str, motion: JointMotion | None) -> _Bones:
+    skeleton = log_skeleton(selection, probe, base)
+    legs = {frame for leg in skeleton.legs for frame in leg}
+    shown = [name for name, pose in skeleton.frames.items() if name in legs or not pose.static]
+    parents = {name: pose.parent for name, pose in skeleton.frames.items()}
+    for joint in motion.joints if motion else ():
+        parents.setdefault(joint.child, joint.parent)
+        shown += [joint.child] if joint.kind != "fixed" and joint.child not in shown else []
+    connected = [frame for frame in shown if chain_of_frames(parents, frame, base) is not None]
+    feet = [foot for foot in model_feet(selection, probe) if foot.frame in parents]
+    return _Bones(base, parents, connected, feet)
+
+
+def _link_tracks(
+    links: LinkTransforms, motion: JointMotion | None, clock: TimeSource
+) -> TransformBuffer:
+    """Return the links that joint states move, as transforms."""
+    tracks = {}
+    for column, joint in enumerate(motion.joints if motion else ()):
+        translation = links.poses.translation[:, column]
+        rotation = links.poses.rotation[:, column]
+        times = clock.of(links), links.log_time
+        track = frame_track(joint.parent, *times, translation, rotation)
+        if track is not None:
+            tracks[joint.child] = track
+    return TransformBuffer(tracks)
 
 
 def _near(track: FrameTrack, time: Ints) -> FrameTrack:
@@ -81,26 +136,21 @@ def _near(track: FrameTrack, time: Ints) -> FrameTrack:
     return track.pick(kept)
 
 
-def _limbs(
-    buffer: TransformBuffer, bones: Skeleton, shown: list[str], time: Ints, names: list[str]
-) -> Limbs:
-    number = {name: index for index, name in enumerate(shown)}
+def _limbs(buffer: TransformBuffer, bones: _Bones, time: Ints, names: list[str]) -> Limbs:
+    number = {name: index for index, name in enumerate(bones.shown)}
     points: list[Floats] = []
     parents: list[int] = []
-    for name in shown:
-        points.append(
-            buffer.lookup(name, bones.base, time, _recorded(buffer, name, time)).translation
-        )
-        parents.append(_ancestor(bones, name, number))
+    for name in bones.shown:
+        log_time = _recorded(buffer, name, time)
+        points.append(buffer.lookup(name, bones.base, time, log_time).translation)
+        parents.append(_nearest(bones, bones.parents[name], number))
     soles: list[int | None] = [None] * len(names)
     for foot in bones.feet:
-        if foot.frame not in number:
-            continue
         pose = buffer.lookup(foot.frame, bones.base, time, _recorded(buffer, foot.frame, time))
         offset = np.tile(np.array(foot.point), (len(time), 1))
         soles[names.index(foot.name)] = len(points)
         points.append(pose.translation + rotate(pose.rotation, offset))
-        parents.append(number[foot.frame])
+        parents.append(_nearest(bones, foot.frame, number))
     return Limbs(np.stack(points, axis=1).astype(np.float32), tuple(parents), tuple(soles))
 
 
@@ -114,9 +164,8 @@ def _recorded(buffer: TransformBuffer, frame: str, time: Ints) -> Ints:
     return recorded
 
 
-def _ancestor(bones: Skeleton, name: str, number: dict[str, int]) -> int:
-    """Return the index of the nearest frame above one that is shown; -1: the base."""
-    above = bones.frames[name].parent
-    while above != bones.base and above not in number:
-        above = bones.frames[above].parent
-    return number.get(above, -1)
+def _nearest(bones: _Bones, frame: str, number: Mapping[str, int]) -> int:
+    """Return the index of a frame or, where it is not shown, of the next above; -1: the base."""
+    while frame != bones.base and frame not in number:
+        frame = bones.parents[frame]
+    return number.get(frame, -1)

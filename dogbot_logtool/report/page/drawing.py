@@ -24,6 +24,7 @@ SYMBOLS: Final = ("triangle-up", "triangle-down", "square", "diamond", "circle",
 """A marker a foot, in turn, for those who cannot tell the colours; hollow for hind feet."""
 GLYPHS: Final = ("▲△", "▼▽", "■□", "◆◇", "●○", "✚✛")
 """The same in text, filled and hollow."""
+NEAR_M: Final = 1000.0
 LONGEST_FLOAT32_S: Final = 8192.0
 """s up to which 32 bits tell half a millisecond."""
 MARGIN: Final = {"l": 48, "r": 10, "t": 6, "b": 44}
@@ -91,6 +92,13 @@ def drawn_seconds(stats: Stats, time: Ints) -> Floats | Float32s:
     exact = seconds(stats, time)
     fits = (stats.end - stats.origin) / 1e9 < LONGEST_FLOAT32_S
     return exact.astype(np.float32) if fits else exact
+
+
+def drawn_metres(place: Floats) -> Floats | Float32s:
+    """Return places in m to a tenth of a millimetre: near the origin 32 bits tell it."""
+    known = place[np.isfinite(place)]
+    is_near = bool((np.abs(known) < NEAR_M).all())
+    return place.astype(np.float32) if is_near else place
 
 
 def thinned(count: int, most: int) -> Ints:

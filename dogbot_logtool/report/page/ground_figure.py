@@ -18,6 +18,7 @@ from dogbot_logtool.report.page.drawing import (
     NEUTRAL,
     SECOND,
     Drawing,
+    drawn_metres,
     drawn_seconds,
     foot_marker,
     label,
@@ -81,7 +82,7 @@ def _broken(time: Ints, gaps: Ints) -> Ints:
 
 def _path(stats: Stats, rows: Ints) -> Trace:
     base = stats.base_history
-    time, position = base.time[rows], base.position[rows, :2].astype(np.float32)
+    time, position = base.time[rows], drawn_metres(base.position[rows, :2])
     at = _broken(time, base.gaps)
     at = at[(at > 0) & (at < len(time))]
     return scatter(
@@ -101,8 +102,8 @@ def _centre_of_pressure(stats: Stats) -> Trace | None:
     centre = pressure_path([foot.record for foot in stats.feet])
     rows = thinned(len(centre.time), MOST_POINTS)
     return scatter(
-        x=centre.point[rows, 0].astype(np.float32),
-        y=centre.point[rows, 1].astype(np.float32),
+        x=drawn_metres(centre.point[rows, 0]),
+        y=drawn_metres(centre.point[rows, 1]),
         customdata=drawn_seconds(stats, centre.time[rows]),
         mode="lines",
         line={"color": SECOND, "width": 1.2},

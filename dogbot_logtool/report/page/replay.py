@@ -70,6 +70,8 @@ def replay(stats: Stats, time: Ints, limbs: Limbs | None) -> dict[str, Any] | No
     if len(base.time) == 0 or len(time) == 0:
         return None
     position, angles = base.position_at(time), base.angles_at(time)
+    # Near the robot, 32 bits tell places to less than a millimetre, wherever the world begins.
+    origin = np.array([*np.round(base.position[0, :2]), 0.0])
     points = [
         _foot_points(stats, row, time, limbs, position, angles) for row in range(len(stats.feet))
     ]
@@ -84,7 +86,7 @@ def replay(stats: Stats, time: Ints, limbs: Limbs | None) -> dict[str, Any] | No
     short = short_names([foot.name for foot in stats.feet])
     return {
         "time": packed(drawn_seconds(stats, time)),
-        "position": packed(_row_by_row(position)),
+        "position": packed(_row_by_row(position - origin)),
         "angles": packed(_row_by_row(angles)),
         "forward": FORWARD_ANGLES[stats.settings.forward_axis],
         "ground": ground,
@@ -97,10 +99,10 @@ def replay(stats: Stats, time: Ints, limbs: Limbs | None) -> dict[str, Any] | No
                 "short": short[row],
                 "colour": foot_colour(row),
                 "hind": is_hind(stats, row),
-                "point": packed(_row_by_row(points[row])),
+                "point": packed(_row_by_row(points[row] - origin)),
                 "state": packed(_states(foot.record, time, is_dead=foot.is_dead)),
                 "load": packed(_loads(foot.record, time)),
-                **_footfalls(stats, foot.record),
+                **_footfalls(stats, foot.record, origin),
             }
             for row, foot in enumerate(stats.feet)
         ],
@@ -119,8 +121,7 @@ def _foot_points(
     record = stats.feet[row].record
     place = np.full((len(time), 3), np.nan)
     known = np.isfinite(record.track.point).all(axis=1)
-    together = not (stats.worlds_differ or stats.base_clock_is_apart)
-    if known.any() and together:
+    if known.any() and _in_one_world(stats):
         at = record.track.time[known]
         for axis in range(3):
             place[:, axis] = np.interp(time - at[0], at - at[0], record.track.point[known, axis])
@@ -134,6 +135,11 @@ def _foot_points(
         use: Flags = swings & np.isfinite(by_frames[:, 0])
         place[use] = by_frames[use]
     return place
+
+
+def _in_one_world(stats: Stats) -> bool:
+    """Tell whether contact points and base are in one world, on one clock."""
+    return not (stats.worlds_differ or stats.base_clock_is_apart)
 
 
 def _in_world(point: Floats, position: Floats, angles: Floats) -> Floats:
@@ -199,19 +205,19 @@ def _loads(record: FootHistory, time: Ints) -> Any:  # noqa: ANN401 - float32
     return np.interp(time - at[0], at - at[0], force, np.nan, np.nan).astype(np.float32)
 
 
-def _footfalls(stats: Stats, record: FootHistory) -> dict[str, Any]:
-    """Return where and when a foot came down."""
+def _footfalls(stats: Stats, record: FootHistory, origin: Floats) -> dict[str, Any]:
+    """Return where and when a foot came down, as far as it is known where that is to the base."""
     track = record.track
     known = np.flatnonzero(np.isfinite(track.point).all(axis=1))
     first = np.searchsorted(track.time[known], record.stances.touchdown)
     inside = np.flatnonzero(first < len(known))
     rows = known[first[inside]]
-    hit = track.time[rows] < record.stances.liftoff[inside]
+    hit = (track.time[rows] < record.stances.liftoff[inside]) & _in_one_world(stats)
     chosen = thinned(int(hit.sum()), MOST_FOOTFALLS)
     times = record.stances.touchdown[inside][hit][chosen]
     return {
         "fall_time": packed(drawn_seconds(stats, times)),
-        "fall_point": packed(_row_by_row(track.point[rows][hit][chosen])),
+        "fall_point": packed(_row_by_row(track.point[rows][hit][chosen] - origin)),
     }
 
 

@@ -8,6 +8,7 @@ import shutil
 import time
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import Any, Final
 
@@ -287,6 +288,10 @@ CUT_OFF: Final = """
 """
 
 
+def _looks(window: Window, wanted: tuple[bool, bool], _: Chrome) -> bool:
+    return window.brightness() == wanted
+
+
 def test_nothing_is_cut_off_and_colours_follow_the_reader(window: Window, trot_page: Path) -> None:
     """Whatever the width and the scheme, also when they change while the page is open."""
     window.open(trot_page, width=1600)
@@ -295,7 +300,7 @@ def test_nothing_is_cut_off_and_colours_follow_the_reader(window: Window, trot_p
         WebDriverWait(window.driver, 10, 0.1).until(lambda _: window.run(CUT_OFF) == [])
         assert window.run("return document.documentElement.scrollWidth") <= width
         wanted = (scheme == "light", scheme == "dark")
-        WebDriverWait(window.driver, 5, 0.1).until(lambda _, w=wanted: window.brightness() == w)
+        WebDriverWait(window.driver, 5, 0.1).until(partial(_looks, window, wanted))
     assert window.complaints() == []
 
 

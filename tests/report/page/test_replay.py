@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 from functools import cache
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -14,6 +15,7 @@ from dogbot_logtool.pipeline.options import StatsOptions
 from dogbot_logtool.report.page.render import page
 from dogbot_logtool.report.page.replay import MOST_FRAMES, frame_times, replay
 from dogbot_logtool.results import Measurement
+from tests.commands.test_convert_joints import write
 from tests.paths import SAMPLE_LOGS
 from tests.report.page.page_data import numbers
 
@@ -42,6 +44,7 @@ def test_the_robot_is_where_the_log_says() -> None:
     history, time = measured().stats.base_history, numbers(shown()["time"])
     assert np.diff(time) == pytest.approx(0.04, abs=1e-4)
     since = (history.time - measured().stats.origin) / 1e9
+    assert abs(history.position[0, :2]).max() < 0.5
     for axis, column in enumerate(points(shown()["position"]).T):
         wanted = np.interp(time, since, history.position[:, axis])
         assert column == pytest.approx(wanted, abs=1e-3)
@@ -74,6 +77,23 @@ def _world(point: Any, position: Any, angles: Any) -> Any:
     return position + np.array(placed)
 
 
+def test_joint_states_bend_the_legs_as_the_transforms_do(tmp_path: Path) -> None:
+    """The log without its transforms, but with a robot description, gives the same joints."""
+    log = write(tmp_path / "log.mcap", description=True)
+    found = replay_of(log, OPTIONS, measure(log, OPTIONS))
+    assert found is not None
+    by_transforms, by_states = (
+        (numbers(each["limbs"]["point"]) * each["limbs"]["scale"]).reshape(
+            -1, len(each["limbs"]["parents"]), 3
+        )
+        for each in (shown(), found)
+    )
+    assert len(by_states) == 25
+    row = 10
+    for joint in by_states[row]:
+        assert np.linalg.norm(by_transforms[row] - joint, axis=1).min() < 1e-3
+
+
 def test_without_frames_lines_lead_to_the_feet_and_unknown_feet_are_below_the_base() -> None:
     stats = measured().stats
     time = frame_times(stats)
@@ -100,6 +120,19 @@ def test_without_frames_lines_lead_to_the_feet_and_unknown_feet_are_below_the_ba
     assert "does not tell where the feet are" in html
     assert "<canvas" in html
     assert "<canvas" not in page(stats, measured().facts, [], 0).decode()
+
+
+def test_a_walk_far_from_the_worlds_origin_is_as_exact() -> None:
+    """In UTM coordinates 32 bits would tell half a metre."""
+    stats = measured().stats
+    away = np.array([448_000.0, 5_412_000.0, 0.0])
+    base = replace(stats.base_history, position=stats.base_history.position + away)
+    time = frame_times(stats)
+    near, far = replay(stats, time, None), replay(replace(stats, base_history=base), time, None)
+    assert near is not None
+    assert far is not None
+    moved = [np.diff(points(each["position"]), axis=0) for each in (near, far)]
+    assert moved[0] == pytest.approx(moved[1], abs=1e-5)
 
 
 def test_a_long_log_is_thinned() -> None:
