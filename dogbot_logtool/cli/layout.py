@@ -5,7 +5,7 @@ from pathlib import Path
 import click
 
 from dogbot_logtool.cli.options import output_file, overwrite_option, parse_topics, topic_options
-from dogbot_logtool.io.plain_json import to_json
+from dogbot_logtool.errors import CallError
 from dogbot_logtool.report.layouts.viewers import DEFAULT_VIEWER, VIEWERS
 
 
@@ -42,12 +42,14 @@ def layout(
 
     chosen = VIEWERS[viewer]
     options = parse_topics(robot, odom_topic, feet, mass_kg)
+    if output is None and not chosen.is_text:
+        raise CallError(f"--viewer {viewer}: is not text; name a file with -o, VIEW{chosen.suffix}")
     if output is not None:
         refuse_other_format(output, chosen.suffix)
         refuse_bad_target(output, log, overwrite=overwrite)
-    text = to_json(chosen.layout(view_of(log, options)), indent=2) + "\n"
+    content = chosen.layout(view_of(log, options))
     if output is None:
-        click.echo(text, nl=False)
+        click.echo(content.decode(), nl=False)
         return
     with whole_file(output, overwrite=overwrite) as file:
-        file.write(text.encode())
+        file.write(content)

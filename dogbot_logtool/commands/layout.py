@@ -64,6 +64,7 @@ def _view(robot: Robot, world: str, base: str) -> View:
         robot.forward_axis,
         None if weight is None else upper_bound(weight),
         body_size_m(robot.mass_kg)[0],
+        robot.name,
     )
 
 

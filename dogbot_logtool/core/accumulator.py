@@ -19,6 +19,7 @@ from dogbot_logtool.core.base.odometry import Odometry
 from dogbot_logtool.core.contact.contacts import Samples
 from dogbot_logtool.core.contact.curves import CurveDetail
 from dogbot_logtool.core.contact.foot_history import FootHistory, FootRecorder
+from dogbot_logtool.core.evaluation import Recorded, work_out
 from dogbot_logtool.core.geometry import timespans
 from dogbot_logtool.core.geometry.arrays import Ints, rows_by_group
 from dogbot_logtool.core.geometry.clock import TimeSource, UnusableStamps
@@ -30,7 +31,7 @@ from dogbot_logtool.core.quality.clocks import (
 from dogbot_logtool.core.quality.quality import TopicQuality, TopicWatch, with_gaps
 from dogbot_logtool.core.quality.stamps import StampFilter, set_spans, why_unusable
 from dogbot_logtool.core.settings import StatsSettings
-from dogbot_logtool.core.statistics import Recorded, Stats, work_out
+from dogbot_logtool.core.statistics import Stats
 
 OnSamples = Callable[[int, Samples], None]
 """Receives a foot's number, and the next of its samples in the order of the log."""

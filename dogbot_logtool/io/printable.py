@@ -15,6 +15,8 @@ def printable(text: str) -> str:
 
 def printable_lines(text: str) -> str:
     """Return the text with control characters as visible escapes; line breaks and tabs stay."""
+    if text.replace("\n", "").replace("\t", "").isprintable():
+        return text
     return "".join(
         each if each in {"\n", "\t"} else printable(each) for each in _LAYOUT.split(text)
     )

@@ -27,6 +27,7 @@ _FORMATS: Final = {
     ".toml": "TOML",
     ".yaml": "YAML",
     ".rviz": "a view for RViz",
+    ".rbl": "a blueprint for Rerun",
     ".yml": "YAML",
     ".txt": "a text",
     **dict.fromkeys((".pdf", ".svg", ".png", ".jpg", ".jpeg", ".gif"), "a picture"),

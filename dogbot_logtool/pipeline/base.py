@@ -29,6 +29,7 @@ from dogbot_logtool.reader.messages.bases.registry import (
     Base,
     base_source,
     base_type,
+    base_types,
 )
 from dogbot_logtool.reader.messages.bases.source import BaseSource
 from dogbot_logtool.reader.messages.messages import decode_channels
@@ -107,9 +108,8 @@ def choose_base(log: Log, robot: Robot, findings: list[Finding]) -> ChosenBase:
     others = [each for each in found if each is not best]
     if best is None:
         findings.append(_none(log, others))
-        likely = [o for o in others if not _words(o.name).isdisjoint(_BASE_WORDS)]
-        measured = [each.name for each in likely if not _is_planned(each)]
-        return ChosenBase(robot, offered=measured[0] if measured else "")
+        named = (o for o in others if not _words(o.name).isdisjoint(_BASE_WORDS))
+        return ChosenBase(robot, offered=next((o.name for o in named if not _is_planned(o)), ""))
     text = f"the base's poses are taken from {best.name} ({best.source.type_name})"
     if named is not None:
         text += f", since the robot's {named} is missing or cannot be used"
@@ -129,7 +129,7 @@ def check_named_base(log: Log, robot: Robot, name: str) -> None:
     topic, element = split_topic(name, log.channels_by_topic)
     channels = log.channels_by_topic.get(topic, ())
     if not element or not channels:
-        require_topic(log, "--odom-topic", topic, _base_types(log))
+        require_topic(log, "--odom-topic", topic, base_types(log.channels.values()))
     where = f"{shown(log.source.path)}: --odom-topic"
     try:
         source, element = _source(channels[0], element)
@@ -146,12 +146,6 @@ def check_named_base(log: Log, robot: Robot, name: str) -> None:
             f"{where}: {topic} is of type {source.type_name}, and which of its poses is the "
             f"base's is not known: name one as {topic}:NAME; it has {known}"
         )
-
-
-def _base_types(log: Log) -> frozenset[str]:
-    """Return the types that hold poses: all that are known, and those of the log read like them."""
-    own = {channel.type_name for channel in log.channels.values()}
-    return frozenset({*BASE_SOURCES, *(name for name in own if base_type(name))})
 
 
 def base_source_of(log: Log, topic: str) -> BaseSource:

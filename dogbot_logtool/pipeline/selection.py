@@ -14,11 +14,8 @@ from dogbot_logtool.io.printable import printable
 from dogbot_logtool.io.storage import shown
 from dogbot_logtool.pipeline.annotated import annotation_findings
 from dogbot_logtool.pipeline.base import check_named_base, choose_base
-from dogbot_logtool.pipeline.feet.candidates import (
-    FootCandidates,
-    candidates_finding,
-    find_candidates,
-)
+from dogbot_logtool.pipeline.feet.candidates import FootCandidates, find_candidates
+from dogbot_logtool.pipeline.feet.field_offer import candidates_finding
 from dogbot_logtool.pipeline.feet.message_feet import (
     compare_flags,
     flag_findings,
@@ -40,18 +37,16 @@ from dogbot_logtool.pipeline.readable import (
     reasons,
     unreadable_findings,
 )
+from dogbot_logtool.pipeline.robot_choice import choose_robot, usable_topics
 from dogbot_logtool.pipeline.topics import (
     readable_channels,
     recorded_topics,
     split_topic,
-    topics_of_type,
 )
 from dogbot_logtool.reader.containers.log import Batch, Channel, Log
-from dogbot_logtool.reader.messages.bases.poses import ODOMETRY_TYPE
 from dogbot_logtool.reader.messages.bases.registry import Base
 from dogbot_logtool.reader.messages.bases.source import BasePoses, BaseSource
 from dogbot_logtool.reader.messages.contacts.registry import (
-    contact_types,
     source_of,
     without_flags,
 )
@@ -60,7 +55,7 @@ from dogbot_logtool.reader.messages.contacts.source import (
     FootChannels,
 )
 from dogbot_logtool.reader.messages.transforms import TRANSFORM_TYPES, is_static
-from dogbot_logtool.robot import GENERIC, Robot, known_robots, load_robot, robot_toml
+from dogbot_logtool.robot import Robot
 
 _LIKELY_WORDS: Final = ("odom", "contact", "foot", "feet", "force", "wrench", "pose", "leg")
 """Words in topics and types that may tell of the base or the feet."""
@@ -176,7 +171,7 @@ def select_topics(log: Log, options: TopicOptions) -> Selection:
         LogError: an option names a topic that cannot be decoded.
     """
     findings: list[Finding] = [*annotation_findings(log)]
-    robot = _apply_options(log, _choose_robot(log, options, findings), options)
+    robot = _apply_options(log, choose_robot(log, options, findings), options)
     named = robot
     chosen = choose_base(log, robot, findings)
     if options.robot is not None and not _shows(log, named, chosen.channels):
@@ -262,29 +257,6 @@ def _unlikely(topic: tuple[str, str]) -> tuple[bool, tuple[str, str]]:
     return not any(word in name for word in _LIKELY_WORDS), topic
 
 
-def _choose_robot(log: Log, options: TopicOptions, findings: list[Finding]) -> Robot:
-    if options.robot is not None:
-        robot = load_robot(options.robot)
-    else:
-        topics = _usable_topics(log)
-        known = [load_robot(name) for name in known_robots() if _may_fit(name, topics)]
-        robot = max(known, key=lambda one: (len(one.topics & topics), one.name == GENERIC))
-        text = f"robot: {robot.name} (guessed from the topics; change with --robot)"
-        findings.append(note("ROBOT_GUESSED", text))
-    return robot.with_mass(options.mass_kg)
-
-
-def _may_fit(name: str, topics: frozenset[str]) -> bool:
-    """Tell, without parsing its file, whether a known robot may have one of some topics."""
-    text = robot_toml(name)
-    return name == GENERIC or any(topic in text for topic in topics)
-
-
-def _usable_topics(log: Log) -> frozenset[str]:
-    """Return the topics with odometry or contacts: a name alone makes no robot known."""
-    return frozenset(topics_of_type(log, {ODOMETRY_TYPE, *contact_types(log.channels.values())}))
-
-
 def _shows(log: Log, robot: Robot, base: Sequence[Channel]) -> bool:
     """Tell whether the log has a topic that the robot's file names, and that can be used."""
     fields = {foot.topic for foot in robot.feet if foot.field is not None}
@@ -292,7 +264,7 @@ def _shows(log: Log, robot: Robot, base: Sequence[Channel]) -> bool:
         return True
     if base and split_topic(robot.odometry_topic or "", log.channels_by_topic)[0] == base[0].topic:
         return True
-    return not robot.topics.isdisjoint(_usable_topics(log))
+    return not robot.topics.isdisjoint(usable_topics(log))
 
 
 def _without_topics(robot: Robot) -> Iterator[Finding]:
@@ -314,7 +286,7 @@ def _apply_options(log: Log, robot: Robot, options: TopicOptions) -> Robot:
     if options.foot_topics:
         given, guessed = options.foot_topics, options.robot is None
         check_topics(log, given)
-        robot = assign_feet(robot, given, _usable_topics(log), guessed=guessed)
+        robot = assign_feet(robot, given, usable_topics(log), guessed=guessed)
         check_feet_differ(log, robot, given)
     return robot
 

@@ -3,8 +3,8 @@
 import numpy as np
 
 from dogbot_logtool.core.statistics import Stats
-from dogbot_logtool.report.figures.feet import foot_sources
 from dogbot_logtool.report.figures.figure import TableName
+from dogbot_logtool.report.figures.foot_source import foot_sources
 from dogbot_logtool.report.figures.tables import columns_of
 from dogbot_logtool.results import StrideTable
 

@@ -123,6 +123,15 @@ def worlds() -> Iterator[Case]:
     yield Case(
         "odometry drifts by 8 %", recorder(Walk(seconds=16.0), world.drifting(0.08)), worlds, worlds
     )
+    for seconds in (4.0, 8.0):
+        yield Case(
+            f"odometry drifts by 2 %, {seconds:g} s",
+            recorder(Walk(seconds=seconds), world.drifting(0.02)), worlds, worlds,
+        )  # fmt: skip
+    yield Case(
+        "the body leans 4 cm to the side from 3 s on",
+        recorder(Walk(), world.leaning(3.0, (0.0, 0.04, 0.0))), skip=("margin",),
+    )  # fmt: skip
     yield Case(
         "odometry begins at z = 0", recorder(Walk(), world.base_from_zero), skip=("verdict",)
     )

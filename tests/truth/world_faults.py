@@ -34,6 +34,16 @@ def drifting(metres_per_metre: float) -> Disturbance:
     return change
 
 
+def leaning(at_s: float, metres: Sequence[float]) -> Disturbance:
+    """Let the body lean elsewhere over its feet from some moment on, within a second."""
+
+    def change(recording: Recording) -> Recording:
+        part = np.clip(recording.base.time - at_s, 0.0, 1.0)
+        return _moved(recording, np.outer(part * part * (3.0 - 2.0 * part), metres))
+
+    return change
+
+
 def jump(at_s: float, metres: Sequence[float]) -> Disturbance:
     """Let a localisation move the base at once."""
     return lambda recording: _moved(

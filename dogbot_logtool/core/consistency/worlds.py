@@ -7,6 +7,8 @@ from typing import Final
 import numpy as np
 
 from dogbot_logtool.core.base.base_history import BaseHistory
+from dogbot_logtool.core.consistency.drift import drift_m
+from dogbot_logtool.core.contact.stances import Stances
 from dogbot_logtool.core.contact.track import FootTrack
 from dogbot_logtool.core.geometry.arrays import Floats
 
@@ -20,6 +22,8 @@ MOST_BEYOND: Final = 0.05
 """Share of the time in which the base may be further from the feet than they are spread."""
 MOST_CHANGE: Final = 0.5
 """Change of the base's place among the feet, against their spread, that no gait explains."""
+MOST_DRIFT: Final = 0.05
+"""The same of a change that goes on steadily, stance after stance."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -37,19 +41,26 @@ class Worlds:
     change_m: float
     """m, change of the base's place among the feet from the log's first third to its last."""
 
+    drift_m: float = 0.0
+    """m, how far that place goes steadily; 0 where it does not, or too few stances tell."""
+
     @property
     def agree(self) -> bool:
         """Whether base and feet are in one world, throughout."""
         steady = self.change_m <= MOST_CHANGE * self.spread_m
+        steady &= self.drift_m <= MOST_DRIFT * self.spread_m
         return steady and self.beyond_fraction <= MOST_BEYOND
 
 
-def compare_worlds(tracks: Sequence[FootTrack], base: BaseHistory) -> Worlds | None:
+def compare_worlds(
+    tracks: Sequence[FootTrack], base: BaseHistory, stances: Sequence[Stances] | None = None
+) -> Worlds | None:
     """Compare where the feet touch with where the base is.
 
     Args:
         tracks: of all feet, with contact points in the world.
         base: poses.
+        stances: of the same feet, for the drift; None: it is not looked at.
 
     Returns:
         None where contact points of two feet around the base are not known for a second each.
@@ -76,6 +87,7 @@ def compare_worlds(tracks: Sequence[FootTrack], base: BaseHistory) -> Worlds | N
         spread_m=spread,
         beyond_fraction=float((distance > spread).mean()),
         change_m=float(np.hypot(*change)),
+        drift_m=0.0 if stances is None else drift_m(tracks, stances, base) or 0.0,
     )
 
 

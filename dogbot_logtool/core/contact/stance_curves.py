@@ -4,7 +4,7 @@ from typing import Final
 
 import numpy as np
 
-from dogbot_logtool.core.contact.stances import StanceSamples
+from dogbot_logtool.core.contact.stance_samples import StanceSamples
 from dogbot_logtool.core.geometry.arrays import Floats
 
 PARTS: Final = 25

@@ -7,15 +7,22 @@ from typing import Final, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from dogbot_logtool.core.contact.loaded_way import loaded_ways
+from dogbot_logtool.core.contact.contact_way import contact_ways, ways_under_load
+from dogbot_logtool.core.contact.stance_samples import StanceSamples, own_rows
 from dogbot_logtool.core.geometry.arrays import Flags, Floats, Ints
+from dogbot_logtool.core.geometry.runs import (
+    first_where,
+    highest,
+    quantiles,
+    sorted_runs,
+    sums,
+    trapezoids,
+)
 
 IMPACT_S: Final = 0.050
 """The impact is looked for in the first 50 ms of a stance."""
 LONGEST_STANCE_S: Final = 10.0
 """Longer stances are not reduced to figures of loads."""
-LOADED: Final = 0.5
-"""Share of a stance's mean force from which its foot is loaded."""
 RISE_FROM: Final = 0.2
 RISE_TO: Final = 0.8
 """The loading rate is the slope between 20 % and 80 % of the rise."""
@@ -44,37 +51,6 @@ class Cut(IntEnum):
     """Of a part of the log: it is not in it."""
 
 
-class StanceSamples(NamedTuple):
-    """The samples of k stances, stance after stance, n in all.
-
-    Each stance has the sample before it, its own, and the one that ends it. Where the log begins
-    in the stance, its first sample stands in for the one before.
-    """
-
-    first: Ints
-    """(k,) the last row before touchdown, or that of touchdown where nothing is known before it."""
-    touchdown: Ints
-    """(k,) the first row in contact."""
-    end: Ints
-    """(k,) the first row out of contact."""
-    stance: Ints
-    """(n,) the stance that each row belongs to."""
-    time: Floats
-    """(n,) s since the stance's touchdown."""
-    force: Floats
-    """(n,) N, magnitude; never higher before touchdown than after it."""
-    vertical: Floats
-    """(n,) N, vertical part; NaN where its direction is not known."""
-    force_x: Floats
-    """(n,) N, horizontal parts along the world's axes, also `force_y`; NaN like `vertical`."""
-    force_y: Floats
-    x: Floats
-    """(n,) m, contact point in the world; NaN where there is none; also `y`."""
-    y: Floats
-    friction: Floats
-    """(n,) tangential over normal force; NaN where not known or hardly loaded."""
-
-
 class StanceFigures(NamedTuple):
     """Figures of k stances, (k,) each; NaN where one cannot be known."""
 
@@ -95,8 +71,6 @@ class StanceFigures(NamedTuple):
     """N, by how much that run exceeds the force as many samples before it."""
     resolution_n: Floats
     """N, smallest difference of two forces of the stance: the sensor's resolution, or near 0."""
-    spread_n: Floats
-    """N, highest minus lowest |F|."""
     peak_vertical_n: Floats
     mean_vertical_n: Floats
     vertical_impulse_ns: Floats
@@ -117,6 +91,11 @@ class StanceFigures(NamedTuple):
     """s after touchdown, the last time before half of that reach with at most a tenth of it."""
     reach_ends_s: Floats
     """s after touchdown, the first time with at least nine tenths of it."""
+    quick_way_m: Floats
+    """m, furthest that a single contact point of the loaded foot goes in `QUICK_S`."""
+    quick_begins_s: Floats
+    """s after touchdown, when it does so; also `quick_ends_s`."""
+    quick_ends_s: Floats
 
 
 @dataclass(frozen=True, slots=True)
@@ -153,45 +132,40 @@ def reduce_stances(samples: StanceSamples) -> StanceFigures:
     """
     begin, end = samples.touchdown, samples.end
     force, vertical = samples.force, samples.vertical
-    ordered = _sorted(force, begin, end)
+    ordered = sorted_runs(force, begin, end)
     peak = ordered[end - 1]
     spike = _spikes(samples)
-    travel, reach = _contact_ways(samples)
-    mean = _sums(force, begin, end) / (end - begin)
-    loaded_reach, reach_begins, reach_ends = _loaded_ways(samples, mean)
+    travel, reach = contact_ways(samples)
+    mean = sums(force, begin, end) / (end - begin)
+    loaded, quick = ways_under_load(samples, mean)
     peak_samples, peak_rise = _plateaus(samples, peak)
-    impact_end = np.minimum(_first_where(samples.time > IMPACT_S, begin), end)
-    impact, median = _highest(force, begin, impact_end), quantiles(ordered, begin, end, 0.5)
+    impact_end = np.minimum(first_where(samples.time > IMPACT_S, begin), end)
+    impact, median = highest(force, begin, impact_end), quantiles(ordered, begin, end, 0.5)
     return StanceFigures(
         peak_n=peak,
         mean_n=mean,
         spikes=np.bincount(samples.stance[spike], minlength=len(begin)).astype(np.float64),
         spike_phase=_spike_phases(samples, spike),
-        calm_peak_n=_highest(np.where(spike, -np.inf, force), begin, end),
-        calm_peak_vertical_n=_highest(np.where(spike, -np.inf, vertical), begin, end),
+        calm_peak_n=highest(np.where(spike, -np.inf, force), begin, end),
+        calm_peak_vertical_n=highest(np.where(spike, -np.inf, vertical), begin, end),
         peak_samples=peak_samples,
         peak_rise_n=peak_rise,
         resolution_n=_resolutions(ordered, samples, peak),
-        spread_n=peak - ordered[begin],
-        peak_vertical_n=_highest(vertical, begin, end),
-        mean_vertical_n=_sums(vertical, begin, end) / (end - begin),
+        peak_vertical_n=highest(vertical, begin, end),
+        mean_vertical_n=sums(vertical, begin, end) / (end - begin),
         vertical_impulse_ns=trapezoids(vertical, samples.time, samples.first),
         loading_rate_nps=_loading_rates(samples, peak),
         impact_ratio=np.where(median > 0.0, impact / median, np.nan),
         contact_travel_m=travel,
         contact_reach_m=reach,
         friction_use=_friction_use(samples),
-        loaded_reach_m=loaded_reach,
-        reach_begins_s=reach_begins,
-        reach_ends_s=reach_ends,
+        loaded_reach_m=loaded.metres,
+        reach_begins_s=loaded.begins_s,
+        reach_ends_s=loaded.ends_s,
+        quick_way_m=quick.metres,
+        quick_begins_s=quick.begins_s,
+        quick_ends_s=quick.ends_s,
     )
-
-
-def _own_rows(samples: StanceSamples) -> Flags:
-    """(n,) whether a row is in contact: not the one before a stance, nor the one that ends it."""
-    rows = np.arange(len(samples.force))
-    own: Flags = rows >= samples.touchdown[samples.stance]
-    return own & (rows < samples.end[samples.stance])
 
 
 def _spikes(samples: StanceSamples) -> Flags:
@@ -200,11 +174,11 @@ def _spikes(samples: StanceSamples) -> Flags:
     It is at least `SPIKE` times its neighbours, and as much above every sample of the stance that
     does not stand out of its neighbours so. The first sample is the foot's impact, whatever it is.
     """
-    force, own = samples.force, _own_rows(samples)
+    force, own = samples.force, own_rows(samples)
     own[samples.touchdown] = False
     before, after = np.roll(force, 1), np.roll(force, -1)
     alone = own & (force > SPIKE * before) & (force > SPIKE * after)
-    others = _highest(np.where(alone, 0.0, force), samples.touchdown, samples.end)
+    others = highest(np.where(alone, 0.0, force), samples.touchdown, samples.end)
     enough = samples.end - samples.touchdown >= FEWEST_FOR_SPIKES
     high: Flags = force > SPIKE * others[samples.stance]
     return alone & high & enough[samples.stance]
@@ -225,7 +199,7 @@ def _plateaus(samples: StanceSamples, peak: Floats) -> tuple[Floats, Floats]:
 
     The rise is that over as many samples before the run, or from the stance's first.
     """
-    stance, own = samples.stance, _own_rows(samples)
+    stance, own = samples.stance, own_rows(samples)
     at_peak = np.concatenate([[False], own & (samples.force == peak[stance]), [False]])
     edges = np.flatnonzero(at_peak[1:] != at_peak[:-1])
     starts, lengths = edges[::2], edges[1::2] - edges[::2]
@@ -248,74 +222,7 @@ def _resolutions(ordered: Floats, samples: StanceSamples, peak: Floats) -> Float
     step[1:] = np.diff(ordered)
     step[samples.touchdown] = np.inf
     step[step <= ROUNDING * peak[samples.stance]] = np.inf
-    return -_highest(-step, samples.touchdown, samples.end)
-
-
-def _sorted(values: Floats, begin: Ints, end: Ints) -> Floats:
-    """(n,) with the values of each run in ascending order."""
-    ordered = values.copy()
-    for first, last in zip(begin.tolist(), end.tolist(), strict=True):
-        ordered[first:last].sort()
-    return ordered
-
-
-def _first_where(flags: Flags, start: Ints) -> Ints:
-    """(k,) the first row that is flagged, at or after each start; n: there is none."""
-    rows = np.append(np.flatnonzero(flags), len(flags))
-    found: Ints = rows[np.searchsorted(rows, start)]
-    return found
-
-
-def _highest(values: Floats, begin: Ints, end: Ints) -> Floats:
-    """(k,) maxima of runs, each of which ends before the last row; NaN where one is."""
-    highest: Floats = np.maximum.reduceat(values, np.stack([begin, end], axis=1).ravel())[::2]
-    return highest
-
-
-def _sums(values: Floats, begin: Ints, end: Ints) -> Floats:
-    """(k,) sums of runs that have a row before and after them.
-
-    numpy adds up pairwise what follows a run's first row: a zero there makes that the whole run,
-    as if it stood alone.
-    """
-    led = values.copy()
-    led[begin - 1] = 0.0
-    sums: Floats = np.add.reduceat(led, np.stack([begin - 1, end], axis=1).ravel())[::2]
-    return sums
-
-
-def trapezoids(values: Floats, time: Floats, first: Ints) -> Floats:
-    """Integrate over real sample times: sums of (v[i] + v[i+1]) / 2 * (t[i+1] - t[i]).
-
-    Args:
-        values: (n,) any unit.
-        time: (n,) s.
-        first: (k,) the first row of each run; it ends before the next one's.
-
-    Returns:
-        (k,) unit of the values times s.
-    """
-    area = np.zeros(len(values))
-    area[1:] = (values[1:] + values[:-1]) * np.diff(time)
-    area[first] = 0.0
-    integrals: Floats = np.add.reduceat(area, first) / 2.0
-    return integrals
-
-
-def quantiles(ordered: Floats, begin: Ints, end: Ints, share: float) -> Floats:
-    """Quantile of each run of sorted values, interpolated linearly between neighbours.
-
-    Args:
-        ordered: (n,) any unit, each run in ascending order.
-        begin: (k,) first row of each run.
-        end: (k,) row after its last.
-        share: 0.5 for the median.
-    """
-    place = share * (end - begin - 1)
-    below = begin + place.astype(np.int64)
-    above = np.minimum(below + 1, end - 1)
-    between: Floats = ordered[below] + (ordered[above] - ordered[below]) * (place - (below - begin))
-    return between
+    return -highest(-step, samples.touchdown, samples.end)
 
 
 def _friction_use(samples: StanceSamples) -> Floats:
@@ -324,7 +231,7 @@ def _friction_use(samples: StanceSamples) -> Floats:
     begin, end = np.searchsorted(rows, samples.touchdown), np.searchsorted(rows, samples.end)
     use = np.full(len(begin), np.nan)
     known = end > begin
-    ordered = _sorted(samples.friction[rows], begin, end)
+    ordered = sorted_runs(samples.friction[rows], begin, end)
     use[known] = quantiles(ordered, begin[known], end[known], 0.95)
     return use
 
@@ -345,10 +252,10 @@ def _loading_rates(samples: StanceSamples, peak: Floats) -> Floats:
     force, first, last = samples.force, samples.first, samples.end - 1
     higher = force >= (FIRST_PEAK * peak)[samples.stance]
     higher[:-1] &= force[:-1] >= force[1:]
-    top = np.minimum(_first_where(higher, first + 1), last)
+    top = np.minimum(first_where(higher, first + 1), last)
     low, high = RISE_FROM * force[top], RISE_TO * force[top]
-    above_low = _first_where(force >= low[samples.stance], first)
-    above_high = _first_where(force >= high[samples.stance], first)
+    above_low = first_where(force >= low[samples.stance], first)
+    above_high = first_where(force >= high[samples.stance], first)
     known = (last - first >= 2) & (above_low > first) & (above_low < above_high)
     rise_s = _crossings(samples, above_high[known], high[known])
     rise_s -= _crossings(samples, above_low[known], low[known])
@@ -363,58 +270,3 @@ def _crossings(samples: StanceSamples, after: Ints, level: Floats) -> Floats:
     share = (level - force[before]) / (force[after] - force[before])
     crossing: Floats = time[before] + share * (time[after] - time[before])
     return crossing
-
-
-def _contact_ways(samples: StanceSamples) -> tuple[Floats, Floats]:
-    """(k,) m, net travel of the contact point from 10 % to 90 % of a stance, and its reach.
-
-    The reach is the largest distance from where the point is at 10 %. Both are horizontal.
-
-    A round foot that rolls moves its contact point without slipping, so this is not slip yet.
-    NaN when no samples with a contact point surround both instants.
-    """
-    rows = np.flatnonzero(np.isfinite(samples.x) & np.isfinite(samples.y))
-    begin, end = np.searchsorted(rows, samples.touchdown), np.searchsorted(rows, samples.end)
-    duration = samples.time[samples.end]
-    tenth, nine_tenths = 0.1 * duration, 0.9 * duration
-    known = end - begin >= 2
-    known[known] = samples.time[rows[begin[known]]] <= tenth[known]
-    known[known] = samples.time[rows[end[known] - 1]] >= nine_tenths[known]
-
-    time, stance = samples.time[rows], samples.stance[rows]
-    x, y = samples.x[rows], samples.y[rows]
-    ends = []
-    for at in (tenth, nine_tenths):
-        later = _first_where(time > at[stance], begin)[known]
-        around = later - 1, np.minimum(later, end[known] - 1)
-        ends.append([_interpolated(at[known], time, values, around) for values in (x, y)])
-    (x_early, y_early), (x_late, y_late) = ends
-    travel, reach = np.full((2, len(begin)), np.nan)
-    travel[known] = np.hypot(x_late - x_early, y_late - y_early)
-    start = np.full((2, len(begin)), np.nan)
-    start[:, known] = x_early, y_early
-    way = np.hypot(x - start[0, stance], y - start[1, stance])
-    counts = known[stance] & (time >= tenth[stance]) & (time <= nine_tenths[stance])
-    reach[known] = travel[known]
-    np.maximum.at(reach, stance[counts], way[counts])
-    return travel, reach
-
-
-def _loaded_ways(samples: StanceSamples, mean: Floats) -> tuple[Floats, Floats, Floats]:
-    """(k,) see `loaded_ways`: of samples from 10 % to 90 % of a stance, with a contact point."""
-    duration = samples.time[samples.end][samples.stance]
-    counts = _own_rows(samples) & np.isfinite(samples.x) & np.isfinite(samples.y)
-    counts &= (samples.time >= 0.1 * duration) & (samples.time <= 0.9 * duration)
-    rows = np.flatnonzero(counts)
-    stance = samples.stance[rows]
-    loaded = samples.force[rows] >= (LOADED * mean)[stance]
-    columns = samples.time[rows], samples.x[rows], samples.y[rows]
-    return loaded_ways(*columns, loaded, stance, len(mean))
-
-
-def _interpolated(at: Floats, time: Floats, values: Floats, around: tuple[Ints, Ints]) -> Floats:
-    """(k,) values at times between two rows each, or at the time of the first of them."""
-    before, after = around
-    since = at - time[before]
-    slope = (values[after] - values[before]) / (time[after] - time[before])
-    return np.where(since == 0.0, values[before], slope * since + values[before])

@@ -53,7 +53,7 @@ def _worlds(worlds: Worlds) -> Finding:
         "contact points and odometry are not in one world, or one drifts: the base is "
         f"{worlds.distance_m:.2f} m from the centroid of the feet (at most {worlds.largest_m:.2f} "
         f"m), which are {worlds.spread_m:.2f} m from it; from the log's start to its end that "
-        f"changes by {worlds.change_m:.2f} m"
+        f"changes by {max(worlds.change_m, worlds.drift_m):.2f} m"
     )
     return Finding("W_WORLDS_DIFFER", f"{text}; no stability", "stability")
 

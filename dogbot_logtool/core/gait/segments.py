@@ -153,8 +153,8 @@ class _StrideKinds:
 
     def agree(self, one: int, other: int) -> bool:
         """Tell whether two strides are of one kind."""
-        period = self._period
-        similar = abs(period[one] - period[other]) <= PERIOD_CHANGE * period[other]
+        shorter, longer = sorted((self._period[one], self._period[other]))
+        similar = longer - shorter <= PERIOD_CHANGE * shorter
         return similar and self.label[one] == self.label[other]
 
     def goes_on(self, label: int, before: Sequence[int], stride: int) -> bool:

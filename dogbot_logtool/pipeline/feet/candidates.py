@@ -3,16 +3,13 @@
 They are offered, with the reasons, and never taken unasked.
 """
 
-import shlex
 from collections.abc import Collection, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
-from pathlib import PurePath
 from typing import Final
 
 from dogbot_logtool.core.contact.contacts import Samples, no_samples
 from dogbot_logtool.core.geometry.blocks import concatenated
 from dogbot_logtool.errors import DefinitionError
-from dogbot_logtool.finding import Finding, warning
 from dogbot_logtool.pipeline.chunks import spread_chunks
 from dogbot_logtool.pipeline.feet.content import Content, judge_content
 from dogbot_logtool.pipeline.feet.labels import with_labels
@@ -31,8 +28,6 @@ ENOUGH: Final = 5
 _MOST_FEET: Final = 8
 _MOST_SETS: Final = 40
 """Sets of fields whose content is looked at."""
-_ALTERNATIVES: Final = 2
-"""Sets that are offered beside the most likely one."""
 _MOST_NAMES: Final = 2000
 """Names that are compared with each other."""
 _FEWEST_LEGS: Final = 2
@@ -92,34 +87,6 @@ def find_candidates(log: Log) -> list[FootCandidates]:
     judged = (_judged(log, one) for one in named)
     likely = [one for one in judged if one is not None and one.points >= ENOUGH]
     return _without_repeats(sorted(likely, key=lambda one: (-one.points, one.is_contact)))
-
-
-def candidates_finding(log: Log, found: Sequence[FootCandidates], base: str = "") -> Finding:
-    """Return which fields may be feet, why, and the command that measures with them.
-
-    Args:
-        log: the log.
-        found: what `find_candidates` finds, at least one.
-        base: poses that may be the base's, as ``--odom-topic`` takes them; empty: none.
-    """
-    first, *others = found
-    text = f"fields of {first.type_name} look like feet: {first.text}"
-    for other in others[:_ALTERNATIVES]:
-        text += f"; or {other.text}"
-    file = f"{PurePath(log.words[0]).stem}.toml"
-    chosen = ["--odom-topic", base] if base else []
-    draft = shlex.join(["dogbot-logtool", "robots", "new", log.words[0], *chosen, "-o", file])
-    if any(foot.field and foot.field.kind for foot in first.feet):
-        # What the fields are can only be said in a robot's file.
-        text += f"; they are not used unasked. This writes a robot's file with them: {draft}"
-        return replace(warning("FEET_POSSIBLE", text), command=draft)
-    words = " ".join(f"--foot {foot.name}={shlex.quote(word_of(foot))}" for foot in first.feet)
-    command = f"{shlex.join(['dogbot-logtool', 'stats', *log.words, *chosen])} {words}"
-    text += (
-        f"; they are not used unasked. `{draft}` writes a robot's file with them; this measures "
-        f"with them: {command}"
-    )
-    return replace(warning("FEET_POSSIBLE", text), command=command)
 
 
 def _without_repeats(sets: Iterable[FootCandidates]) -> list[FootCandidates]:

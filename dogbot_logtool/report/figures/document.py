@@ -11,7 +11,7 @@ from dogbot_logtool.core.statistics import Stats
 from dogbot_logtool.finding import Finding, warning
 from dogbot_logtool.report.figures.base import BASE
 from dogbot_logtool.report.figures.events import EVENTS, event_sources
-from dogbot_logtool.report.figures.feet import FOOT, foot_sources
+from dogbot_logtool.report.figures.feet import FOOT
 from dogbot_logtool.report.figures.figure import (
     Column,
     Figure,
@@ -21,6 +21,7 @@ from dogbot_logtool.report.figures.figure import (
     TableName,
     inside,
 )
+from dogbot_logtool.report.figures.foot_source import foot_sources
 from dogbot_logtool.report.figures.loads import FORCES, STABILITY
 from dogbot_logtool.report.figures.recording import (
     FINDING,

@@ -3,8 +3,8 @@
 from collections.abc import Sequence
 from typing import Final
 
-from dogbot_logtool.report.figures.feet import FootSource
 from dogbot_logtool.report.figures.figure import Column, Figure, Kind, TableName
+from dogbot_logtool.report.figures.foot_source import FootSource
 
 _STRIDES, _ROWS = TableName.PAGE_STRIDES, TableName.STRIDE_ROWS
 

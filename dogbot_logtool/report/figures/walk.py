@@ -12,7 +12,7 @@ from dogbot_logtool.core.gait.support_pattern import Support
 from dogbot_logtool.core.geometry.aggregates import CircularMean
 from dogbot_logtool.core.statistics import SegmentFigures, Stats
 from dogbot_logtool.report.figures.base import BASE
-from dogbot_logtool.report.figures.feet import FOOT_OF_SEGMENT, FootSource
+from dogbot_logtool.report.figures.feet import FOOT_OF_SEGMENT
 from dogbot_logtool.report.figures.figure import (
     Column,
     Figure,
@@ -23,6 +23,7 @@ from dogbot_logtool.report.figures.figure import (
     TableName,
     inside,
 )
+from dogbot_logtool.report.figures.foot_source import FootSource
 from dogbot_logtool.report.figures.loads import FORCES_OF_SEGMENT, STABILITY, LoadSource
 
 _STEPS, _SUMMARY, _INDEX = TableName.STEPS, TableName.SUMMARY, TableName.INDEX

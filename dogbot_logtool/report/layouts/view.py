@@ -22,6 +22,8 @@ class View:
     """N, upper bound of the load curves; None: not known."""
     size_m: float = 0.6
     """m, length of the body."""
+    robot_name: str = ""
+    """As in its description."""
 
     @property
     def heading_deg(self) -> float:

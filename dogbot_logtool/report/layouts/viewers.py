@@ -4,6 +4,8 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Final
 
+from dogbot_logtool.io.plain_json import to_json
+
 if TYPE_CHECKING:
     from dogbot_logtool.report.layouts.view import View
 
@@ -18,25 +20,39 @@ class Viewer:
     summary: str
     suffix: str
     """Of its files."""
-    layout: Callable[["View"], dict[str, Any]]
-    """Returns the view; written as JSON, which is YAML, too."""
+    layout: Callable[["View"], bytes]
+    """Returns the content of its file."""
+    is_text: bool = True
+    """Whether that can be printed."""
 
 
-def _foxglove(view: "View") -> dict[str, Any]:
+def _foxglove(view: "View") -> bytes:
     from dogbot_logtool.report.layouts.foxglove import foxglove_layout  # noqa: PLC0415
 
-    return foxglove_layout(view)
+    return _json(foxglove_layout(view))
 
 
-def _rviz(view: "View") -> dict[str, Any]:
+def _rviz(view: "View") -> bytes:
     from dogbot_logtool.report.layouts.rviz import rviz_config  # noqa: PLC0415
 
-    return rviz_config(view)
+    # JSON is YAML, too.
+    return _json(rviz_config(view))
+
+
+def _rerun(view: "View") -> bytes:
+    from dogbot_logtool.report.layouts.rerun import rerun_blueprint  # noqa: PLC0415
+
+    return rerun_blueprint(view)
+
+
+def _json(layout: dict[str, Any]) -> bytes:
+    return (to_json(layout, indent=2) + "\n").encode()
 
 
 _VIEWERS: Final = (
     Viewer("foxglove", "Foxglove and Lichtblick", ".json", _foxglove),
     Viewer("rviz", "RViz, for logs converted with --encoding ros1", ".rviz", _rviz),
+    Viewer("rerun", "Rerun, without arrows and support", ".rbl", _rerun, is_text=False),
 )
 VIEWERS: Final[Mapping[str, Viewer]] = {each.name: each for each in _VIEWERS}
 """By name, in the order of ``--help``."""

@@ -15,8 +15,8 @@ from dogbot_logtool.core.quality.outliers import (
     outliers,
 )
 from dogbot_logtool.core.statistics import Stats
-from dogbot_logtool.report.figures.feet import FootSource
 from dogbot_logtool.report.figures.figure import Json, TableName
+from dogbot_logtool.report.figures.foot_source import FootSource
 from dogbot_logtool.report.figures.tables import cells_of, columns_of, headers
 from dogbot_logtool.report.numbers import decimal, percent
 

@@ -5,12 +5,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from dogbot_logtool.core.contact.stances import (
-    StanceSamples,
-    quantiles,
-    reduce_stances,
-    trapezoids,
-)
+from dogbot_logtool.core.contact.stance_samples import StanceSamples
+from dogbot_logtool.core.contact.stances import reduce_stances
 from dogbot_logtool.core.geometry.arrays import Floats, Ints
 
 
@@ -34,6 +30,7 @@ def stance(force: Floats, time: Floats | float, x: Floats | None = None) -> Stan
         force_y=0.2 * force,
         x=np.zeros(count) if x is None else x,
         y=np.zeros(count),
+        single=np.ones(count, np.bool_),
         friction=np.where(force >= 10.0, 0.2, np.nan),
     )
 
@@ -48,7 +45,17 @@ def end_to_end(parts: list[StanceSamples]) -> StanceSamples:
     }
     columns = {
         name: np.concatenate([getattr(part, name) for part in parts])
-        for name in ("time", "force", "vertical", "force_x", "force_y", "x", "y", "friction")
+        for name in (
+            "time",
+            "force",
+            "vertical",
+            "force_x",
+            "force_y",
+            "x",
+            "y",
+            "single",
+            "friction",
+        )
     }
     return StanceSamples(
         **rows, stance=np.repeat(np.arange(len(parts)), np.diff(behind)), **columns
@@ -90,7 +97,7 @@ def test_an_impact_stands_out_of_the_stance() -> None:
 def test_the_longest_run_at_the_peak_is_counted() -> None:
     row = figures(stance(np.array([0.0, 90.0, 40.0, 70.0, 90.0, 90.0, 60.0, 90.0, 0.0]), 0.01))
     assert (row["peak_samples"], row["peak_rise_n"]) == (2.0, 50.0)
-    assert (row["resolution_n"], row["spread_n"]) == (10.0, 50.0)
+    assert row["resolution_n"] == 10.0
 
 
 def test_a_constant_force_has_no_resolution() -> None:
@@ -107,12 +114,6 @@ def test_an_unknown_direction_leaves_only_the_magnitude() -> None:
     vertical = [row[name] for name in row if "vertical" in name]
     assert len(vertical) == 4
     assert np.isnan(vertical).all()
-
-
-def test_the_impulse_uses_real_sample_times() -> None:
-    time = np.array([0.0, 0.001, 0.5, 1.0, 7.0, 8.0])
-    value = np.array([0.0, 0.002, 1.0, 2.0, 3.0, 5.0])
-    assert trapezoids(value, time, np.array([0, 4])) == pytest.approx([1.0, 4.0])
 
 
 def test_a_ramp_has_its_slope_as_loading_rate() -> None:
@@ -154,13 +155,6 @@ def test_travel_needs_contact_points_on_both_sides() -> None:
     assert np.isnan(travel(np.where(time > 0.3, 0.0, np.nan)))
     assert np.isnan(travel(np.where(time < 0.7, 0.0, np.nan)))
     assert travel(np.where((time < 0.2) | (time > 0.7), time, np.nan)) == pytest.approx(0.8)
-
-
-def test_quantiles_are_interpolated() -> None:
-    ordered = np.array([0.0, 10.0, 7.0])
-    begin, end = np.array([0, 2]), np.array([2, 3])
-    assert quantiles(ordered, begin, end, 0.25).tolist() == [2.5, 7.0]
-    assert quantiles(ordered, begin, end, 0.95).tolist() == [9.5, 7.0]
 
 
 newtons = st.floats(0.0, 200.0)

@@ -101,6 +101,13 @@ def test_a_single_odd_stride_does_not_cut() -> None:
     assert names(segments) == ["trot"]
 
 
+def test_a_stride_on_the_way_to_a_longer_period_is_no_segment() -> None:
+    found = find_segments(
+        gait([(PRONK, 8, 1.0, 0.4), (PRONK, 1, 1.25, 0.4), (PRONK, 6, 1.52, 0.4)])
+    )
+    assert [segment.strides for segment in found] == [8, 5]
+
+
 def test_a_ramp_from_one_gait_to_another_is_a_transition() -> None:
     ramp = [((0.0, 0.5, 0.5 + step / 16, step / 16), 1, 0.8, 0.6) for step in (1, 2, 3)]
     walked = gait([(TROT, 8, 0.8, 0.6), *ramp, (WALK, 8, 0.8, 0.6)])

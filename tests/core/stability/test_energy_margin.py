@@ -13,7 +13,7 @@ BODY = np.array([0.05, 0.02, 0.4])
 def turned(points: Floats, axis: Floats, angle: float) -> Floats:
     """Turn points about an axis through the origin (Rodrigues)."""
     along = np.outer(points @ axis, axis) * (1.0 - np.cos(angle))
-    return points * np.cos(angle) + np.cross(axis, points) * np.sin(angle) + along
+    return np.asarray(points * np.cos(angle) + np.cross(axis, points) * np.sin(angle) + along)
 
 
 def least_rise(corners: Floats, body: Floats) -> float:
@@ -22,7 +22,7 @@ def least_rise(corners: Floats, body: Floats) -> float:
     for start, end in zip(corners, np.roll(corners, -1, axis=0), strict=True):
         axis = (end - start) / np.linalg.norm(end - start)
         height = [turned((body - start)[None], axis, a)[0, 2] for a in np.linspace(-1.6, 1.6, 3201)]
-        rises.append(max(height) - (body - start)[2])
+        rises.append(float(max(height) - (body - start)[2]))
     return min(rises)
 
 

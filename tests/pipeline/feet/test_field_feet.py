@@ -8,6 +8,9 @@ from typing import Any
 import numpy as np
 import pytest
 
+from dogbot_logtool.pipeline.annotated import open_recorded
+from dogbot_logtool.pipeline.options import TopicOptions
+from dogbot_logtool.pipeline.selection import select_topics
 from tests import forked_cli
 from tests.oracles import walks
 from tests.oracles.field_logs import (
@@ -204,3 +207,22 @@ def test_one_six_axis_sensor_is_not_taken_for_feet(rows: int, tmp_path: Path) ->
     assert done.returncode == 0
     assert "look like feet" not in done.stdout
     assert forked_cli.run("robots", "new", log).returncode == 1
+
+
+@pytest.mark.parametrize("legs", [6, 4])
+def test_a_known_robot_is_recognised_by_fields_of_all_its_feet(tmp_path: Path, legs: int) -> None:
+    """Contact switches on six numbered legs; four of them may be any robot's."""
+    walk, kind = odd_walk(), "std_msgs/msg/Bool"
+    entries = []
+    for sample in range(600):
+        time = walks.START + sample * 10_000_000
+        for leg in range(legs):
+            message = walk.make(kind, data=is_down(sample / 100, leg))
+            data = walk.bytes_of(kind, message)
+            entries.append(walks.Entry(f"/leg_{leg + 1}/foot_contact", kind, time, data))
+    walks.write_mcap(tmp_path / "log.mcap", walk, entries)
+    log = open_recorded(tmp_path / "log.mcap")
+    found = select_topics(log, TopicOptions())
+    log.close()
+    assert found.robot.name == ("hexapod" if legs == 6 else "generic")
+    assert len(found.contacts) == (6 if legs == 6 else 0)

@@ -1,6 +1,6 @@
 """All sources of base poses, and the function through which every command reads them."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import Final
@@ -40,6 +40,12 @@ def base_type(type_name: str) -> str:
     name = type_name.rpartition("/")[2]
     known = (one.type_name for one in _SOURCES if one.any_package)
     return next((one for one in known if one.rpartition("/")[2] == name), "")
+
+
+def base_types(channels: Iterable[Channel]) -> frozenset[str]:
+    """Return the types that hold poses: all that are known, and those of channels read as such."""
+    own = {channel.type_name for channel in channels}
+    return frozenset({*BASE_SOURCES, *(name for name in own if base_type(name))})
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,0 +1,378 @@
+"""All figures of a walk, worked out from what was kept of its log."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Final
+
+import numpy as np
+
+from dogbot_logtool.core.base.base_history import BaseHistory
+from dogbot_logtool.core.base.base_motion import BaseTrack, base_motion
+from dogbot_logtool.core.base.falls import fallen_spans
+from dogbot_logtool.core.base.forward_axis import with_forward_axis
+from dogbot_logtool.core.base.ground import height_over_feet
+from dogbot_logtool.core.base.pose_jumps import PoseJumps, find_jumps, without_jumps
+from dogbot_logtool.core.base.tipping import find_tipping
+from dogbot_logtool.core.base.travel import find_travel
+from dogbot_logtool.core.consistency.silences import all_silent
+from dogbot_logtool.core.consistency.worlds import Worlds, compare_worlds
+from dogbot_logtool.core.contact.foot_history import FootHistory
+from dogbot_logtool.core.gait.foot_statistics import (
+    FootStatistics,
+    contact_time_without_pose_s,
+    foot_statistics,
+    overlap,
+)
+from dogbot_logtool.core.gait.segments import (
+    GaitInput,
+    Segment,
+    find_segments,
+    main_segment,
+    transition_strides,
+)
+from dogbot_logtool.core.gait.standing import Standing, standing_in, steps_apart, typical_period_s
+from dogbot_logtool.core.gait.strides import (
+    Strides,
+    cut_by_fall,
+    cut_by_standing,
+    no_strides,
+    strides_of,
+)
+from dogbot_logtool.core.gait.support_pattern import Support, support
+from dogbot_logtool.core.geometry import timespans
+from dogbot_logtool.core.geometry.arrays import Ints
+from dogbot_logtool.core.leg_position import legs_in_order, quadruped
+from dogbot_logtool.core.load.load_figures import LoadFigures, dead_feet, is_saturated, load_figures
+from dogbot_logtool.core.quality.clocks import (
+    ClockDifference,
+)
+from dogbot_logtool.core.quality.quality import TopicQuality
+from dogbot_logtool.core.settings import StatsSettings
+from dogbot_logtool.core.stability.stability import Stability, stability
+from dogbot_logtool.core.statistics import SegmentFigures, Stats
+
+CLOCK_SHARE_OF_STRIDE: Final = 0.05
+"""Share of a stride by which clocks may differ before figures of both are left out. Also
+`LONGEST_DELAY_S`, since a message may be delayed by so much on its way."""
+LONGEST_DELAY_S: Final = 0.06
+
+
+@dataclass(frozen=True, slots=True)
+class Recorded:
+    """What was kept of a log while it streamed past."""
+
+    feet: tuple[FootHistory, ...]
+    base: BaseHistory
+    clocks: tuple[ClockDifference, ...]
+    """How far topics' clocks are from that of the feet; nothing on log time."""
+    topics: tuple[TopicQuality, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class _Walk:
+    """What the figures of a log, or of a part of it, are taken from."""
+
+    settings: StatsSettings
+    records: tuple[FootHistory, ...]
+    base: BaseHistory
+    """Poses without jumps."""
+    placed_base: BaseHistory
+    """Poses among the contact points: with jumps, if these jump with the odometry."""
+    track: BaseTrack
+    fallen: Ints
+    standing: Standing
+    dead: tuple[bool, ...]
+    saturated: tuple[bool, ...]
+    refuted: tuple[bool, ...]
+    """Feet whose sensor was assumed to read zero without load, on a robot that then makes no steps
+    although it moves."""
+    apart: frozenset[str]
+    """Topics whose clocks are too far from the others'."""
+    worlds: Worlds | None
+    vertical_known: bool
+    direction_known: bool
+    """Whether nothing says that the feet's forces lean otherwise than they seem to."""
+    upright: bool
+    """Whether they are not so far from it that they are no vertical forces."""
+
+    @property
+    def feet_apart(self) -> bool:
+        """Whether the clock of a foot is too far from that of the others."""
+        return any(foot.topic in self.apart for foot in self.settings.feet)
+
+    @property
+    def base_apart(self) -> bool:
+        """Whether the base is on another clock than the feet, or in another world."""
+        differ = self.worlds is not None and not self.worlds.agree
+        return self.settings.odometry_topic in self.apart or differ
+
+    def feet(self, within: Ints | None = None) -> tuple[FootStatistics, ...]:
+        """Return the figures of all feet, in some spans or in the whole log."""
+        settings = self.settings
+        return tuple(
+            _on_clock(
+                foot_statistics(
+                    foot.name,
+                    foot.topic,
+                    foot.place,
+                    record,
+                    self.base,
+                    fallen=self.fallen,
+                    forward_axis=settings.forward_axis,
+                    standing=self.standing,
+                    foot_rolling_m=settings.foot_rolling_m,
+                    is_dead=is_dead,
+                    is_saturated=cut_off,
+                    contact_known=not (is_dead or refuted),
+                    direction_known=self.direction_known,
+                    vertical_known=self.upright,
+                    within=within,
+                ),
+                settings.odometry_topic,
+                self.apart,
+            )
+            for foot, record, is_dead, cut_off, refuted in zip(
+                settings.feet, self.records, self.dead, self.saturated, self.refuted, strict=True
+            )
+        )
+
+    def support(self, within: Ints | None = None) -> Support | None:
+        """Return the support pattern; where one foot's state is not known, none is."""
+        if any(self.dead) or any(self.refuted) or self.feet_apart:
+            return None
+        return support(self.records, within)
+
+    def stability(self, within: Ints | None = None) -> Stability | None:
+        """Return the figures of stability."""
+        if any(self.dead) or any(self.refuted) or self.feet_apart or self.base_apart:
+            return None
+        return stability(
+            self.records,
+            self.placed_base,
+            self.settings.forward_axis,
+            vertical_known=self.vertical_known,
+            height_known=bool(np.isfinite(self.track.height_m).any()),
+            com_offset_m=self.settings.com_offset_m or (0.0, 0.0, 0.0),
+            within=within,
+        )
+
+    def loads(self, strides: Ints, within: Ints | None = None) -> LoadFigures:
+        """Return the loads of all feet over whole strides, (s, 2) ns."""
+        loads = load_figures(
+            self.records,
+            self.settings.body_weight_n,
+            strides,
+            within,
+            mass_is_assumed=self.settings.mass_is_assumed,
+        )
+        return replace(loads, share_of=None, shares=None) if any(self.dead) else loads
+
+
+def work_out(settings: StatsSettings, recorded: Recorded) -> Stats:
+    """Work out all figures of a log.
+
+    Args:
+        settings: what decides the figures.
+        recorded: what was kept of the log.
+    """
+    walk, jumps = _walk(settings, recorded)
+    settings, records = walk.settings, walk.records
+    feet = walk.feet()
+    supported = walk.support()
+    gait = _gait_input(feet, walk.standing, supported)
+    segments = find_segments(gait) if feet and not walk.feet_apart else ()
+    strides = _reference_strides(feet)
+    origin, end = _extent(records, walk.base)
+    return Stats(
+        settings=settings,
+        origin=origin,
+        end=end,
+        feet=feet,
+        reference=gait.reference,
+        corners=quadruped([foot.place for foot in settings.feet]),
+        base_history=recorded.base,
+        base=base_motion(walk.track, settings.forward_axis),
+        jumps=jumps,
+        tipping=find_tipping(recorded.base, settings.forward_axis),
+        segments=segments,
+        segment_figures=tuple(_segment_figures(walk, each.spans, strides) for each in segments),
+        transition_strides=_transition_strides(segments, feet, gait.reference),
+        main=main_segment(segments),
+        support=supported,
+        loads=walk.loads(strides.spans),
+        stability=walk.stability(),
+        fallen=walk.fallen,
+        topics=recorded.topics,
+        overlap_s=timespans.total(overlap(records, walk.base)) / 1e9,
+        contact_without_pose_s=tuple(
+            contact_time_without_pose_s(record, walk.base) for record in records
+        ),
+        clocks=recorded.clocks,
+        clocks_apart=walk.apart,
+        worlds=walk.worlds,
+        all_silent=all_silent(records, walk.base),
+    )
+
+
+def _walk(settings: StatsSettings, recorded: Recorded) -> tuple[_Walk, PoseJumps]:
+    """Find jumps, falls, stands, dead sensors and clocks that cannot be compared."""
+    records = recorded.feet
+    jumps = find_jumps(recorded.base)
+    base = without_jumps(recorded.base, jumps)
+    height = height_over_feet(recorded.base, records)
+    fallen = fallen_spans(recorded.base, records, height, jumps.spans)
+    weighed = load_figures(
+        records, settings.body_weight_n, _any_strides(records, fallen, timespans.no_spans())
+    )
+    dead = tuple(dead_feet(records, weighed))
+    apart = _too_far_apart(recorded.clocks, typical_period_s([each.stances for each in records]))
+    feet_apart = any(foot.topic in apart for foot in settings.feet)
+    supported = None if any(dead) or feet_apart else support(records)
+    # Sensors that never report a contact say nothing of where the feet are.
+    touching = any(len(each.in_contact) for each in records)
+    sensors = [settings.sensor(row) for row in range(len(records))]
+    standing = standing_in(
+        supported if touching else None,
+        [each.stances for each in records],
+        base,
+        fallen,
+        is_steady=bool(sensors) and all(sensor.is_steady for sensor in sensors),
+    )
+    loads = load_figures(
+        records,
+        settings.body_weight_n,
+        _any_strides(records, fallen, standing.without_steps),
+        mass_is_assumed=settings.mass_is_assumed,
+    )
+    placed_base, worlds = _placed(records, recorded.base, base)
+    track = BaseTrack(base, find_travel(base), height, records, standing.still)
+    walk = _Walk(
+        settings=with_forward_axis(settings, track),
+        records=records,
+        base=base,
+        placed_base=placed_base,
+        track=track,
+        fallen=fallen,
+        standing=standing,
+        dead=dead,
+        saturated=_saturated(settings, records),
+        refuted=tuple(bool(each.level.reason and len(standing.moving)) for each in sensors),
+        apart=apart,
+        worlds=worlds,
+        vertical_known=weighed.share_of == "vertical_impulse",
+        direction_known=not (
+            loads.direction_refuted or (settings.wrench_frame_is_inferred and loads.may_be_tilted)
+        ),
+        upright=not loads.vertical_refuted,
+    )
+    return walk, jumps
+
+
+def _placed(
+    records: Sequence[FootHistory], recorded: BaseHistory, base: BaseHistory
+) -> tuple[BaseHistory, Worlds | None]:
+    """Return the poses that contact points are compared with, and how they agree.
+
+    Args:
+        records: of all feet.
+        recorded: poses as recorded, jumps and all.
+        base: poses without jumps.
+    """
+    tracks, stances = [each.track for each in records], [each.stances for each in records]
+    worlds = compare_worlds(tracks, recorded, stances)
+    if recorded is base or worlds is None or worlds.agree:
+        return recorded, worlds
+    without = compare_worlds(tracks, base, stances)
+    return (base, without) if without is not None and without.agree else (recorded, worlds)
+
+
+def _saturated(settings: StatsSettings, records: Sequence[FootHistory]) -> tuple[bool, ...]:
+    """Tell which feet's sensors are cut off at a limit, in an axis or in the magnitude."""
+    levels = [settings.sensor(foot).level for foot in range(len(records))]
+    return tuple(
+        level.limit_n is not None
+        or is_saturated(
+            record, [each for each in records if each is not record], level.resolution_n
+        )
+        for level, record in zip(levels, records, strict=True)
+    )
+
+
+def _segment_figures(walk: _Walk, spans: Ints, strides: Strides) -> SegmentFigures:
+    """Measure a segment."""
+    return SegmentFigures(
+        base=base_motion(walk.track, walk.settings.forward_axis, spans),
+        feet=walk.feet(spans),
+        support=walk.support(spans),
+        loads=walk.loads(strides.within(spans).spans, spans),
+        stability=walk.stability(spans),
+    )
+
+
+def _transition_strides(
+    segments: Sequence[Segment], feet: Sequence[FootStatistics], reference: int
+) -> int:
+    return transition_strides(segments, feet[reference].strides) if feet else 0
+
+
+def _any_strides(records: Sequence[FootHistory], fallen: Ints, standing: Ints) -> Ints:
+    """(s, 2) ns, the strides of the first foot that has any.
+
+    Args:
+        records: of all feet.
+        fallen: (f, 2) ns, spans in which the robot lies.
+        standing: (s, 2) ns, spans without steps, as far as they are known.
+    """
+    for record in records:
+        stances = cut_by_fall(record.stances, fallen)
+        stances = cut_by_standing(stances, steps_apart(standing, stances))
+        strides, _ = strides_of(stances, record.gaps, fallen)
+        if len(strides.stance):
+            return strides.spans
+    return timespans.no_spans()
+
+
+def _reference_strides(feet: Sequence[FootStatistics]) -> Strides:
+    """Return the whole strides of the first foot that has any."""
+    return next((foot.strides for foot in feet if len(foot.strides.stance)), no_strides())
+
+
+def _too_far_apart(clocks: Sequence[ClockDifference], period_s: float | None) -> frozenset[str]:
+    """Return the topics whose clocks differ by more than a few per cent of a stride."""
+    least = max(CLOCK_SHARE_OF_STRIDE * (period_s or 0.0), LONGEST_DELAY_S)
+    return frozenset(each.topic for each in clocks if each.is_apart and each.most_s > least)
+
+
+def _on_clock(foot: FootStatistics, odometry_topic: str, apart: frozenset[str]) -> FootStatistics:
+    """Leave out the lengths of a foot's strides where its clock is not the odometry's."""
+    if not apart & {foot.topic, odometry_topic}:
+        return foot
+    return replace(foot, length_m=np.full_like(foot.length_m, np.nan), stride_length_m=None)
+
+
+def _gait_input(
+    feet: Sequence[FootStatistics], standing: Standing, supported: Support | None
+) -> GaitInput:
+    """Choose the feet that phases are measured against."""
+    places = [foot.place for foot in feet]
+    order = legs_in_order(places)
+    walking = [row for row in order or range(len(feet)) if len(feet[row].strides.stance)]
+    hind = places.index(("back", "left")) if ("back", "left") in places else None
+    return GaitInput(
+        feet=tuple(foot.events for foot in feet),
+        reference=walking[0] if walking else 0,
+        hind_reference=hind if hind in walking else None,
+        order=order,
+        standing=standing,
+        support=supported,
+    )
+
+
+def _extent(feet: Sequence[FootHistory], base: BaseHistory) -> tuple[int, int]:
+    """First and last time of any used message, ns; zeros in an empty log."""
+    starts = [foot.start for foot in feet if foot.start is not None]
+    ends = [foot.end for foot in feet if foot.end is not None]
+    if len(base.time):
+        starts.append(int(base.time[0]))
+        ends.append(int(base.time[-1]))
+    return min(starts, default=0), max(ends, default=0)
