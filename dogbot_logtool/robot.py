@@ -75,7 +75,7 @@ class Foot:
     offset_n: tuple[float, float, float] | None = None
     """N, what its sensor reads without load; None: estimated from the log."""
     newtons_per_count: float | None = None
-    """Of a raw sensor; None: nobody has measured what its counts mean."""
+    """Of a raw sensor; None: what its counts mean was never measured."""
 
 
 @dataclass(frozen=True, slots=True)

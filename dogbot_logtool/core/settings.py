@@ -55,7 +55,7 @@ class StatsSettings:
     time_source: TimeSource | None = None
     """None: header stamps, and `UnusableStamps` when they turn out to be unusable."""
     time_source_reason: str = ""
-    """Why `time_source` is what it is, when nobody asked for it."""
+    """Why `time_source` is what it is, where no option chose it."""
     odometry_topic: str = ""
 
     @property

@@ -1,4 +1,4 @@
-"""Where each foot stands, and where it last touched down, told from what was heard so far.
+"""Where each foot stands, and where it last touched down, from the messages up to then.
 
 This looks back only: at any time, what counts is each foot's newest message up to then, by log
 time, as a viewer that plays the log has it. What must be remembered of all earlier messages is a
@@ -50,7 +50,7 @@ class FootRows:
 
     time: Ints
     """(n,) ns, log time, strictly increasing."""
-    heard: Ints
+    message_time: Ints
     """(n,) ns, log time of the message; earlier than `time` where silence tells of swing."""
     down: Flags
     """(n,) whether the foot is in contact."""
@@ -66,7 +66,7 @@ class FootRows:
         """Return copies of the chosen rows."""
         return FootRows(
             self.time[rows],
-            self.heard[rows],
+            self.message_time[rows],
             self.down[rows],
             self.point[rows],
             self.vertical[rows],
@@ -76,7 +76,7 @@ class FootRows:
         """Return these rows followed by later ones."""
         return FootRows(
             np.concatenate([self.time, later.time]),
-            np.concatenate([self.heard, later.heard]),
+            np.concatenate([self.message_time, later.message_time]),
             np.concatenate([self.down, later.down]),
             np.concatenate([self.point, later.point]),
             np.concatenate([self.vertical, later.vertical]),
@@ -180,7 +180,7 @@ class FootTracker:
         """Return what `contact_at` does; `row` is the newest at each time, -1 without one."""
         rows, sensor = self._rows, self._sensor
         known = (row >= 0) & (not sensor.rule.unusable)
-        silence = time - rows.heard[row]
+        silence = time - rows.message_time[row]
         down = rows.down[row]
         if sensor.swing_after_ns is None:
             known &= silence <= NEAR_NS
@@ -214,18 +214,18 @@ class FootTracker:
         ends contact.
         """
         rows = self._rows
-        telling = rows.down.copy()
-        telling[1:] |= rows.down[:-1]
-        telling_rows = np.flatnonzero(telling)
+        decides = rows.down.copy()
+        decides[1:] |= rows.down[:-1]
+        deciding = np.flatnonzero(decides)
         certain = rows.time[self._starts] + self._debounce_ns
-        place = np.searchsorted(rows.time[telling_rows], certain)
-        confirming = np.concatenate([telling_rows, [len(rows)]])[place]
+        place = np.searchsorted(rows.time[deciding], certain)
+        confirming = np.concatenate([deciding, [len(rows)]])[place]
         point = rows.point[self._starts]
         chosen = (confirming >= first_new) & (confirming <= self._ends) & (confirming < len(rows))
         chosen &= np.isfinite(point).all(axis=1)
         # A lift-off that silence told became known with the message that ended the silence.
         known = confirming[chosen]
-        known += rows.heard[known] < rows.time[known]
+        known += rows.message_time[known] < rows.time[known]
         return Touchdowns(rows.time[known], point[chosen])
 
 
@@ -251,13 +251,13 @@ def _with_swings(
     rows: FootRows, force: Floats, before: FootRows, swing_after_ns: int
 ) -> tuple[FootRows, Floats]:
     """Insert a row without contact into each silence that tells of swing, where it begins to."""
-    heard = np.concatenate([before.heard[-1:], rows.time])
-    silent = np.flatnonzero(np.diff(heard) >= swing_after_ns)
-    place = silent + len(rows) - (len(heard) - 1)
-    lifted = heard[silent] + swing_after_ns
+    message_time = np.concatenate([before.message_time[-1:], rows.time])
+    silent = np.flatnonzero(np.diff(message_time) >= swing_after_ns)
+    place = silent + len(rows) - (len(message_time) - 1)
+    lifted = message_time[silent] + swing_after_ns
     return FootRows(
         time=np.insert(rows.time, place, lifted),
-        heard=np.insert(rows.heard, place, heard[silent]),
+        message_time=np.insert(rows.message_time, place, message_time[silent]),
         down=np.insert(rows.down, place, values=False),
         point=np.insert(rows.point, place, np.nan, axis=0),
         vertical=np.insert(rows.vertical, place, 0.0),

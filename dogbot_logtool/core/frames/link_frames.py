@@ -31,7 +31,7 @@ class FrameCounts:
     """Force turned from a link's frame into the world."""
     not_turned: int = 0
     placed: int = 0
-    """Given the place of a frame, for want of a contact point."""
+    """Without a contact point; the position of a frame stands in for it."""
     not_placed: int = 0
 
     def __add__(self, other: "FrameCounts") -> "FrameCounts":

@@ -1,8 +1,8 @@
 """Where was a frame at a time? Recorded transforms, interpolated along the chain of frames.
 
 Nothing is extrapolated, and no gap is bridged: where transforms are too far apart, the answer is
-"not known". A transform is only used for what was recorded about when it was, so that whoever
-reads a log in parts need not look further than that around each.
+"not known". A transform is only used for what was recorded at about the same time, so that a log
+can be read in parts, with little around each.
 """
 
 from collections.abc import Mapping

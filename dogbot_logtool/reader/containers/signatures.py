@@ -1,6 +1,6 @@
 """What logs are recognised by: a file's first bytes, or the name of a ROS 2 bag's metadata.
 
-They stand apart from the code of the containers, so that telling which one it is loads none.
+They stand apart from the code of the containers, which need not be loaded to recognise one.
 """
 
 from typing import Final
