@@ -29,12 +29,13 @@ def event_messages(stats: Stats) -> tuple[EventMessage, ...]:
 
 def _message(event: Event, names: list[str]) -> EventMessage:
     source = "robot" if event.foot is None else names[event.foot]
-    parts = [event.type.replace("_", " "), "" if event.foot is None else source]
+    # Log panels show the source beside the text.
+    parts = [event.type.replace("_", " ")]
     if event.type is EventType.GAIT_CHANGE:
         parts.append(event.code.replace(">", " to "))
     if event.value is not None:
         parts.append(f"{event.value:.3g} {event.unit}")
-    if event.duration:
+    if event.duration and event.unit != "s":
         parts.append(f"for {event.duration / 1e9:.3f} s")
     if event.code and event.type is not EventType.GAIT_CHANGE:
         parts.append(event.code)
