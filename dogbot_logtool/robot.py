@@ -95,7 +95,8 @@ class Robot:
     base_frame: str | None = None
     feet: tuple[Foot, ...] = ()
     """The first is the reference for phases."""
-    newtons_per_metre: float = 100.0
+    newtons_per_metre: float | None = None
+    """N of an arrow of 1 m; None: a body weight is as long as the base is high."""
     shaft_diameter_m: float = 0.04
     contact_on_n: float | None = None
     """N: |F| from which a foot is in contact; None: a share of the weight, above the noise."""
@@ -184,7 +185,7 @@ def parse_robot(text: str, source: str) -> Robot:
         world_frame=frames.frame("world"),
         base_frame=frames.frame("base"),
         feet=tuple(_foot(feet.section(name), name) for name in feet.names),
-        newtons_per_metre=arrows.positive("newtons_per_metre") or 100.0,
+        newtons_per_metre=arrows.positive("newtons_per_metre"),
         shaft_diameter_m=arrows.positive("shaft_diameter_m") or 0.04,
         contact_on_n=contact.positive("on_n"),
         contact_off_n=contact.positive("off_n"),

@@ -2,7 +2,6 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Final
 
 import numpy as np
 
@@ -15,7 +14,7 @@ from dogbot_logtool.core.base.pose_jumps import PoseJumps, find_jumps, without_j
 from dogbot_logtool.core.base.tipping import find_tipping
 from dogbot_logtool.core.base.travel import find_travel
 from dogbot_logtool.core.consistency.silences import all_silent
-from dogbot_logtool.core.consistency.worlds import Worlds, compare_worlds
+from dogbot_logtool.core.consistency.worlds import Worlds, placed_poses
 from dogbot_logtool.core.contact.foot_history import FootHistory
 from dogbot_logtool.core.gait.foot_statistics import (
     FootStatistics,
@@ -43,18 +42,11 @@ from dogbot_logtool.core.geometry import timespans
 from dogbot_logtool.core.geometry.arrays import Ints
 from dogbot_logtool.core.leg_position import legs_in_order, quadruped
 from dogbot_logtool.core.load.load_figures import LoadFigures, dead_feet, is_saturated, load_figures
-from dogbot_logtool.core.quality.clocks import (
-    ClockDifference,
-)
+from dogbot_logtool.core.quality.clocks import ClockDifference, too_far_apart
 from dogbot_logtool.core.quality.quality import TopicQuality
 from dogbot_logtool.core.settings import StatsSettings
 from dogbot_logtool.core.stability.stability import Stability, stability
 from dogbot_logtool.core.statistics import SegmentFigures, Stats
-
-CLOCK_SHARE_OF_STRIDE: Final = 0.05
-"""Share of a stride by which clocks may differ before figures of both are left out. Also
-`LONGEST_DELAY_S`, since a message may be delayed by so much on its way."""
-LONGEST_DELAY_S: Final = 0.06
 
 
 @dataclass(frozen=True, slots=True)
@@ -225,7 +217,7 @@ def _walk(settings: StatsSettings, recorded: Recorded) -> tuple[_Walk, PoseJumps
         records, settings.body_weight_n, _any_strides(records, fallen, timespans.no_spans())
     )
     dead = tuple(dead_feet(records, weighed))
-    apart = _too_far_apart(recorded.clocks, typical_period_s([each.stances for each in records]))
+    apart = too_far_apart(recorded.clocks, typical_period_s([each.stances for each in records]))
     feet_apart = any(foot.topic in apart for foot in settings.feet)
     supported = None if any(dead) or feet_apart else support(records)
     # Sensors that never report a contact say nothing of where the feet are.
@@ -244,7 +236,7 @@ def _walk(settings: StatsSettings, recorded: Recorded) -> tuple[_Walk, PoseJumps
         _any_strides(records, fallen, standing.without_steps),
         mass_is_assumed=settings.mass_is_assumed,
     )
-    placed_base, worlds = _placed(records, recorded.base, base)
+    placed_base, worlds = placed_poses(records, recorded.base, base)
     track = BaseTrack(base, find_travel(base), height, records, standing.still)
     walk = _Walk(
         settings=with_forward_axis(settings, track),
@@ -266,24 +258,6 @@ def _walk(settings: StatsSettings, recorded: Recorded) -> tuple[_Walk, PoseJumps
         upright=not loads.vertical_refuted,
     )
     return walk, jumps
-
-
-def _placed(
-    records: Sequence[FootHistory], recorded: BaseHistory, base: BaseHistory
-) -> tuple[BaseHistory, Worlds | None]:
-    """Return the poses that contact points are compared with, and how they agree.
-
-    Args:
-        records: of all feet.
-        recorded: poses as recorded, jumps and all.
-        base: poses without jumps.
-    """
-    tracks, stances = [each.track for each in records], [each.stances for each in records]
-    worlds = compare_worlds(tracks, recorded, stances)
-    if recorded is base or worlds is None or worlds.agree:
-        return recorded, worlds
-    without = compare_worlds(tracks, base, stances)
-    return (base, without) if without is not None and without.agree else (recorded, worlds)
 
 
 def _saturated(settings: StatsSettings, records: Sequence[FootHistory]) -> tuple[bool, ...]:
@@ -335,12 +309,6 @@ def _any_strides(records: Sequence[FootHistory], fallen: Ints, standing: Ints) -
 def _reference_strides(feet: Sequence[FootStatistics]) -> Strides:
     """Return the whole strides of the first foot that has any."""
     return next((foot.strides for foot in feet if len(foot.strides.stance)), no_strides())
-
-
-def _too_far_apart(clocks: Sequence[ClockDifference], period_s: float | None) -> frozenset[str]:
-    """Return the topics whose clocks differ by more than a few per cent of a stride."""
-    least = max(CLOCK_SHARE_OF_STRIDE * (period_s or 0.0), LONGEST_DELAY_S)
-    return frozenset(each.topic for each in clocks if each.is_apart and each.most_s > least)
 
 
 def _on_clock(foot: FootStatistics, odometry_topic: str, apart: frozenset[str]) -> FootStatistics:

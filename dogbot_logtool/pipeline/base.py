@@ -108,8 +108,8 @@ def choose_base(log: Log, robot: Robot, findings: list[Finding]) -> ChosenBase:
     others = [each for each in found if each is not best]
     if best is None:
         findings.append(_none(log, others))
-        named = (o for o in others if not _words(o.name).isdisjoint(_BASE_WORDS))
-        return ChosenBase(robot, offered=next((o.name for o in named if not _is_planned(o)), ""))
+        likely = (o for o in others if not _words(o.name).isdisjoint(_BASE_WORDS))
+        return ChosenBase(robot, offered=next((o.name for o in likely if not _is_planned(o)), ""))
     text = f"the base's poses are taken from {best.name} ({best.source.type_name})"
     if named is not None:
         text += f", since the robot's {named} is missing or cannot be used"

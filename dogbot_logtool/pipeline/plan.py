@@ -13,6 +13,7 @@ from dogbot_logtool.core.geometry.arrays import Floats
 from dogbot_logtool.core.geometry.clock import TimeSource
 from dogbot_logtool.core.load.loads import body_weight_n
 from dogbot_logtool.core.load.silences import MessageRate, message_rate
+from dogbot_logtool.core.scene.arrows import ArrowScale, arrow_scale
 from dogbot_logtool.core.scene.styles import ARROW_STYLES, LIFETIME_S, ArrowStyle
 from dogbot_logtool.errors import CallError, LogError
 from dogbot_logtool.finding import Finding, by_severity, note, warning
@@ -51,6 +52,7 @@ class Plan:
     frames: WorldFrames | None
     """How the links' frames are connected to the world; None: not needed, or not connected."""
     body_weight_n: float | None
+    arrow_scale: ArrowScale
     arrow_look: ArrowLook
     support_look: SupportLook
     force_sensors: tuple[FootSensor, ...]
@@ -146,8 +148,8 @@ def make_plan(log: Log, selection: Selection, probe: Probe, options: ConvertOpti
     findings.extend(_without_points(selection, frames))
     if style.needs_directions and wrench_frame is not WrenchFrame.WORLD:
         findings.extend(_magnitude_only(selection, frames))
-    if style.coloured_by_weight and weight is None:
-        text = "the robot's mass is unknown: arrows are coloured by newtons (give it with --mass)"
+    if style.coloured_by_weight and not (weight or learnt.estimated_weight_n):
+        text = "the robot's weight is unknown: arrows are coloured by newtons (give --mass)"
         findings.append(note("NO_MASS", text))
     if style.needs_contact_states:
         findings.extend(_without_states(selection, style))
@@ -167,6 +169,9 @@ def make_plan(log: Log, selection: Selection, probe: Probe, options: ConvertOpti
         force_in_world=wrench_frame is WrenchFrame.WORLD,
         frames=frames,
         body_weight_n=weight,
+        arrow_scale=arrow_scale(
+            robot.newtons_per_metre, weight or learnt.estimated_weight_n, description.height_m
+        ),
         arrow_look=_arrow_look(style, robot.shaft_diameter_m),
         support_look=_support_look(robot.shaft_diameter_m, options.tf_rate_hz),
         force_sensors=learnt.feet,

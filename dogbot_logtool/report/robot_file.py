@@ -53,7 +53,9 @@ def robot_file(robot: Robot, evidence: RobotEvidence) -> str:
         lines += ["", *_comment("Frames as the messages with the base's poses name them.")]
         lines += ["[frames]", f"world = {_text(evidence.world_frame)}"]
         lines.append(f"base = {_text(evidence.base_frame)}")
-    lines += ["", "[arrows]", f"newtons_per_metre = {_number(robot.newtons_per_metre)}"]
+    lines += ["", "[arrows]"]
+    if robot.newtons_per_metre is not None:
+        lines.append(f"newtons_per_metre = {_number(robot.newtons_per_metre)}")
     lines.append(f"shaft_diameter_m = {_number(robot.shaft_diameter_m)}")
     lines += ["", *_contact(robot, evidence)]
     if robot.feet:

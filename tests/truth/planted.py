@@ -9,16 +9,34 @@ from tests.truth.recording import Disturbance, FootRecording
 CONTACT_N = 60.0
 
 
-def slip(foot_name: str, at_s: float, metres: float, lasts_s: float = 0.04) -> Disturbance:
-    """Let a foot slide forward in the stance that it is in, until it leaves the ground."""
+def slip(
+    foot_name: str,
+    at_s: float,
+    metres: float,
+    lasts_s: float = 0.04,
+    towards: tuple[float, float] = (1.0, 0.0),
+) -> Disturbance:
+    """Let a foot slide, forward or another way, in its stance until it leaves the ground."""
 
     def change(_: int, foot: FootRecording) -> FootRecording:
         leaves = foot.time[(foot.time > at_s) & ~foot.touching][0]
         slid = np.clip((foot.time - at_s) / lasts_s, 0.0, 1.0) * metres
         slid[(foot.time <= at_s) | (foot.time >= leaves)] = 0.0
-        return replace(foot, point=foot.point + np.outer(slid, (1.0, 0.0, 0.0)))
+        return replace(foot, point=foot.point + np.outer(slid, (*towards, 0.0)))
 
     return lambda recording: recording.each_foot(change, foot_name)
+
+
+def rolling(metres_per_second: float) -> Disturbance:
+    """Let contact points go forward through each stance, as those of round feet that roll."""
+
+    def change(_: int, foot: FootRecording) -> FootRecording:
+        lands = foot.touching & ~np.roll(foot.touching, 1)
+        since = foot.time - np.maximum.accumulate(np.where(lands, foot.time, 0.0))
+        rolled = np.where(foot.touching, since * metres_per_second, 0.0)
+        return replace(foot, point=foot.point + np.outer(rolled, (1.0, 0.0, 0.0)))
+
+    return lambda recording: recording.each_foot(change)
 
 
 def contact(foot_name: str, at_s: float, until_s: float | None = None) -> Disturbance:

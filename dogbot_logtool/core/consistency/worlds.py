@@ -8,6 +8,7 @@ import numpy as np
 
 from dogbot_logtool.core.base.base_history import BaseHistory
 from dogbot_logtool.core.consistency.drift import drift_m
+from dogbot_logtool.core.contact.foot_history import FootHistory
 from dogbot_logtool.core.contact.stances import Stances
 from dogbot_logtool.core.contact.track import FootTrack
 from dogbot_logtool.core.geometry.arrays import Floats
@@ -89,6 +90,24 @@ def compare_worlds(
         change_m=float(np.hypot(*change)),
         drift_m=0.0 if stances is None else drift_m(tracks, stances, base) or 0.0,
     )
+
+
+def placed_poses(
+    records: Sequence[FootHistory], recorded: BaseHistory, base: BaseHistory
+) -> tuple[BaseHistory, Worlds | None]:
+    """Return the poses that contact points are compared with, and how they agree.
+
+    Args:
+        records: of all feet.
+        recorded: poses as recorded, jumps and all.
+        base: poses without jumps.
+    """
+    tracks, stances = [each.track for each in records], [each.stances for each in records]
+    worlds = compare_worlds(tracks, recorded, stances)
+    if recorded is base or worlds is None or worlds.agree:
+        return recorded, worlds
+    without = compare_worlds(tracks, base, stances)
+    return (base, without) if without is not None and without.agree else (recorded, worlds)
 
 
 def _windows(seconds: float) -> int:

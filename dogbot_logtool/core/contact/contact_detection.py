@@ -45,6 +45,8 @@ class FootSignal:
     """(n, 2) N, along the world's x and y; NaN like `vertical`."""
     point: Floats
     """(n, 3) m, contact point in the world; NaN where there is none."""
+    single: Flags
+    """(n,) whether `point` is one contact point, not the mean of several."""
     friction: Floats
     """(n,) tangential over normal force; NaN where not known, or below the contact threshold."""
     contact: Flags
@@ -103,6 +105,7 @@ def foot_signal(
         vertical=np.where(known, samples.force[:, 2], np.nan),
         horizontal=np.where(known[:, None], samples.force[:, :2], np.nan),
         point=np.where(np.isfinite(samples.position), samples.position, np.nan),
+        single=samples.points == 1,
         friction=friction,
         contact=contact_states(
             samples, force, rule, on=previous is not None and bool(previous.contact[0])
@@ -351,5 +354,6 @@ def _stance_samples(signal: FootSignal, starts: Ints, ends: Ints) -> StanceSampl
         force_y=signal.horizontal[rows, 1],
         x=signal.point[rows, 0],
         y=signal.point[rows, 1],
+        single=signal.single[rows],
         friction=signal.friction[rows],
     )

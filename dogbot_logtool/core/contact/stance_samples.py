@@ -34,6 +34,8 @@ class StanceSamples(NamedTuple):
     x: Floats
     """(n,) m, contact point in the world; NaN where there is none; also `y`."""
     y: Floats
+    single: Flags
+    """(n,) whether that is one contact point, not the mean of several."""
     friction: Floats
     """(n,) tangential over normal force; NaN where not known or hardly loaded."""
 

@@ -91,6 +91,11 @@ class StanceFigures(NamedTuple):
     """s after touchdown, the last time before half of that reach with at most a tenth of it."""
     reach_ends_s: Floats
     """s after touchdown, the first time with at least nine tenths of it."""
+    quick_way_m: Floats
+    """m, furthest that a single contact point of the loaded foot goes in `QUICK_S`."""
+    quick_begins_s: Floats
+    """s after touchdown, when it does so; also `quick_ends_s`."""
+    quick_ends_s: Floats
 
 
 @dataclass(frozen=True, slots=True)
@@ -132,7 +137,7 @@ def reduce_stances(samples: StanceSamples) -> StanceFigures:
     spike = _spikes(samples)
     travel, reach = contact_ways(samples)
     mean = sums(force, begin, end) / (end - begin)
-    loaded_reach, reach_begins, reach_ends = ways_under_load(samples, mean)
+    loaded, quick = ways_under_load(samples, mean)
     peak_samples, peak_rise = _plateaus(samples, peak)
     impact_end = np.minimum(first_where(samples.time > IMPACT_S, begin), end)
     impact, median = highest(force, begin, impact_end), quantiles(ordered, begin, end, 0.5)
@@ -154,9 +159,12 @@ def reduce_stances(samples: StanceSamples) -> StanceFigures:
         contact_travel_m=travel,
         contact_reach_m=reach,
         friction_use=_friction_use(samples),
-        loaded_reach_m=loaded_reach,
-        reach_begins_s=reach_begins,
-        reach_ends_s=reach_ends,
+        loaded_reach_m=loaded.metres,
+        reach_begins_s=loaded.begins_s,
+        reach_ends_s=loaded.ends_s,
+        quick_way_m=quick.metres,
+        quick_begins_s=quick.begins_s,
+        quick_ends_s=quick.ends_s,
     )
 
 

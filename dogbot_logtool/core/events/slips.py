@@ -2,7 +2,8 @@
 
 The contact point of a foot that stays where it is may move, too: it rolls, or tips over its edge.
 So a slip is a way that is unlike those of the foot's other stances, or much longer than the one
-that the robot's file allows.
+that the robot's file allows. A slip is quick, and rolling is slow: within some hundredths of a
+second a slip stands out that is small against the way of a whole stance.
 """
 
 from collections.abc import Iterator
@@ -25,6 +26,10 @@ FEWEST: Final = 5
 FAR_OUT: Final = 8.0
 """Times the distance from the lower quartile to the median that a slip is above the median: the
 lower half of the ways has no slips in it."""
+AT_ONCE: Final = 0.7
+"""Share of a slip that is in its quick way, if it is over at once."""
+QUICK_TIMES: Final = 1.0
+"""Times the usual quick way that a quick slip is longer than that."""
 
 
 def slips(
@@ -43,16 +48,26 @@ def slips(
         rolling_m: m, way of the contact point of a foot that does not slip; None: not known.
         stumbles: ns, touchdowns of contacts that are no steps.
     """
-    stances = figures.stances
-    way = np.where(stances.whole, stances.figures.loaded_reach_m, np.nan)
-    way[np.isin(stances.touchdown, list(stumbles))] = np.nan
-    usual = _usual_m(figures, way, walks)
+    stances, known = figures.stances, figures.stances.figures
+    steps = stances.whole & ~np.isin(stances.touchdown, list(stumbles))
+    way, quick = (
+        np.where(steps, each, np.nan) for each in (known.loaded_reach_m, known.quick_way_m)
+    )
+    usual = _usual_m(figures, way, walks, TIMES)
     allowed = np.where(np.isnan(usual) & _is_far(way, rolling_m), rolling_m or 0.0, usual)
-    for row in np.flatnonzero(np.isfinite(way - allowed)).tolist():
-        begins, ends = _times(figures, row)
-        excess = float(way[row] - allowed[row])
-        code = "W_SLIPS" if rolling_m is None and np.isnan(usual[row]) else ""
-        yield Event(begins, ends - begins, EventType.SLIP, foot, excess, "m", code)
+    excess = way - allowed
+    quick_excess = quick - _usual_m(figures, quick, walks, QUICK_TIMES)
+    # Of a slip that is over at once, the quick way tells the time best, noise or not.
+    at_once = quick_excess >= np.where(np.isnan(excess), 0.0, AT_ONCE * excess)
+    metres = np.where(np.isnan(excess), quick_excess, excess)
+    for row in np.flatnonzero(np.isfinite(metres)).tolist():
+        times = known.reach_begins_s[row], known.reach_ends_s[row]
+        if at_once[row]:
+            times = known.quick_begins_s[row], known.quick_ends_s[row]
+        begins, ends = _times(figures, row, *times)
+        unknown = rolling_m is None and np.isnan(usual[row]) and np.isfinite(excess[row])
+        code = "W_SLIPS" if unknown else ""
+        yield Event(begins, ends - begins, EventType.SLIP, foot, float(metres[row]), "m", code)
 
 
 def _is_far(way: Floats, rolling_m: float | None) -> Flags:
@@ -62,8 +77,15 @@ def _is_far(way: Floats, rolling_m: float | None) -> Flags:
     return np.asarray(way - rolling_m > max(SLIP_M, TIMES * rolling_m))
 
 
-def _usual_m(figures: FootStatistics, way: Floats, walks: list[Segment]) -> Floats:
-    """(stances,) m, the usual way in the segment of stances that are unlike it; else NaN."""
+def _usual_m(figures: FootStatistics, way: Floats, walks: list[Segment], times: float) -> Floats:
+    """(stances,) m, the usual way in the segment of stances that are unlike it; else NaN.
+
+    Args:
+        figures: the foot's stances.
+        way: (stances,) m; NaN where it does not count.
+        walks: segments with strides.
+        times: the usual way by which a way that is unlike it is longer.
+    """
     touchdown = figures.stances.touchdown
     usual = np.full(len(way), np.nan)
     for segment in walks:
@@ -71,16 +93,14 @@ def _usual_m(figures: FootStatistics, way: Floats, walks: list[Segment]) -> Floa
         if rows.sum() < FEWEST:
             continue
         low, median = np.quantile(way[rows], (0.25, 0.5))
-        far = max(FAR_OUT * (median - low), TIMES * median, SLIP_M)
+        far = max(FAR_OUT * (median - low), times * median, SLIP_M)
         usual[rows & (way - median > far)] = median
     return usual
 
 
-def _times(figures: FootStatistics, row: int) -> tuple[int, int]:
+def _times(figures: FootStatistics, row: int, begins_s: float, ends_s: float) -> tuple[int, int]:
     """Return when a stance's contact point moves, ns; the whole stance where samples are few."""
-    stances = figures.stances
-    touchdown, liftoff = int(stances.touchdown[row]), int(stances.liftoff[row])
-    begins, ends = stances.figures.reach_begins_s[row], stances.figures.reach_ends_s[row]
-    if not np.isfinite(begins + ends):
+    touchdown, liftoff = int(figures.stances.touchdown[row]), int(figures.stances.liftoff[row])
+    if not np.isfinite(begins_s + ends_s):
         return touchdown, liftoff
-    return touchdown + round(float(begins) * 1e9), touchdown + round(float(ends) * 1e9)
+    return touchdown + round(float(begins_s) * 1e9), touchdown + round(float(ends_s) * 1e9)

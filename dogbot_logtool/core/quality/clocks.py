@@ -18,6 +18,10 @@ MOST_JITTERS: Final = 3.0
 """A difference beyond so many times its own jitter is none of chance."""
 MOST_APART_S: Final = 1.0
 """s: topics whose stamps differ by more cannot be measured on header stamps."""
+CLOCK_SHARE_OF_STRIDE: Final = 0.05
+"""Share of a stride by which clocks may differ before figures of both are left out. Also
+`LONGEST_DELAY_S`, since a message may be delayed by so much on its way."""
+LONGEST_DELAY_S: Final = 0.06
 
 
 @dataclass(frozen=True, slots=True)
@@ -156,3 +160,9 @@ def why_clocks_cannot_be_joined(differences: Sequence[ClockDifference]) -> str:
 def _apart(difference: ClockDifference) -> str:
     where = "behind" if difference.behind_s > 0.0 else "ahead of"
     return f"{difference.most_s:.2f} s {where}"
+
+
+def too_far_apart(clocks: Sequence[ClockDifference], period_s: float | None) -> frozenset[str]:
+    """Return the topics whose clocks differ by more than a few per cent of a stride."""
+    least = max(CLOCK_SHARE_OF_STRIDE * (period_s or 0.0), LONGEST_DELAY_S)
+    return frozenset(each.topic for each in clocks if each.is_apart and each.most_s > least)

@@ -40,6 +40,15 @@ _NEGLIGIBLE: Final = 1e-100
 
 
 @dataclass(frozen=True, slots=True)
+class ArrowScale:
+    """How long arrows are, and how they are coloured."""
+
+    newtons_per_metre: float = NEWTONS_PER_METRE
+    full_scale_n: float = 100.0 * CLASSIC_FULL_SCALE
+    """N at the red end of the colour map."""
+
+
+@dataclass(frozen=True, slots=True)
 class ArrowInput:
     """What a style computes arrows of."""
 
@@ -51,7 +60,7 @@ class ArrowInput:
     force_in_world: bool
     """Whether all forces are in the world frame."""
     body_weight_n: float | None
-    newtons_per_metre: float
+    scale: ArrowScale
 
 
 @dataclass(frozen=True, slots=True)
@@ -163,8 +172,23 @@ def _first_states(contacts: Contacts) -> tuple[Ints, Floats, Floats, Flags]:
     return message, contacts.total_force[state], first_point[state], has_point[state]
 
 
+def arrow_scale(given: float | None, weight_n: float | None, height_m: float) -> ArrowScale:
+    """Return the scale for a robot.
+
+    Args:
+        given: N per metre of the robot's file; colours are then those of the live script.
+        weight_n: N, the robot's; None: not known.
+        height_m: of the base over the feet: an arrow of one weight is as long.
+    """
+    if given is not None:
+        return ArrowScale(given)
+    if weight_n is None:
+        return ArrowScale()
+    return ArrowScale(weight_n / height_m, FORCE_FULL_SCALE_BW * weight_n)
+
+
 def pressure_arrows(
-    samples: Samples, newtons_per_metre: float = NEWTONS_PER_METRE
+    samples: Samples, scale: ArrowScale = ArrowScale()
 ) -> tuple[Arrows, ArrowCounts]:
     """Compute arrows straight up from the mean contact point, as long as the force is large.
 
@@ -172,9 +196,9 @@ def pressure_arrows(
     """
     magnitude = norms(samples.force)
     orientation = np.tile(np.array(STRAIGHT_UP), (len(magnitude), 1))
-    colour = _clamped_colour(magnitude / 100.0 / CLASSIC_FULL_SCALE)
+    colour = _clamped_colour(magnitude / scale.full_scale_n)
     known = np.ones(len(magnitude), np.bool_)
-    return _arrows(samples, magnitude / newtons_per_metre, orientation, known, colour)
+    return _arrows(samples, magnitude / scale.newtons_per_metre, orientation, known, colour)
 
 
 def force_arrows(
@@ -182,7 +206,7 @@ def force_arrows(
     *,
     force_in_world: bool,
     body_weight_n: float | None,
-    newtons_per_metre: float = NEWTONS_PER_METRE,
+    scale: ArrowScale = ArrowScale(),
 ) -> tuple[Arrows, ArrowCounts]:
     """Compute arrows along the ground-reaction force from the mean contact point.
 
@@ -191,7 +215,7 @@ def force_arrows(
         force_in_world: whether the wrenches are in the world frame. Where they are not, only the
             magnitude is known, and it is drawn along the mean contact normal.
         body_weight_n: N; None colours by the scale of `pressure`.
-        newtons_per_metre: scale of the arrows.
+        scale: of the arrows.
     """
     magnitude = norms(samples.force)
     known = samples.in_world | force_in_world
@@ -200,12 +224,12 @@ def force_arrows(
     direction = np.where(known[:, None], along_force, samples.normal)
     loaded = magnitude > 0.0
     has_direction = all_finite(direction) | ~loaded | ~np.isfinite(magnitude)
-    full_scale = 100.0 * CLASSIC_FULL_SCALE
+    full_scale = scale.full_scale_n
     if body_weight_n is not None:
         full_scale = FORCE_FULL_SCALE_BW * body_weight_n
     return _arrows(
         samples,
-        magnitude / newtons_per_metre,
+        magnitude / scale.newtons_per_metre,
         turn_x_to(direction),
         has_direction,
         _clamped_colour(magnitude / full_scale),

@@ -57,7 +57,7 @@ def _classic(given: "ArrowInput") -> tuple["Arrows", "ArrowCounts"]:
 def _pressure(given: "ArrowInput") -> tuple["Arrows", "ArrowCounts"]:
     from dogbot_logtool.core.scene.arrows import pressure_arrows  # noqa: PLC0415
 
-    return pressure_arrows(given.samples, given.newtons_per_metre)
+    return pressure_arrows(given.samples, given.scale)
 
 
 def _force(given: "ArrowInput") -> tuple["Arrows", "ArrowCounts"]:
@@ -67,7 +67,7 @@ def _force(given: "ArrowInput") -> tuple["Arrows", "ArrowCounts"]:
         given.samples,
         force_in_world=given.force_in_world,
         body_weight_n=given.body_weight_n,
-        newtons_per_metre=given.newtons_per_metre,
+        scale=given.scale,
     )
 
 

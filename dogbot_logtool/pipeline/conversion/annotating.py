@@ -147,6 +147,6 @@ def _arrows(decoded: DecodedContacts, samples: Samples, plan: Plan) -> tuple[Arr
             contacts=decoded.reduced.contacts,
             force_in_world=plan.force_in_world,
             body_weight_n=plan.body_weight_n,
-            newtons_per_metre=plan.selection.robot.newtons_per_metre,
+            scale=plan.arrow_scale,
         )
     )

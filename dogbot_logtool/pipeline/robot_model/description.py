@@ -41,6 +41,8 @@ class RobotDescription:
     legs move by transforms, or no foot has a place."""
     motion: JointMotion | None = None
     """How joint states move its links; None: they do not."""
+    height_m: float = 1.0
+    """Of the base over the feet."""
 
 
 def robot_description(
@@ -71,7 +73,7 @@ def robot_description(
         text = f"the log has its own robot description ({', '.join(own)}): none is written"
         make = note if given is None else warning
         found = (make("OWN_ROBOT_DESCRIPTION", text), *moved)
-        return RobotDescription(None, found, hips, motion)
+        return RobotDescription(None, found, hips, motion, shape.height_m)
     if given is None:
         given = primitive_urdf(
             selection.robot.name,
@@ -80,7 +82,7 @@ def robot_description(
             selection.robot.mass_kg,
             list(shape.hips.values()),
         )
-    return RobotDescription(given, moved, hips, motion)
+    return RobotDescription(given, moved, hips, motion, shape.height_m)
 
 
 def _moved(motion: JointMotion, base_frame: str) -> Iterator[Finding]:

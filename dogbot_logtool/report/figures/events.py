@@ -38,7 +38,9 @@ MEANINGS: Final[Mapping[EventType, str]] = {
     EventType.STUMBLE: "a foot in mid-swing touches something and swings on (value: part of the "
     "swing before it)",
     EventType.SLIP: "the contact point of a loaded foot goes three times as far as in the foot's "
-    "other stances and 5 mm more, or three times as far as `settings.foot_rolling_m`",
+    "other stances and 5 mm more, or three times as far as `settings.foot_rolling_m`; or, within "
+    "60 ms and on a single contact point, twice as far as in those and 5 mm more (value: how much "
+    "further)",
     EventType.EARLY_CONTACT: "a swing ends before 0.7 of the foot's usual swing and the foot stays "
     "down (value: how much too early)",
     EventType.MARGIN_BELOW_ZERO: "the base's projection leaves the support polygon by more than "

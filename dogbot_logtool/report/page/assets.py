@@ -19,7 +19,7 @@ from dogbot_logtool.io.plain_json import to_json
 from dogbot_logtool.io.printable import printable
 
 _PLOTTING: Final = "vendor/plotly-basic.min.js"
-_PARTS: Final = ("cursor.js", "figures.js", "csv.js", "replay.js", "start.js")
+_PARTS: Final = ("cursor.js", "figures.js", "csv.js", "replay.js", "player.js", "start.js")
 """Of the page's script, in this order; they share one scope."""
 
 

@@ -341,13 +341,12 @@ class RosEncoding(ABC):
             return self.removal("legs", frame)
 
         def serialise(values: Mapping[str, Number]) -> bytes:
-            ends = [end for colour in colours for end in (LEG_COLOUR, (*colour, 1.0))]
             lines = self.marker(
                 self.header(frame, values),
                 type=_LINE_LIST_TYPE,
                 scale=self._vector(look.mark_m, 0.0, 0.0),
                 points=[self.point(values, f"{name}.") for name in leg_points(len(colours))],
-                colors=[self._colour(end) for end in ends],
+                colors=[self._colour(c) for own in colours for c in (LEG_COLOUR, (*own, 1.0))],
                 lifetime=self._duration(look.lifetime_s),
             )
             return self._serialise(lines, MARKER)

@@ -30,6 +30,7 @@ def stance(force: Floats, time: Floats | float, x: Floats | None = None) -> Stan
         force_y=0.2 * force,
         x=np.zeros(count) if x is None else x,
         y=np.zeros(count),
+        single=np.ones(count, np.bool_),
         friction=np.where(force >= 10.0, 0.2, np.nan),
     )
 
@@ -44,7 +45,17 @@ def end_to_end(parts: list[StanceSamples]) -> StanceSamples:
     }
     columns = {
         name: np.concatenate([getattr(part, name) for part in parts])
-        for name in ("time", "force", "vertical", "force_x", "force_y", "x", "y", "friction")
+        for name in (
+            "time",
+            "force",
+            "vertical",
+            "force_x",
+            "force_y",
+            "x",
+            "y",
+            "single",
+            "friction",
+        )
     }
     return StanceSamples(
         **rows, stance=np.repeat(np.arange(len(parts)), np.diff(behind)), **columns

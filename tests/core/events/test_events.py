@@ -78,6 +78,7 @@ def clean() -> Iterator[Recording]:
     yield walk(slope_rad=0.3)
     yield walk(world_faults.pose_noise(0.002))
     yield walk(slip_m=0.004)
+    yield walk(planted.rolling(0.06))
 
 
 @pytest.mark.parametrize("recording", list(clean()))
@@ -113,6 +114,25 @@ def test_a_slip_is_found_within_20_ms(metres: float, rolling_m: float | None) ->
     assert onset == pytest.approx(at, abs=WITHIN_S)
     assert slip.duration / 1e9 == pytest.approx(0.04, abs=WITHIN_S)
     assert slip.value == pytest.approx(metres, abs=1e-6)
+
+
+@pytest.mark.parametrize("towards", [(1.0, 0.0), (-1.0, 0.0), (0.0, 1.0)])
+def test_a_small_slip_of_a_foot_that_rolls_is_found(towards: tuple[float, float]) -> None:
+    _, lands = swing_of(FRONT_RIGHT, 6)
+    at = lands + 0.25
+    slipping = planted.slip("front_right", at, 0.01, towards=towards)
+    [(onset, slip)] = odd_events(walk(planted.rolling(0.03), slipping))
+    assert slip.type is EventType.SLIP
+    assert onset == pytest.approx(at, abs=WITHIN_S)
+    assert slip.duration / 1e9 == pytest.approx(0.04, abs=WITHIN_S)
+    assert slip.value == pytest.approx(0.01, abs=0.004)
+
+
+def test_a_contact_that_jumps_to_another_part_of_the_foot_is_no_slip() -> None:
+    _, lands = swing_of(FRONT_RIGHT, 6)
+    jump = planted.slip("front_right", lands + 0.25, 0.03, lasts_s=0.001)
+    events = odd_events(walk(planted.rolling(0.03), jump))
+    assert [each.type for _, each in events if (each.value or 0.0) < 0.01] == []
 
 
 @pytest.mark.parametrize("share", [0.3, 0.5, 0.6])

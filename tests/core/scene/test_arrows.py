@@ -17,6 +17,8 @@ from dogbot_logtool.core.contact.contacts import FOOT_IS_COLLISION1, Contacts, S
 from dogbot_logtool.core.scene.arrows import (
     ArrowCounts,
     Arrows,
+    ArrowScale,
+    arrow_scale,
     classic_arrows,
     force_arrows,
     pressure_arrows,
@@ -388,7 +390,7 @@ def test_newtons_per_metre_scale_the_length_but_not_the_colour() -> None:
     samples = samples_of(DrawnSample((0, 0, 50)))
 
     usual, _ = pressure_arrows(samples)
-    longer, _ = pressure_arrows(samples, newtons_per_metre=25)
+    longer, _ = pressure_arrows(samples, ArrowScale(25.0))
 
     assert usual.length.tolist() == [0.5]
     assert longer.length.tolist() == [2.0]
@@ -656,12 +658,21 @@ def test_force_has_the_colours_of_pressure_where_the_weight_is_not_known() -> No
     assert force.colour == pytest.approx(pressure.colour, abs=1e-6)
 
 
+def test_a_weight_is_as_long_as_the_base_is_high_unless_the_robot_s_file_says_else() -> None:
+    assert arrow_scale(100.0, 785.0, 0.9) == ArrowScale(100.0, 200.0)
+    assert arrow_scale(None, 785.0, 0.5) == ArrowScale(1570.0, 1177.5)
+    assert arrow_scale(None, None, 0.5) == ArrowScale(100.0, 200.0)
+    load = samples_of(DrawnSample((0.0, 0.0, 785.0)))
+    arrows, _ = pressure_arrows(load, arrow_scale(None, 785.0, 0.9))
+    assert arrows.length.tolist() == pytest.approx([0.9])
+
+
 def test_force_lengths_follow_newtons_per_metre() -> None:
     arrows, _ = force_arrows(
         samples_of(DrawnSample((0, 0, 50))),
         force_in_world=True,
         body_weight_n=BODY_WEIGHT_N,
-        newtons_per_metre=500,
+        scale=ArrowScale(500.0),
     )
 
     assert arrows.length.tolist() == [0.1]

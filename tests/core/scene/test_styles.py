@@ -9,7 +9,13 @@ import pytest
 
 from dogbot_logtool.commands.convert import convert
 from dogbot_logtool.core.scene import arrows
-from dogbot_logtool.core.scene.arrows import ArrowCounts, ArrowInput, Arrows, pressure_arrows
+from dogbot_logtool.core.scene.arrows import (
+    ArrowCounts,
+    ArrowInput,
+    Arrows,
+    ArrowScale,
+    pressure_arrows,
+)
 from dogbot_logtool.core.scene.styles import ARROW_STYLES, DEFAULT_STYLE, ArrowStyle
 from dogbot_logtool.pipeline.options import ConvertOptions
 from tests.paths import SAMPLE_LOGS
@@ -54,7 +60,7 @@ def test_every_style_computes_its_own_arrows(name: str, monkeypatch: pytest.Monk
         contacts=object(),  # type: ignore[arg-type]
         force_in_world=False,
         body_weight_n=None,
-        newtons_per_metre=100.0,
+        scale=ArrowScale(),
     )
     ARROW_STYLES[name].compute(given)
     assert called == [name]
@@ -68,7 +74,7 @@ def test_classic_without_contact_states_draws_nothing() -> None:
 
 def test_a_row_is_all_that_a_style_needs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     def short(given: ArrowInput) -> tuple[Arrows, ArrowCounts]:
-        drawn, counts = pressure_arrows(given.samples, given.newtons_per_metre)
+        drawn, counts = pressure_arrows(given.samples, given.scale)
         return replace(drawn, length=drawn.length / 2.0), counts
 
     monkeypatch.setitem(ARROW_STYLES, "short", ArrowStyle("short", "half as long", short))
