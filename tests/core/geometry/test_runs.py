@@ -37,3 +37,7 @@ def test_quantiles_are_interpolated() -> None:
     begin, end = np.array([0, 2]), np.array([2, 3])
     assert quantiles(ordered, begin, end, 0.25).tolist() == [2.5, 7.0]
     assert quantiles(ordered, begin, end, 0.95).tolist() == [9.5, 7.0]
+    later = np.array([7.0, 0.0, 10.0, 20.0, 90.0])
+    rows = np.array([0, 1]), np.array([1, 5])
+    assert quantiles(later, *rows, 0.5).tolist() == [7.0, 15.0]
+    assert quantiles(later, *rows, 0.9).tolist() == pytest.approx([7.0, 69.0])
