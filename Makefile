@@ -65,6 +65,8 @@ demo: $(VENV)/runtime
 	@echo '$$ dogbot-logtool info $(DEMO)/dogbot_trot.annotated.mcap'
 	@$(BIN)/dogbot-logtool info $(DEMO)/dogbot_trot.annotated.mcap
 
+# Tests start many processes, which need not compile all modules each time.
+test: export PYTHONDONTWRITEBYTECODE :=
 test: $(VENV)/dev
 	$(BIN)/python -m pytest --numprocesses=auto --dist=worksteal $(ARGS)
 
