@@ -148,8 +148,9 @@ def make_plan(log: Log, selection: Selection, probe: Probe, options: ConvertOpti
     findings.extend(_without_points(selection, frames))
     if style.needs_directions and wrench_frame is not WrenchFrame.WORLD:
         findings.extend(_magnitude_only(selection, frames))
-    if style.coloured_by_weight and not (weight or learnt.estimated_weight_n):
-        text = "the robot's weight is unknown: arrows are coloured by newtons (give --mass)"
+    scaled_by_weight = robot.newtons_per_metre is None and learnt.estimated_weight_n
+    if style.coloured_by_weight and not (weight or scaled_by_weight):
+        text = "the robot's mass is unknown: arrows are coloured by newtons (give it with --mass)"
         findings.append(note("NO_MASS", text))
     if style.needs_contact_states:
         findings.extend(_without_states(selection, style))

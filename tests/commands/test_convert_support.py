@@ -238,7 +238,7 @@ def test_margins_are_those_of_stats_at_the_same_times(folder: Path, log: Path) -
     )
     feet, base = recorded(log)
     points, _ = feet_down(time, feet)
-    margins = margin_in_hull(points, base.position_at(time)[:, :2])
+    margins = margin_in_hull(points[:, :, :2], base.position_at(time)[:, :2])
     edges = np.concatenate([(f.stances.touchdown, f.stances.liftoff) for f in feet], axis=None)
     settled = np.abs(time[:, None] - edges).min(axis=1) > 25 * MS
     settled &= time - time[0] > NEAR_MS * MS

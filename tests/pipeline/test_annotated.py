@@ -172,7 +172,7 @@ def test_files_without_marks_are_told_by_topics_and_definitions(
     old = TROUBLED
     with monkeypatch.context() as before:
         before.setattr(annotations, "ANNOTATION_MARK", {})
-        before.setattr(convert_module, "open_recorded", open_log)
+        before.setattr(convert_module, "open_recorded", lambda path, _joined: open_log(path))
         # Such files had neither a robot nor labels.
         before.setattr(plan_module, "robot_description", lambda *_, **__: RobotDescription(None))
         for number in range(times):

@@ -69,7 +69,7 @@ def test_each_log_has_its_own_span(shell: Shell, command: str) -> None:
     assert done.code == 2
     assert "1 of 2 logs could not be done" in done.err
     assert "it lasts from 0 to 5.001 s" in " ".join(done.err.split())
-    assert len(shell.files()) == (0 if command == "stats" else 1 if command == "convert" else 2)
+    assert len(shell.files()) == {"convert": 1, "stats": 0, "report": 3}[command]
 
 
 @pytest.mark.parametrize("window", ["100:200", "-1:2", "-3:-1"])

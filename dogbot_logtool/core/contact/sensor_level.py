@@ -41,6 +41,8 @@ LIGHT: Final = 0.05
 """Share of the usual load below which a sample counts as light."""
 PULL: Final = 0.02
 """Share of the usual load by which no ground can pull at a foot."""
+LIGHTLY: Final = 0.35
+"""Times the usual load: a reading in swing stays below."""
 PULLS: Final = 0.1
 """Share of the zeros from which so many such pulls make a sensor that does not rest at zero."""
 _LOADED: Final = 75.0
@@ -235,10 +237,16 @@ def zero_level(force: Floats, interval_s: float | None = None) -> SensorLevel | 
 
 
 def _pulls(force: Floats, zero: Flags) -> bool:
-    """Tell whether a sensor that counts in steps also reads less than nothing, (n, 3) N."""
-    load = force @ force.mean(axis=0)
-    loaded = np.median(load[~zero]) if not zero.all() else 0.0
-    return bool((load < -PULL * loaded).sum() > PULLS * zero.sum())
+    """Tell whether a sensor that counts in steps also reads less than nothing, (n, 3) N.
+
+    Full loads the other way are those of a sensor that turns with its link.
+    """
+    if zero.all():
+        return False
+    load, magnitude = force @ force.mean(axis=0), norms(force)
+    pulled = load < -PULL * np.median(load[~zero])
+    pulled &= magnitude < LIGHTLY * np.median(magnitude[~zero])
+    return bool(pulled.sum() > PULLS * zero.sum())
 
 
 def _in_runs(flags: Flags) -> Flags:
