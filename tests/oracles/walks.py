@@ -369,5 +369,8 @@ def robot_file(folder: Path, kind: str) -> Path:
         for leg in LEGS
     ]
     path = folder / "walker.toml"
-    path.write_text(f"mass_kg = {MASS_KG}\n[arrows]\nnewtons_per_metre = 100\n" + "".join(feet), encoding="utf-8")
+    path.write_text(
+        f"mass_kg = {MASS_KG}\n[arrows]\nnewtons_per_metre = 100\n" + "".join(feet),
+        encoding="utf-8",
+    )
     return path
