@@ -126,13 +126,15 @@ class ProcessRunner(ExecutorRunner[Result]):
 
     def close(self) -> None:
         """End the processes, which first remove what they have begun to write."""
-        self._lifeline.close()
-        last_resort = threading.Timer(_END_S, self._kill)
-        with suppress(RuntimeError):
-            last_resort.start()
-        for worker in self._workers:
-            worker.close()
-        last_resort.cancel()
+        # A signal that breaks into the wait for a pool's thread could leave it waiting for ever.
+        with held_back():
+            self._lifeline.close()
+            last_resort = threading.Timer(_END_S, self._kill)
+            with suppress(RuntimeError):
+                last_resort.start()
+            for worker in self._workers:
+                worker.close()
+            last_resort.cancel()
 
     def _kill(self) -> None:
         for worker in self._workers:
