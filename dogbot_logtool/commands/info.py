@@ -48,7 +48,7 @@ def describe(
         recorded = without_annotations(log)
         ours = frozenset(log.channels.keys() - recorded.channels.keys())
         selection = select_topics(recorded, options)
-        probe = probe_log(recorded, selection)
+        probe = probe_log(recorded, selection, with_places=True)
         frames = None
         if all_frames:
             added_transforms = [

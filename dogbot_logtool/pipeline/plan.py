@@ -10,7 +10,6 @@ from dogbot_logtool.core.contact.silent_swing import LONGEST_SWING_S, SilentFeet
 from dogbot_logtool.core.findings.sensors import sensor_findings
 from dogbot_logtool.core.frames.wrench_frame import WrenchFrame
 from dogbot_logtool.core.geometry.arrays import Floats
-from dogbot_logtool.core.geometry.clock import TimeSource
 from dogbot_logtool.core.load.loads import body_weight_n
 from dogbot_logtool.core.load.silences import MessageRate, message_rate
 from dogbot_logtool.core.scene.arrows import ArrowScale, arrow_scale
@@ -20,7 +19,7 @@ from dogbot_logtool.finding import Finding, by_severity, note, warning
 from dogbot_logtool.pipeline.batches import BatchReader
 from dogbot_logtool.pipeline.copied_topics import channels_left_out, copy_findings
 from dogbot_logtool.pipeline.options import ConvertOptions
-from dogbot_logtool.pipeline.probe import Probe, evidence_findings, frame_names
+from dogbot_logtool.pipeline.probe import Probe, evidence_findings, frame_names, usable_clock
 from dogbot_logtool.pipeline.robot_model.description import robot_description
 from dogbot_logtool.pipeline.robot_model.joint_motion import JointMotion
 from dogbot_logtool.pipeline.selection import Selection, nothing_to_do
@@ -140,7 +139,7 @@ def make_plan(log: Log, selection: Selection, probe: Probe, options: ConvertOpti
         probe,
         world,
         base,
-        _clock(selection, probe),
+        usable_clock(selection, probe),
         # The centre of pressure needs vertical forces.
         turn_forces=wrench_frame is WrenchFrame.LINK and (style.needs_directions or draws_support),
         place_sensors=style.needs_sensor_positions,
@@ -216,12 +215,6 @@ def _wrench_frame(probe: Probe, options: ConvertOptions) -> WrenchFrame:
     if options.wrench_frame == "auto":
         return probe.wrench_frame.frame
     return WrenchFrame(options.wrench_frame)
-
-
-def _clock(selection: Selection, probe: Probe) -> TimeSource:
-    """Return the clock of samples and transforms: header stamps, where all have them."""
-    all_stamped = not selection.without_header
-    return TimeSource.HEADER if all_stamped and not probe.zero_stamps else TimeSource.LOG
 
 
 def _without_points(selection: Selection, frames: WorldFrames | None) -> Iterator[Finding]:

@@ -12,6 +12,7 @@ from typing import Final
 
 import numpy as np
 
+from dogbot_logtool.core.base.odometry import Odometry
 from dogbot_logtool.core.contact.contacts import Samples, no_samples
 from dogbot_logtool.core.frames.transform_buffer import TransformBuffer
 from dogbot_logtool.core.frames.wrench_frame import (
@@ -85,7 +86,8 @@ class Probe:
     frame_poses: Mapping[str, FramePose] = field(default_factory=dict)
     """The first pose that was seen of each frame, by name without a leading slash."""
     soles: Mapping[int, Point] = field(default_factory=dict)
-    """m, where feet touch the ground in the frames of their `links`, as far as it is known."""
+    """m, where feet touch the ground in the frames of their `links`, as far as it is known, and
+    asked for."""
     stances: Mapping[int, Point] = field(default_factory=dict)
     """m, the same in the base's frame: the median while the foot stands."""
 
@@ -97,13 +99,20 @@ class Probe:
         return frozenset(touching.foot.tolist()) - frozenset(loaded.tolist())
 
 
-def probe_log(log: Log, selection: Selection) -> Probe:
-    """Look into chunks from the start to the end of a log."""
+def probe_log(log: Log, selection: Selection, *, with_places: bool = False) -> Probe:
+    """Look into chunks from the start to the end of a log.
+
+    Args:
+        log: an open log.
+        selection: its topics.
+        with_places: find `soles` and `stances`, too, which pictures of the robot need.
+    """
     look = _Prober(selection)
     chosen = _spread(log, selection)
     for span in log.grouped(chosen):
         look.take(log.read(span))
-    return look.probe(len(chosen), len(log.chunks))
+    probe = look.probe(len(chosen), len(log.chunks))
+    return look.with_places(probe) if with_places else probe
 
 
 def _spread(log: Log, selection: Selection) -> list[Chunk]:
@@ -117,10 +126,11 @@ def _spread(log: Log, selection: Selection) -> list[Chunk]:
 
 @dataclass(frozen=True, slots=True)
 class _Look:
-    """Samples of a batch that show the frame of the wrenches."""
+    """What a batch shows of the frames of wrenches and feet."""
 
     samples: Sequence[Samples]
-    base: Sequence[BasePoses]
+    base: Odometry
+    """Plausible poses."""
     transforms: Sequence[DecodedMessages]
 
 
@@ -147,7 +157,8 @@ class _Prober:
         base = selection.read_base(batch)
         contacts = read_contacts(batch, selection.contacts, selection.foot_channels())
         transforms = decode_transforms(batch, selection.transforms)
-        self._looks.append(_Look([read.reduced.samples for read in contacts], base, transforms))
+        poses, _ = plausible_odometry(joined_poses(base))
+        self._looks.append(_Look([read.reduced.samples for read in contacts], poses, transforms))
         self._take_base(base)
         for read in contacts:
             samples = read.reduced.samples
@@ -217,7 +228,10 @@ class _Prober:
             chunks=chunks,
             frame_poses=self._frame_poses,
         )
-        probe = replace(probe, wrench_frame=self._wrench_frame(probe))
+        return replace(probe, wrench_frame=self._wrench_frame(probe))
+
+    def with_places(self, probe: Probe) -> Probe:
+        """Return the probe with the places where feet touch the ground."""
         return replace(probe, soles=self._soles(probe), stances=self._stances(probe))
 
     def _soles(self, probe: Probe) -> Mapping[int, Point]:
@@ -242,7 +256,7 @@ class _Prober:
             odometry_places_base=True,
             moving={},
             statics=TransformBuffer(),
-            clock=TimeSource.LOG if probe.zero_stamps else TimeSource.HEADER,
+            clock=usable_clock(selection, probe),
         )
         in_base = {f for f in feet if any(one.in_base for one in selection.sources_of(f))}
         return self._points(SoleFinder(frames, STANCE_SPREAD_M, in_base), frames)
@@ -250,8 +264,7 @@ class _Prober:
     def _points(self, finder: SoleFinder, frames: WorldFrames) -> Mapping[int, Point]:
         """Return what a finder makes of everything that was seen."""
         for look in self._looks:
-            poses, _ = plausible_odometry(joined_poses(look.base))
-            finder.add(look.samples, frames.tracks(look.transforms, poses))
+            finder.add(look.samples, frames.tracks(look.transforms, look.base))
         return finder.points()
 
     def _wrench_frame(self, probe: Probe) -> WrenchFrameEvidence:
@@ -270,7 +283,7 @@ class _Prober:
             self._selection,
             probe,
             *frame_names(self._selection.robot, probe),
-            TimeSource.LOG if probe.zero_stamps else TimeSource.HEADER,
+            usable_clock(self._selection, probe),
             turn_forces=True,
             place_sensors=False,
         )
@@ -283,14 +296,19 @@ class _Prober:
         samples: list[Samples] = []
         turned: list[Flags] = []
         for look in self._looks:
-            poses, _ = plausible_odometry(joined_poses(look.base))
-            tracks = frames.tracks(look.transforms, poses)
+            tracks = frames.tracks(look.transforms, look.base)
             for before, after in zip(
                 look.samples, frames.place(look.samples, tracks).samples, strict=True
             ):
                 samples.append(after)
                 turned.append(after.in_world & ~before.in_world)
         return frame_fit(samples, turned)
+
+
+def usable_clock(selection: Selection, probe: Probe) -> TimeSource:
+    """Return the clock of samples and transforms: header stamps, where all have them."""
+    all_stamped = not selection.without_header
+    return TimeSource.HEADER if all_stamped and not probe.zero_stamps else TimeSource.LOG
 
 
 def left_after(timings: list[StepTiming]) -> int | None:

@@ -26,7 +26,7 @@ class Case:
     def __init__(self, log: Log) -> None:
         self.log = log
         self.selection: Selection = select_topics(log, TopicOptions())
-        self.probe: Probe = probe_log(log, self.selection)
+        self.probe: Probe = probe_log(log, self.selection, with_places=True)
 
     def plan(self, **options: Any) -> Plan:
         return make_plan(self.log, self.selection, self.probe, ConvertOptions(**options))
