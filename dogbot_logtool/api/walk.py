@@ -13,8 +13,9 @@ from dogbot_logtool.commands.stats import measure
 from dogbot_logtool.core.accumulator import OnSamples
 from dogbot_logtool.core.contact.contacts import Samples, no_samples
 from dogbot_logtool.core.contact.stances import Cut
-from dogbot_logtool.core.geometry.arrays import Flags, Floats, Ints, norms
+from dogbot_logtool.core.geometry.arrays import Floats, Ints, norms
 from dogbot_logtool.core.geometry.clock import TimeSource
+from dogbot_logtool.core.geometry.timespans import covers
 from dogbot_logtool.core.statistics import Stats
 from dogbot_logtool.errors import CallError
 from dogbot_logtool.io.listing import listed
@@ -189,10 +190,10 @@ class Walk:
         if figures.is_dead:
             return states
         ends = np.isin(time, record.known[:, 1])
-        states[_within(record.known, time) | ends] = "swing"
+        states[covers(record.known, time) | ends] = "swing"
         # A stance ends before the sample of lift-off, but with the last one that is known.
         cut = ends & np.isin(time, record.in_contact[:, 1]) & ~np.isin(time, figures.liftoff)
-        states[_within(record.in_contact, time) | cut] = "stance"
+        states[covers(record.in_contact, time) | cut] = "stance"
         return states
 
 
@@ -217,14 +218,6 @@ _STANCE_FIGURES = {
     "friction_use": "friction_use",
 }
 """Columns of `Walk.stances`, and where they come from in `StanceFigures`."""
-
-
-def _within(spans: Ints, time: Ints) -> Flags:
-    """Tell which times, (n,), lie in spans, (s, 2), without the last time of each."""
-    row = np.searchsorted(spans[:, 0], time, side="right") - 1
-    inside: Flags = row >= 0
-    inside[inside] = time[inside] < spans[row[inside], 1]
-    return inside
 
 
 def _joined(parts: list[Any]) -> NDArray[Any]:

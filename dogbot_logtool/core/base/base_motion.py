@@ -13,6 +13,7 @@ from dogbot_logtool.core.contact.foot_history import FootHistory
 from dogbot_logtool.core.geometry import timespans
 from dogbot_logtool.core.geometry.aggregates import Aggregate, aggregate
 from dogbot_logtool.core.geometry.arrays import Flags, Floats, Ints
+from dogbot_logtool.core.geometry.rotations import along_heading
 from dogbot_logtool.core.load.loads import GRAVITY_MPS2
 
 FORWARD_ANGLES: Final = {"+x": 0.0, "+y": np.pi / 2.0, "-x": np.pi, "-y": -np.pi / 2.0}
@@ -161,20 +162,6 @@ def roll_and_pitch(angles: Floats, forward_axis: str) -> tuple[Floats, Floats]:
     forward = np.cos(turn) * x + np.sin(turn) * y
     left = np.cos(turn) * y - np.sin(turn) * x
     return np.arctan2(left, z), -np.arcsin(np.clip(forward, -1.0, 1.0))
-
-
-def along_heading(vector: Floats, heading: Floats) -> tuple[Floats, Floats]:
-    """Split horizontal vectors into their parts along a heading and to the left of it.
-
-    Args:
-        vector: (n, 2) in the world.
-        heading: (n,) rad.
-
-    Returns:
-        (n,) forward and (n,) left, in the vectors' unit.
-    """
-    cos, sin = np.cos(heading), np.sin(heading)
-    return vector[:, 0] * cos + vector[:, 1] * sin, vector[:, 1] * cos - vector[:, 0] * sin
 
 
 def froude_number(speed_mps: float | None, height_m: float | None) -> float | None:

@@ -9,6 +9,7 @@ from dogbot_logtool.core.base.base_history import BaseHistory
 from dogbot_logtool.core.contact.foot_history import FootHistory
 from dogbot_logtool.core.geometry import timespans
 from dogbot_logtool.core.geometry.arrays import Floats, Ints
+from dogbot_logtool.core.geometry.rotations import along_heading
 from dogbot_logtool.core.leg_position import LegPosition
 
 _CHUNK: Final = 1_000_000
@@ -139,7 +140,7 @@ def axis_by_legs(
         known = np.isfinite(foot.track.point).all(axis=1)
         time = foot.track.time[known]
         way = foot.track.point[known, :2] - base.position_at(time)[:, :2]
-        in_body = turned_back(way, base.angles_at(time)[:, 2])
+        in_body = np.stack(along_heading(way, base.angles_at(time)[:, 2]), axis=1)
         in_body = in_body[np.isfinite(in_body).all(axis=1)]
         if len(in_body):
             ends[position[0]].append(in_body.mean(axis=0))
@@ -147,13 +148,6 @@ def axis_by_legs(
         return None
     ahead = np.mean(ends["front"], axis=0) - np.mean(ends["back"], axis=0)
     return nearest_axis(ahead)
-
-
-def turned_back(vector: Floats, yaw: Floats) -> Floats:
-    """Turn horizontal vectors of the world into the body's axes, yaw only; (n, 2)."""
-    cos, sin = np.cos(yaw), np.sin(yaw)
-    x, y = vector[:, 0], vector[:, 1]
-    return np.stack([x * cos + y * sin, y * cos - x * sin], axis=1)
 
 
 def nearest_axis(direction: Floats) -> str | None:

@@ -6,10 +6,10 @@ from typing import Final
 import numpy as np
 
 from dogbot_logtool.core.base.base_history import BaseHistory
-from dogbot_logtool.core.base.ground import turned_back
 from dogbot_logtool.core.contact.stances import Stances
 from dogbot_logtool.core.contact.track import FootTrack
 from dogbot_logtool.core.geometry.arrays import Floats
+from dogbot_logtool.core.geometry.rotations import along_heading
 
 FEWEST_STANCES: Final = 8
 """Stances of all feet from which a trend is told."""
@@ -58,7 +58,9 @@ def _places(track: FootTrack, stances: Stances, base: BaseHistory) -> Floats:
     stance = np.searchsorted(begin, time, side="right") - 1
     inside = (stance >= 0) & (time < end[np.maximum(stance, 0)]) if len(begin) else stance >= 0
     time, point, stance = time[inside], point[inside], stance[inside]
-    away = turned_back(point - base.position_at(time)[:, :2], base.angles_at(time)[:, 2])
+    away = np.stack(
+        along_heading(point - base.position_at(time)[:, :2], base.angles_at(time)[:, 2]), axis=1
+    )
     placed = np.isfinite(away).all(axis=1)
     time, away, stance = time[placed], away[placed], stance[placed]
     count = np.bincount(stance, minlength=len(begin))

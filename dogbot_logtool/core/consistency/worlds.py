@@ -12,6 +12,7 @@ from dogbot_logtool.core.contact.foot_history import FootHistory
 from dogbot_logtool.core.contact.stances import Stances
 from dogbot_logtool.core.contact.track import FootTrack
 from dogbot_logtool.core.geometry.arrays import Floats
+from dogbot_logtool.core.geometry.rotations import along_heading
 
 WINDOW_S: Final = 2.0
 """s: a foot's place is averaged over so long: a stride or more of most gaits."""
@@ -118,10 +119,8 @@ def _from_base(track: FootTrack, base: BaseHistory) -> Floats:
     """(n, 3) s since the first pose, and m ahead and to the left: contact points from the base."""
     touching = np.isfinite(track.point[:, :2]).all(axis=1)
     time = track.time[touching]
-    away = (track.point[touching] - base.position_at(time))[:, :2]
-    yaw = base.angles_at(time)[:, 2]
-    ahead = away[:, 0] * np.cos(yaw) + away[:, 1] * np.sin(yaw)
-    left = away[:, 1] * np.cos(yaw) - away[:, 0] * np.sin(yaw)
+    away = track.point[touching] - base.position_at(time)
+    ahead, left = along_heading(away, base.angles_at(time)[:, 2])
     seen = np.column_stack([(time - base.time[0]) / 1e9, ahead, left])
     known: Floats = seen[np.isfinite(seen).all(axis=1)]
     return known

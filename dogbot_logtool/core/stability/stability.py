@@ -7,11 +7,12 @@ from typing import Final
 import numpy as np
 
 from dogbot_logtool.core.base.base_history import BaseHistory
-from dogbot_logtool.core.base.base_motion import FORWARD_ANGLES, along_heading
+from dogbot_logtool.core.base.base_motion import FORWARD_ANGLES
 from dogbot_logtool.core.contact.foot_history import FootHistory
 from dogbot_logtool.core.geometry import timespans
 from dogbot_logtool.core.geometry.aggregates import Aggregate, aggregate
 from dogbot_logtool.core.geometry.arrays import Flags, Floats, Ints
+from dogbot_logtool.core.geometry.rotations import along_heading
 from dogbot_logtool.core.geometry.support_polygon import NEAR_NS, centre_of_pressure, margin_in_hull
 from dogbot_logtool.core.stability.energy_margin import energy_margin_m
 

@@ -9,6 +9,7 @@ from dogbot_logtool.core.base.base_motion import FORWARD_ANGLES
 from dogbot_logtool.core.contact.foot_history import FootHistory
 from dogbot_logtool.core.geometry import timespans
 from dogbot_logtool.core.geometry.arrays import Flags, Float32s, Floats, Ints
+from dogbot_logtool.core.geometry.rotations import from_roll_pitch_yaw, rotate
 from dogbot_logtool.core.leg_position import LegPosition
 from dogbot_logtool.core.scene.foot_style import foot_colour, short_names
 from dogbot_logtool.core.statistics import Stats
@@ -144,16 +145,8 @@ def _in_one_world(stats: Stats) -> bool:
 
 def _in_world(point: Floats, position: Floats, angles: Floats) -> Floats:
     """(n, 3) m in the world of points in the base's frame, (n, 3) or (3,)."""
-    (roll, pitch, yaw) = angles.T
-    cr, sr, cp, sp, cy, sy = (each(a) for a in (roll, pitch, yaw) for each in (np.cos, np.sin))
-    x, y, z = np.broadcast_to(point, position.shape).T
-    turned = (
-        cy * cp * x + (cy * sp * sr - sy * cr) * y + (cy * sp * cr + sy * sr) * z,
-        sy * cp * x + (sy * sp * sr + cy * cr) * y + (sy * sp * cr - cy * sr) * z,
-        -sp * x + cp * sr * y + cp * cr * z,
-    )
-    world: Floats = position + np.stack(turned, axis=1)
-    return world
+    points = np.broadcast_to(point, position.shape)
+    return position + rotate(from_roll_pitch_yaw(angles), points)
 
 
 def _nominal(place: LegPosition | None, row: int, height: float) -> Floats:
