@@ -16,21 +16,11 @@ from distributed import Client
 
 from tests.oracles.walks import START, Walk, write_mcap
 from tests.paths import ROOT
+from tests.shell import Outcome
 
 BUCKET: Final = "lab"
 CONTACTS: Final = "gazebo_msgs/msg/ContactsState"
 _PATIENCE_S: Final = 60.0
-
-
-@dataclass(frozen=True, slots=True)
-class Outcome:
-    code: int
-    out: str
-    err: str
-
-    @property
-    def json(self) -> Any:
-        return json.loads(self.out)
 
 
 def wait_for(found: Any, *, what: str) -> Any:

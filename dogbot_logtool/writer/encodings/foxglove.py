@@ -84,15 +84,7 @@ def _load_class() -> type[Message]:
 
     `in_contact` has presence, so that false is written out like true.
     """
-    message = DescriptorProto(name="Load")
-    field = FieldDescriptorProto
-    message.field.add(
-        name="timestamp",
-        number=1,
-        type=field.TYPE_MESSAGE,
-        type_name=".google.protobuf.Timestamp",
-        label=field.LABEL_OPTIONAL,
-    )
+    message, field = _stamped("Load"), FieldDescriptorProto
     message.field.add(
         name="in_contact",
         number=2,
@@ -112,15 +104,7 @@ def _load_class() -> type[Message]:
 
 def _gait_class() -> type[Message]:
     """Build the message of the gait: a time, its class and its figures."""
-    message = DescriptorProto(name="Gait")
-    field = FieldDescriptorProto
-    message.field.add(
-        name="timestamp",
-        number=1,
-        type=field.TYPE_MESSAGE,
-        type_name=".google.protobuf.Timestamp",
-        label=field.LABEL_OPTIONAL,
-    )
+    message, field = _stamped("Gait"), FieldDescriptorProto
     message.field.add(name="gait", number=2, type=field.TYPE_STRING, label=field.LABEL_OPTIONAL)
     for number, name in enumerate(GAIT_NUMBERS, 3):
         message.field.add(
@@ -128,6 +112,19 @@ def _gait_class() -> type[Message]:
         )
     message.field.add(name="phases", number=5, type=field.TYPE_DOUBLE, label=field.LABEL_REPEATED)
     return _own_class(message)
+
+
+def _stamped(name: str) -> DescriptorProto:
+    """Return a message that has a time only."""
+    message = DescriptorProto(name=name)
+    message.field.add(
+        name="timestamp",
+        number=1,
+        type=FieldDescriptorProto.TYPE_MESSAGE,
+        type_name=".google.protobuf.Timestamp",
+        label=FieldDescriptorProto.LABEL_OPTIONAL,
+    )
+    return message
 
 
 def _own_class(message: DescriptorProto) -> type[Message]:

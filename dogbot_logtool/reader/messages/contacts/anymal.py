@@ -1,41 +1,23 @@
 """anymal_msgs/AnymalState: ANYmal's base, and the flag, force and position of each foot."""
 
-from collections.abc import Sequence
+from functools import partial
 from typing import Final
-
-import numpy as np
 
 from dogbot_logtool.reader.decode.fields import number, table, text, time, vector
 from dogbot_logtool.reader.messages.contacts.source import ContactSource
 from dogbot_logtool.reader.messages.contacts.whole_robot import (
-    FootValues,
     MessageFoot,
-    labelled_elements,
     labels_in,
+    named_contacts,
     reader_of,
-    scattered,
 )
 from dogbot_logtool.reader.messages.messages import DecodedMessages
-from dogbot_logtool.robot import Foot
 
-_OPEN, _CLOSED, _SLIPPING = 0, 1, 2
-"""Values of Contact.state; a slipping foot is in contact."""
-
-
-def _values(messages: DecodedMessages, feet: Sequence[Foot]) -> FootValues:
-    rows = len(messages.channel)
-    contacts = messages.table.nested("contacts")
-    parent, inside = contacts.parent, contacts.table
-    element = labelled_elements(inside.texts("name"), feet)
-    state = inside.numbers("state")
-    flag = np.select([state == _OPEN, np.isin(state, (_CLOSED, _SLIPPING))], [0.0, 1.0], np.nan)
-    return FootValues(
-        stamp=messages.table.nanoseconds("header.stamp"),
-        contact=scattered(parent, element, flag, rows),
-        force=scattered(parent, element, inside.vectors("wrench.force", "xyz"), rows),
-        position=scattered(parent, element, inside.vectors("position", "xyz"), rows),
-        normal=scattered(parent, element, inside.vectors("normal", "xyz"), rows),
-    )
+_FLAGS: Final = {0: 0.0, 1: 1.0, 2: 1.0}
+"""Contact by `Contact.state`: open, closed, slipping."""
+_values: Final = partial(
+    named_contacts, state="state", flags=_FLAGS, position="position", normal="normal"
+)
 
 
 def _feet_in(messages: DecodedMessages) -> tuple[MessageFoot, ...]:

@@ -1,6 +1,5 @@
 """whole_body_state_msgs/WholeBodyState: contacts of any robot by name, in the world."""
 
-from collections.abc import Sequence
 from functools import partial
 from typing import Final
 
@@ -11,42 +10,19 @@ from dogbot_logtool.reader.decode.columns import Texts
 from dogbot_logtool.reader.decode.fields import number, table, text, time, vector
 from dogbot_logtool.reader.messages.contacts.source import ContactSource
 from dogbot_logtool.reader.messages.contacts.whole_robot import (
-    FootValues,
     MessageFoot,
     is_named_as_planned,
-    labelled_elements,
     labels_in,
+    named_contacts,
     reader_of,
-    scattered,
 )
 from dogbot_logtool.reader.messages.messages import DecodedMessages
-from dogbot_logtool.robot import Foot
 
 _LOCOMOTION: Final = 0
 _STATUS: Final = {1: 0.0, 2: 1.0, 3: 1.0}
 """Contact by `status`: inactive, active, slipping. Unknown, 0, is the default."""
 _FORMER: Final = {0: 1.0, 1: 0.0, 2: 1.0}
 """The same by `contact_state` of earlier versions: closed, open, slipping. Unknown is -1."""
-
-
-def _values(
-    messages: DecodedMessages, feet: Sequence[Foot], *, field: str, flags: dict[int, float]
-) -> FootValues:
-    rows = len(messages.channel)
-    contacts = messages.table.nested("contacts")
-    parent, inside = contacts.parent, contacts.table
-    element = labelled_elements(inside.texts("name"), feet)
-    state = inside.numbers(field)
-    flag = np.full(len(parent), np.nan)
-    for value, touches in flags.items():
-        flag[state == value] = touches
-    return FootValues(
-        stamp=messages.table.nanoseconds("header.stamp"),
-        contact=scattered(parent, element, flag, rows),
-        force=scattered(parent, element, inside.vectors("wrench.force", "xyz"), rows),
-        position=scattered(parent, element, inside.vectors("pose.position", "xyz"), rows),
-        normal=scattered(parent, element, inside.vectors("surface_normal", "xyz"), rows),
-    )
 
 
 def _feet_in(messages: DecodedMessages) -> tuple[MessageFoot, ...]:
@@ -58,7 +34,9 @@ def _feet_in(messages: DecodedMessages) -> tuple[MessageFoot, ...]:
 
 
 def _source(field: str, flags: dict[int, float]) -> ContactSource:
-    values = partial(_values, field=field, flags=flags)
+    values = partial(
+        named_contacts, state=field, flags=flags, position="pose.position", normal="surface_normal"
+    )
     return ContactSource(
         type_name="whole_body_state_msgs/WholeBodyState",
         fields=(

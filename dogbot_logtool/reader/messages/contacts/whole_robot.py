@@ -193,6 +193,42 @@ def arrays_of_length(messages: DecodedMessages, path: str, length: int) -> Float
     return values
 
 
+def named_contacts(
+    messages: DecodedMessages,
+    feet: Sequence[Foot],
+    *,
+    state: str,
+    flags: Mapping[int, float],
+    position: str,
+    normal: str,
+) -> FootValues:
+    """Return the values of feet from an array `contacts` of named contacts with wrenches.
+
+    Args:
+        messages: their table has the array.
+        feet: those that are read.
+        state: field of a contact that tells whether it is closed, an integer.
+        flags: 1 in contact, 0 not, by its values; others are not known.
+        position: field of a contact, m; also `normal`.
+        normal: of the ground.
+    """
+    rows = len(messages.channel)
+    contacts = messages.table.nested("contacts")
+    parent, inside = contacts.parent, contacts.table
+    element = labelled_elements(inside.texts("name"), feet)
+    recorded = inside.numbers(state)
+    flag = np.full(len(parent), np.nan)
+    for value, touches in flags.items():
+        flag[recorded == value] = touches
+    return FootValues(
+        stamp=messages.table.nanoseconds("header.stamp"),
+        contact=scattered(parent, element, flag, rows),
+        force=scattered(parent, element, inside.vectors("wrench.force", "xyz"), rows),
+        position=scattered(parent, element, inside.vectors(position, "xyz"), rows),
+        normal=scattered(parent, element, inside.vectors(normal, "xyz"), rows),
+    )
+
+
 def labelled_elements(labels: Texts, feet: Sequence[Foot]) -> Ints:
     """(m,) element of the foot that each label names, -1 for labels of no foot."""
     code, names = labels.encode()
