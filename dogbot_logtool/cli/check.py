@@ -1,5 +1,6 @@
 """The words of `check`."""
 
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -9,21 +10,19 @@ from dogbot_logtool.cli.options import (
     jobs_option,
     jobs_or_cores,
     json_option,
+    junit_option,
+    junit_overwrite_option,
     logs_argument,
-    measuring_options,
-    output_file,
-    parse_topics,
     quietness,
     scheduler_option,
-    time_range,
-    topic_options,
-    wrench_frame_option,
+    stats_options,
 )
 from dogbot_logtool.cli.outcomes import Outcomes
 from dogbot_logtool.errors import CallError
 
 if TYPE_CHECKING:
     from dogbot_logtool.comparison.judge import Judgement
+    from dogbot_logtool.pipeline.options import StatsOptions
 
 
 @click.command()
@@ -43,17 +42,9 @@ if TYPE_CHECKING:
 @click.option(
     "--suggest", is_flag=True, help="Print limits that these runs pass, as a file to edit."
 )
-@click.option(
-    "--junit",
-    type=output_file,
-    metavar="FILE",
-    help="Write JUnit XML as well, to a new file.",
-)
-@click.option("--overwrite", is_flag=True, help="Replace the file of --junit if it exists already.")
-@topic_options
-@wrench_frame_option
-@measuring_options
-@time_range
+@junit_option
+@junit_overwrite_option
+@stats_options
 @jobs_option
 @scheduler_option
 @json_option
@@ -63,10 +54,7 @@ def check(
     limits: Path | None,
     baseline: Path | None,
     junit: Path | None,
-    robot: str | None,
-    odom_topic: str | None,
-    feet: tuple[str, ...],
-    mass_kg: float | None,
+    measuring: "StatsOptions",
     jobs: int | None,
     scheduler: str | None,
     *,
@@ -75,7 +63,6 @@ def check(
     as_json: bool,
     quiet: bool,
     verbose: bool,
-    **options: Any,  # noqa: ANN401 - click's words go straight into the dataclass
 ) -> None:
     """Judge logs by rules: GOOD, WARN, FAIL, or UNKNOWN where a figure is not known.
 
@@ -89,7 +76,6 @@ def check(
     from dogbot_logtool.commands.check import exit_code, read_limits  # noqa: PLC0415
     from dogbot_logtool.commands.tasks import Measure  # noqa: PLC0415
     from dogbot_logtool.io.targets import refuse_bad_report  # noqa: PLC0415
-    from dogbot_logtool.pipeline.options import StatsOptions  # noqa: PLC0415
     from dogbot_logtool.report.check_json import check_json  # noqa: PLC0415
     from dogbot_logtool.report.check_text import print_check  # noqa: PLC0415
     from dogbot_logtool.report.console import results  # noqa: PLC0415
@@ -105,8 +91,7 @@ def check(
     if junit is not None:
         refuse_bad_report(junit, log_set.paths, overwrite=overwrite)
     runner = runner_for(len(log_set.paths), jobs_or_cores(jobs), scheduler)
-    topics = parse_topics(robot, odom_topic, feet, mass_kg)
-    work = Measure(StatsOptions(topics=topics, jobs=runner.jobs, **options))
+    work = Measure(replace(measuring, jobs=runner.jobs))
     outcomes = Outcomes(quiet=quiet)
     outcomes.mention_left_out(log_set)
     checked: dict[str, list[Judgement]] = {}

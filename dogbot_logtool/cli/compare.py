@@ -3,12 +3,22 @@
 import sys
 from collections.abc import Mapping
 from pathlib import Path
-from typing import NoReturn
+from typing import TYPE_CHECKING, NoReturn
 
 import click
 
-from dogbot_logtool.cli.options import json_option, number, output_file, quietness
+from dogbot_logtool.cli.options import (
+    json_option,
+    junit_option,
+    junit_overwrite_option,
+    number,
+    quietness,
+    tared_topic_options,
+)
 from dogbot_logtool.errors import CallError
+
+if TYPE_CHECKING:
+    from dogbot_logtool.pipeline.options import CompareOptions, TopicOptions
 
 
 @click.command()
@@ -34,6 +44,7 @@ from dogbot_logtool.errors import CallError
 )
 @click.option(
     "--topics",
+    "compared_topics",
     multiple=True,
     metavar="TOPIC",
     help="Glob of the topics to compare; of JSON, of paths (gait, feet.*.duty_factor.median).",
@@ -46,13 +57,8 @@ from dogbot_logtool.errors import CallError
     show_default=True,
     help="Differences that are printed one by one.",
 )
-@click.option(
-    "--junit",
-    type=output_file,
-    metavar="FILE",
-    help="Write JUnit XML as well, to a new file.",
-)
-@click.option("--overwrite", is_flag=True, help="Replace the file of --junit if it exists already.")
+@junit_option
+@junit_overwrite_option
 @click.option(
     "--update",
     "write_over",
@@ -65,6 +71,7 @@ from dogbot_logtool.errors import CallError
     is_flag=True,
     help="Compare how the robot walks in two logs, or groups of logs: which figures differ?",
 )
+@tared_topic_options
 @json_option
 @quietness
 def compare(
@@ -74,7 +81,8 @@ def compare(
     rtol: float | None,
     tolerances: Path | None,
     ignore: tuple[str, ...],
-    topics: tuple[str, ...],
+    compared_topics: tuple[str, ...],
+    topics: "TopicOptions",
     max_differences: int,
     junit: Path | None,
     *,
@@ -99,52 +107,82 @@ def compare(
     1: some are missed or invented.
 
     With --gait, either side is a log, a directory, a glob or @LIST; its strides are compared figure
-    by figure, with intervals. Exit code 1: some differ, or the runs are not comparable.
+    by figure, with intervals. Exit code 1: some differ, or the runs are not comparable. Options of
+    the robot (--robot, --foot, --mass ...) say how logs are measured.
     """
-    from dogbot_logtool.commands.compare import compare as compare_files  # noqa: PLC0415
-    from dogbot_logtool.commands.compare import update  # noqa: PLC0415
     from dogbot_logtool.comparison.event_files import is_event_file  # noqa: PLC0415
+    from dogbot_logtool.pipeline.options import CompareOptions, TopicOptions  # noqa: PLC0415
+
+    of_messages = {
+        "--rtol": rtol is not None,
+        "--tolerances": tolerances is not None,
+        "--ignore": ignore,
+        "--topics": compared_topics,
+        "--junit": junit is not None,
+    }
+    if is_event_file(expected):
+        others = {**of_messages, "--gait": by_gait, "--update": write_over}
+        _refuse(f"{expected} holds labelled events", others)
+        _compare_events(expected, actual, atol, topics, as_json=as_json, quiet=quiet)
+    others = {"--atol": atol is not None, **of_messages}
+    if by_gait:
+        _refuse("--gait compares figures of strides", {**others, "--update": write_over})
+        _compare_gait(expected, actual, topics, as_json=as_json, quiet=quiet, verbose=verbose)
+    if topics != TopicOptions():
+        raise CallError(
+            "--robot, --odom-topic, --foot, --mass and --tare say how logs are measured: they go "
+            "with --gait and with labelled events"
+        )
+    if write_over:
+        _refuse("--update writes the whole file", {**others, "--json": as_json})
+        _update(expected, actual)
+    options = CompareOptions(atol, rtol, tolerances, ignore, compared_topics, max_differences)
+    _compare_messages(
+        expected, actual, options, junit, overwrite=overwrite, as_json=as_json, quiet=quiet
+    )
+
+
+def _refuse(why: str, options: Mapping[str, object]) -> None:
+    """Refuse options that have no meaning with another one.
+
+    Raises:
+        CallError: one is given.
+    """
+    for option in (name for name, given in options.items() if given):
+        raise CallError(f"{why}: {option} has no meaning with it")
+
+
+def _update(expected: Path, actual: Path) -> NoReturn:
+    """Write one file over the other, and say what changed; exit."""
+    from dogbot_logtool.commands.compare import update  # noqa: PLC0415
+
+    for line in update(expected, actual).lines or ("nothing changed",):
+        click.echo(line)
+    sys.exit(0)
+
+
+def _compare_messages(
+    expected: Path,
+    actual: Path,
+    options: "CompareOptions",
+    junit: Path | None,
+    *,
+    overwrite: bool,
+    as_json: bool,
+    quiet: bool,
+) -> NoReturn:
+    """Compare two logs, or two `stats --json` files, field by field; exit."""
+    from dogbot_logtool.commands.compare import compare as compare_files  # noqa: PLC0415
     from dogbot_logtool.io.output import whole_file  # noqa: PLC0415
     from dogbot_logtool.io.printable import printable  # noqa: PLC0415
     from dogbot_logtool.io.targets import refuse_bad_report  # noqa: PLC0415
-    from dogbot_logtool.pipeline.options import CompareOptions  # noqa: PLC0415
     from dogbot_logtool.report.comparison_json import comparison_json  # noqa: PLC0415
     from dogbot_logtool.report.comparison_text import show_comparison  # noqa: PLC0415
     from dogbot_logtool.report.console import results  # noqa: PLC0415
     from dogbot_logtool.report.junit import junit_xml  # noqa: PLC0415
 
-    if is_event_file(expected):
-        no_meaning = {
-            "--rtol": rtol is not None,
-            "--tolerances": tolerances is not None,
-            "--ignore": ignore,
-            "--topics": topics,
-            "--junit": junit is not None,
-            "--gait": by_gait,
-            "--update": write_over,
-        }
-        _refuse(f"{expected} holds labelled events", no_meaning)
-        _compare_events(expected, actual, atol, as_json=as_json, quiet=quiet)
-    others = {
-        "--atol": atol is not None,
-        "--rtol": rtol is not None,
-        "--tolerances": tolerances is not None,
-        "--ignore": ignore,
-        "--topics": topics,
-        "--junit": junit is not None,
-    }
-    if by_gait:
-        _refuse("--gait compares figures of strides", {**others, "--update": write_over})
-        _compare_gait(expected, actual, as_json=as_json, quiet=quiet, verbose=verbose)
-    if write_over:
-        _refuse("--update writes the whole file", {**others, "--json": as_json})
-        done = update(expected, actual)
-        for line in done.lines or ("nothing changed",):
-            click.echo(line)
-        return
     if junit is not None:
         refuse_bad_report(junit, (expected, actual), overwrite=overwrite)
-    options = CompareOptions(atol, rtol, tolerances, ignore, topics, max_differences)
     comparison = compare_files(expected, actual, options)
     if junit is not None:
         with whole_file(junit, overwrite=overwrite) as file:
@@ -158,24 +196,20 @@ def compare(
     sys.exit(comparison.exit_code)
 
 
-def _refuse(why: str, options: Mapping[str, object]) -> None:
-    """Refuse options that have no meaning with another one.
-
-    Raises:
-        CallError: one is given.
-    """
-    for option in (name for name, given in options.items() if given):
-        raise CallError(f"{why}: {option} has no meaning with it")
-
-
 def _compare_events(
-    labels: Path, actual: Path, atol: float | None, *, as_json: bool, quiet: bool
+    labels: Path,
+    actual: Path,
+    atol: float | None,
+    topics: "TopicOptions",
+    *,
+    as_json: bool,
+    quiet: bool,
 ) -> NoReturn:
     """Match labelled events with those that are found; exit."""
     from dogbot_logtool.commands.compare_events import compare_events  # noqa: PLC0415
     from dogbot_logtool.comparison.labelled_events import WITHIN_S  # noqa: PLC0415
     from dogbot_logtool.io.plain_json import to_json  # noqa: PLC0415
-    from dogbot_logtool.pipeline.options import StatsOptions, TopicOptions  # noqa: PLC0415
+    from dogbot_logtool.pipeline.options import StatsOptions  # noqa: PLC0415
     from dogbot_logtool.report.console import results  # noqa: PLC0415
     from dogbot_logtool.report.event_matches import (  # noqa: PLC0415
         event_matches_json,
@@ -183,7 +217,7 @@ def _compare_events(
     )
 
     within_s = WITHIN_S if atol is None else atol
-    matches = compare_events(labels, actual, within_s, StatsOptions(TopicOptions()))
+    matches = compare_events(labels, actual, within_s, StatsOptions(topics))
     if as_json:
         click.echo(to_json(event_matches_json(matches, within_s), indent=2))
     elif not quiet:
@@ -192,14 +226,20 @@ def _compare_events(
 
 
 def _compare_gait(
-    expected: Path, actual: Path, *, as_json: bool, quiet: bool, verbose: bool
+    expected: Path,
+    actual: Path,
+    topics: "TopicOptions",
+    *,
+    as_json: bool,
+    quiet: bool,
+    verbose: bool,
 ) -> NoReturn:
     """Compare how the robot walks on either side; exit."""
     from dogbot_logtool.cli.options import jobs_or_cores  # noqa: PLC0415
     from dogbot_logtool.cli.two_sides import exit_code_of, measured_side  # noqa: PLC0415
     from dogbot_logtool.commands.compare_gait import compare_gait  # noqa: PLC0415
     from dogbot_logtool.io.plain_json import to_json  # noqa: PLC0415
-    from dogbot_logtool.pipeline.options import StatsOptions, TopicOptions  # noqa: PLC0415
+    from dogbot_logtool.pipeline.options import StatsOptions  # noqa: PLC0415
     from dogbot_logtool.report.console import results  # noqa: PLC0415
     from dogbot_logtool.report.gait_comparison import (  # noqa: PLC0415
         gait_comparison_json,
@@ -207,7 +247,7 @@ def _compare_gait(
     )
     from dogbot_logtool.run.inputs import find_logs  # noqa: PLC0415
 
-    options = StatsOptions(TopicOptions(), jobs=jobs_or_cores(None))
+    options = StatsOptions(topics, jobs=jobs_or_cores(None))
     sides = [
         measured_side(find_logs((str(word),)), options, quiet=quiet) for word in (expected, actual)
     ]

@@ -16,12 +16,10 @@ from dogbot_logtool.cli.options import (
     logs_argument,
     number,
     overwrite_option,
-    parse_topics,
     quietness,
     scheduler_option,
-    tare_option,
+    tared_topic_options,
     time_range,
-    topic_options,
     wrench_frame_option,
 )
 from dogbot_logtool.cli.outcomes import Outcomes
@@ -29,6 +27,7 @@ from dogbot_logtool.core.scene.styles import ARROW_STYLES, DEFAULT_STYLE, ArrowS
 from dogbot_logtool.writer.encodings.registry import DEFAULT_ENCODING, ENCODINGS, OutputEncoding
 
 if TYPE_CHECKING:
+    from dogbot_logtool.pipeline.options import TopicOptions
     from dogbot_logtool.results import Conversion
 
 _NO_SUPPORT: Final = ", ".join(
@@ -68,8 +67,7 @@ def _summaries(entries: Iterable[ArrowStyle | OutputEncoding]) -> str:
 @click.option(
     "--copy/--no-copy", default=True, show_default=True, help="Copy the recorded messages too."
 )
-@topic_options
-@tare_option
+@tared_topic_options
 @wrench_frame_option
 @click.option(
     "--topics",
@@ -140,11 +138,7 @@ def _summaries(entries: Iterable[ArrowStyle | OutputEncoding]) -> str:
 def convert(
     words: tuple[str, ...],
     output: str | None,
-    robot: str | None,
-    odom_topic: str | None,
-    feet: tuple[str, ...],
-    mass_kg: float | None,
-    tares: tuple[str, ...],
+    topics: "TopicOptions",
     jobs: int | None,
     scheduler: str | None,
     *,
@@ -162,7 +156,6 @@ def convert(
     from dogbot_logtool.run.choice import runner_for  # noqa: PLC0415
     from dogbot_logtool.run.inputs import find_logs  # noqa: PLC0415
 
-    topics = parse_topics(robot, odom_topic, feet, mass_kg, tares)
     log_set = find_logs(words, for_workers=scheduler is not None)
     log_set, topics = join_logs(log_set, topics, join=join)
     several = not join and may_be_several(words, log_set.paths)

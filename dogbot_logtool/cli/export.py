@@ -1,8 +1,9 @@
 """The words of `export`."""
 
 import sys
+from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, BinaryIO
 
 import click
 
@@ -10,21 +11,17 @@ from dogbot_logtool.cli.options import (
     jobs_option,
     jobs_or_cores,
     logs_argument,
-    measuring_options,
     output_name,
     overwrite_option,
-    parse_topics,
     quietness,
-    tare_option,
-    time_range,
-    topic_options,
-    wrench_frame_option,
+    stats_options,
 )
 from dogbot_logtool.cli.outcomes import Outcomes
 from dogbot_logtool.errors import CallError
 
 if TYPE_CHECKING:
-    from dogbot_logtool.api.export import Export
+    from dogbot_logtool.api.export import Export, ExportLabels
+    from dogbot_logtool.pipeline.options import StatsOptions
     from dogbot_logtool.run.inputs import LogSet
 
 _STDOUT = "-"
@@ -44,13 +41,10 @@ _STDOUT = "-"
     "--output",
     default=_STDOUT,
     metavar="FILE",
-    help="File that ends in .csv, .parquet, .arrow or .feather; default: CSV on stdout.",
+    help="File that ends in .csv, .parquet, .arrow or .feather; for the events of one log also "
+    ".tsv (BIDS) or .yaml (EUROBENCH). Default: CSV on stdout.",
 )
-@topic_options
-@tare_option
-@wrench_frame_option
-@measuring_options
-@time_range
+@stats_options
 @jobs_option
 @overwrite_option
 @quietness
@@ -58,17 +52,12 @@ def export(
     words: tuple[str, ...],
     table: str,
     output: str,
-    robot: str | None,
-    odom_topic: str | None,
-    feet: tuple[str, ...],
-    mass_kg: float | None,
-    tares: tuple[str, ...],
+    measuring: "StatsOptions",
     jobs: int | None,
     *,
     overwrite: bool,
     quiet: bool,
     verbose: bool,
-    **options: Any,  # noqa: ANN401 - click's words go straight into the dataclass
 ) -> None:
     r"""Write strides, stances, events, poses or contact samples as a table.
 
@@ -81,13 +70,11 @@ def export(
     """
     from dogbot_logtool.api.export import Export  # noqa: PLC0415
     from dogbot_logtool.io.output import refuse_bad_target, whole_file  # noqa: PLC0415
-    from dogbot_logtool.pipeline.options import StatsOptions  # noqa: PLC0415
     from dogbot_logtool.report.table_file import table_file  # noqa: PLC0415
     from dogbot_logtool.run.inputs import find_logs  # noqa: PLC0415
 
     del verbose
-    topics = parse_topics(robot, odom_topic, feet, mass_kg, tares)
-    chosen = StatsOptions(topics=topics, jobs=jobs_or_cores(jobs), **options)
+    chosen = replace(measuring, jobs=jobs_or_cores(jobs))
     log_set = find_logs(words)
     outcomes = Outcomes(quiet=quiet)
     outcomes.mention_left_out(log_set)
@@ -101,13 +88,38 @@ def export(
         refuse_bad_target(target, log, overwrite=overwrite)
     written: list[int] = []
     with whole_file(target, overwrite=overwrite, is_wanted=lambda: bool(written)) as file:
-        work = Export(chosen, table, table_file(target.name, file))
+        work = _work(chosen, table, target, file, log_set)
         written.extend(_run(work, log_set, outcomes))
-        work.file.finish()
+        work.finish()
     outcomes.finish(as_json=False)
 
 
-def _run(work: "Export", log_set: "LogSet", outcomes: Outcomes) -> list[int]:
+def _work(
+    options: "StatsOptions", table: str, target: Path, file: BinaryIO, log_set: "LogSet"
+) -> "Export | ExportLabels":
+    """Return what writes the table of each log in the format that the file's name tells.
+
+    Raises:
+        CallError: the name tells none, or one that cannot hold what is asked for.
+    """
+    from dogbot_logtool.api.export import Export, ExportLabels  # noqa: PLC0415
+    from dogbot_logtool.report.event_files import LABELLED  # noqa: PLC0415
+    from dogbot_logtool.report.table_file import table_file  # noqa: PLC0415
+
+    suffix = target.suffix.lower()
+    if suffix not in LABELLED:
+        return Export(options, table, table_file(target.name, file))
+    if table != "events":
+        raise CallError(f"{target}: {suffix} holds events only: --table events")
+    if (count := len(log_set.paths)) != 1:
+        raise CallError(
+            f"{target}: {suffix} holds the events of one log, and there are {count}: "
+            "export them one by one, or all to .csv"
+        )
+    return ExportLabels(options, suffix, file)
+
+
+def _run(work: "Export | ExportLabels", log_set: "LogSet", outcomes: Outcomes) -> list[int]:
     """Export all logs, one after the other; return the exit codes of those that were measured."""
     from dogbot_logtool.run.runner import SerialRunner  # noqa: PLC0415
 

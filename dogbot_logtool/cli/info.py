@@ -1,6 +1,7 @@
 """The words of `info`."""
 
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
 
@@ -13,12 +14,14 @@ from dogbot_logtool.cli.options import (
     logs_argument,
     output_file,
     overwrite_option,
-    parse_topics,
     scheduler_option,
     topic_options,
 )
 from dogbot_logtool.cli.outcomes import Outcomes
 from dogbot_logtool.errors import CallError
+
+if TYPE_CHECKING:
+    from dogbot_logtool.pipeline.options import TopicOptions
 
 
 @click.command()
@@ -45,10 +48,7 @@ from dogbot_logtool.errors import CallError
 @json_option
 def info(
     words: tuple[str, ...],
-    robot: str | None,
-    odom_topic: str | None,
-    feet: tuple[str, ...],
-    mass_kg: float | None,
+    topics: "TopicOptions",
     output: Path | None,
     jobs: int | None,
     scheduler: str | None,
@@ -71,9 +71,8 @@ def info(
 
     if dot and as_json:
         raise CallError("--dot and --json: choose one")
-    options = parse_topics(robot, odom_topic, feet, mass_kg)
     log_set = find_logs(words, for_workers=scheduler is not None)
-    log_set, options = join_logs(log_set, options, join=join)
+    log_set, topics = join_logs(log_set, topics, join=join)
     if output is not None:
         if not dot:
             raise CallError("-o says where --dot writes; without --dot results go to stdout")
@@ -81,7 +80,7 @@ def info(
         for source in log_set.paths:
             refuse_bad_target(output, source, overwrite=overwrite)
     runner = runner_for(len(log_set.logs), jobs_or_cores(jobs), scheduler)
-    describe = Describe(options, all_frames=all_frames or dot, jobs=runner.jobs)
+    describe = Describe(topics, all_frames=all_frames or dot, jobs=runner.jobs)
     outcomes = Outcomes()
     outcomes.mention_left_out(log_set)
     graphs: list[str] = []

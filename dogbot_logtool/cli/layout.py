@@ -1,12 +1,16 @@
 """The words of `layout`."""
 
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
 
-from dogbot_logtool.cli.options import output_file, overwrite_option, parse_topics, topic_options
+from dogbot_logtool.cli.options import output_file, overwrite_option, topic_options
 from dogbot_logtool.errors import CallError
 from dogbot_logtool.report.layouts.viewers import DEFAULT_VIEWER, VIEWERS
+
+if TYPE_CHECKING:
+    from dogbot_logtool.pipeline.options import TopicOptions
 
 
 @click.command()
@@ -25,10 +29,7 @@ def layout(
     log: Path | None,
     output: Path | None,
     viewer: str,
-    robot: str | None,
-    odom_topic: str | None,
-    feet: tuple[str, ...],
-    mass_kg: float | None,
+    topics: "TopicOptions",
     *,
     overwrite: bool,
 ) -> None:
@@ -41,13 +42,12 @@ def layout(
     from dogbot_logtool.io.targets import refuse_other_format  # noqa: PLC0415
 
     chosen = VIEWERS[viewer]
-    options = parse_topics(robot, odom_topic, feet, mass_kg)
     if output is None and not chosen.is_text:
         raise CallError(f"--viewer {viewer}: is not text; name a file with -o, VIEW{chosen.suffix}")
     if output is not None:
         refuse_other_format(output, chosen.suffix)
         refuse_bad_target(output, log, overwrite=overwrite)
-    content = chosen.layout(view_of(log, options))
+    content = chosen.layout(view_of(log, topics))
     if output is None:
         click.echo(content.decode(), nl=False)
         return

@@ -4,6 +4,7 @@ import math
 import os
 from collections.abc import Callable
 from dataclasses import replace
+from functools import wraps
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final, TypeVar
 
@@ -19,6 +20,11 @@ LONGEST_S: Final = 1e9
 """No log lasts longer."""
 
 _FEWEST_JOINED: Final = 2
+_MEASURING: Final = (
+    *("topics", "wrench_frame", "forward_axis", "contact_on_n", "contact_off_n", "debounce_s"),
+    *("time_source", "start_s", "end_s"),
+)
+"""What `stats_options` adds; fields of `StatsOptions`."""
 _STRONGEST_N: Final = 1e6
 """N; no sensor reads more without load."""
 
@@ -99,6 +105,12 @@ scheduler_option: Final = click.option(
     metavar="ADDRESS",
     help="Have the workers of dask.distributed do it; such as tcp://host:8786.",
 )
+junit_option: Final = click.option(
+    "--junit", type=output_file, metavar="FILE", help="Write JUnit XML as well, to a new file."
+)
+junit_overwrite_option: Final = click.option(
+    "--overwrite", is_flag=True, help="Replace the file of --junit if it exists already."
+)
 overwrite_option: Final = click.option(
     "--overwrite", is_flag=True, help="Replace the output if it exists."
 )
@@ -133,7 +145,7 @@ def time_range(command: Command) -> Command:
     return start(end(command))
 
 
-def measuring_options(command: Command) -> Command:
+def _measuring_options(command: Command) -> Command:
     """Add what decides the figures: --forward-axis, --contact-on and so on."""
     axis = click.option(
         "--forward-axis",
@@ -169,8 +181,8 @@ def measuring_options(command: Command) -> Command:
     return axis(contact_on(contact_off(debounce(clock(command)))))
 
 
-def topic_options(command: Command) -> Command:
-    """Add --robot, --odom-topic, --foot and --mass."""
+def topic_options(command: Callable[..., Any]) -> Callable[..., Any]:
+    """Add --robot, --odom-topic, --foot and --mass; the command gets `TopicOptions` as `topics`."""
     robot = click.option(
         "--robot",
         metavar="NAME|FILE.toml",
@@ -193,11 +205,22 @@ def topic_options(command: Command) -> Command:
     mass = click.option(
         "--mass", "mass_kg", type=number(1e-3, 1e6), metavar="KG", help="Mass of the robot."
     )
-    return robot(odometry(feet(mass(command))))
+
+    @wraps(command)
+    def with_topics(
+        robot: str | None,
+        odom_topic: str | None,
+        feet: tuple[str, ...],
+        mass_kg: float | None,
+        **others: Any,  # noqa: ANN401 - click's words
+    ) -> object:
+        return command(topics=_parse_topics(robot, odom_topic, feet, mass_kg), **others)
+
+    return robot(odometry(feet(mass(with_topics))))
 
 
-def tare_option(command: Command) -> Command:
-    """Add --tare."""
+def tared_topic_options(command: Callable[..., Any]) -> Callable[..., Any]:
+    """Add `topic_options` and --tare."""
     tare = click.option(
         "--tare",
         "tares",
@@ -206,7 +229,29 @@ def tare_option(command: Command) -> Command:
         help="Force in N that an unloaded sensor reads; may be given several times; none: "
         "offsets stay in. Default: the robot's, else estimated from the log.",
     )
-    return tare(command)
+
+    @wraps(command)
+    def with_tares(
+        topics: "TopicOptions",
+        tares: tuple[str, ...],
+        **others: Any,  # noqa: ANN401 - click's words
+    ) -> object:
+        return command(topics=_with_tares(topics, tares), **others)
+
+    return topic_options(tare(with_tares))
+
+
+def stats_options(command: Callable[..., Any]) -> Callable[..., Any]:
+    """Add all that decides the figures; the command gets `StatsOptions` as `measuring`."""
+
+    @wraps(command)
+    def with_options(**words: Any) -> object:  # noqa: ANN401 - click's words
+        from dogbot_logtool.pipeline.options import StatsOptions  # noqa: PLC0415
+
+        measuring = StatsOptions(**{name: words.pop(name) for name in _MEASURING})
+        return command(measuring=measuring, **words)
+
+    return tared_topic_options(wrench_frame_option(_measuring_options(time_range(with_options))))
 
 
 def join_logs(
@@ -220,12 +265,8 @@ def join_logs(
     return replace(log_set, logs=(first,)), replace(topics, joined=joined)
 
 
-def parse_topics(
-    robot: str | None,
-    odom_topic: str | None,
-    feet: tuple[str, ...],
-    mass_kg: float | None,
-    tares: tuple[str, ...] = (),
+def _parse_topics(
+    robot: str | None, odom_topic: str | None, feet: tuple[str, ...], mass_kg: float | None
 ) -> "TopicOptions":
     """Check the words of `topic_options`.
 
@@ -243,17 +284,22 @@ def parse_topics(
             raise CallError(f"--foot {foot}: a foot's name has letters, digits and _ only")
         if foot_topics.setdefault(name, topic) != topic or feet.count(foot) > 1:
             raise CallError(f"--foot {name}: is given twice; a foot has one topic")
+    return TopicOptions(robot, odom_topic, foot_topics, mass_kg)
+
+
+def _with_tares(topics: "TopicOptions", tares: tuple[str, ...]) -> "TopicOptions":
+    """Add the words of --tare.
+
+    Raises:
+        CallError: they are no FOOT=FX,FY,FZ, or ``none`` stands beside others.
+    """
+    if not tares:
+        return topics
     given = tuple(tare for tare in tares if tare != "none")
     if given and len(given) < len(tares):
         raise CallError("--tare none: goes with no other --tare")
-    return TopicOptions(
-        robot,
-        odom_topic,
-        foot_topics,
-        mass_kg,
-        offsets_n=dict(_parse_tare(tare) for tare in given),
-        takes_offsets="none" not in tares,
-    )
+    offsets_n = dict(_parse_tare(tare) for tare in given)
+    return replace(topics, offsets_n=offsets_n, takes_offsets="none" not in tares)
 
 
 def _parse_tare(tare: str) -> tuple[str, tuple[float, float, float]]:

@@ -1,7 +1,8 @@
 """The words of `report`."""
 
 import sys
-from typing import TYPE_CHECKING, Any, NoReturn
+from dataclasses import replace
+from typing import TYPE_CHECKING, NoReturn
 
 import click
 
@@ -12,14 +13,9 @@ from dogbot_logtool.cli.options import (
     join_option,
     json_option,
     logs_argument,
-    measuring_options,
     overwrite_option,
-    parse_topics,
     quietness,
-    tare_option,
-    time_range,
-    topic_options,
-    wrench_frame_option,
+    stats_options,
 )
 from dogbot_logtool.cli.outcomes import Outcomes
 from dogbot_logtool.errors import CallError
@@ -44,11 +40,7 @@ if TYPE_CHECKING:
     help="Other logs (directory, glob, @LIST): one page shows both sides, and what differs; "
     "default: <log>.against.html here.",
 )
-@topic_options
-@tare_option
-@wrench_frame_option
-@measuring_options
-@time_range
+@stats_options
 @click.option(
     "--no-replay",
     "with_replay",
@@ -65,11 +57,7 @@ def report(
     words: tuple[str, ...],
     output: str | None,
     against: tuple[str, ...],
-    robot: str | None,
-    odom_topic: str | None,
-    feet: tuple[str, ...],
-    mass_kg: float | None,
-    tares: tuple[str, ...],
+    measuring: "StatsOptions",
     jobs: int | None,
     *,
     join: bool,
@@ -78,7 +66,6 @@ def report(
     as_json: bool,
     quiet: bool,
     verbose: bool,
-    **options: Any,  # noqa: ANN401 - click's words go straight into the dataclass
 ) -> None:
     """Write a page that shows what happened: the walk in 3D, gait, loads, path, what to doubt.
 
@@ -91,23 +78,21 @@ def report(
     require_libraries()
     from dogbot_logtool.commands.report import Reports  # noqa: PLC0415
     from dogbot_logtool.io.targets import may_be_several, output_at  # noqa: PLC0415
-    from dogbot_logtool.pipeline.options import StatsOptions  # noqa: PLC0415
     from dogbot_logtool.report.console import diagnostics  # noqa: PLC0415
     from dogbot_logtool.report.page.page_result import page_json, print_page  # noqa: PLC0415
     from dogbot_logtool.results import Page  # noqa: PLC0415
     from dogbot_logtool.run.inputs import find_logs  # noqa: PLC0415
     from dogbot_logtool.run.runner import SerialRunner  # noqa: PLC0415
 
-    topics = parse_topics(robot, odom_topic, feet, mass_kg, tares)
+    chosen = replace(measuring, jobs=jobs_or_cores(jobs))
     if against:
         if join:
             raise CallError("--join and --against: choose one")
-        chosen = StatsOptions(topics=topics, jobs=jobs_or_cores(jobs), **options)
         _report_against(words, against, output, chosen, overwrite=overwrite, as_json=as_json,
                         quiet=quiet)  # fmt: skip
     console = diagnostics()
-    log_set, topics = join_logs(find_logs(words), topics, join=join)
-    chosen = StatsOptions(topics=topics, jobs=jobs_or_cores(jobs), **options)
+    log_set, topics = join_logs(find_logs(words), chosen.topics, join=join)
+    chosen = replace(chosen, topics=topics)
     several = not join and may_be_several(words, log_set.paths)
     where = output_at(output, ".report.html", several=several)
     reports = Reports(log_set.paths, where, chosen, overwrite=overwrite, with_replay=with_replay)

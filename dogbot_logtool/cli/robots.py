@@ -11,7 +11,6 @@ from dogbot_logtool.cli.options import (
     json_option,
     output_file,
     overwrite_option,
-    parse_topics,
     topic_options,
 )
 from dogbot_logtool.errors import CallError
@@ -34,10 +33,7 @@ def robots(
     name: str | None,
     log: Path | None,
     output: Path | None,
-    robot: str | None,
-    odom_topic: str | None,
-    feet: tuple[str, ...],
-    mass_kg: float | None,
+    topics: "TopicOptions",
     *,
     overwrite: bool,
     as_json: bool,
@@ -50,7 +46,7 @@ def robots(
     from dogbot_logtool.robot import known_robots, load_robot, robot_toml  # noqa: PLC0415
 
     if name == "new" and log is not None:
-        _new(log, output, parse_topics(robot, odom_topic, feet, mass_kg), overwrite=overwrite)
+        _new(log, output, topics, overwrite=overwrite)
         return
     if name == "new":
         raise CallError("robots new: name the log, as in 'dogbot-logtool robots new walk.mcap'")

@@ -4,7 +4,7 @@ import sys
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import click
 
@@ -16,17 +16,12 @@ from dogbot_logtool.cli.options import (
     join_option,
     json_option,
     logs_argument,
-    measuring_options,
     output_file,
     output_name,
     overwrite_option,
-    parse_topics,
     quietness,
     scheduler_option,
-    tare_option,
-    time_range,
-    topic_options,
-    wrench_frame_option,
+    stats_options,
 )
 from dogbot_logtool.cli.outcomes import Outcomes
 from dogbot_logtool.errors import CallError
@@ -34,18 +29,14 @@ from dogbot_logtool.io.printable import printable
 
 if TYPE_CHECKING:
     from dogbot_logtool.io.storage import Location
-    from dogbot_logtool.pipeline.options import PlotOptions
+    from dogbot_logtool.pipeline.options import PlotOptions, StatsOptions
     from dogbot_logtool.results import Figures
 
 
 @click.command()
 @logs_argument
 @join_option
-@topic_options
-@tare_option
-@wrench_frame_option
-@measuring_options
-@time_range
+@stats_options
 @click.option(
     "--window",
     metavar="FROM:TO",
@@ -83,11 +74,7 @@ if TYPE_CHECKING:
 @quietness
 def stats(
     words: tuple[str, ...],
-    robot: str | None,
-    odom_topic: str | None,
-    feet: tuple[str, ...],
-    mass_kg: float | None,
-    tares: tuple[str, ...],
+    measuring: "StatsOptions",
     window: str | None,
     events: Path | None,
     parquet: str | None,
@@ -102,13 +89,11 @@ def stats(
     as_json: bool,
     quiet: bool,
     verbose: bool,
-    **options: Any,  # noqa: ANN401 - click's words go straight into the dataclass
 ) -> None:
     """Measure a walk: which gait, how loaded, and can the recording be trusted."""
     from dogbot_logtool.commands.tasks import Measure  # noqa: PLC0415
     from dogbot_logtool.core.contact.curves import CurveDetail  # noqa: PLC0415
     from dogbot_logtool.io.storage import from_root, location  # noqa: PLC0415
-    from dogbot_logtool.pipeline.options import StatsOptions  # noqa: PLC0415
     from dogbot_logtool.report.stats_csv import write_strides  # noqa: PLC0415
     from dogbot_logtool.run.choice import runner_for  # noqa: PLC0415
     from dogbot_logtool.run.inputs import find_logs  # noqa: PLC0415
@@ -117,10 +102,8 @@ def stats(
     _refuse_both(("--join", join), ("--parquet", parquet is not None))
     shown = _parse_window(window)
     log_set = find_logs(words, for_workers=scheduler is not None)
-    topics = parse_topics(robot, odom_topic, feet, mass_kg, tares)
-    log_set, topics = join_logs(log_set, topics, join=join)
-    curves = CurveDetail() if plot else None
-    chosen = StatsOptions(topics=topics, curves=curves, **options)
+    log_set, topics = join_logs(log_set, measuring.topics, join=join)
+    chosen = replace(measuring, topics=topics, curves=CurveDetail() if plot else None)
     drawing = _plot_options(plot, plot_size, shown, log_set.paths, overwrite=overwrite)
     if overwrite and plot is None and events is None:
         raise CallError("--overwrite goes with --plot and --events")

@@ -33,7 +33,6 @@ def write_events_file(target: Path, document: Json, *, overwrite: bool) -> None:
     Raises:
         LogtoolError: it cannot be written, or the format cannot hold the events.
     """
-    feet = {name: foot["place"] for name, foot in document["feet"].items()}
-    text = event_file(target.suffix.lower(), document["events"], feet)
+    text = event_file(target.suffix.lower(), document)
     with whole_file(target, overwrite=overwrite) as file:
         file.write(text.encode())

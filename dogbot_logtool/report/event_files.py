@@ -13,24 +13,27 @@ from dogbot_logtool.report.stats_csv import event_cells, write_events
 
 BIDS_COLUMNS: Final = {"onset_s": "onset", "duration_s": "duration", "type": "trial_type"}
 """What BIDS calls our columns; the others keep their names."""
+LABELLED: Final = (".tsv", ".yaml", ".yml")
+"""Suffixes of formats that hold the events of one log only."""
 _UNKNOWN: Final = "n/a"
 
 Places = Mapping[str, Sequence[str] | None]
 """Position of the leg of each foot, by its name; None where it is not known."""
 
 
-def event_file(suffix: str, events: Sequence[Json], feet: Places) -> str:
+def event_file(suffix: str, document: Json) -> str:
     """Return the text of a file of events.
 
     Args:
         suffix: of the file's name: ``.tsv`` BIDS, ``.yaml`` or ``.yml`` EUROBENCH, else our CSV.
-        events: rows of the log's JSON.
-        feet: of the robot.
+        document: the log's JSON.
 
     Raises:
         LogError: the format cannot hold the events of these feet.
     """
+    events: Sequence[Json] = document["events"]
     if suffix in {".yaml", ".yml"}:
+        feet = {name: foot["place"] for name, foot in document["feet"].items()}
         return eurobench_yaml(events, feet)
     text = io.StringIO()
     if suffix == ".tsv":

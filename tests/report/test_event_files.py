@@ -11,6 +11,10 @@ from dogbot_logtool.report.event_files import event_file
 from dogbot_logtool.report.figures.events import EVENT_COLUMNS
 
 
+def document(feet: dict[str, Any]) -> dict[str, Any]:
+    return {"events": EVENTS, "feet": {name: {"place": place} for name, place in feet.items()}}
+
+
 def event(onset_s: float, kind: str, foot: str | None = None, **more: object) -> dict[str, Any]:
     return {**dict.fromkeys(EVENT_COLUMNS), "onset_s": onset_s, "type": kind, "foot": foot, **more}
 
@@ -25,7 +29,7 @@ EVENTS = [
 
 
 def test_bids_has_its_columns_and_says_what_is_not_known() -> None:
-    text = event_file(".tsv", EVENTS, {"left_foot": None, "right_foot": None})
+    text = event_file(".tsv", document({"left_foot": None, "right_foot": None}))
     rows = list(csv.DictReader(text.splitlines(), delimiter="\t"))
     assert list(rows[0])[:3] == ["onset", "duration", "trial_type"]
     assert [float(row["onset"]) for row in rows] == [0.5, 1.0, 1.25, 1.5, 2.5]
@@ -49,7 +53,7 @@ def test_bids_has_its_columns_and_says_what_is_not_known() -> None:
     ],
 )
 def test_eurobench_has_lists_of_seconds(suffix: str, feet: dict[str, Any]) -> None:
-    assert YAML(typ="safe").load(event_file(suffix, EVENTS, feet)) == {
+    assert YAML(typ="safe").load(event_file(suffix, document(feet))) == {
         "l_heel_strike": [0.5, 2.5],
         "l_toe_off": [1.0],
         "r_heel_strike": [1.25],
@@ -60,4 +64,4 @@ def test_eurobench_has_lists_of_seconds(suffix: str, feet: dict[str, Any]) -> No
 @pytest.mark.parametrize("feet", [{"a": None, "b": None}, {"left": None}, {}])
 def test_eurobench_cannot_hold_other_feet(feet: dict[str, None]) -> None:
     with pytest.raises(LogError, match=r"a left and a right foot.*\.tsv or \.csv"):
-        event_file(".yaml", EVENTS, feet)
+        event_file(".yaml", document(feet))
