@@ -12,7 +12,8 @@ from dogbot_logtool.pipeline.frame_findings import frame_findings
 from dogbot_logtool.pipeline.frames import Frames, read_frames
 from dogbot_logtool.pipeline.options import ConvertOptions, TopicOptions
 from dogbot_logtool.pipeline.plan import make_plan
-from dogbot_logtool.pipeline.probe import Probe, evidence_findings, probe_log
+from dogbot_logtool.pipeline.probe import Probe, probe_log
+from dogbot_logtool.pipeline.probe_findings import probe_findings
 from dogbot_logtool.pipeline.selection import Selection, select_topics
 from dogbot_logtool.reader.containers.log import Log
 from dogbot_logtool.reader.messages.bases.poses import ODOMETRY
@@ -102,7 +103,7 @@ def _outlook(
 ) -> tuple[list[Finding], tuple[str, str] | None]:
     """Return the findings, and the transform that `convert` would add."""
     if not selection.odometry and not selection.contacts:
-        return [*selection.findings, *evidence_findings(selection, probe)], None
+        return [*selection.findings, *probe_findings(selection, probe)], None
     plan = make_plan(log, selection, probe, ConvertOptions())
     added = (plan.world_frame, plan.base_frame) if plan.write_tf else None
     return list(plan.findings), added

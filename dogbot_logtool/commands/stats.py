@@ -23,7 +23,8 @@ from dogbot_logtool.pipeline.batches import BatchReader
 from dogbot_logtool.pipeline.feet.plans import planned_feet
 from dogbot_logtool.pipeline.measuring import BatchMeasurer, MeasuredBatch
 from dogbot_logtool.pipeline.options import StatsOptions
-from dogbot_logtool.pipeline.probe import Probe, evidence_findings, frame_names, probe_log
+from dogbot_logtool.pipeline.probe import Probe, frame_names, probe_log
+from dogbot_logtool.pipeline.probe_findings import probe_findings
 from dogbot_logtool.pipeline.selection import Selection, nothing_to_do, select_topics
 from dogbot_logtool.pipeline.sensors import LearntSensors, learn_sensors
 from dogbot_logtool.pipeline.time_span import TimeLimits, refuse_empty_span, time_limits
@@ -230,7 +231,7 @@ class _Feed:
             self.accumulator.add_contacts(samples)
         losses = [*self.losses, *malformed_messages(log.channels, self.malformed)]
         # The figures have a finding of their own for each topic's stamps.
-        seen = [f for f in evidence_findings(selection, probe) if f.code != "W_ZERO_STAMPS"]
+        seen = [f for f in probe_findings(selection, probe) if f.code != "W_ZERO_STAMPS"]
         findings = [*selection.findings, *seen]
         if self.implausible:
             findings.append(warning("IMPLAUSIBLE", f"{self.implausible:,} {IMPLAUSIBLE}"))

@@ -19,7 +19,8 @@ from dogbot_logtool.finding import Finding, by_severity, note, warning
 from dogbot_logtool.pipeline.batches import BatchReader
 from dogbot_logtool.pipeline.copied_topics import channels_left_out, copy_findings
 from dogbot_logtool.pipeline.options import ConvertOptions
-from dogbot_logtool.pipeline.probe import Probe, evidence_findings, frame_names, usable_clock
+from dogbot_logtool.pipeline.probe import Probe, frame_names, usable_clock
+from dogbot_logtool.pipeline.probe_findings import probe_findings
 from dogbot_logtool.pipeline.robot_model.description import robot_description
 from dogbot_logtool.pipeline.robot_model.joint_motion import JointMotion
 from dogbot_logtool.pipeline.selection import Selection, nothing_to_do
@@ -125,7 +126,7 @@ def make_plan(log: Log, selection: Selection, probe: Probe, options: ConvertOpti
         raise LogError(nothing_to_do(log, selection))
     selection = selection.without_forces(probe.forceless)
     robot = selection.robot
-    findings = [*selection.findings, *evidence_findings(selection, probe)]
+    findings = [*selection.findings, *probe_findings(selection, probe)]
     world, base = frame_names(robot, probe)
     wrench_frame = _wrench_frame(probe, options)
     learnt = learn_sensors(log, selection, probe, options.topics)

@@ -7,7 +7,6 @@ for every command.
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from math import atan, degrees
 from typing import Final
 
 import numpy as np
@@ -27,7 +26,6 @@ from dogbot_logtool.core.geometry.blocks import concatenated
 from dogbot_logtool.core.geometry.clock import TimeSource
 from dogbot_logtool.core.load.loads import body_weight_n
 from dogbot_logtool.core.plausible import plausible_odometry
-from dogbot_logtool.finding import Finding, note, warning
 from dogbot_logtool.pipeline.chunks import spread_chunks
 from dogbot_logtool.pipeline.robot_model.skeleton import FramePose, Point
 from dogbot_logtool.pipeline.robot_model.soles import STANCE_SPREAD_M, SoleFinder, first_poses
@@ -358,60 +356,3 @@ def frame_names(robot: Robot, probe: Probe) -> tuple[str, str]:
 def _frame(recorded: tuple[str, ...], default: str) -> str:
     names = [name.lstrip("/") for name in recorded if name.strip("/")]
     return names[0] if names else default
-
-
-def evidence_findings(selection: Selection, probe: Probe) -> list[Finding]:
-    """Return what a user should know of what was seen."""
-    findings: list[Finding] = []
-    if probe.zero_stamps:
-        used = {c.topic for c in (*selection.odometry, *selection.contacts)}
-        everywhere = probe.zero_stamps >= used
-        topics = "everywhere" if everywhere else "on " + ", ".join(sorted(probe.zero_stamps))
-        text = f"header stamps are zero {topics}: log time is used instead"
-        findings.append(warning("ZERO_STAMPS", text))
-    if probe.slashed_frames:
-        frames = ", ".join(probe.slashed_frames)
-        text = f"frame ids begin with a slash, which viewers of today do not accept: {frames}"
-        findings.append(warning("SLASHED_FRAMES", text))
-    feet = range(len(selection.robot.feet))
-    if any(selection.sources_of(foot) and selection.knows_force(foot) for foot in feet):
-        findings.append(_wrench_frame_finding(probe))
-    if len(probe.world_frames) > 1 or len(probe.base_frames) > 1:
-        frames = ", ".join((*probe.world_frames, *probe.base_frames))
-        findings.append(warning("FRAMES_CHANGE", f"the odometry names several frames: {frames}"))
-    return findings
-
-
-def _wrench_frame_finding(probe: Probe) -> Finding:
-    seen = probe.wrench_frame
-    if seen.frame is WrenchFrame.UNKNOWN:
-        text = (
-            f"the frame of the wrenches is not known ({_evidence(seen)}): only magnitudes are "
-            "used; --wrench-frame says which"
-        )
-        return warning("WRENCH_FRAME_UNKNOWN", text)
-    if seen.frame is WrenchFrame.WORLD:
-        return note("WRENCH_FRAME_WORLD", f"wrenches are in the world frame ({_evidence(seen)})")
-    return note(
-        "WRENCH_FRAME_LINK",
-        f"wrenches are not in the world frame but in a link's ({_evidence(seen)})",
-    )
-
-
-def _evidence(seen: WrenchFrameEvidence) -> str:
-    """Return the numbers that decided the frame, in words."""
-    if seen.world is None:
-        if seen.frame is WrenchFrame.UNKNOWN:
-            return "too few loaded samples with normals were seen"
-        return "as their type promises"
-    text = f"as recorded, {_fit_text(seen.world)}"
-    if seen.link is not None:
-        text += f"; turned from the links' frames, {_fit_text(seen.link)}"
-    return f"{text}; {seen.samples} samples"
-
-
-def _fit_text(fit: FrameFit) -> str:
-    return (
-        f"{fit.in_cone:.0%} of the load lies within the friction cone and its sum leans "
-        f"{degrees(atan(fit.net_tilt)):.0f} degrees from the vertical"
-    )

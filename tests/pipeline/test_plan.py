@@ -11,7 +11,8 @@ from dogbot_logtool.errors import CallError, LogError
 from dogbot_logtool.finding import Severity, by_severity
 from dogbot_logtool.pipeline.options import ConvertOptions, TopicOptions
 from dogbot_logtool.pipeline.plan import Plan, make_plan, without_tf
-from dogbot_logtool.pipeline.probe import Probe, evidence_findings, probe_log
+from dogbot_logtool.pipeline.probe import Probe, probe_log
+from dogbot_logtool.pipeline.probe_findings import probe_findings
 from dogbot_logtool.pipeline.selection import Selection, select_topics
 from dogbot_logtool.reader.containers.log import Log
 from dogbot_logtool.reader.opening import open_log
@@ -184,7 +185,7 @@ def test_findings_are_told_by_what_was_seen(trot: Case) -> None:
         world_frames=("a", "b"),
         wrench_frame=UNKNOWN,
     )
-    found = {f.code: f for f in evidence_findings(trot.selection, trot.probe)}
+    found = {f.code: f for f in probe_findings(trot.selection, trot.probe)}
     assert set(found) == {
         "W_ZERO_STAMPS",
         "W_SLASHED_FRAMES",
