@@ -5,7 +5,7 @@ what the frames are called, whether the base has a parent already. They are made
 for every command.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Final
 
@@ -49,6 +49,9 @@ DEFAULT_WORLD: Final = "world"
 DEFAULT_BASE: Final = "base_link"
 _REGULAR: Final = 0.75
 """Share of messages that must have the usual lag. Only the last of each stance should not."""
+_BURST: Final = 0.5
+"""Messages that are logged in less than this part of the time between their stamps come in
+bursts."""
 _USUAL_INTERVAL_NS: Final = 10_000_000
 """Of a sensor that was hardly heard."""
 
@@ -71,6 +74,8 @@ class Probe:
     """Link that each foot's collision belongs to, in whose frame its wrenches may be."""
     intervals: Mapping[int, int]
     """ns between messages in contact, by foot, of the feet that are silent in swing."""
+    silence_clock: TimeSource
+    """Clock on which their silences are seen."""
     left_after_ns: int | None
     """See `FootChannels.left_after_ns`."""
     touching: frozenset[int]
@@ -170,7 +175,7 @@ class _Prober:
                 self._see_stamps(read.messages.channel, stamps)
             if read.source.silent_in_swing:
                 for foot in np.unique(samples.foot).tolist():
-                    steps = _steps(samples.log_time[samples.foot == foot], _begins(batch))
+                    steps = _steps(samples.pick(samples.foot == foot), _begins(batch))
                     self._steps.setdefault(foot, []).append(steps)
         for messages in transforms:
             self._see_frames(messages)
@@ -205,6 +210,8 @@ class _Prober:
     def probe(self, seen: int, chunks: int) -> Probe:
         """Sum up."""
         frames = self._world | self._base
+        steps = {foot: np.concatenate(parts) for foot, parts in sorted(self._steps.items())}
+        silence_clock = _silence_clock(steps.values())
         self._slashed.update(name for name in frames if name.startswith("/"))
         probe = Probe(
             wrench_frame=WrenchFrameEvidence(WrenchFrame.UNKNOWN),
@@ -217,7 +224,8 @@ class _Prober:
                 next(iter(names)) if len(names := self._links.get(foot, set())) == 1 else None
                 for foot in range(len(self._selection.robot.feet))
             ),
-            intervals={foot: _interval(steps) for foot, steps in sorted(self._steps.items())},
+            intervals={foot: _interval(each, silence_clock) for foot, each in steps.items()},
+            silence_clock=silence_clock,
             left_after_ns=left_after(self._timings),
             touching=frozenset(self._touching),
             contacts=concatenated(self._contacts),
@@ -331,17 +339,30 @@ def _begins(batch: Batch) -> Ints:
     return np.sort(batch.messages.log_time[first])
 
 
-def _steps(log_time: Ints, begins: Ints) -> Ints:
-    """Return the times, ns, from message to message within chunks: what lies between is unseen."""
-    chunk = np.searchsorted(begins, log_time, side="right")
-    steps = np.diff(log_time)
-    seen: Ints = steps[(steps > 0) & (np.diff(chunk) == 0)]
+def _steps(samples: Samples, begins: Ints) -> Ints:
+    """(n, 2) ns, the log time and the stamp's time from message to message within chunks.
+
+    What lies between chunks is unseen.
+    """
+    chunk = np.searchsorted(begins, samples.log_time, side="right")
+    steps = np.diff(np.column_stack([samples.log_time, samples.stamp]), axis=0)
+    seen: Ints = steps[np.diff(chunk) == 0]
     return seen
 
 
-def _interval(steps: list[Ints]) -> int:
-    """Return the median interval, ns."""
-    known = np.concatenate(steps)
+def _silence_clock(steps: Iterable[Ints]) -> TimeSource:
+    """Return the log's clock, or header stamps where messages are logged in bursts."""
+    log, stamp = np.concatenate([np.empty((0, 2), np.int64), *steps]).T
+    apart = stamp > 0
+    if not apart.any() or np.median(log[apart]) >= _BURST * np.median(stamp[apart]):
+        return TimeSource.LOG
+    return TimeSource.HEADER
+
+
+def _interval(steps: Ints, clock: TimeSource) -> int:
+    """Return the median interval on a clock, ns."""
+    on_clock = steps[:, 1 if clock is TimeSource.HEADER else 0]
+    known = on_clock[on_clock > 0]
     return int(np.median(known)) if len(known) else _USUAL_INTERVAL_NS
 
 

@@ -121,7 +121,7 @@ def learn_sensors(
             )
             for foot, level in enumerate(levels)
         ),
-        learn_silences(samples, probe.intervals),
+        learn_silences(samples, probe.intervals, probe.silence_clock),
         estimated,
     )
 

@@ -15,7 +15,7 @@ import numpy as np
 from dogbot_logtool.core.contact.contacts import Samples
 from dogbot_logtool.core.geometry.arrays import Flags, Floats, Ints
 from dogbot_logtool.core.geometry.blocks import concatenated
-from dogbot_logtool.core.geometry.clock import SILENCE_NS
+from dogbot_logtool.core.geometry.clock import SILENCE_NS, Stamped, TimeSource
 
 MISSED_INTERVALS: Final = 2.5
 """A silence of more than so many intervals is a swing."""
@@ -50,6 +50,8 @@ class SilentFeet:
     """ns of silence of all feet that no flight lasts; None: not known."""
     stance_ns: Mapping[int, int] = field(default_factory=dict)
     """ns, the usual stance of a foot, where it and the usual swing are known."""
+    clock: TimeSource = TimeSource.LOG
+    """Clock of the silences: header stamps where messages are logged in bursts."""
 
     def swing_from_ns(self, foot: int) -> int:
         """Return the silence, ns, that is a swing and no lost message."""
@@ -79,19 +81,23 @@ class SilentFeet:
         return may
 
 
-def learn_silences(samples: Samples, interval_ns: Mapping[int, int]) -> SilentFeet:
+def learn_silences(
+    samples: Samples, interval_ns: Mapping[int, int], clock: TimeSource = TimeSource.LOG
+) -> SilentFeet:
     """Learn how long swings and flights usually are.
 
     Args:
         samples: of stretches of a log, in the order of log time.
         interval_ns: ns between messages in contact, by foot.
+        clock: of the silences.
     """
+    all_times = clock.of(samples)
     longest = LONGEST_SWING_S * 1e9
     swing_ns: dict[int, int] = {}
     stance_ns: dict[int, int] = {}
     strides = []
     for foot, interval in interval_ns.items():
-        time = samples.log_time[samples.foot == foot]
+        time = all_times[samples.foot == foot]
         steps = np.diff(time)
         long = steps[(steps > _LONG_INTERVALS * interval) & (steps <= longest)]
         if len(long) >= _FEWEST_SILENCES:
@@ -99,15 +105,15 @@ def learn_silences(samples: Samples, interval_ns: Mapping[int, int]) -> SilentFe
             strides.append(len(long))
             stance_ns[foot] = _usual_stance_ns(time, swing_ns[foot])
     if not strides or len(strides) < len(interval_ns):
-        return SilentFeet(interval_ns, swing_ns, stance_ns=stance_ns)
+        return SilentFeet(interval_ns, swing_ns, stance_ns=stance_ns, clock=clock)
     rows = np.isin(samples.foot, list(interval_ns))
-    times: Ints = np.sort(samples.log_time[rows])
+    times: Ints = np.sort(all_times[rows])
     together = times[1:] - times[:-1]
     shortest = max(_LONG_INTERVALS * max(interval_ns.values()), SILENCE_NS)
     flights = together[(together > shortest) & (together <= longest)]
     usual = len(flights) >= _PART_OF_STRIDES * float(np.median(strides))
     dropout = _LONGER_FLIGHT * float(np.median(flights)) if usual else shortest
-    return SilentFeet(interval_ns, swing_ns, round(max(dropout, shortest)), stance_ns)
+    return SilentFeet(interval_ns, swing_ns, round(max(dropout, shortest)), stance_ns, clock)
 
 
 def _usual_stance_ns(time: Ints, swing_from_ns: int) -> int:
@@ -132,7 +138,12 @@ class LastMessage:
     interrupted: bool = False
     """Whether all feet dropped out since."""
     swing: tuple[int, int] = (-1, -1)
-    """ns, log times at which the last certain swing of the foot began and ended; -1: none yet."""
+    """ns, when the last certain swing of the foot began and ended, on the clock of the silences;
+    -1: none yet."""
+
+    def on(self, clock: TimeSource) -> int:
+        """Return its time, ns."""
+        return self.stamp if clock is TimeSource.HEADER else self.log_time
 
 
 LastMessages = Mapping[int, LastMessage]
@@ -143,39 +154,40 @@ def last_messages(
     samples: Samples, before: LastMessages, silent: SilentFeet | None = None
 ) -> dict[int, LastMessage]:
     """Return the last message of each foot up to the end of some samples."""
+    clock = TimeSource.LOG if silent is None else silent.clock
     dropouts = _dropouts(samples, before, silent)
     heard = {
-        foot: replace(last, interrupted=True) if _interrupts(dropouts, last) else last
+        foot: replace(last, interrupted=True) if _interrupts(dropouts, last, clock) else last
         for foot, last in before.items()
     }
+    all_times = clock.of(samples)
     for foot in np.unique(samples.foot).tolist():
         rows = np.flatnonzero(samples.foot == foot)
         message = LastMessage(int(samples.log_time[rows[-1]]), int(samples.stamp[rows[-1]]))
         swing = (-1, -1)
         if silent is not None and foot in silent.stance_ns:
-            swing = _last_swing(samples.log_time[rows], before.get(foot), foot, silent)
-        heard[foot] = replace(message, interrupted=_interrupts(dropouts, message), swing=swing)
+            swing = _last_swing(all_times[rows], before.get(foot), foot, silent)
+        interrupted = _interrupts(dropouts, message, clock)
+        heard[foot] = replace(message, interrupted=interrupted, swing=swing)
     return heard
 
 
 def _last_swing(
-    log_time: Ints, before: LastMessage | None, foot: int, silent: SilentFeet
+    time: Ints, before: LastMessage | None, foot: int, silent: SilentFeet
 ) -> tuple[int, int]:
     """Return the last certain swing of a foot that sent messages at some times, ns."""
-    first = log_time[:1] if before is None else np.array([before.log_time])
-    last = _certain_swings(np.concatenate([first, log_time]), before, foot, silent)[-1]
+    first = time[:1] if before is None else np.array([before.on(silent.clock)])
+    last = _certain_swings(np.concatenate([first, time]), before, foot, silent)[-1]
     return int(last[0]), int(last[1])
 
 
-def _certain_swings(
-    log_time: Ints, before: LastMessage | None, foot: int, silent: SilentFeet
-) -> Ints:
+def _certain_swings(time: Ints, before: LastMessage | None, foot: int, silent: SilentFeet) -> Ints:
     """(n, 2) ns, the last certain swing up to each of n messages; negative: none."""
-    step = np.diff(log_time, prepend=log_time[0])
+    step = np.diff(time, prepend=time[0])
     certain = (step > silent.swing_from_ns(foot)) & (step <= LONGEST_SWING_S * 1e9)
     row = np.maximum.accumulate(np.where(certain, np.arange(len(step)), -1))
     earlier = (-1, -1) if before is None else before.swing
-    spans = np.stack([log_time[row - 1], log_time[row]], axis=1)
+    spans = np.stack([time[row - 1], time[row]], axis=1)
     swings: Ints = np.where(row[:, None] >= 0, spans, np.array(earlier))
     return swings
 
@@ -184,14 +196,14 @@ def _dropouts(samples: Samples, before: LastMessages, silent: SilentFeet | None)
     """(d, 2) ns: the last message of any foot before each drop-out of all, and the next."""
     if silent is None or silent.dropout_ns is None:
         return np.empty((0, 2), np.int64)
-    earlier = [max((last.log_time for last in before.values()), default=0)] if before else []
-    times = np.sort(np.concatenate([np.array(earlier, np.int64), samples.log_time]))
+    earlier = [max(last.on(silent.clock) for last in before.values())] if before else []
+    times = np.sort(np.concatenate([np.array(earlier, np.int64), silent.clock.of(samples)]))
     long = np.flatnonzero(np.diff(times) > silent.dropout_ns)
     return np.stack([times[long], times[long + 1]], axis=1)
 
 
-def _interrupts(dropouts: Ints, last: LastMessage) -> bool:
-    return last.interrupted or bool((dropouts[:, 0] >= last.log_time).any())
+def _interrupts(dropouts: Ints, last: LastMessage, clock: TimeSource) -> bool:
+    return last.interrupted or bool((dropouts[:, 0] >= last.on(clock)).any())
 
 
 def with_swings(
@@ -217,21 +229,23 @@ def with_swings(
         if not len(rows):
             continue
         first = LastMessage(int(samples.log_time[rows[0]]), int(samples.stamp[rows[0]]))
-        heard = before.get(foot) or _at_start(first, log_start, interval)
+        heard = before.get(foot) or _at_start(first, silent, log_start, interval)
         log_time = np.concatenate([[heard.log_time], samples.log_time[rows]])
         stamp = np.concatenate([[heard.stamp], samples.stamp[rows]])
-        known = ~_within(dropouts, log_time[:-1], log_time[1:])
+        times = _Times(log_time, stamp)
+        time = silent.clock.of(times)
+        known = ~_within(dropouts, time[:-1], time[1:])
         known[0] &= not heard.interrupted
         lasts_from = np.full(len(rows), silent.swing_from_ns(foot))
         if foot in silent.stance_ns:
             # What comes before the foot's first message is no certain swing.
-            begun = log_time if foot in before else np.maximum(log_time, log_time[1])
+            begun = time if foot in before else np.maximum(time, time[1])
             swings = _certain_swings(begun, before.get(foot), foot, silent)[:-1]
             long = round(_LONG_INTERVALS * interval)
-            lasts_from[silent.may_swing(foot, log_time[:-1], swings)] = long
+            lasts_from[silent.may_swing(foot, time[:-1], swings)] = long
         if foot not in before:
             lasts_from[0] = silent.cut_swing_from_ns(foot)
-        silence, log_time, stamp = _swings(log_time, stamp, interval, lasts_from, known)
+        silence, log_time, stamp = _swings(times, np.diff(time), interval, lasts_from, known)
         parts.append(_free(foot, log_time, stamp))
         keys.append(2 * rows[silence] - 1)
     order = np.argsort(np.concatenate(keys), kind="stable")
@@ -256,7 +270,9 @@ def trailing_swings(silent: SilentFeet, before: LastMessages, log_end: int | Non
             stamp = np.array([heard.stamp, heard.stamp + end - heard.log_time])
             lasts_from = np.array([silent.cut_swing_from_ns(foot)])
             known = np.ones(1, np.bool_)
-            _, log_time, stamp = _swings(log_time, stamp, interval, lasts_from, known)
+            _, log_time, stamp = _swings(
+                _Times(log_time, stamp), np.diff(log_time), interval, lasts_from, known
+            )
             found.append(_free(foot, log_time, stamp))
     return found
 
@@ -291,9 +307,14 @@ class SwingInserter:
         return trailing_swings(self._silent, self._heard, self._end)
 
 
-def _at_start(first: LastMessage, log_start: int | None, interval: int) -> LastMessage:
-    """Place a contact before the log's start, so that the foot swings from there on."""
-    if log_start is None:
+def _at_start(
+    first: LastMessage, silent: SilentFeet, log_start: int | None, interval: int
+) -> LastMessage:
+    """Place a contact before the log's start, so that the foot swings from there on.
+
+    Where messages come in bursts it is not known when the log starts on the clock of their stamps.
+    """
+    if log_start is None or silent.clock is TimeSource.HEADER:
         return first
     time = log_start - interval
     stamp = first.stamp - (first.log_time - time)
@@ -301,15 +322,32 @@ def _at_start(first: LastMessage, log_start: int | None, interval: int) -> LastM
     return LastMessage(time, stamp) if stamp > -interval and first.stamp > 0 else first
 
 
+@dataclass(frozen=True, slots=True)
+class _Times:
+    """When a foot sent messages."""
+
+    log_time: Ints
+    """(n,) ns."""
+    stamp: Ints
+    """(n,) ns."""
+
+
 def _swings(
-    log_time: Ints, stamp: Ints, interval: int, lasts_from: Ints, known: Flags
+    times: Stamped, step: Ints, interval: int, lasts_from: Ints, known: Flags
 ) -> tuple[Ints, Ints, Ints]:
-    """Fill the silences between n + 1 times that are known to be swings.
+    """Fill the silences between n + 1 messages that are known to be swings.
+
+    Args:
+        times: of the messages.
+        step: (n,) ns, the silences on their clock.
+        interval: ns between messages in contact.
+        lasts_from: (n,) ns of silence that are a swing.
+        known: (n,) whether a silence can be one.
 
     Returns:
         (m,) which silence each filling is in, (m,) its log time, ns, (m,) its stamp, ns.
     """
-    step, stamp_step = np.diff(log_time), np.diff(stamp)
+    log_step, stamp_step = np.diff(times.log_time), np.diff(times.stamp)
     swing = known & (step > lasts_from) & (step <= LONGEST_SWING_S * 1e9)
     swing &= (stamp_step >= 0) & (stamp_step <= 2.0 * LONGEST_SWING_S * 1e9)
     spacing = max(interval, _SPACING_NS)
@@ -318,8 +356,11 @@ def _swings(
     number = np.arange(len(silence)) - np.repeat(np.cumsum(fillings) - fillings, fillings)
     since = np.minimum(interval + number * spacing, step[silence] - interval)
     share: Floats = since / np.maximum(step[silence], 1)
-    filled = stamp[silence] + np.round(share * stamp_step[silence]).astype(np.int64)
-    return silence, log_time[silence] + since, filled
+    log_time, stamp = (
+        column[silence] + np.round(share * steps[silence]).astype(np.int64)
+        for column, steps in ((times.log_time, log_step), (times.stamp, stamp_step))
+    )
+    return silence, log_time, stamp
 
 
 def _free(foot: int, log_time: Ints, stamp: Ints) -> Samples:
