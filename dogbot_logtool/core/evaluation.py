@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from dogbot_logtool.core.base.base_history import BaseHistory
-from dogbot_logtool.core.base.base_motion import BaseTrack, base_motion
+from dogbot_logtool.core.base.base_motion import BaseMotion, BaseTrack, base_motion
 from dogbot_logtool.core.base.falls import fallen_spans
 from dogbot_logtool.core.base.forward_axis import with_forward_axis
 from dogbot_logtool.core.base.ground import height_over_feet
@@ -41,7 +41,13 @@ from dogbot_logtool.core.gait.support_pattern import Support, support
 from dogbot_logtool.core.geometry import timespans
 from dogbot_logtool.core.geometry.arrays import Ints
 from dogbot_logtool.core.leg_position import legs_in_order, quadruped
-from dogbot_logtool.core.load.load_figures import LoadFigures, dead_feet, is_saturated, load_figures
+from dogbot_logtool.core.load.load_figures import (
+    LoadFigures,
+    dead_feet,
+    is_saturated,
+    is_stuck,
+    load_figures,
+)
 from dogbot_logtool.core.quality.clocks import ClockDifference, too_far_apart
 from dogbot_logtool.core.quality.quality import TopicQuality
 from dogbot_logtool.core.settings import StatsSettings
@@ -81,6 +87,8 @@ class _Walk:
     apart: frozenset[str]
     """Topics whose clocks are too far from the others'."""
     worlds: Worlds | None
+    loses_way: bool
+    """Whether the base drifts so far among the contact points that speeds are not known."""
     vertical_known: bool
     direction_known: bool
     """Whether nothing says that the feet's forces lean otherwise than they seem to."""
@@ -122,11 +130,17 @@ class _Walk:
                 ),
                 settings.odometry_topic,
                 self.apart,
+                loses_way=self.loses_way,
             )
             for foot, record, is_dead, cut_off, refuted in zip(
                 settings.feet, self.records, self.dead, self.saturated, self.refuted, strict=True
             )
         )
+
+    def base_motion(self, within: Ints | None = None) -> BaseMotion | None:
+        """Return how the base moved."""
+        motion = base_motion(self.track, self.settings.forward_axis, within)
+        return motion.without_way() if motion is not None and self.loses_way else motion
 
     def support(self, within: Ints | None = None) -> Support | None:
         """Return the support pattern; where one foot's state is not known, none is."""
@@ -183,7 +197,7 @@ def work_out(settings: StatsSettings, recorded: Recorded) -> Stats:
         reference=gait.reference,
         corners=quadruped([foot.place for foot in settings.feet]),
         base_history=recorded.base,
-        base=base_motion(walk.track, settings.forward_axis),
+        base=walk.base_motion(),
         jumps=jumps,
         tipping=find_tipping(recorded.base, settings.forward_axis),
         segments=segments,
@@ -202,16 +216,23 @@ def work_out(settings: StatsSettings, recorded: Recorded) -> Stats:
         clocks=recorded.clocks,
         clocks_apart=walk.apart,
         worlds=walk.worlds,
+        loses_way=walk.loses_way,
         all_silent=all_silent(records, walk.base),
     )
 
 
 def _walk(settings: StatsSettings, recorded: Recorded) -> tuple[_Walk, PoseJumps]:
     """Find jumps, falls, stands, dead sensors and clocks that cannot be compared."""
-    records = recorded.feet
+    records = tuple(
+        record.without_force()
+        if is_stuck(record, [each for each in recorded.feet if each is not record])
+        else record
+        for record in recorded.feet
+    )
     jumps = find_jumps(recorded.base)
     base = without_jumps(recorded.base, jumps)
-    height = height_over_feet(recorded.base, records)
+    placed_base, worlds = placed_poses(records, recorded.base, base)
+    height = height_over_feet(placed_base, records)
     fallen = fallen_spans(recorded.base, records, height, jumps.spans)
     weighed = load_figures(
         records, settings.body_weight_n, _any_strides(records, fallen, timespans.no_spans())
@@ -236,8 +257,11 @@ def _walk(settings: StatsSettings, recorded: Recorded) -> tuple[_Walk, PoseJumps
         _any_strides(records, fallen, standing.without_steps),
         mass_is_assumed=settings.mass_is_assumed,
     )
-    placed_base, worlds = placed_poses(records, recorded.base, base)
-    track = BaseTrack(base, find_travel(base), height, records, standing.still)
+    parted = worlds is not None and not worlds.agree
+    over_feet = np.full_like(height, np.nan) if parted else height
+    track = BaseTrack(base, find_travel(base), over_feet, records, standing.still)
+    motion = base_motion(track, settings.forward_axis)
+    path_m = 0.0 if motion is None else motion.path_length_m or 0.0
     walk = _Walk(
         settings=with_forward_axis(settings, track),
         records=records,
@@ -251,6 +275,7 @@ def _walk(settings: StatsSettings, recorded: Recorded) -> tuple[_Walk, PoseJumps
         refuted=tuple(bool(each.level.reason and len(standing.moving)) for each in sensors),
         apart=apart,
         worlds=worlds,
+        loses_way=worlds is not None and worlds.lose_way(path_m),
         vertical_known=weighed.share_of == "vertical_impulse",
         direction_known=not (
             loads.direction_refuted or (settings.wrench_frame_is_inferred and loads.may_be_tilted)
@@ -275,7 +300,7 @@ def _saturated(settings: StatsSettings, records: Sequence[FootHistory]) -> tuple
 def _segment_figures(walk: _Walk, spans: Ints, strides: Strides) -> SegmentFigures:
     """Measure a segment."""
     return SegmentFigures(
-        base=base_motion(walk.track, walk.settings.forward_axis, spans),
+        base=walk.base_motion(spans),
         feet=walk.feet(spans),
         support=walk.support(spans),
         loads=walk.loads(strides.within(spans).spans, spans),
@@ -311,9 +336,11 @@ def _reference_strides(feet: Sequence[FootStatistics]) -> Strides:
     return next((foot.strides for foot in feet if len(foot.strides.stance)), no_strides())
 
 
-def _on_clock(foot: FootStatistics, odometry_topic: str, apart: frozenset[str]) -> FootStatistics:
-    """Leave out the lengths of a foot's strides where its clock is not the odometry's."""
-    if not apart & {foot.topic, odometry_topic}:
+def _on_clock(
+    foot: FootStatistics, odometry_topic: str, apart: frozenset[str], *, loses_way: bool
+) -> FootStatistics:
+    """Leave out the lengths of a foot's strides where the odometry does not tell them."""
+    if not loses_way and not apart & {foot.topic, odometry_topic}:
         return foot
     return replace(foot, length_m=np.full_like(foot.length_m, np.nan), stride_length_m=None)
 

@@ -79,6 +79,8 @@ class Stats:
     """How far topics' clocks are from that of the feet; nothing on log time."""
     clocks_apart: frozenset[str] = frozenset()
     """Topics whose clocks are too far from the others' for figures of both."""
+    loses_way: bool = False
+    """Whether the base drifts so far among the contact points that speeds are not known."""
     worlds: Worlds | None = None
     """Where the base is among the feet; None where contact points do not tell."""
     planned: tuple[PlannedFoot | None, ...] = ()

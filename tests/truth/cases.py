@@ -2,7 +2,7 @@
 
 from itertools import chain
 
-from tests.truth import attack_cases, fault_cases, gait_cases, other_cases
+from tests.truth import attack_cases, combined_cases, fault_cases, gait_cases, other_cases
 from tests.truth.judging import Case
 
 
@@ -27,6 +27,7 @@ def groups() -> dict[str, tuple[Case, ...]]:
         "Clocks and losses together": tuple(attack_cases.clocks_and_losses()),
         "Swinging legs": tuple(attack_cases.swinging_legs()),
         "Faults that contradict": tuple(attack_cases.contradictory()),
+        "Found by trying at random": tuple(combined_cases.combined()),
         "No foot on the ground": tuple(attack_cases.in_the_air()),
         "A walk, and then": tuple(other_cases.sequences()),
     }

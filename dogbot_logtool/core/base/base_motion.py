@@ -1,7 +1,7 @@
 """How the base moved: path, speed, height, attitude. From poses, never from the recorded twist."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
@@ -33,10 +33,10 @@ class BaseMotion:
 
     duration_s: float
     """s, first to last pose, gaps left out."""
-    path_length_m: float
+    path_length_m: float | None
     """m, horizontal path above the noise of the poses; steps over gaps, jumps and stands left
-    out."""
-    net_displacement_m: float
+    out. None, like all that the way decides: `without_way`."""
+    net_displacement_m: float | None
     """m, horizontal distance of last and first pose, jumps left out."""
     mean_speed_mps: float | None
     """m/s, path length over duration."""
@@ -62,6 +62,18 @@ class BaseMotion:
     """v^2 / (g h), v the mean forward speed and h the mean height (Alexander 1984)."""
     twist_frame: str | None
     """``world``, ``body`` or ``ambiguous``; None with too few velocities, and for a part."""
+
+    def without_way(self) -> "BaseMotion":
+        """Return the figures that hold where the odometry loses its way."""
+        return replace(
+            self,
+            path_length_m=None,
+            net_displacement_m=None,
+            mean_speed_mps=None,
+            forward_speed_mps=None,
+            lateral_speed_mps=None,
+            froude=None,
+        )
 
 
 @dataclass(frozen=True, slots=True)

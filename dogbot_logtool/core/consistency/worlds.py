@@ -26,6 +26,8 @@ MOST_CHANGE: Final = 0.5
 """Change of the base's place among the feet, against their spread, that no gait explains."""
 MOST_DRIFT: Final = 0.05
 """The same of a change that goes on steadily, stance after stance."""
+MOST_OF_WAY: Final = 0.02
+"""Share of the robot's way by which base and feet may drift apart until that is not known."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -52,6 +54,10 @@ class Worlds:
         steady = self.change_m <= MOST_CHANGE * self.spread_m
         steady &= self.drift_m <= MOST_DRIFT * self.spread_m
         return steady and self.beyond_fraction <= MOST_BEYOND
+
+    def lose_way(self, path_m: float) -> bool:
+        """Tell whether base and feet drift so far apart that a path, m, is doubtful."""
+        return not self.agree and self.drift_m > MOST_OF_WAY * path_m
 
 
 def compare_worlds(

@@ -11,7 +11,10 @@ ZERO_ON: Final = 0.05
 ZERO_OFF: Final = 1e-4
 """Share of the weight below which that contact ends."""
 NOISY_ON, NOISY_OFF = 0.08, 0.04
-"""The same of any other sensor."""
+"""The same of any other sensor, where two feet carry the robot."""
+FEET_THAT_CARRY: Final = 2.0
+"""Feet whose usual load is the weight for those thresholds; of a foot that carries less, as one of
+six does, they are shares of so many times its usual load."""
 ON_NOISES, OFF_NOISES = 5.0, 3.0
 """Thresholds are at least so many standard deviations of the noise."""
 ON_WOBBLES: Final = 1.25
@@ -102,8 +105,9 @@ def contact_rule(
     if level.zero_in_swing:
         on, off = ZERO_ON * scale, ZERO_OFF * scale
     else:
-        on = max(NOISY_ON * scale, ON_NOISES * noise, ON_WOBBLES * level.wobble_n)
-        off = max(NOISY_OFF * scale, OFF_NOISES * noise, min(level.wobble_n, ON_TO_OFF * on))
+        carried = min(scale, FEET_THAT_CARRY * (level.loaded_n or scale))
+        on = max(NOISY_ON * carried, ON_NOISES * noise, ON_WOBBLES * level.wobble_n)
+        off = max(NOISY_OFF * carried, OFF_NOISES * noise, min(level.wobble_n, ON_TO_OFF * on))
     on = given.on_n or max(on, ANY_FORCE_N)
     off = min(given.off_n or off, on)
     estimated = weight_n is None or level.origin == "estimated"

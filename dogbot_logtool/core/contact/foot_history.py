@@ -28,6 +28,8 @@ from dogbot_logtool.core.geometry.blocks import BLOCK_ROWS, Blocks, GrowingTable
 from dogbot_logtool.core.geometry.clock import TimeSource, absolute_time, advancing
 from dogbot_logtool.core.quality.quality import steady_rhythm
 
+_SAME: Final = 1e-9
+"""Difference of two forces, as a share of them, that is none."""
 _TOUCH_N: Final = 1.0
 """Stands for the force of a contact whose force is not known; no figure shows it."""
 
@@ -77,6 +79,17 @@ class FootHistory:
         known = timespans.total(timespans.intersect([self.known, *limits]))
         down = timespans.total(timespans.intersect([self.in_contact, *limits]))
         return down / known if known else None
+
+    def without_force(self) -> "FootHistory":
+        """Return what is left where the sensor tells contact, but no force."""
+        nothing = StanceFigures(*(np.full_like(each, np.nan) for each in self.stances.figures))
+        return replace(
+            self,
+            has_force=False,
+            stances=replace(self.stances, figures=nothing),
+            stance_forces=np.full_like(self.stance_forces, np.nan),
+            curves=None,
+        )
 
     @property
     def vertical_known(self) -> Ints:
@@ -141,7 +154,7 @@ class FootRecorder:
         known = self._known(gaps)
         stances = self._all_stances(gaps)
         contacts = np.stack([stances.touchdown, stances.liftoff], axis=1)
-        return FootHistory(
+        history = FootHistory(
             messages=self._messages,
             not_finite=self._not_finite,
             not_advancing=self._not_advancing,
@@ -158,9 +171,9 @@ class FootRecorder:
             filled_swings=self._finder.filled_swings,
             dropped_stances=self._finder.dropped_stances,
             track=self._track.finish(longest),
-            has_force=self._has_force,
             curves=self._curves.finish() if self._curves else None,
         )
+        return history if self._has_force else history.without_force()
 
     def _add_block(self, samples: Samples) -> None:
         if self._rule.unusable:
@@ -209,11 +222,13 @@ class FootRecorder:
 
     def _count_repeats(self, signal: FootSignal, previous: FootSignal | None) -> None:
         force, contact = signal.force, signal.contact
-        equal = (force[1:] == force[:-1]) & contact[1:] & contact[:-1]
+        # Turned into the world, a constant force differs in its last digits.
+        equal = np.abs(np.diff(force)) <= _SAME * force[1:]
+        equal = equal & contact[1:] & contact[:-1]
         self._loaded += int(contact.sum())
         self._repeated += int(equal.sum())
         if previous is not None and previous.contact[0] and contact[0]:
-            self._repeated += int(previous.force[0] == force[0])
+            self._repeated += int(abs(previous.force[0] - force[0]) <= _SAME * force[0])
 
     def _found(self, stances: DecidedStances) -> None:
         if self._start is not None:
@@ -239,5 +254,4 @@ class FootRecorder:
         if last is not None and last.contact[0]:
             cut[-1:] = Cut.LOG_END
         cut[touchdown == start] = Cut.LOG_START
-        figures = rows[:, 2:] if self._has_force else np.full_like(rows[:, 2:], np.nan)
-        return Stances(touchdown, liftoff, cut.astype(np.int8), StanceFigures(*figures.T))
+        return Stances(touchdown, liftoff, cut.astype(np.int8), StanceFigures(*rows[:, 2:].T))

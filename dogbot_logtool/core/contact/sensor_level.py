@@ -336,7 +336,7 @@ def _level_of(
         knots,
         offset,
         noise_n=noise,
-        wobble_n=_wobble_n(visits, residual),
+        wobble_n=_wobble_n(modes.rest, force),
         drift_n_per_min=_drift(middle, levels @ axis),
         interval_s=interval_s,
         swing_s=_visit_s(visits, log_time),
@@ -356,16 +356,19 @@ def _level_of(
     )
 
 
-def _wobble_n(visits: Visits, residual: Floats) -> float:
+def _wobble_n(swings: Visits, force: Floats) -> float:
     """Return how far forces stray in swings, N; 0 where these last too few samples to tell.
 
     Args:
-        visits: to the swing mode.
-        residual: (m, 3) N, forces in them, row after row, less the level of the visit.
+        swings: without the rise to stance at their ends.
+        force: (n, 3) N.
     """
-    length = visits.end - visits.start
-    long = np.repeat(length >= _LONG_ROWS, length)
-    return float(np.percentile(norms(residual[long]), _STRAYS)) if long.any() else 0.0
+    length = swings.end - swings.start
+    long = Visits(swings.start[length >= _LONG_ROWS], swings.end[length >= _LONG_ROWS])
+    if not len(long):
+        return 0.0
+    strays = force[long.rows()] - np.repeat(long.medians(force), long.end - long.start, axis=0)
+    return float(np.percentile(norms(strays), _STRAYS))
 
 
 def _visit_s(visits: Visits, log_time: Ints) -> float:

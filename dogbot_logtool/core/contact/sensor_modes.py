@@ -95,6 +95,8 @@ class Modes:
 
     swing: Mode
     stance: Mode
+    rest: Visits
+    """Swings without the rise to stance at their ends."""
     fit: float = -np.inf
     """How well it fits that these are swing and stance."""
     reason: str = ""
@@ -123,16 +125,16 @@ def two_modes(values: Floats, runs: Ints) -> Modes:
     low, peak, high = np.percentile(values, [1.0, 95.0, 99.0])
     none = Mode(Visits(np.empty(0, np.int64), np.empty(0, np.int64)), 0.0, 0.0)
     if high - low <= 0.0:
-        return Modes(none, none, reason=CONSTANT)
+        return Modes(none, none, none.visits, reason=CONSTANT)
     limit = _otsu(np.clip(values, low, high))
     enter = leave = limit
     for _ in range(_ROUNDS):
         below = _hysteresis(values, enter, leave)
         swing, stance = _mode(values, _visits(below, runs)), _mode(values, _visits(~below, runs))
         if not len(swing.visits) or not len(stance.visits):
-            return Modes(swing, stance, reason="the force has one mode only")
+            return Modes(swing, stance, none.visits, reason="the force has one mode only")
         enter, leave = (swing.level + share * (peak - swing.level) for share in (_ENTER, _LEAVE))
-    return Modes(swing, stance)
+    return Modes(swing, stance, rest=_visits(_low(values, enter, leave), runs))
 
 
 def judge_modes(modes: Modes, other_width: float, *, raises: bool, step: float = 0.0) -> Modes:
@@ -166,7 +168,7 @@ def judge_modes(modes: Modes, other_width: float, *, raises: bool, step: float =
         reason = WIDE
     elif wider < WIDER and not plain:
         reason = ALTERNATE
-    return Modes(swing, stance, fit, reason, raises, width_fit)
+    return Modes(swing, stance, modes.rest, fit, reason, raises, width_fit)
 
 
 def _otsu(values: Floats) -> float:
@@ -181,6 +183,15 @@ def _otsu(values: Floats) -> float:
     between = below * above * (mean_above - mean_below) ** 2
     best = np.flatnonzero(between >= between.max() * (1.0 - 1e-9))
     return float(edges[1:][best].mean())
+
+
+def _low(values: Floats, enter: float, leave: float) -> Flags:
+    """(n,): from the first to the last sample below `enter` that none above `leave` parts.
+
+    The rise from one to the other at either end is no part of it.
+    """
+    low: Flags = _hysteresis(values, enter, leave) & _hysteresis(values[::-1], enter, leave)[::-1]
+    return low
 
 
 def _hysteresis(values: Floats, enter: float, leave: float) -> Flags:

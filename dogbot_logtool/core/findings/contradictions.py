@@ -15,7 +15,7 @@ def contradiction_findings(stats: Stats) -> Iterator[Finding]:
         if each.is_apart:
             yield _clock(stats, each)
     if stats.worlds is not None and stats.worlds_differ:
-        yield _worlds(stats.worlds)
+        yield _worlds(stats.worlds, loses_way=stats.loses_way)
     if len(stats.all_silent):
         yield _silence(stats)
 
@@ -48,14 +48,15 @@ def _clock(stats: Stats, difference: ClockDifference) -> Finding:
     return Finding("W_CLOCK_OFFSET", f"{text}: {null} are null", topic)
 
 
-def _worlds(worlds: Worlds) -> Finding:
+def _worlds(worlds: Worlds, *, loses_way: bool) -> Finding:
     text = (
         "contact points and odometry are not in one world, or one drifts: the base is "
         f"{worlds.distance_m:.2f} m from the centroid of the feet (at most {worlds.largest_m:.2f} "
         f"m), which are {worlds.spread_m:.2f} m from it; from the log's start to its end that "
         f"changes by {max(worlds.change_m, worlds.drift_m):.2f} m"
     )
-    return Finding("W_WORLDS_DIFFER", f"{text}; no stability", "stability")
+    null = "no stability, path, speeds and stride lengths" if loses_way else "no stability"
+    return Finding("W_WORLDS_DIFFER", f"{text}; {null}", "stability")
 
 
 def _silence(stats: Stats) -> Finding:

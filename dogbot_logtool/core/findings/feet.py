@@ -54,6 +54,8 @@ def _base_reasons(stats: Stats, foot: FootStatistics, where: str) -> Iterator[Fi
         why = "no odometry around the touchdowns"
         if stats.clocks_apart & {foot.topic, stats.settings.odometry_topic}:
             why = "the odometry's clock is not that"
+        elif stats.loses_way:
+            why = "the odometry drifts among the contact points"
         text = f"{why} of {name}: its stride length is not known"
         yield Finding("N_NO_STRIDE_LENGTH", text, f"{where}.stride_length_m")
     without_pose = stats.contact_without_pose_s[stats.feet.index(foot)]
@@ -66,7 +68,7 @@ def _sensor(stats: Stats, foot: FootStatistics, where: str) -> Iterator[Finding]
     record, name = foot.record, foot.name
     others = [other.record for other in stats.feet if other is not foot]
     if is_stuck(record, others):
-        text = f"the sensor of {name} shows one constant force while it is loaded: stuck"
+        text = f"the sensor of {name} shows one constant force while it is loaded: stuck; no loads"
         yield Finding("W_STUCK", text, where)
     if foot.is_saturated:
         limit_n = stats.settings.sensor(stats.feet.index(foot)).level.limit_n
@@ -98,7 +100,10 @@ def _sensor(stats: Stats, foot: FootStatistics, where: str) -> Iterator[Finding]
 
 def _force_reasons(stats: Stats, foot: FootStatistics, where: str) -> Iterator[Finding]:
     if not foot.record.has_force:
-        text = f"the sensor of {foot.name} tells contact, not force: it has no force figures"
+        others = [each.record for each in stats.feet if each is not foot]
+        stuck = is_stuck(foot.record, others)
+        why = "is stuck" if stuck else "tells contact, not force"
+        text = f"the sensor of {foot.name} {why}: it has no force figures"
         yield Finding("N_NO_FORCE", text, f"{where}.peak_force_n")
     elif not vertical_is_known(foot.record):
         text = (

@@ -152,6 +152,8 @@ def foot_statistics(
     forward = forward if direction_known else np.full_like(forward, np.nan)
     upright = stances.figures if vertical_known else _without_vertical(stances.figures)
     fore_aft = fore_aft_impulses(forward, stances)
+    # A spike of a leaning force is as large as all that brakes.
+    clean = whole & ~(stances.figures.spikes > 0)
     return FootStatistics(
         name=name,
         topic=topic,
@@ -181,8 +183,8 @@ def foot_statistics(
         vertical_impulse_ns=(
             vertical_impulse_ns(record, within) if vertical_known and not is_dead else None
         ),
-        braking_impulse_ns=aggregate(fore_aft.braking[whole]),
-        propulsive_impulse_ns=aggregate(fore_aft.propulsive[whole]),
+        braking_impulse_ns=aggregate(fore_aft.braking[clean]),
+        propulsive_impulse_ns=aggregate(fore_aft.propulsive[clean]),
         force_curves=force_curves(
             record.stance_forces[:, 2] if vertical_known else np.full_like(forward, np.nan),
             forward,

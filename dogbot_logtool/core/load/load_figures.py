@@ -31,8 +31,8 @@ ENOUGH: Final = 0.99
 CARRIED: Final = 0.05
 """By how much the impulse of the other feet may miss the weight when one is lifted."""
 STUCK: Final = 0.99
-"""Share of neighbouring loaded samples that are equal to the bit in a sensor that is stuck."""
-STUCK_SAMPLES: Final = 100
+"""Share of neighbouring loaded samples that are equal in a sensor that is stuck."""
+STUCK_SAMPLES: Final = 40
 
 
 class WeightSource(StrEnum):
