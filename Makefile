@@ -92,6 +92,7 @@ mutants: $(VENV)/dev
 
 docs: $(VENV)/dev
 	$(BIN)/python docs/pages.py
+	$(BIN)/python docs/notebook.py
 
 pictures: $(VENV)/dev
 	@$(BIN)/python -m pip install --quiet --editable '.[dev,report]' --constraint $(CONSTRAINTS)

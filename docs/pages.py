@@ -7,6 +7,7 @@ from typing import Any, Final
 
 from dogbot_logtool.finding import finding_kinds
 from dogbot_logtool.io.plain_json import to_json
+from dogbot_logtool.report.dataset.schema import PARTITIONS, SCHEMA_VERSION, tables
 from dogbot_logtool.report.figures.document import DOCUMENT, STRIDE_ROWS
 from dogbot_logtool.report.figures.figure import STATISTICS, Figure, Kind, Scope, all_figures
 from dogbot_logtool.report.figures.schema import schema
@@ -87,9 +88,42 @@ def schema_file() -> str:
     return to_json(schema(), indent=1) + "\n"
 
 
+_DATASET_HEAD: Final = """# The dataset of `--parquet`
+
+The tables that `stats --parquet DIR` keeps ([many logs](many_logs.md)), and their columns; a
+name means the same in all of them. The directories have the columns {partitions}.
+`--label NAME=VALUE` adds columns of text to `logs`.
+
+A table is `<table>/robot=<robot>/month=<month>/part-<number>.parquet`; a part holds the rows of
+up to 1,000 logs, those of one log under the same number in all tables. The files' metadata say
+the version of this layout, which is {version}. This page is made of the table
+in `dogbot_logtool/report/figures/` by `make docs`.
+"""
+_ROWS_OF: Final = {
+    "logs": "a row a log, also of one that could not be measured",
+    "feet": "a row a foot of a log that was measured; an aggregate of figures.md is six columns",
+    "strides": "a row a whole stride of a foot",
+    "events": "a row an event",
+}
+
+
+def dataset_page() -> str:
+    """Return the page of the tables in Parquet."""
+    partitions = " and ".join(f"`{name}` ({words})" for name, words in PARTITIONS.items())
+    parts = [_DATASET_HEAD.format(partitions=partitions, version=SCHEMA_VERSION)]
+    for table, words in _ROWS_OF.items():
+        parts.append(f"\n## {table}\n\n{words[0].upper()}{words[1:]}.\n\n")
+        parts.append("| column | type | unit | what it is | null when |\n|---|---|---|---|---|\n")
+        for each in tables()[table]:
+            cells = (f"`{each.name}`", each.type.value, each.unit, each.definition, each.null)
+            parts.append("| " + " | ".join(cell.replace("|", "\\|") for cell in cells) + " |\n")
+    return "".join(parts)
+
+
 PAGES: Final[dict[Path, Callable[[], str]]] = {
     HERE / "findings.md": findings_page,
     HERE / "figures.md": figures_page,
+    HERE / "dataset.md": dataset_page,
     HERE.parent / "dogbot_logtool" / "report" / "stats.schema.json": schema_file,
 }
 """What is made, and what makes it."""

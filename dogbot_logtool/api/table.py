@@ -1,17 +1,14 @@
 """A table: numpy columns of one length, with units in their names."""
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from importlib import import_module
-from typing import Any, TypeVar
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from dogbot_logtool.errors import LogtoolError
+from dogbot_logtool.api.packages import with_package
 from dogbot_logtool.report.table_file import arrow_table
-
-Result = TypeVar("Result")
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
@@ -55,7 +52,7 @@ class Table:
         Raises:
             LogtoolError: pandas is not installed.
         """
-        return _with("pandas", lambda pandas: pandas.DataFrame(self._copies()))
+        return with_package("pandas", lambda pandas: pandas.DataFrame(self._copies()))
 
     def to_polars(self) -> Any:  # noqa: ANN401 - polars is not among our packages
         """Return a `polars.DataFrame`; NaN stays NaN.
@@ -63,7 +60,7 @@ class Table:
         Raises:
             LogtoolError: polars is not installed.
         """
-        return _with("polars", lambda polars: polars.DataFrame(self._copies()))
+        return with_package("polars", lambda polars: polars.DataFrame(self._copies()))
 
     def to_arrow(self) -> Any:  # noqa: ANN401 - pyarrow has no types
         """Return a `pyarrow.Table`; NaN is null there, as in the dataset of `stats --parquet`.
@@ -71,7 +68,7 @@ class Table:
         Raises:
             LogtoolError: pyarrow is not installed.
         """
-        return _with("pyarrow", lambda _: arrow_table(self.columns))
+        return with_package("pyarrow", lambda _: arrow_table(self.columns))
 
     def __arrow_c_stream__(self, requested_schema: object | None = None) -> object:
         """Export the table; see the Arrow PyCapsule interface."""
@@ -87,15 +84,3 @@ def texts(values: list[str | None]) -> NDArray[np.object_]:
     column = np.empty(len(values), np.object_)
     column[:] = values
     return column
-
-
-def _with(package: str, make: Callable[[Any], Result]) -> Result:
-    """Call a function with a package that may not be installed."""
-    try:
-        module = import_module(package)
-    except ImportError as error:
-        raise LogtoolError(
-            f"{package} is not installed; 'pip install {package}' into the environment of this "
-            "Python installs it"
-        ) from error
-    return make(module)

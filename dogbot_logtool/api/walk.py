@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from dogbot_logtool.api.curves import POINTS, Curves, curves_of
 from dogbot_logtool.api.table import Table, texts
 from dogbot_logtool.commands.stats import measure
 from dogbot_logtool.core.accumulator import OnSamples
@@ -135,6 +136,27 @@ class Walk:
         names = blocks[0]
         return Table({name: np.concatenate([each[name] for each in blocks]) for name in names})
 
+    def curves(self, foot: str, points: int = POINTS) -> Curves:
+        """Read the log again and return the forces of a foot over each of its whole strides.
+
+        The samples of `samples` are interpolated linearly at equal parts of the stride; the rows
+        are those of the foot in `strides`.
+
+        Args:
+            foot: its name.
+            points: from 0 to 100 % of the stride, both counted.
+
+        Raises:
+            CallError: the robot has no such foot, fewer than 2 points are asked for, or the log is
+                gone.
+            LogError: the log has become one that cannot be read.
+        """
+        if points < _FEWEST_POINTS:
+            raise CallError(f"points={points}: a curve has at least {_FEWEST_POINTS}")
+        samples = self.samples(foot)
+        strides = self._stats.feet[self.feet.index(foot)].strides
+        return curves_of(foot, samples, self._seconds(strides.touchdown), strides.period_s, points)
+
     def each_block_of_samples(self, take: Callable[[Table], None]) -> None:
         """Read the log again and hand on the samples of all feet, block by block.
 
@@ -197,6 +219,7 @@ class Walk:
         return states
 
 
+_FEWEST_POINTS = 2
 _CUTS = {
     Cut.WHOLE: "",
     Cut.LOG_START: "log_start",

@@ -1,7 +1,7 @@
 """Results and exit code of one call over several logs: a bad log does not stop the rest."""
 
 import sys
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from typing import TYPE_CHECKING, Any, Final, NoReturn, TypeVar
 
 import click
@@ -41,6 +41,7 @@ class Outcomes:
         work: "Work[Result]",
         items: Sequence[object],
         names: Sequence[str],
+        on_outcome: Callable[[int, Result | None, str], None] | None = None,
     ) -> Iterator[Result]:
         """Work on all logs; yield the results in order. A failure is reported, and is an outcome.
 
@@ -49,6 +50,8 @@ class Outcomes:
             work: what is done.
             items: what it is done to.
             names: of the items.
+            on_outcome: called with the number of each item, its result and, where there is none,
+                the sentence on why.
         """
         from dogbot_logtool.report.progress import ProgressBars  # noqa: PLC0415
         from dogbot_logtool.run.runner import Failure  # noqa: PLC0415
@@ -56,11 +59,15 @@ class Outcomes:
         bars = ProgressBars(names, shown=not self._quiet)
         with runner, bars:
             outcomes = runner.run(work, items, bars)
-            for name, outcome in zip(names, outcomes, strict=True):
-                if not isinstance(outcome, Failure):
-                    yield outcome
+            for number, (name, outcome) in enumerate(zip(names, outcomes, strict=True)):
+                if isinstance(outcome, Failure):
+                    sentence = self._add_failure(name, outcome.sentence, outcome.exit_code)
+                    if on_outcome is not None:
+                        on_outcome(number, None, sentence)
                     continue
-                self._add_failure(name, outcome.sentence, outcome.exit_code)
+                if on_outcome is not None:
+                    on_outcome(number, outcome, "")
+                yield outcome
 
     def add(self, result: dict[str, Any], exit_code: int) -> None:
         """Take the result of a log."""
@@ -75,10 +82,12 @@ class Outcomes:
             many = "log is" if len(logs) == 1 else "logs are"
             self._note(f"{len(logs)} {many} there already, unchanged")
 
-    def _add_failure(self, name: str, sentence: str, exit_code: int) -> None:
+    def _add_failure(self, name: str, sentence: str, exit_code: int) -> str:
+        """Take a failure; return its sentence as it may be shown."""
         sentence = without_secrets(valid_unicode(sentence))
         self._failed.append((name, sentence))
         self.add({"input": name, "error": sentence}, exit_code)
+        return sentence
 
     @property
     def failures(self) -> list[tuple[str, str]]:

@@ -1,7 +1,7 @@
 """The words of `stats`."""
 
 import sys
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -28,9 +28,12 @@ from dogbot_logtool.errors import CallError
 from dogbot_logtool.io.printable import printable
 
 if TYPE_CHECKING:
+    from dogbot_logtool.commands.tasks import Measure
     from dogbot_logtool.io.storage import Location
     from dogbot_logtool.pipeline.options import PlotOptions, StatsOptions
     from dogbot_logtool.results import Figures
+    from dogbot_logtool.run.inputs import LogSet
+    from dogbot_logtool.run.runner import Runner
 
 
 @click.command()
@@ -68,6 +71,19 @@ if TYPE_CHECKING:
     metavar="DIR|URL",
     help="Keep the figures of all logs there, for SQL; logs that are there unchanged are skipped.",
 )
+@click.option(
+    "--label",
+    "labels",
+    metavar="NAME=VALUE",
+    multiple=True,
+    help="With --parquet: a column of `logs` for the logs of this call, such as firmware=3.2; can "
+    "be given several times.",
+)
+@click.option(
+    "--prune",
+    is_flag=True,
+    help="With --parquet: remove logs from there that are gone from where they were.",
+)
 @jobs_option
 @scheduler_option
 @json_option
@@ -78,11 +94,13 @@ def stats(
     window: str | None,
     events: Path | None,
     parquet: str | None,
+    labels: tuple[str, ...],
     plot: Path | None,
     plot_size: str | None,
     jobs: int | None,
     scheduler: str | None,
     *,
+    prune: bool,
     join: bool,
     overwrite: bool,
     as_csv: bool,
@@ -93,13 +111,13 @@ def stats(
     """Measure a walk: which gait, how loaded, and can the recording be trusted."""
     from dogbot_logtool.commands.tasks import Measure  # noqa: PLC0415
     from dogbot_logtool.core.contact.curves import CurveDetail  # noqa: PLC0415
-    from dogbot_logtool.io.storage import from_root, location  # noqa: PLC0415
     from dogbot_logtool.report.stats_csv import write_strides  # noqa: PLC0415
     from dogbot_logtool.run.choice import runner_for  # noqa: PLC0415
     from dogbot_logtool.run.inputs import find_logs  # noqa: PLC0415
 
     _refuse_both(("--csv", as_csv), ("--json", as_json))
     _refuse_both(("--join", join), ("--parquet", parquet is not None))
+    _refuse_without_parquet(parquet, labels, prune=prune)
     shown = _parse_window(window)
     log_set = find_logs(words, for_workers=scheduler is not None)
     log_set, topics = join_logs(log_set, measuring.topics, join=join)
@@ -107,38 +125,46 @@ def stats(
     drawing = _plot_options(plot, plot_size, shown, log_set.paths, overwrite=overwrite)
     if overwrite and plot is None and events is None:
         raise CallError("--overwrite goes with --plot and --events")
-    if events is not None:
-        _refuse_bad_events_file(events, log_set.paths, parquet, overwrite=overwrite)
+    _refuse_bad_events_file(events, log_set.paths, parquet, overwrite=overwrite)
     outcomes = Outcomes(quiet=quiet)
     outcomes.mention_left_out(log_set)
-    items: Sequence[object] = log_set.paths
-    dataset = pending = None
+    call = None
     if parquet is not None:
-        from dogbot_logtool.commands.tasks import MeasureIntoDataset  # noqa: PLC0415
-        from dogbot_logtool.report.parquet import dataset_at  # noqa: PLC0415
+        from dogbot_logtool.cli.dataset import DatasetCall  # noqa: PLC0415 - loads pyarrow
 
-        dataset = dataset_at(from_root(location(parquet)), chosen)
-        pending = dataset.pending(log_set)
-        outcomes.add_unchanged(pending.unchanged)
-        log_set, items = pending.log_set, pending.entries
-    runner = runner_for(len(items), jobs_or_cores(jobs), scheduler)
-    whole = len(items) == 1 and dataset is None
+        call = DatasetCall(parquet, chosen, labels, log_set, prune=prune)
+        outcomes.add_unchanged(call.pending.unchanged)
+        log_set = call.pending.log_set
+    runner = runner_for(len(log_set.logs), jobs_or_cores(jobs), scheduler)
+    whole = len(log_set.logs) == 1 and call is None
     measure = Measure(replace(chosen, jobs=runner.jobs), drawing, whole=whole, window=shown)
-    work = measure if dataset is None else MeasureIntoDataset(measure, dataset)
+    wanted = as_json or as_csv or drawing is not None
     measured: list[Figures] = []
-    for done in outcomes.of(runner, work, items, log_set.names):
+    for done in (
+        _measure(outcomes, runner, measure, log_set)
+        if call is None
+        else call.measure(outcomes, runner, measure, keeps_figures=wanted)
+    ):
         if drawing is not None and done.drawn is not None and not quiet:
             _print_drawn(drawing.target, done.drawn)
         _write_events(events, done, overwrite=overwrite)
         measured.append(done)
-        outcomes.add(done.json, done.exit_code)
     if as_csv:
         write_strides(sys.stdout, [(done.json["log"]["path"], done.strides) for done in measured])
-    elif not as_json and measured and dataset is None:
+    elif not as_json and measured and call is None:
         _print(measured, window=shown, verbose=verbose)
-    if pending is not None and dataset is not None and not quiet:
-        _print_dataset(dataset.root, measured, pending.unchanged, len(outcomes.failures))
+    if call is not None and not quiet:
+        call.print_done(len(outcomes.failures))
     outcomes.finish(as_json=as_json)
+
+
+def _measure(
+    outcomes: Outcomes, runner: "Runner[Any]", measure: "Measure", log_set: "LogSet"
+) -> "Iterator[Figures]":
+    """Measure all logs; yield their figures."""
+    for done in outcomes.of(runner, measure, log_set.paths, log_set.names):
+        outcomes.add(done.json, done.exit_code)
+        yield done
 
 
 def _refuse_both(one: tuple[str, bool], other: tuple[str, bool]) -> None:
@@ -168,10 +194,17 @@ def _plot_options(
     return drawing
 
 
+def _refuse_without_parquet(parquet: str | None, labels: tuple[str, ...], *, prune: bool) -> None:
+    if parquet is None and (labels or prune):
+        raise CallError("--label and --prune go with --parquet")
+
+
 def _refuse_bad_events_file(
-    target: Path, logs: "Sequence[Location]", parquet: str | None, *, overwrite: bool
+    target: Path | None, logs: "Sequence[Location]", parquet: str | None, *, overwrite: bool
 ) -> None:
-    """Check the file of --events before any work is done."""
+    """Check the file of --events, if it is wanted, before any work is done."""
+    if target is None:
+        return
     from dogbot_logtool.commands.events_file import refuse_bad_events_file  # noqa: PLC0415
 
     if parquet is not None:
@@ -205,21 +238,6 @@ def _print(measured: "list[Figures]", *, window: tuple[float, float] | None, ver
         print_report(results(), one.stats, one.facts, window=window, verbose=verbose)
     else:
         print_summary(results(), [done.summary for done in measured])
-
-
-def _print_dataset(
-    root: "Location",
-    measured: "list[Figures]",
-    unchanged: Sequence[tuple[str, int]],
-    failed: int,
-) -> None:
-    """Print what was written to a dataset: on stderr, since the result itself is in the dataset."""
-    from dogbot_logtool.io.storage import shown  # noqa: PLC0415
-    from dogbot_logtool.report.console import diagnostics  # noqa: PLC0415 - rich costs 40 ms
-    from dogbot_logtool.report.dataset_text import print_dataset  # noqa: PLC0415
-
-    kept = [done.json for done in measured]
-    print_dataset(diagnostics(), shown(root), kept, unchanged, failed)
 
 
 def _parse_window(window: str | None) -> tuple[float, float] | None:

@@ -22,7 +22,8 @@ if TYPE_CHECKING:
         StatsOptions,
         TopicOptions,
     )
-    from dogbot_logtool.report.parquet import Dataset, Entry
+    from dogbot_logtool.report.dataset.dataset import Entry
+    from dogbot_logtool.report.dataset.rows import LogRows
     from dogbot_logtool.results import Conversion, LogInfo, Measurement
 
 _CHECKS_AT_ONCE: Final = 16
@@ -146,14 +147,32 @@ class Measure:
 
 
 @dataclass(frozen=True, slots=True)
-class MeasureIntoDataset:
-    """`stats` of a log, written to a dataset."""
+class MeasureForDataset:
+    """`stats` of a log for a dataset."""
 
     measure: Measure
-    dataset: "Dataset"
+    keeps_figures: bool = False
+    """Whether figures are wanted beside what is written."""
 
-    def __call__(self, entry: "Entry", on_progress: OnProgress | None) -> Figures:
-        """Measure a log and write its figures to the dataset."""
+    def __call__(self, entry: "Entry", on_progress: OnProgress | None) -> "MeasuredEntry":
+        """Measure a log."""
+        from dogbot_logtool.report.dataset.rows import log_rows  # noqa: PLC0415
+
         figures = self.measure(entry.location, on_progress)
-        self.dataset.write(figures, entry)
-        return figures
+        return MeasuredEntry(
+            log_rows(figures),
+            figures.json["log"]["path"],
+            figures.exit_code,
+            figures if self.keeps_figures else None,
+        )
+
+
+@dataclass(frozen=True, slots=True)
+class MeasuredEntry:
+    """A log that was measured for a dataset."""
+
+    rows: "LogRows"
+    name: str
+    exit_code: int
+    figures: Figures | None
+    """If they are wanted."""

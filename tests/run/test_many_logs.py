@@ -83,11 +83,13 @@ def without_path(said: dict[str, Any]) -> dict[str, Any]:
 
 
 def kill_a_worker(lab: Lab, *, when: int) -> threading.Thread:
-    """Kill one as soon as there are some results."""
+    """Kill one as soon as some logs were read."""
+
+    def read() -> set[str]:
+        return {request["path"] for request in lab.store.requests() if request["range"]}
 
     def kill() -> None:
-        logs = lab.figures / "logs"
-        wait_for(lambda: len(list(logs.rglob("*.parquet"))) >= when, what="no results")
+        wait_for(lambda: len(read()) >= when, what="no log is read")
         os.kill(lab.workers[0], signal.SIGKILL)
 
     thread = threading.Thread(target=kill)

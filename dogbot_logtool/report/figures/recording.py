@@ -33,7 +33,7 @@ LOG: Final[Sequence[Figure[LogFacts]]] = (
         lambda log: log.start_s,
         "log time of the first message, since the epoch",
         null="the log holds no message",
-        columns=(Column(_LOG_ROWS, "start_s", rank=10),),
+        columns=(Column(_LOG_ROWS, "log_start_s", rank=10),),
     ),
     Figure(
         "duration_s",
@@ -44,7 +44,7 @@ LOG: Final[Sequence[Figure[LogFacts]]] = (
         null="the log holds no message",
         columns=(
             Column(TableName.INDEX, "duration s", 2, rank=10),
-            Column(_LOG_ROWS, "duration_s", rank=10),
+            Column(_LOG_ROWS, "log_duration_s", rank=10),
         ),
     ),
     Figure(

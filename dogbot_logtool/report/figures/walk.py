@@ -187,7 +187,7 @@ GAIT: Final[Sequence[Member]] = (
         columns=(
             Column(_SUMMARY, "duty", 3, rank=20),
             Column(_INDEX, "duty", 3, rank=20),
-            Column(_LOG_ROWS, "duty_factor", rank=40),
+            Column(_LOG_ROWS, "gait_duty_factor", rank=40),
         ),
     ),
     Figure[SegmentSource](
@@ -200,7 +200,7 @@ GAIT: Final[Sequence[Member]] = (
         columns=(
             Column(_SUMMARY, "strides/s", 3, rank=30),
             Column(_INDEX, "strides/s", 3, rank=30),
-            Column(_LOG_ROWS, "stride_frequency_hz", rank=40),
+            Column(_LOG_ROWS, "gait_stride_frequency_hz", rank=40),
         ),
     ),
     Figure[SegmentSource](

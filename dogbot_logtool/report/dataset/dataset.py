@@ -1,0 +1,198 @@
+"""A dataset: which logs are to be measured for it, and how their rows are added."""
+
+import hashlib
+import json
+import time
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import asdict, dataclass, replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Final, Self
+
+from dogbot_logtool import __version__
+from dogbot_logtool.errors import CallError
+from dogbot_logtool.io import storage
+from dogbot_logtool.io.storage import Location
+from dogbot_logtool.report.dataset.files import Files
+from dogbot_logtool.report.dataset.gone import gone_logs
+from dogbot_logtool.report.dataset.labels import Labels
+from dogbot_logtool.report.dataset.log_state import LogState, state_of
+from dogbot_logtool.report.dataset.parts import NewLog, StoredLog
+from dogbot_logtool.report.dataset.rows import LogRows
+from dogbot_logtool.report.dataset.schema import SCHEMA_VERSION
+from dogbot_logtool.run.inputs import Found, LogSet
+
+if TYPE_CHECKING:
+    from dogbot_logtool.pipeline.options import StatsOptions
+
+_ASKED_AT_ONCE: Final = 16
+_WRITTEN_AFTER_S: Final = 60.0
+"""Rows are written at the latest when another log is done after this time."""
+_MOST_WAITING: Final = 1000
+"""Logs whose rows wait to be written; they bound the memory."""
+_MOST_WAITING_ROWS: Final = 1_000_000
+
+
+@dataclass(frozen=True, slots=True)
+class Entry:
+    """A log that is to be measured and written."""
+
+    location: Location
+    state: LogState
+    labels: Labels
+
+
+@dataclass(frozen=True, slots=True)
+class Pending:
+    """The work that a run has to do."""
+
+    entries: tuple[Entry, ...]
+    log_set: LogSet
+    """Logs of the entries, likewise."""
+    unchanged: tuple[tuple[str, int], ...]
+    """Names and exit codes of logs whose figures are there already."""
+    pruned: tuple[str, ...]
+    """Names of logs that were removed from the dataset."""
+
+
+@dataclass(frozen=True, slots=True)
+class Dataset:
+    """A directory or a URL with the tables."""
+
+    root: Location
+    settings: str
+    """All options that figures depend on, as JSON."""
+    labels: Labels
+    """Labels that all logs of the call get."""
+
+    @property
+    def settings_sha256(self) -> str:
+        """A hash of the settings; another version of this program counts as another setting."""
+        text = f"{SCHEMA_VERSION} {__version__} {self.settings}"
+        return hashlib.sha256(text.encode()).hexdigest()
+
+    def begin(self, log_set: LogSet, *, prune: bool = False) -> Pending:
+        """Look which logs are not there, or not as they are now; remove those that are gone.
+
+        Raises:
+            StoreError: a store fails.
+            LogtoolError: the dataset cannot be read or written.
+        """
+        with ThreadPoolExecutor(_ASKED_AT_ONCE) as pool:
+            states = list(pool.map(lambda log: state_of(log, self.settings_sha256), log_set.paths))
+        files = Files(self.root)
+        contents = files.contents()
+        stored = contents.by_key()
+        entries: list[Entry] = []
+        logs: list[Found] = []
+        unchanged: list[tuple[str, int]] = []
+        relabelled: dict[str, Labels] = {}
+        for log, state in zip(log_set.logs, states, strict=True):
+            old = stored.get(state.key)
+            labels = _labelled(old, self.labels)
+            if old is not None and _is_unchanged(old, state):
+                unchanged.append((storage.shown(log.path), 3 if old.damaged else 0))
+                if labels != old.labels:
+                    relabelled[state.key] = labels
+            else:
+                entries.append(Entry(log.path, state, labels))
+                logs.append(log)
+        named = {state.key for state in states}
+        others = [log for key, log in stored.items() if key not in named]
+        gone = gone_logs(others) if prune else []
+        if relabelled or gone or not contents.is_sound:
+            from dogbot_logtool.report.dataset.changing import change  # noqa: PLC0415 - slow
+
+            with files.locked():
+                change(files, labels=relabelled, dropped=[log.key for log in gone])
+        rest = replace(log_set, logs=tuple(logs))
+        pruned = tuple(log.name for log in gone)
+        return Pending(tuple(entries), rest, tuple(unchanged), pruned)
+
+    def writer(self) -> "DatasetWriter":
+        """Return what writes the rows of logs."""
+        return DatasetWriter(self)
+
+
+class DatasetWriter:
+    """Gathers the rows of logs and writes them, many logs at a time.
+
+    What was gathered is written when the block ends, also by an interruption.
+    """
+
+    def __init__(self, dataset: Dataset) -> None:
+        self._files = Files(dataset.root)
+        self._waiting: list[NewLog] = []
+        self._rows = 0
+        self._written = time.monotonic()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_error: object) -> None:
+        self.write()
+
+    def add(self, entry: Entry, rows: LogRows) -> None:
+        """Take the rows of a log.
+
+        Raises:
+            LogtoolError: rows cannot be written.
+        """
+        state = entry.state
+        row = {**rows.log, **state.columns}
+        self._waiting.append(NewLog(state.key, state.name, state.log_id, rows, row, entry.labels))
+        self._rows += rows.count
+        if (
+            len(self._waiting) >= _MOST_WAITING
+            or self._rows >= _MOST_WAITING_ROWS
+            or time.monotonic() - self._written > _WRITTEN_AFTER_S
+        ):
+            self.write()
+
+    def write(self) -> None:
+        """Write what was gathered.
+
+        Raises:
+            LogtoolError: it cannot be written.
+        """
+        waiting, self._waiting, self._rows = self._waiting, [], 0
+        if waiting:
+            from dogbot_logtool.report.dataset.changing import change  # noqa: PLC0415 - slow
+
+            with self._files.locked():
+                change(self._files, waiting)
+        self._written = time.monotonic()
+
+
+def dataset_at(location: Location, options: "StatsOptions", labels: Labels) -> Dataset:
+    """Return the dataset at a path or URL, for figures with some options.
+
+    Raises:
+        CallError: no dataset can be there.
+    """
+    if isinstance(location, Path):
+        _refuse_bad_root(location)
+    settings = asdict(replace(options, jobs=1))
+    robot = options.topics.robot
+    if robot is not None and robot.endswith(".toml"):
+        # The file may change while its name does not.
+        settings["robot_file"] = storage.content(Path(robot), 1 << 20)
+    return Dataset(location, json.dumps(settings, sort_keys=True, default=repr), labels)
+
+
+def _refuse_bad_root(path: Path) -> None:
+    name = storage.shown(path)
+    if name != str(path):
+        raise CallError(f"--parquet {name}: its name must be UTF-8, which all readers of it need")
+    if path.exists() and not path.is_dir():
+        raise CallError(f"--parquet {name}: is no directory")
+
+
+def _labelled(old: StoredLog | None, given: Labels) -> Labels:
+    """Return the labels of a log: those that it has, and those that are given."""
+    labels = {**(old.labels if old else {}), **given}
+    return {name: labels[name] for name in sorted(labels) if labels[name] is not None}
+
+
+def _is_unchanged(old: StoredLog, state: LogState) -> bool:
+    """Tell whether figures of a log as it is now are there; one that failed is tried again."""
+    return old.error is None and old.log_id == state.log_id and bool(state.version)

@@ -1,0 +1,105 @@
+"""The rows of one log, as plain values: made where the log is measured, sent to who writes them."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from datetime import UTC, datetime
+from typing import Any, Final
+from urllib.parse import quote
+
+from dogbot_logtool.io.plain_json import to_json
+from dogbot_logtool.report.dataset.schema import foot_columns
+from dogbot_logtool.report.figures.figure import Json, TableName
+from dogbot_logtool.report.figures.tables import at, columns_of
+from dogbot_logtool.results import Figures
+
+_SIMULATED_BEFORE_S: Final = 1_000_000_000
+"""Log times before this are simulation time, not dates."""
+_NEVER_S: Final = 1e11
+_NOT_KNOWN: Final = "unknown"
+
+Columns = Mapping[str, Sequence[Any]]
+"""Values by column, as many of each."""
+
+
+@dataclass(frozen=True, slots=True)
+class LogRows:
+    """The rows of a log, without what is the same in all of them."""
+
+    partition: str
+    """Directories below that of the table, such as ``robot=dogbot/month=2026-11``."""
+    log: Json
+    """Its row of `logs`, without what is known before it is measured."""
+    others: Mapping[str, Columns]
+    """Its rows of the other tables."""
+
+    @property
+    def count(self) -> int:
+        """Rows of the other tables."""
+        return sum(len(next(iter(each.values()), ())) for each in self.others.values())
+
+
+def log_rows(figures: Figures) -> LogRows:
+    """Return the rows of a log that was measured."""
+    document = figures.json
+    start_s = document["log"]["start_s"]
+    row = {
+        "error": None,
+        "start_time": _date(start_s),
+        "damaged": bool(document["quality"]["losses"]),
+        **{each.column.header: at(document, each.path) for each in columns_of(TableName.LOG_ROWS)},
+        "warnings": sum(each["severity"] != "note" for each in document["findings"]),
+        "figures_json": to_json(document),
+    }
+    others = {
+        "strides": _stride_columns(figures),
+        "events": _transposed(document["events"]),
+        "feet": _transposed([_foot_row(*each) for each in document["feet"].items()]),
+    }
+    return LogRows(_partition(figures.robot, _date(start_s)), row, others)
+
+
+def failed_rows(sentence: str) -> LogRows:
+    """Return the row of a log that could not be measured."""
+    return LogRows(_partition(_NOT_KNOWN, None), {"error": sentence}, {})
+
+
+def _partition(robot: str, date: datetime | None) -> str:
+    month = f"{date:%Y-%m}" if date else _NOT_KNOWN
+    return f"robot={quote(robot, safe='')}/month={month}"
+
+
+def _date(start_s: float | None) -> datetime | None:
+    """Return when a log begins; None if its clock is not the calendar's."""
+    dated = start_s is not None and _SIMULATED_BEFORE_S <= start_s < _NEVER_S
+    return datetime.fromtimestamp(start_s, UTC) if dated and start_s is not None else None
+
+
+def _stride_columns(figures: Figures) -> Columns:
+    strides = figures.strides
+    legs = {name: _leg(name, foot) for name, foot in figures.json["feet"].items()}
+    columns = {name: column.tolist() for name, column in strides.columns.items()}
+    return {**_transposed([legs[foot] for foot in strides.foot]), **columns}
+
+
+def _leg(name: str, foot: Json) -> Json:
+    end, side = foot["place"] or (None, None)
+    return {"foot": name, "place_end": end, "place_side": side}
+
+
+def _foot_row(name: str, foot: Json) -> Json:
+    figures = {each.column.name: _value(foot, each.path) for each in foot_columns()}
+    return {**_leg(name, foot), **figures}
+
+
+def _value(foot: Json, path: Sequence[str]) -> Any:  # noqa: ANN401 - JSON
+    value: Any = foot
+    for key in path:
+        if value is None:
+            return None
+        value = value[key]
+    return value
+
+
+def _transposed(rows: Sequence[Json]) -> Columns:
+    """Return rows of the same keys as columns."""
+    return {name: [row[name] for row in rows] for name in rows[0]} if rows else {}
