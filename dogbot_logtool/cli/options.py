@@ -166,7 +166,19 @@ def measuring_options(command: Command) -> Command:
         type=click.Choice(["header", "log"]),
         help="Clock to measure on; default: header stamps, log time where those cannot be used.",
     )
-    return axis(contact_on(contact_off(debounce(clock(command)))))
+    twist = click.option(
+        "--command",
+        "command_topic",
+        metavar="TOPIC",
+        help="Topic of the velocity commands, instead of the one found.",
+    )
+    imu = click.option(
+        "--imu",
+        "imu_topic",
+        metavar="TOPIC",
+        help="Topic of the base's inertial unit, instead of the one found.",
+    )
+    return axis(contact_on(contact_off(debounce(clock(twist(imu(command)))))))
 
 
 def topic_options(command: Command) -> Command:

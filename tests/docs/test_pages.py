@@ -14,6 +14,8 @@ from dogbot_logtool.report.figures.document import DOCUMENT, STRIDE_ROWS
 from dogbot_logtool.report.figures.figure import all_figures
 from tests.commands.test_planned import GRF, Plan, figures, write
 from tests.paths import ROOT, SAMPLE_LOGS
+from tests.truth.commanded import ALL_KINDS, Commanded, commanded_walk
+from tests.truth.log_file import write_log
 
 _CODE = re.compile(r'"([EWN]_[A-Z_]+)"')
 _CALL = re.compile(r'\b(error|warning|note)\(\s*"([A-Z_]+)"')
@@ -59,6 +61,9 @@ def null_objects(path: str) -> Iterator[str]:
 
 def test_the_table_holds_every_key_of_real_documents_and_no_other(tmp_path: Path) -> None:
     found = set(leaves(figures(write(tmp_path, GRF, Plan(2)))))
+    robot = Commanded(ALL_KINDS, seconds=18.0)
+    log = write_log(commanded_walk(robot, robot.commands()), tmp_path / "commanded.mcap")
+    found |= set(leaves(figures(log)))
     for golden in SAMPLE_LOGS.glob("golden/*.stats.json"):
         found |= set(leaves(json.loads(golden.read_text(encoding="utf-8"))))
     paths = [path for path, _ in all_figures(DOCUMENT)]

@@ -162,10 +162,13 @@ EVENTS: Final = frozenset(
         "W_ROBOT_ABSENT",
         "W_FEET_POSSIBLE",
         "W_NO_SUCH_TOPICS",
+        "W_COMMANDS_REFUSED",
+        "W_COMMAND_AXES",
+        "W_COMMAND_OPPOSED",
     }
 )
-"""Warnings that no check fails with: what the robot does, what reading lost, which robot it is, and
-what is of other commands."""
+"""Warnings that no check fails with: what the robot does and is told to do, what reading lost,
+which robot it is, and what is of other commands."""
 _KINDS: Final = (
     _Kind(
         "every foot's sensor works",

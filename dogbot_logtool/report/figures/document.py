@@ -10,6 +10,7 @@ from dogbot_logtool.core.findings.findings import findings_of
 from dogbot_logtool.core.statistics import Stats
 from dogbot_logtool.finding import Finding, warning
 from dogbot_logtool.report.figures.base import BASE
+from dogbot_logtool.report.figures.commands import COMMANDS, with_commands
 from dogbot_logtool.report.figures.events import EVENTS, event_sources
 from dogbot_logtool.report.figures.feet import FOOT
 from dogbot_logtool.report.figures.figure import (
@@ -213,6 +214,14 @@ DOCUMENT: Final = Scope(
             lambda source: source.stats.stability,
             "static stability, at 25 instants a second",
             null="there is no time in which the base and the state of every foot are known",
+        ),
+        Scope(
+            "commands",
+            COMMANDS,
+            lambda source: with_commands(source.stats),
+            "how the base follows its velocity commands; velocities are means over a stride, which "
+            "takes out how a gait swings about its speed",
+            null="the log has no velocity commands, or no poses",
         ),
         Scope(
             "events",

@@ -1,0 +1,112 @@
+"""Velocity commands and inertial units of whole logs."""
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import dogbot_logtool as dl
+from dogbot_logtool.commands.stats import _SIDE_TYPES
+from dogbot_logtool.reader.messages.vectors import COMMANDS, INERTIAL_UNITS
+from tests.truth.commanded import Commanded, commanded_walk
+from tests.truth.log_file import write_log
+from tests.truth.recording import Recording, VectorRecording, vector_messages
+
+ROBOT = Commanded(seconds=16.0)
+
+
+def walk(*beside: VectorRecording) -> Recording:
+    return commanded_walk(ROBOT, *beside)
+
+
+def measured(tmp_path: Path, recording: Recording, name: str = "x.mcap", **options: Any) -> Any:
+    return dl.measure(write_log(recording, tmp_path / name), mass=20.0, **options).stats
+
+
+def said(stats: Any, code: str) -> list[str]:
+    return [each["text"] for each in stats["findings"] if each["code"] == code]
+
+
+def test_the_types_that_are_looked_for_are_those_that_can_be_read() -> None:
+    assert {*COMMANDS, *INERTIAL_UNITS} == _SIDE_TYPES
+
+
+@pytest.mark.parametrize("name", ["x.mcap", "x.bag"])
+@pytest.mark.parametrize("kind", ["twist", "twist_stamped"])
+def test_both_types_of_both_versions_of_ros_are_read(tmp_path: Path, kind: str, name: str) -> None:
+    stats = measured(tmp_path, walk(ROBOT.commands(kind)), name)
+    commands = stats["commands"]
+    assert commands["topic"] == "/cmd_vel"
+    assert commands["on_log_time"] is (kind == "twist")
+    assert commands["window_s"] == pytest.approx(0.8, abs=0.01)
+    for axis, gain in zip(("forward", "lateral", "yaw"), ROBOT.gain, strict=True):
+        assert commands[axis]["delay_s"] == pytest.approx(0.17, abs=0.02)
+        assert commands[axis]["gain"] == pytest.approx(gain, rel=0.01)
+    assert len(said(stats, "N_COMMAND_LOG_TIME")) == (kind == "twist")
+
+
+def test_figures_do_not_depend_on_jobs(tmp_path: Path) -> None:
+    recording = walk(ROBOT.commands())
+    one = measured(tmp_path, recording, "a.mcap", jobs=1)
+    other = measured(tmp_path, recording, "b.mcap", jobs=2)
+    assert one["commands"] == other["commands"]
+
+
+def test_measured_twists_are_no_commands(tmp_path: Path) -> None:
+    topics = ("/odom_twist", "/base_velocity", "/cmd_vel_measured", "/twist")
+    stats = measured(tmp_path, walk(*(ROBOT.commands(topic=topic) for topic in topics)))
+    assert stats["commands"] is None
+    assert not said(stats, "N_COMMAND_FOUND")
+
+
+def test_the_best_of_several_is_taken_and_the_others_are_said(tmp_path: Path) -> None:
+    topics = ("/joy/desired", "/robot/cmd_vel", "/nav/command_velocity", "/cmd_vel_nav")
+    recording = walk(*(ROBOT.commands(topic=topic) for topic in topics))
+    stats = measured(tmp_path, recording)
+    assert stats["commands"]["topic"] == "/robot/cmd_vel"
+    (text,) = said(stats, "N_COMMAND_FOUND")
+    assert "/cmd_vel_nav, /nav/command_velocity, /joy/desired (--command chooses)" in text
+    named = measured(tmp_path, recording, "y.mcap", command="/joy/desired")
+    assert named["commands"]["topic"] == "/joy/desired"
+
+
+def test_a_topic_that_is_not_there_is_refused(tmp_path: Path) -> None:
+    recording = walk(ROBOT.commands())
+    with pytest.raises(dl.CallError, match=r"--command: /other is not in the log.*: /cmd_vel"):
+        measured(tmp_path, recording, command="/other")
+    topic = recording.robot.odometry_topic
+    with pytest.raises(dl.CallError, match="is of another type"):
+        measured(tmp_path, recording, "y.mcap", command=topic)
+
+
+def test_commands_that_are_no_numbers_are_said(tmp_path: Path) -> None:
+    given = ROBOT.commands()
+    given.vector[[10, 20]] = np.nan
+    stats = measured(tmp_path, walk(given))
+    assert stats["commands"]["refused"] == 2
+    assert said(stats, "W_COMMANDS_REFUSED")
+
+
+def test_what_cannot_be_told_is_null_with_its_cause(tmp_path: Path) -> None:
+    robot = Commanded(((0.0, (0.4, 0.0, 0.0)),), seconds=16.0)
+    stats = measured(tmp_path, commanded_walk(robot, robot.commands()))
+    assert stats["commands"]["forward"]["delay_s"] is None
+    assert stats["commands"]["forward"]["gain"] is None
+    (text,) = said(stats, "N_COMMAND_DELAY_UNKNOWN")
+    assert "forward speed: the command hardly changes" in text
+    (segment,) = stats["gait"]["segments"]
+    assert segment["commands"]["forward"]["commanded_mps"] == pytest.approx(0.4)
+
+
+def test_a_log_without_such_topics_has_no_figures_of_them(tmp_path: Path) -> None:
+    stats = measured(tmp_path, walk())
+    assert stats["commands"] is None
+    assert stats["gait"]["segments"][0]["commands"] is None
+
+
+def test_an_empty_topic_is_nothing(tmp_path: Path) -> None:
+    nothing = vector_messages("/cmd_vel", "twist", np.array([30.0]), np.zeros((1, 3)))
+    stats = measured(tmp_path, walk(nothing))
+    assert stats["commands"]["commanded_s"] == 0.0
+    assert stats["commands"]["forward"] is None
