@@ -92,13 +92,13 @@ def _measured_feet(
         plan = () if chosen else planned_feet(log, selection.robot, selection.contacts)
         side = _side_topics(log, options)
         try:
-            settings = _settings(selection, probe, sensors, options, side)
+            settings = _settings(log, selection, probe, sensors, options, side)
             measured = _pass(
                 log, selection, probe, sensors.silent, settings, options, progress, on_samples, side
             )
         except UnusableStamps as reason:
             because = str(reason)
-            settings = _settings(selection, probe, sensors, options, side, because)
+            settings = _settings(log, selection, probe, sensors, options, side, because)
             measured = _pass(
                 log, selection, probe, sensors.silent, settings, options, progress, on_samples, side
             )
@@ -108,6 +108,7 @@ def _measured_feet(
 
 
 def _settings(
+    log: Log,
     selection: Selection,
     probe: Probe,
     sensors: LearntSensors,
@@ -153,7 +154,18 @@ def _settings(
         odometry_topic=selection.odometry[0].topic if selection.odometry else "",
         command_topic=side.commands.topic if side and side.commands else "",
         imu_topic=side.inertial.topic if side and side.inertial else "",
+        imu_mounting=_mounting(log, selection, probe, side) if side else None,
     )
+
+
+def _mounting(
+    log: Log, selection: Selection, probe: Probe, side: "SideTopics"
+) -> tuple[float, float, float, float] | None:
+    """Return how the inertial unit sits on the base; None: not recorded."""
+    from dogbot_logtool.pipeline.side_topics import imu_mounting  # noqa: PLC0415
+
+    _, base_frame = frame_names(selection.robot, probe)
+    return imu_mounting(log, side.inertial, probe.statics, base_frame)
 
 
 def _side_topics(log: Log, options: StatsOptions) -> "SideTopics | None":

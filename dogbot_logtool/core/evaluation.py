@@ -51,6 +51,7 @@ from dogbot_logtool.core.statistics import SegmentFigures, Stats
 
 if TYPE_CHECKING:
     from dogbot_logtool.core.commands.tracking import CommandTrack, Tracking
+    from dogbot_logtool.core.imu.comparison import ImuComparison
     from dogbot_logtool.core.recorded.vectors import VectorHistory
 
 
@@ -216,6 +217,7 @@ def work_out(settings: StatsSettings, recorded: Recorded) -> Stats:
         all_silent=all_silent(records, walk.base),
         command_track=track,
         commands=_tracking(track),
+        imu=_imu(walk, recorded.inertial, jumps),
     )
 
 
@@ -318,6 +320,25 @@ def _command_track(
         walk.settings.forward_axis,
         timespans.merge(np.concatenate([timespans.no_spans(), *steps])),
         typical_period_s([each.stances for each in walk.records]),
+    )
+
+
+def _imu(walk: _Walk, inertial: "VectorHistory | None", jumps: PoseJumps) -> "ImuComparison | None":
+    """Compare accelerometer, forces and poses, in logs that have all of them."""
+    if inertial is None:
+        return None
+    from dogbot_logtool.core.imu.comparison import compare_imu  # noqa: PLC0415
+
+    comparable = walk.vertical_known and not (walk.feet_apart or walk.base_apart)
+    return compare_imu(
+        inertial,
+        walk.base,
+        jumps.spans,
+        walk.records if comparable else (),
+        mass_kg=walk.settings.mass_kg,
+        mounting=walk.settings.imu_mounting,
+        period_s=typical_period_s([each.stances for each in walk.records]),
+        fallen=walk.fallen,
     )
 
 

@@ -28,6 +28,7 @@ from dogbot_logtool.core.stability.stability import Stability
 
 if TYPE_CHECKING:
     from dogbot_logtool.core.commands.tracking import CommandTrack, Tracking
+    from dogbot_logtool.core.imu.comparison import ImuComparison
 
 
 @dataclass(frozen=True, slots=True)
@@ -94,6 +95,8 @@ class Stats:
     """Commanded and measured velocity; None without commands."""
     commands: "Tracking | None" = None
     """How the base follows them."""
+    imu: "ImuComparison | None" = None
+    """What the base's accelerometer says of forces and poses; None without one."""
 
     @property
     def base_clock_is_apart(self) -> bool:

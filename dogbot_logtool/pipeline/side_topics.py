@@ -5,6 +5,9 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Final
 
+import numpy as np
+
+from dogbot_logtool.core.frames.transform_buffer import TransformBuffer
 from dogbot_logtool.errors import CallError, DefinitionError, LogError
 from dogbot_logtool.finding import Finding, note
 from dogbot_logtool.io.listing import listed
@@ -80,6 +83,35 @@ def side_topics(log: Log, options: StatsOptions) -> SideTopics:
         ranked = _ranked(log, INERTIAL_UNITS, _inertial_rank)
         inertial = _first(ranked, "the base's accelerations", "IMU_FOUND", "--imu", findings)
     return SideTopics(commands, inertial, tuple(findings))
+
+
+def imu_mounting(
+    log: Log, imu: SideTopic | None, statics: TransformBuffer, base_frame: str
+) -> tuple[float, float, float, float] | None:
+    """Return how an inertial unit sits on the base, by recorded static transforms.
+
+    Args:
+        log: the log; one chunk of it is read.
+        imu: the unit's topic; None: there is none.
+        statics: transforms that hold for ever.
+        base_frame: the base's frame.
+
+    Returns:
+        x, y, z, w of its frame in the base's; None: not recorded, or it is the base's.
+    """
+    if imu is None or not statics.frames:
+        return None
+    ids = {channel.id for channel in imu.channels}
+    chunk = next((c for c in log.chunks if c.counts is None or not ids.isdisjoint(c.counts)), None)
+    frames = imu.read(log.read((chunk,))).frames if chunk else ()
+    if len(frames) != 1 or frames[0].lstrip("/") == base_frame:
+        return None
+    now = np.zeros(1, np.int64)
+    pose = statics.lookup(frames[0].lstrip("/"), base_frame, now, now)
+    if not pose.known[0]:
+        return None
+    x, y, z, w = pose.rotation[0].tolist()
+    return x, y, z, w
 
 
 def _words(topic: str) -> frozenset[str]:

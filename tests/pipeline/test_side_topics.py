@@ -1,5 +1,6 @@
 """Velocity commands and inertial units of whole logs."""
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -10,8 +11,11 @@ import dogbot_logtool as dl
 from dogbot_logtool.commands.stats import _SIDE_TYPES
 from dogbot_logtool.reader.messages.vectors import COMMANDS, INERTIAL_UNITS
 from tests.truth.commanded import Commanded, commanded_walk
+from tests.truth.gaits import WALK
 from tests.truth.log_file import write_log
-from tests.truth.recording import Recording, VectorRecording, vector_messages
+from tests.truth.recording import Recording, VectorRecording, about_axis, vector_messages
+from tests.truth.sensed import with_imu
+from tests.truth.walking import Walk
 
 ROBOT = Commanded(seconds=16.0)
 
@@ -103,6 +107,57 @@ def test_a_log_without_such_topics_has_no_figures_of_them(tmp_path: Path) -> Non
     stats = measured(tmp_path, walk())
     assert stats["commands"] is None
     assert stats["gait"]["segments"][0]["commands"] is None
+
+
+def sensed_walk(**changes: Any) -> Recording:
+    return with_imu(Walk(gait=WALK, seconds=10.0).recorded(200.0, 100.0), **changes)
+
+
+def warnings_of(stats: Any) -> list[str]:
+    return [each["code"] for each in stats["findings"] if each["severity"] == "warning"]
+
+
+@pytest.mark.parametrize("name", ["x.mcap", "x.bag"])
+def test_an_accelerometer_agrees_with_the_forces(tmp_path: Path, name: str) -> None:
+    stats = measured(tmp_path, sensed_walk(), name)
+    imu = stats["imu"]
+    assert (imu["topic"], imu["reads"], imu["mounting"]) == ("/imu/data", "m/s^2", "assumed")
+    assert imu["forces"]["over_accelerometer"] == pytest.approx(1.0, abs=0.01)
+    assert imu["forces"]["curve"]["correlation"] > 0.95
+    check = next(c for c in stats["quality"]["checks"] if "accelerometer" in c["name"])
+    assert check["outcome"] == "passed"
+    assert warnings_of(stats) == []
+
+
+@pytest.mark.parametrize("recorded", [True, False])
+def test_the_mounting_is_read_from_static_transforms(tmp_path: Path, *, recorded: bool) -> None:
+    seat = about_axis(0, np.array([np.pi / 2.0]))[0]
+    recording = sensed_walk(mounting=seat, frame="imu_link")
+    if recorded:
+        pose = (0.1, 0.0, 0.05, *seat.tolist())
+        recording = replace(recording, statics=(("imu_link", pose),))
+    stats = measured(tmp_path, recording)
+    assert stats["imu"]["mounting"] == ("recorded" if recorded else "assumed")
+    assert stats["imu"]["tilt_rad"] == pytest.approx(0.0 if recorded else np.pi / 2.0, abs=0.01)
+    assert warnings_of(stats) == ([] if recorded else ["W_IMU_TILTED"])
+
+
+def test_a_mass_that_the_accelerometer_refutes_is_named(tmp_path: Path) -> None:
+    stats = measured(tmp_path, sensed_walk())
+    heavy = dl.measure(tmp_path / "x.mcap", mass=24.0).stats
+    assert warnings_of(stats) == []
+    assert "W_MASS_ODD" in warnings_of(heavy)
+
+
+def test_other_units_are_left_aside(tmp_path: Path) -> None:
+    recording = sensed_walk()
+    (imu,) = recording.beside
+    others = ("/left_foot/imu", "/camera/imu", "/imu/data_raw")
+    beside = (imu, *(replace(imu, topic=topic) for topic in others))
+    stats = measured(tmp_path, replace(recording, beside=beside))
+    assert stats["imu"]["topic"] == "/imu/data"
+    named = measured(tmp_path, replace(recording, beside=beside), "y.mcap", imu="/camera/imu")
+    assert named["imu"]["topic"] == "/camera/imu"
 
 
 def test_an_empty_topic_is_nothing(tmp_path: Path) -> None:

@@ -55,6 +55,8 @@ def _entries(recording: Recording, messages: Messages) -> Iterator[Entry]:
         yield from _SENSORS[recording.kind](recording, messages, foot)
     if recording.has_tf:
         yield from _transform_entries(recording, messages)
+    if recording.statics:
+        yield from _static_entries(recording, messages)
     for topic in recording.beside:
         yield from _vector_entries(topic, messages)
 
@@ -112,6 +114,14 @@ def _gz_entries(recording: Recording, messages: Messages, foot: int) -> Iterator
     for row, log_time in enumerate(sensor.log_time.tolist()):
         data = contact.filled(int(sensor.stamp[row]), numbers[row])
         yield log_time, robot.topic(foot), GZ_CONTACTS, data
+
+
+def _static_entries(recording: Recording, messages: Messages) -> Iterator[Entry]:
+    template = messages.transforms(BASE, [name for name, _ in recording.statics])
+    numbers = [number for _, pose in recording.statics for number in pose]
+    first = recording.base
+    data = template.filled(int(first.stamp[0]), numbers)
+    yield int(first.log_time[0]), "/tf_static", TF, data
 
 
 def _vector_entries(topic: VectorRecording, messages: Messages) -> Iterator[Entry]:

@@ -159,6 +159,8 @@ class Recording:
     """Whether bumpers report in swing 30 N of contact with the robot's own body."""
     beside: tuple[VectorRecording, ...] = ()
     """Topics beside feet and base."""
+    statics: tuple[tuple[str, tuple[float, ...]], ...] = ()
+    """Frames that sit on the base: name, translation and quaternion, as one static transform."""
     given: dict[str, Any] = field(default_factory=dict)
     """What the user says of it, where that is not the truth: ``mass_kg``."""
 

@@ -12,10 +12,10 @@ import numpy as np
 from dogbot_logtool.core.base.base_history import BaseHistory
 from dogbot_logtool.core.base.base_motion import FORWARD_ANGLES
 from dogbot_logtool.core.commands.base_velocity import Odometer, base_odometer
-from dogbot_logtool.core.commands.delay import LEAST_CORRELATION, Delay, fit_delay
 from dogbot_logtool.core.commands.held_command import HeldCommand, held_command
 from dogbot_logtool.core.geometry import timespans
 from dogbot_logtool.core.geometry.arrays import Flags, Floats, Ints
+from dogbot_logtool.core.geometry.delay import LEAST_CORRELATION, Delay, fit_delay
 from dogbot_logtool.core.recorded.vectors import VectorHistory
 
 TRACKING_HZ: Final = 50.0

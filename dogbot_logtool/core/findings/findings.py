@@ -81,6 +81,10 @@ def _beside(stats: Stats) -> Iterator[Finding]:
         from dogbot_logtool.core.findings.commands import command_findings  # noqa: PLC0415
 
         yield from command_findings(stats)
+    if stats.imu is not None:
+        from dogbot_logtool.core.findings.imu import imu_findings  # noqa: PLC0415
+
+        yield from imu_findings(stats)
 
 
 def _sensor_findings(stats: Stats) -> Iterator[Finding]:

@@ -8,8 +8,8 @@ from dogbot_logtool.report.figures.figure import Figure, Kind, Member, Scope, in
 
 # Loaded for logs with commands.
 if TYPE_CHECKING:
-    from dogbot_logtool.core.commands.delay import Delay
     from dogbot_logtool.core.commands.tracking import AxisTracking, CommandTrack, Drift
+    from dogbot_logtool.core.geometry.delay import Delay
 
 _NO_AXIS: Final = (
     "no window of one stride is known of both command and base; of the horizontal parts also where "

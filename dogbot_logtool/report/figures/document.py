@@ -23,6 +23,7 @@ from dogbot_logtool.report.figures.figure import (
     inside,
 )
 from dogbot_logtool.report.figures.foot_source import foot_sources
+from dogbot_logtool.report.figures.imu import IMU, imu_source
 from dogbot_logtool.report.figures.loads import FORCES, STABILITY
 from dogbot_logtool.report.figures.recording import (
     FINDING,
@@ -222,6 +223,14 @@ DOCUMENT: Final = Scope(
             "how the base follows its velocity commands; velocities are means over a stride, which "
             "takes out how a gait swings about its speed",
             null="the log has no velocity commands, or no poses",
+        ),
+        Scope(
+            "imu",
+            IMU,
+            lambda source: imu_source(source.stats),
+            "the base's accelerometer against the feet's forces and the base's poses: over strides "
+            "all three are g and the base's acceleration",
+            null="the log has no accelerometer, or it and poses are not known together for 2 s",
         ),
         Scope(
             "events",
