@@ -330,6 +330,7 @@ def _imu(walk: _Walk, inertial: "VectorHistory | None", jumps: PoseJumps) -> "Im
     from dogbot_logtool.core.imu.comparison import compare_imu  # noqa: PLC0415
 
     comparable = walk.vertical_known and not (walk.feet_apart or walk.base_apart)
+    strides = _any_strides(walk.records, walk.fallen, walk.standing.without_steps)
     return compare_imu(
         inertial,
         walk.base,
@@ -339,6 +340,7 @@ def _imu(walk: _Walk, inertial: "VectorHistory | None", jumps: PoseJumps) -> "Im
         mounting=walk.settings.imu_mounting,
         period_s=typical_period_s([each.stances for each in walk.records]),
         fallen=walk.fallen,
+        strides=timespans.merge(strides),
     )
 
 

@@ -1,15 +1,23 @@
 """Velocity commands and inertial units of whole logs."""
 
+import re
 from dataclasses import replace
+from io import StringIO
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
+from rich.console import Console
 
 import dogbot_logtool as dl
-from dogbot_logtool.commands.stats import _SIDE_TYPES
+from dogbot_logtool.commands.stats import _SIDE_TYPES, measure
+from dogbot_logtool.core.contact.curves import CurveDetail
+from dogbot_logtool.pipeline.options import StatsOptions, TopicOptions
 from dogbot_logtool.reader.messages.vectors import COMMANDS, INERTIAL_UNITS
+from dogbot_logtool.report.page.render import page
+from dogbot_logtool.report.stats_text import print_report
+from tests.report.page.page_data import drawings
 from tests.truth.commanded import Commanded, commanded_walk
 from tests.truth.gaits import WALK
 from tests.truth.log_file import write_log
@@ -48,6 +56,39 @@ def test_both_types_of_both_versions_of_ros_are_read(tmp_path: Path, kind: str, 
         assert commands[axis]["delay_s"] == pytest.approx(0.17, abs=0.02)
         assert commands[axis]["gain"] == pytest.approx(gain, rel=0.01)
     assert len(said(stats, "N_COMMAND_LOG_TIME")) == (kind == "twist")
+
+
+def test_both_velocities_are_a_table(tmp_path: Path) -> None:
+    log = write_log(walk(ROBOT.commands()), tmp_path / "x.mcap")
+    walked = dl.measure(log, mass=20.0)
+    table, figures = walked.commands, walked.stats["commands"]
+    for part, key, unit in (
+        ("forward_mps", "forward", "mps"),
+        ("lateral_mps", "lateral", "mps"),
+        ("yaw_radps", "yaw", "radps"),
+    ):
+        error = table[f"measured_{part}"] - table[f"commanded_{part}"]
+        wanted = figures[key][f"rms_error_{unit}"]
+        assert float(np.sqrt((error**2).mean())) == pytest.approx(wanted)
+    assert np.diff(table["time_s"]) == pytest.approx(0.02)
+    # A stride after the start, half a stride before the end of the poses.
+    assert table["commanded_forward_mps"][0] == pytest.approx(0.3)
+
+
+def test_commands_and_accelerometer_are_in_the_report(tmp_path: Path) -> None:
+    recording = with_imu(commanded_walk(ROBOT, ROBOT.commands()))
+    options = StatsOptions(TopicOptions(mass_kg=20.0), curves=CurveDetail())
+    done = measure(write_log(recording, tmp_path / "x.mcap"), options)
+    console = Console(width=100, record=True, file=StringIO())
+    print_report(console, done.stats, done.facts)
+    text = console.export_text()
+    assert "Commands  /cmd_vel, means over 0.80 s" in text
+    assert re.search(r"forward: error 0\.\d+ m/s rms, [+-]0\.\d+ m/s mean, delay 0.17 s", text)
+    assert "Accelerometer  /imu/data" in text
+    assert "reads m/s^2" in text
+    shown = drawings(page(done.stats, done.facts, [], 0))["commands"]
+    assert shown["over_time"]
+    assert [each["name"] for each in shown["data"]] == ["measured", "commanded"] * 3
 
 
 def test_figures_do_not_depend_on_jobs(tmp_path: Path) -> None:
@@ -98,7 +139,7 @@ def test_what_cannot_be_told_is_null_with_its_cause(tmp_path: Path) -> None:
     assert stats["commands"]["forward"]["delay_s"] is None
     assert stats["commands"]["forward"]["gain"] is None
     (text,) = said(stats, "N_COMMAND_DELAY_UNKNOWN")
-    assert "forward speed: the command hardly changes" in text
+    assert "forward speed, sideways speed, yaw rate: the command hardly changes" in text
     (segment,) = stats["gait"]["segments"]
     assert segment["commands"]["forward"]["commanded_mps"] == pytest.approx(0.4)
 
@@ -158,6 +199,13 @@ def test_other_units_are_left_aside(tmp_path: Path) -> None:
     assert stats["imu"]["topic"] == "/imu/data"
     named = measured(tmp_path, replace(recording, beside=beside), "y.mcap", imu="/camera/imu")
     assert named["imu"]["topic"] == "/camera/imu"
+
+
+def test_a_silence_of_commands_is_no_gap_of_the_recording(tmp_path: Path) -> None:
+    robot = replace(ROBOT, silences=((5.0, 8.0),))
+    stats = measured(tmp_path, walk(robot.commands()))
+    assert said(stats, "N_NO_COMMAND")
+    assert not said(stats, "W_GAPS")
 
 
 def test_an_empty_topic_is_nothing(tmp_path: Path) -> None:

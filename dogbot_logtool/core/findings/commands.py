@@ -3,6 +3,7 @@
 from collections.abc import Iterator
 
 from dogbot_logtool.core.findings.wording import counted
+from dogbot_logtool.core.geometry.clock import TimeSource
 from dogbot_logtool.core.statistics import Stats
 from dogbot_logtool.finding import Finding
 
@@ -30,7 +31,7 @@ def command_findings(stats: Stats) -> Iterator[Finding]:
             f"{frames if track.history.frames else ''}: no figures of forward and sideways tracking"
         )
         yield Finding("W_COMMAND_AXES", text, "commands.axes")
-    if track.history.on_log_time:
+    if track.history.on_log_time and stats.settings.clock is TimeSource.HEADER:
         text = (
             f"{topic} is placed by log time, since its messages have no header stamps of the "
             "base's clock: delays are also the recorder's"
@@ -56,7 +57,7 @@ def command_findings(stats: Stats) -> Iterator[Finding]:
 
 def _axes(stats: Stats) -> Iterator[Finding]:
     """Yield what is not known of each axis, or is the opposite of the command."""
-    silent = []
+    silent: dict[str, list[str]] = {}
     for key, name in _NAMES.items():
         axis = getattr(stats.commands, key)
         if axis is None:
@@ -67,7 +68,8 @@ def _axes(stats: Stats) -> Iterator[Finding]:
             )
             yield Finding("W_COMMAND_OPPOSED", text, f"commands.{key}.gain")
         if axis.because:
-            silent.append(f"{name}: {axis.because}")
+            silent.setdefault(axis.because, []).append(name)
     if silent:
-        text = f"delay and gain are not known of the {'; '.join(silent)}"
+        causes = "; ".join(f"{', '.join(names)}: {why}" for why, names in silent.items())
+        text = f"delay and gain are not known of {causes}"
         yield Finding("N_COMMAND_DELAY_UNKNOWN", text, "commands")

@@ -70,7 +70,13 @@ def findings_of(stats: Stats) -> tuple[Finding, ...]:
         *load_findings(stats),
         *stability_findings(stats),
         *_beside(stats),
-        *(finding for topic in stats.topics for finding in topic_findings(topic)),
+        *(
+            finding
+            for topic in stats.topics
+            for finding in topic_findings(
+                topic, may_pause=topic.topic == stats.settings.command_topic
+            )
+        ),
     ]
     return tuple(sorted(found, key=consequence))
 

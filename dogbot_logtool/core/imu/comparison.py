@@ -66,6 +66,7 @@ def compare_imu(
     mounting: Sequence[float] | None,
     period_s: float | None,
     fallen: Ints,
+    strides: Ints,
 ) -> ImuComparison | None:
     """Compare accelerometer, forces and poses.
 
@@ -78,6 +79,7 @@ def compare_imu(
         mounting: x, y, z, w: the sensor's frame in the base's; None: it is the base's.
         period_s: s, the usual stride; None: there are none.
         fallen: (f, 2) ns, time in which the robot lies.
+        strides: (s, 2) ns, whole strides: only in them it is sure that the feet carry the robot.
 
     Returns:
         None where accelerometer and poses have too little time in common.
@@ -101,7 +103,8 @@ def compare_imu(
     forces = None
     if level is not None and mass_kg is not None:
         lacks_gravity = seat.reading is Reading.WITHOUT_GRAVITY
-        forces = compare_forces(feet, mass_kg, Sensed(level, time, half, poses, lacks_gravity))
+        sensing = Sensed(level, time, half, poses, lacks_gravity)
+        forces = compare_forces(feet, mass_kg, sensing, strides)
     return ImuComparison(
         sensed=sensed,
         mounting_recorded=mounting is not None,

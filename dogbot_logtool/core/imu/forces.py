@@ -26,7 +26,8 @@ LEAST_S: Final = 2.0
 """s that all of them must be known for."""
 _CELL_NS: Final = round(1e9 / TRACK_RATE_HZ)
 _LATEST_NS: Final = 200_000_000
-"""ns, the largest delay of forces and accelerometer that is tried, either way."""
+"""ns, the largest delay of forces and accelerometer that is tried, either way; also no more than an
+eighth of a stride, since the sum over four feet repeats itself every quarter."""
 _LAGS: Final = 21
 SWINGS: Final = 0.02
 """Of g: root mean square from which a curve over a stride can be compared with another."""
@@ -82,13 +83,20 @@ class ForceComparison:
 
 
 def compare_forces(
-    feet: Sequence[FootHistory], mass_kg: float, sensed: Sensed
+    feet: Sequence[FootHistory], mass_kg: float, sensed: Sensed, strides: Ints
 ) -> ForceComparison | None:
-    """Return what the forces say; None where they are not known for long enough."""
+    """Return what the forces say; None where they are not known for long enough.
+
+    Args:
+        feet: histories of all feet.
+        mass_kg: of the robot.
+        sensed: the accelerometer, and what poses say.
+        strides: (s, 2) ns, time in which the feet carry the robot.
+    """
     loaded = [foot for foot in feet if len(foot.in_contact)]
     if not loaded or not all(vertical_is_known(foot) for foot in loaded):
         return None
-    known = timespans.intersect([foot.vertical_known for foot in feet])
+    known = timespans.intersect([strides, *(foot.vertical_known for foot in feet)])
     half = sensed.half_ns
     rows = inside(known, sensed.time, half)
     time = sensed.time[rows]
@@ -128,7 +136,8 @@ def _curve(forces: Floats, time: Ints, sensed: Sensed) -> Delay | None:
         sensed: the accelerometer.
     """
     half, cell = sensed.half_ns, _CELL_NS // 2
-    rows = inside(sensed.running.known, time, half + _LATEST_NS)
+    latest_ns = min(_LATEST_NS, half // 4)
+    rows = inside(sensed.running.known, time, half + latest_ns)
     forces, time = forces[rows], time[rows]
 
     def swing(lag_s: float) -> Floats:
@@ -138,6 +147,6 @@ def _curve(forces: Floats, time: Ints, sensed: Sensed) -> Delay | None:
     least = SWINGS * GRAVITY_MPS2
     if not len(time) or min(float(np.std(each)) for each in (forces, swing(0.0))) < least:
         return None
-    latest = _LATEST_NS / 1e9
+    latest = latest_ns / 1e9
     strides = len(time) * _CELL_NS / (2.0 * half)
     return fit_delay(forces, swing, np.linspace(-latest, latest, _LAGS), strides)

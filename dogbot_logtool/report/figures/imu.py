@@ -73,7 +73,8 @@ _CURVE: "Final[Sequence[Figure[Delay]]]" = (
         Kind.NUMBER,
         "",
         lambda delay: delay.correlation,
-        "largest correlation of both, over delays of -0.2 to 0.2 s",
+        "largest correlation of both, over delays of up to an eighth of a stride either way, 0.2 s "
+        "at most",
     ),
     Figure(
         "delay_s",
@@ -89,8 +90,8 @@ _FORCES: Final[Sequence[Member]] = (
         Kind.AMOUNT,
         "s",
         lambda source: source.forces.known_s,
-        "time that it is over: windows of a stride in which all feet, accelerometer and poses are "
-        "known",
+        "time that it is over: windows inside of whole strides in which all feet, accelerometer "
+        "and poses are known",
     ),
     Figure[_ForceSource](
         "over_mass_mps2",
@@ -210,7 +211,8 @@ IMU: Final[Sequence[Member]] = (
         _FORCES,
         _forces,
         "the feet's forces against it",
-        null="no mass, vertical forces are not known, what it reads is not known or of another "
+        null="no strides (a robot may rest on its body), no mass, vertical forces are not known, "
+        "what it reads is not known or of another "
         "scale, or less than 2 s in common",
     ),
 )
