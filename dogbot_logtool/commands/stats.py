@@ -26,6 +26,7 @@ from dogbot_logtool.pipeline.options import StatsOptions
 from dogbot_logtool.pipeline.probe import Probe, evidence_findings, frame_names, probe_log
 from dogbot_logtool.pipeline.selection import Selection, nothing_to_do, select_topics
 from dogbot_logtool.pipeline.sensors import LearntSensors, learn_sensors
+from dogbot_logtool.pipeline.side_types import has_side_topics
 from dogbot_logtool.pipeline.time_span import TimeLimits, refuse_empty_span, time_limits
 from dogbot_logtool.pipeline.world_frames import StreamedFrames, WorldFrames, follow_frames
 from dogbot_logtool.reader.containers.log import Log, Loss, lost_messages
@@ -37,12 +38,6 @@ from dogbot_logtool.run.in_order import OnProgress, in_order
 if TYPE_CHECKING:
     from dogbot_logtool.pipeline.side_topics import SideTopics
 
-_SIDE_TYPES: Final = frozenset(
-    {"geometry_msgs/Twist", "geometry_msgs/TwistStamped", "sensor_msgs/Imu", "unitree_go/LowState"}
-    | {"go2_interfaces/LowState", "unitree_legged_msgs/LowState"}
-    | {"ros2_unitree_legged_msgs/LowState"}
-)
-"""What `side_topics` may choose of."""
 _FRAMES: Final = {"world": WrenchFrame.WORLD, "link": WrenchFrame.LINK}
 
 
@@ -171,7 +166,7 @@ def _mounting(
 def _side_topics(log: Log, options: StatsOptions) -> "SideTopics | None":
     """Choose what is read beside feet and base; None: the log has nothing of the kind."""
     asked = options.command_topic is not None or options.imu_topic is not None
-    if not asked and _SIDE_TYPES.isdisjoint(c.type_name for c in log.channels.values()):
+    if not asked and not has_side_topics(log):
         return None
     from dogbot_logtool.pipeline.side_topics import side_topics  # noqa: PLC0415
 

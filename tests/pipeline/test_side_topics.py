@@ -11,9 +11,10 @@ import pytest
 from rich.console import Console
 
 import dogbot_logtool as dl
-from dogbot_logtool.commands.stats import _SIDE_TYPES, measure
+from dogbot_logtool.commands.stats import measure
 from dogbot_logtool.core.contact.curves import CurveDetail
 from dogbot_logtool.pipeline.options import StatsOptions, TopicOptions
+from dogbot_logtool.pipeline.side_types import SIDE_TYPES
 from dogbot_logtool.reader.messages.vectors import COMMANDS, INERTIAL_UNITS
 from dogbot_logtool.report.page.render import page
 from dogbot_logtool.report.stats_text import print_report
@@ -41,7 +42,7 @@ def said(stats: Any, code: str) -> list[str]:
 
 
 def test_the_types_that_are_looked_for_are_those_that_can_be_read() -> None:
-    assert {*COMMANDS, *INERTIAL_UNITS} == _SIDE_TYPES
+    assert {*COMMANDS, *INERTIAL_UNITS} == SIDE_TYPES
 
 
 @pytest.mark.parametrize("name", ["x.mcap", "x.bag"])

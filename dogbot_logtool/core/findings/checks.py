@@ -163,6 +163,8 @@ def _imu_not_compared(stats: Stats) -> str:
         return "accelerometer and poses are not known together for 2 s"
     if stats.imu.mounting.reading is None:
         return "the accelerometer does not follow the base's attitude"
+    if stats.imu.mean_is_zero:
+        return "all accelerations are zero"
     return "" if stats.imu.forces else "forces or mass are not known, so only poses agree with it"
 
 
@@ -281,7 +283,6 @@ _KINDS: Final = (
         _imu_not_compared,
         frozenset(
             {
-                "W_IMU_NOTHING",
                 "W_IMU_IN_G",
                 "W_IMU_NO_GRAVITY",
                 "W_IMU_SCALE",

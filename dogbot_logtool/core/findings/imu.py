@@ -34,7 +34,7 @@ def _reading(imu: ImuComparison) -> Iterator[Finding]:
     over = f"{topic} reads {read:.3g} over whole strides, where {GRAVITY_MPS2:g} m/s^2 are expected"
     match imu.mounting.reading:
         case Reading.NOTHING:
-            yield Finding("W_IMU_NOTHING", f"all accelerations of {topic} are zero", topic)
+            yield Finding("N_IMU_NOTHING", f"all accelerations of {topic} are zero", topic)
         case Reading.IN_G:
             yield Finding("W_IMU_IN_G", f"{over}: it reads in g", topic)
         case Reading.WITHOUT_GRAVITY:

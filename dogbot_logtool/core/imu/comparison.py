@@ -55,6 +55,11 @@ class ImuComparison:
     forces: ForceComparison | None
     """None: no mass, or vertical forces are not known."""
 
+    @property
+    def mean_is_zero(self) -> bool:
+        """Whether it tells nothing: some units have no accelerometer."""
+        return self.mounting.reading is Reading.NOTHING
+
 
 def compare_imu(
     sensed: VectorHistory,

@@ -22,7 +22,7 @@ from tests.truth.walking import Walk
 
 IMU_CODES = frozenset(
     code for code in codes_of_checks() if "_IMU_" in code or code.startswith("W_FORCES")
-) | {"W_FOOT_SCALE", "W_MASS_ODD"}
+) | {"W_FOOT_SCALE", "W_MASS_ODD", "N_IMU_UNDECIDED", "N_IMU_NOTHING"}
 
 
 def walk(**changes: object) -> Recording:
@@ -58,7 +58,9 @@ def forces_of(stats: Stats) -> ForceComparison:
 
 
 def codes(stats: Stats) -> set[str]:
-    return {finding.code for finding in findings_of(stats)} & (IMU_CODES | {"N_IMU_UNDECIDED"})
+    return {finding.code for finding in findings_of(stats)} & (
+        IMU_CODES | {"N_IMU_UNDECIDED", "N_IMU_NOTHING"}
+    )
 
 
 def scaled(factor: float) -> Callable[[int, FootRecording], FootRecording]:
@@ -226,7 +228,7 @@ def test_forces_in_a_frame_that_leans_are_named() -> None:
 def test_zeros_are_no_accelerations() -> None:
     recording = with_imu(walk())
     imu = replace(recording.beside[0], vector=np.zeros_like(recording.beside[0].vector))
-    assert codes(measured(replace(recording, beside=(imu,)))) == {"W_IMU_NOTHING"}
+    assert codes(measured(replace(recording, beside=(imu,)))) == {"N_IMU_NOTHING"}
 
 
 def test_what_does_not_follow_gravity_decides_nothing() -> None:
