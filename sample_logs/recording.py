@@ -42,6 +42,7 @@ from ros_messages import (
     round_rates,
 )
 from scenario import (
+    COMMAND_TOPIC,
     IMU_TOPIC,
     JOINT_TOPIC,
     MAX_JITTER_NS,
@@ -66,6 +67,7 @@ if TYPE_CHECKING:
 
 _JOINT_INTERVAL_NS = 20_000_000
 _IMU_INTERVAL_NS = 10_000_000
+_COMMAND_INTERVAL_NS = 20_000_000
 _DIFFERENCE_S = 1e-3
 _TF_TYPE = "tf2_msgs/msg/TFMessage"
 _GROUND_NAME = "ground_plane::link::collision"
@@ -81,6 +83,8 @@ def record(scenario: Scenario) -> list[LoggedMessage]:
         recorder.imu(),
         recorder.joint_states(),
         recorder.transforms(),
+        # Last, so that the jitter of the other topics does not depend on it.
+        recorder.commands(),
     ]
     messages = [message for topic in topics for message in topic]
     messages.sort(key=lambda message: message.log_time_ns)
@@ -157,6 +161,20 @@ class _Recorder:
             return self._factory.imu(Stamp(seq, stamp_ns, "base_link"), sample)
 
         return self._periodic(IMU_TOPIC, "sensor_msgs/msg/Imu", _IMU_INTERVAL_NS, serialise)
+
+    def commands(self) -> Iterator[LoggedMessage]:
+        """The velocity that the base is to have, and has; in ROS 1 without a header."""
+        speed_mps = self._scenario.gait.speed_mps
+        if self._scenario.ros_version == 1:
+            name = "geometry_msgs/msg/Twist"
+            data = self._factory.twist(speed_mps)
+            return self._periodic(COMMAND_TOPIC, name, _COMMAND_INTERVAL_NS, lambda *_: data)
+
+        def serialise(seq: int, stamp_ns: int) -> bytes:
+            return self._factory.twist_stamped(Stamp(seq, stamp_ns, "base_link"), speed_mps)
+
+        name = "geometry_msgs/msg/TwistStamped"
+        return self._periodic(COMMAND_TOPIC, name, _COMMAND_INTERVAL_NS, serialise)
 
     def joint_states(self) -> Iterator[LoggedMessage]:
         """Angles of all joints, and their rates by central differences."""

@@ -216,6 +216,16 @@ class MessageFactory:
         )
         return self.serialise(message, message_type)
 
+    def twist(self, forward_mps: float) -> bytes:
+        """``geometry_msgs/Twist`` of a velocity along the base's +y, its forward axis."""
+        return self.serialise(self._twist(forward_mps), "geometry_msgs/msg/Twist")
+
+    def twist_stamped(self, stamp: Stamp, forward_mps: float) -> bytes:
+        """``geometry_msgs/TwistStamped`` of the same."""
+        message_type = "geometry_msgs/msg/TwistStamped"
+        message = self._make(message_type, self._header(stamp), self._twist(forward_mps))
+        return self.serialise(message, message_type)
+
     def joint_state(
         self, stamp: Stamp, names: list[str], angles_rad: Array, rates_radps: Array
     ) -> bytes:
@@ -281,6 +291,10 @@ class MessageFactory:
         if self.ros_version == 1:
             return self._make("std_msgs/msg/Header", stamp.seq, time, stamp.frame_id)
         return self._make("std_msgs/msg/Header", time, stamp.frame_id)
+
+    def _twist(self, forward_mps: float) -> Msg:
+        linear, angular = self._vector((0.0, forward_mps, 0.0)), self._vector((0.0, 0.0, 0.0))
+        return self._make("geometry_msgs/msg/Twist", linear, angular)
 
     def _wrench(self, force_n: Sequence[float]) -> Msg:
         """Wrench without torque: nothing reads the torques of a bumper."""

@@ -14,6 +14,7 @@ if TYPE_CHECKING:
 ODOMETRY_TOPIC = "/dogbot/odom"
 JOINT_TOPIC = "/dogbot/joint_states"
 IMU_TOPIC = "/dogbot/imu"
+COMMAND_TOPIC = "/dogbot/cmd_vel"
 TF_TOPIC = "/tf"
 TF_STATIC_TOPIC = "/tf_static"
 
@@ -25,6 +26,7 @@ _DELAY_NS = {
     ODOMETRY_TOPIC: 400_000,
     IMU_TOPIC: 700_000,
     JOINT_TOPIC: 1_000_000,
+    COMMAND_TOPIC: 900_000,
     TF_TOPIC: 1_300_000,
     TF_STATIC_TOPIC: 0,
 }

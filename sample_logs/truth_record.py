@@ -25,6 +25,7 @@ from gait_model import (
 )
 from ros_messages import NS_PER_S
 from scenario import (
+    COMMAND_TOPIC,
     MAX_JITTER_NS,
     ODOMETRY_TOPIC,
     TWIST_NOISE_STD,
@@ -71,6 +72,7 @@ def truth_of(scenario: Scenario, messages: Sequence[LoggedMessage]) -> Json:
             "support_fraction": _support_fractions(gait, duration_s),
         },
         "base": _base_truth(gait, duration_s),
+        "command": _command_truth(gait),
         "forces": _force_truth(scenario),
         "feet": {foot: _foot_truth(scenario, foot) for foot in FEET},
         "damage": _damage_truth(scenario.damage),
@@ -115,6 +117,11 @@ def _base_truth(gait: Gait, duration_s: float) -> Json:
         "twist_frame": "world",
         "twist_noise_std": TWIST_NOISE_STD,
     }
+
+
+def _command_truth(gait: Gait) -> Json:
+    """Say what is commanded all the time; the base does it at once."""
+    return {"topic": COMMAND_TOPIC, "along": "+y", "speed_mps": gait.speed_mps}
 
 
 def _force_truth(scenario: Scenario) -> Json:

@@ -51,6 +51,9 @@ class MeasureKeywords(RobotKeywords, total=False):
     debounce: float
     """s."""
     time_source: "TimeSourceOption"
+    command: str
+    """Topic of the velocity commands; default: found by type and name. Likewise `imu`."""
+    imu: str
     start: float
     """s since the log's start, also `end`."""
     end: float
@@ -114,6 +117,8 @@ def measure(log: PathOrName, **options: Unpack[MeasureKeywords]) -> "Walk":
         contact_off_n=options.get("contact_off"),
         debounce_s=options.get("debounce"),
         time_source=options.get("time_source"),
+        command_topic=options.get("command"),
+        imu_topic=options.get("imu"),
         start_s=options.get("start"),
         end_s=options.get("end"),
         jobs=options.get("jobs", 1),

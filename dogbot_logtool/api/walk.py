@@ -1,4 +1,4 @@
-"""The result of `measure`: figures, and tables of strides, stances, events, base and samples."""
+"""The result of `measure`: figures, and tables of strides, stances, events, base and so on."""
 
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
@@ -110,6 +110,31 @@ class Walk:
         values = np.column_stack([base.position, base.angles])
         columns = {name: values[:, row].copy() for row, name in enumerate(names)}
         return Table({"time_s": self._seconds(base.time), **columns})
+
+    @cached_property
+    def commands(self) -> Table:
+        """Commanded and measured velocity, 50 times a second where both are known.
+
+        In the base's own axes (yaw only), means over a stride; no rows in a log without commands.
+        """
+        track = self._stats.command_track
+        parts = ("forward_mps", "lateral_mps", "yaw_radps")
+        none = np.empty((0, 3))
+        values = {
+            "commanded": none if track is None else track.commanded,
+            "measured": none if track is None else track.measured,
+        }
+        time = np.empty(0, np.int64) if track is None else track.time
+        return Table(
+            {
+                "time_s": self._seconds(time),
+                **{
+                    f"{kind}_{part}": columns[:, row].copy()
+                    for kind, columns in values.items()
+                    for row, part in enumerate(parts)
+                },
+            }
+        )
 
     def samples(self, foot: str) -> Table:
         """Read the log again and return every contact sample of a foot that was measured.

@@ -22,7 +22,7 @@ LONGEST_S: Final = 1e9
 _FEWEST_JOINED: Final = 2
 _MEASURING: Final = (
     *("topics", "wrench_frame", "forward_axis", "contact_on_n", "contact_off_n", "debounce_s"),
-    *("time_source", "start_s", "end_s"),
+    *("time_source", "start_s", "end_s", "command_topic", "imu_topic"),
 )
 """What `stats_options` adds; fields of `StatsOptions`."""
 _STRONGEST_N: Final = 1e6
@@ -178,7 +178,19 @@ def _measuring_options(command: Command) -> Command:
         type=click.Choice(["header", "log"]),
         help="Clock to measure on; default: header stamps, log time where those cannot be used.",
     )
-    return axis(contact_on(contact_off(debounce(clock(command)))))
+    twist = click.option(
+        "--command",
+        "command_topic",
+        metavar="TOPIC",
+        help="Topic of the velocity commands, instead of the one found.",
+    )
+    imu = click.option(
+        "--imu",
+        "imu_topic",
+        metavar="TOPIC",
+        help="Topic of the base's inertial unit, instead of the one found.",
+    )
+    return axis(contact_on(contact_off(debounce(clock(twist(imu(command)))))))
 
 
 def topic_options(command: Callable[..., Any]) -> Callable[..., Any]:

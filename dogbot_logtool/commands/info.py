@@ -10,11 +10,12 @@ from dogbot_logtool.pipeline.annotated import without_annotations
 from dogbot_logtool.pipeline.feet.message_feet import is_planned
 from dogbot_logtool.pipeline.frame_findings import frame_findings
 from dogbot_logtool.pipeline.frames import Frames, read_frames
-from dogbot_logtool.pipeline.options import ConvertOptions, TopicOptions
+from dogbot_logtool.pipeline.options import ConvertOptions, StatsOptions, TopicOptions
 from dogbot_logtool.pipeline.plan import make_plan
 from dogbot_logtool.pipeline.probe import Probe, probe_log
 from dogbot_logtool.pipeline.probe_findings import probe_findings
 from dogbot_logtool.pipeline.selection import Selection, select_topics
+from dogbot_logtool.pipeline.side_types import has_side_topics
 from dogbot_logtool.reader.containers.log import Log
 from dogbot_logtool.reader.messages.bases.poses import ODOMETRY
 from dogbot_logtool.reader.messages.transforms import TRANSFORM_TYPES
@@ -117,6 +118,17 @@ def _base_use(selection: Selection) -> str:
     return f"base {base.element}".rstrip()
 
 
+def _side_uses(log: Log) -> dict[int, str]:
+    """Return what `stats` uses channels beside feet and base for, by id."""
+    if not has_side_topics(log):
+        return {}
+    from dogbot_logtool.pipeline.side_topics import side_topics  # noqa: PLC0415
+
+    side = side_topics(log, StatsOptions())
+    uses = ((side.commands, "commands"), (side.inertial, "accelerometer"))
+    return {each.id: use for topic, use in uses if topic for each in topic.channels}
+
+
 def _topics(
     log: Log,
     selection: Selection,
@@ -124,7 +136,7 @@ def _topics(
     frames: Frames | None,
     ours: AbstractSet[int],
 ) -> tuple[TopicInfo, ...]:
-    uses = {channel.id: "frames" for channel in selection.transforms}
+    uses = _side_uses(log) | {channel.id: "frames" for channel in selection.transforms}
     uses |= dict.fromkeys(ours, "annotation")
     uses |= dict.fromkeys(frames.channels if frames else (), "frames")
     uses |= {channel.id: _base_use(selection) for channel in selection.odometry}

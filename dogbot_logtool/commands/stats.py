@@ -5,7 +5,7 @@ from collections.abc import Generator, Sequence
 from contextlib import closing
 from dataclasses import dataclass, field, replace
 from functools import partial
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 from dogbot_logtool.commands.planned import options_of_plan, with_plan
 from dogbot_logtool.core.accumulator import OnSamples, StatsAccumulator
@@ -27,6 +27,7 @@ from dogbot_logtool.pipeline.probe import Probe, frame_names, probe_log
 from dogbot_logtool.pipeline.probe_findings import probe_findings
 from dogbot_logtool.pipeline.selection import Selection, nothing_to_do, select_topics
 from dogbot_logtool.pipeline.sensors import LearntSensors, learn_sensors
+from dogbot_logtool.pipeline.side_types import has_side_topics
 from dogbot_logtool.pipeline.time_span import TimeLimits, refuse_empty_span, time_limits
 from dogbot_logtool.pipeline.world_frames import StreamedFrames, WorldFrames, follow_frames
 from dogbot_logtool.reader.containers.log import Log, Loss, lost_messages
@@ -34,6 +35,9 @@ from dogbot_logtool.reader.salvage.losses import malformed_messages, wrong_stati
 from dogbot_logtool.results import LogFacts, Measurement
 from dogbot_logtool.robot import Foot, Robot
 from dogbot_logtool.run.in_order import OnProgress, in_order
+
+if TYPE_CHECKING:
+    from dogbot_logtool.pipeline.side_topics import SideTopics
 
 _FRAMES: Final = {"world": WrenchFrame.WORLD, "link": WrenchFrame.LINK}
 
@@ -82,16 +86,17 @@ def _measured_feet(
         sensors = learn_sensors(log, selection, probe, options.topics, given)
         chosen = options.topics.feet
         plan = () if chosen else planned_feet(log, selection.robot, selection.contacts)
+        side = _side_topics(log, options)
         try:
-            settings = _settings(selection, probe, sensors, options)
+            settings = _settings(log, selection, probe, sensors, options, side)
             measured = _pass(
-                log, selection, probe, sensors.silent, settings, options, progress, on_samples
+                log, selection, probe, sensors.silent, settings, options, progress, on_samples, side
             )
         except UnusableStamps as reason:
             because = str(reason)
-            settings = _settings(selection, probe, sensors, options, log_time_because=because)
+            settings = _settings(log, selection, probe, sensors, options, side, because)
             measured = _pass(
-                log, selection, probe, sensors.silent, settings, options, progress, on_samples
+                log, selection, probe, sensors.silent, settings, options, progress, on_samples, side
             )
         return measured, plan
     finally:
@@ -99,10 +104,12 @@ def _measured_feet(
 
 
 def _settings(
+    log: Log,
     selection: Selection,
     probe: Probe,
     sensors: LearntSensors,
     options: StatsOptions,
+    side: "SideTopics | None",
     log_time_because: str = "",
 ) -> StatsSettings:
     robot: Robot = selection.robot
@@ -141,7 +148,30 @@ def _settings(
         time_source=TimeSource.LOG if log_time_because else chosen,
         time_source_reason=log_time_because,
         odometry_topic=selection.odometry[0].topic if selection.odometry else "",
+        command_topic=side.commands.topic if side and side.commands else "",
+        imu_topic=side.inertial.topic if side and side.inertial else "",
+        imu_mounting=_mounting(log, selection, probe, side) if side else None,
     )
+
+
+def _mounting(
+    log: Log, selection: Selection, probe: Probe, side: "SideTopics"
+) -> tuple[float, float, float, float] | None:
+    """Return how the inertial unit sits on the base; None: not recorded."""
+    from dogbot_logtool.pipeline.side_topics import imu_mounting  # noqa: PLC0415
+
+    _, base_frame = frame_names(selection.robot, probe)
+    return imu_mounting(log, side.inertial, probe.statics, base_frame)
+
+
+def _side_topics(log: Log, options: StatsOptions) -> "SideTopics | None":
+    """Choose what is read beside feet and base; None: the log has nothing of the kind."""
+    asked = options.command_topic is not None or options.imu_topic is not None
+    if not asked and not has_side_topics(log):
+        return None
+    from dogbot_logtool.pipeline.side_topics import side_topics  # noqa: PLC0415
+
+    return side_topics(log, options)
 
 
 def _pass(
@@ -153,13 +183,14 @@ def _pass(
     options: StatsOptions,
     progress: OnProgress | None,
     on_samples: OnSamples | None,
+    side: "SideTopics | None",
 ) -> Measurement:
     """Read the log once, feeding all messages to the figures in order."""
     limits = time_limits(log, options.start_s, options.end_s)
     frames = _frames(selection, probe, settings)
     feet = replace(selection.foot_channels(), left_after_ns=probe.left_after_ns)
     sensors = [settings.sensor(foot) for foot in range(len(settings.feet))]
-    measurer = BatchMeasurer(BatchReader(selection, feet, frames, sensors, limits))
+    measurer = BatchMeasurer(BatchReader(selection, feet, frames, sensors, limits), side)
     feed = _Feed(
         StatsAccumulator(settings, options.curves, on_samples),
         _swings(log, silent, limits),
@@ -177,7 +208,7 @@ def _pass(
         refuse_empty_span(log, limits, feed.counts.total())
     if limits == (None, None):
         feed.losses.extend(wrong_statistics(log, feed.counts, feed.losses))
-    return feed.finish(log, selection, probe)
+    return feed.finish(log, selection, probe, side.findings if side else ())
 
 
 def _measured(log: Log, measurer: BatchMeasurer, jobs: int) -> Generator[MeasuredBatch, None, None]:
@@ -220,19 +251,25 @@ class _Feed:
             self.accumulator.add_message_times(
                 times.topic, times.log_time, times.stamp, times.frame_ids
             )
+        if batch.commands is not None:
+            self.accumulator.add_commands(batch.commands.samples, batch.commands.frames)
+        if batch.inertial is not None:
+            self.accumulator.add_accelerations(batch.inertial.samples, batch.inertial.frames)
         self.losses.extend(batch.losses)
         self.malformed.update(batch.malformed)
         self.counts.update(batch.counts)
         self.implausible += batch.implausible
 
-    def finish(self, log: Log, selection: Selection, probe: Probe) -> Measurement:
+    def finish(
+        self, log: Log, selection: Selection, probe: Probe, said: Sequence[Finding]
+    ) -> Measurement:
         """End the log."""
         for samples in self.swings.finish():
             self.accumulator.add_contacts(samples)
         losses = [*self.losses, *malformed_messages(log.channels, self.malformed)]
         # The figures have a finding of their own for each topic's stamps.
         seen = [f for f in probe_findings(selection, probe) if f.code != "W_ZERO_STAMPS"]
-        findings = [*selection.findings, *seen]
+        findings = [*selection.findings, *seen, *said]
         if self.implausible:
             findings.append(warning("IMPLAUSIBLE", f"{self.implausible:,} {IMPLAUSIBLE}"))
         if self.forces is not None:

@@ -13,6 +13,7 @@ time.
 """
 
 from collections.abc import Callable, Sequence
+from typing import TYPE_CHECKING
 
 from dogbot_logtool.core.base.base_history import BaseRecorder
 from dogbot_logtool.core.base.odometry import Odometry
@@ -25,6 +26,7 @@ from dogbot_logtool.core.geometry.arrays import Ints, rows_by_group
 from dogbot_logtool.core.geometry.clock import TimeSource, UnusableStamps
 from dogbot_logtool.core.quality.clocks import (
     ClockDifference,
+    OffsetTrack,
     clock_differences,
     why_clocks_cannot_be_joined,
 )
@@ -32,6 +34,9 @@ from dogbot_logtool.core.quality.quality import TopicQuality, TopicWatch, with_g
 from dogbot_logtool.core.quality.stamps import StampFilter, set_spans, why_unusable
 from dogbot_logtool.core.settings import StatsSettings
 from dogbot_logtool.core.statistics import Stats
+
+if TYPE_CHECKING:
+    from dogbot_logtool.core.recorded.vectors import VectorRecorder, VectorSamples
 
 OnSamples = Callable[[int, Samples], None]
 """Receives a foot's number, and the next of its samples in the order of the log."""
@@ -72,6 +77,8 @@ class StatsAccumulator:
             settings.odometry_topic or "the odometry", settings.clock
         )
         self._topics: dict[str, TopicWatch] = {}
+        self._commands: VectorRecorder | None = None
+        self._inertial: VectorRecorder | None = None
 
     def add_contacts(self, samples: Samples) -> None:
         """Take in contact samples of any feet; each foot's in the order of the log."""
@@ -83,6 +90,28 @@ class StatsAccumulator:
         """Take in odometry in the order of the log."""
         for checked in self._odometry.add(odometry):
             self._base.add(checked)
+
+    def add_commands(self, commands: "VectorSamples", frames: Sequence[str] = ()) -> None:
+        """Take in velocity commands in the order of the log.
+
+        Args:
+            commands: linear x and y in m/s, angular z in rad/s.
+            frames: header frame ids among them.
+        """
+        if self._commands is None:
+            self._commands = _recorder(self._settings.command_topic, averages=False)
+        self._commands.add(commands, frames)
+
+    def add_accelerations(self, sensed: "VectorSamples", frames: Sequence[str] = ()) -> None:
+        """Take in what an accelerometer reads, in the order of the log.
+
+        Args:
+            sensed: m/s^2 in the sensor's frame.
+            frames: header frame ids among them.
+        """
+        if self._inertial is None:
+            self._inertial = _recorder(self._settings.imu_topic, averages=True)
+        self._inertial.add(sensed, frames)
 
     def add_message_times(
         self, topic: str, log_time: Ints, stamp: Ints | None, frame_ids: Sequence[str] = ()
@@ -107,11 +136,14 @@ class StatsAccumulator:
         breaks = self._check_stamps()
         feet = tuple(recorder.finish(breaks) for recorder in self._feet)
         on_stamps = self._settings.clock is TimeSource.HEADER
+        clock, base_clock = self._settings.clock, self._base_clock()
         recorded = Recorded(
             feet=feet,
             base=self._base.finish(breaks),
             clocks=self._clocks() if on_stamps else (),
             topics=self._topic_qualities(feet),
+            commands=self._commands.finish(clock, base_clock) if self._commands else None,
+            inertial=self._inertial.finish(clock, base_clock) if self._inertial else None,
         )
         return work_out(self._settings, recorded)
 
@@ -150,6 +182,14 @@ class StatsAccumulator:
                 tracks[topic] = self._topics[topic].offset_track()
         return clock_differences(tracks, tuple(feet))
 
+    def _base_clock(self) -> OffsetTrack | None:
+        """Return how far the base's stamps lie behind log time; None without stamps."""
+        watch = self._topics.get(self._settings.odometry_topic)
+        if watch is None:
+            return None
+        watch.end()
+        return watch.offset_track() if watch.has_stamps else None
+
     def _topic_qualities(self, records: Sequence[FootHistory]) -> tuple[TopicQuality, ...]:
         """Return the timing of all topics; a swing is no gap of a sensor that is silent in swing.
 
@@ -164,3 +204,10 @@ class StatsAccumulator:
             if topic in found:
                 found[topic] = with_gaps(found[topic], timespans.intersect(spans))
         return tuple(quality for _, quality in sorted(found.items()))
+
+
+def _recorder(topic: str, *, averages: bool) -> "VectorRecorder":
+    """Return what keeps the vectors of a topic; loaded for logs that have such a topic."""
+    from dogbot_logtool.core.recorded.vectors import VectorRecorder  # noqa: PLC0415
+
+    return VectorRecorder(topic, averages=averages)

@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -54,6 +55,11 @@ from dogbot_logtool.core.settings import StatsSettings
 from dogbot_logtool.core.stability.stability import Stability, stability
 from dogbot_logtool.core.statistics import SegmentFigures, Stats
 
+if TYPE_CHECKING:
+    from dogbot_logtool.core.commands.tracking import CommandTrack, Tracking
+    from dogbot_logtool.core.imu.comparison import ImuComparison
+    from dogbot_logtool.core.recorded.vectors import VectorHistory
+
 
 @dataclass(frozen=True, slots=True)
 class Recorded:
@@ -64,6 +70,9 @@ class Recorded:
     clocks: tuple[ClockDifference, ...]
     """How far topics' clocks are from that of the feet; nothing on log time."""
     topics: tuple[TopicQuality, ...]
+    commands: "VectorHistory | None" = None
+    """Velocity commands; None: the log has none. Likewise `inertial`."""
+    inertial: "VectorHistory | None" = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -189,6 +198,7 @@ def work_out(settings: StatsSettings, recorded: Recorded) -> Stats:
     segments = find_segments(gait) if feet and not walk.feet_apart else ()
     strides = _reference_strides(feet)
     origin, end = _extent(records, walk.base)
+    track = _command_track(walk, recorded.commands, jumps, segments)
     return Stats(
         settings=settings,
         origin=origin,
@@ -201,7 +211,9 @@ def work_out(settings: StatsSettings, recorded: Recorded) -> Stats:
         jumps=jumps,
         tipping=find_tipping(recorded.base, settings.forward_axis),
         segments=segments,
-        segment_figures=tuple(_segment_figures(walk, each.spans, strides) for each in segments),
+        segment_figures=tuple(
+            _segment_figures(walk, each.spans, strides, track) for each in segments
+        ),
         transition_strides=_transition_strides(segments, feet, gait.reference),
         main=main_segment(segments),
         support=supported,
@@ -218,6 +230,9 @@ def work_out(settings: StatsSettings, recorded: Recorded) -> Stats:
         worlds=walk.worlds,
         loses_way=walk.loses_way,
         all_silent=all_silent(records, walk.base),
+        command_track=track,
+        commands=_tracking(track),
+        imu=_imu(walk, recorded.inertial, jumps),
     )
 
 
@@ -297,7 +312,9 @@ def _saturated(settings: StatsSettings, records: Sequence[FootHistory]) -> tuple
     )
 
 
-def _segment_figures(walk: _Walk, spans: Ints, strides: Strides) -> SegmentFigures:
+def _segment_figures(
+    walk: _Walk, spans: Ints, strides: Strides, track: "CommandTrack | None"
+) -> SegmentFigures:
     """Measure a segment."""
     return SegmentFigures(
         base=walk.base_motion(spans),
@@ -305,7 +322,59 @@ def _segment_figures(walk: _Walk, spans: Ints, strides: Strides) -> SegmentFigur
         support=walk.support(spans),
         loads=walk.loads(strides.within(spans).spans, spans),
         stability=walk.stability(spans),
+        commands=_tracking(track, spans),
     )
+
+
+def _command_track(
+    walk: _Walk,
+    commands: "VectorHistory | None",
+    jumps: PoseJumps,
+    segments: Sequence[Segment],
+) -> "CommandTrack | None":
+    """Compare commands with the base's velocity, in logs that have both."""
+    if commands is None:
+        return None
+    from dogbot_logtool.core.commands.tracking import follow_commands  # noqa: PLC0415
+
+    steps = [each.spans for each in segments if each.strides]
+    return follow_commands(
+        commands,
+        walk.base,
+        jumps.spans,
+        walk.settings.forward_axis,
+        timespans.merge(np.concatenate([timespans.no_spans(), *steps])),
+        typical_period_s([each.stances for each in walk.records]),
+    )
+
+
+def _imu(walk: _Walk, inertial: "VectorHistory | None", jumps: PoseJumps) -> "ImuComparison | None":
+    """Compare accelerometer, forces and poses, in logs that have all of them."""
+    if inertial is None:
+        return None
+    from dogbot_logtool.core.imu.comparison import compare_imu  # noqa: PLC0415
+
+    comparable = walk.vertical_known and not (walk.feet_apart or walk.base_apart)
+    strides = _any_strides(walk.records, walk.fallen, walk.standing.without_steps)
+    return compare_imu(
+        inertial,
+        walk.base,
+        jumps.spans,
+        walk.records if comparable else (),
+        mass_kg=walk.settings.mass_kg,
+        mounting=walk.settings.imu_mounting,
+        period_s=typical_period_s([each.stances for each in walk.records]),
+        fallen=walk.fallen,
+        strides=timespans.merge(strides),
+    )
+
+
+def _tracking(track: "CommandTrack | None", within: Ints | None = None) -> "Tracking | None":
+    if track is None:
+        return None
+    from dogbot_logtool.core.commands.tracking import tracking  # noqa: PLC0415
+
+    return tracking(track, within)
 
 
 def _transition_strides(

@@ -57,6 +57,12 @@ class StatsSettings:
     time_source_reason: str = ""
     """Why `time_source` is what it is, where no option chose it."""
     odometry_topic: str = ""
+    command_topic: str = ""
+    """Of velocity commands; empty: there are none. Likewise `imu_topic`."""
+    imu_topic: str = ""
+    imu_mounting: tuple[float, float, float, float] | None = None
+    """x, y, z, w: the accelerometer's frame in the base's, from recorded transforms; None: not
+    recorded, and taken to be the base's."""
 
     @property
     def clock(self) -> TimeSource:

@@ -1,6 +1,7 @@
 """The figures of a log: what `evaluation.py` works out, and all that is reported is taken from."""
 
 from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
 
 from dogbot_logtool.core.base.base_history import BaseHistory
 from dogbot_logtool.core.base.base_motion import BaseMotion
@@ -25,6 +26,10 @@ from dogbot_logtool.core.quality.quality import TopicQuality
 from dogbot_logtool.core.settings import StatsSettings
 from dogbot_logtool.core.stability.stability import Stability
 
+if TYPE_CHECKING:
+    from dogbot_logtool.core.commands.tracking import CommandTrack, Tracking
+    from dogbot_logtool.core.imu.comparison import ImuComparison
+
 
 @dataclass(frozen=True, slots=True)
 class SegmentFigures:
@@ -35,6 +40,7 @@ class SegmentFigures:
     support: Support | None
     loads: LoadFigures
     stability: Stability | None
+    commands: "Tracking | None" = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -87,6 +93,12 @@ class Stats:
     """How each foot follows its plan; None without one; empty: the log has no plan beside."""
     all_silent: Ints = field(default_factory=timespans.no_spans)
     """(s, 2) ns, spans in which no foot's sensor sends anything, though the odometry does."""
+    command_track: "CommandTrack | None" = None
+    """Commanded and measured velocity; None without commands."""
+    commands: "Tracking | None" = None
+    """How the base follows them."""
+    imu: "ImuComparison | None" = None
+    """What the base's accelerometer says of forces and poses; None without one."""
 
     @property
     def base_clock_is_apart(self) -> bool:

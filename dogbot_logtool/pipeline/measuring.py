@@ -2,18 +2,24 @@
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from dogbot_logtool.core.base.odometry import Odometry
 from dogbot_logtool.core.contact.contacts import Samples
 from dogbot_logtool.core.geometry.arrays import Ints, rows_by_group
-from dogbot_logtool.pipeline.batches import BatchReader
+from dogbot_logtool.pipeline.batches import BatchColumns, BatchReader
 from dogbot_logtool.pipeline.world_frames import BatchFrames
 from dogbot_logtool.reader.containers.log import Batch, Log, Loss, Span
 from dogbot_logtool.reader.decode.columns import Texts
 from dogbot_logtool.reader.messages.bases.source import BasePoses
 from dogbot_logtool.reader.messages.messages import DecodedMessages
+
+# Loaded for logs that have such topics.
+if TYPE_CHECKING:
+    from dogbot_logtool.pipeline.side_topics import SideTopic, SideTopics
+    from dogbot_logtool.reader.messages.vectors import ReadVectors
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,6 +48,9 @@ class MeasuredBatch:
     counts: Mapping[int, int]
     """Messages by channel id."""
     stored_size: int
+    commands: "ReadVectors | None" = None
+    """Velocity commands; None: the log has none. Likewise `inertial`."""
+    inertial: "ReadVectors | None" = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -49,6 +58,8 @@ class BatchMeasurer:
     """Measures batches; called in several threads or processes at once."""
 
     reader: BatchReader
+    side: "SideTopics | None" = None
+    """What is read beside feet and base; None: nothing."""
 
     def __call__(self, log: Log, span: Span) -> MeasuredBatch:
         """Read and decode one batch."""
@@ -61,17 +72,28 @@ class BatchMeasurer:
                 stamped.update(_pose_times(log, poses))
         for messages in with_header:
             stamped.update(_stamped_times(log, messages))
+        commands = _read(self.side.commands, columns) if self.side else None
+        inertial = _read(self.side.inertial, columns) if self.side else None
+        malformed = dict(columns.malformed)
+        for read in (commands, inertial):
+            malformed |= read.malformed if read else {}
         return MeasuredBatch(
             samples=columns.samples,
             odometry=columns.odometry,
             frames=columns.frames,
             times=list((_log_times(log, columns.batch) | stamped).values()),
-            malformed=columns.malformed,
+            malformed=malformed,
             implausible=columns.implausible,
             losses=columns.batch.losses,
             counts=columns.batch.counts,
             stored_size=columns.stored_size,
+            commands=commands,
+            inertial=inertial,
         )
+
+
+def _read(topic: "SideTopic | None", columns: BatchColumns) -> "ReadVectors | None":
+    return topic.read(columns.batch) if topic else None
 
 
 def _log_times(log: Log, batch: Batch) -> dict[str, MessageTimes]:

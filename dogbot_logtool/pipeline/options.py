@@ -97,6 +97,9 @@ class StatsOptions:
     """s since the log's start; also `end_s`."""
     end_s: float | None = None
     jobs: int = 1
+    command_topic: str | None = None
+    """Of velocity commands; None: found by type and name. Likewise `imu_topic`."""
+    imu_topic: str | None = None
     curves: "CurveDetail | None" = None
     """Keep load curves for drawing; None: none."""
 

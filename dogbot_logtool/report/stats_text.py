@@ -30,6 +30,7 @@ from dogbot_logtool.report.gait_diagram import (
     support_line,
 )
 from dogbot_logtool.report.numbers import NOTHING, decimal
+from dogbot_logtool.report.side_text import command_lines, imu_lines
 from dogbot_logtool.report.stats_summary import SUMMARY_HEADERS
 from dogbot_logtool.report.text_layout import HangingIndent, NameTable, Row
 from dogbot_logtool.report.verdict import evidence, fall_headline, gait_name, how_sure, is_known
@@ -90,6 +91,7 @@ def print_report(
         Text(),
         _heading("Base"),
         *_base(stats),
+        *_beside(document),
         Text(),
         _heading("Findings"),
         *_findings(source.findings, verbose=verbose),
@@ -246,6 +248,20 @@ def _base(stats: Stats) -> list[RenderableType]:
             f"roll {_spread(base.roll_rad, 'rad')}, pitch {_spread(base.pitch_rad, 'rad')}",
         ),
     ]
+
+
+def _beside(document: Json) -> list[RenderableType]:
+    """Return the lines on commands and accelerometer of logs that have them."""
+    parts: list[RenderableType] = []
+    commands, imu = document["commands"], document["imu"]
+    if commands is not None:
+        words = f"{printable(commands['topic'])}, means over {commands['window_s']:.2f} s"
+        parts += [Text(), _heading("Commands", words)]
+        parts += [_line(*line) for line in command_lines(commands)]
+    if imu is not None:
+        parts += [Text(), _heading("Accelerometer", printable(imu["topic"]))]
+        parts += [_line(*line) for line in imu_lines(imu)]
+    return parts
 
 
 def _first(findings: Sequence[Finding]) -> list[RenderableType]:

@@ -199,7 +199,7 @@ def test_convert_says_what_it_did_on_stderr_only(shell: Shell) -> None:
     done = shell("convert", TROUBLED)
     assert (done.code, done.out) == (0, "")
     assert shell.files() == ["dogbot_troubled.annotated.mcap"]
-    assert "dogbot_troubled.annotated.mcap: 3,408 recorded messages and 4,711 ann" in done.err
+    assert "dogbot_troubled.annotated.mcap: 3,659 recorded messages and 4,711 ann" in done.err
     assert "warning" in done.err
     assert "note" in done.err
 
@@ -226,7 +226,7 @@ def test_convert_json(shell: Shell) -> None:
     assert told["topics"]["odometry"] == ["/dogbot/odom"]
     assert set(told["topics"]["feet"]) == {"front_left", "front_right", "back_left", "back_right"}
     assert told["frames"] == {"world": "world", "base": "base_link"}
-    assert told["messages"] == {"read": 3408, "copied": 3408}
+    assert told["messages"] == {"read": 3659, "copied": 3659}
     with (shell.folder / "x.mcap").open("rb") as stream:
         summary = make_reader(stream).get_summary()
     assert summary is not None
@@ -236,7 +236,7 @@ def test_convert_json(shell: Shell) -> None:
         for number, count in summary.statistics.channel_message_counts.items()
     }
     assert told["annotations"] == {topic: counts[topic] for topic in told["annotations"]}
-    assert sum(counts.values()) == 3408 + sum(told["annotations"].values())
+    assert sum(counts.values()) == 3659 + sum(told["annotations"].values())
     assert told["skipped"]["bad_poses"] == 1
     assert {finding["code"] for finding in told["findings"]} >= {"W_ZERO_STAMPS"}
     assert told["damage"] == {"messages": 0, "bytes": 0, "places": []}
@@ -251,7 +251,7 @@ def test_several_logs_go_into_a_directory(shell: Shell) -> None:
     assert first["output"] == "out/dogbot_troubled.annotated.mcap"
     assert bad["input"] == "bad.bag"
     assert bad["error"].startswith("bad.bag: ")
-    assert last["messages"]["copied"] == 22059
+    assert last["messages"]["copied"] == 22510
     names = sorted(file.name for file in (shell.folder / "out").iterdir())
     assert names == ["dogbot_troubled.annotated.mcap", "dogbot_walk.annotated.mcap"]
     assert shell("convert", TROUBLED, WALK, "-o", "nowhere.mcap").code == 2
@@ -347,7 +347,7 @@ def test_options_reach_the_conversion(shell: Shell) -> None:
 def test_info_for_people(shell: Shell) -> None:
     done = shell("info", TROT)
     assert (done.code, done.err) == (0, "")
-    for text in ("ROS 1 bag, profile ros1", "lz4", "11,608", "foot front_left", "odometry"):
+    for text in ("ROS 1 bag, profile ros1", "lz4", "12,009", "foot front_left", "odometry"):
         assert text in done.out
     assert "base_link  <- added by convert" in done.out
 
@@ -357,7 +357,7 @@ def test_info_json(shell: Shell) -> None:
     assert (done.code, done.err) == (0, "")
     told = done.json
     assert (told["container"], told["profile"]) == ("MCAP", "ros2")
-    assert told["messages"] == 22059
+    assert told["messages"] == 22510
     topics = {topic["topic"]: topic for topic in told["topics"]}
     assert topics["/dogbot/odom"]["use"] == "odometry"
     assert topics["/dogbot/odom"]["messages"] == 2251

@@ -41,7 +41,7 @@ def test_samples_of_several_logs_make_one_table(walk: dl.Walk, tmp_path: Path) -
         assert rows["force_n"].tolist() == expected["force_n"].tolist()
 
 
-@pytest.mark.parametrize("table", ["stances", "events", "base"])
+@pytest.mark.parametrize("table", ["stances", "events", "base", "commands"])
 def test_other_tables_as_feather(walk: dl.Walk, tmp_path: Path, table: str) -> None:
     file = tmp_path / f"{table}.feather"
     run("export", WALK, "--table", table, "-o", file)

@@ -9,11 +9,17 @@ from typing import Any
 import pytest
 from pages import PAGES
 
+import dogbot_logtool as dl
 from dogbot_logtool.finding import finding_kinds
 from dogbot_logtool.report.figures.document import DOCUMENT, STRIDE_ROWS
 from dogbot_logtool.report.figures.figure import all_figures
 from tests.commands.test_planned import GRF, Plan, figures, write
 from tests.paths import ROOT, SAMPLE_LOGS
+from tests.truth.commanded import ALL_KINDS, Commanded, commanded_walk
+from tests.truth.gaits import WALK
+from tests.truth.log_file import write_log
+from tests.truth.sensed import pushed, with_imu
+from tests.truth.walking import Walk
 
 _CODE = re.compile(r'"([EWN]_[A-Z_]+)"')
 _CALL = re.compile(r'\b(error|warning|note)\(\s*"([A-Z_]+)"')
@@ -59,6 +65,13 @@ def null_objects(path: str) -> Iterator[str]:
 
 def test_the_table_holds_every_key_of_real_documents_and_no_other(tmp_path: Path) -> None:
     found = set(leaves(figures(write(tmp_path, GRF, Plan(2)))))
+    robot = Commanded(ALL_KINDS, seconds=18.0)
+    log = write_log(commanded_walk(robot, robot.commands()), tmp_path / "commanded.mcap")
+    found |= set(leaves(figures(log)))
+    walk = Walk(gait=WALK, seconds=12.0).recorded(200.0, 100.0)
+    sensed = with_imu(pushed(walk, (0.6, 0.3, 0.0), 5.0))
+    log = write_log(sensed, tmp_path / "sensed.mcap")
+    found |= set(leaves(dl.measure(log, mass=20.0, wrench_frame="world").stats))
     for golden in SAMPLE_LOGS.glob("golden/*.stats.json"):
         found |= set(leaves(json.loads(golden.read_text(encoding="utf-8"))))
     paths = [path for path, _ in all_figures(DOCUMENT)]

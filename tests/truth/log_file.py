@@ -10,8 +10,18 @@ from mcap.writer import CompressionType
 from mcap.writer import Writer as McapWriter
 from rosbags.rosbag1 import Writer as BagWriter
 
-from tests.truth.messages import CONTACTS, GZ_CONTACTS, ODOMETRY, TF, WRENCH, Messages
-from tests.truth.recording import Recording
+from tests.truth.messages import (
+    CONTACTS,
+    GZ_CONTACTS,
+    IMU,
+    ODOMETRY,
+    TF,
+    TWIST,
+    TWIST_STAMPED,
+    WRENCH,
+    Messages,
+)
+from tests.truth.recording import Recording, VectorRecording
 
 BASE: Final = "base_link"
 WORLD: Final = "odom"
@@ -45,6 +55,10 @@ def _entries(recording: Recording, messages: Messages) -> Iterator[Entry]:
         yield from _SENSORS[recording.kind](recording, messages, foot)
     if recording.has_tf:
         yield from _transform_entries(recording, messages)
+    if recording.statics:
+        yield from _static_entries(recording, messages)
+    for topic in recording.beside:
+        yield from _vector_entries(topic, messages)
 
 
 def _base_entries(recording: Recording, messages: Messages) -> Iterator[Entry]:
@@ -100,6 +114,25 @@ def _gz_entries(recording: Recording, messages: Messages, foot: int) -> Iterator
     for row, log_time in enumerate(sensor.log_time.tolist()):
         data = contact.filled(int(sensor.stamp[row]), numbers[row])
         yield log_time, robot.topic(foot), GZ_CONTACTS, data
+
+
+def _static_entries(recording: Recording, messages: Messages) -> Iterator[Entry]:
+    template = messages.transforms(BASE, [name for name, _ in recording.statics])
+    numbers = [number for _, pose in recording.statics for number in pose]
+    first = recording.base
+    data = template.filled(int(first.stamp[0]), numbers)
+    yield int(first.log_time[0]), "/tf_static", TF, data
+
+
+def _vector_entries(topic: VectorRecording, messages: Messages) -> Iterator[Entry]:
+    name, template = {
+        "twist": (TWIST, messages.twist()),
+        "twist_stamped": (TWIST_STAMPED, messages.twist_stamped(topic.frame)),
+        "imu": (IMU, messages.imu(topic.frame)),
+    }[topic.kind]
+    numbers = topic.vector.tolist()
+    for row, log_time in enumerate(topic.log_time.tolist()):
+        yield log_time, topic.topic, name, template.filled(int(topic.stamp[row]), numbers[row])
 
 
 _SENSORS: Final = {

@@ -13,6 +13,9 @@ ODOMETRY: Final = "nav_msgs/msg/Odometry"
 WRENCH: Final = "geometry_msgs/msg/WrenchStamped"
 CONTACTS: Final = "gazebo_msgs/msg/ContactsState"
 TF: Final = "tf2_msgs/msg/TFMessage"
+TWIST: Final = "geometry_msgs/msg/Twist"
+TWIST_STAMPED: Final = "geometry_msgs/msg/TwistStamped"
+IMU: Final = "sensor_msgs/msg/Imu"
 GROUND: Final = "ground_plane::link::collision"
 GZ_CONTACTS: Final = "ros_gz_interfaces/msg/Contacts"
 _NEEDED: Final = (
@@ -166,6 +169,36 @@ class Messages:
             for child, row in zip(children, blank, strict=True)
         ]
         return self._template(TF, self._make(TF, transforms=transforms), blank.size)
+
+    def twist(self) -> Template:
+        """Fill with linear x and y and angular z: 3 numbers."""
+        return self._template(TWIST, self._twist(), 3)
+
+    def twist_stamped(self, frame: str) -> Template:
+        """Fill as `twist`."""
+        message = self._make(TWIST_STAMPED, header=self._header(frame), twist=self._twist())
+        return self._template(TWIST_STAMPED, message, 3)
+
+    def imu(self, frame: str) -> Template:
+        """Fill with a linear acceleration: 3 numbers."""
+        message = self._make(
+            IMU,
+            header=self._header(frame),
+            orientation=self._quaternion((0.0, 0.0, 0.0, 1.0)),
+            angular_velocity=self._vector((0.0, 0.0, 0.0)),
+            linear_acceleration=self._vector(_blanks(3)),
+            **{
+                f"{name}_covariance": np.zeros(9)
+                for name in ("orientation", "angular_velocity", "linear_acceleration")
+            },
+        )
+        return self._template(IMU, message, 3)
+
+    def _twist(self) -> Any:
+        x, y, yaw = _blanks(3)
+        return self._make(
+            TWIST, linear=self._vector((x, y, 0.0)), angular=self._vector((0.0, 0.0, yaw))
+        )
 
     def _header(self, frame: str) -> Any:
         time = self._make("builtin_interfaces/msg/Time", sec=_STAMP[0], nanosec=_STAMP[1])

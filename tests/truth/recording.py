@@ -123,6 +123,21 @@ class BaseRecording:
         return BaseRecording(*(getattr(self, name)[rows] for name in self.__slots__))
 
 
+@dataclass(frozen=True, slots=True)
+class VectorRecording:
+    """n messages of a topic that holds one vector: a velocity command, an accelerometer."""
+
+    topic: str
+    kind: Literal["twist", "twist_stamped", "imu"]
+    stamp: Ints
+    """(n,) ns."""
+    log_time: Ints
+    """(n,) ns."""
+    vector: Floats
+    """(n, 3) linear x and y and angular z, or a linear acceleration."""
+    frame: str = "base_link"
+
+
 SensorKind = Literal["contacts", "gz_contacts", "wrench"]
 """Contact states with points and normals of Gazebo classic or of the new Gazebo, which speaks in
 contact only; or a force sensor that reports no contact."""
@@ -142,6 +157,10 @@ class Recording:
     """Whether the log holds the transforms of the links."""
     touches_itself: bool = False
     """Whether bumpers report in swing 30 N of contact with the robot's own body."""
+    beside: tuple[VectorRecording, ...] = ()
+    """Topics beside feet and base."""
+    statics: tuple[tuple[str, tuple[float, ...]], ...] = ()
+    """Frames that sit on the base: name, translation and quaternion, as one static transform."""
     given: dict[str, Any] = field(default_factory=dict)
     """What the user says of it, where that is not the truth: ``mass_kg``."""
 
@@ -185,6 +204,18 @@ def base_messages(
     """Stamp the base's poses with one perfect clock."""
     stamp = nanoseconds(time)
     return BaseRecording(time, stamp, stamp + LOGGED_AFTER_NS, position, orientation, velocity)
+
+
+def vector_messages(
+    topic: str,
+    kind: Literal["twist", "twist_stamped", "imu"],
+    time: Floats,
+    vector: Floats,
+    frame: str = "base_link",
+) -> VectorRecording:
+    """Stamp vectors with one perfect clock."""
+    stamp = nanoseconds(time)
+    return VectorRecording(topic, kind, stamp, stamp + LOGGED_AFTER_NS, vector, frame)
 
 
 def sample_times(seconds: float, rate_hz: float, late_s: float = 0.0) -> Floats:

@@ -154,6 +154,20 @@ def _weight_not_compared(stats: Stats) -> str:
     return "the vertical load of every foot is not known for long enough"
 
 
+def _no_imu(stats: Stats) -> str:
+    return "" if stats.settings.imu_topic else "the log has no accelerometer of the base"
+
+
+def _imu_not_compared(stats: Stats) -> str:
+    if stats.imu is None:
+        return "accelerometer and poses are not known together for 2 s"
+    if stats.imu.mounting.reading is None:
+        return "the accelerometer does not follow the base's attitude"
+    if stats.imu.mean_is_zero:
+        return "all accelerations are zero"
+    return "" if stats.imu.forces else "forces or mass are not known, so only poses agree with it"
+
+
 EVENTS: Final = frozenset(
     {
         "W_FALL",
@@ -162,10 +176,13 @@ EVENTS: Final = frozenset(
         "W_ROBOT_ABSENT",
         "W_FEET_POSSIBLE",
         "W_NO_SUCH_TOPICS",
+        "W_COMMANDS_REFUSED",
+        "W_COMMAND_AXES",
+        "W_COMMAND_OPPOSED",
     }
 )
-"""Warnings that no check fails with: what the robot does, what reading lost, which robot it is, and
-what is of other commands."""
+"""Warnings that no check fails with: what the robot does and is told to do, what reading lost,
+which robot it is, and what is of other commands."""
 _KINDS: Final = (
     _Kind(
         "every foot's sensor works",
@@ -257,6 +274,27 @@ _KINDS: Final = (
                 "W_WRENCH_FRAME_UNKNOWN",
                 "W_DIRECTION_UNKNOWN",
                 "W_FORCES_TURNED",
+            }
+        ),
+    ),
+    _Kind(
+        "accelerometer, forces and poses agree",
+        _no_imu,
+        _imu_not_compared,
+        frozenset(
+            {
+                "W_IMU_IN_G",
+                "W_IMU_NO_GRAVITY",
+                "W_IMU_SCALE",
+                "W_IMU_TILTED",
+                "W_IMU_TURNED",
+                "W_IMU_REFUSED",
+                "W_FORCES_LACK_A_FOOT",
+                "W_FORCES_LEAN",
+                "W_FOOT_SCALE",
+                "W_MASS_ODD",
+                "W_FORCES_DISAGREE",
+                "W_FORCES_ASIDE",
             }
         ),
     ),

@@ -69,9 +69,28 @@ def findings_of(stats: Stats) -> tuple[Finding, ...]:
         *gait_findings(stats),
         *load_findings(stats),
         *stability_findings(stats),
-        *(finding for topic in stats.topics for finding in topic_findings(topic)),
+        *_beside(stats),
+        *(
+            finding
+            for topic in stats.topics
+            for finding in topic_findings(
+                topic, may_pause=topic.topic == stats.settings.command_topic
+            )
+        ),
     ]
     return tuple(sorted(found, key=consequence))
+
+
+def _beside(stats: Stats) -> Iterator[Finding]:
+    """Yield what topics beside feet and base say, in logs that have them."""
+    if stats.command_track is not None:
+        from dogbot_logtool.core.findings.commands import command_findings  # noqa: PLC0415
+
+        yield from command_findings(stats)
+    if stats.imu is not None:
+        from dogbot_logtool.core.findings.imu import imu_findings  # noqa: PLC0415
+
+        yield from imu_findings(stats)
 
 
 def _sensor_findings(stats: Stats) -> Iterator[Finding]:

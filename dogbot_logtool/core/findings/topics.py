@@ -38,10 +38,15 @@ def _on_log_time(stats: Stats) -> bool:
     return stats.settings.clock is TimeSource.LOG
 
 
-def topic_findings(topic: TopicQuality) -> Iterator[Finding]:
-    """Yield what is odd in the timing of a topic."""
+def topic_findings(topic: TopicQuality, *, may_pause: bool = False) -> Iterator[Finding]:
+    """Yield what is odd in the timing of a topic.
+
+    Args:
+        topic: its timing.
+        may_pause: whether it is silent now and then, as commands are while nobody steers.
+    """
     name = topic.topic
-    if topic.gaps:
+    if topic.gaps and not may_pause:
         longest = topic.longest_gaps[0].length_s if topic.longest_gaps else 0.0
         gaps = counted(topic.gaps, "gap")
         text = f"{gaps}, {topic.gaps_total_s:.2f} s in all, the longest {longest:.2f} s"

@@ -10,6 +10,7 @@ from dogbot_logtool.core.findings.findings import findings_of
 from dogbot_logtool.core.statistics import Stats
 from dogbot_logtool.finding import Finding, warning
 from dogbot_logtool.report.figures.base import BASE
+from dogbot_logtool.report.figures.commands import COMMANDS, with_commands
 from dogbot_logtool.report.figures.events import EVENTS, event_sources
 from dogbot_logtool.report.figures.feet import FOOT
 from dogbot_logtool.report.figures.figure import (
@@ -22,6 +23,7 @@ from dogbot_logtool.report.figures.figure import (
     inside,
 )
 from dogbot_logtool.report.figures.foot_source import foot_sources
+from dogbot_logtool.report.figures.imu import IMU, imu_source
 from dogbot_logtool.report.figures.loads import FORCES, STABILITY
 from dogbot_logtool.report.figures.recording import (
     FINDING,
@@ -213,6 +215,22 @@ DOCUMENT: Final = Scope(
             lambda source: source.stats.stability,
             "static stability, at 25 instants a second",
             null="there is no time in which the base and the state of every foot are known",
+        ),
+        Scope(
+            "commands",
+            COMMANDS,
+            lambda source: with_commands(source.stats),
+            "how the base follows its velocity commands; velocities are means over a stride, which "
+            "takes out how a gait swings about its speed",
+            null="the log has no velocity commands, or no poses",
+        ),
+        Scope(
+            "imu",
+            IMU,
+            lambda source: imu_source(source.stats),
+            "the base's accelerometer against the feet's forces and the base's poses: over strides "
+            "all three are g and the base's acceleration",
+            null="the log has no accelerometer, or it and poses are not known together for 2 s",
         ),
         Scope(
             "events",

@@ -12,6 +12,7 @@ from dogbot_logtool.core.gait.support_pattern import Support
 from dogbot_logtool.core.geometry.aggregates import CircularMean
 from dogbot_logtool.core.statistics import SegmentFigures, Stats
 from dogbot_logtool.report.figures.base import BASE
+from dogbot_logtool.report.figures.commands import COMMANDS_OF_SEGMENT
 from dogbot_logtool.report.figures.feet import FOOT_OF_SEGMENT
 from dogbot_logtool.report.figures.figure import (
     Column,
@@ -307,6 +308,13 @@ SEGMENT: Final[Sequence[Member]] = (
         lambda source: source.figures.stability,
         "static stability in it, at 25 instants a second",
         null="there is no time in it in which the base and the state of every foot are known",
+    ),
+    Scope(
+        "commands",
+        COMMANDS_OF_SEGMENT,
+        lambda source: source.figures.commands,
+        "how the base follows its velocity commands in it",
+        null="the log has no velocity commands, or no poses",
     ),
 )
 """Figures of a `SegmentSource`."""

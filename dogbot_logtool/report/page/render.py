@@ -21,6 +21,7 @@ from dogbot_logtool.report.page.assets import (
     rendered,
 )
 from dogbot_logtool.report.page.chart import packed
+from dogbot_logtool.report.page.commands_figure import tracked_commands
 from dogbot_logtool.report.page.cycle_figure import force_over_cycle
 from dogbot_logtool.report.page.drawing import Drawing, drawn_seconds, foot_glyph
 from dogbot_logtool.report.page.event_list import band_labels, event_list, marks
@@ -39,7 +40,7 @@ from dogbot_logtool.report.page.tables import (
 from dogbot_logtool.report.page.time_figures import gait_diagram, load_curves
 from dogbot_logtool.results import LogFacts
 
-FIGURES: Final = ("gait", "loads", "motion", "cycle", "ground", "clock", "recording")
+FIGURES: Final = ("gait", "loads", "motion", "commands", "cycle", "ground", "clock", "recording")
 """Names of all figures; a log may lack some."""
 
 
@@ -132,6 +133,7 @@ def _drawings(stats: Stats) -> Iterator[Drawing]:
         gait_diagram,
         load_curves,
         motion,
+        tracked_commands,
         force_over_cycle,
         walk_from_above,
         phase_clock,

@@ -44,7 +44,7 @@ SWITCHES: Final = (
     "--hide-scrollbars",
     "--window-size=1300,1000",
 )
-OVER_TIME: Final = ("gait", "loads", "recording", "motion")
+OVER_TIME: Final = ("gait", "loads", "recording", "motion", "commands")
 pytestmark = pytest.mark.skipif(
     not (BROWSER and DRIVER), reason="no chromium with chromedriver on this machine"
 )
@@ -158,6 +158,7 @@ MARKS: Final = {
     "ground": ".scatterlayer .points path.point",
     "clock": ".scatterlayer path.js-line",
     "motion": ".scatterlayer path.js-line",
+    "commands": ".scatterlayer path.js-line",
     "cycle": ".scatterlayer path.js-line",
     "recording": ".barlayer .point path",
 }
@@ -175,6 +176,7 @@ def test_every_figure_is_drawn_and_nothing_is_asked_for(window: Window, trot_pag
     drawn = {name: window.run(script, name, marks) for name, marks in MARKS.items()}
     assert drawn["gait"] == 4 * 7 + 2
     assert drawn["motion"] >= 5
+    assert drawn["commands"] == 6
     assert drawn["cycle"] >= 8
     assert drawn["loads"] >= 4
     assert drawn["ground"] >= 4 * 7

@@ -20,7 +20,7 @@ def test_events_are_listed_and_marked_in_every_figure_over_time() -> None:
     for row in found.rows:
         assert f'data-from="{row.start_s}" data-to="{row.end_s}"'.encode() in html
     over_time = {name: each for name, each in drawings(html).items() if each["over_time"]}
-    assert set(over_time) == {"gait", "loads", "motion", "recording"}
+    assert set(over_time) == {"gait", "loads", "motion", "commands", "recording"}
     for name, each in over_time.items():
         shapes = each["layout"]["shapes"]
         spans = [(shape["x0"], shape["x1"]) for shape in shapes]

@@ -1,0 +1,1 @@
+"""How well the base follows its velocity commands."""

@@ -1,0 +1,73 @@
+"""The command that holds at any time: each until the next, but not beyond a time-out."""
+
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+
+from dogbot_logtool.core.geometry import timespans
+from dogbot_logtool.core.geometry.arrays import Flags, Floats, Ints
+from dogbot_logtool.core.recorded.vectors import VectorHistory
+
+TIMEOUT_S: Final = 0.5
+"""s; what ros2_controllers' diff_drive_controller waits for a command before it stops."""
+
+
+@dataclass(frozen=True, slots=True)
+class HeldCommand:
+    """Commands with the spans for which they hold."""
+
+    start: Ints
+    """(n,) ns. Also `end`."""
+    end: Ints
+    velocity: Floats
+    """(n, 3) m/s forward, m/s to the left, rad/s to the left."""
+    timeout_ns: int
+
+    @property
+    def known(self) -> Ints:
+        """(k, 2) ns, the time with a command."""
+        return timespans.merge(np.stack([self.start, self.end], axis=1))
+
+    def where(self, holds: Flags) -> Ints:
+        """(k, 2) ns, the time in which one of some commands holds."""
+        return timespans.merge(np.stack([self.start[holds], self.end[holds]], axis=1))
+
+    def mean(self, time: Ints, window_ns: int, delay_ns: int = 0) -> Floats:
+        """(m, 3) m/s and rad/s, exact means over a window about each time less a delay.
+
+        Time without a command counts as zero: ask only where it is known.
+        """
+        origin = self.start[0]
+        knots = np.stack([self.start, self.end], axis=1).ravel() - origin
+        held = self.velocity * ((self.end - self.start) / 1e9)[:, None]
+        total = np.zeros((len(knots), 3))
+        total[1::2] = np.cumsum(held, axis=0)
+        total[2::2] = total[1:-1:2]
+        since, half = time - origin - delay_ns, window_ns / 2.0
+        columns = [
+            np.interp(since + half, knots, column) - np.interp(since - half, knots, column)
+            for column in total.T
+        ]
+        mean: Floats = np.stack(columns, axis=1) / (window_ns / 1e9)
+        return mean
+
+
+def held_command(history: VectorHistory, turn_rad: float) -> HeldCommand:
+    """Let each command hold until the next.
+
+    Args:
+        history: commands, at least one.
+        turn_rad: from the command's x axis to the robot's forward direction.
+    """
+    usual = history.gap_ns if np.isfinite(history.gap_ns) else 0.0
+    timeout = round(max(TIMEOUT_S * 1e9, usual))
+    end = np.append(history.time[1:], history.time[-1:] + timeout)
+    x, y, yaw = history.vector.T
+    cos, sin = np.cos(turn_rad), np.sin(turn_rad)
+    return HeldCommand(
+        start=history.time,
+        end=np.minimum(end, history.time + timeout),
+        velocity=np.stack([x * cos + y * sin, y * cos - x * sin, yaw], axis=1),
+        timeout_ns=timeout,
+    )

@@ -1,0 +1,297 @@
+"""How the base follows its velocity commands: error, delay, gain and drift.
+
+All velocities are means over one stride: a robot's gait swings about its speed once or twice a
+stride, which is no error. Commands are averaged alike, so that this delays nothing.
+"""
+
+from dataclasses import dataclass, replace
+from typing import Final
+
+import numpy as np
+
+from dogbot_logtool.core.base.base_history import BaseHistory
+from dogbot_logtool.core.base.base_motion import FORWARD_ANGLES
+from dogbot_logtool.core.commands.base_velocity import Odometer, base_odometer
+from dogbot_logtool.core.commands.held_command import HeldCommand, held_command
+from dogbot_logtool.core.geometry import timespans
+from dogbot_logtool.core.geometry.arrays import Flags, Floats, Ints
+from dogbot_logtool.core.geometry.delay import LEAST_CORRELATION, Delay, fit_delay
+from dogbot_logtool.core.recorded.vectors import VectorHistory
+
+TRACKING_HZ: Final = 50.0
+"""Commanded and measured velocity are compared so often."""
+USUAL_WINDOW_S: Final = 0.5
+"""s, what velocities are averaged over in a log without strides."""
+EARLIEST_S, LATEST_S, _LAGS = -0.2, 1.0, 61
+"""s, the delays that are tried, and how many."""
+_MOST_ROWS: Final = 20_000
+"""Values that a delay is fitted to; of a longer time not all are needed."""
+LEAST_CHANGE: Final = 0.03
+"""m/s or rad/s, standard deviation of a command from which it changes enough for a delay."""
+MOST_UNCERTAIN_S: Final = 0.1
+"""s; a delay that is less certain is not given."""
+ZERO: Final = 0.01
+"""m/s or rad/s; commands up to it stand for none."""
+STRAIGHT_MPS: Final = 0.05
+"""m/s; a forward command from which a robot walks."""
+SETTLED_S: Final = 1.0
+"""s after a change of the command before a drift is measured."""
+_LEAST_DRIFT_S: Final = 1.0
+_WORLD_FRAMES: Final = frozenset({"world", "odom", "map", "earth"})
+_CLEARLY: Final = 0.7
+"""Of two readings of the axes the better one's error is at most this share of the other's."""
+
+
+@dataclass(frozen=True, slots=True)
+class AxisTracking:
+    """One part of the velocity, in m/s or rad/s, while there is a command."""
+
+    commanded_mean: float
+    measured_mean: float
+    mean_error: float
+    """Measured minus commanded."""
+    rms_error: float
+    delay: Delay | None
+    """As far as it can be told; None: the command hardly changes, or too little time."""
+    because: str = ""
+    """Why delay and gain are not told; empty: they are."""
+
+
+@dataclass(frozen=True, slots=True)
+class Drift:
+    """The base's mean velocity while the command asks for none of some of it."""
+
+    duration_s: float
+    forward: float
+    """m/s"""
+    lateral: float
+    """m/s, to the left."""
+    yaw_rate: float
+    """rad/s, to the left."""
+
+
+@dataclass(frozen=True, slots=True)
+class Tracking:
+    """How the base follows the commands, in a log or in a part of it."""
+
+    commanded_s: float
+    """s with a command, of the time that is known of the base."""
+    no_command_s: float
+    """s without one."""
+    forward: AxisTracking | None
+    """None: too little time, or the commands' axes are not known; also `lateral`."""
+    lateral: AxisTracking | None
+    yaw: AxisTracking | None
+    straight: Drift | None
+    """While straight ahead is commanded; None: not for long enough."""
+    in_place: Drift | None
+    """While the robot steps and no motion is commanded."""
+
+
+@dataclass(frozen=True, slots=True)
+class CommandTrack:
+    """Commanded and measured velocity over time."""
+
+    history: VectorHistory
+    axes: str | None
+    """``forward``: a command's x is the robot's forward direction; ``body``: x of the base's frame.
+    None: cannot be told."""
+    window_ns: int
+    held: HeldCommand
+    odometer: Odometer
+    time: Ints
+    """(n,) ns, times whose window is known of the base and of the command."""
+    commanded: Floats
+    """(n, 3) m/s forward, m/s to the left, rad/s to the left."""
+    measured: Floats
+    """(n, 3) the same."""
+    stepping: Ints
+    """(s, 2) ns, time in which the robot steps."""
+
+    @property
+    def half_ns(self) -> int:
+        """ns, half of the window."""
+        return self.window_ns // 2
+
+    @property
+    def breaks(self) -> Ints:
+        """(b, 2) ns, holes between neighbouring times, over which no line leads."""
+        rows = np.flatnonzero(np.diff(self.time) > 1.5e9 / TRACKING_HZ)
+        return np.stack([self.time[rows], self.time[rows + 1]], axis=1)
+
+
+def follow_commands(
+    history: VectorHistory,
+    base: BaseHistory,
+    jumps: Ints,
+    forward_axis: str,
+    stepping: Ints,
+    period_s: float | None,
+) -> CommandTrack | None:
+    """Compare commands with the base's velocity over time.
+
+    Args:
+        history: commands: linear x and y, angular z.
+        base: poses without jumps.
+        jumps: (j, 2) ns.
+        forward_axis: the body's axis that points forward.
+        stepping: (s, 2) ns, time in which the robot steps.
+        period_s: s, the usual stride; None: there are none.
+
+    Returns:
+        None without commands or poses.
+    """
+    odometer = base_odometer(base, forward_axis, jumps)
+    if odometer is None or len(history.time) == 0:
+        return None
+    window = round((period_s or USUAL_WINDOW_S) * 1e9)
+    held = held_command(history, 0.0)
+    tick = round(1e9 / TRACKING_HZ)
+    first, last = odometer.known.min(initial=base.time[-1]), odometer.known.max(initial=0)
+    time = np.arange(-(-int(first) // tick) * tick, int(last), tick)
+    time = time[_windows_in([odometer.known, held.known], time, window // 2, window // 2)]
+    track = CommandTrack(
+        history=history,
+        axes="forward",
+        window_ns=window,
+        held=held,
+        odometer=odometer,
+        time=time,
+        commanded=held.mean(time, window),
+        measured=odometer.mean_rate(time, window),
+        stepping=stepping,
+    )
+    if not _WORLD_FRAMES.isdisjoint(name.strip("/") for name in history.frames):
+        return replace(track, axes=None)
+    return _with_axes(track, FORWARD_ANGLES[forward_axis])
+
+
+def _with_axes(track: CommandTrack, turn_rad: float) -> CommandTrack:
+    """Tell by the smaller error whose axes the commands are in, where that makes a difference."""
+    if turn_rad == 0.0:
+        return track
+    held = held_command(track.history, turn_rad)
+    turned = replace(
+        track, axes="body", held=held, commanded=held.mean(track.time, track.window_ns)
+    )
+    errors = [_horizontal_error(each) for each in (track, turned)]
+    better, worse = (track, turned) if errors[0] <= errors[1] else (turned, track)
+    told = min(errors) <= _CLEARLY * max(errors)
+    return better if told or not np.any(worse.commanded[:, :2]) else replace(better, axes=None)
+
+
+def _horizontal_error(track: CommandTrack) -> float:
+    error = (track.measured - track.commanded)[:, :2]
+    return float(np.sqrt((error * error).sum(axis=1).mean())) if len(error) else 0.0
+
+
+def _windows_in(spans: list[Ints], time: Ints, before_ns: int, after_ns: int) -> Flags:
+    """(n,) whether the time from before to after each time lies in one span of each kind.
+
+    Args:
+        spans: (s, 2) ns, of each kind.
+        time: (n,) ns.
+        before_ns: ns.
+        after_ns: ns.
+    """
+    inside = np.ones(len(time), np.bool_)
+    for each in spans:
+        row = np.searchsorted(each[:, 0], time - before_ns, side="right") - 1
+        inside &= row >= 0
+        if len(each):
+            inside &= time + after_ns <= each[np.maximum(row, 0), 1]
+    return inside
+
+
+def tracking(track: CommandTrack, within: Ints | None = None) -> Tracking:
+    """Measure how the base follows the commands.
+
+    Args:
+        track: commanded and measured velocity.
+        within: (w, 2) ns, a part of the log; None: all of it.
+    """
+    limits = [] if within is None else [within]
+    known = timespans.intersect([track.odometer.known, *limits])
+    commanded = timespans.intersect([known, track.held.known])
+    rows = np.ones(len(track.time), np.bool_)
+    if within is not None:
+        rows = _windows_in(limits, track.time, track.half_ns, track.half_ns)
+    axes = [_axis(track, axis, rows) for axis in range(3)]
+    forward, lateral = axes[:2] if track.axes else (None, None)
+    return Tracking(
+        commanded_s=timespans.total(commanded) / 1e9,
+        no_command_s=(timespans.total(known) - timespans.total(commanded)) / 1e9,
+        forward=forward,
+        lateral=lateral,
+        yaw=axes[2],
+        straight=_drift(track, rows, _goes_straight(track.held)) if track.axes else None,
+        in_place=_drift(track, rows, _asks_nothing(track.held), [track.stepping]),
+    )
+
+
+def _axis(track: CommandTrack, axis: int, rows: Flags) -> AxisTracking | None:
+    if not rows.any():
+        return None
+    commanded, measured = track.commanded[rows, axis], track.measured[rows, axis]
+    error = measured - commanded
+    delay, because = _delay(track, axis, rows)
+    return AxisTracking(
+        commanded_mean=float(commanded.mean()),
+        measured_mean=float(measured.mean()),
+        mean_error=float(error.mean()),
+        rms_error=float(np.sqrt((error * error).mean())),
+        delay=delay,
+        because=because,
+    )
+
+
+def _delay(track: CommandTrack, axis: int, rows: Flags) -> tuple[Delay | None, str]:
+    """Return the delay, and why it is not told."""
+    if float(np.std(track.commanded[rows, axis])) < LEAST_CHANGE:
+        return None, "the command hardly changes"
+    window = track.window_ns
+    before, after = (track.half_ns + round(each * 1e9) for each in (LATEST_S, -EARLIEST_S))
+    chosen = np.flatnonzero(rows & _windows_in([track.held.known], track.time, before, after))
+    independent = len(chosen) / TRACKING_HZ / (window / 1e9)
+    chosen = chosen[:: -(-len(chosen) // _MOST_ROWS) or 1]
+    time = track.time[chosen]
+    delay = fit_delay(
+        track.measured[chosen, axis],
+        lambda lag: track.held.mean(time, window, round(lag * 1e9))[:, axis],
+        np.linspace(EARLIEST_S, LATEST_S, _LAGS),
+        independent,
+    )
+    if delay is None:
+        return None, "too little time with a command, or the base's speed never changes"
+    if abs(delay.correlation) < LEAST_CORRELATION:
+        return delay, "the base's speed does not change as the command does"
+    if delay.low_s <= EARLIEST_S or delay.high_s >= LATEST_S:
+        return delay, f"no delay from {EARLIEST_S:g} to {LATEST_S:g} s stands out"
+    if delay.uncertainty_s > MOST_UNCERTAIN_S:
+        return delay, f"the delay is known to {delay.uncertainty_s:.2f} s only"
+    return delay, ""
+
+
+def _asks_nothing(held: HeldCommand) -> Flags:
+    return np.asarray((np.abs(held.velocity) <= ZERO).all(axis=1))
+
+
+def _goes_straight(held: HeldCommand) -> Flags:
+    ahead: Flags = np.abs(held.velocity[:, 0]) >= STRAIGHT_MPS
+    return ahead & (np.abs(held.velocity[:, 1:]) <= ZERO).all(axis=1)
+
+
+def _drift(
+    track: CommandTrack, rows: Flags, holds: Flags, limits: list[Ints] | None = None
+) -> Drift | None:
+    """Return the mean velocity while one of some commands has held for some time."""
+    spans = track.held.where(holds)
+    half = track.half_ns
+    chosen = rows & _windows_in([spans], track.time, half + round(SETTLED_S * 1e9), half)
+    if limits is not None:
+        chosen &= _windows_in(limits, track.time, half, half)
+    duration = int(chosen.sum()) / TRACKING_HZ
+    if duration < _LEAST_DRIFT_S:
+        return None
+    forward, lateral, yaw_rate = track.measured[chosen].mean(axis=0).tolist()
+    return Drift(duration, forward, lateral, yaw_rate)

@@ -1,0 +1,1 @@
+"""Whether an inertial unit, the feet's forces and the base's poses agree."""

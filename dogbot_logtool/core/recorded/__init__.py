@@ -1,0 +1,1 @@
+"""What is kept of a topic beside feet and base while it streams past."""
