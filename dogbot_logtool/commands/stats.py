@@ -5,7 +5,7 @@ from collections.abc import Generator, Sequence
 from contextlib import closing
 from dataclasses import dataclass, field, replace
 from functools import partial
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 from dogbot_logtool.commands.planned import options_of_plan, with_plan
 from dogbot_logtool.core.accumulator import OnSamples, StatsAccumulator
@@ -33,6 +33,9 @@ from dogbot_logtool.reader.salvage.losses import malformed_messages, wrong_stati
 from dogbot_logtool.results import LogFacts, Measurement
 from dogbot_logtool.robot import Foot, Robot
 from dogbot_logtool.run.in_order import OnProgress, in_order
+
+if TYPE_CHECKING:
+    from dogbot_logtool.pipeline.legs import LegReader
 
 _FRAMES: Final = {"world": WrenchFrame.WORLD, "link": WrenchFrame.LINK}
 
@@ -158,7 +161,12 @@ def _pass(
     frames = _frames(selection, probe, settings)
     feet = replace(selection.foot_channels(), left_after_ns=probe.left_after_ns)
     sensors = [settings.sensor(foot) for foot in range(len(settings.feet))]
-    measurer = BatchMeasurer(BatchReader(selection, feet, frames, sensors, limits))
+    legs = _leg_reader(log, selection, probe, settings)
+    if legs is not None:
+        settings = replace(settings, legs=legs.settings)
+    reads_transforms = legs is not None and bool(legs.moving)
+    reader = BatchReader(selection, feet, frames, sensors, limits, reads_transforms)
+    measurer = BatchMeasurer(reader, legs)
     feed = _Feed(
         StatsAccumulator(settings, options.curves, on_samples),
         _swings(log, silent, limits),
@@ -177,6 +185,18 @@ def _pass(
     if limits == (None, None):
         feed.losses.extend(wrong_statistics(log, feed.counts, feed.losses))
     return feed.finish(log, selection, probe)
+
+
+def _leg_reader(
+    log: Log, selection: Selection, probe: Probe, settings: StatsSettings
+) -> "LegReader | None":
+    """Return what reads of the legs; None, and nothing is imported, where no topic may tell."""
+    types = {channel.type_name.rpartition("/")[2] for channel in log.channels.values()}
+    if not selection.transforms and not any("Joint" in t or "LowState" in t for t in types):
+        return None
+    from dogbot_logtool.pipeline.legs import leg_reader  # noqa: PLC0415
+
+    return leg_reader(log, selection, probe, settings.clock)
 
 
 def _measured(log: Log, measurer: BatchMeasurer, jobs: int) -> Generator[MeasuredBatch, None, None]:
@@ -219,6 +239,10 @@ class _Feed:
             self.accumulator.add_message_times(
                 times.topic, times.log_time, times.stamp, times.frame_ids
             )
+        if batch.legs is not None:
+            legs = batch.legs
+            self.accumulator.add_legs(legs.joints, legs.frames, legs.end)
+            self.malformed.update(legs.malformed)
         self.losses.extend(batch.losses)
         self.malformed.update(batch.malformed)
         self.counts.update(batch.counts)

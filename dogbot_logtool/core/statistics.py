@@ -1,6 +1,7 @@
 """The figures of a log: what `evaluation.py` works out, and all that is reported is taken from."""
 
 from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
 
 from dogbot_logtool.core.base.base_history import BaseHistory
 from dogbot_logtool.core.base.base_motion import BaseMotion
@@ -24,6 +25,9 @@ from dogbot_logtool.core.quality.clocks import (
 from dogbot_logtool.core.quality.quality import TopicQuality
 from dogbot_logtool.core.settings import StatsSettings
 from dogbot_logtool.core.stability.stability import Stability
+
+if TYPE_CHECKING:
+    from dogbot_logtool.core.legs.leg_figures import LegFigures
 
 
 @dataclass(frozen=True, slots=True)
@@ -85,6 +89,9 @@ class Stats:
     """How each foot follows its plan; None without one; empty: the log has no plan beside."""
     all_silent: Ints = field(default_factory=timespans.no_spans)
     """(s, 2) ns, spans in which no foot's sensor sends anything, though the odometry does."""
+
+    legs: "LegFigures | None" = None
+    """None where the log tells nothing of its legs."""
 
     @property
     def base_clock_is_apart(self) -> bool:

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -14,6 +15,9 @@ from dogbot_logtool.reader.containers.log import Batch, Log, Loss, Span
 from dogbot_logtool.reader.decode.columns import Texts
 from dogbot_logtool.reader.messages.bases.source import BasePoses
 from dogbot_logtool.reader.messages.messages import DecodedMessages
+
+if TYPE_CHECKING:
+    from dogbot_logtool.pipeline.legs import LegColumns, LegReader
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,6 +46,8 @@ class MeasuredBatch:
     counts: Mapping[int, int]
     """Messages by channel id."""
     stored_size: int
+    legs: "LegColumns | None" = None
+    """What is told of the legs; None: nothing in this log."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -49,6 +55,8 @@ class BatchMeasurer:
     """Measures batches; called in several threads or processes at once."""
 
     reader: BatchReader
+    legs: "LegReader | None" = None
+    """Reads what is told of the legs; None: nothing is."""
 
     def __call__(self, log: Log, span: Span) -> MeasuredBatch:
         """Read and decode one batch."""
@@ -61,6 +69,7 @@ class BatchMeasurer:
                 stamped.update(_pose_times(log, poses))
         for messages in with_header:
             stamped.update(_stamped_times(log, messages))
+        legs = self.legs.read(columns.batch, columns.transforms) if self.legs else None
         return MeasuredBatch(
             samples=columns.samples,
             odometry=columns.odometry,
@@ -71,6 +80,7 @@ class BatchMeasurer:
             losses=columns.batch.losses,
             counts=columns.batch.counts,
             stored_size=columns.stored_size,
+            legs=legs,
         )
 
 

@@ -86,6 +86,8 @@ class Probe:
     """The first pose that was seen of each frame, by name without a leading slash."""
     soles: Mapping[int, Point] = field(default_factory=dict)
     """m, where feet touch the ground in the frames of their `links`, as far as it is known."""
+    exact_soles: Mapping[int, Point] = field(default_factory=dict)
+    """m, the same, not rounded."""
     stances: Mapping[int, Point] = field(default_factory=dict)
     """m, the same in the base's frame: the median while the foot stands."""
 
@@ -218,14 +220,12 @@ class _Prober:
             frame_poses=self._frame_poses,
         )
         probe = replace(probe, wrench_frame=self._wrench_frame(probe))
-        return replace(probe, soles=self._soles(probe), stances=self._stances(probe))
-
-    def _soles(self, probe: Probe) -> Mapping[int, Point]:
-        """Return where feet touch the ground, in the frames of their links."""
-        frames = self._frames(probe)
-        if frames is None:
-            return {}
-        return self._points(SoleFinder(frames), frames)
+        probe = replace(probe, stances=self._stances(probe))
+        placed = self._frames(probe)
+        if placed is None:
+            return probe
+        soles = self._filled(SoleFinder(placed), placed)
+        return replace(probe, soles=soles.points(), exact_soles=soles.exact_points())
 
     def _stances(self, probe: Probe) -> Mapping[int, Point]:
         """Return where feet touch the ground in the frame of the base that odometry places."""
@@ -245,14 +245,14 @@ class _Prober:
             clock=TimeSource.LOG if probe.zero_stamps else TimeSource.HEADER,
         )
         in_base = {f for f in feet if any(one.in_base for one in selection.sources_of(f))}
-        return self._points(SoleFinder(frames, STANCE_SPREAD_M, in_base), frames)
+        return self._filled(SoleFinder(frames, STANCE_SPREAD_M, in_base), frames).points()
 
-    def _points(self, finder: SoleFinder, frames: WorldFrames) -> Mapping[int, Point]:
-        """Return what a finder makes of everything that was seen."""
+    def _filled(self, finder: SoleFinder, frames: WorldFrames) -> SoleFinder:
+        """Return a finder that has taken in everything that was seen."""
         for look in self._looks:
             poses, _ = plausible_odometry(joined_poses(look.base))
             finder.add(look.samples, frames.tracks(look.transforms, poses))
-        return finder.points()
+        return finder
 
     def _wrench_frame(self, probe: Probe) -> WrenchFrameEvidence:
         """Decide by what the types of messages promise, else by evidence."""

@@ -22,6 +22,7 @@ from dogbot_logtool.report.figures.figure import (
     inside,
 )
 from dogbot_logtool.report.figures.foot_source import foot_sources
+from dogbot_logtool.report.figures.legs import LEG_STRIDES, LEGS
 from dogbot_logtool.report.figures.loads import FORCES, STABILITY
 from dogbot_logtool.report.figures.recording import (
     FINDING,
@@ -215,6 +216,13 @@ DOCUMENT: Final = Scope(
             null="there is no time in which the base and the state of every foot are known",
         ),
         Scope(
+            "legs",
+            LEGS,
+            lambda source: source.stats.legs,
+            "legs, by joint states and by transforms",
+            null="the log has neither joint states nor transforms that connect feet and base",
+        ),
+        Scope(
             "events",
             EVENTS,
             lambda source: event_sources(source.stats),
@@ -229,6 +237,9 @@ DOCUMENT: Final = Scope(
 """Everything that `stats --json` reports, from a `LogSource`."""
 
 STRIDE_ROWS: Final = Scope(
-    "stride", STRIDES, lambda source: source, "each whole stride: the rows of CSV and Parquet"
+    "stride",
+    (*STRIDES, *LEG_STRIDES),
+    lambda source: source,
+    "each whole stride: the rows of CSV and Parquet",
 )
 """What is reported of every stride, from a `FootSource`."""
