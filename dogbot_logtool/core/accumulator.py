@@ -132,7 +132,7 @@ class StatsAccumulator:
         return stats if self._legs is None else self._with_legs(stats, self._legs)
 
     def _with_legs(self, stats: Stats, legs: "LegRecorder") -> Stats:
-        from dogbot_logtool.core.legs.leg_figures import with_legs  # noqa: PLC0415
+        from dogbot_logtool.core.leg_evaluation import with_legs  # noqa: PLC0415
 
         history = legs.finish()
         on_stamps = self._settings.clock is TimeSource.HEADER

@@ -21,8 +21,8 @@ def leg_findings(stats: Stats) -> Iterator[Finding]:
     slow = [leg.name for leg in legs.feet if leg.swings.is_slow]
     if slow:
         text = (
-            f"the legs of {', '.join(slow)} are told less often than 100 times a second: the "
-            "velocity of their touchdowns is not known"
+            f"legs or contacts of {', '.join(slow)} are told less often than 100 times a second: "
+            "the velocity of their touchdowns is not known"
         )
         yield Finding("N_LEGS_SLOW", text, "legs.feet")
     yield from _work(legs)

@@ -16,8 +16,10 @@ from dogbot_logtool.core.legs.joint_track import LONGEST_STEP_S
 
 MIDDLE: Final = (0.2, 0.8)
 """Shares of a stance between which the foot is loaded and should be at rest."""
-APPROACH_NS: Final = 20_000_000
-"""ns before a touchdown over which its velocity is taken."""
+APPROACH_S: Final = 0.03
+"""s before a touchdown that its velocity is taken from."""
+FEWEST_ROWS: Final = 4
+"""Of the path that its velocity is taken from."""
 SHORTEST_STEP_M: Final = 0.05
 """m: a shorter swing does not tell the direction of walking."""
 RESTING_M: Final = 0.02
@@ -103,7 +105,7 @@ def footfalls(path: WorldPath, stances: Stances) -> Footfalls:
     duration = stances.liftoff - stances.touchdown
     steps = np.linspace(*MIDDLE, 13)
     time = stances.touchdown[:, None] + np.rint(duration[:, None] * steps).astype(np.int64)
-    place = path.at(time.ravel()).reshape(len(duration), len(steps), 3)
+    place = _places(path, time)
     place[~path.unbroken(time[:, 0], time[:, -1])] = np.nan
     place[~np.isin(stances.cut, _SEEN)] = np.nan
     way = place - place[:, :1]
@@ -140,13 +142,16 @@ def no_swings(count: int) -> Swings:
     return Swings(unknown, unknown, unknown, unknown, None)
 
 
-def swings(path: WorldPath, stood: Footfalls, strides: Strides) -> Swings:
+def swings(
+    path: WorldPath, stood: Footfalls, strides: Strides, contact_interval_s: float
+) -> Swings:
     """Return the figures of a foot's swings.
 
     Args:
         path: of the foot in the world.
         stood: its footfalls, by stance.
         strides: of the foot, whose stances have one after them.
+        contact_interval_s: s between its contact samples: touchdowns may be so much earlier.
     """
     count = len(strides.stance)
     if count == 0 or len(path.time) == 0:
@@ -157,8 +162,7 @@ def swings(path: WorldPath, stood: Footfalls, strides: Strides) -> Swings:
     phase = np.linspace(0.0, 1.0, CYCLE_POINTS)
     period = (strides.end - strides.touchdown)[:, None]
     time = strides.touchdown[:, None] + np.rint(period * phase).astype(np.int64)
-    place = path.at(time.ravel()).reshape(count, CYCLE_POINTS, 3)
-    height = _above_line(place, before[:, None], after[:, None])
+    height = _above_line(_places(path, time), before[:, None], after[:, None])
     clearance = np.full(count, np.nan)
     for row in np.flatnonzero(known).tolist():
         rows = slice(*np.searchsorted(path.time, (strides.liftoff[row], strides.end[row])))
@@ -166,14 +170,14 @@ def swings(path: WorldPath, stood: Footfalls, strides: Strides) -> Swings:
         clearance[row] = inside.max(initial=-np.inf)
     clearance[~np.isfinite(clearance)] = np.nan
     way = after - before
-    velocity = _approach(path, strides.end)
+    velocity = _approach(path, strides, contact_interval_s)
     return Swings(
         clearance_m=clearance,
         length_m=np.where(known, np.hypot(way[:, 0], way[:, 1]), np.nan),
         touchdown_down_mps=-velocity[:, 2],
         touchdown_along_mps=np.hypot(velocity[:, 0], velocity[:, 1]),
         height=cycle_curve(100.0 * phase, height[known]),
-        is_slow=path.is_slow,
+        is_slow=path.is_slow or contact_interval_s * 1e9 > SLOWEST_NS,
     )
 
 
@@ -188,23 +192,34 @@ def _above_line(place: Floats, before: Floats, after: Floats) -> Floats:
     return height
 
 
-def _approach(path: WorldPath, touchdown: Ints) -> Floats:
-    """(n, 3) m/s, mean velocity over the last `APPROACH_NS` before touchdowns.
+def _approach(path: WorldPath, strides: Strides, contact_interval_s: float) -> Floats:
+    """(n, 3) m/s, velocity of the foot when it was last known to be in the air.
 
-    Where the path has fewer than two rows in them, over its last two rows. NaN where the path is
-    told too rarely.
+    It is the slope there of the parabola that fits the path's last rows, `APPROACH_S` of them but
+    at least four. NaN where path or contacts are told too rarely, or the swing is shorter.
     """
-    last = np.searchsorted(path.time, touchdown) - 1
-    first = np.minimum(np.searchsorted(path.time, touchdown - APPROACH_NS), last - 1)
-    known = first >= 0
-    last, first = np.maximum(last, 0), np.maximum(first, 0)
-    known &= (touchdown - path.time[first]) <= APPROACH_NS + 2 * SLOWEST_NS
-    known &= not path.is_slow
-    step_s = (path.time[last] - path.time[first]) / 1e9
-    way = path.position[last] - path.position[first]
-    velocity = np.full((len(touchdown), 3), np.nan)
-    velocity[known] = way[known] / step_s[known, None]
+    count = len(strides.end)
+    velocity = np.full((count, 3), np.nan)
+    if path.is_slow or contact_interval_s * 1e9 > SLOWEST_NS:
+        return velocity
+    interval = float(np.median(np.diff(path.time)))
+    rows = max(FEWEST_ROWS, round(APPROACH_S * 1e9 / interval))
+    aloft = strides.end - round(contact_interval_s * 1e9)
+    last = np.searchsorted(path.time, aloft, side="right") - 1
+    chosen = last[:, None] + np.arange(1 - rows, 1)
+    known = chosen[:, 0] >= 0
+    chosen = np.maximum(chosen, 0)
+    known &= path.time[chosen[:, 0]] >= strides.liftoff
+    known &= ~path.broken[chosen[:, 1:]].any(axis=1) & (aloft - path.time[last] <= 2 * interval)
+    since_s = (path.time[chosen[known]] - aloft[known, None]) / 1e9
+    slope = np.linalg.pinv(np.stack([since_s**0, since_s, since_s**2], axis=-1))[:, 1]
+    velocity[known] = np.einsum("nt,ntc->nc", slope, path.position[chosen[known]])
     return velocity
+
+
+def _places(path: WorldPath, time: Ints) -> Floats:
+    """(n, t, 3) m, places of the foot at (n, t) times."""
+    return path.at(time.ravel()).reshape(*time.shape, 3)
 
 
 @dataclass(frozen=True, slots=True)

@@ -23,7 +23,9 @@ _NO_PATH: Final = (
 )
 _NO_STRIDE: Final = "the foot makes no whole stride in which its leg is told without a silence"
 _NO_SWING: Final = f"{_NO_PATH}; {_NO_STRIDE}"
-_SLOW: Final = "the leg is told less often than 100 times a second"
+_SLOW: Final = (
+    "the leg or the foot's contact is told less often than 100 times a second; the swing is shorter"
+)
 _NO_WORK: Final = (
     "the efforts of joint states are empty, constantly zero or no torques; velocities contradict "
     "positions; clocks differ (see findings)"
@@ -53,8 +55,11 @@ _CLEARANCE: Final = (
     "highest point of a swing above the straight line between the foot's places in the middle of "
     "the stances before and after"
 )
-_DOWN: Final = "downward velocity of the foot, mean of the 20 ms before the touchdown"
-_ALONG: Final = "horizontal speed of the foot over the same 20 ms"
+_DOWN: Final = (
+    "downward velocity of the foot at the touchdown, one contact sample before it: slope there of "
+    "the parabola that fits its places of the 30 ms before (at least four)"
+)
+_ALONG: Final = "horizontal speed of the foot, likewise"
 _LENGTH: Final = "horizontal distance of the foot's places in the stances before and after a swing"
 _STEP: Final = (
     "way from the footfall of the other foot of the pair to the own one, along the foot's swing"
