@@ -23,6 +23,7 @@ from gait_model import (
     ground_forces,
     pad_travel,
 )
+from joint_torques import legs_truth
 from ros_messages import NS_PER_S
 from scenario import (
     MAX_JITTER_NS,
@@ -73,6 +74,7 @@ def truth_of(scenario: Scenario, messages: Sequence[LoggedMessage]) -> Json:
         "base": _base_truth(gait, duration_s),
         "forces": _force_truth(scenario),
         "feet": {foot: _foot_truth(scenario, foot) for foot in FEET},
+        "legs": legs_truth(gait),
         "damage": _damage_truth(scenario.damage),
     }
     rounded: Json = _rounded(truth)

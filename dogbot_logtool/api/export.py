@@ -20,7 +20,7 @@ class Export:
 
     options: "StatsOptions"
     table: str
-    """``strides``, ``stances``, ``events``, ``base`` or ``samples``."""
+    """``strides``, ``stances``, ``joints``, ``events``, ``base`` or ``samples``."""
     file: "TableFile"
 
     def __call__(self, log: Location, on_progress: "OnProgress | None") -> int:

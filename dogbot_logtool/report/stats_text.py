@@ -89,7 +89,7 @@ def print_report(
         _foot_table(console, TableName.LOADS, document),
         *_load_lines(stats, document),
         Text(),
-        *_legs(console, document),
+        *_legs(console, document, verbose=verbose),
         _heading("Base"),
         *_base(stats),
         Text(),
@@ -218,8 +218,8 @@ def _load_lines(stats: Stats, document: Json) -> list[RenderableType]:
     return lines
 
 
-def _legs(console: Console, document: Json) -> list[RenderableType]:
-    """Return the legs and their joints; nothing where the log tells nothing of them."""
+def _legs(console: Console, document: Json, *, verbose: bool) -> list[RenderableType]:
+    """Return the legs, if verbose their joints, too; nothing where the log tells of none."""
     legs = document["legs"]
     if legs is None:
         return []
@@ -229,10 +229,11 @@ def _legs(console: Console, document: Json) -> list[RenderableType]:
             _heading("Legs", "medians over whole strides; heights in mm"),
             _foot_table(console, TableName.LEGS, document),
         ]
-    if legs["joints"]:
+    if legs["joints"] and verbose:
+        of_legs = [name for name, joint in legs["joints"].items() if joint["foot"]]
         rows = [
             Row([printable(name)], cells_of(TableName.JOINTS, document, name))
-            for name in legs["joints"]
+            for name in of_legs or legs["joints"]
         ]
         parts += [
             _heading("Joints", "rad and N m (m and N of those that slide); work in a stride"),

@@ -138,9 +138,9 @@ def trot() -> Physics:
         # What the engine derives, forces too, is of the state before the step.
         if step >= round(SETTLE_S / STEP_S):
             rows.append(_row(model, data, state, (sites, calves, balls)))
-    columns = [np.array(column) for column in zip(*rows, strict=True)]
-    time = np.arange(len(rows)) * STEP_S
-    return Physics(float(model.body_subtreemass[0]), time, *columns)
+    columns = [np.array(column, np.float64) for column in zip(*rows, strict=True)]
+    times: Floats = np.arange(len(rows), dtype=np.float64) * STEP_S
+    return Physics(float(model.body_subtreemass[0]), times, *columns)
 
 
 def _row(
