@@ -46,7 +46,7 @@ _BASE_HEIGHT_M = 0.46
 _BOB_M = 0.002
 _ROLL_RAD = 0.015
 _PITCH_RAD = 0.01
-_SWING_HEIGHT_M = 0.06
+SWING_HEIGHT_M = 0.06
 
 RAMP_S = 0.09
 _RAMP_FLOOR = 0.45
@@ -191,7 +191,7 @@ def sole_position(gait: Gait, foot: str, time_s: Array) -> Array:
     travelled = progress**3 * (10 - 15 * progress + 6 * progress**2)
     start_m = _foothold(gait, foot, stride)
     sole_m = start_m + travelled[:, None] * (_foothold(gait, foot, stride + 1) - start_m)
-    sole_m[:, 2] = _SWING_HEIGHT_M * np.sin(np.pi * progress) ** 2
+    sole_m[:, 2] = SWING_HEIGHT_M * np.sin(np.pi * progress) ** 2
     return sole_m
 
 

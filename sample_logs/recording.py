@@ -22,6 +22,7 @@ from gait_model import (
     pad_front_share,
     sole_position,
 )
+from joint_torques import joint_torques
 from leg_kinematics import (
     UPPER_LEG_LENGTH_M,
     conjugate,
@@ -177,7 +178,7 @@ class _Recorder:
         return self._periodic(COMMAND_TOPIC, name, _COMMAND_INTERVAL_NS, serialise)
 
     def joint_states(self) -> Iterator[LoggedMessage]:
-        """Angles of all joints, and their rates by central differences."""
+        """Angles of all joints, their rates by central differences, and their torques."""
         names = [f"{foot}_{joint}" for foot in FEET for joint in ("roll", "pitch", "knee")]
         time_s = self._times_s(_JOINT_INTERVAL_NS)
         before_rad, angles_rad, after_rad = (
@@ -186,10 +187,16 @@ class _Recorder:
         )
         angles_rad = round_rates(angles_rad)
         rates_radps = round_rates((after_rad - before_rad) / (2 * _DIFFERENCE_S))
+        gait = self._scenario.gait
+        torques_nm = round_forces(
+            np.concatenate([joint_torques(gait, foot, time_s) for foot in FEET], axis=1)
+        )
 
         def serialise(seq: int, stamp_ns: int) -> bytes:
             stamp = Stamp(seq, stamp_ns, "")
-            return self._factory.joint_state(stamp, names, angles_rad[seq], rates_radps[seq])
+            return self._factory.joint_state(
+                stamp, names, angles_rad[seq], rates_radps[seq], torques_nm[seq]
+            )
 
         return self._periodic(
             JOINT_TOPIC, "sensor_msgs/msg/JointState", _JOINT_INTERVAL_NS, serialise

@@ -227,9 +227,14 @@ class MessageFactory:
         return self.serialise(message, message_type)
 
     def joint_state(
-        self, stamp: Stamp, names: list[str], angles_rad: Array, rates_radps: Array
+        self,
+        stamp: Stamp,
+        names: list[str],
+        angles_rad: Array,
+        rates_radps: Array,
+        torques_nm: Array,
     ) -> bytes:
-        """``sensor_msgs/JointState`` without efforts."""
+        """``sensor_msgs/JointState``."""
         message_type = "sensor_msgs/msg/JointState"
         message = self._make(
             message_type,
@@ -237,7 +242,7 @@ class MessageFactory:
             name=names,
             position=angles_rad,
             velocity=rates_radps,
-            effort=np.zeros(0),
+            effort=torques_nm,
         )
         return self.serialise(message, message_type)
 

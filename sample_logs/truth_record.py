@@ -23,6 +23,7 @@ from gait_model import (
     ground_forces,
     pad_travel,
 )
+from joint_torques import legs_truth
 from ros_messages import NS_PER_S
 from scenario import (
     COMMAND_TOPIC,
@@ -75,6 +76,7 @@ def truth_of(scenario: Scenario, messages: Sequence[LoggedMessage]) -> Json:
         "command": _command_truth(gait),
         "forces": _force_truth(scenario),
         "feet": {foot: _foot_truth(scenario, foot) for foot in FEET},
+        "legs": legs_truth(gait),
         "damage": _damage_truth(scenario.damage),
     }
     rounded: Json = _rounded(truth)

@@ -22,7 +22,7 @@ class Export:
 
     options: "StatsOptions"
     table: str
-    """``strides``, ``stances``, ``events``, ``base``, ``commands`` or ``samples``."""
+    """``strides``, ``stances``, ``joints``, ``events``, ``base``, ``commands`` or ``samples``."""
     file: "TableFile"
 
     def __call__(self, log: Location, on_progress: "OnProgress | None") -> int:

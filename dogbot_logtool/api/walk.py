@@ -1,4 +1,4 @@
-"""The result of `measure`: figures, and tables of strides, stances, events, base and so on."""
+"""The result of `measure`: figures, and tables of strides, stances, joints, events and more."""
 
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
@@ -22,6 +22,8 @@ from dogbot_logtool.errors import CallError
 from dogbot_logtool.io.listing import listed
 from dogbot_logtool.io.storage import Location
 from dogbot_logtool.report.figures.events import EVENT_COLUMNS
+from dogbot_logtool.report.figures.figure import Figure, Kind
+from dogbot_logtool.report.figures.legs import JOINT
 from dogbot_logtool.report.stats_json import stats_json
 from dogbot_logtool.report.stride_table import stride_table
 from dogbot_logtool.results import Measurement
@@ -101,6 +103,22 @@ class Walk:
                 for name in EVENT_COLUMNS
             }
         )
+
+    @cached_property
+    def joints(self) -> Table:
+        """Joints, a row each: what `stats --json` has of them in `legs.joints`.
+
+        Of aggregates the median; curves are left out. No rows where the log tells of no joints.
+        """
+        legs = self.stats["legs"]
+        told = {} if legs is None else legs["joints"]
+        columns: dict[str, NDArray[Any]] = {"joint": texts(list(told))}
+        for figure in JOINT:
+            if isinstance(figure, Figure):
+                values = [joint[figure.key] for joint in told.values()]
+                is_text = figure.kind is Kind.TEXT
+                columns[figure.key] = texts(values) if is_text else _numbers(values)
+        return Table(columns)
 
     @cached_property
     def base(self) -> Table:
@@ -266,6 +284,12 @@ _STANCE_FIGURES = {
     "friction_use": "friction_use",
 }
 """Columns of `Walk.stances`, and where they come from in `StanceFigures`."""
+
+
+def _numbers(values: list[Any]) -> Floats:
+    """Return numbers, or the medians of aggregates, (n,); NaN for null."""
+    medians = (each["median"] if isinstance(each, dict) else each for each in values)
+    return np.array([np.nan if each is None else each for each in medians], np.float64)
 
 
 def _joined(parts: list[Any]) -> NDArray[Any]:

@@ -31,7 +31,7 @@ _STDOUT = "-"
 @logs_argument
 @click.option(
     "--table",
-    type=click.Choice(["strides", "stances", "events", "base", "commands", "samples"]),
+    type=click.Choice(["strides", "stances", "joints", "events", "base", "commands", "samples"]),
     default="strides",
     show_default=True,
     help="What to write, a row each; samples are all messages of all feet.",

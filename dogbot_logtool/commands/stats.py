@@ -37,6 +37,7 @@ from dogbot_logtool.robot import Foot, Robot
 from dogbot_logtool.run.in_order import OnProgress, in_order
 
 if TYPE_CHECKING:
+    from dogbot_logtool.pipeline.legs import LegReader
     from dogbot_logtool.pipeline.side_topics import SideTopics
 
 _FRAMES: Final = {"world": WrenchFrame.WORLD, "link": WrenchFrame.LINK}
@@ -80,7 +81,7 @@ def _measured_feet(
         selection = select_topics(log, options.topics)
         if not selection.odometry and not selection.contacts:
             raise LogError(nothing_to_do(log, selection))
-        probe = probe_log(log, selection)
+        probe = probe_log(log, selection, with_places=_may_tell_of_legs(log, selection))
         selection = selection.without_forces(probe.forceless)
         given = Thresholds(options.contact_on_n, options.contact_off_n, options.debounce_s)
         sensors = learn_sensors(log, selection, probe, options.topics, given)
@@ -190,7 +191,12 @@ def _pass(
     frames = _frames(selection, probe, settings)
     feet = replace(selection.foot_channels(), left_after_ns=probe.left_after_ns)
     sensors = [settings.sensor(foot) for foot in range(len(settings.feet))]
-    measurer = BatchMeasurer(BatchReader(selection, feet, frames, sensors, limits), side)
+    legs = _leg_reader(log, selection, probe, settings)
+    if legs is not None:
+        settings = replace(settings, legs=legs.settings)
+    reads_transforms = legs is not None and bool(legs.moving)
+    reader = BatchReader(selection, feet, frames, sensors, limits, reads_transforms)
+    measurer = BatchMeasurer(reader, side, legs)
     feed = _Feed(
         StatsAccumulator(settings, options.curves, on_samples),
         _swings(log, silent, limits),
@@ -209,6 +215,23 @@ def _pass(
     if limits == (None, None):
         feed.losses.extend(wrong_statistics(log, feed.counts, feed.losses))
     return feed.finish(log, selection, probe, side.findings if side else ())
+
+
+def _may_tell_of_legs(log: Log, selection: Selection) -> bool:
+    """Tell whether there are transforms, or types of messages that may be joint states."""
+    types = {channel.type_name.rpartition("/")[2] for channel in log.channels.values()}
+    return bool(selection.transforms) or any("Joint" in t or "LowState" in t for t in types)
+
+
+def _leg_reader(
+    log: Log, selection: Selection, probe: Probe, settings: StatsSettings
+) -> "LegReader | None":
+    """Return what reads of the legs; None, and nothing is imported, where no topic may tell."""
+    if not _may_tell_of_legs(log, selection):
+        return None
+    from dogbot_logtool.pipeline.legs import leg_reader  # noqa: PLC0415
+
+    return leg_reader(log, selection, probe, settings.clock)
 
 
 def _measured(log: Log, measurer: BatchMeasurer, jobs: int) -> Generator[MeasuredBatch, None, None]:
@@ -255,6 +278,10 @@ class _Feed:
             self.accumulator.add_commands(batch.commands.samples, batch.commands.frames)
         if batch.inertial is not None:
             self.accumulator.add_accelerations(batch.inertial.samples, batch.inertial.frames)
+        if batch.legs is not None:
+            legs = batch.legs
+            self.accumulator.add_legs(legs.joints, legs.frames, legs.end)
+            self.malformed.update(legs.malformed)
         self.losses.extend(batch.losses)
         self.malformed.update(batch.malformed)
         self.counts.update(batch.counts)

@@ -12,7 +12,7 @@ raises `UnusableStamps`: then a second pass with ``time_source=TimeSource.LOG`` 
 time.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING
 
 from dogbot_logtool.core.base.base_history import BaseRecorder
@@ -36,6 +36,9 @@ from dogbot_logtool.core.settings import StatsSettings
 from dogbot_logtool.core.statistics import Stats
 
 if TYPE_CHECKING:
+    from dogbot_logtool.core.frames.transform_buffer import TransformBuffer
+    from dogbot_logtool.core.legs.joint_track import JointTable
+    from dogbot_logtool.core.legs.leg_history import LegRecorder
     from dogbot_logtool.core.recorded.vectors import VectorRecorder, VectorSamples
 
 OnSamples = Callable[[int, Samples], None]
@@ -79,6 +82,7 @@ class StatsAccumulator:
         self._topics: dict[str, TopicWatch] = {}
         self._commands: VectorRecorder | None = None
         self._inertial: VectorRecorder | None = None
+        self._legs = _leg_recorder(settings)
 
     def add_contacts(self, samples: Samples) -> None:
         """Take in contact samples of any feet; each foot's in the order of the log."""
@@ -113,6 +117,13 @@ class StatsAccumulator:
             self._inertial = _recorder(self._settings.imu_topic, averages=True)
         self._inertial.add(sensed, frames)
 
+    def add_legs(
+        self, joints: "Sequence[JointTable]", frames: "TransformBuffer", end: int | None
+    ) -> None:
+        """Take in what a batch tells of the legs; see `LegRecorder.add`."""
+        if self._legs is not None:
+            self._legs.add(joints, frames, end)
+
     def add_message_times(
         self, topic: str, log_time: Ints, stamp: Ints | None, frame_ids: Sequence[str] = ()
     ) -> None:
@@ -145,7 +156,16 @@ class StatsAccumulator:
             commands=self._commands.finish(clock, base_clock) if self._commands else None,
             inertial=self._inertial.finish(clock, base_clock) if self._inertial else None,
         )
-        return work_out(self._settings, recorded)
+        stats = work_out(self._settings, recorded)
+        return stats if self._legs is None else self._with_legs(stats, self._legs)
+
+    def _with_legs(self, stats: Stats, legs: "LegRecorder") -> Stats:
+        from dogbot_logtool.core.leg_evaluation import with_legs  # noqa: PLC0415
+
+        history = legs.finish()
+        on_stamps = self._settings.clock is TimeSource.HEADER
+        clocks = self._clocks(history.offsets) if on_stamps else ()
+        return with_legs(stats, history, clocks)
 
     def _add(self, foot: int, samples: Samples) -> None:
         """Take in samples of a foot whose stamps are sound."""
@@ -172,15 +192,17 @@ class StatsAccumulator:
         on_log_time = self._settings.clock is TimeSource.LOG
         return timespans.merge(set_spans(checks)) if on_log_time else timespans.no_spans()
 
-    def _clocks(self) -> tuple[ClockDifference, ...]:
-        """Compare the clocks of the topics that are measured, at the end of the log."""
+    def _clocks(
+        self, others: "Mapping[str, OffsetTrack] | None" = None
+    ) -> tuple[ClockDifference, ...]:
+        """Compare the clocks of the topics that are measured, and of others, at the log's end."""
         feet = {foot.topic for foot in self._settings.feet}
         tracks = {}
         for topic in sorted({*feet, self._settings.odometry_topic} & self._topics.keys()):
             self._topics[topic].end()
             if self._topics[topic].has_stamps:
                 tracks[topic] = self._topics[topic].offset_track()
-        return clock_differences(tracks, tuple(feet))
+        return clock_differences({**(others or {}), **tracks}, tuple(feet))
 
     def _base_clock(self) -> OffsetTrack | None:
         """Return how far the base's stamps lie behind log time; None without stamps."""
@@ -211,3 +233,12 @@ def _recorder(topic: str, *, averages: bool) -> "VectorRecorder":
     from dogbot_logtool.core.recorded.vectors import VectorRecorder  # noqa: PLC0415
 
     return VectorRecorder(topic, averages=averages)
+
+
+def _leg_recorder(settings: StatsSettings) -> "LegRecorder | None":
+    """Return what records the legs; None where the log tells nothing of them."""
+    if settings.legs is None:
+        return None
+    from dogbot_logtool.core.legs.leg_history import LegRecorder  # noqa: PLC0415
+
+    return LegRecorder(settings.legs, settings.clock)

@@ -29,6 +29,7 @@ from dogbot_logtool.core.stability.stability import Stability
 if TYPE_CHECKING:
     from dogbot_logtool.core.commands.tracking import CommandTrack, Tracking
     from dogbot_logtool.core.imu.comparison import ImuComparison
+    from dogbot_logtool.core.legs.leg_figures import LegFigures
 
 
 @dataclass(frozen=True, slots=True)
@@ -99,6 +100,9 @@ class Stats:
     """How the base follows them."""
     imu: "ImuComparison | None" = None
     """What the base's accelerometer says of forces and poses; None without one."""
+
+    legs: "LegFigures | None" = None
+    """None where the log tells nothing of its legs."""
 
     @property
     def base_clock_is_apart(self) -> bool:

@@ -18,6 +18,7 @@ from dogbot_logtool.reader.messages.messages import DecodedMessages
 
 # Loaded for logs that have such topics.
 if TYPE_CHECKING:
+    from dogbot_logtool.pipeline.legs import LegColumns, LegReader
     from dogbot_logtool.pipeline.side_topics import SideTopic, SideTopics
     from dogbot_logtool.reader.messages.vectors import ReadVectors
 
@@ -51,6 +52,8 @@ class MeasuredBatch:
     commands: "ReadVectors | None" = None
     """Velocity commands; None: the log has none. Likewise `inertial`."""
     inertial: "ReadVectors | None" = None
+    legs: "LegColumns | None" = None
+    """What is told of the legs; None: nothing in this log."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -60,6 +63,8 @@ class BatchMeasurer:
     reader: BatchReader
     side: "SideTopics | None" = None
     """What is read beside feet and base; None: nothing."""
+    legs: "LegReader | None" = None
+    """Reads what is told of the legs; None: nothing is."""
 
     def __call__(self, log: Log, span: Span) -> MeasuredBatch:
         """Read and decode one batch."""
@@ -77,6 +82,7 @@ class BatchMeasurer:
         malformed = dict(columns.malformed)
         for read in (commands, inertial):
             malformed |= read.malformed if read else {}
+        legs = self.legs.read(columns.batch, columns.transforms) if self.legs else None
         return MeasuredBatch(
             samples=columns.samples,
             odometry=columns.odometry,
@@ -89,6 +95,7 @@ class BatchMeasurer:
             stored_size=columns.stored_size,
             commands=commands,
             inertial=inertial,
+            legs=legs,
         )
 
 

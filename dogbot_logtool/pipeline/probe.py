@@ -91,6 +91,8 @@ class Probe:
     soles: Mapping[int, Point] = field(default_factory=dict)
     """m, where feet touch the ground in the frames of their `links`, as far as it is known, and
     asked for."""
+    exact_soles: Mapping[int, Point] = field(default_factory=dict)
+    """m, the same, not rounded."""
     stances: Mapping[int, Point] = field(default_factory=dict)
     """m, the same in the base's frame: the median while the foot stands."""
 
@@ -238,14 +240,12 @@ class _Prober:
 
     def with_places(self, probe: Probe) -> Probe:
         """Return the probe with the places where feet touch the ground."""
-        return replace(probe, soles=self._soles(probe), stances=self._stances(probe))
-
-    def _soles(self, probe: Probe) -> Mapping[int, Point]:
-        """Return where feet touch the ground, in the frames of their links."""
-        frames = self._frames(probe)
-        if frames is None:
-            return {}
-        return self._points(SoleFinder(frames), frames)
+        probe = replace(probe, stances=self._stances(probe))
+        placed = self._frames(probe)
+        if placed is None:
+            return probe
+        soles = self._filled(SoleFinder(placed), placed)
+        return replace(probe, soles=soles.points(), exact_soles=soles.exact_points())
 
     def _stances(self, probe: Probe) -> Mapping[int, Point]:
         """Return where feet touch the ground in the frame of the base that odometry places."""
@@ -265,13 +265,13 @@ class _Prober:
             clock=usable_clock(selection, probe),
         )
         in_base = {f for f in feet if any(one.in_base for one in selection.sources_of(f))}
-        return self._points(SoleFinder(frames, STANCE_SPREAD_M, in_base), frames)
+        return self._filled(SoleFinder(frames, STANCE_SPREAD_M, in_base), frames).points()
 
-    def _points(self, finder: SoleFinder, frames: WorldFrames) -> Mapping[int, Point]:
-        """Return what a finder makes of everything that was seen."""
+    def _filled(self, finder: SoleFinder, frames: WorldFrames) -> SoleFinder:
+        """Return a finder that has taken in everything that was seen."""
         for look in self._looks:
             finder.add(look.samples, frames.tracks(look.transforms, look.base))
-        return finder.points()
+        return finder
 
     def _wrench_frame(self, probe: Probe) -> WrenchFrameEvidence:
         """Decide by what the types of messages promise, else by evidence."""

@@ -29,6 +29,7 @@ from dogbot_logtool.report.gait_diagram import (
     gait_diagram,
     support_line,
 )
+from dogbot_logtool.report.legs_text import work_words
 from dogbot_logtool.report.numbers import NOTHING, decimal
 from dogbot_logtool.report.side_text import command_lines, imu_lines
 from dogbot_logtool.report.stats_summary import SUMMARY_HEADERS
@@ -89,6 +90,7 @@ def print_report(
         _foot_table(console, TableName.LOADS, document),
         *_load_lines(stats, document),
         Text(),
+        *_legs(console, document, verbose=verbose),
         _heading("Base"),
         *_base(stats),
         *_beside(document),
@@ -216,6 +218,31 @@ def _load_lines(stats: Stats, document: Json) -> list[RenderableType]:
             )
         )
     return lines
+
+
+def _legs(console: Console, document: Json, *, verbose: bool) -> list[RenderableType]:
+    """Return the legs, if verbose their joints, too; nothing where the log tells of none."""
+    legs = document["legs"]
+    if legs is None:
+        return []
+    parts: list[RenderableType] = []
+    if any(leg["frame"] for leg in legs["feet"].values()):
+        parts += [
+            _heading("Legs", "medians over whole strides; heights in mm"),
+            _foot_table(console, TableName.LEGS, document),
+        ]
+    if legs["joints"] and verbose:
+        of_legs = [name for name, joint in legs["joints"].items() if joint["foot"]]
+        rows = [
+            Row([printable(name)], cells_of(TableName.JOINTS, document, name))
+            for name in of_legs or legs["joints"]
+        ]
+        parts += [
+            _heading("Joints", "rad and N m (m and N of those that slide); work in a stride"),
+            _table(console, ("joint", *headers(TableName.JOINTS)), rows),
+        ]
+    lines = [_line(name, words) for name, words in work_words(document)]
+    return [*parts, *lines, Text()] if parts or lines else []
 
 
 def _line(name: str, value: str) -> HangingIndent:

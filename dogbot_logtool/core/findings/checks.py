@@ -144,6 +144,16 @@ def _unloaded_not_seen(stats: Stats) -> str:
     return next((level.reason for level in levels if level.reason), "")
 
 
+def _no_legs(stats: Stats) -> str:
+    return "" if stats.legs is not None else "nothing tells of the legs"
+
+
+def _legs_not_compared(stats: Stats) -> str:
+    """Say why legs could not be compared with contacts."""
+    reasons = [leg.reason for leg in stats.legs.feet if leg.reason] if stats.legs else []
+    return reasons[0] if reasons else ""
+
+
 def _weight_not_compared(stats: Stats) -> str:
     if stats.loads.vertical_impulse_over_weight is not None:
         return ""
@@ -297,5 +307,11 @@ _KINDS: Final = (
                 "W_FORCES_ASIDE",
             }
         ),
+    ),
+    _Kind(
+        "the legs move as the feet step",
+        _no_legs,
+        _legs_not_compared,
+        frozenset({"W_FOOT_FRAME", "W_JOINT_CLOCK", "W_JOINT_VALUES"}),
     ),
 )

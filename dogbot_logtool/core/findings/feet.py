@@ -119,9 +119,10 @@ def _stance_reasons(stats: Stats, foot: FootStatistics, where: str) -> Iterator[
         text = f"{name} is loaded within one sampling interval: its loading rate is not resolved"
         yield Finding("N_LOADING_RATE_UNRESOLVED", text, f"{where}.loading_rate_nps")
     if foot.contact_travel_m is None:
-        text = f"no contact points of {name} around 10 % and 90 % of a stance: no travel, no slip"
+        lost = "no travel" if foot.slip_source else "no travel, no slip"
+        text = f"no contact points of {name} around 10 % and 90 % of a stance: {lost}"
         yield Finding("N_NO_CONTACT_POINTS", text, f"{where}.contact_travel_m")
-    elif stats.settings.foot_rolling_m is None:
+    elif stats.settings.foot_rolling_m is None and foot.slip_source is None:
         yield from _unknown_slip(foot, where)
     if foot.friction_use is None and vertical_is_known(foot.record):
         text = f"no contact normals of {name}: its friction use is not known"

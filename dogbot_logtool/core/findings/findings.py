@@ -7,6 +7,7 @@ from dogbot_logtool.core.findings.base import base_findings, fall_findings
 from dogbot_logtool.core.findings.contradictions import contradiction_findings
 from dogbot_logtool.core.findings.feet import foot_findings
 from dogbot_logtool.core.findings.gait import gait_findings
+from dogbot_logtool.core.findings.legs import leg_findings
 from dogbot_logtool.core.findings.loads import load_findings
 from dogbot_logtool.core.findings.sensors import sensor_findings
 from dogbot_logtool.core.findings.stability import stability_findings
@@ -36,6 +37,9 @@ GRAVE: Final = (
     "W_TIPPING",
     "W_SATURATED",
     "W_SLIPS",
+    "W_FOOT_FRAME",
+    "W_JOINT_CLOCK",
+    "W_JOINT_VALUES",
     "W_GAPS",
     "W_SPIKES",
 )
@@ -68,6 +72,7 @@ def findings_of(stats: Stats) -> tuple[Finding, ...]:
         *base_findings(stats),
         *gait_findings(stats),
         *load_findings(stats),
+        *leg_findings(stats),
         *stability_findings(stats),
         *_beside(stats),
         *(

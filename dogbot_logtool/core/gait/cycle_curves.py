@@ -104,7 +104,7 @@ def stance_curve(force: Floats, whole: Flags) -> CycleCurve | None:
     """
     known = force[whole & np.isfinite(force).all(axis=1)]
     percent: Floats = 100.0 * (np.arange(PARTS, dtype=np.float64) + 0.5) / PARTS
-    return _curve(percent, known)
+    return cycle_curve(percent, known)
 
 
 def stride_curve(force: Floats, strides: Strides) -> CycleCurve | None:
@@ -120,10 +120,10 @@ def stride_curve(force: Floats, strides: Strides) -> CycleCurve | None:
     stance_phase = phase[None, :] / strides.duty_factor[rows][:, None]
     part = np.minimum((stance_phase * PARTS).astype(np.int64), PARTS - 1)
     known = np.where(stance_phase < 1.0, np.take_along_axis(of_strides[rows], part, axis=1), 0.0)
-    return _curve(phase * 100.0, known)
+    return cycle_curve(phase * 100.0, known)
 
 
-def _curve(percent: Floats, values: Floats) -> CycleCurve | None:
+def cycle_curve(percent: Floats, values: Floats) -> CycleCurve | None:
     """Return the quartiles of curves, (n, points)."""
     if len(values) == 0:
         return None

@@ -92,6 +92,8 @@ class FootStatistics:
     largest_slip_m: Aggregate | None
     """m, the furthest that the foot is from where it stood at 10 % of the stance."""
     friction_use: Aggregate | None
+    slip_source: str | None = None
+    """What slips are told by: ``contact_points`` or ``foot_frame``; None: not known."""
 
     @property
     def events(self) -> FootEvents:
@@ -197,6 +199,7 @@ def foot_statistics(
         slip_distance_m=aggregate(slip[whole]),
         largest_slip_m=aggregate(largest_slip[whole]),
         friction_use=aggregate(stances.figures.friction_use[whole]) if direction_known else None,
+        slip_source="contact_points" if np.isfinite(slip[whole]).any() else None,
     )
 
 

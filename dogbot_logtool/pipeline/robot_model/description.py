@@ -21,6 +21,7 @@ from dogbot_logtool.pipeline.robot_model.joint_motion import (
 from dogbot_logtool.pipeline.robot_model.primitives import primitive_urdf
 from dogbot_logtool.pipeline.robot_model.shape import RobotShape, robot_shape
 from dogbot_logtool.pipeline.robot_model.skeleton import ModelFoot, Skeleton, skeleton
+from dogbot_logtool.pipeline.robot_model.soles import link_of_foot
 from dogbot_logtool.pipeline.robot_model.urdf import parse_urdf
 from dogbot_logtool.pipeline.selection import Selection
 from dogbot_logtool.reader.containers.log import Log
@@ -148,24 +149,8 @@ def model_feet(selection: Selection, probe: Probe) -> Iterator[ModelFoot]:
         if foot.frame is not None:
             frame, point = foot.frame.lstrip("/"), foot.contact_point_m
         else:
-            link, like = _link(selection, probe, number)
+            link, like = link_of_foot(selection, probe, number)
             if link is None:
                 continue
             frame, point = link, probe.soles.get(number, probe.soles.get(like, (0.0, 0.0, 0.0)))
         yield ModelFoot(foot.name, frame, point, foot_colour(number))
-
-
-def _link(selection: Selection, probe: Probe, number: int) -> tuple[str | None, int]:
-    """Return the link of a foot, and the foot that is made like it.
-
-    A foot that reports no contact has a link that is named as another's, but for the foot's name.
-    """
-    if (link := probe.links[number]) is not None:
-        return link.lstrip("/"), number
-    names = [foot.name for foot in selection.robot.feet]
-    for like, link in enumerate(probe.links):
-        if link is not None and names[like] in link:
-            named = link.lstrip("/").replace(names[like], names[number])
-            if named in probe.frame_poses:
-                return named, like
-    return None, number

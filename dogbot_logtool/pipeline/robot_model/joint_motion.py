@@ -57,7 +57,7 @@ def joint_motion(log: Log, probe: Probe, base: str, description: str | None) -> 
         base: the base's frame.
         description: URDF; None: the log's own, if it has one.
     """
-    channel = _joint_channel(log)
+    channel = next(iter(joint_channels(log)), None)
     if channel is None:
         return None
     urdf = own_description(log) if description is None else description
@@ -65,7 +65,7 @@ def joint_motion(log: Log, probe: Probe, base: str, description: str | None) -> 
         joints = urdf_joints(parse_urdf(urdf or ""))
     except ValueError:
         return None
-    named = _names(log, channel)
+    named = joint_names(log, channel)
     kept = tuple(
         joint
         for joint in joints
@@ -102,8 +102,8 @@ def own_description(log: Log) -> str | None:
     return None
 
 
-def _joint_channel(log: Log) -> Channel | None:
-    """Return the channel of the joints' measured positions: best type first, then short topics."""
+def joint_channels(log: Log) -> list[Channel]:
+    """Return the channels of joints' measured states: best type first, then short topics."""
     found = []
     for channel in log.channels.values():
         words = channel.topic.lower()
@@ -115,14 +115,12 @@ def _joint_channel(log: Log) -> Channel | None:
             continue
         if log.counts.get(channel.id, 1):
             found.append(channel)
-    return min(
-        found,
-        key=lambda each: (JOINT_TYPES.index(each.type_name), len(each.topic), each.topic),
-        default=None,
+    return sorted(
+        found, key=lambda each: (JOINT_TYPES.index(each.type_name), len(each.topic), each.topic)
     )
 
 
-def _names(log: Log, channel: Channel) -> frozenset[str]:
+def joint_names(log: Log, channel: Channel) -> frozenset[str]:
     """Return the joints that the first messages of a channel name."""
     for batch in _batches_of(log, channel):
         for told in read_joints(batch, channel):

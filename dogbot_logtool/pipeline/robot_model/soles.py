@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from collections.abc import Set as AbstractSet
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
@@ -13,6 +13,10 @@ from dogbot_logtool.core.geometry.arrays import Floats, all_finite
 from dogbot_logtool.core.geometry.rotations import conjugate, normalised, rotate
 from dogbot_logtool.pipeline.robot_model.skeleton import FramePose, Point
 from dogbot_logtool.pipeline.world_frames import WorldFrames
+
+if TYPE_CHECKING:
+    from dogbot_logtool.pipeline.probe import Probe
+    from dogbot_logtool.pipeline.selection import Selection
 
 _MOST_SAMPLES: Final = 200
 """Contacts of a foot that are used of each batch."""
@@ -90,6 +94,16 @@ class SoleFinder:
                 self._points.setdefault(foot, []).append(turned)
 
     def points(self) -> Mapping[int, Point]:
+        """Return the median point of each foot whose points agree, rounded.
+
+        A picture needs no more, and which chunks were looked into hardly shows then.
+        """
+        return {
+            foot: tuple((np.round(np.array(point) / _GRID_M) * _GRID_M + 0.0).tolist())
+            for foot, point in self.exact_points().items()
+        }
+
+    def exact_points(self) -> Mapping[int, Point]:
         """Return the median point of each foot whose points agree."""
         found: dict[int, Point] = {}
         for foot, parts in sorted(self._points.items()):
@@ -99,6 +113,21 @@ class SoleFinder:
             middle = np.median(points, axis=0)
             spread = float(np.median(np.sqrt(((points - middle) ** 2).sum(axis=1))))
             if spread <= self._spread_m and float(np.sqrt((middle**2).sum())) <= _FARTHEST_M:
-                # A picture needs no more, and which chunks were looked into hardly shows then.
-                found[foot] = tuple((np.round(middle / _GRID_M) * _GRID_M + 0.0).tolist())
+                found[foot] = tuple(middle.tolist())
         return found
+
+
+def link_of_foot(selection: "Selection", probe: "Probe", number: int) -> tuple[str | None, int]:
+    """Return the link of a foot, and the foot that is made like it.
+
+    A foot that reports no contact has a link that is named as another's, but for the foot's name.
+    """
+    if (link := probe.links[number]) is not None:
+        return link.lstrip("/"), number
+    names = [foot.name for foot in selection.robot.feet]
+    for like, link in enumerate(probe.links):
+        if link is not None and names[like] in link:
+            named = link.lstrip("/").replace(names[like], names[number])
+            if named in probe.frame_poses:
+                return named, like
+    return None, number

@@ -9,6 +9,7 @@ import numpy as np
 
 from dogbot_logtool.core.frames.kinematics import Joint, Kind, Triple
 from dogbot_logtool.core.geometry.rotations import from_roll_pitch_yaw
+from dogbot_logtool.core.legs.joint_track import JointLimits
 
 _KINDS: Final = {
     "revolute": "revolute",
@@ -40,6 +41,31 @@ def parse_urdf(text: str) -> ET.Element:
 def urdf_joints(root: ET.Element) -> tuple[Joint, ...]:
     """Return the joints of a description; those that are not understood are left out."""
     return tuple(joint for element in root.findall("joint") for joint in _joint(element))
+
+
+def urdf_limits(root: ET.Element) -> dict[str, JointLimits]:
+    """Return the limits of the joints of a description that has them, by name.
+
+    A continuous joint has none of its position; an effort or velocity of 0 says nothing.
+    """
+    found = {}
+    for joint in root.findall("joint"):
+        limit, name = joint.find("limit"), joint.get("name", "")
+        if limit is None or joint.get("type") not in {"revolute", "continuous", "prismatic"}:
+            continue
+        turns = joint.get("type") == "continuous"
+        try:
+            ends = [
+                np.inf if turns and end in {"lower", "upper"} else _number(limit.get(end, "0"))
+                for end in ("lower", "upper", "effort", "velocity")
+            ]
+        except ValueError:
+            continue
+        lower, upper, effort, velocity = ends
+        if turns or lower >= upper:
+            lower, upper = -np.inf, np.inf
+        found[name] = JointLimits(lower, upper, effort or np.inf, velocity or np.inf)
+    return found
 
 
 def _joint(element: ET.Element) -> Iterator[Joint]:

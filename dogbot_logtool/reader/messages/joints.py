@@ -1,6 +1,6 @@
 """Joint states of ROS, Foxglove and Unitree's motors: positions, velocities and efforts by name."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 from typing import Final
@@ -50,6 +50,8 @@ class JointStates:
     """(n, k) rad/s or m/s."""
     effort: Floats
     """(n, k) N m or N."""
+    malformed: Mapping[int, int]
+    """Messages that could not be decoded, by channel id."""
 
     def positions_of(self, joints: Sequence[str]) -> Floats:
         """(n, len(joints)) positions of joints by name; NaN for one that is not there."""
@@ -87,12 +89,15 @@ def _matrices(
         joint: (m,) joint of each value.
         values: position, velocity and effort, (m,) each.
     """
-    found = []
+    found: list[Floats] = []
     for each in values:
         matrix = np.full((len(messages.channel), len(names)), np.nan)
         matrix[parent, joint] = each
         found.append(matrix)
-    return JointStates(messages.log_time, stamp, names, *found)
+    position, velocity, effort = found
+    return JointStates(
+        messages.log_time, stamp, names, position, velocity, effort, messages.malformed
+    )
 
 
 def _read_ros(messages: DecodedMessages) -> JointStates:

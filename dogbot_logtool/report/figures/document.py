@@ -24,6 +24,7 @@ from dogbot_logtool.report.figures.figure import (
 )
 from dogbot_logtool.report.figures.foot_source import foot_sources
 from dogbot_logtool.report.figures.imu import IMU, imu_source
+from dogbot_logtool.report.figures.legs import LEG_STRIDES, LEGS
 from dogbot_logtool.report.figures.loads import FORCES, STABILITY
 from dogbot_logtool.report.figures.recording import (
     FINDING,
@@ -233,6 +234,13 @@ DOCUMENT: Final = Scope(
             null="the log has no accelerometer, or it and poses are not known together for 2 s",
         ),
         Scope(
+            "legs",
+            LEGS,
+            lambda source: source.stats.legs,
+            "legs, by joint states and by transforms",
+            null="the log has neither joint states nor transforms that connect feet and base",
+        ),
+        Scope(
             "events",
             EVENTS,
             lambda source: event_sources(source.stats),
@@ -247,6 +255,9 @@ DOCUMENT: Final = Scope(
 """Everything that `stats --json` reports, from a `LogSource`."""
 
 STRIDE_ROWS: Final = Scope(
-    "stride", STRIDES, lambda source: source, "each whole stride: the rows of CSV and Parquet"
+    "stride",
+    (*STRIDES, *LEG_STRIDES),
+    lambda source: source,
+    "each whole stride: the rows of CSV and Parquet",
 )
 """What is reported of every stride, from a `FootSource`."""

@@ -47,6 +47,8 @@ class TableName(Enum):
     LOADS = "loads of each foot in the terminal"
     PAGE_LOADS = "loads of each foot on the page"
     PAGE_STRIDES = "strides on the page"
+    LEGS = "legs of each foot, in the terminal and on the page"
+    JOINTS = "joints, in the terminal and on the page"
     TOPICS = "topics on the page"
     SYMMETRY = "right against left on the page"
     SUMMARY = "several logs in the terminal"

@@ -173,7 +173,9 @@ FOOT_LOADING: Final[Sequence[Figure[FootStatistics]]] = (
         Kind.AGGREGATE,
         "m",
         lambda foot: foot.slip_distance_m,
-        "by how much `contact_travel_m` exceeds `settings.foot_rolling_m`, at least 0",
+        "way of the foot on the ground between 20 % and 80 % of a stance, by its frame, where "
+        "`slip_source` is `foot_frame`; else by how much `contact_travel_m` exceeds "
+        "`settings.foot_rolling_m`, at least 0",
         null=_NO_SLIP,
         columns=(
             Column(_LOADS, "slip", 1, rank=80, scale=1e3),
@@ -185,9 +187,18 @@ FOOT_LOADING: Final[Sequence[Figure[FootStatistics]]] = (
         Kind.AGGREGATE,
         "m",
         lambda foot: foot.largest_slip_m,
-        "the same of the contact point's largest horizontal distance from where it is at 10 % of a "
-        "stance, up to 90 %",
+        "the same of the largest horizontal distance from where the foot is at 20 % of a stance, "
+        "up to 80 %, or the contact point at 10 %, up to 90 %",
         null=_NO_SLIP,
+    ),
+    Figure(
+        "slip_source",
+        Kind.TEXT,
+        "",
+        lambda foot: foot.slip_source,
+        "what `slip_m` is told by: the foot's frame (see `legs`) or contact points",
+        null=_NO_SLIP,
+        choices=("foot_frame", "contact_points"),
     ),
     Figure(
         "friction_use",

@@ -73,8 +73,8 @@ STRIDES: Final[Sequence[Figure[FootSource]]] = (
         Kind.COLUMN,
         "m",
         lambda source: source.foot.slip_m[source.foot.strides.stance],
-        "by how much the contact point travels further than `settings.foot_rolling_m`",
-        null="no contact points at 10 % and 90 % of the stance",
+        "slip of the stance; see `slip_m` and `slip_source` of the foot",
+        null="neither the foot's frame nor contact points at 10 % and 90 % of the stance",
         columns=(Column(_ROWS, "slip_m"), Column(_STRIDES, "slip mm", 1, scale=1e3)),
     ),
 )

@@ -1,7 +1,6 @@
 """Force over the gait cycle: the median and the quartiles of each foot, left over right."""
 
 from collections.abc import Sequence
-from typing import Any, Final
 
 import numpy as np
 
@@ -10,10 +9,7 @@ from dogbot_logtool.core.scene.foot_style import foot_colour
 from dogbot_logtool.core.statistics import Stats
 from dogbot_logtool.report.page.chart import Chart, Trace, scatter
 from dogbot_logtool.report.page.drawing import MARGIN, Drawing, label, translucent
-
-_ENDS: Final = {"front": "fore feet", "middle": "middle feet", "back": "hind feet"}
-_BETWEEN: Final = 0.06
-"""Of the width, between two panels; also of the height, doubled."""
+from dogbot_logtool.report.page.panels import heading, leg_columns, panel_axes, place_of
 
 Curves = Sequence[CycleCurve | None]
 """Of each foot."""
@@ -30,36 +26,21 @@ def force_over_cycle(stats: Stats) -> Drawing | None:
     ]
     if not rows:
         return None
-    columns = _columns(stats)
+    columns = leg_columns(stats)
     figure = Chart(layout={"height": 250 * len(rows) + 40, "margin": {**MARGIN, "t": 24}})
     figure.layout.update(showlegend=False, hovermode="x unified", annotations=[])
     for row, (force, curves) in enumerate(rows):
         for column, (title, feet) in enumerate(columns):
             number = row * len(columns) + column + 1
-            place = _place(row, len(rows), column, len(columns))
-            _axes(figure, number, place, (force, _extent(curves)))
+            place = place_of(row, len(rows), column, len(columns))
+            panel_axes(figure, number, place, (f"{force} (N)", _extent(curves)))
             for foot in feet:
                 figure.data.extend(_traces(stats, foot, curves[foot], number))
             if row == 0 and title:
-                figure.layout["annotations"].append(_heading(title, place))
+                figure.layout["annotations"].append(heading(title, place))
     return Drawing(
         "cycle", "Force over the gait cycle", _words(stats, rows[0][1]), _caption(), figure
     )
-
-
-def _columns(stats: Stats) -> list[tuple[str, list[int]]]:
-    """Return the panels: the feet of each pair of legs, or all of them."""
-    places = [foot.place for foot in stats.feet]
-    if any(place is None for place in places):
-        return [("", list(range(len(places))))]
-    ends = dict.fromkeys(place[0] for place in places if place)
-    named = [end for end in _ENDS if end in ends]
-    if len(named) < 2:
-        return [("", list(range(len(places))))]
-    return [
-        (_ENDS[end], [foot for foot, place in enumerate(places) if place and place[0] == end])
-        for end in named
-    ]
 
 
 def _extent(curves: Curves) -> tuple[float, float]:
@@ -68,65 +49,6 @@ def _extent(curves: Curves) -> tuple[float, float]:
     high = max(float(curve.upper.max()) for curve in known)
     pad = 0.05 * (high - low) or 1.0
     return min(low, 0.0) - pad, max(high, 0.0) + pad
-
-
-def _place(row: int, rows: int, column: int, columns: int) -> dict[str, list[float]]:
-    """Return where a panel lies, as shares of width and height."""
-    width, height = 1.0 / columns, 1.0 / rows
-    across, down = (0.5 * _BETWEEN if each > 1 else 0.0 for each in (columns, rows))
-    return {
-        "x": [
-            column * width + across * (column > 0),
-            (column + 1) * width - across * (column < columns - 1),
-        ],
-        "y": [
-            1.0 - (row + 1) * height + 2.0 * down * (row < rows - 1),
-            1.0 - row * height - 2.0 * down * (row > 0),
-        ],
-    }
-
-
-def _axes(
-    figure: Chart,
-    number: int,
-    place: dict[str, list[float]],
-    what: tuple[str, tuple[float, float]],
-) -> None:
-    end = "" if number == 1 else str(number)
-    force, extent = what
-    figure.layout[f"xaxis{end}"] = {
-        "domain": place["x"],
-        "anchor": f"y{end}",
-        "range": [0, 100],
-        "fixedrange": True,
-        "tickvals": [0, 25, 50, 75, 100],
-        "tickangle": 0,
-        "title": {"text": "% of the stride" if place["y"][0] == 0.0 else "", "standoff": 6},
-        "zeroline": False,
-        "hoverformat": ".0f",
-    }
-    figure.layout[f"yaxis{end}"] = {
-        "domain": place["y"],
-        "anchor": f"x{end}",
-        "range": list(extent),
-        "fixedrange": True,
-        "zeroline": True,
-        "nticks": 6,
-        "title": {"text": f"{force} (N)" if place["x"][0] == 0.0 else "", "standoff": 2},
-        "showticklabels": place["x"][0] == 0.0,
-    }
-
-
-def _heading(title: str, place: dict[str, list[float]]) -> dict[str, Any]:
-    return {
-        "text": title,
-        "x": sum(place["x"]) / 2.0,
-        "y": 1.0,
-        "xref": "paper",
-        "yref": "paper",
-        "yanchor": "bottom",
-        "showarrow": False,
-    }
 
 
 def _traces(stats: Stats, foot: int, curve: CycleCurve | None, number: int) -> list[Trace]:

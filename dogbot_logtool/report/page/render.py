@@ -26,11 +26,14 @@ from dogbot_logtool.report.page.cycle_figure import force_over_cycle
 from dogbot_logtool.report.page.drawing import Drawing, drawn_seconds, foot_glyph
 from dogbot_logtool.report.page.event_list import band_labels, event_list, marks
 from dogbot_logtool.report.page.ground_figure import walk_from_above
+from dogbot_logtool.report.page.legs_figure import legs_over_cycle
 from dogbot_logtool.report.page.motion_figure import motion
 from dogbot_logtool.report.page.phase_clock import phase_clock
 from dogbot_logtool.report.page.quality_figure import recording
 from dogbot_logtool.report.page.summary import grouped, recorded_at, summary
 from dogbot_logtool.report.page.tables import (
+    joint_table,
+    leg_table,
     load_table,
     step_table,
     stride_table,
@@ -40,7 +43,9 @@ from dogbot_logtool.report.page.tables import (
 from dogbot_logtool.report.page.time_figures import gait_diagram, load_curves
 from dogbot_logtool.results import LogFacts
 
-FIGURES: Final = ("gait", "loads", "motion", "commands", "cycle", "ground", "clock", "recording")
+FIGURES: Final = (
+    *("gait", "loads", "motion", "commands", "cycle", "legs", "ground", "clock", "recording"),
+)
 """Names of all figures; a log may lack some."""
 
 
@@ -120,6 +125,8 @@ def page(
             "steps": step_table(document),
             "loads": load_table(document),
             "symmetry": symmetry_table(document),
+            "legs": leg_table(document),
+            "joints": joint_table(document),
             "strides": stride_table(stats),
             "topics": topic_table(document),
         },
@@ -135,6 +142,7 @@ def _drawings(stats: Stats) -> Iterator[Drawing]:
         motion,
         tracked_commands,
         force_over_cycle,
+        legs_over_cycle,
         walk_from_above,
         phase_clock,
         recording,

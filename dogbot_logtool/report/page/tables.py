@@ -164,6 +164,35 @@ def symmetry_table(document: Json) -> Table | None:
     return Table(("pair", *headers(table)), rows, words)
 
 
+def leg_table(document: Json) -> Table | None:
+    """Return the swings of each foot; None where the log tells of no leg."""
+    legs = document["legs"]
+    if legs is None or not any(leg["frame"] for leg in legs["feet"].values()):
+        return None
+    return _foot_table(
+        TableName.LEGS,
+        document,
+        "Medians over whole strides. Clearance above the line between footfalls, and how far the "
+        "foot's frame moves in the middle of a stance (at rest), in mm; velocity at touchdown.",
+    )
+
+
+def joint_table(document: Json) -> Table | None:
+    """Return the joints; None where the log tells of none."""
+    legs = document["legs"]
+    if legs is None or not legs["joints"]:
+        return None
+    table, names = TableName.JOINTS, list(document["feet"])
+    rows = [_cells(name, *cells_of(table, document, name)) for name in legs["joints"]]
+    feet = [joint["foot"] for joint in legs["joints"].values()]
+    words = "rad and N m (m and N of those that slide) in the whole log; work: median of a stride."
+    cost = legs["mechanical_cost_of_transport"]
+    if cost is not None:
+        words += f" Mechanical cost of transport, |work| / (weight x way): {decimal(cost, 3)}."
+    coloured = [names.index(foot) for foot in feet] if all(feet) else ()
+    return Table(("joint", *headers(table)), rows, words, coloured)
+
+
 def topic_table(document: Json) -> Table:
     """Return the timing of each topic."""
     table = TableName.TOPICS

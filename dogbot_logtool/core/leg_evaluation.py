@@ -1,0 +1,311 @@
+"""The figures of the legs, worked out from what was kept of joints and of the feet's frames."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from typing import Final
+
+import numpy as np
+
+from dogbot_logtool.core.base.base_history import BaseHistory
+from dogbot_logtool.core.base.pose_jumps import without_jumps
+from dogbot_logtool.core.gait.foot_statistics import FootStatistics
+from dogbot_logtool.core.gait.standing import typical_period_s
+from dogbot_logtool.core.geometry.aggregates import aggregate
+from dogbot_logtool.core.geometry.arrays import Floats
+from dogbot_logtool.core.legs.foot_path import FootPath
+from dogbot_logtool.core.legs.joint_cycles import (
+    Work,
+    joint_curve,
+    joint_work,
+    no_work,
+    summed,
+)
+from dogbot_logtool.core.legs.joint_track import JointHistory
+from dogbot_logtool.core.legs.leg_figures import LegFigures, LegFoot, LegJoint
+from dogbot_logtool.core.legs.leg_history import LegHistory
+from dogbot_logtool.core.legs.settings import LegSettings
+from dogbot_logtool.core.legs.swings import (
+    RESTING_M,
+    RESTING_SHARE,
+    Steps,
+    footfalls,
+    no_swings,
+    steps,
+    swings,
+    world_path,
+)
+from dogbot_logtool.core.load.slip import slip_m
+from dogbot_logtool.core.quality.clocks import ClockDifference, too_far_apart
+from dogbot_logtool.core.statistics import SegmentFigures, Stats
+
+VELOCITIES_AGREE: Final = 0.25
+"""By so much may the velocities that messages tell differ from those of the positions."""
+IDLE: Final = 0.02
+"""rad or m: joints of no leg that move by less are only counted."""
+SHORTEST_WAY_M: Final = 0.1
+"""m: work is not set against a shorter way."""
+WEAKEST: Final = 1e-3
+"""m: a largest effort of a leg below this much of the weight times a metre is in another unit. Also
+`STRONGEST`, above which it is."""
+STRONGEST: Final = 10.0
+
+
+def with_legs(stats: Stats, history: LegHistory, clocks: Sequence[ClockDifference]) -> Stats:
+    """Add the figures of the legs, and slips by the feet's frames where those are known.
+
+    Args:
+        stats: all other figures.
+        history: what was kept of the legs.
+        clocks: how far topics' clocks are from that of the feet, those of joint states among them.
+    """
+    if not history.joints and not any(path is not None for path in history.paths):
+        return stats
+    period = typical_period_s([foot.stances for foot in stats.feet])
+    apart = too_far_apart(clocks, period) & set(history.settings.joint_topics)
+    feet = _feet(stats, history, by_joints_apart=bool(apart))
+    legs = _figures(
+        stats, history, feet, {each.topic: each for each in clocks if each.topic in apart}
+    )
+    slipping = [_slip_of(stats, leg) for leg in legs.feet]
+    if not any(falls is not None for falls in slipping):
+        return replace(stats, legs=legs)
+    return replace(
+        stats,
+        legs=legs,
+        feet=_slips(stats.feet, slipping),
+        segment_figures=tuple(_segment(each, slipping) for each in stats.segment_figures),
+    )
+
+
+def _segment(
+    figures: SegmentFigures, slipping: Sequence[tuple[Floats, Floats] | None]
+) -> SegmentFigures:
+    return replace(figures, feet=_slips(figures.feet, slipping))
+
+
+def _slip_of(stats: Stats, leg: LegFoot) -> tuple[Floats, Floats] | None:
+    """(stances,) m each, net and largest slip by the foot's frame; None where it is not known.
+
+    The middle of a ball rolls with it: less the rolling, if that is known.
+    """
+    if leg.footfalls is None:
+        return None
+    net, largest = leg.footfalls.slip_m, leg.footfalls.largest_slip_m
+    if leg.touches:
+        return net, largest
+    rolling = stats.settings.foot_rolling_m
+    return None if rolling is None else (slip_m(net, rolling), slip_m(largest, rolling))
+
+
+def _slips(
+    feet: Sequence[FootStatistics], slipping: Sequence[tuple[Floats, Floats] | None]
+) -> tuple[FootStatistics, ...]:
+    """Return feet with the slips of their frames."""
+    return tuple(
+        foot
+        if falls is None
+        else replace(
+            foot,
+            slip_m=falls[0],
+            slip_source="foot_frame",
+            slip_distance_m=aggregate(falls[0][foot.stances.whole]),
+            largest_slip_m=aggregate(falls[1][foot.stances.whole]),
+        )
+        for foot, falls in zip(feet, slipping, strict=True)
+    )
+
+
+def _feet(stats: Stats, history: LegHistory, *, by_joints_apart: bool) -> tuple[LegFoot, ...]:
+    base = without_jumps(stats.base_history, stats.jumps)
+    found = []
+    for row, foot in enumerate(stats.feet):
+        chain, path = history.settings.chains[row], history.paths[row]
+        reason = history.settings.reasons[row]
+        if chain is not None and path is None:
+            reason = "too little of its leg is told"
+        elif path is not None and stats.base_clock_is_apart:
+            reason = "the clocks of odometry and feet differ"
+        elif path is not None and by_joints_apart and chain is not None and chain.joints:
+            reason = "the clock of the joint states differs from that of the feet"
+        elif path is not None and not len(base.time):
+            reason = "the log has no usable poses"
+        found.append(_foot(foot, path, base, reason))
+    return tuple(
+        replace(leg, steps=_steps(stats, row, found))
+        for row, leg in enumerate(_named(found, history))
+    )
+
+
+def _named(found: Sequence[LegFoot], history: LegHistory) -> list[LegFoot]:
+    """Return legs with their frames."""
+    return [
+        leg if chain is None else replace(leg, frame=chain.frames[0], touches=chain.touches)
+        for leg, chain in zip(found, history.settings.chains, strict=True)
+    ]
+
+
+def _foot(foot: FootStatistics, path: FootPath | None, base: BaseHistory, reason: str) -> LegFoot:
+    """Return the swings of a foot, if its frame is at rest in stances."""
+    count = len(foot.strides.stance)
+    unknown = np.full(count, np.nan)
+    leg = LegFoot(
+        name=foot.name,
+        frame="",
+        reason=reason,
+        moves=False,
+        touches=False,
+        travel_m=None,
+        footfalls=None,
+        swings=no_swings(count),
+        steps=Steps(unknown, unknown),
+        work=no_work(count),
+    )
+    if path is None or reason:
+        return leg
+    world = world_path(path, base)
+    stood = footfalls(world, foot.stances)
+    travel = aggregate(stood.travel_m[foot.stances.whole])
+    if travel is None:
+        return replace(leg, reason="no whole stance in which its leg is told")
+    found = swings(world, stood, foot.strides, foot.record.median_interval_s or np.inf)
+    length = aggregate(found.length_m)
+    allowed = max(RESTING_M, RESTING_SHARE * (length.median if length else 0.0))
+    if travel.median > allowed:
+        reason = (
+            f"its frame moves by {travel.median * 1e3:.0f} mm in the middle of a stance: it is not "
+            "the foot's, the odometry drifts, or the foot slips"
+        )
+        return replace(leg, travel_m=travel, reason=reason, moves=True)
+    return replace(leg, travel_m=travel, footfalls=stood, swings=found)
+
+
+def _steps(stats: Stats, row: int, legs: Sequence[LegFoot]) -> Steps:
+    """Return the steps of a foot against the other of its pair, where both are known."""
+    strides = stats.feet[row].strides
+    unknown = np.full(len(strides.stance), np.nan)
+    own = stats.feet[row].place
+    others = [
+        number
+        for number, foot in enumerate(stats.feet)
+        if number != row
+        and (len(stats.feet) == 2 or (foot.place and own and foot.place[0] == own[0]))
+    ]
+    stood = legs[row].footfalls
+    other = legs[others[0]].footfalls if len(others) == 1 else None
+    if stood is None or other is None or not len(strides.stance):
+        return Steps(unknown, unknown)
+    return steps(strides, stood, other, stats.feet[others[0]].stances)
+
+
+def _figures(
+    stats: Stats,
+    history: LegHistory,
+    feet: tuple[LegFoot, ...],
+    clocks_apart: Mapping[str, ClockDifference],
+) -> LegFigures:
+    settings, joints = history.settings, history.joints
+    ratio = _velocity_ratio(joints)
+    missing = _work_unknown(history, clocks_apart)
+    refuted = "" if missing else _work_refuted(stats, history, ratio)
+    unknown = missing or refuted
+    legs = []
+    kept = [
+        _joint(stats, settings, joint, known=not unknown, timed=not clocks_apart)
+        for joint in joints
+        if joint.name in settings.foot_of_joint or joint.highest - joint.lowest >= IDLE
+    ]
+    for row, leg in enumerate(feet):
+        count = len(stats.feet[row].strides.stance)
+        own = [each.work for each in kept if each.foot == leg.name]
+        legs.append(replace(leg, work=summed(own, count)))
+    reference = stats.feet[stats.reference].strides if stats.feet else None
+    count = 0 if reference is None else len(reference.stance)
+    working = [each for each in joints if each.moves and each.has_effort]
+    work = no_work(count)
+    if reference is not None and not unknown:
+        work = summed([joint_work(each, reference) for each in working], count)
+    return LegFigures(
+        settings=settings,
+        feet=tuple(legs),
+        joints=tuple(kept),
+        idle=len(joints) - len(kept),
+        work_unknown=unknown,
+        work_refuted=bool(refuted),
+        without_effort=tuple(each.name for each in joints if each.moves and not each.has_effort),
+        work=work,
+        cost_of_transport=_cost(stats, work),
+        clocks_apart=clocks_apart,
+        velocity_ratio=ratio,
+    )
+
+
+def _joint(
+    stats: Stats, settings: LegSettings, joint: JointHistory, *, known: bool, timed: bool
+) -> LegJoint:
+    number = settings.foot_of_joint.get(joint.name)
+    foot = stats.feet[stats.reference if number is None else number] if stats.feet else None
+    strides = None if foot is None else foot.strides
+    curve = joint_curve(joint, strides) if strides is not None and number is not None else None
+    work = no_work(0 if strides is None else len(strides.stance))
+    if strides is not None and known and (joint.has_effort or not joint.moves):
+        work = joint_work(joint, strides)
+    name = "" if number is None else stats.feet[number].name
+    return LegJoint(joint, name, work, curve if timed else None)
+
+
+def _velocity_ratio(joints: Sequence[JointHistory]) -> float | None:
+    """Return by what factor the velocities that messages tell exceed those of the positions."""
+    told = [joint for joint in joints if joint.velocity_told and joint.moves]
+    squared, moved = (
+        sum(getattr(joint, name) for joint in told) for name in ("told_squared", "told_moved")
+    )
+    return squared / moved if moved > 0.0 else None
+
+
+def _work_unknown(history: LegHistory, clocks_apart: Mapping[str, ClockDifference]) -> str:
+    """Say what is missing for work to be known; empty if nothing is."""
+    moving = [joint for joint in history.joints if joint.moves]
+    if not moving:
+        return "no joint states tell of joints that move"
+    if not any(joint.has_effort for joint in moving):
+        empty = not any(np.isfinite(joint.lowest_effort) for joint in moving)
+        return f"the joint states' efforts are {'empty' if empty else 'constantly zero'}"
+    of_legs = history.settings.foot_of_joint
+    lacking = [each.name for each in moving if each.name in of_legs and not each.has_effort]
+    if lacking:
+        return f"joints of legs tell no effort: {', '.join(lacking)}"
+    if clocks_apart:
+        return f"the clock of {', '.join(sorted(clocks_apart))} differs from that of the feet"
+    return ""
+
+
+def _work_refuted(stats: Stats, history: LegHistory, ratio: float | None) -> str:
+    """Say which numbers of joint states contradict each other or the weight; empty if none do."""
+    if ratio is not None and abs(np.log(ratio)) > np.log(1.0 + VELOCITIES_AGREE):
+        return f"velocities of joint states are {ratio:.3g} times those of their positions"
+    return _effort_implausible(stats, [joint for joint in history.joints if joint.moves])
+
+
+def _effort_implausible(stats: Stats, moving: Sequence[JointHistory]) -> str:
+    """Say why the efforts are no torques in N m; empty where they may be."""
+    strongest = max(joint.peak_effort for joint in moving if joint.has_effort)
+    weight = stats.loads.weight_n
+    if weight is None or WEAKEST <= strongest / weight <= STRONGEST:
+        return ""
+    return (
+        f"the largest effort is {strongest:.3g}, which is no torque in N m on a robot of "
+        f"{weight:.3g} N"
+    )
+
+
+def _cost(stats: Stats, work: Work) -> float | None:
+    """Return absolute work / (weight x way), over the reference foot's strides that have both."""
+    weight = stats.loads.weight_n
+    if weight is None or not stats.feet:
+        return None
+    way = stats.feet[stats.reference].length_m
+    known = np.isfinite(work.absolute_j) & np.isfinite(way)
+    total = float(way[known].sum())
+    return (
+        float(work.absolute_j[known].sum()) / (weight * total) if total >= SHORTEST_WAY_M else None
+    )

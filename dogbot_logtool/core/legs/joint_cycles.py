@@ -1,0 +1,133 @@
+"""Joints over the strides of their leg's foot: work, and the usual motion over the gait cycle."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from dogbot_logtool.core.gait.cycle_curves import CYCLE_POINTS
+from dogbot_logtool.core.gait.strides import Strides
+from dogbot_logtool.core.geometry.arrays import Flags, Float32s, Floats
+from dogbot_logtool.core.legs.joint_track import JointHistory, JointTrack
+
+
+@dataclass(frozen=True, slots=True)
+class JointCurve:
+    """A joint over the gait cycle, (CYCLE_POINTS,) each."""
+
+    percent: Floats
+    """% of the stride."""
+    position: Floats
+    """rad or m, mean over strides; also `position_sd`, the standard deviation."""
+    position_sd: Floats
+    effort: Floats | None
+    """N m or N, likewise; None: not known."""
+    effort_sd: Floats | None
+    number: int
+    """Strides."""
+    ranges: Floats
+    """(strides,) rad or m, the range of motion in each."""
+
+
+@dataclass(frozen=True, slots=True)
+class Work:
+    """Work of joints over strides, (strides,) each; NaN where not known."""
+
+    positive_j: Floats
+    absolute_j: Floats
+
+
+def no_work(count: int) -> Work:
+    """Return what stands for work that is not known."""
+    return Work(np.full(count, np.nan), np.full(count, np.nan))
+
+
+def joint_work(joint: JointHistory, strides: Strides) -> Work:
+    """Return the work of a joint over strides.
+
+    A stride with a silence of the joint's states, or with an effort that is not known, has none. A
+    joint that never moves does none.
+    """
+    if not joint.moves:
+        within = (strides.touchdown >= joint.start) & (strides.end <= joint.end)
+        still = np.where(within, 0.0, np.nan)
+        return Work(still, still)
+    known = _known(joint.track, strides, joint)
+    return Work(
+        *(
+            np.where(known, _over(joint.track, work, strides), np.nan)
+            for work in (joint.track.positive_work, joint.track.absolute_work)
+        )
+    )
+
+
+def _over(track: JointTrack, work: Float32s, strides: Strides) -> Floats:
+    """(strides,) J, work between touchdown and the next, of work between rows."""
+    since = (track.time - track.time[0]).astype(np.float64)
+    total = np.cumsum(np.nan_to_num(work.astype(np.float64)))
+    end, begin = (
+        np.interp((time - track.time[0]).astype(np.float64), since, total)
+        for time in (strides.end, strides.touchdown)
+    )
+    done: Floats = end - begin
+    return done
+
+
+def _known(track: JointTrack, strides: Strides, joint: JointHistory) -> Flags:
+    """(strides,) whether the work is known all the way.
+
+    Before its first motion, which is where its track begins, a joint is known to be at rest.
+    """
+    unknown = np.concatenate([[0], np.cumsum(~np.isfinite(track.positive_work))])
+    first = np.searchsorted(track.time, strides.touchdown, side="right")
+    last = np.searchsorted(track.time, strides.end, side="left") + 1
+    inside = (strides.touchdown >= joint.start) & (last <= len(track.time))
+    last = np.minimum(last, len(track.time))
+    known: Flags = inside & (unknown[last] == unknown[np.minimum(first, last)])
+    return known
+
+
+def joint_curve(joint: JointHistory, strides: Strides) -> JointCurve | None:
+    """Return the usual motion of a joint over whole strides; None where none is known."""
+    track = joint.track
+    if len(track.time) < 2 or not len(strides.touchdown):
+        return None
+    rows = np.flatnonzero(_unbroken(track, strides))
+    if not len(rows):
+        return None
+    phase = np.linspace(0.0, 1.0, CYCLE_POINTS)
+    start, period = strides.touchdown[rows], (strides.end - strides.touchdown)[rows]
+    time = (start - track.time[0])[:, None] + period[:, None] * phase
+    since = (track.time - track.time[0]).astype(np.float64)
+    position = np.interp(time, since, track.position.astype(np.float64))
+    effort = np.interp(time, since, track.effort.astype(np.float64))
+    has_effort = joint.has_effort and bool(np.isfinite(effort).all())
+    return JointCurve(
+        percent=100.0 * phase,
+        position=position.mean(axis=0),
+        position_sd=position.std(axis=0),
+        effort=effort.mean(axis=0) if has_effort else None,
+        effort_sd=effort.std(axis=0) if has_effort else None,
+        number=len(rows),
+        ranges=np.ptp(position, axis=1),
+    )
+
+
+def _unbroken(track: JointTrack, strides: Strides) -> Flags:
+    """(strides,) whether the joint's states cover a stride without a silence."""
+    breaks = np.concatenate([[0], np.cumsum(track.broken)])
+    first = np.searchsorted(track.time, strides.touchdown, side="right")
+    last = np.searchsorted(track.time, strides.end, side="left") + 1
+    inside = (first > 0) & (last <= len(track.time))
+    last = np.minimum(last, len(track.time))
+    known: Flags = inside & (breaks[last] == breaks[np.minimum(first, last)])
+    return known
+
+
+def summed(works: list[Work], count: int) -> Work:
+    """Add up the work of several joints over the same strides, none of nothing."""
+    if not works:
+        return no_work(count)
+    return Work(
+        np.sum([work.positive_j for work in works], axis=0),
+        np.sum([work.absolute_j for work in works], axis=0),
+    )

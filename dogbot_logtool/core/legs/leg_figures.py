@@ -1,0 +1,98 @@
+"""Records of the figures of a robot's legs; `core/leg_evaluation.py` works them out."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from dogbot_logtool.core.geometry.aggregates import Aggregate
+from dogbot_logtool.core.legs.joint_cycles import JointCurve, Work
+from dogbot_logtool.core.legs.joint_track import JointHistory
+from dogbot_logtool.core.legs.settings import JointPair, LegSettings
+from dogbot_logtool.core.legs.swings import Footfalls, Steps, Swings
+from dogbot_logtool.core.quality.clocks import ClockDifference
+
+
+@dataclass(frozen=True, slots=True)
+class LegFoot:
+    """The leg of a foot."""
+
+    name: str
+    frame: str
+    """Of the foot; empty: not known."""
+    reason: str
+    """Why its swings are not known; empty where they are."""
+    moves: bool
+    """The reason is that the frame is not at rest in stances."""
+    touches: bool
+    """Whether the followed point is where the foot touches the ground."""
+    travel_m: Aggregate | None
+    """m, how far the point moves in the middle of a whole stance."""
+    footfalls: Footfalls | None
+    """None: not known."""
+    swings: Swings
+    """Of the foot's strides; also `steps`."""
+    steps: Steps
+    work: Work
+    """Of the leg's joints over the foot's strides."""
+
+
+@dataclass(frozen=True, slots=True)
+class LegJoint:
+    """A joint of a leg, or another one that moves."""
+
+    history: JointHistory
+    foot: str
+    """That it moves; empty: it is of no leg, or of one that is not known."""
+    work: Work
+    """Over the strides of that foot, or else of the reference foot."""
+    curve: JointCurve | None
+    """Over the strides of that foot; None: not known."""
+
+    @property
+    def range_of_motion(self) -> float:
+        """Range of its position in the whole log, rad or m."""
+        return self.history.highest - self.history.lowest
+
+
+@dataclass(frozen=True, slots=True)
+class LegFigures:
+    """The figures of the legs."""
+
+    settings: LegSettings
+    feet: tuple[LegFoot, ...]
+    joints: tuple[LegJoint, ...]
+    """By name: those of legs, and others that move."""
+    idle: int
+    """Other joints, which hardly move."""
+    work_unknown: str
+    """Why no work is known; empty where it is."""
+    work_refuted: bool
+    """The reason is that the joint states' numbers contradict each other or the weight."""
+    without_effort: tuple[str, ...]
+    """Joints of no leg that move and tell no effort: their work is missing in that of all."""
+    work: Work
+    """Of all joints over the strides of the reference foot."""
+    cost_of_transport: float | None
+    """Absolute work over m g d; None: not known."""
+    clocks_apart: Mapping[str, ClockDifference]
+    """Topics of joint states whose clock is too far from that of the feet."""
+    velocity_ratio: float | None
+    """Velocity that messages tell over that of the positions; None: none are told."""
+
+    @property
+    def moving(self) -> tuple[LegJoint, ...]:
+        """Joints that move."""
+        return tuple(joint for joint in self.joints if joint.history.moves)
+
+    def joint(self, name: str) -> LegJoint | None:
+        """Return a joint by its name."""
+        return next((each for each in self.joints if each.history.name == name), None)
+
+    @property
+    def pairs(self) -> dict[str, tuple[JointPair, LegJoint, LegJoint]]:
+        """Pairs of joints on the left and the right, by name."""
+        found = {}
+        for pair in self.settings.pairs:
+            left, right = self.joint(pair.left), self.joint(pair.right)
+            if left is not None and right is not None:
+                found[pair.name] = (pair, left, right)
+        return found

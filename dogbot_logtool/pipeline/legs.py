@@ -1,0 +1,273 @@
+"""Which of a log's messages tell of its legs, and what a batch tells: joints and frames."""
+
+from collections import Counter
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Final
+
+from dogbot_logtool.core.frames.transform_buffer import TransformBuffer
+from dogbot_logtool.core.geometry.arrays import header_time
+from dogbot_logtool.core.geometry.clock import TimeSource
+from dogbot_logtool.core.legs.foot_path import LegChain, chain_to, moving_parents
+from dogbot_logtool.core.legs.joint_track import MOST_JOINTS, JointLimits, JointTable
+from dogbot_logtool.core.legs.settings import JointPair, LegSettings
+from dogbot_logtool.pipeline.feet.names import name_feet
+from dogbot_logtool.pipeline.feet.words import ENDS, LETTERS, SIDES, Part, words_of
+from dogbot_logtool.pipeline.probe import Probe, frame_names
+from dogbot_logtool.pipeline.robot_model.joint_motion import (
+    joint_channels,
+    joint_names,
+    own_description,
+)
+from dogbot_logtool.pipeline.robot_model.soles import link_of_foot
+from dogbot_logtool.pipeline.robot_model.urdf import parse_urdf, urdf_joints, urdf_limits
+from dogbot_logtool.pipeline.selection import Selection
+from dogbot_logtool.reader.containers.log import Batch, Channel, Log
+from dogbot_logtool.reader.messages.frame_tracks import moving_tracks
+from dogbot_logtool.reader.messages.joints import JointStates, read_joints
+from dogbot_logtool.reader.messages.messages import DecodedMessages
+from dogbot_logtool.reader.messages.transforms import transform_columns
+from dogbot_logtool.robot import Foot
+
+_MOST_TOPICS: Final = 16
+
+
+@dataclass(frozen=True, slots=True)
+class LegColumns:
+    """What a batch tells of the legs."""
+
+    joints: tuple[JointTable, ...]
+    frames: TransformBuffer
+    """Frames of legs that transforms move."""
+    end: int | None
+    """ns, latest log time in the batch; None: it is empty."""
+    malformed: Mapping[int, int]
+    """Messages of joint states that could not be decoded, by channel id."""
+
+
+@dataclass(frozen=True, slots=True)
+class LegReader:
+    """Reads what batches tell of the legs; called in several threads or processes at once."""
+
+    settings: LegSettings
+    channels: tuple[Channel, ...]
+    """Of joint states."""
+    taken: Mapping[int, frozenset[str]]
+    """Joints by channel id that a better topic tells of; they are not read."""
+    moving: Mapping[str, str]
+    """Parents of the frames that transforms move."""
+    clock: TimeSource
+
+    def read(self, batch: Batch, transforms: Sequence[DecodedMessages]) -> LegColumns:
+        """Read a batch, of which the transforms are decoded."""
+        log_time = batch.messages.log_time
+        frames = TransformBuffer()
+        if self.moving:
+            for messages in transforms:
+                tracks = moving_tracks(transform_columns(messages), self.moving, self.clock)
+                frames = frames.then(tracks)
+        states = [
+            (channel, told) for channel in self.channels for told in read_joints(batch, channel)
+        ]
+        malformed: Counter[int] = Counter()
+        for _, told in states:
+            malformed.update(told.malformed)
+        return LegColumns(
+            joints=tuple(self._tables(states)),
+            frames=frames,
+            end=int(log_time.max()) if len(log_time) else None,
+            malformed=malformed,
+        )
+
+    def _tables(self, states: Iterable[tuple[Channel, JointStates]]) -> Iterator[JointTable]:
+        for channel, told in states:
+            taken = self.taken[channel.id]
+            kept = [row for row, name in enumerate(told.names) if name not in taken][:MOST_JOINTS]
+            if kept and len(told.log_time):
+                yield JointTable(
+                    channel.topic,
+                    tuple(told.names[row] for row in kept),
+                    told.log_time,
+                    header_time(told.stamp, told.log_time),
+                    told.position[:, kept],
+                    told.velocity[:, kept],
+                    told.effort[:, kept],
+                )
+
+
+def leg_reader(log: Log, selection: Selection, probe: Probe, clock: TimeSource) -> LegReader | None:
+    """Decide what tells of the legs; None: nothing does.
+
+    Joint states with the log's own robot description place the feet, else its transforms.
+    """
+    channels = tuple(joint_channels(log)[:_MOST_TOPICS])
+    if not channels and not selection.transforms:
+        return None
+    names = [joint_names(log, channel) for channel in channels]
+    taken, seen = {}, set[str]()
+    for channel, told in zip(channels, names, strict=True):
+        taken[channel.id] = frozenset(seen)
+        seen |= told
+    legs = _Legs(selection, probe)
+    chains, limits = legs.by_description(log, seen) if seen else ((), {})
+    if not any(chains):
+        chains = legs.by_transforms()
+    if not any(chains) and not channels:
+        return None
+    by_transforms = [None if chain is None or chain.joints else chain for chain in chains]
+    settings = LegSettings(
+        chains=chains,
+        reasons=tuple("" if chain else legs.why_not(foot) for foot, chain in enumerate(chains)),
+        joint_topics=tuple(dict.fromkeys(channel.topic for channel in channels)),
+        foot_of_joint=(of := _feet_of_joints(selection.robot.feet, chains, seen)),
+        pairs=_pairs(selection.robot.feet, of),
+        limits=limits,
+        statics=probe.statics,
+    )
+    moving = moving_parents(by_transforms, legs.parents, probe.statics)
+    return LegReader(settings, channels, taken, moving, clock)
+
+
+class _Legs:
+    """Looks for the frames of feet."""
+
+    def __init__(self, selection: Selection, probe: Probe) -> None:
+        self._selection, self._probe = selection, probe
+        self._base = frame_names(selection.robot, probe)[1]
+        self.parents = {
+            child: next(iter(names)) for child, names in probe.parents.items() if len(names) == 1
+        }
+
+    def by_description(
+        self, log: Log, told: set[str]
+    ) -> tuple[tuple[LegChain | None, ...], Mapping[str, JointLimits]]:
+        """Return how feet hang on the base by the log's robot description, and joints' limits.
+
+        Args:
+            log: the log.
+            told: joints that joint states tell of.
+        """
+        try:
+            root = parse_urdf(own_description(log) or "")
+        except ValueError:
+            return (), {}
+        joints = {joint.child: joint for joint in urdf_joints(root)}
+        parents = {child: joint.parent for child, joint in joints.items()}
+        found = []
+        for chain in self._chains(parents):
+            held = [joints[frame] for frame in chain.frames] if chain else []
+            moves = any(joint.kind != "fixed" for joint in held)
+            complete = all(joint.kind == "fixed" or joint.measured in told for joint in held)
+            found.append(
+                chain_to(
+                    parents,
+                    chain.frames[0],
+                    self._base,
+                    chain.point,
+                    touches=chain.touches,
+                    joints=joints,
+                )
+                if chain and moves and complete
+                else None
+            )
+        return tuple(found), urdf_limits(root)
+
+    def by_transforms(self) -> tuple[LegChain | None, ...]:
+        """Return how feet hang on the base by the log's transforms."""
+        statics = self._probe.statics.frames
+        return tuple(
+            chain if chain and any(frame not in statics for frame in chain.frames) else None
+            for chain in self._chains(self.parents)
+        )
+
+    def why_not(self, foot: int) -> str:
+        """Say why a foot has no chain."""
+        link = self._selection.robot.feet[foot].frame or self._probe.links[foot]
+        if link is None:
+            return "no frame is known to be its own"
+        return f"nothing connects its frame {link} with {self._base}"
+
+    def _chains(self, parents: Mapping[str, str]) -> list[LegChain | None]:
+        """Return how feet hang on the base by the parents of frames."""
+        feet = self._selection.robot.feet
+        named = _named_frames(feet, parents)
+        return [self._chain(number, parents, named.get(number)) for number in range(len(feet))]
+
+    def _chain(self, number: int, parents: Mapping[str, str], named: str | None) -> LegChain | None:
+        """Return how a foot hangs on the base: by its own frame, or by one that is named so."""
+        described = self._selection.robot.feet[number]
+        if described.frame is not None:
+            point, frame = described.contact_point_m, described.frame
+            return chain_to(parents, frame, self._base, point, touches=any(point))
+        link, like = link_of_foot(self._selection, self._probe, number)
+        if link is not None:
+            soles = self._probe.exact_soles
+            sole = soles.get(number) or soles.get(like)
+            if sole is not None:
+                return chain_to(parents, link, self._base, sole, touches=True)
+        origin = (0.0, 0.0, 0.0)
+        found = (
+            chain_to(parents, each, self._base, origin, touches=False)
+            for each in (named, link)
+            if each is not None
+        )
+        return next((chain for chain in found if chain is not None), None)
+
+
+def _named_frames(feet: Sequence[Foot], frames: Iterable[str]) -> dict[int, str]:
+    """Return the frame of each foot among frames that are named like the feet of all legs."""
+    found = name_feet(frames, contacts_only=False).chosen
+    if found is None or found.part is not Part.FOOT:
+        return {}
+    named = {each.position or each.name: each.topic for each in found.feet}
+    keys = (foot.place if foot.place in named else foot.name for foot in feet)
+    return {number: named[key] for number, key in enumerate(keys) if key in named}
+
+
+def _feet_of_joints(
+    feet: Sequence[Foot], chains: Sequence[LegChain | None], names: set[str]
+) -> dict[str, int]:
+    """Return the foot that each joint moves: by the chain of joints, else by names."""
+    found: dict[str, int] = {}
+    for number, chain in enumerate(chains):
+        for joint in chain.joints if chain else ():
+            if joint.kind != "fixed":
+                found.setdefault(joint.measured, number)
+    places = [foot.place or _place_of(foot.name) for foot in feet]
+    for name in sorted(names - found.keys()):
+        place = _place_of(name)
+        matching = [number for number, each in enumerate(places) if _is_of(place, each)]
+        if len(matching) == 1 and not any(w.part is Part.NOT_A_FOOT for w in words_of(name)):
+            found[name] = matching[0]
+    return found
+
+
+def _place_of(name: str) -> tuple[str, str]:
+    """Return the end and the side of the robot that a name tells; empty where it does not."""
+    end = side = ""
+    for word in words_of(name):
+        if word.text in LETTERS:
+            return LETTERS[word.text]
+        end, side = ENDS.get(word.text, end), SIDES.get(word.text, side)
+    return end, side
+
+
+def _is_of(place: tuple[str, str], foot: tuple[str, str]) -> bool:
+    """Tell whether what has a place is of a foot's leg; two feet have no ends."""
+    ends = foot[0] if foot[0] in {"front", "back"} else ""
+    return bool(foot[1]) and place[1] == foot[1] and (place[0] == foot[0] or not (ends or place[0]))
+
+
+def _pairs(feet: Sequence[Foot], foot_of: Mapping[str, int]) -> tuple[JointPair, ...]:
+    """Return the joints of legs that are alike but for their side."""
+    found: dict[str, dict[str, str]] = {}
+    for joint, foot in sorted(foot_of.items()):
+        end, side = feet[foot].place or _place_of(feet[foot].name)
+        words = [w.text for w in words_of(joint) if w.text not in {*LETTERS, *ENDS, *SIDES}]
+        end = end if end in {"front", "back"} or len(feet) > 2 else ""
+        found.setdefault("_".join(filter(None, (end, *words))), {})[side] = joint
+    return tuple(
+        JointPair(name, sides["left"], sides["right"])
+        for name, sides in found.items()
+        if sides.keys() >= {"left", "right"}
+    )

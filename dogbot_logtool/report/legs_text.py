@@ -1,0 +1,20 @@
+"""The legs in the figures for people."""
+
+from collections.abc import Iterator
+
+from dogbot_logtool.report.figures.figure import Json
+from dogbot_logtool.report.numbers import decimal
+
+
+def work_words(document: Json) -> Iterator[tuple[str, str]]:
+    """Yield names and values of what all legs do together, as far as it is known."""
+    legs = document["legs"]
+    if legs is None:
+        return
+    done, positive = legs["absolute_work_j"], legs["positive_work_j"]
+    if done is not None and positive is not None:
+        words = f"{decimal(done['median'], 2)} J, {decimal(positive['median'], 2)} J of it positive"
+        yield "work of all joints in a stride", words
+    cost = legs["mechanical_cost_of_transport"]
+    if cost is not None:
+        yield "mechanical cost of transport", f"{decimal(cost, 3)}  (|work| / weight x way)"

@@ -1,0 +1,148 @@
+"""The way of a foot, by transforms however they are split, and by joints."""
+
+import numpy as np
+import pytest
+
+from dogbot_logtool.core.frames.kinematics import Joint
+from dogbot_logtool.core.frames.transform_buffer import TransformBuffer, frame_track
+from dogbot_logtool.core.geometry.arrays import Floats, Ints
+from dogbot_logtool.core.legs.foot_path import (
+    FootPath,
+    LegChain,
+    PathRecorder,
+    chain_to,
+    path_by_joints,
+)
+from dogbot_logtool.core.legs.joint_track import JointTrack
+
+STEP = 10_000_000
+PARENTS = {"shank": "thigh", "thigh": "base"}
+
+
+def quaternion(angle: Floats) -> Floats:
+    """Turns about +y, (n, 4)."""
+    none = np.zeros_like(angle)
+    return np.column_stack([none, np.sin(angle / 2.0), none, np.cos(angle / 2.0)])
+
+
+def angles(time: Ints) -> tuple[Floats, Floats]:
+    seconds = time / 1e9
+    return 0.5 * np.sin(4.0 * seconds), 0.6 + 0.3 * np.cos(4.0 * seconds)
+
+
+def expected(time: Ints) -> Floats:
+    """Thigh and shank of 0.2 m, the point 0.05 m below the shank's origin at the knee."""
+    hip, knee = angles(time)
+    x = -0.2 * np.sin(hip) - 0.05 * np.sin(hip + knee)
+    z = -0.2 * np.cos(hip) - 0.05 * np.cos(hip + knee)
+    return np.column_stack([x, np.zeros_like(x), z])
+
+
+def buffer_of(time: Ints) -> TransformBuffer:
+    hip, knee = angles(time)
+    tracks = {}
+    for child, parent, angle, down in (
+        ("thigh", "base", hip, 0.0),
+        ("shank", "thigh", knee, -0.2),
+    ):
+        place = np.tile([0.0, 0.0, down], (len(time), 1))
+        track = frame_track(parent, time, time, place, quaternion(angle))
+        assert track is not None
+        tracks[child] = track
+    return TransformBuffer(tracks)
+
+
+def chain() -> LegChain:
+    found = chain_to(PARENTS, "shank", "base", (0.0, 0.0, -0.05), touches=True)
+    assert found is not None
+    return found
+
+
+def recorded(*parts: Ints) -> FootPath:
+    recorder = PathRecorder([chain(), None], TransformBuffer())
+    for part in parts:
+        recorder.add(buffer_of(part), int(part[-1]))
+    first, second = recorder.finish()
+    assert first is not None
+    assert second is None
+    return first
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_splits_do_not_matter(seed: int) -> None:
+    time = STEP * np.arange(600)
+    cuts = np.sort(np.random.default_rng(seed).choice(np.arange(1, 599), 7, replace=False))
+    whole, split = recorded(time), recorded(*np.split(time, cuts))
+    assert np.array_equal(whole.time, split.time)
+    assert np.array_equal(whole.position, split.position)
+    assert whole.position == pytest.approx(expected(whole.time), abs=1e-6)
+    assert len(whole.time) == 600
+
+
+def test_frames_that_are_told_apart_wait_for_each_other() -> None:
+    time = STEP * np.arange(300)
+    whole = buffer_of(time)
+    recorder = PathRecorder([chain()], TransformBuffer())
+    thigh, shank = whole.frames["thigh"], whole.frames["shank"]
+    for first in range(0, 300, 50):
+        rows, late = slice(first, first + 50), slice(max(first - 10, 0), first + 40)
+        own = {"shank": shank.pick(rows), "thigh": thigh.pick(late)}
+        recorder.add(TransformBuffer(own), int(time[rows][-1]))
+    recorder.add(TransformBuffer({"thigh": thigh.pick(slice(290, 300))}), int(time[-1]))
+    (path,) = recorder.finish()
+    assert path is not None
+    assert np.array_equal(path.time, time)
+    assert path.position == pytest.approx(expected(time), abs=1e-6)
+
+
+def test_nothing_connects_a_foot_with_another_base() -> None:
+    assert chain_to(PARENTS, "shank", "trunk", (0.0, 0.0, 0.0), touches=False) is None
+    assert chain_to({"a": "b", "b": "a"}, "a", "base", (0.0, 0.0, 0.0), touches=False) is None
+
+
+def joints() -> LegChain:
+    axis = (0.0, 1.0, 0.0)
+    held = {
+        "thigh": Joint("hip", "base", "thigh", "revolute", axis=axis),
+        "shank": Joint("knee", "thigh", "shank", "revolute", (0.0, 0.0, -0.2), axis=axis),
+    }
+    found = chain_to(PARENTS, "shank", "base", (0.0, 0.0, -0.05), touches=True, joints=held)
+    assert found is not None
+    return found
+
+
+def track_of(time: Ints, position: Floats) -> JointTrack:
+    rows = position.astype(np.float32)
+    return JointTrack(time, rows, rows, rows, rows)
+
+
+def test_joints_tell_the_same_way() -> None:
+    time = STEP * np.arange(300)
+    hip, knee = angles(time)
+    later = time[::3]
+    tracks = {"hip": track_of(time, hip), "knee": track_of(later, angles(later)[1])}
+    path = path_by_joints(joints(), tracks)
+    assert path is not None
+    assert path.position == pytest.approx(expected(path.time), abs=5e-4)
+    assert knee is not None
+
+
+def test_a_joint_that_rests_and_one_that_is_missing() -> None:
+    time = STEP * np.arange(300)
+    hip, _ = angles(time)
+    path = path_by_joints(joints(), {"hip": track_of(time, hip), "knee": 0.0})
+    assert path is not None
+    straight = np.column_stack([-0.25 * np.sin(hip), np.zeros(300), -0.25 * np.cos(hip)])
+    assert path.position == pytest.approx(straight, abs=1e-6)
+    assert path_by_joints(joints(), {"hip": track_of(time, hip)}) is None
+
+
+def test_a_silence_of_one_joint_is_no_way_of_the_foot() -> None:
+    time = STEP * np.arange(300)
+    hip, knee = angles(time)
+    kept = (time < STEP * 100) | (time > STEP * 140)
+    tracks = {"hip": track_of(time, hip), "knee": track_of(time[kept], knee[kept])}
+    path = path_by_joints(joints(), tracks)
+    assert path is not None
+    assert not ((path.time > STEP * 100) & (path.time < STEP * 140)).any()
+    assert path.broken.sum() == 1

@@ -1,0 +1,141 @@
+"""A joint's states, however they are split, against sums worked out by hand."""
+
+import numpy as np
+import pytest
+
+from dogbot_logtool.core.geometry.arrays import Floats, Ints
+from dogbot_logtool.core.geometry.clock import TimeSource
+from dogbot_logtool.core.legs.joint_track import (
+    JointHistory,
+    JointLimits,
+    JointRecorder,
+    JointSamples,
+)
+
+START = 7_000_000_000
+STEP = 2_000_000
+
+
+def samples(
+    position: Floats, velocity: Floats, effort: Floats, time: Ints | None = None
+) -> JointSamples:
+    times = START + STEP * np.arange(len(position)) if time is None else time
+    return JointSamples(times, times, position, velocity, effort)
+
+
+def wave(count: int = 12_000) -> JointSamples:
+    time = STEP / 1e9 * np.arange(count)
+    return samples(np.sin(3.0 * time), 3.0 * np.cos(3.0 * time), 5.0 * np.cos(3.0 * time + 1.0))
+
+
+def recorded(
+    *parts: JointSamples,
+    limits: JointLimits = JointLimits(),  # noqa: B008 - frozen
+) -> JointHistory:
+    recorder = JointRecorder("knee", "/joint_states", TimeSource.HEADER, limits)
+    for part in parts:
+        recorder.add(part)
+    found = recorder.finish()
+    assert found is not None
+    return found
+
+
+def same(one: JointHistory, other: JointHistory) -> bool:
+    columns = ("time", "position", "effort", "positive_work", "absolute_work")
+    tracks = all(
+        np.array_equal(getattr(one.track, name), getattr(other.track, name), equal_nan=True)
+        for name in columns
+    )
+    names = [name for name in JointHistory.__dataclass_fields__ if name != "track"]
+    return tracks and all(getattr(one, name) == getattr(other, name) for name in names)
+
+
+def test_work_of_a_wave() -> None:
+    whole = wave()
+    found = recorded(whole)
+    power, time = whole.effort * whole.velocity, whole.stamp / 1e9
+    assert found.absolute_work_j == pytest.approx(np.trapezoid(np.abs(power), time))
+    assert found.positive_work_j == pytest.approx(np.trapezoid(power.clip(0.0), time))
+    assert found.track.absolute_work.sum() == pytest.approx(found.absolute_work_j, rel=1e-5)
+    assert found.squared_effort / found.effort_s == pytest.approx(12.5, rel=0.01)
+    assert (found.lowest, found.highest) == (whole.position.min(), whole.position.max())
+    assert np.diff(found.track.time).max() == 10_000_000
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_splits_do_not_matter(seed: int) -> None:
+    whole = wave()
+    cuts = np.sort(np.random.default_rng(seed).integers(0, len(whole.stamp), 9))
+    parts = np.split(np.arange(len(whole.stamp)), cuts)
+    assert same(recorded(whole), recorded(*(whole.pick(rows) for rows in parts)))
+
+
+def test_no_velocity_means_differences() -> None:
+    whole = wave()
+    found = recorded(samples(whole.position, np.zeros(len(whole.stamp)), whole.effort))
+    assert not found.velocity_told
+    assert found.absolute_work_j == pytest.approx(recorded(whole).absolute_work_j, rel=1e-3)
+    assert found.peak_speed == pytest.approx(3.0, rel=1e-3)
+
+
+def test_a_silence_is_not_bridged() -> None:
+    whole = wave(2000)
+    kept = np.ones(2000, np.bool_)
+    kept[1001:1100] = False
+    found = recorded(whole.pick(kept))
+    assert found.known_s == pytest.approx((1999 - 100) * STEP / 1e9)
+    assert found.track.broken.sum() == 1
+    row = int(np.flatnonzero(found.track.broken)[0])
+    assert np.isnan(found.track.absolute_work[row])
+    assert found.track.time[row - 1] == whole.stamp[1000]
+    assert found.track.time[row] == whole.stamp[1100]
+
+
+def test_a_joint_that_never_moves_keeps_no_rows() -> None:
+    still = samples(np.full(9000, 0.5), np.zeros(9000), np.full(9000, 2.0))
+    found = recorded(still)
+    assert len(found.track.time) == 0
+    assert not found.moves
+    assert found.has_effort
+    assert found.squared_effort / found.effort_s == pytest.approx(4.0)
+
+
+def test_rest_before_the_first_motion_is_not_kept() -> None:
+    whole = wave(1000)
+    late = samples(
+        np.concatenate([np.zeros(8000), whole.position]),
+        np.concatenate([np.zeros(8000), whole.velocity]),
+        np.concatenate([np.zeros(8000), whole.effort]),
+    )
+    found = recorded(late)
+    assert found.track.time[0] == late.stamp[8000]
+    assert found.absolute_work_j == pytest.approx(recorded(whole).absolute_work_j, rel=1e-2)
+
+
+def test_time_near_limits() -> None:
+    whole = wave()
+    near = recorded(whole, limits=JointLimits(-1.0, 1.0)).near_limit_s
+    expected = (np.abs(whole.position[1:]) > 0.96).sum() * STEP / 1e9
+    assert near == pytest.approx(expected, abs=2 * STEP / 1e9)
+    assert recorded(whole).near_limit_s == 0.0
+
+
+@pytest.mark.parametrize("bad", [np.nan, np.inf, -np.inf, 1e300])
+def test_hostile_numbers_cost_their_rows(bad: float) -> None:
+    whole = wave(3000)
+    for name in ("position", "velocity", "effort"):
+        getattr(whole, name)[[0, 7, 1500, 2999]] = bad
+    found = recorded(whole)
+    for value in (found.absolute_work_j, found.peak_speed, found.peak_effort, found.highest):
+        assert np.isfinite(value)
+    assert found.highest <= 1.0
+    assert found.peak_effort <= 5.0
+
+
+def test_times_that_step_back_are_left_out() -> None:
+    whole = wave(3000)
+    time = whole.stamp.copy()
+    time[1000:1010] -= 500 * STEP
+    found = recorded(samples(whole.position, whole.velocity, whole.effort, time))
+    assert found.not_advancing == 10
+    assert np.diff(found.track.time).min() > 0

@@ -1,0 +1,235 @@
+"""Legs of a trot that a physics engine made: clearance, touchdowns, work, curves and gaps."""
+
+from collections.abc import Callable
+from functools import cache
+from typing import Any
+
+import numpy as np
+import pytest
+
+import dogbot_logtool as dl
+from tests.truth import physics
+from tests.truth.recording import Floats
+
+
+@pytest.fixture(scope="module")
+def measured(tmp_path_factory: pytest.TempPathFactory) -> Callable[..., dl.Walk]:
+    @cache
+    def walk(**options: Any) -> dl.Walk:
+        path = tmp_path_factory.mktemp("physics") / "trot.mcap"
+        return dl.measure(physics.write_log(path, **options), mass=physics.trot().mass_kg)
+
+    return walk
+
+
+def touchdowns(foot: int) -> list[int]:
+    """Steps at which a foot first touches the ground after a swing of 50 ms at least."""
+    touching = physics.trot().force[:, foot, 2] > 0.0
+    edges = np.flatnonzero(touching[1:] & ~touching[:-1]) + 1
+    return [edge for edge in edges.tolist() if not touching[max(edge - 50, 0) : edge].any()]
+
+
+def of_foot(walk: dl.Walk, foot: int, column: str) -> Floats:
+    strides = walk.strides
+    return np.asarray(strides[column][strides["foot"] == physics.NAMES[foot]], np.float64)
+
+
+def spans(walk: dl.Walk, foot: int) -> list[tuple[int, int]]:
+    """True steps of the touchdowns that begin and end the strides that were found."""
+    true = np.array(touchdowns(foot))
+    start = of_foot(walk, foot, "start_s")
+    end = start + of_foot(walk, foot, "stance_s") + of_foot(walk, foot, "swing_s")
+    found = []
+    for span in zip(start, end, strict=True):
+        steps = [int(true[np.abs(true - each / physics.STEP_S).argmin()]) for each in span]
+        assert np.array(steps) == pytest.approx(np.array(span) / physics.STEP_S, abs=5)
+        found.append((steps[0], steps[1]))
+    assert len(found) >= 4
+    return found
+
+
+BOTH = pytest.mark.parametrize("by_transforms", [True, False], ids=["transforms", "joints"])
+
+
+def test_the_engine_carries_the_weight() -> None:
+    truth = physics.trot()
+    carried = truth.force[:, :, 2].sum(axis=1)[: round(6 * physics.PERIOD_S / physics.STEP_S)]
+    assert carried.mean() == pytest.approx(truth.mass_kg * 9.81, rel=0.01)
+    assert all(len(touchdowns(foot)) >= 5 for foot in range(4))
+
+
+@BOTH
+def test_clearance_and_swing_length(measured: Callable[..., dl.Walk], by_transforms: Any) -> None:
+    truth, walk = physics.trot(), measured(by_transforms=by_transforms)
+    for foot in range(4):
+        clearance = []
+        for start, end in spans(walk, foot):
+            height = truth.foot[start:end, foot, 2]
+            standing = truth.force[start:end, foot, 2] > 20.0
+            clearance.append(height.max() - np.median(height[standing]))
+        found = of_foot(walk, foot, "clearance_m")
+        assert found == pytest.approx(clearance, abs=0.002)
+        length = of_foot(walk, foot, "swing_length_m")
+        assert length == pytest.approx(physics.SPEED_MPS * physics.PERIOD_S, abs=0.004)
+
+
+@BOTH
+def test_velocity_of_touchdowns(measured: Callable[..., dl.Walk], by_transforms: Any) -> None:
+    truth, walk = physics.trot(), measured(by_transforms=by_transforms)
+    for foot in range(4):
+        down = [-truth.foot_velocity[end - 1, foot, 2] for _, end in spans(walk, foot)]
+        found = of_foot(walk, foot, "touchdown_down_mps")
+        assert found == pytest.approx(down, rel=0.05)
+        if not by_transforms:
+            # The middle of the ball, which the truth is of.
+            along = [
+                np.hypot(*truth.foot_velocity[end - 1, foot, :2]) for _, end in spans(walk, foot)
+            ]
+            found = of_foot(walk, foot, "touchdown_along_mps")
+            assert found == pytest.approx(along, abs=0.05)
+
+
+@BOTH
+def test_work_of_a_leg(measured: Callable[..., dl.Walk], by_transforms: Any) -> None:
+    truth, walk = physics.trot(), measured(by_transforms=by_transforms)
+    for foot in range(4):
+        joints = slice(3 * foot, 3 * foot + 3)
+        power = truth.torque[:, joints] * truth.velocity[:, joints]
+        for column, part in (
+            ("absolute_work_j", np.abs(power)),
+            ("positive_work_j", power.clip(0.0)),
+        ):
+            done = [part[start:end].sum() * physics.STEP_S for start, end in spans(walk, foot)]
+            found = of_foot(walk, foot, column)
+            assert found == pytest.approx(done, rel=0.02)
+
+
+def test_cost_of_transport_and_joints(measured: Callable[..., dl.Walk]) -> None:
+    truth, walk = physics.trot(), measured(by_transforms=True)
+    rows = slice(*spans(walk, 0)[0][:1], spans(walk, 0)[-1][1])
+    power = np.abs(truth.torque[rows] * truth.velocity[rows]).sum() * physics.STEP_S
+    way = truth.base[rows][-1, 0] - truth.base[rows][0, 0]
+    cost = power / (truth.mass_kg * 9.81 * way)
+    assert walk.stats["legs"]["mechanical_cost_of_transport"] == pytest.approx(cost, rel=0.03)
+    for column, name in enumerate(physics.JOINTS):
+        joint = walk.stats["legs"]["joints"][name]
+        told = slice(None, None, physics.EVERY)
+        assert joint["foot"] == physics.NAMES[column // 3]
+        assert joint["range_of_motion"] == pytest.approx(np.ptp(truth.position[told, column]))
+        assert joint["peak_effort"] == pytest.approx(np.abs(truth.torque[told, column]).max())
+        rms = np.sqrt((truth.torque[:, column] ** 2).mean())
+        assert joint["rms_effort"] == pytest.approx(rms, rel=0.02)
+
+
+def test_curves_over_the_gait_cycle(measured: Callable[..., dl.Walk]) -> None:
+    truth, walk = physics.trot(), measured(by_transforms=False)
+    for column, name in enumerate(physics.JOINTS):
+        curve = walk.stats["legs"]["joints"][name]["over_stride"]
+        phase = np.array(curve["percent"]) / 100.0
+        strides = spans(walk, column // 3)
+        rows = [np.rint(start + phase * (end - start)).astype(int) for start, end in strides]
+        expected = np.mean([truth.position[row, column] for row in rows], axis=0)
+        assert curve["n"] >= 4
+        assert curve["position"] == pytest.approx(expected, abs=0.02)
+        assert max(curve["position_sd"]) < 0.05
+
+
+def test_left_and_right_are_alike(measured: Callable[..., dl.Walk]) -> None:
+    pairs = measured(by_transforms=False).stats["legs"]["asymmetry_percent"]
+    assert len(pairs) == 6
+    assert all(abs(pair["absolute_work"]) < 5.0 for pair in pairs.values())
+
+
+def test_steps_and_rest(measured: Callable[..., dl.Walk]) -> None:
+    walk = measured(by_transforms=True)
+    width = 2.0 * (physics.HALF_WIDTH + physics.OFFSET)
+    for name in physics.NAMES:
+        leg = walk.stats["legs"]["feet"][name]
+        assert leg["point"] == "contact_point"
+        assert leg["frame_travel_m"]["median"] < 0.005
+        assert leg["step_width_m"]["median"] == pytest.approx(width, abs=0.01)
+        half = physics.SPEED_MPS * physics.PERIOD_S / 2.0
+        assert leg["step_length_m"]["median"] == pytest.approx(half, abs=0.01)
+        assert walk.stats["feet"][name]["slip_source"] == "foot_frame"
+
+
+def test_a_ball_that_rolls_tells_no_slip(measured: Callable[..., dl.Walk]) -> None:
+    walk = measured(by_transforms=False)
+    for name in physics.NAMES:
+        assert walk.stats["legs"]["feet"][name]["point"] == "origin"
+        assert walk.stats["feet"][name]["slip_source"] is None
+
+
+def test_several_publishers_tell_the_same(measured: Callable[..., dl.Walk]) -> None:
+    one, three = (measured(by_transforms=False, publishers=each) for each in (1, 3))
+    for column in ("clearance_m", "absolute_work_j", "touchdown_down_mps"):
+        assert three.strides[column] == pytest.approx(one.strides[column], rel=1e-6, nan_ok=True)
+
+
+def test_a_stride_with_a_silence_has_no_figures(measured: Callable[..., dl.Walk]) -> None:
+    whole = measured(by_transforms=False)
+    gap = measured(by_transforms=False, silence_s=(1.30, 1.45))
+    for column in ("clearance_m", "absolute_work_j"):
+        for foot in range(4):
+            known, expected = of_foot(gap, foot, column), of_foot(whole, foot, column)
+            starts = of_foot(gap, foot, "start_s")
+            ends = starts + of_foot(gap, foot, "stance_s") + of_foot(gap, foot, "swing_s")
+            lost = (starts < 1.45) & (ends > 1.30)
+            assert lost.any()
+            assert np.isnan(known[lost]).all()
+            kept = ~lost if column == "absolute_work_j" else ends < 1.0
+            assert known[kept] == pytest.approx(expected[kept], rel=1e-3)
+
+
+def without_effort(*states: Floats) -> tuple[Floats, ...]:
+    return states[0], states[1], np.zeros_like(states[2])
+
+
+def in_degrees(*states: Floats) -> tuple[Floats, ...]:
+    return states[0], np.degrees(states[1]), states[2]
+
+
+def without_velocity(*states: Floats) -> tuple[Floats, ...]:
+    return states[0], np.zeros_like(states[1]), states[2]
+
+
+def in_milliamperes(*states: Floats) -> tuple[Floats, ...]:
+    return states[0], states[1], 1e3 * states[2]
+
+
+@pytest.mark.parametrize(
+    ("change", "code"),
+    [
+        (without_effort, "N_NO_EFFORT"),
+        (in_degrees, "W_JOINT_VALUES"),
+        (in_milliamperes, "W_JOINT_VALUES"),
+    ],
+)
+def test_work_is_null_where_it_cannot_be_known(
+    measured: Callable[..., dl.Walk], change: Any, code: str
+) -> None:
+    walk = measured(by_transforms=False, change=change)
+    assert code in {each["code"] for each in walk.stats["findings"]}
+    assert walk.stats["legs"]["absolute_work_j"] is None
+    assert walk.stats["legs"]["mechanical_cost_of_transport"] is None
+    assert np.isnan(walk.strides["absolute_work_j"]).all()
+    assert np.isfinite(walk.strides["clearance_m"]).sum() >= 16
+
+
+def test_positions_are_differenced_where_no_velocity_is_told(
+    measured: Callable[..., dl.Walk],
+) -> None:
+    told = measured(by_transforms=False)
+    found = measured(by_transforms=False, change=without_velocity)
+    joints = found.stats["legs"]["joints"]
+    assert {each["velocity_source"] for each in joints.values()} == {"differences"}
+    assert found.strides["absolute_work_j"] == pytest.approx(
+        told.strides["absolute_work_j"], rel=0.02
+    )
+
+
+def test_figures_do_not_depend_on_jobs(measured: Callable[..., dl.Walk]) -> None:
+    path = str(measured(by_transforms=True).path)
+    for jobs in (1, 3):
+        again = dl.measure(path, mass=physics.trot().mass_kg, jobs=jobs)
+        assert again.stats["legs"] == measured(by_transforms=True).stats["legs"]
