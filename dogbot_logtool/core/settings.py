@@ -1,7 +1,6 @@
 """What decides the figures: thresholds, mass, frames, clock."""
 
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
 
 from dogbot_logtool.core.contact.contact_rule import FootSensor, Thresholds, contact_rule
 from dogbot_logtool.core.contact.sensor_level import zero_reading
@@ -9,9 +8,6 @@ from dogbot_logtool.core.frames.wrench_frame import WrenchFrame
 from dogbot_logtool.core.geometry.clock import TimeSource
 from dogbot_logtool.core.leg_position import LegPosition
 from dogbot_logtool.core.load.loads import body_weight_n
-
-if TYPE_CHECKING:
-    from dogbot_logtool.core.legs.settings import LegSettings
 
 
 @dataclass(frozen=True, slots=True)
@@ -61,8 +57,6 @@ class StatsSettings:
     time_source_reason: str = ""
     """Why `time_source` is what it is, where no option chose it."""
     odometry_topic: str = ""
-    legs: "LegSettings | None" = None
-    """Where the log tells of its legs; None: nowhere."""
 
     @property
     def clock(self) -> TimeSource:
