@@ -192,13 +192,11 @@ def _pass(
     feet = replace(selection.foot_channels(), left_after_ns=probe.left_after_ns)
     sensors = [settings.sensor(foot) for foot in range(len(settings.feet))]
     legs = _leg_reader(log, selection, probe, settings)
-    if legs is not None:
-        settings = replace(settings, legs=legs.settings)
     reads_transforms = legs is not None and bool(legs.moving)
     reader = BatchReader(selection, feet, frames, sensors, limits, reads_transforms)
     measurer = BatchMeasurer(reader, side, legs)
     feed = _Feed(
-        StatsAccumulator(settings, options.curves, on_samples),
+        StatsAccumulator(settings, options.curves, on_samples, legs.settings if legs else None),
         _swings(log, silent, limits),
         StreamedFrames(frames) if frames else None,
         list(log.losses),

@@ -39,6 +39,7 @@ if TYPE_CHECKING:
     from dogbot_logtool.core.frames.transform_buffer import TransformBuffer
     from dogbot_logtool.core.legs.joint_track import JointTable
     from dogbot_logtool.core.legs.leg_history import LegRecorder
+    from dogbot_logtool.core.legs.settings import LegSettings
     from dogbot_logtool.core.recorded.vectors import VectorRecorder, VectorSamples
 
 OnSamples = Callable[[int, Samples], None]
@@ -52,6 +53,7 @@ class StatsAccumulator:
         settings: what decides the figures.
         curves: keep load curves for drawing, in this detail; None keeps none, and costs nothing.
         on_samples: called with the samples of each foot as they are taken in.
+        legs: where the log tells of its legs; None: nowhere.
     """
 
     def __init__(
@@ -59,6 +61,7 @@ class StatsAccumulator:
         settings: StatsSettings,
         curves: CurveDetail | None = None,
         on_samples: OnSamples | None = None,
+        legs: "LegSettings | None" = None,
     ) -> None:
         self._settings = settings
         self._on_samples = on_samples
@@ -82,7 +85,7 @@ class StatsAccumulator:
         self._topics: dict[str, TopicWatch] = {}
         self._commands: VectorRecorder | None = None
         self._inertial: VectorRecorder | None = None
-        self._legs = _leg_recorder(settings)
+        self._legs = None if legs is None else _leg_recorder(legs, settings.clock)
 
     def add_contacts(self, samples: Samples) -> None:
         """Take in contact samples of any feet; each foot's in the order of the log."""
@@ -235,10 +238,8 @@ def _recorder(topic: str, *, averages: bool) -> "VectorRecorder":
     return VectorRecorder(topic, averages=averages)
 
 
-def _leg_recorder(settings: StatsSettings) -> "LegRecorder | None":
-    """Return what records the legs; None where the log tells nothing of them."""
-    if settings.legs is None:
-        return None
+def _leg_recorder(legs: "LegSettings", clock: TimeSource) -> "LegRecorder":
+    """Return what records the legs."""
     from dogbot_logtool.core.legs.leg_history import LegRecorder  # noqa: PLC0415
 
-    return LegRecorder(settings.legs, settings.clock)
+    return LegRecorder(legs, clock)

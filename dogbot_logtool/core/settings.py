@@ -1,7 +1,6 @@
 """What decides the figures: thresholds, mass, frames, clock."""
 
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
 
 from dogbot_logtool.core.contact.contact_rule import FootSensor, Thresholds, contact_rule
 from dogbot_logtool.core.contact.sensor_level import zero_reading
@@ -9,9 +8,6 @@ from dogbot_logtool.core.frames.wrench_frame import WrenchFrame
 from dogbot_logtool.core.geometry.clock import TimeSource
 from dogbot_logtool.core.leg_position import LegPosition
 from dogbot_logtool.core.load.loads import body_weight_n
-
-if TYPE_CHECKING:
-    from dogbot_logtool.core.legs.settings import LegSettings
 
 
 @dataclass(frozen=True, slots=True)
@@ -67,8 +63,6 @@ class StatsSettings:
     imu_mounting: tuple[float, float, float, float] | None = None
     """x, y, z, w: the accelerometer's frame in the base's, from recorded transforms; None: not
     recorded, and taken to be the base's."""
-    legs: "LegSettings | None" = None
-    """Where the log tells of its legs; None: nowhere."""
 
     @property
     def clock(self) -> TimeSource:

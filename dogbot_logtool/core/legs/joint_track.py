@@ -12,6 +12,7 @@ import numpy as np
 from dogbot_logtool.core.geometry.arrays import Flags, Float32s, Floats, Ints
 from dogbot_logtool.core.geometry.blocks import Blocks
 from dogbot_logtool.core.geometry.clock import TimeSource, advancing, first_at_each_tick
+from dogbot_logtool.core.quality.stamps import StampFilter
 
 JOINT_RATE_HZ: Final = 100.0
 MOST_JOINTS: Final = 256
@@ -170,6 +171,7 @@ class JointRecorder:
 
     def __init__(self, name: str, topic: str, clock: TimeSource, limits: JointLimits) -> None:
         self._name, self._topic, self._clock, self._limits = name, topic, clock, limits
+        self._stamps: StampFilter[JointSamples] = StampFilter(topic, clock)
         self._blocks: Blocks[JointSamples] = Blocks(_BLOCK_ROWS)
         self._last: JointSamples | None = None
         self._last_is_kept = False
@@ -187,11 +189,15 @@ class JointRecorder:
 
     def add(self, samples: JointSamples) -> None:
         """Take in states, in the order of the log; those without a position are left out."""
-        for block in self._blocks.add(samples):
-            self._add_block(block)
+        for checked in self._stamps.add(samples):
+            for block in self._blocks.add(checked):
+                self._add_block(block)
 
     def finish(self) -> JointHistory | None:
         """End the log; None where no state could be used."""
+        for checked in self._stamps.finish():
+            for block in self._blocks.add(checked):
+                self._add_block(block)
         for block in self._blocks.rest():
             self._add_block(block)
         if self._last is None:
@@ -249,7 +255,9 @@ class JointRecorder:
     def _usable(self, samples: JointSamples) -> JointSamples:
         """Return the rows with a position and a time later than all before."""
         time = self._clock.of(samples)
-        known = np.abs(samples.position) <= _IMPLAUSIBLE
+        known = (np.abs(samples.position) <= _IMPLAUSIBLE) & (
+            (time != 0) | (self._clock is TimeSource.LOG)
+        )
         usable = known.copy()
         usable[known] = advancing(time[known], None if self._last is None else self._end)
         self._not_advancing += int((known & ~usable).sum())

@@ -163,22 +163,35 @@ def swings(
     period = (strides.end - strides.touchdown)[:, None]
     time = strides.touchdown[:, None] + np.rint(period * phase).astype(np.int64)
     height = _above_line(_places(path, time), before[:, None], after[:, None])
-    clearance = np.full(count, np.nan)
-    for row in np.flatnonzero(known).tolist():
-        rows = slice(*np.searchsorted(path.time, (strides.liftoff[row], strides.end[row])))
-        inside = _above_line(path.position[rows], before[row], after[row])
-        clearance[row] = inside.max(initial=-np.inf)
-    clearance[~np.isfinite(clearance)] = np.nan
     way = after - before
     velocity = _approach(path, strides, contact_interval_s)
     return Swings(
-        clearance_m=clearance,
+        clearance_m=_clearance(path, strides, before, after, known),
         length_m=np.where(known, np.hypot(way[:, 0], way[:, 1]), np.nan),
         touchdown_down_mps=-velocity[:, 2],
         touchdown_along_mps=np.hypot(velocity[:, 0], velocity[:, 1]),
         height=cycle_curve(100.0 * phase, height[known]),
         is_slow=path.is_slow or contact_interval_s * 1e9 > SLOWEST_NS,
     )
+
+
+def _clearance(
+    path: WorldPath, strides: Strides, before: Floats, after: Floats, known: Flags
+) -> Floats:
+    """(strides,) m, highest point of each swing that is known above the line of footfalls."""
+    clearance = np.full(len(before), np.nan)
+    first = np.searchsorted(path.time, strides.liftoff)
+    number = np.searchsorted(path.time, strides.end) - first
+    swing = np.flatnonzero(known & (number > 0))
+    if not len(swing):
+        return clearance
+    number = number[swing]
+    begin = np.cumsum(number) - number
+    owner = np.repeat(swing, number)
+    rows = np.arange(len(owner)) + np.repeat(first[swing] - begin, number)
+    height = _above_line(path.position[rows], before[owner], after[owner])
+    clearance[swing] = np.maximum.reduceat(height, begin)
+    return clearance
 
 
 def _above_line(place: Floats, before: Floats, after: Floats) -> Floats:

@@ -103,6 +103,9 @@ def _matrices(
 def _read_ros(messages: DecodedMessages) -> JointStates:
     """Read arrays of names and values that stand side by side."""
     named = messages.table.nested("name")
+    alike = _read_alike(messages, named)
+    if alike is not None:
+        return alike
     joint, names = named.table.texts(ELEMENT).encode()
     rows = len(messages.channel)
     values = [
@@ -111,6 +114,35 @@ def _read_ros(messages: DecodedMessages) -> JointStates:
     ]
     stamp = messages.table.nanoseconds("header.stamp")
     return _matrices(messages, stamp, names, named.parent, joint, values)
+
+
+def _read_alike(messages: DecodedMessages, named: Nested) -> JointStates | None:
+    """Read messages that all name the same joints and tell of each; None: they differ."""
+    rows = len(messages.channel)
+    count = len(named.parent) // max(rows, 1)
+    # Texts stand element by element: all messages' first names, then all second ones.
+    if count == 0 or not np.array_equal(named.parent, np.tile(np.arange(rows), count)):
+        return None
+    called: Texts = named.table.texts(ELEMENT)
+    start, length = called.start.reshape(count, rows), called.length.reshape(count, rows)
+    columns = [Texts(called.buffer, *each) for each in zip(start, length, strict=True)]
+    names = tuple(each.text(0) for each in columns)
+    parents = np.repeat(np.arange(rows), count)
+    if len(set(names)) < count or any(len(each.alike()[1]) > 1 for each in columns):
+        return None
+    found: list[Floats] = []
+    for path in ("position", "velocity", "effort"):
+        told = messages.table.nested(path)
+        if len(told.parent) and not np.array_equal(told.parent, parents):
+            return None
+        values = told.table.numbers(ELEMENT).astype(np.float64)
+        shape = rows, count
+        found.append(values.reshape(shape) if len(values) else np.full(shape, np.nan))
+    position, velocity, effort = found
+    stamp = messages.table.nanoseconds("header.stamp")
+    return JointStates(
+        messages.log_time, stamp, names, position, velocity, effort, messages.malformed
+    )
 
 
 def _beside(named: Nested, told: Nested, rows: int) -> Floats:

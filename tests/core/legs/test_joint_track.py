@@ -132,6 +132,15 @@ def test_hostile_numbers_cost_their_rows(bad: float) -> None:
     assert found.peak_effort <= 5.0
 
 
+def test_one_stamp_far_ahead_costs_its_message() -> None:
+    whole = wave(3000)
+    time = whole.stamp.copy()
+    time[700] += 3_600_000_000_000
+    found = recorded(samples(whole.position, whole.velocity, whole.effort, time))
+    assert found.end == time[-1]
+    assert found.absolute_work_j == pytest.approx(recorded(whole).absolute_work_j, rel=1e-3)
+
+
 def test_times_that_step_back_are_left_out() -> None:
     whole = wave(3000)
     time = whole.stamp.copy()
