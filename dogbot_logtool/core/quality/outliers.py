@@ -28,7 +28,7 @@ class Outliers:
     """NaN where too few values are known."""
 
 
-def outliers(values: Floats) -> Outliers:
+def outliers(values: Floats, least: float = 0.0) -> Outliers:
     """Mark values far from the median.
 
     The modified z-score is 0.6745 (x - median) / MAD, with MAD the median of |x - median|; where
@@ -38,6 +38,7 @@ def outliers(values: Floats) -> Outliers:
 
     Args:
         values: (n,) any unit; NaN is not known, and no outlier.
+        least: distance from the median, in that unit, up to which no value is one.
     """
     known = values[np.isfinite(values)]
     none = np.zeros(len(values), np.bool_)
@@ -49,5 +50,5 @@ def outliers(values: Floats) -> Outliers:
     away = values - median
     with np.errstate(invalid="ignore"):
         far = np.abs(away) > MOST_DEVIATIONS * usual
-        far &= np.abs(away) > LEAST_SHARE * abs(median)
+        far &= np.abs(away) > max(LEAST_SHARE * abs(median), least)
         return Outliers(far & (away > 0.0), far & (away < 0.0), median)

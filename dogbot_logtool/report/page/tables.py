@@ -115,7 +115,7 @@ def _column(values: Floats, decimals: int, segment: Ints) -> list[Cell]:
     cells = [Cell(decimal(None if np.isnan(each) else each, decimals)) for each in values.tolist()]
     for number in np.unique(segment[segment >= 0]).tolist():
         rows = np.flatnonzero(segment == number)
-        found: Outliers = outliers(values[rows])
+        found: Outliers = outliers(values[rows], 10.0**-decimals)
         why = f"the median is {decimal(found.median, decimals)}"
         for flags, mark in ((found.high, "high"), (found.low, "low")):
             for row in rows[flags].tolist():

@@ -31,6 +31,12 @@ def test_among_equal_values_a_far_one_is_odd() -> None:
     assert found.high.tolist() == [False] * 20 + [True]
 
 
+def test_differences_that_are_too_small_to_print_are_no_event() -> None:
+    slips = np.array([0.0] * 20 + [2e-4])
+    assert outliers(slips).high.any()
+    assert not outliers(slips, 0.1).high.any()
+
+
 @pytest.mark.parametrize("few", [[], [1.0], [1.0, 1.0, 1.0, 50.0]])
 def test_few_values_have_no_outliers(few: list[float]) -> None:
     assert not outliers(np.array(few)).high.any()
