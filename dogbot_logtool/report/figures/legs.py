@@ -474,7 +474,9 @@ def _of_strides(of: "Callable[[LegFoot], Floats]") -> Callable[[FootSource], Flo
     def column(source: FootSource) -> Floats:
         legs = source.stats.legs
         unknown = np.full(len(source.foot.strides.stance), np.nan)
-        return unknown if legs is None else of(legs.feet[source.row])
+        found = unknown if legs is None else of(legs.feet[source.row])
+        # One NaN for all: tables are compared to the bit.
+        return np.where(np.isnan(found), np.nan, found)
 
     return column
 
