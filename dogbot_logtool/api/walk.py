@@ -23,7 +23,7 @@ from dogbot_logtool.io.listing import listed
 from dogbot_logtool.io.storage import Location
 from dogbot_logtool.report.figures.events import EVENT_COLUMNS
 from dogbot_logtool.report.figures.figure import Figure, Kind
-from dogbot_logtool.report.figures.legs import JOINT
+from dogbot_logtool.report.figures.joints import JOINT
 from dogbot_logtool.report.stats_json import stats_json
 from dogbot_logtool.report.stride_table import stride_table
 from dogbot_logtool.results import Measurement

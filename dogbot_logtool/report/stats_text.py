@@ -227,9 +227,13 @@ def _legs(console: Console, document: Json, *, verbose: bool) -> list[Renderable
         return []
     parts: list[RenderableType] = []
     if any(leg["frame"] for leg in legs["feet"].values()):
+        rows = [
+            Row([printable(name)], cells_of(TableName.LEGS, document, name))
+            for name in legs["feet"]
+        ]
         parts += [
             _heading("Legs", "medians over whole strides; heights in mm"),
-            _foot_table(console, TableName.LEGS, document),
+            _table(console, ("foot", *headers(TableName.LEGS)), rows),
         ]
     if legs["joints"] and verbose:
         of_legs = [name for name, joint in legs["joints"].items() if joint["foot"]]

@@ -10,6 +10,7 @@ from dogbot_logtool.core.geometry.arrays import Floats
 from dogbot_logtool.core.legs.leg_figures import LegFigures
 from dogbot_logtool.core.scene.foot_style import foot_colour
 from dogbot_logtool.core.statistics import Stats
+from dogbot_logtool.io.printable import printable
 from dogbot_logtool.report.page.chart import Chart, Trace, scatter
 from dogbot_logtool.report.page.drawing import MARGIN, Drawing, label, translucent
 from dogbot_logtool.report.page.panels import heading, leg_columns, panel_axes, place_of
@@ -36,7 +37,7 @@ _Row = tuple[str, Mapping[int, _Band]]
 def legs_over_cycle(stats: Stats) -> Drawing | None:
     """Draw a panel a pair of legs and kind of joint; None where no legs are known."""
     legs = stats.legs
-    rows = [] if legs is None else [*_heights(legs), *_joints(stats, legs)][:_MOST_ROWS]
+    rows = [] if legs is None else [*_heights(legs), *_joints(legs)][:_MOST_ROWS]
     if not rows:
         return None
     columns = leg_columns(stats)
@@ -69,9 +70,9 @@ def _heights(legs: LegFigures) -> list[_Row]:
     return [("foot (mm)", bands)] if bands else []
 
 
-def _joints(stats: Stats, legs: LegFigures) -> list[_Row]:
+def _joints(legs: LegFigures) -> list[_Row]:
     """Return a row a kind of joint: those of different legs that are alike."""
-    numbers = {foot.name: row for row, foot in enumerate(stats.feet)}
+    numbers = {leg.name: row for row, leg in enumerate(legs.feet)}
     kinds = _kinds(legs)
     rows: dict[str, dict[int, _Band]] = {}
     for joint in legs.joints:
@@ -138,7 +139,8 @@ def _traces(stats: Stats, foot: int, band: _Band, number: int) -> Sequence[Trace
 def _words(stats: Stats, legs: LegFigures | None) -> str:
     known = [] if legs is None else [leg for leg in legs.feet if leg.swings.height is not None]
     clear = ", ".join(
-        f"{leg.name} {1e3 * float(np.nanmedian(leg.swings.clearance_m)):.0f} mm" for leg in known
+        f"{printable(leg.name)} {1e3 * float(np.nanmedian(leg.swings.clearance_m)):.0f} mm"
+        for leg in known
     )
     joints = 0 if legs is None else sum(joint.curve is not None for joint in legs.joints)
     text = f"Motion of {joints} joints over the stride of their {len(stats.feet)} feet."

@@ -169,12 +169,12 @@ def leg_table(document: Json) -> Table | None:
     legs = document["legs"]
     if legs is None or not any(leg["frame"] for leg in legs["feet"].values()):
         return None
-    return _foot_table(
-        TableName.LEGS,
-        document,
+    rows = [_cells(name, *cells_of(TableName.LEGS, document, name)) for name in legs["feet"]]
+    words = (
         "Medians over whole strides. Clearance above the line between footfalls, and how far the "
-        "foot's frame moves in the middle of a stance (at rest), in mm; velocity at touchdown.",
+        "foot's frame moves in the middle of a stance (at rest), in mm; velocity at touchdown."
     )
+    return Table(("foot", *headers(TableName.LEGS)), rows, words, range(len(rows)))
 
 
 def joint_table(document: Json) -> Table | None:
@@ -182,7 +182,7 @@ def joint_table(document: Json) -> Table | None:
     legs = document["legs"]
     if legs is None or not legs["joints"]:
         return None
-    table, names = TableName.JOINTS, list(document["feet"])
+    table, names = TableName.JOINTS, list(legs["feet"])
     rows = [_cells(name, *cells_of(table, document, name)) for name in legs["joints"]]
     feet = [joint["foot"] for joint in legs["joints"].values()]
     words = "rad and N m (m and N of those that slide) in the whole log; work: median of a stride."
