@@ -56,7 +56,7 @@ class ImuComparison:
     """None: no mass, or vertical forces are not known."""
 
     @property
-    def mean_is_zero(self) -> bool:
+    def is_zero(self) -> bool:
         """Whether it tells nothing: some units have no accelerometer."""
         return self.mounting.reading is Reading.NOTHING
 
