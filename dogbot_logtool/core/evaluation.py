@@ -14,6 +14,7 @@ from dogbot_logtool.core.base.ground import height_over_feet
 from dogbot_logtool.core.base.pose_jumps import PoseJumps, find_jumps, without_jumps
 from dogbot_logtool.core.base.tipping import find_tipping
 from dogbot_logtool.core.base.travel import find_travel
+from dogbot_logtool.core.command_tracking import command_track, tracking_in
 from dogbot_logtool.core.consistency.silences import all_silent
 from dogbot_logtool.core.consistency.worlds import Worlds, placed_poses
 from dogbot_logtool.core.contact.foot_history import FootHistory
@@ -56,7 +57,7 @@ from dogbot_logtool.core.stability.stability import Stability, stability
 from dogbot_logtool.core.statistics import SegmentFigures, Stats
 
 if TYPE_CHECKING:
-    from dogbot_logtool.core.commands.tracking import CommandTrack, Tracking
+    from dogbot_logtool.core.commands.tracking import CommandTrack
     from dogbot_logtool.core.imu.comparison import ImuComparison
     from dogbot_logtool.core.recorded.vectors import VectorHistory
 
@@ -114,6 +115,11 @@ class _Walk:
         """Whether the base is on another clock than the feet, or in another world."""
         differ = self.worlds is not None and not self.worlds.agree
         return self.settings.odometry_topic in self.apart or differ
+
+    @property
+    def period_s(self) -> float | None:
+        """The usual stride, s; None: there are none."""
+        return typical_period_s([each.stances for each in self.records])
 
     def feet(self, within: Ints | None = None) -> tuple[FootStatistics, ...]:
         """Return the figures of all feet, in some spans or in the whole log."""
@@ -198,7 +204,9 @@ def work_out(settings: StatsSettings, recorded: Recorded) -> Stats:
     segments = find_segments(gait) if feet and not walk.feet_apart else ()
     strides = _reference_strides(feet)
     origin, end = _extent(records, walk.base)
-    track = _command_track(walk, recorded.commands, jumps, segments)
+    track = command_track(
+        recorded.commands, walk.base, jumps, settings.forward_axis, segments, walk.period_s
+    )
     return Stats(
         settings=settings,
         origin=origin,
@@ -231,7 +239,7 @@ def work_out(settings: StatsSettings, recorded: Recorded) -> Stats:
         loses_way=walk.loses_way,
         all_silent=all_silent(records, walk.base),
         command_track=track,
-        commands=_tracking(track),
+        commands=tracking_in(track),
         imu=_imu(walk, recorded.inertial, jumps),
     )
 
@@ -322,29 +330,7 @@ def _segment_figures(
         support=walk.support(spans),
         loads=walk.loads(strides.within(spans).spans, spans),
         stability=walk.stability(spans),
-        commands=_tracking(track, spans),
-    )
-
-
-def _command_track(
-    walk: _Walk,
-    commands: "VectorHistory | None",
-    jumps: PoseJumps,
-    segments: Sequence[Segment],
-) -> "CommandTrack | None":
-    """Compare commands with the base's velocity, in logs that have both."""
-    if commands is None:
-        return None
-    from dogbot_logtool.core.commands.tracking import follow_commands  # noqa: PLC0415
-
-    steps = [each.spans for each in segments if each.strides]
-    return follow_commands(
-        commands,
-        walk.base,
-        jumps.spans,
-        walk.settings.forward_axis,
-        timespans.merge(np.concatenate([timespans.no_spans(), *steps])),
-        typical_period_s([each.stances for each in walk.records]),
+        commands=tracking_in(track, spans),
     )
 
 
@@ -363,18 +349,10 @@ def _imu(walk: _Walk, inertial: "VectorHistory | None", jumps: PoseJumps) -> "Im
         walk.records if comparable else (),
         mass_kg=walk.settings.mass_kg,
         mounting=walk.settings.imu_mounting,
-        period_s=typical_period_s([each.stances for each in walk.records]),
+        period_s=walk.period_s,
         fallen=walk.fallen,
         strides=timespans.merge(strides),
     )
-
-
-def _tracking(track: "CommandTrack | None", within: Ints | None = None) -> "Tracking | None":
-    if track is None:
-        return None
-    from dogbot_logtool.core.commands.tracking import tracking  # noqa: PLC0415
-
-    return tracking(track, within)
 
 
 def _transition_strides(

@@ -1,6 +1,7 @@
 """The base's velocity in its own frame, from its poses, as a mean over about a stride."""
 
 from dataclasses import dataclass
+from typing import Final
 
 import numpy as np
 
@@ -9,6 +10,9 @@ from dogbot_logtool.core.base.base_motion import FORWARD_ANGLES
 from dogbot_logtool.core.geometry import timespans
 from dogbot_logtool.core.geometry.arrays import Floats, Ints
 from dogbot_logtool.core.geometry.rotations import along_heading
+
+SPARSE_NS: Final = 1_000_000_000
+"""ns; poses further apart than this tell no speed."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,10 +61,12 @@ def base_odometer(base: BaseHistory, forward_axis: str, jumps: Ints) -> Odometer
     heading = (yaw[1:] + yaw[:-1]) / 2.0 + FORWARD_ANGLES[forward_axis]
     forward, left = along_heading(np.diff(base.position[:, :2], axis=0), heading)
     steps = np.stack([forward, left, np.diff(yaw)], axis=1)
+    sparse = np.flatnonzero(np.diff(base.time) > SPARSE_NS)
+    broken = np.stack([base.time[sparse], base.time[sparse + 1]], axis=1)
     origin = int(base.time[0])
     return Odometer(
         origin=origin,
         seconds=(base.time - origin) / 1e9,
         way=np.concatenate([np.zeros((1, 3)), np.cumsum(steps, axis=0)]),
-        known=timespans.subtract(base.known, timespans.merge(jumps)),
+        known=timespans.subtract(base.known, timespans.merge(np.concatenate([jumps, broken]))),
     )

@@ -146,9 +146,7 @@ def follow_commands(
         return None
     window = round((period_s or USUAL_WINDOW_S) * 1e9)
     held = held_command(history, 0.0)
-    tick = round(1e9 / TRACKING_HZ)
-    first, last = odometer.known.min(initial=base.time[-1]), odometer.known.max(initial=0)
-    time = np.arange(-(-int(first) // tick) * tick, int(last), tick)
+    time = timespans.ticks(odometer.known, round(1e9 / TRACKING_HZ))
     time = time[_windows_in([odometer.known, held.known], time, window // 2, window // 2)]
     track = CommandTrack(
         history=history,

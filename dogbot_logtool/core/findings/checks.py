@@ -165,17 +165,16 @@ def _weight_not_compared(stats: Stats) -> str:
 
 
 def _no_imu(stats: Stats) -> str:
-    return "" if stats.settings.imu_topic else "the log has no accelerometer of the base"
+    if not stats.settings.imu_topic:
+        return "the log has no accelerometer of the base"
+    return "all accelerations are zero" if stats.imu and stats.imu.is_zero else _no_poses(stats)
 
 
 def _imu_not_compared(stats: Stats) -> str:
     if stats.imu is None:
         return "accelerometer and poses are not known together for 2 s"
-    if stats.imu.mounting.reading is None:
-        return "the accelerometer does not follow the base's attitude"
-    if stats.imu.mean_is_zero:
-        return "all accelerations are zero"
-    return "" if stats.imu.forces else "forces or mass are not known, so only poses agree with it"
+    unsure = "the accelerometer does not follow the base's attitude"
+    return unsure if stats.imu.mounting.reading is None else ""
 
 
 EVENTS: Final = frozenset(
@@ -288,7 +287,7 @@ _KINDS: Final = (
         ),
     ),
     _Kind(
-        "accelerometer, forces and poses agree",
+        "nothing contradicts the accelerometer",
         _no_imu,
         _imu_not_compared,
         frozenset(

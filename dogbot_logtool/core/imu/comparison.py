@@ -56,7 +56,7 @@ class ImuComparison:
     """None: no mass, or vertical forces are not known."""
 
     @property
-    def mean_is_zero(self) -> bool:
+    def is_zero(self) -> bool:
         """Whether it tells nothing: some units have no accelerometer."""
         return self.mounting.reading is Reading.NOTHING
 
@@ -95,7 +95,7 @@ def compare_imu(
     half = round((period_s or STANDING_WINDOW_S) * 5e8)
     reach = half + _SPEED_NS
     usable = timespans.subtract(running.known, timespans.merge(np.concatenate([jumps, fallen])))
-    time = np.arange(int(base.time[0]), int(base.time[-1]), _TICK_NS) // _TICK_NS * _TICK_NS
+    time = timespans.ticks(usable, _TICK_NS)
     time = time[inside(usable, time, reach)]
     if len(time) < _LEAST_S * TRACK_RATE_HZ:
         return None

@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Final
 
 import numpy as np
 
@@ -13,6 +14,9 @@ from dogbot_logtool.core.geometry.arrays import Flags, Floats, Ints, all_finite
 from dogbot_logtool.core.geometry.rotations import conjugate, from_roll_pitch_yaw, rotate
 from dogbot_logtool.core.load.loads import GRAVITY_MPS2
 from dogbot_logtool.core.recorded.vectors import VectorHistory
+
+SPARSE_NS: Final = 1_000_000_000
+"""ns; readings further apart than this tell no acceleration."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -75,7 +79,7 @@ def running_accelerations(
     values = np.concatenate([rotate(turn, body), body, rotate(conjugate(turn), up)], axis=1)
     step = np.diff(time)
     parts = (values[1:] + values[:-1]) / 2.0 * (step / 1e9)[:, None]
-    silent = np.flatnonzero(step > sensed.gap_ns)
+    silent = np.flatnonzero(step > min(sensed.gap_ns, SPARSE_NS))
     gaps = np.stack([time[silent], time[silent + 1]], axis=1)
     known = timespans.subtract(time[[0, -1]][None, :], gaps)
     return Running(

@@ -195,3 +195,14 @@ def test_a_part_of_the_log_has_its_own_figures() -> None:
     found = tracking(track, later)
     assert axis_of(found, "forward").commanded_mean == pytest.approx(0.6)
     assert found.commanded_s == pytest.approx(10.0)
+
+
+def test_poses_years_apart_take_no_memory() -> None:
+    robot = Commanded(seconds=3.0)
+    base = robot.base()
+    far = replace(base, stamp=base.stamp + np.arange(len(base.stamp)) * 10**16)
+    track = follow(far, robot.commands(), robot.period_s)
+    assert len(track.time) == 0
+    found = tracking(track)
+    assert found.forward is None
+    assert found.straight is None

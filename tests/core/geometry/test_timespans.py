@@ -51,3 +51,9 @@ def test_a_start_is_inside_an_end_is_not() -> None:
 
 def test_nothing_in_common_with_nothing() -> None:
     assert timespans.intersect([]).shape == (0, 2)
+
+
+def test_ticks_are_whole_multiples_in_spans() -> None:
+    spans = np.array([[5, 21], [30, 31], [40, 41]], np.int64)
+    assert timespans.ticks(spans, 10).tolist() == [10, 20, 30, 40]
+    assert len(timespans.ticks(timespans.no_spans(), 10)) == 0
