@@ -1,6 +1,6 @@
 """`stats --parquet`: measure logs into a dataset."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Generator
 from typing import TYPE_CHECKING, Any
 
 from dogbot_logtool.commands.tasks import Measure, MeasuredEntry, MeasureForDataset
@@ -47,7 +47,7 @@ class DatasetCall:
         measure: Measure,
         *,
         keeps_figures: bool,
-    ) -> "Iterator[Figures]":
+    ) -> "Generator[Figures, None, None]":
         """Measure the logs into the dataset; yield their figures if they are wanted."""
         work = MeasureForDataset(measure, keeps_figures)
         pending = self.pending

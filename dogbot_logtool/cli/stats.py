@@ -1,7 +1,8 @@
 """The words of `stats`."""
 
 import sys
-from collections.abc import Iterator, Sequence
+from collections.abc import Generator, Sequence
+from contextlib import closing
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -140,15 +141,16 @@ def stats(
     measure = Measure(replace(chosen, jobs=runner.jobs), drawing, whole=whole, window=shown)
     wanted = as_json or as_csv or drawing is not None
     measured: list[Figures] = []
-    for done in (
+    with closing(
         _measure(outcomes, runner, measure, log_set)
         if call is None
         else call.measure(outcomes, runner, measure, keeps_figures=wanted)
-    ):
-        if drawing is not None and done.drawn is not None and not quiet:
-            _print_drawn(drawing.target, done.drawn)
-        _write_events(events, done, overwrite=overwrite)
-        measured.append(done)
+    ) as all_figures:
+        for done in all_figures:
+            if drawing is not None and done.drawn is not None and not quiet:
+                _print_drawn(drawing.target, done.drawn)
+            _write_events(events, done, overwrite=overwrite)
+            measured.append(done)
     if as_csv:
         write_strides(sys.stdout, [(done.json["log"]["path"], done.strides) for done in measured])
     elif not as_json and measured and call is None:
@@ -160,7 +162,7 @@ def stats(
 
 def _measure(
     outcomes: Outcomes, runner: "Runner[Any]", measure: "Measure", log_set: "LogSet"
-) -> "Iterator[Figures]":
+) -> "Generator[Figures, None, None]":
     """Measure all logs; yield their figures."""
     for done in outcomes.of(runner, measure, log_set.paths, log_set.names):
         outcomes.add(done.json, done.exit_code)

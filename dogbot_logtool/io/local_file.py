@@ -5,6 +5,7 @@ leaves anything; elsewhere it has a temporary name, and is removed on any error.
 """
 
 import contextlib
+import errno
 import os
 import secrets
 import stat
@@ -124,6 +125,8 @@ class _Part:
 
     def resemble(self, replaced: os.stat_result) -> None:
         """Take over the owner, where that is allowed, and the permissions of another file."""
+        if not hasattr(os, "fchown"):
+            return  # Windows
         for owner in ((-1, replaced.st_gid), (replaced.st_uid, -1)):
             with contextlib.suppress(PermissionError):
                 os.fchown(self.file.fileno(), *owner)
@@ -133,6 +136,7 @@ class _Part:
         """Take a name; tell whether it was free."""
         if self.temporary is None:
             return _link(_OPEN_FILES / str(self.file.fileno()), path)
+        self.file.close()  # Windows gives no open file another name
         try:
             return _link(self.temporary, path)
         except OSError:
@@ -148,11 +152,19 @@ class _Part:
             unnamed = _OPEN_FILES / str(self.file.fileno())
             self.temporary = _temporary_name(path.parent)
             _link(unnamed, self.temporary)
+        else:
+            self.file.close()
         self.temporary.replace(path)
 
 
 def _link(source: Path, path: Path) -> bool:
-    """Give a file one more name; tell whether that was free."""
+    """Give a file one more name; tell whether that was free.
+
+    Raises:
+        OSError: the system or the filesystem gives none.
+    """
+    if os.link not in os.supports_dir_fd:
+        raise OSError(errno.ENOTSUP, os.strerror(errno.ENOTSUP))  # Windows
     folder = os.open(path.parent, getattr(os, "O_PATH", os.O_RDONLY))
     try:
         # Only with a directory given does Python follow the link that stands for an open file.

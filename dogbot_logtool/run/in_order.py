@@ -2,6 +2,7 @@
 
 import mmap
 import multiprocessing
+import os
 import sys
 from collections import deque
 from collections.abc import Callable, Generator, Iterable
@@ -155,7 +156,8 @@ def _can_fork() -> bool:
 
     Apple's libraries do not survive a fork, and daemonic processes may have no children.
     """
-    return sys.platform == "linux" and not multiprocessing.current_process().daemon
+    can = sys.platform == "linux" and hasattr(os, "fork")
+    return can and not multiprocessing.current_process().daemon
 
 
 def _keep_freed_memory() -> None:

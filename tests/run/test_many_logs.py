@@ -100,7 +100,7 @@ def kill_a_worker(lab: Lab, *, when: int) -> threading.Thread:
 def test_figures_are_those_of_a_serial_run_whatever_fails(
     lab: Lab, serial: Mapping[Path, Any], tmp_path: Path
 ) -> None:
-    killer = kill_a_worker(lab, when=20)
+    killer = kill_a_worker(lab, when=5)
     with lab.store.failing(FAIL_EVERY):
         done = lab.store.run(
             *("stats", f"s3://{BUCKET}/logs", "--parquet", lab.figures),

@@ -1,6 +1,7 @@
 """The bytes of a log file by offset: safe to share among threads, and small for any log."""
 
 import os
+import threading
 from collections.abc import Sequence
 from pathlib import Path
 from types import TracebackType
@@ -32,6 +33,7 @@ class ByteSource:
         self.path = path
         self._file = storage.open_file(path)
         self._descriptor = self._file.fileno()
+        self._seeking = threading.Lock()
         self.size = os.fstat(self._descriptor).st_size
 
     def read(self, offset: int, size: int) -> bytes:
@@ -44,16 +46,22 @@ class ByteSource:
         if offset < 0 or size <= 0:
             return b""
         try:
-            data = os.pread(self._descriptor, size, offset)
-            while len(data) < size and (
-                more := os.pread(self._descriptor, size - len(data), offset + len(data))
-            ):
+            data = self._pread(size, offset)
+            while len(data) < size and (more := self._pread(size - len(data), offset + len(data))):
                 data += more
         except OSError as error:
             raise LogError(
                 f"{self.path}: byte {offset} cannot be read: {error.strerror}"
             ) from error
         return data
+
+    def _pread(self, size: int, offset: int) -> bytes:
+        """Read at an offset, which threads may do at once."""
+        if hasattr(os, "pread"):
+            return os.pread(self._descriptor, size, offset)
+        with self._seeking:  # Windows
+            os.lseek(self._descriptor, offset, os.SEEK_SET)
+            return os.read(self._descriptor, size)
 
     def read_many(self, ranges: Sequence[tuple[int, int]]) -> list[bytes]:
         """Return what `read` gives for each of several (offset, size)."""
