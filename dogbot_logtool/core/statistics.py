@@ -1,6 +1,6 @@
 """The figures of a log: what `evaluation.py` works out, and all that is reported is taken from."""
 
-from dataclasses import dataclass, field
+from dataclasses import field
 
 from dogbot_logtool.core.base.base_history import BaseHistory
 from dogbot_logtool.core.base.base_motion import BaseMotion
@@ -24,6 +24,7 @@ from dogbot_logtool.core.quality.clocks import (
 from dogbot_logtool.core.quality.quality import TopicQuality
 from dogbot_logtool.core.settings import StatsSettings
 from dogbot_logtool.core.stability.stability import Stability
+from dogbot_logtool.dataclass import dataclass
 
 
 @dataclass(frozen=True, slots=True)

@@ -6,7 +6,7 @@ for every command.
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from math import atan, degrees
 from typing import Final
 
@@ -26,6 +26,7 @@ from dogbot_logtool.core.geometry.blocks import concatenated
 from dogbot_logtool.core.geometry.clock import TimeSource
 from dogbot_logtool.core.load.loads import body_weight_n
 from dogbot_logtool.core.plausible import plausible_odometry
+from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.finding import Finding, note, warning
 from dogbot_logtool.pipeline.chunks import spread_chunks
 from dogbot_logtool.pipeline.robot_model.skeleton import FramePose, Point

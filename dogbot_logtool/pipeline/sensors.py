@@ -5,7 +5,7 @@ stretches are read: all of a short log, a sixteenth of a long one, spread over i
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Final
 
 import numpy as np
@@ -37,6 +37,7 @@ from dogbot_logtool.core.geometry.arrays import norms
 from dogbot_logtool.core.geometry.blocks import concatenated
 from dogbot_logtool.core.geometry.clock import usual_interval_s
 from dogbot_logtool.core.load.loads import body_weight_n
+from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.errors import CallError
 from dogbot_logtool.io.listing import listed
 from dogbot_logtool.pipeline.options import TopicOptions

@@ -1,7 +1,6 @@
 """Messages of `/support`, made of columns, those of one shape at a time."""
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -9,6 +8,7 @@ from numpy.typing import NDArray
 from dogbot_logtool.core.geometry.arrays import Floats, Ints
 from dogbot_logtool.core.scene.foot_style import FOOT_COLOURS, colour_parts, foot_colour
 from dogbot_logtool.core.scene.support_scene import SupportScene
+from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.writer.encodings.encoding import (
     Encoding,
     SupportLook,

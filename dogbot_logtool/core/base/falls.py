@@ -1,7 +1,6 @@
 """Did the robot fall? What its feet do while it lies is not walking."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
@@ -11,6 +10,7 @@ from dogbot_logtool.core.base.pose_jumps import GRAVITY_MPS2
 from dogbot_logtool.core.contact.foot_history import FootHistory
 from dogbot_logtool.core.geometry import timespans
 from dogbot_logtool.core.geometry.arrays import Flags, Floats, Ints
+from dogbot_logtool.dataclass import dataclass
 
 TILT_RAD: Final = np.pi / 3.0
 """A base that leans further lies."""

@@ -1,6 +1,5 @@
 """The way of the base, above the noise of its poses."""
 
-from dataclasses import dataclass
 from math import hypot
 from typing import Final
 
@@ -10,6 +9,7 @@ from dogbot_logtool.core.base.base_history import BaseHistory
 from dogbot_logtool.core.geometry import timespans
 from dogbot_logtool.core.geometry.arrays import Flags, Floats, Ints
 from dogbot_logtool.core.geometry.clock import first_at_each_tick
+from dogbot_logtool.dataclass import dataclass
 
 AWAY_M: Final = 0.05
 """m, a base that does not get so far away goes nowhere: it stands, and sways."""

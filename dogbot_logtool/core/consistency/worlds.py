@@ -1,7 +1,6 @@
 """Whether base and feet are in one world: two world frames, or a drifting odometry, part them."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
@@ -12,6 +11,7 @@ from dogbot_logtool.core.contact.foot_history import FootHistory
 from dogbot_logtool.core.contact.stances import Stances
 from dogbot_logtool.core.contact.track import FootTrack
 from dogbot_logtool.core.geometry.arrays import Floats
+from dogbot_logtool.dataclass import dataclass
 
 WINDOW_S: Final = 2.0
 """s: a foot's place is averaged over so long: a stride or more of most gaits."""

@@ -6,7 +6,7 @@ narrow against the distance between both and is visited once a stride, and its v
 each other. Shifting weight in a stand does not look like that, and then the level stays unknown.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Final, Literal
 
 import numpy as np
@@ -25,6 +25,7 @@ from dogbot_logtool.core.contact.sensor_modes import (
 )
 from dogbot_logtool.core.geometry.arrays import Flags, Floats, Ints, norms
 from dogbot_logtool.core.geometry.clock import usual_interval_s
+from dogbot_logtool.dataclass import dataclass
 
 Origin = Literal["option", "robot", "estimated", "default"]
 """Where a setting comes from."""

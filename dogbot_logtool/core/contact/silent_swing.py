@@ -7,7 +7,7 @@ a drop-out, unless it is no longer than the flight of every stride.
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from typing import Final
 
 import numpy as np
@@ -16,6 +16,7 @@ from dogbot_logtool.core.contact.contacts import Samples
 from dogbot_logtool.core.geometry.arrays import Flags, Floats, Ints
 from dogbot_logtool.core.geometry.blocks import concatenated
 from dogbot_logtool.core.geometry.clock import SILENCE_NS
+from dogbot_logtool.dataclass import dataclass
 
 MISSED_INTERVALS: Final = 2.5
 """A silence of more than so many intervals is a swing."""

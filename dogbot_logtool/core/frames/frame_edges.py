@@ -1,7 +1,6 @@
 """What a log's transforms say of each pair of frames, measured while they stream past."""
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
@@ -10,6 +9,7 @@ from dogbot_logtool.core.frames.recorded_transforms import RecordedTransforms
 from dogbot_logtool.core.geometry.arrays import Flags, Floats, Ints, all_finite, stable_order
 from dogbot_logtool.core.geometry.clock import TimeSource
 from dogbot_logtool.core.quality.quality import TopicQuality, TopicWatch
+from dogbot_logtool.dataclass import dataclass
 
 NORM_TOLERANCE: Final = 0.01
 """A quaternion whose squared norm is further from 1 is not normalised. tf2's tolerance: it

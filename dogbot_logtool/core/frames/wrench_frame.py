@@ -12,7 +12,6 @@ propels with large tangential forces. Neither breaks the rules, so neither is a 
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from enum import StrEnum
 from typing import Final
 
@@ -20,6 +19,7 @@ import numpy as np
 
 from dogbot_logtool.core.contact.contacts import Samples
 from dogbot_logtool.core.geometry.arrays import Flags, Floats, Ints, norms
+from dogbot_logtool.dataclass import dataclass
 
 FRICTION: Final = 1.0
 """Highest tangential over normal force that a foot is expected to find."""

@@ -1,6 +1,5 @@
 """How a foot follows its plan: touchdowns early, late and missed, and how far forces are off."""
 
-from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
@@ -10,6 +9,7 @@ from dogbot_logtool.core.gait.foot_statistics import FootStatistics
 from dogbot_logtool.core.geometry import timespans
 from dogbot_logtool.core.geometry.aggregates import Aggregate, aggregate
 from dogbot_logtool.core.geometry.arrays import Flags, Floats, Ints
+from dogbot_logtool.dataclass import dataclass
 
 ON_TIME_S: Final = 0.02
 """s; touchdowns that are off by less are on time, and by less than a sample of either, too."""

@@ -1,11 +1,11 @@
 """Many values in one: aggregates of figures, means on the circle, histograms of intervals."""
 
-from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
 
 from dogbot_logtool.core.geometry.arrays import Floats, Ints
+from dogbot_logtool.dataclass import dataclass
 
 _SUB_BINS: Final = 9
 """2^9 bins an octave: a bin is at most 0.2 % wide."""

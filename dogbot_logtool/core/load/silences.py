@@ -4,7 +4,6 @@ This looks back only: what is written does not depend on where batches end.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
@@ -13,6 +12,7 @@ from dogbot_logtool.core.contact.contacts import Samples
 from dogbot_logtool.core.geometry.arrays import Ints
 from dogbot_logtool.core.geometry.clock import FEWEST_INTERVALS, GAP_INTERVALS, SILENCE_NS
 from dogbot_logtool.core.load.loads import Loads, LoadState
+from dogbot_logtool.dataclass import dataclass
 
 _USUAL: Final = 0.95
 """Quantile of the intervals between messages that counts as usual."""

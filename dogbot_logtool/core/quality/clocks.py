@@ -1,13 +1,13 @@
 """Whether the clocks of several topics agree: each one's stamps against log time, compared."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
 
 from dogbot_logtool.core.geometry.arrays import Floats, Ints
 from dogbot_logtool.core.geometry.blocks import GrowingTable
+from dogbot_logtool.dataclass import dataclass
 
 WINDOW_NS: Final = 500_000_000
 """ns: of the messages logged within it, the one with the shortest delay is compared."""

@@ -1,11 +1,11 @@
 """Which strides are unlike the others? A rule that the odd ones cannot bend."""
 
-from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
 
 from dogbot_logtool.core.geometry.arrays import Flags, Floats
+from dogbot_logtool.dataclass import dataclass
 
 MOST_DEVIATIONS: Final = 3.5
 """Modified z-score beyond which a value is an outlier (Iglewicz and Hoaglin 1993)."""

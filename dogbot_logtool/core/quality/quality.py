@@ -1,6 +1,6 @@
 """Can a recording be trusted? What the times of each topic's messages say."""
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Final
 
 import numpy as np
@@ -17,6 +17,7 @@ from dogbot_logtool.core.geometry.clock import (
 )
 from dogbot_logtool.core.quality.clocks import OffsetRecorder, OffsetTrack
 from dogbot_logtool.core.quality.stamps import ClockStep, StampFilter
+from dogbot_logtool.dataclass import dataclass
 
 _FAR_QUARTILES: Final = 10.0
 """Intervals whose quartiles are further apart are of two kinds: within bursts and between them."""

@@ -1,7 +1,7 @@
 """Which header stamps can be used: single bad ones are left out, a clock that is set is noticed."""
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any, Final, Generic
 
 import numpy as np
@@ -9,6 +9,7 @@ import numpy as np
 from dogbot_logtool.core.geometry.arrays import Flags, Ints
 from dogbot_logtool.core.geometry.blocks import Columns, run_of
 from dogbot_logtool.core.geometry.clock import TimeSource
+from dogbot_logtool.dataclass import dataclass
 
 NEIGHBOURS: Final = 10
 """Stamps before and after a stamp that it is compared with."""

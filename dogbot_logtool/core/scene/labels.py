@@ -2,7 +2,6 @@
 
 from collections.abc import Mapping
 from collections.abc import Set as AbstractSet
-from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
@@ -11,6 +10,7 @@ from dogbot_logtool.core.contact.contacts import Samples
 from dogbot_logtool.core.geometry.arrays import Flags, Floats, Ints, norms
 from dogbot_logtool.core.geometry.clock import first_at_each_tick
 from dogbot_logtool.core.scene.arrows import Arrows
+from dogbot_logtool.dataclass import dataclass
 
 RATE_HZ: Final = 20.0
 """Labels a second: numbers that change faster cannot be read."""

@@ -5,7 +5,7 @@ decoded messages alone, and is sent on before the expensive work begins.
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 
 import numpy as np
 
@@ -16,6 +16,7 @@ from dogbot_logtool.core.contact.silent_swing import LastMessages, SilentFeet, l
 from dogbot_logtool.core.frames.kinematics import LinkTransforms
 from dogbot_logtool.core.frames.transform_buffer import TransformBuffer
 from dogbot_logtool.core.load.silences import LastContact
+from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.pipeline.batches import BatchColumns
 from dogbot_logtool.pipeline.plan import Plan
 

@@ -1,13 +1,13 @@
 """Whether values look like those of feet: on and off, in turns, together the weight."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
 
 from dogbot_logtool.core.contact.contacts import Samples
 from dogbot_logtool.core.geometry.arrays import Flags, Floats, norms
+from dogbot_logtool.dataclass import dataclass
 
 FEWEST: Final = 20
 """Samples of a foot from which its values mean something."""

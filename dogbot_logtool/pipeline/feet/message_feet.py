@@ -1,11 +1,12 @@
 """The feet of messages that tell of all feet at once, and whether their contact flags are used."""
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import Final
 
 import numpy as np
 
+from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.finding import Finding, warning
 from dogbot_logtool.io.listing import listed
 from dogbot_logtool.pipeline.feet.names import foot_name, leg_position

@@ -5,7 +5,7 @@ on a foot touches then lies between them, although nothing says what a count is 
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Final
 
 import numpy as np
@@ -14,6 +14,7 @@ from dogbot_logtool.core.contact.contact_rule import MOST_OF_LOAD, contact_rule
 from dogbot_logtool.core.contact.contacts import Samples, no_samples
 from dogbot_logtool.core.contact.sensor_level import SensorLevel, estimate_level
 from dogbot_logtool.core.geometry.blocks import concatenated
+from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.pipeline.feet.message_feet import sampled_messages
 from dogbot_logtool.reader.containers.log import Channel, Log
 from dogbot_logtool.reader.messages.contacts.registry import source_of

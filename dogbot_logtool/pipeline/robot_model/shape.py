@@ -1,12 +1,12 @@
 """The size of a robot and which way it looks, for pictures of it."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
 
 from dogbot_logtool.core.base.ground import nearest_axis
+from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.pipeline.probe import Probe
 from dogbot_logtool.pipeline.robot_model.primitives import body_size_m
 from dogbot_logtool.pipeline.robot_model.skeleton import Point

@@ -1,7 +1,6 @@
 """How the base moved over time: static margin, speed, height and attitude."""
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
@@ -14,6 +13,7 @@ from dogbot_logtool.core.geometry import timespans
 from dogbot_logtool.core.geometry.arrays import Flags, Floats, Ints
 from dogbot_logtool.core.stability.stability import margins
 from dogbot_logtool.core.statistics import Stats
+from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.report.page.chart import Chart, Trace, scatter
 from dogbot_logtool.report.page.drawing import (
     LINE,

@@ -1,7 +1,6 @@
 """The tables of the page, in text; numbers of the same kind stand under one heading."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
@@ -15,6 +14,7 @@ from dogbot_logtool.core.quality.outliers import (
     outliers,
 )
 from dogbot_logtool.core.statistics import Stats
+from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.report.figures.figure import Json, TableName
 from dogbot_logtool.report.figures.foot_source import FootSource
 from dogbot_logtool.report.figures.tables import cells_of, columns_of, headers
