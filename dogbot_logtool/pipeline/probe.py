@@ -24,6 +24,7 @@ from dogbot_logtool.core.frames.wrench_frame import (
 from dogbot_logtool.core.geometry.arrays import Flags, Ints
 from dogbot_logtool.core.geometry.blocks import concatenated
 from dogbot_logtool.core.geometry.clock import TimeSource
+from dogbot_logtool.core.geometry.order_statistics import distinct, median_of
 from dogbot_logtool.core.load.loads import body_weight_n
 from dogbot_logtool.core.plausible import plausible_odometry
 from dogbot_logtool.dataclass import dataclass
@@ -154,14 +155,14 @@ class _Prober:
             samples = read.reduced.samples
             self._contacts.append(samples)
             self._timings.append(read.timing)
-            self._touching.update(np.unique(samples.foot[samples.in_contact]).tolist())
+            self._touching.update(distinct(samples.foot[samples.in_contact]).tolist())
             for foot, names in read.links.items():
                 self._links.setdefault(foot, set()).update(names)
             if read.source.has_header:
                 stamps = read.messages.table.nanoseconds("header.stamp")
                 self._see_stamps(read.messages.channel, stamps)
             if read.source.silent_in_swing:
-                for foot in np.unique(samples.foot).tolist():
+                for foot in distinct(samples.foot).tolist():
                     steps = _steps(samples.log_time[samples.foot == foot], _begins(batch))
                     self._steps.setdefault(foot, []).append(steps)
         for messages in transforms:
@@ -189,7 +190,7 @@ class _Prober:
 
     def _see_stamps(self, channel: Ints, stamp: Ints) -> None:
         topics = {c.id: c.topic for c in (*self._selection.odometry, *self._selection.contacts)}
-        for number in np.unique(channel).tolist():
+        for number in distinct(channel).tolist():
             stamped = bool((stamp[channel == number] != 0).any())
             topic = topics[number]
             self._stamped[topic] = self._stamped.get(topic, False) or stamped
@@ -305,7 +306,7 @@ def left_after(timings: list[StepTiming]) -> int | None:
     step = np.concatenate([np.empty(0, np.int64), *(timing.step for timing in timings)])
     if not len(step):
         return None
-    usual, half_a_step = float(np.median(lag)), float(np.median(step)) / 2.0
+    usual, half_a_step = float(median_of(lag)), float(median_of(step)) / 2.0
     regular = np.abs(lag - usual) < half_a_step
     return round(usual + half_a_step) if regular.mean() >= _REGULAR else None
 
@@ -327,7 +328,7 @@ def _steps(log_time: Ints, begins: Ints) -> Ints:
 def _interval(steps: list[Ints]) -> int:
     """Return the median interval, ns."""
     known = np.concatenate(steps)
-    return int(np.median(known)) if len(known) else _USUAL_INTERVAL_NS
+    return int(median_of(known)) if len(known) else _USUAL_INTERVAL_NS
 
 
 def frame_names(robot: Robot, probe: Probe) -> tuple[str, str]:

@@ -15,6 +15,7 @@ from dogbot_logtool.core.geometry.clock import (
     TimeSource,
     first_at_each_tick,
 )
+from dogbot_logtool.core.geometry.order_statistics import median_of
 from dogbot_logtool.core.quality.clocks import OffsetRecorder, OffsetTrack
 from dogbot_logtool.core.quality.stamps import ClockStep, StampFilter
 from dogbot_logtool.dataclass import dataclass
@@ -339,7 +340,7 @@ class TopicWatch:
         if self._origins is None:
             return None, None
         table = self._offsets.stacked()
-        offset = float(np.median(table[:, 1]) + self._origins[1]) / 1e9
+        offset = float(median_of(table[:, 1]) + self._origins[1]) / 1e9
         return offset, _slope_ppm(table[:, 0] - table[:, 1], table[:, 1])
 
 

@@ -6,6 +6,7 @@ from typing import Final
 
 import numpy as np
 
+from dogbot_logtool.core.geometry.order_statistics import distinct
 from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.finding import Finding, warning
 from dogbot_logtool.io.listing import listed
@@ -96,7 +97,7 @@ def sampled_messages(
     useful = [c for c in log.chunks if c.counts is None or channel.id in c.counts]
     if not useful:
         return
-    rows = np.unique(np.linspace(0, len(useful) - 1, looks).round().astype(int))
+    rows = distinct(np.linspace(0, len(useful) - 1, looks).round().astype(int))
     for span in log.grouped([useful[row] for row in rows.tolist()]):
         yield from decode_channels(log.read(span), [channel], source.fields)
 

@@ -9,6 +9,7 @@ from dogbot_logtool.core.base.base_motion import FORWARD_ANGLES
 from dogbot_logtool.core.contact.foot_history import FootHistory
 from dogbot_logtool.core.geometry import timespans
 from dogbot_logtool.core.geometry.arrays import Flags, Float32s, Floats, Ints
+from dogbot_logtool.core.geometry.order_statistics import distinct
 from dogbot_logtool.core.leg_position import LegPosition
 from dogbot_logtool.core.scene.foot_style import foot_colour, short_names
 from dogbot_logtool.core.statistics import Stats
@@ -55,7 +56,7 @@ def frame_times(stats: Stats) -> Ints:
         if sum(map(len, shown)) + len(inside) > MOST_FRAMES:
             break
         shown.append(inside)
-    return np.unique(np.concatenate(shown))
+    return distinct(np.concatenate(shown))
 
 
 def replay(stats: Stats, time: Ints, limbs: Limbs | None) -> dict[str, Any] | None:

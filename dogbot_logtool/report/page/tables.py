@@ -7,6 +7,7 @@ import numpy as np
 
 from dogbot_logtool.core.gait.foot_statistics import FootStatistics
 from dogbot_logtool.core.geometry.arrays import Floats, Ints
+from dogbot_logtool.core.geometry.order_statistics import distinct
 from dogbot_logtool.core.quality.outliers import (
     LEAST_SHARE,
     MOST_DEVIATIONS,
@@ -113,7 +114,7 @@ def _segment_of(stats: Stats, time: Ints) -> Ints:
 
 def _column(values: Floats, decimals: int, segment: Ints) -> list[Cell]:
     cells = [Cell(decimal(None if np.isnan(each) else each, decimals)) for each in values.tolist()]
-    for number in np.unique(segment[segment >= 0]).tolist():
+    for number in distinct(segment[segment >= 0]).tolist():
         rows = np.flatnonzero(segment == number)
         found: Outliers = outliers(values[rows])
         why = f"the median is {decimal(found.median, decimals)}"
