@@ -5,11 +5,12 @@ Every code is declared once, in ``findings.toml``, with its meaning and what to 
 
 import tomllib
 from collections.abc import Mapping
-from dataclasses import dataclass
 from enum import IntEnum
 from functools import cache
 from pathlib import Path
 from typing import Final
+
+from dogbot_logtool.dataclass import dataclass
 
 
 class Severity(IntEnum):

@@ -1,8 +1,10 @@
 """The records that commands return and reports print."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import TYPE_CHECKING, Any
+
+from dogbot_logtool.dataclass import dataclass
 
 # A command needs not load what only other commands' records are made of.
 if TYPE_CHECKING:

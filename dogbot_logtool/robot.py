@@ -1,9 +1,10 @@
 """What is known of a robot before its log is opened: feet, topics, frames, mass, thresholds."""
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 from typing import Final
 
+from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.errors import CallError
 from dogbot_logtool.io.toml_table import TomlFile, TomlTable, read_toml
 

@@ -1,7 +1,7 @@
 """The result of `measure`: figures, and tables of strides, stances, joints, events and more."""
 
 from collections.abc import Callable
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
@@ -18,6 +18,7 @@ from dogbot_logtool.core.geometry.arrays import Floats, Ints, norms
 from dogbot_logtool.core.geometry.clock import TimeSource
 from dogbot_logtool.core.geometry.timespans import covers
 from dogbot_logtool.core.statistics import Stats
+from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.errors import CallError
 from dogbot_logtool.io.listing import listed
 from dogbot_logtool.io.storage import Location

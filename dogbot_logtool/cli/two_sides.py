@@ -1,10 +1,11 @@
 """What is shared by commands that compare two runs, or two groups of runs."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from dogbot_logtool.cli.outcomes import Outcomes, say
+from dogbot_logtool.dataclass import dataclass
 
 if TYPE_CHECKING:
     from dogbot_logtool.io.storage import Location

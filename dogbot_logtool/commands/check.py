@@ -1,13 +1,13 @@
 """The story of `check`: is a log good, by rules that a person wrote?"""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from dogbot_logtool.comparison.judge import Judgement, Status, judge, worst
 from dogbot_logtool.comparison.limits import Rule, load_limits
 from dogbot_logtool.comparison.stats_json import load_json
+from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.errors import CallError
 
 

@@ -3,13 +3,14 @@
 from collections import Counter
 from collections.abc import Generator, Iterator, Mapping
 from contextlib import closing
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from typing import BinaryIO
 
 from mcap import records
 
 from dogbot_logtool.core.plausible import IMPLAUSIBLE
 from dogbot_logtool.core.scene.arrows import ArrowCounts
+from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.errors import LogError
 from dogbot_logtool.finding import Finding, by_severity, note, warning
 from dogbot_logtool.io.output import refuse_bad_target, whole_file

@@ -1,9 +1,10 @@
 """`dogbot-logtool robots new`: a robot's file from a log, with the evidence for each line."""
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 from dogbot_logtool.commands.stats import measure
 from dogbot_logtool.commands.tasks import figures_of
+from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.errors import LogError
 from dogbot_logtool.io.storage import Location, shown
 from dogbot_logtool.pipeline.annotated import open_recorded

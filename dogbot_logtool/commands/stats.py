@@ -3,7 +3,7 @@
 from collections import Counter
 from collections.abc import Generator, Sequence
 from contextlib import closing
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from functools import partial
 from typing import TYPE_CHECKING, Final
 
@@ -15,6 +15,7 @@ from dogbot_logtool.core.frames.wrench_frame import WrenchFrame
 from dogbot_logtool.core.geometry.clock import TimeSource, UnusableStamps
 from dogbot_logtool.core.plausible import IMPLAUSIBLE
 from dogbot_logtool.core.settings import FootSettings, StatsSettings
+from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.errors import LogError
 from dogbot_logtool.finding import Finding, warning
 from dogbot_logtool.io.storage import Location, shown

@@ -5,11 +5,11 @@ Each imports its command when it is called, so that a command need not load the 
 
 import os
 from collections.abc import Sequence
-from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
+from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.io import storage
 from dogbot_logtool.io.storage import Location
 from dogbot_logtool.results import Figures
@@ -85,6 +85,8 @@ def conversion_tasks(
     """
     if not may_repeat:
         return [ConversionTask(log, target, target_was_free=False) for log, target in pairs]
+    from concurrent.futures import ThreadPoolExecutor  # noqa: PLC0415 - takes long
+
     with ThreadPoolExecutor(_CHECKS_AT_ONCE) as pool:
         free = pool.map(_is_free, [target for _, target in pairs])
         return [

@@ -8,7 +8,7 @@ numbers, true is none.
 import json
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import Any, Final
 
 import numpy as np
@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from dogbot_logtool.comparison.tolerances import FieldRules, Tolerance
 from dogbot_logtool.core.geometry.arrays import Flags
+from dogbot_logtool.dataclass import dataclass
 
 Tree = Any
 """A decoded value; see above."""

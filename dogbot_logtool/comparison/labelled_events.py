@@ -1,13 +1,13 @@
 """Events that were found against labelled ones: which are missed, invented, late?"""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
 
 from dogbot_logtool.comparison.event_files import LabelledEvent
 from dogbot_logtool.core.geometry.arrays import Floats, Ints
+from dogbot_logtool.dataclass import dataclass
 
 WITHIN_S: Final = 0.05
 """s that an event may be early or late: what people who label steps agree on."""

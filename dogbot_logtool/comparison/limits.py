@@ -12,11 +12,11 @@ stands for dots), and says what is demanded of it.
 import math
 import re
 from collections.abc import Mapping
-from dataclasses import dataclass
 from enum import StrEnum
 from pathlib import Path
 from typing import Any, Final, TypeVar
 
+from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.errors import CallError
 from dogbot_logtool.io.toml_table import parse_toml, read_toml, shortened
 

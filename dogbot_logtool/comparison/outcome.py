@@ -1,11 +1,12 @@
 """Results of a comparison, and the words that all reports share."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 from enum import StrEnum
 from typing import Final, Literal
 
 from dogbot_logtool.comparison.fields import FieldDifference, Findings
+from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.io.printable import printable
 from dogbot_logtool.io.storage import Location
 from dogbot_logtool.reader.containers.log import Loss

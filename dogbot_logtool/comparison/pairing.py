@@ -4,12 +4,11 @@ Messages belong together when topic and log time are the same, and, where severa
 the same log time, when they have the same index among those in the order of the file.
 """
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from dogbot_logtool.comparison.windows import Block
 from dogbot_logtool.core.geometry.arrays import Flags, Ints
+from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.reader.decode.columns import gather
 
 

@@ -1,12 +1,12 @@
 """The topics of two logs, and how they are described: type, encoding, definition."""
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 
 from dogbot_logtool.comparison.fields import FieldDifference
 from dogbot_logtool.comparison.outcome import Difference, Differences, Kind, Tally, field_difference
 from dogbot_logtool.comparison.schemas import compare_schemas
 from dogbot_logtool.comparison.tolerances import FieldRules, Rules
+from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.reader.containers.log import Channel, Log, Schema
 
 

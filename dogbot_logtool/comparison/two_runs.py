@@ -8,12 +8,13 @@ figures, so that each interval is as wide as the number of them asks for (Bonfer
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
 
 from dogbot_logtool.core.geometry.arrays import Floats, Ints
+from dogbot_logtool.core.geometry.order_statistics import median_of
+from dogbot_logtool.dataclass import dataclass
 
 CONFIDENCE: Final = 0.95
 """That no interval misses its difference, over all figures."""
@@ -137,7 +138,7 @@ def _difference(
         resolution: what the recording resolves, in the figure's unit.
         figures: how many are compared in all.
     """
-    medians = float(np.median(one)), float(np.median(other))
+    medians = float(median_of(one)), float(median_of(other))
     difference = medians[1] - medians[0]
     random = np.random.default_rng(_SEED)
     drawn = _drawn_medians(other, random) - _drawn_medians(one, random)
@@ -166,17 +167,17 @@ def _drawn_medians(values: Floats, random: np.random.Generator) -> Floats:
     blocks = -(-count // block)
     starts: Ints = random.integers(0, count - block + 1, (DRAWS, blocks))
     rows = (starts[:, :, None] + np.arange(block)).reshape(DRAWS, -1)[:, :count]
-    medians: Floats = np.median(values[rows], axis=1)
+    medians: Floats = median_of(values[rows], axis=1)
     return medians
 
 
 def _resolution(figure: str, interval_s: float, values: Mapping[str, Floats]) -> float:
     """Return the difference that the recording resolves, in the figure's unit."""
     if figure == "duty_factor":
-        return interval_s / float(np.median(values["period_s"]))
+        return interval_s / float(median_of(values["period_s"]))
     return interval_s if figure in _TIMES else 0.0
 
 
 def _spread(values: Floats) -> float:
     """Return the standard deviation that normal values of this median deviation have."""
-    return 1.4826 * float(np.median(np.abs(values - np.median(values))))
+    return 1.4826 * float(median_of(np.abs(values - median_of(values))))

@@ -6,6 +6,7 @@ from typing import Final
 import numpy as np
 
 from dogbot_logtool.core.geometry.arrays import Floats
+from dogbot_logtool.core.geometry.order_statistics import median_of
 
 LegPosition = tuple[str, str]
 """("front" | "middle" | "back", "left" | "right" | "centre")."""
@@ -63,7 +64,7 @@ def leg_names(points: Floats) -> tuple[str, ...]:
         points: (k, 3) m, in the base's frame; x is forward, y to the left.
     """
     numbered = tuple(f"foot_{number + 1}" for number in range(len(points)))
-    left = points[:, 1] > np.median(points[:, 1]) if len(points) else np.zeros(0, np.bool_)
+    left = points[:, 1] > median_of(points[:, 1]) if len(points) else np.zeros(0, np.bool_)
     ends = {1: ("",), 2: ("front", "back"), 3: _ENDS}.get(int(left.sum()), ())
     if 2 * len(ends) != len(points):
         return numbered

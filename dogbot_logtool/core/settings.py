@@ -1,6 +1,6 @@
 """What decides the figures: thresholds, mass, frames, clock."""
 
-from dataclasses import dataclass, field
+from dataclasses import field
 
 from dogbot_logtool.core.contact.contact_rule import FootSensor, Thresholds, contact_rule
 from dogbot_logtool.core.contact.sensor_level import zero_reading
@@ -8,6 +8,7 @@ from dogbot_logtool.core.frames.wrench_frame import WrenchFrame
 from dogbot_logtool.core.geometry.clock import TimeSource
 from dogbot_logtool.core.leg_position import LegPosition
 from dogbot_logtool.core.load.loads import body_weight_n
+from dogbot_logtool.dataclass import dataclass
 
 
 @dataclass(frozen=True, slots=True)

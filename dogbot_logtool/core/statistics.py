@@ -1,6 +1,6 @@
 """The figures of a log: what `evaluation.py` works out, and all that is reported is taken from."""
 
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import TYPE_CHECKING
 
 from dogbot_logtool.core.base.base_history import BaseHistory
@@ -25,6 +25,7 @@ from dogbot_logtool.core.quality.clocks import (
 from dogbot_logtool.core.quality.quality import TopicQuality
 from dogbot_logtool.core.settings import StatsSettings
 from dogbot_logtool.core.stability.stability import Stability
+from dogbot_logtool.dataclass import dataclass
 
 if TYPE_CHECKING:
     from dogbot_logtool.core.commands.tracking import CommandTrack, Tracking

@@ -9,11 +9,11 @@ import os
 import re
 import stat
 from collections.abc import Callable
-from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, BinaryIO, Final, TypeVar
 from urllib.parse import unquote, urlsplit
 
+from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.errors import CallError, ExtraMissingError, StoreError
 from dogbot_logtool.io.printable import printable
 

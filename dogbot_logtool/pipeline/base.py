@@ -6,9 +6,10 @@ A base is a topic, and where its messages hold poses of several things an elemen
 
 import re
 from collections.abc import Collection, Iterable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Final
 
+from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.errors import CallError, DefinitionError, LogError
 from dogbot_logtool.finding import Finding, note, warning
 from dogbot_logtool.io.listing import listed

@@ -1,7 +1,7 @@
 """A batch of a log as columns of what the robot did and felt: `convert` and `stats` begin here."""
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from itertools import islice
 from typing import Final
 
@@ -13,6 +13,7 @@ from dogbot_logtool.core.contact.contacts import Samples
 from dogbot_logtool.core.contact.offsets import without_offsets
 from dogbot_logtool.core.frames.transform_buffer import LONGEST_DELAY_S, TransformBuffer
 from dogbot_logtool.core.plausible import plausible_odometry
+from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.pipeline.selection import Selection
 from dogbot_logtool.pipeline.world_frames import BatchFrames, WorldFrames
 from dogbot_logtool.reader.containers.log import Batch, Chunk, Log, Span

@@ -6,6 +6,7 @@ from typing import Final
 
 import numpy as np
 
+from dogbot_logtool.core.geometry.order_statistics import distinct
 from dogbot_logtool.reader.containers.log import Chunk, Log
 
 _LOOKS: Final = 8
@@ -19,5 +20,5 @@ def spread_chunks(log: Log, channels: AbstractSet[int]) -> list[Chunk]:
     useful = [c for c in log.chunks if c.counts is None or not channels.isdisjoint(c.counts)]
     size = sum(chunk.data_size for chunk in useful)
     looks = max(_LOOKS, math.ceil(len(useful) * min(_LEAST_SIZE / max(size, 1), 1.0)))
-    indices = np.unique(np.linspace(0, max(len(useful) - 1, 0), looks).round().astype(int))
+    indices = distinct(np.linspace(0, max(len(useful) - 1, 0), looks).round().astype(int))
     return [useful[index] for index in indices.tolist() if useful]

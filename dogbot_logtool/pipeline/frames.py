@@ -3,13 +3,13 @@
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from collections.abc import Set as AbstractSet
-from dataclasses import dataclass
 
 from dogbot_logtool.core.frames.frame_edges import FrameEdge, FrameRecorder, RecordedFrames
 from dogbot_logtool.core.frames.recorded_transforms import (
     RecordedTransforms,
     concatenate_transforms,
 )
+from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.reader.containers.log import Channel, Log, Loss, Span
 from dogbot_logtool.reader.decode.objects import OBJECT_ENCODINGS
 from dogbot_logtool.reader.messages.foxglove_transforms import (

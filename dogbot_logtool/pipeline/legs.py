@@ -2,7 +2,6 @@
 
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from typing import Final
 
 from dogbot_logtool.core.frames.transform_buffer import TransformBuffer
@@ -11,6 +10,7 @@ from dogbot_logtool.core.geometry.clock import TimeSource
 from dogbot_logtool.core.legs.foot_path import LegChain, chain_to, moving_parents
 from dogbot_logtool.core.legs.joint_track import MOST_JOINTS, JointLimits, JointTable
 from dogbot_logtool.core.legs.settings import JointPair, LegSettings
+from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.pipeline.feet.names import name_feet
 from dogbot_logtool.pipeline.feet.words import ENDS, LETTERS, SIDES, Part, words_of
 from dogbot_logtool.pipeline.probe import Probe, frame_names

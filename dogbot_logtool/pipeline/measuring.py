@@ -1,7 +1,6 @@
 """What `stats` does with one batch: read it and decode what figures are worked out of."""
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -9,6 +8,7 @@ import numpy as np
 from dogbot_logtool.core.base.odometry import Odometry
 from dogbot_logtool.core.contact.contacts import Samples
 from dogbot_logtool.core.geometry.arrays import Ints, rows_by_group
+from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.pipeline.batches import BatchColumns, BatchReader
 from dogbot_logtool.pipeline.world_frames import BatchFrames
 from dogbot_logtool.reader.containers.log import Batch, Log, Loss, Span

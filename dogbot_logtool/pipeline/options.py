@@ -1,11 +1,12 @@
 """Options of the commands, for the command line and the library."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import field
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
 from dogbot_logtool.core.scene.styles import DEFAULT_STYLE
+from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.io.storage import Location
 from dogbot_logtool.writer.encodings.registry import DEFAULT_ENCODING
 

@@ -1,7 +1,7 @@
 """What `convert` will do with a log, decided before the first message is written."""
 
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Final, TypeVar
 
 from dogbot_logtool.core.contact.contact_rule import FootSensor
@@ -14,6 +14,7 @@ from dogbot_logtool.core.load.loads import body_weight_n
 from dogbot_logtool.core.load.silences import MessageRate, message_rate
 from dogbot_logtool.core.scene.arrows import ArrowScale, arrow_scale
 from dogbot_logtool.core.scene.styles import ARROW_STYLES, LIFETIME_S, ArrowStyle
+from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.errors import CallError, LogError
 from dogbot_logtool.finding import Finding, by_severity, note, warning
 from dogbot_logtool.pipeline.batches import BatchReader

@@ -6,7 +6,7 @@ for every command.
 """
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from typing import Final
 
 import numpy as np
@@ -24,8 +24,10 @@ from dogbot_logtool.core.frames.wrench_frame import (
 from dogbot_logtool.core.geometry.arrays import Flags, Ints
 from dogbot_logtool.core.geometry.blocks import concatenated
 from dogbot_logtool.core.geometry.clock import TimeSource
+from dogbot_logtool.core.geometry.order_statistics import distinct, median_of
 from dogbot_logtool.core.load.loads import body_weight_n
 from dogbot_logtool.core.plausible import plausible_odometry
+from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.pipeline.chunks import spread_chunks
 from dogbot_logtool.pipeline.robot_model.skeleton import FramePose, Point
 from dogbot_logtool.pipeline.robot_model.soles import STANCE_SPREAD_M, SoleFinder, first_poses
@@ -169,14 +171,14 @@ class _Prober:
             samples = read.reduced.samples
             self._contacts.append(samples)
             self._timings.append(read.timing)
-            self._touching.update(np.unique(samples.foot[samples.in_contact]).tolist())
+            self._touching.update(distinct(samples.foot[samples.in_contact]).tolist())
             for foot, names in read.links.items():
                 self._links.setdefault(foot, set()).update(names)
             if read.source.has_header:
                 stamps = read.messages.table.nanoseconds("header.stamp")
                 self._see_stamps(read.messages.channel, stamps)
             if read.source.silent_in_swing:
-                for foot in np.unique(samples.foot).tolist():
+                for foot in distinct(samples.foot).tolist():
                     steps = _steps(samples.pick(samples.foot == foot), _begins(batch))
                     self._steps.setdefault(foot, []).append(steps)
         for messages in transforms:
@@ -204,7 +206,7 @@ class _Prober:
 
     def _see_stamps(self, channel: Ints, stamp: Ints) -> None:
         topics = {c.id: c.topic for c in (*self._selection.odometry, *self._selection.contacts)}
-        for number in np.unique(channel).tolist():
+        for number in distinct(channel).tolist():
             stamped = bool((stamp[channel == number] != 0).any())
             topic = topics[number]
             self._stamped[topic] = self._stamped.get(topic, False) or stamped
@@ -328,7 +330,7 @@ def left_after(timings: list[StepTiming]) -> int | None:
     step = np.concatenate([np.empty(0, np.int64), *(timing.step for timing in timings)])
     if not len(step):
         return None
-    usual, half_a_step = float(np.median(lag)), float(np.median(step)) / 2.0
+    usual, half_a_step = float(median_of(lag)), float(median_of(step)) / 2.0
     regular = np.abs(lag - usual) < half_a_step
     return round(usual + half_a_step) if regular.mean() >= _REGULAR else None
 
@@ -354,7 +356,7 @@ def _silence_clock(steps: Iterable[Ints]) -> TimeSource:
     """Return the log's clock, or header stamps where messages are logged in bursts."""
     log, stamp = np.concatenate([np.empty((0, 2), np.int64), *steps]).T
     apart = stamp > 0
-    if not apart.any() or np.median(log[apart]) >= _BURST * np.median(stamp[apart]):
+    if not apart.any() or median_of(log[apart]) >= _BURST * median_of(stamp[apart]):
         return TimeSource.LOG
     return TimeSource.HEADER
 
@@ -363,7 +365,7 @@ def _interval(steps: Ints, clock: TimeSource) -> int:
     """Return the median interval on a clock, ns."""
     on_clock = steps[:, 1 if clock is TimeSource.HEADER else 0]
     known = on_clock[on_clock > 0]
-    return int(np.median(known)) if len(known) else _USUAL_INTERVAL_NS
+    return int(median_of(known)) if len(known) else _USUAL_INTERVAL_NS
 
 
 def frame_names(robot: Robot, probe: Probe) -> tuple[str, str]:

@@ -5,9 +5,10 @@ Topics are given by the robot's file or options, or found.
 
 import shlex
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Final
 
+from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.finding import Finding, note, warning
 from dogbot_logtool.io.listing import MOST, listed
 from dogbot_logtool.io.printable import printable

@@ -5,7 +5,7 @@ stretches are read: all of a short log, a sixteenth of a long one, spread over i
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Final
 
 import numpy as np
@@ -36,7 +36,9 @@ from dogbot_logtool.core.contact.weighed_levels import (
 from dogbot_logtool.core.geometry.arrays import norms
 from dogbot_logtool.core.geometry.blocks import concatenated
 from dogbot_logtool.core.geometry.clock import usual_interval_s
+from dogbot_logtool.core.geometry.order_statistics import median_of
 from dogbot_logtool.core.load.loads import body_weight_n
+from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.errors import CallError
 from dogbot_logtool.io.listing import listed
 from dogbot_logtool.pipeline.options import TopicOptions
@@ -165,7 +167,7 @@ def _zero_in_probe(
     level = zero_level(force, interval_s)
     if level is None and all(source.lists_contacts for source in sources):
         # A foot that is down throughout: its messages would say if it were not.
-        mean = float(np.median(norms(force)))
+        mean = float(median_of(norms(force)))
         return replace(zero_reading(), loaded_n=mean, mean_n=mean, interval_s=interval_s)
     return level
 

@@ -2,12 +2,12 @@
 
 import re
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
 from typing import Any, Final
 
 import numpy as np
 
 from dogbot_logtool.core.frames.transform_buffer import TransformBuffer
+from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.errors import CallError, DefinitionError, LogError
 from dogbot_logtool.finding import Finding, note
 from dogbot_logtool.io.listing import listed

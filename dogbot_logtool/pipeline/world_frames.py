@@ -6,7 +6,7 @@ what came before, and looks a little ahead. What is found does not depend on whe
 """
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import Protocol
 
 from dogbot_logtool.core.base.odometry import Odometry, usable_poses
@@ -24,6 +24,7 @@ from dogbot_logtool.core.frames.transform_buffer import (
 )
 from dogbot_logtool.core.geometry.clock import TimeSource
 from dogbot_logtool.core.leg_position import LegPosition
+from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.finding import Finding, note, warning
 from dogbot_logtool.pipeline.feet.names import name_feet
 from dogbot_logtool.pipeline.feet.words import Part

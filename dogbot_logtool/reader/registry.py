@@ -4,9 +4,9 @@ The code of a container is imported when such a log is opened.
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final
 
+from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.reader.containers.signatures import BAG_MAGIC, MCAP_MAGIC, SQLITE_MAGIC
 
 if TYPE_CHECKING:

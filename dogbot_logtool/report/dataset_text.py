@@ -1,12 +1,13 @@
 """What `stats --parquet` has done, for people."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import Any
 
 from rich.console import Console
 from rich.text import Text
 
+from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.io.printable import printable
 
 

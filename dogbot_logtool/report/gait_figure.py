@@ -6,7 +6,6 @@ time. All lengths are millimetres on paper.
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, BinaryIO, Final, Literal
 
 import numpy as np
@@ -17,6 +16,7 @@ from dogbot_logtool.core.geometry import timespans
 from dogbot_logtool.core.geometry.arrays import Floats, Ints
 from dogbot_logtool.core.scene.foot_style import foot_colour, short_names
 from dogbot_logtool.core.statistics import Stats
+from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.errors import CallError, ExtraMissingError, LogError
 from dogbot_logtool.io.printable import printable
 from dogbot_logtool.pipeline.time_span import refuse_window

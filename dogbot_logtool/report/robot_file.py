@@ -7,9 +7,9 @@ as a comment, for a person to check.
 import json
 import textwrap
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from typing import Any, Final
 
+from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.robot import NEWTONS, Foot, FootField, Robot
 
 _WIDTH: Final = 100

@@ -16,12 +16,12 @@ import traceback
 from collections.abc import Generator, Iterator, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
 from contextlib import contextmanager, suppress
-from dataclasses import dataclass
 from functools import partial
 from multiprocessing.connection import wait
 from multiprocessing.context import ForkProcess
 from typing import Any, BinaryIO, Final, Generic
 
+from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.errors import LogtoolError
 from dogbot_logtool.run.in_order import Item, Result, State, StatefulWork
 from dogbot_logtool.run.signals import held_back, leave_to_parent

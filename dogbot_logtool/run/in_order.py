@@ -1,15 +1,16 @@
 """Work on several items at once, with results in the order of the items."""
 
 import mmap
-import multiprocessing
 import os
 import sys
 from collections import deque
 from collections.abc import Callable, Generator, Iterable
-from concurrent.futures import Future, ThreadPoolExecutor
-from typing import Final, Generic, Protocol, TypeVar
+from typing import TYPE_CHECKING, Final, Generic, Protocol, TypeVar
 
 import numpy as np
+
+if TYPE_CHECKING:
+    from concurrent.futures import Future
 
 Item = TypeVar("Item")
 Result = TypeVar("Result")
@@ -71,13 +72,13 @@ def in_order_with_state(
         LogtoolError: a process died.
     """
     _keep_freed_memory()
-    if jobs > 1 and forks and _can_fork():
-        from dogbot_logtool.run.forked import forked  # noqa: PLC0415 - takes time, and may not be
+    if jobs > 1 and forks:
+        items = several = list(items)
+        jobs = min(jobs, len(several))
+        if jobs > 1 and _can_fork():
+            from dogbot_logtool.run.forked import forked  # noqa: PLC0415 - takes time
 
-        items = list(items)
-        jobs = min(jobs, len(items))
-        if jobs > 1:
-            return forked(work, items, jobs, first)
+            return forked(work, several, jobs, first)
     if jobs <= 1:
         return one_by_one(work, items, first)
     return _threaded(work, items, jobs, first)
@@ -110,7 +111,7 @@ def one_by_one(
 class _ThreadExchange(Generic[State]):
     """An exchange between threads."""
 
-    def __init__(self, before: Future[State], after: Future[State]) -> None:
+    def __init__(self, before: "Future[State]", after: "Future[State]") -> None:
         self._before = before
         self._after = after
 
@@ -126,6 +127,8 @@ class _ThreadExchange(Generic[State]):
 def _threaded(
     work: StatefulWork[Item, State, Result], items: Iterable[Item], jobs: int, first: State
 ) -> Generator[Result, None, None]:
+    from concurrent.futures import Future, ThreadPoolExecutor  # noqa: PLC0415 - takes long
+
     def attempt(item: Item, before: Future[State], after: Future[State]) -> Result:
         try:
             return work(item, _ThreadExchange(before, after))
@@ -156,6 +159,8 @@ def _can_fork() -> bool:
 
     Apple's libraries do not survive a fork, and daemonic processes may have no children.
     """
+    import multiprocessing  # noqa: PLC0415 - takes long, and a log of one batch needs none of it
+
     can = sys.platform == "linux" and hasattr(os, "fork")
     return can and not multiprocessing.current_process().daemon
 

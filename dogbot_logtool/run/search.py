@@ -5,9 +5,10 @@ import os
 import re
 from collections import deque
 from collections.abc import Iterator
-from dataclasses import dataclass
 from pathlib import Path, PurePath
 from typing import Final
+
+from dogbot_logtool.dataclass import dataclass
 
 _ANY_DEPTH: Final = re.compile(r"(?:^|(?<=/))\*\*(?:/+\*\*)*(?:/+|$)")
 """``**`` as a whole part of a pattern, or several in a row."""

@@ -2,7 +2,6 @@
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from collections.abc import Set as AbstractSet
-from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
@@ -19,6 +18,7 @@ from dogbot_logtool.core.scene.labels import Labels
 from dogbot_logtool.core.scene.legs import LegLines
 from dogbot_logtool.core.scene.styles import LIFETIME_S
 from dogbot_logtool.core.scene.support_scene import SupportScene
+from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.errors import LogtoolError
 from dogbot_logtool.provenance import ANNOTATION_MARK
 from dogbot_logtool.writer.encodings.encoding import (

@@ -1,7 +1,6 @@
 """MCAP message records of the output, many at a time."""
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from itertools import groupby
 from typing import Any, Final
 
@@ -9,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dogbot_logtool.core.geometry.arrays import Bytes, Ints
+from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.writer.template import Template
 
 MESSAGE_OPCODE: Final = 0x05

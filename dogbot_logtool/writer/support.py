@@ -1,14 +1,15 @@
 """Messages of `/support`, made of columns, those of one shape at a time."""
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from dogbot_logtool.core.geometry.arrays import Floats, Ints
+from dogbot_logtool.core.geometry.order_statistics import distinct
 from dogbot_logtool.core.scene.foot_style import FOOT_COLOURS, colour_parts, foot_colour
 from dogbot_logtool.core.scene.support_scene import SupportScene
+from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.writer.encodings.encoding import (
     Encoding,
     SupportLook,
@@ -110,7 +111,7 @@ def _shapes(columns: Sequence[Floats]) -> Iterator[tuple[SupportShape, Ints]]:
     counts = [np.isfinite(column[:, :, 0]).sum(axis=1) for column in columns]
     sizes = [column.shape[1] + 1 for column in columns]
     code = np.ravel_multi_index(counts, sizes)
-    for number in np.unique(code).tolist():
+    for number in distinct(code).tolist():
         line, pressure, projection, touchdowns = map(int, np.unravel_index(number, sizes))
         shape = SupportShape(line, bool(pressure), bool(projection), touchdowns)
         yield shape, np.flatnonzero(code == number)

@@ -7,7 +7,6 @@ number. The copies are a numpy structured array, and the numbers are written int
 
 import struct
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
 from enum import Enum
 from typing import Any, Final
 
@@ -15,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dogbot_logtool.core.geometry.arrays import Ints
+from dogbot_logtool.dataclass import dataclass
 
 Number = float | int | bool | str
 Serialise = Callable[[Mapping[str, Number]], bytes]

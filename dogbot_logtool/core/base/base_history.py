@@ -1,6 +1,5 @@
 """What is kept of the base's poses while the odometry streams past."""
 
-from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
@@ -24,6 +23,7 @@ from dogbot_logtool.core.geometry.rotations import (
     rotate,
 )
 from dogbot_logtool.core.quality.quality import steady_rhythm
+from dogbot_logtool.dataclass import dataclass
 
 POSE_RATE_HZ: Final = 100.0
 """A day at this rate is half a gigabyte."""

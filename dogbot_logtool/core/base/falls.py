@@ -1,7 +1,6 @@
 """Did the robot fall? What its feet do while it lies is not walking."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
@@ -11,6 +10,8 @@ from dogbot_logtool.core.base.pose_jumps import GRAVITY_MPS2
 from dogbot_logtool.core.contact.foot_history import FootHistory
 from dogbot_logtool.core.geometry import timespans
 from dogbot_logtool.core.geometry.arrays import Flags, Floats, Ints
+from dogbot_logtool.core.geometry.order_statistics import median_of, percentiles_of
+from dogbot_logtool.dataclass import dataclass
 
 TILT_RAD: Final = np.pi / 3.0
 """A base that leans further lies."""
@@ -24,7 +25,7 @@ SWAYS: Final = 0.95
 """A base below this share of its standing height is on its way down."""
 SWAYS_RAD: Final = 0.1
 """rad more than its usual lean: the same."""
-STANDING_QUANTILE: Final = 0.9
+STANDING_PERCENT: Final = 90.0
 """Quantile of the height while feet are loaded that is the standing height."""
 LASTING_S: Final = 0.3
 """A fall lasts; a single wrong pose does not make one."""
@@ -88,7 +89,7 @@ def _posture(base: BaseHistory, feet: Sequence[FootHistory], height_m: Floats) -
     tilt = _tilt(base.angles)
     usual = _standing_height_m(base, feet, height_m)
     lies, stands = tilt > TILT_RAD, tilt < UPRIGHT_RAD
-    as_usual = tilt < np.median(tilt[stands]) + SWAYS_RAD if stands.any() else stands
+    as_usual = tilt < median_of(tilt[stands]) + SWAYS_RAD if stands.any() else stands
     if usual is not None:
         with np.errstate(invalid="ignore"):
             lies = lies | (height_m < LYING * usual)
@@ -111,7 +112,7 @@ def _standing_height_m(
     for foot in feet:
         loaded |= timespans.covers(foot.in_contact, base.time)
     known = height_m[loaded & np.isfinite(height_m)]
-    return float(np.quantile(known, STANDING_QUANTILE)) if len(known) else None
+    return float(percentiles_of(known, STANDING_PERCENT)) if len(known) else None
 
 
 def _fell_since(

@@ -9,6 +9,7 @@ from dogbot_logtool.core.base.base_history import BaseHistory
 from dogbot_logtool.core.contact.foot_history import FootHistory
 from dogbot_logtool.core.geometry import timespans
 from dogbot_logtool.core.geometry.arrays import Floats, Ints
+from dogbot_logtool.core.geometry.order_statistics import median_of
 from dogbot_logtool.core.geometry.rotations import along_heading
 from dogbot_logtool.core.leg_position import LegPosition
 
@@ -42,8 +43,8 @@ def height_over_feet(base: BaseHistory, feet: Sequence[FootHistory]) -> Floats:
     known = offset[np.isfinite(offset).all(axis=1)]
     if len(known) == 0:
         return np.full(len(base.time), np.nan)
-    aside = np.median(np.hypot(known[:, 0], known[:, 1]))
-    height, spread = np.median(known[:, 2]), np.median(known[:, 3])
+    aside = median_of(np.hypot(known[:, 0], known[:, 1]))
+    height, spread = median_of(known[:, 2]), median_of(known[:, 3])
     if height < LOWEST_M or aside > FURTHEST * (height + spread):
         return np.full(len(base.time), np.nan)
     normal = _ground_normal(feet, None)
@@ -51,7 +52,7 @@ def height_over_feet(base: BaseHistory, feet: Sequence[FootHistory]) -> Floats:
         return np.asarray(offset[:, 2])
     # The feet's centre lies higher or lower than the ground below the base.
     over_ground = offset[:, :3] @ (normal / normal[2])
-    if np.nanmedian(over_ground) < LOWEST_M:
+    if median_of(over_ground[~np.isnan(over_ground)]) < LOWEST_M:
         return np.full(len(base.time), np.nan)
     return np.asarray(over_ground)
 

@@ -1,12 +1,12 @@
 """Where the base went, and the transforms that say so."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
 
 from dogbot_logtool.core.geometry.arrays import Flags, Floats, Ints, all_finite, header_time
+from dogbot_logtool.dataclass import dataclass
 
 LARGEST_LAG_NS: Final = 100_000_000
 """ns: stamps further behind log time are of another clock."""

@@ -1,12 +1,13 @@
 """Jumps of the base's pose: steps that its own speeds before and after do not explain."""
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Final
 
 import numpy as np
 
 from dogbot_logtool.core.base.base_history import BaseHistory
 from dogbot_logtool.core.geometry.arrays import Flags, Floats, Ints, norms
+from dogbot_logtool.dataclass import dataclass
 
 SMALLEST_JUMP_M: Final = 0.05
 """m, what is smaller may be noise."""

@@ -1,6 +1,5 @@
 """Does the recording end while the robot tips over?"""
 
-from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
@@ -8,6 +7,7 @@ import numpy as np
 from dogbot_logtool.core.base.base_history import BaseHistory
 from dogbot_logtool.core.base.base_motion import roll_and_pitch
 from dogbot_logtool.core.geometry.arrays import Floats
+from dogbot_logtool.dataclass import dataclass
 
 LAST_S: Final = 2.0
 """s before the end in which tipping begins; what was before is usual."""

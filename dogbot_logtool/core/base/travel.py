@@ -1,6 +1,5 @@
 """The way of the base, above the noise of its poses."""
 
-from dataclasses import dataclass
 from math import hypot
 from typing import Final
 
@@ -10,6 +9,8 @@ from dogbot_logtool.core.base.base_history import BaseHistory
 from dogbot_logtool.core.geometry import timespans
 from dogbot_logtool.core.geometry.arrays import Flags, Floats, Ints
 from dogbot_logtool.core.geometry.clock import first_at_each_tick
+from dogbot_logtool.core.geometry.order_statistics import median_of
+from dogbot_logtool.dataclass import dataclass
 
 AWAY_M: Final = 0.05
 """m, a base that does not get so far away goes nowhere: it stands, and sways."""
@@ -80,7 +81,7 @@ def pose_noise_m(base: BaseHistory) -> float:
         apart = seconds[order:] - seconds[:-order]
         difference = np.diff(difference, axis=0) / apart[:, None]
     weights = _difference_weights(seconds)
-    return float(np.median(np.abs(difference) / weights[:, None])) / _NORMAL_MEDIAN
+    return float(median_of(np.abs(difference) / weights[:, None])) / _NORMAL_MEDIAN
 
 
 def _difference_weights(seconds: Floats) -> Floats:
@@ -96,7 +97,7 @@ def _block(base: BaseHistory, spans: Ints, noise: float) -> int:
     """Return of how many poses the mean is taken, so that noise lengthens the path by 1 %."""
     if noise == 0.0 or len(spans) == 0 or len(base.time) < 2:
         return 1
-    step_s = float(np.median(np.diff(base.time))) / 1e9
+    step_s = float(median_of(np.diff(base.time))) / 1e9
     begin, end = base.position_at(spans[:, 0]), base.position_at(spans[:, 1])
     way = np.nansum(np.hypot(*(end - begin)[:, :2].T))
     speed = max(float(way) / (timespans.total(spans) / 1e9), AWAY_M / 10.0)

@@ -1,6 +1,5 @@
 """The base's velocity in its own frame, from its poses, as a mean over about a stride."""
 
-from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
@@ -10,6 +9,7 @@ from dogbot_logtool.core.base.base_motion import FORWARD_ANGLES
 from dogbot_logtool.core.geometry import timespans
 from dogbot_logtool.core.geometry.arrays import Floats, Ints
 from dogbot_logtool.core.geometry.rotations import along_heading
+from dogbot_logtool.dataclass import dataclass
 
 SPARSE_NS: Final = 1_000_000_000
 """ns; poses further apart than this tell no speed."""

@@ -1,6 +1,5 @@
 """The command that holds at any time: each until the next, but not beyond a time-out."""
 
-from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
@@ -8,6 +7,7 @@ import numpy as np
 from dogbot_logtool.core.geometry import timespans
 from dogbot_logtool.core.geometry.arrays import Flags, Floats, Ints
 from dogbot_logtool.core.recorded.vectors import VectorHistory
+from dogbot_logtool.dataclass import dataclass
 
 TIMEOUT_S: Final = 0.5
 """s; what ros2_controllers' diff_drive_controller waits for a command before it stops."""

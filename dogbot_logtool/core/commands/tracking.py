@@ -4,7 +4,7 @@ All velocities are means over one stride: a robot's gait swings about its speed 
 stride, which is no error. Commands are averaged alike, so that this delays nothing.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Final
 
 import numpy as np
@@ -17,6 +17,7 @@ from dogbot_logtool.core.geometry import timespans
 from dogbot_logtool.core.geometry.arrays import Flags, Floats, Ints
 from dogbot_logtool.core.geometry.delay import LEAST_CORRELATION, Delay, fit_delay
 from dogbot_logtool.core.recorded.vectors import VectorHistory
+from dogbot_logtool.dataclass import dataclass
 
 TRACKING_HZ: Final = 50.0
 """Commanded and measured velocity are compared so often."""

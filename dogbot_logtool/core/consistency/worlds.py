@@ -1,7 +1,6 @@
 """Whether base and feet are in one world: two world frames, or a drifting odometry, part them."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
@@ -12,7 +11,9 @@ from dogbot_logtool.core.contact.foot_history import FootHistory
 from dogbot_logtool.core.contact.stances import Stances
 from dogbot_logtool.core.contact.track import FootTrack
 from dogbot_logtool.core.geometry.arrays import Floats
+from dogbot_logtool.core.geometry.order_statistics import median_of
 from dogbot_logtool.core.geometry.rotations import along_heading
+from dogbot_logtool.dataclass import dataclass
 
 WINDOW_S: Final = 2.0
 """s: a foot's place is averaged over so long: a stride or more of most gaits."""
@@ -78,7 +79,7 @@ def compare_worlds(
     feet = [seen for track in tracks if len(seen := _from_base(track, base)) >= FEWEST_POINTS]
     if len(feet) < FEWEST_FEET:
         return None
-    usual = np.stack([np.median(seen[:, 1:], axis=0) for seen in feet])
+    usual = np.stack([median_of(seen[:, 1:], axis=0) for seen in feet])
     centroid = usual.mean(axis=0)
     spread = float(np.hypot(*(usual - centroid).T).max())
     seconds = max(float(seen[-1, 0]) for seen in feet)
@@ -88,9 +89,9 @@ def compare_worlds(
     away = centroid + np.nanmean(shift[:, known], axis=0)
     distance = np.hypot(away[:, 0], away[:, 1])
     third = max(len(away) // 3, 1)
-    change = np.median(away[-third:], axis=0) - np.median(away[:third], axis=0)
+    change = median_of(away[-third:], axis=0) - median_of(away[:third], axis=0)
     return Worlds(
-        distance_m=float(np.median(distance)),
+        distance_m=float(median_of(distance)),
         largest_m=float(distance.max()),
         spread_m=spread,
         beyond_fraction=float((distance > spread).mean()),

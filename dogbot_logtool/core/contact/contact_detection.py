@@ -14,7 +14,7 @@ after it for good. That is what makes streaming exact: samples are kept only bac
 touchdown of the stance that is not yet decided.
 """
 
-from dataclasses import dataclass, fields, replace
+from dataclasses import fields, replace
 from typing import Any, Final
 
 import numpy as np
@@ -26,6 +26,7 @@ from dogbot_logtool.core.contact.stance_samples import StanceSamples
 from dogbot_logtool.core.contact.stances import LONGEST_STANCE_S, StanceFigures, reduce_stances
 from dogbot_logtool.core.geometry.arrays import Flags, Floats, Ints, dots
 from dogbot_logtool.core.geometry.clock import SILENCE_NS
+from dogbot_logtool.dataclass import dataclass
 
 LONGEST_RISE_S: Final = 0.1
 """s: a touchdown is dated back by no more."""

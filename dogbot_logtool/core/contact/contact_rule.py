@@ -1,10 +1,10 @@
 """What counts as contact: thresholds relative to the robot's weight and to the sensor's noise."""
 
-from dataclasses import dataclass
 from typing import Final
 
 from dogbot_logtool.core.contact.sensor_level import Origin, SensorLevel
 from dogbot_logtool.core.contact.sensor_modes import ALTERNATE, NOISY, WIDE
+from dogbot_logtool.dataclass import dataclass
 
 ZERO_ON: Final = 0.05
 """Share of the weight from which a foot is in contact whose sensor reads zero in swing."""

@@ -1,6 +1,6 @@
 """What the feet felt: contact messages as columns, reduced to one sample a message."""
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Final
 
 import numpy as np
@@ -14,6 +14,7 @@ from dogbot_logtool.core.geometry.arrays import (
     norms,
     sum_by_group,
 )
+from dogbot_logtool.dataclass import dataclass
 
 FOOT_IS_COLLISION1: Final = 1
 FOOT_IS_COLLISION2: Final = 2

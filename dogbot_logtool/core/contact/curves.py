@@ -6,12 +6,12 @@ are too many: memory is bounded however long the log is, a short log keeps every
 point of the curve is a sample as it was recorded.
 """
 
-from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
 
 from dogbot_logtool.core.geometry.arrays import Floats, Ints
+from dogbot_logtool.dataclass import dataclass
 
 MOST_BINS: Final = 8192
 """More than a wide screen has columns of pixels."""

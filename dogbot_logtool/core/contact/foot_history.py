@@ -1,6 +1,6 @@
 """Everything that is measured on one foot while its samples stream past."""
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Final
 
 import numpy as np
@@ -27,6 +27,7 @@ from dogbot_logtool.core.geometry.arrays import Flags, Floats, Ints, norms
 from dogbot_logtool.core.geometry.blocks import BLOCK_ROWS, Blocks, GrowingTable
 from dogbot_logtool.core.geometry.clock import TimeSource, absolute_time, advancing
 from dogbot_logtool.core.quality.quality import steady_rhythm
+from dogbot_logtool.dataclass import dataclass
 
 _SAME: Final = 1e-9
 """Difference of two forces, as a share of them, that is none."""

@@ -9,7 +9,6 @@ only once that can be known: one becomes certain when the foot has stood for the
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
@@ -22,6 +21,7 @@ from dogbot_logtool.core.geometry.arrays import Flags, Floats, Ints, norms
 from dogbot_logtool.core.geometry.blocks import concatenated
 from dogbot_logtool.core.geometry.clock import advancing
 from dogbot_logtool.core.geometry.support_polygon import NEAR_NS
+from dogbot_logtool.dataclass import dataclass
 
 _TOUCH_N: Final = 1e12
 """Stands for the force of a contact that is told without one: above any threshold."""

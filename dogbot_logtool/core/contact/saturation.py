@@ -5,6 +5,7 @@ from typing import Final
 import numpy as np
 
 from dogbot_logtool.core.geometry.arrays import Floats, Ints
+from dogbot_logtool.core.geometry.order_statistics import distinct
 
 SATURATED_SAMPLES: Final = 3
 """Samples in a row at the very same highest force that make a flat top."""
@@ -37,7 +38,7 @@ def saturated_limit_n(force: Floats, offset_n: Floats, loaded_n: float) -> float
 
 def resolution_n(force: Floats) -> float:
     """Return the step in which a sensor's coarsest axis counts, N, (n, 3) N as recorded."""
-    steps = [np.diff(np.unique(part)) for part in force.T]
+    steps = [np.diff(distinct(part)) for part in force.T]
     return max((float(each.min()) for each in steps if len(each)), default=0.0)
 
 
@@ -49,7 +50,7 @@ def _flat_tops(values: Floats, limit: float) -> int:
     flat = length >= SATURATED_SAMPLES
     if flat.sum() < SATURATED_STANCES:
         return 0
-    steps = np.diff(np.unique(values))
+    steps = np.diff(distinct(values))
     start, length = start[flat], length[flat]
     rise = limit - values[np.maximum(start - length, 0)]
     return int((rise > STEEP * steps.min()).sum())

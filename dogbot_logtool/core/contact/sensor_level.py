@@ -6,7 +6,7 @@ narrow against the distance between both and is visited once a stride, and its v
 each other. Shifting weight in a stand does not look like that, and then the level stays unknown.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Final, Literal
 
 import numpy as np
@@ -25,6 +25,8 @@ from dogbot_logtool.core.contact.sensor_modes import (
 )
 from dogbot_logtool.core.geometry.arrays import Flags, Floats, Ints, norms
 from dogbot_logtool.core.geometry.clock import usual_interval_s
+from dogbot_logtool.core.geometry.order_statistics import median_of, percentiles_of
+from dogbot_logtool.dataclass import dataclass
 
 Origin = Literal["option", "robot", "estimated", "default"]
 """Where a setting comes from."""
@@ -122,7 +124,7 @@ class SensorLevel:
     @property
     def offset_n(self) -> Floats:
         """(3,) N, the offset in the middle of the log."""
-        middle: Floats = np.median(self.offset, axis=0)
+        middle: Floats = median_of(self.offset, axis=0)
         return middle
 
     def offset_at(self, log_time: Ints) -> Floats:
@@ -216,7 +218,7 @@ def zero_level(force: Floats, interval_s: float | None = None) -> SensorLevel | 
     zero = magnitude == 0.0
     if _in_runs(zero).sum() <= IN_RUNS * zero.sum():
         return None
-    loaded = float(np.median(magnitude[~zero])) if not zero.all() else None
+    loaded = float(median_of(magnitude[~zero])) if not zero.all() else None
     light = (magnitude < LIGHT * loaded).sum() if loaded else zero.sum()
     if 2 * zero.sum() < light or _pulls(force, zero):
         return None
@@ -244,8 +246,8 @@ def _pulls(force: Floats, zero: Flags) -> bool:
     if zero.all():
         return False
     load, magnitude = force @ force.mean(axis=0), norms(force)
-    pulled = load < -PULL * np.median(load[~zero])
-    pulled &= magnitude < LIGHTLY * np.median(magnitude[~zero])
+    pulled = load < -PULL * median_of(load[~zero])
+    pulled &= magnitude < LIGHTLY * median_of(magnitude[~zero])
     return bool(pulled.sum() > PULLS * zero.sum())
 
 
@@ -268,12 +270,12 @@ def _drops_out(force: Floats, loaded_n: float) -> bool:
 
 def _unknown(reason: str, interval_s: float | None, force: Floats) -> SensorLevel:
     """Return the level of a sensor that does not show it; its noise shows between samples."""
-    usual = float(np.percentile(norms(force), _LOADED)) if len(force) else None
+    usual = float(percentiles_of(norms(force), _LOADED)) if len(force) else None
     noise = lightest = heaviest = None
     if len(force) >= FEWEST_SAMPLES:
-        lightest, heaviest = np.percentile(_without_spikes(norms(force)), _RANGE).tolist()
+        lightest, heaviest = percentiles_of(_without_spikes(norms(force)), _RANGE).tolist()
         steps = np.abs(np.diff(force, axis=0))
-        noise = _NORMAL_SD * float(np.median(steps, axis=0).max()) / np.sqrt(2.0)
+        noise = _NORMAL_SD * float(median_of(steps, axis=0).max()) / np.sqrt(2.0)
     return SensorLevel(
         *no_offset(),
         noise_n=noise,
@@ -288,7 +290,7 @@ def _unknown(reason: str, interval_s: float | None, force: Floats) -> SensorLeve
 
 def _load_axis(force: Floats) -> Floats:
     """(3,) unit vector along which the force varies most; lone spikes do not count."""
-    low, high = np.percentile(force, [1.0, 99.0], axis=0)
+    low, high = percentiles_of(force, [1.0, 99.0], axis=0)
     _, vectors = np.linalg.eigh(np.cov(np.clip(force, low, high).T))
     axis: Floats = vectors[:, -1]
     return axis if axis[np.abs(axis).argmax()] > 0.0 else -axis
@@ -297,14 +299,14 @@ def _load_axis(force: Floats) -> Floats:
 def _without_spikes(values: Floats) -> Floats:
     """(n,): the median of each value and its two neighbours."""
     padded = np.concatenate([values[:1], values, values[-1:]])
-    smooth: Floats = np.median(np.stack([padded[:-2], padded[1:-1], padded[2:]]), axis=0)
+    smooth: Floats = median_of(np.stack([padded[:-2], padded[1:-1], padded[2:]]), axis=0)
     return smooth
 
 
 def _run_numbers(log_time: Ints) -> Ints:
     """(n,): samples with the same number have no silence between them."""
     steps = np.diff(log_time, prepend=log_time[:1])
-    usual = np.median(steps[1:])
+    usual = median_of(steps[1:])
     runs: Ints = np.cumsum(steps > max(5.0 * usual, 5e7))
     return runs
 
@@ -326,11 +328,11 @@ def _level_of(
     middle = log_time[(visits.start + visits.end - 1) // 2]
     rows = visits.rows()
     residual = force[rows] - np.repeat(levels, visits.end - visits.start, axis=0)
-    noise = _NORMAL_SD * float(np.median(np.abs(residual), axis=0).max())
+    noise = _NORMAL_SD * float(median_of(np.abs(residual), axis=0).max())
     inside = np.diff(rows) == 1
     steps = np.abs(np.diff(residual, axis=0))[inside]
     if len(steps):
-        noise = min(noise, _NORMAL_SD * float(np.median(steps, axis=0).max()) / np.sqrt(2.0))
+        noise = min(noise, _NORMAL_SD * float(median_of(steps, axis=0).max()) / np.sqrt(2.0))
     knots, offset = _knots(middle, levels)
     level = SensorLevel(
         knots,
@@ -344,7 +346,7 @@ def _level_of(
         raises=modes.raises,
     )
     load = (force - level.offset_at(log_time)) @ axis
-    loaded = float(np.median(modes.stance.visits.quantiles(load, 0.5)))
+    loaded = float(median_of(modes.stance.visits.quantiles(load, 0.5)))
     return replace(
         level,
         loaded_n=loaded,
@@ -368,13 +370,13 @@ def _wobble_n(swings: Visits, force: Floats) -> float:
     if not len(long):
         return 0.0
     strays = force[long.rows()] - np.repeat(long.medians(force), long.end - long.start, axis=0)
-    return float(np.percentile(norms(strays), _STRAYS))
+    return float(percentiles_of(norms(strays), _STRAYS))
 
 
 def _visit_s(visits: Visits, log_time: Ints) -> float:
     """Return how long a usual visit lasts, s; its ends were cut off."""
     length = (log_time[visits.end - 1] - log_time[visits.start]) / 1e9
-    return float(np.median(length)) / MIDDLE_SHARE
+    return float(median_of(length)) / MIDDLE_SHARE
 
 
 def _knots(time: Ints, levels: Floats) -> tuple[Ints, Floats]:
@@ -387,8 +389,8 @@ def _knots(time: Ints, levels: Floats) -> tuple[Ints, Floats]:
     span_s = float(time[-1] - time[0]) / 1e9
     parts = int(max(1, min(len(time) // _KNOT_VISITS, span_s // _KNOT_S)))
     groups = np.array_split(np.arange(len(time)), parts)
-    knots = np.array([int(np.median(time[group])) for group in groups], np.int64)
-    return knots, np.array([np.median(levels[group], axis=0) for group in groups])
+    knots = np.array([int(median_of(time[group])) for group in groups], np.int64)
+    return knots, np.array([median_of(levels[group], axis=0) for group in groups])
 
 
 def _drift(time: Ints, level: Floats) -> float | None:
@@ -398,5 +400,5 @@ def _drift(time: Ints, level: Floats) -> float | None:
         return None
     minutes = (time - time[0]) / 6e10
     third = len(time) // 3
-    rise = np.median(level[-third:]) - np.median(level[:third])
-    return float(rise / (np.median(minutes[-third:]) - np.median(minutes[:third])))
+    rise = median_of(level[-third:]) - median_of(level[:third])
+    return float(rise / (median_of(minutes[-third:]) - median_of(minutes[:third])))

@@ -4,12 +4,13 @@ The swing mode is narrow against the distance between both and is visited once a
 visits agree with each other. Shifting weight in a stand does not look like that.
 """
 
-from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
 
 from dogbot_logtool.core.geometry.arrays import Flags, Floats, Ints
+from dogbot_logtool.core.geometry.order_statistics import median_of, percentiles_of
+from dogbot_logtool.dataclass import dataclass
 
 FEWEST_VISITS: Final = 2
 """Swings that must agree on a level."""
@@ -122,7 +123,7 @@ def two_modes(values: Floats, runs: Ints) -> Modes:
         values: (n,) N.
         runs: (n,) see `_run_numbers`.
     """
-    low, peak, high = np.percentile(values, [1.0, 95.0, 99.0])
+    low, peak, high = percentiles_of(values, [1.0, 95.0, 99.0])
     none = Mode(Visits(np.empty(0, np.int64), np.empty(0, np.int64)), 0.0, 0.0)
     if high - low <= 0.0:
         return Modes(none, none, none.visits, reason=CONSTANT)
@@ -224,8 +225,8 @@ def _mode(values: Floats, visits: Visits) -> Mode:
         return Mode(visits, 0.0, 0.0)
     low, level, high = visits.quantiles(values, 0.1, 0.5, 0.9).T
     steps = np.abs(np.diff(level))
-    between = float(np.median(steps)) if len(steps) else 0.0
-    return Mode(visits, _densest(level), float(np.median(high - low)) + between)
+    between = float(median_of(steps)) if len(steps) else 0.0
+    return Mode(visits, _densest(level), float(median_of(high - low)) + between)
 
 
 def _densest(values: Floats) -> float:
@@ -233,4 +234,4 @@ def _densest(values: Floats) -> float:
     ordered = np.sort(values)
     half = len(ordered) // 2 + 1
     first = int((ordered[half - 1 :] - ordered[: len(ordered) - half + 1]).argmin())
-    return float(np.median(ordered[first : first + half]))
+    return float(median_of(ordered[first : first + half]))

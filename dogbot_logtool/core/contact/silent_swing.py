@@ -7,7 +7,7 @@ a drop-out, unless it is no longer than the flight of every stride.
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from typing import Final
 
 import numpy as np
@@ -16,6 +16,8 @@ from dogbot_logtool.core.contact.contacts import Samples
 from dogbot_logtool.core.geometry.arrays import Flags, Floats, Ints
 from dogbot_logtool.core.geometry.blocks import concatenated
 from dogbot_logtool.core.geometry.clock import SILENCE_NS, Stamped, TimeSource
+from dogbot_logtool.core.geometry.order_statistics import distinct, median_of
+from dogbot_logtool.dataclass import dataclass
 
 MISSED_INTERVALS: Final = 2.5
 """A silence of more than so many intervals is a swing."""
@@ -101,7 +103,7 @@ def learn_silences(
         steps = np.diff(time)
         long = steps[(steps > _LONG_INTERVALS * interval) & (steps <= longest)]
         if len(long) >= _FEWEST_SILENCES:
-            swing_ns[foot] = round(_PART_OF_SWING * float(np.median(long)))
+            swing_ns[foot] = round(_PART_OF_SWING * float(median_of(long)))
             strides.append(len(long))
             stance_ns[foot] = _usual_stance_ns(time, swing_ns[foot])
     if not strides or len(strides) < len(interval_ns):
@@ -111,8 +113,8 @@ def learn_silences(
     together = times[1:] - times[:-1]
     shortest = max(_LONG_INTERVALS * max(interval_ns.values()), SILENCE_NS)
     flights = together[(together > shortest) & (together <= longest)]
-    usual = len(flights) >= _PART_OF_STRIDES * float(np.median(strides))
-    dropout = _LONGER_FLIGHT * float(np.median(flights)) if usual else shortest
+    usual = len(flights) >= _PART_OF_STRIDES * float(median_of(strides))
+    dropout = _LONGER_FLIGHT * float(median_of(flights)) if usual else shortest
     return SilentFeet(interval_ns, swing_ns, round(max(dropout, shortest)), stance_ns, clock)
 
 
@@ -124,7 +126,7 @@ def _usual_stance_ns(time: Ints, swing_from_ns: int) -> int:
         swing_from_ns: ns of silence that are a swing.
     """
     ends = np.flatnonzero(np.diff(time) > swing_from_ns)
-    return round(float(np.median(time[ends[1:]] - time[ends[:-1] + 1])))
+    return round(float(median_of(time[ends[1:]] - time[ends[:-1] + 1])))
 
 
 @dataclass(frozen=True, slots=True)
@@ -161,7 +163,7 @@ def last_messages(
         for foot, last in before.items()
     }
     all_times = clock.of(samples)
-    for foot in np.unique(samples.foot).tolist():
+    for foot in distinct(samples.foot).tolist():
         rows = np.flatnonzero(samples.foot == foot)
         message = LastMessage(int(samples.log_time[rows[-1]]), int(samples.stamp[rows[-1]]))
         swing = (-1, -1)

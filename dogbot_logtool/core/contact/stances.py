@@ -1,6 +1,5 @@
 """One stance, reduced to the figures that are reported of it."""
 
-from dataclasses import dataclass
 from enum import IntEnum
 from typing import Final, NamedTuple
 
@@ -18,6 +17,7 @@ from dogbot_logtool.core.geometry.runs import (
     sums,
     trapezoids,
 )
+from dogbot_logtool.dataclass import dataclass
 
 IMPACT_S: Final = 0.050
 """The impact is looked for in the first 50 ms of a stance."""

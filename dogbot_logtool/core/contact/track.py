@@ -4,7 +4,6 @@ Impulses are integrated over every sample; their running totals are kept at a fi
 that they can be asked for between any two times without keeping the samples.
 """
 
-from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
@@ -12,6 +11,7 @@ import numpy as np
 from dogbot_logtool.core.geometry.arrays import Flags, Floats, Ints
 from dogbot_logtool.core.geometry.blocks import GrowingTable
 from dogbot_logtool.core.geometry.clock import SILENCE_NS, absolute_time, first_at_each_tick
+from dogbot_logtool.dataclass import dataclass
 
 TRACK_RATE_HZ: Final = 25.0
 """A day of four feet is half a gigabyte at this rate."""

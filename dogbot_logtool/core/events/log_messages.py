@@ -11,6 +11,7 @@ from dogbot_logtool.core.events.messages import UNKNOWN, EventMessage, GaitState
 from dogbot_logtool.core.gait.segments import Segment
 from dogbot_logtool.core.geometry.arrays import Ints
 from dogbot_logtool.core.geometry.clock import TimeSource
+from dogbot_logtool.core.geometry.order_statistics import median_of
 from dogbot_logtool.core.statistics import Stats
 
 _LEVELS: Final = {
@@ -99,5 +100,6 @@ def to_log_time(stats: Stats, time: Ints) -> Ints:
         return time
     drifts = [each.offset_drift_ppm or 0.0 for each in topics]
     middle = (stats.origin + stats.end) // 2
-    late = np.median(offsets) * 1e9 + np.median(drifts) / 1e6 * (time - middle)
-    return time + np.round(late).astype(np.int64)
+    late = median_of(offsets) * 1e9 + median_of(drifts) / 1e6 * (time - middle)
+    shifted: Ints = time + np.round(late).astype(np.int64)
+    return shifted

@@ -1,9 +1,11 @@
 """Records of what annotated logs say of events and gaits."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import field
 from enum import IntEnum
 from typing import Final
+
+from dogbot_logtool.dataclass import dataclass
 
 UNKNOWN: Final = "unknown"
 """The gait between segments."""

@@ -11,6 +11,7 @@ from dogbot_logtool.core.gait.gait import IRREGULAR, STAND
 from dogbot_logtool.core.gait.segments import LASTING, PERIOD_CHANGE, Segment
 from dogbot_logtool.core.geometry import timespans
 from dogbot_logtool.core.geometry.arrays import Ints, norms
+from dogbot_logtool.core.geometry.order_statistics import median_of
 from dogbot_logtool.core.statistics import Stats
 
 MARGIN_M: Final = 0.01
@@ -59,7 +60,7 @@ def _rise_m(stats: Stats, start: int, end: int) -> float | None:
     if not stands.any() or not inside.any():
         return None
     z = base.position[:, 2]
-    return float(np.median(z[inside]) - np.median(z[stands]))
+    return float(median_of(z[inside]) - median_of(z[stands]))
 
 
 def gait_changes(segments: Sequence[Segment]) -> Iterator[Event]:

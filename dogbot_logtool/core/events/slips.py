@@ -15,6 +15,7 @@ from dogbot_logtool.core.events.event import Event, EventType
 from dogbot_logtool.core.gait.foot_statistics import FootStatistics
 from dogbot_logtool.core.gait.segments import Segment
 from dogbot_logtool.core.geometry.arrays import Flags, Floats
+from dogbot_logtool.core.geometry.order_statistics import percentiles_of
 from dogbot_logtool.core.load.slip import LARGEST_FOOT_M
 
 SLIP_M: Final = 0.005
@@ -92,7 +93,7 @@ def _usual_m(figures: FootStatistics, way: Floats, walks: list[Segment], times: 
         rows = (touchdown >= segment.start) & (touchdown < segment.end) & np.isfinite(way)
         if rows.sum() < FEWEST:
             continue
-        low, median = np.quantile(way[rows], (0.25, 0.5))
+        low, median = percentiles_of(way[rows], (25.0, 50.0))
         far = max(FAR_OUT * (median - low), times * median, SLIP_M)
         usual[rows & (way - median > far)] = median
     return usual

@@ -1,7 +1,6 @@
 """What was checked before a recording is trusted, and what could not be."""
 
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass
 from enum import StrEnum
 from typing import Final
 
@@ -9,6 +8,7 @@ import numpy as np
 
 from dogbot_logtool.core.load.load_figures import vertical_is_known
 from dogbot_logtool.core.statistics import Stats
+from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.finding import Finding, Severity
 
 

@@ -1,15 +1,22 @@
 """What a log's transforms say of each pair of frames, measured while they stream past."""
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
 
 from dogbot_logtool.core.frames.recorded_transforms import RecordedTransforms
-from dogbot_logtool.core.geometry.arrays import Flags, Floats, Ints, all_finite, stable_order
+from dogbot_logtool.core.geometry.arrays import (
+    Flags,
+    Floats,
+    Ints,
+    all_finite,
+    stable_order,
+)
 from dogbot_logtool.core.geometry.clock import TimeSource
+from dogbot_logtool.core.geometry.order_statistics import distinct
 from dogbot_logtool.core.quality.quality import TopicQuality, TopicWatch
+from dogbot_logtool.dataclass import dataclass
 
 NORM_TOLERANCE: Final = 0.01
 """A quaternion whose squared norm is further from 1 is not normalised. tf2's tolerance: it
@@ -66,7 +73,7 @@ class _EdgeWatch:
         self._last = max(self._last, last) if self._transforms else last
         self._transforms += len(rows)
         self._static += int(static[rows].sum())
-        self._channels.update(np.unique(recorded.channel[rows]).tolist())
+        self._channels.update(distinct(recorded.channel[rows]).tolist())
         moving = rows[~static[rows]]
         self._watch.add(recorded.log_time[moving], recorded.stamp[moving])
         self._judge(recorded.translation[rows], recorded.rotation[rows])

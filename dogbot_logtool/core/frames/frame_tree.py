@@ -1,11 +1,11 @@
 """The tree that frames and their parents form, and where it is none."""
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from itertools import combinations
 from typing import Final
 
 from dogbot_logtool.core.frames.frame_edges import FrameEdge
+from dogbot_logtool.dataclass import dataclass
 
 DEEPEST: Final = 100
 """Levels of a tree that are walked down."""

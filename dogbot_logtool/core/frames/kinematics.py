@@ -1,13 +1,13 @@
 """Where the links of a robot are, told from the positions of its joints."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import Final, Literal
 
 import numpy as np
 
 from dogbot_logtool.core.geometry.arrays import Flags, Floats, Ints
 from dogbot_logtool.core.geometry.rotations import multiply, rotate
+from dogbot_logtool.dataclass import dataclass
 
 Kind = Literal["revolute", "prismatic", "fixed"]
 Triple = tuple[float, float, float]

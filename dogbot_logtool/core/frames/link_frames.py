@@ -1,7 +1,7 @@
 """Contact samples placed in the world by the frames of the robot's links."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
@@ -10,6 +10,7 @@ from dogbot_logtool.core.frames.transform_buffer import Poses, TransformBuffer
 from dogbot_logtool.core.geometry.arrays import Flags, Floats
 from dogbot_logtool.core.geometry.clock import TimeSource
 from dogbot_logtool.core.geometry.rotations import rotate
+from dogbot_logtool.dataclass import dataclass
 
 
 @dataclass(frozen=True, slots=True)

@@ -7,7 +7,7 @@ can be read in parts, with little around each.
 
 from collections.abc import Mapping
 from collections.abc import Set as AbstractSet
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from typing import Any, Final
 
 import numpy as np
@@ -15,6 +15,7 @@ import numpy as np
 from dogbot_logtool.core.geometry.arrays import Flags, Floats, Ints
 from dogbot_logtool.core.geometry.clock import advancing
 from dogbot_logtool.core.geometry.rotations import multiply, normalised, rotate, slerp
+from dogbot_logtool.dataclass import dataclass
 
 LONGEST_STEP_S: Final = 0.1
 """Transforms further apart are not interpolated between."""

@@ -12,7 +12,6 @@ propels with large tangential forces. Neither breaks the rules, so neither is a 
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from enum import StrEnum
 from typing import Final
 
@@ -20,6 +19,8 @@ import numpy as np
 
 from dogbot_logtool.core.contact.contacts import Samples
 from dogbot_logtool.core.geometry.arrays import Flags, Floats, Ints, norms
+from dogbot_logtool.core.geometry.order_statistics import distinct, median_of, percentiles_of
+from dogbot_logtool.dataclass import dataclass
 
 FRICTION: Final = 1.0
 """Highest tangential over normal force that a foot is expected to find."""
@@ -116,7 +117,7 @@ def frame_fit(samples: Sequence[Samples], turned: Sequence[Flags] | None = None)
     if len(foot) < FEWEST_SAMPLES:
         return None
     magnitude = norms(force)
-    heavy = magnitude >= max(LIGHT * np.percentile(magnitude, HIGH_LOAD_PERCENT), TINY_N)
+    heavy = magnitude >= max(LIGHT * percentiles_of(magnitude, HIGH_LOAD_PERCENT), TINY_N)
     heavy &= np.isfinite(normal).all(axis=1)
     if int(heavy.sum()) < FEWEST_SAMPLES:
         return None
@@ -146,7 +147,7 @@ def _vertical_sum_n(samples: Sequence[Samples], rows: Sequence[Flags]) -> float:
     everyone = np.concatenate([part.foot for part in samples])
     contact = np.concatenate([part.in_contact for part in samples])
     total = 0.0
-    for each in np.unique(foot).tolist():
+    for each in distinct(foot).tolist():
         total += float(force[foot == each, 2].mean()) * float(contact[everyone == each].mean())
     return abs(total)
 
@@ -159,14 +160,14 @@ def _fit(foot: Ints, force: Floats, normal: Floats, vertical_n: float) -> FrameF
     along *= np.sign(along.sum()) or 1.0
     across = np.sqrt(np.maximum(magnitude**2 - along**2, 0.0))
     inside = across <= FRICTION * along
-    tilts = [_tilt(force[foot == each].sum(axis=0)) for each in np.unique(foot)]
+    tilts = [_tilt(force[foot == each].sum(axis=0)) for each in distinct(foot)]
     return FrameFit(
         samples=len(force),
         in_cone=float(magnitude[inside].sum() / magnitude.sum()),
         net_tilt=_tilt(force.sum(axis=0)),
-        foot_tilt=float(np.median(tilts)),
+        foot_tilt=float(median_of(tilts)),
         vertical_n=vertical_n,
-        alignment=float(np.median(np.abs(along) / magnitude)),
+        alignment=float(median_of(np.abs(along) / magnitude)),
     )
 
 

@@ -1,6 +1,5 @@
 """Forces over the gait cycle: braking and propulsion, and the usual curve of a stance or stride."""
 
-from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
@@ -12,6 +11,8 @@ from dogbot_logtool.core.contact.stance_curves import PARTS
 from dogbot_logtool.core.contact.stances import Stances
 from dogbot_logtool.core.gait.strides import Strides
 from dogbot_logtool.core.geometry.arrays import Flags, Floats
+from dogbot_logtool.core.geometry.order_statistics import percentiles_of
+from dogbot_logtool.dataclass import dataclass
 
 CYCLE_POINTS: Final = 51
 """Points of a curve over a stride: 0, 2, ... 100 %."""
@@ -127,5 +128,5 @@ def cycle_curve(percent: Floats, values: Floats) -> CycleCurve | None:
     """Return the quartiles of curves, (n, points)."""
     if len(values) == 0:
         return None
-    lower, median, upper = np.percentile(values, QUARTILES, axis=0)
+    lower, median, upper = percentiles_of(values, QUARTILES, axis=0)
     return CycleCurve(percent, lower, median, upper, len(values))

@@ -1,7 +1,6 @@
 """The figures of one foot, as they are reported."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -31,6 +30,7 @@ from dogbot_logtool.core.leg_position import LegPosition
 from dogbot_logtool.core.load.load_figures import vertical_impulse_ns
 from dogbot_logtool.core.load.slip import slip_m
 from dogbot_logtool.core.load.spikes import has_lone_spikes, without_spikes
+from dogbot_logtool.dataclass import dataclass
 
 
 @dataclass(frozen=True, slots=True)

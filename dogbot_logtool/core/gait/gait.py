@@ -5,7 +5,6 @@ are down for more than half of the stride is a trot all the same).
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
@@ -13,6 +12,7 @@ import numpy as np
 from dogbot_logtool.core.gait.gait_classes import QUADRUPED, TOLERANCE, class_distances
 from dogbot_logtool.core.geometry.aggregates import wrapped
 from dogbot_logtool.core.geometry.arrays import Floats
+from dogbot_logtool.dataclass import dataclass
 
 CONSISTENT: Final = 0.8
 """R that the phases of every foot must exceed."""

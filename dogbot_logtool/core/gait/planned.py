@@ -1,6 +1,5 @@
 """How a foot follows its plan: touchdowns early, late and missed, and how far forces are off."""
 
-from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
@@ -10,6 +9,8 @@ from dogbot_logtool.core.gait.foot_statistics import FootStatistics
 from dogbot_logtool.core.geometry import timespans
 from dogbot_logtool.core.geometry.aggregates import Aggregate, aggregate
 from dogbot_logtool.core.geometry.arrays import Flags, Floats, Ints
+from dogbot_logtool.core.geometry.order_statistics import median_of
+from dogbot_logtool.dataclass import dataclass
 
 ON_TIME_S: Final = 0.02
 """s; touchdowns that are off by less are on time, and by less than a sample of either, too."""
@@ -64,7 +65,7 @@ def follow_plan(measured: FootStatistics, planned: FootStatistics) -> PlannedFoo
         ON_TIME_S, *(foot.record.median_interval_s or 0.0 for foot in (measured, planned))
     )
     alone = np.setdiff1d(np.arange(len(steps)), match[found])
-    margin = np.full(len(alone), np.median(reach) if len(reach) else _LONE_S * 1e9)
+    margin = np.full(len(alone), median_of(reach) if len(reach) else _LONE_S * 1e9)
     return PlannedFoot(
         topic=planned.topic,
         touchdowns=int(counted.sum()),

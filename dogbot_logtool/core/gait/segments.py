@@ -1,7 +1,6 @@
 """When does the gait change? The time line, cut where class or stride period changes lastingly."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from itertools import pairwise
 from typing import Final
 
@@ -16,6 +15,7 @@ from dogbot_logtool.core.gait.support_pattern import Support
 from dogbot_logtool.core.geometry import timespans
 from dogbot_logtool.core.geometry.aggregates import CircularMean, circular_mean
 from dogbot_logtool.core.geometry.arrays import Floats, Ints
+from dogbot_logtool.dataclass import dataclass
 
 LASTING: Final = 2
 """Strides in a row that must agree before the gait counts as another one."""

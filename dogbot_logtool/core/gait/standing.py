@@ -9,6 +9,7 @@ from dogbot_logtool.core.contact.stances import LONGEST_STANCE_S, Cut, Stances
 from dogbot_logtool.core.gait.support_pattern import Support
 from dogbot_logtool.core.geometry import timespans
 from dogbot_logtool.core.geometry.arrays import Flags, Floats, Ints
+from dogbot_logtool.core.geometry.order_statistics import median_of
 
 STAND_S: Final = 1.0
 """All feet down for longer, and for longer than a stride, is no part of a stride."""
@@ -128,7 +129,7 @@ def typical_period_s(stances: list[Stances]) -> float | None:
     """Return the median time between touchdowns over all feet, s; None without two of one foot."""
     seen = [each.touchdown[each.cut != Cut.LOG_START] for each in stances]
     periods = np.concatenate([np.diff(each) for each in seen]) if seen else np.empty(0)
-    return float(np.median(periods)) / 1e9 if len(periods) else None
+    return float(median_of(periods)) / 1e9 if len(periods) else None
 
 
 def steps_apart(standing: Ints, stances: Stances) -> Flags:
@@ -144,7 +145,7 @@ def steps_apart(standing: Ints, stances: Stances) -> Flags:
     found = timespans.touches(standing, stances.touchdown, stances.liftoff)
     whole = stances.cut == Cut.WHOLE
     if whole.any():
-        usual = float(np.median(stances.duration_s[whole]))
+        usual = float(median_of(stances.duration_s[whole]))
         found |= stances.duration_s > max(LONGEST_STANCE_S, LONG_FOR_FOOT * usual)
     apart: Flags = found & whole
     return apart

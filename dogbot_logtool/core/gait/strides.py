@@ -1,7 +1,7 @@
 """Strides: from each touchdown of a foot to its next one."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Final
 
 import numpy as np
@@ -9,6 +9,7 @@ import numpy as np
 from dogbot_logtool.core.contact.stances import Cut, Stances
 from dogbot_logtool.core.geometry import timespans
 from dogbot_logtool.core.geometry.arrays import Flags, Floats, Ints
+from dogbot_logtool.dataclass import dataclass
 
 REASONS: Final[Mapping[int, str]] = {
     Cut.LOG_START: "log_start",

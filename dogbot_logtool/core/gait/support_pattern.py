@@ -1,7 +1,6 @@
 """How many feet, and which, are down at a time."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
@@ -9,6 +8,8 @@ import numpy as np
 from dogbot_logtool.core.contact.foot_history import FootHistory
 from dogbot_logtool.core.geometry import timespans
 from dogbot_logtool.core.geometry.arrays import Ints
+from dogbot_logtool.core.geometry.order_statistics import distinct
+from dogbot_logtool.dataclass import dataclass
 
 MOST_FREQUENT: Final = 5
 """Support sets that are reported."""
@@ -60,7 +61,7 @@ def support(feet: Sequence[FootHistory], within: Ints | None = None) -> Support 
     if timespans.total(known) == 0:
         return None
     contacts = [timespans.intersect([foot.in_contact, known]) for foot in feet]
-    edges = np.unique(np.concatenate([spans.ravel() for spans in (known, *contacts)]))
+    edges = distinct(np.concatenate([spans.ravel() for spans in (known, *contacts)]))
     begin, duration = edges[:-1], np.diff(edges)
     code = np.zeros(len(begin), np.int64)
     number = np.zeros(len(begin), np.int64)

@@ -1,11 +1,12 @@
 """Many values in one: aggregates of figures, means on the circle, histograms of intervals."""
 
-from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
 
 from dogbot_logtool.core.geometry.arrays import Floats, Ints
+from dogbot_logtool.core.geometry.order_statistics import distinct, median_of
+from dogbot_logtool.dataclass import dataclass
 
 _SUB_BINS: Final = 9
 """2^9 bins an octave: a bin is at most 0.2 % wide."""
@@ -39,7 +40,7 @@ def aggregate(values: Floats) -> Aggregate | None:
         n=len(known),
         mean=float(np.mean(known)),
         std=std,
-        median=float(np.median(known)),
+        median=float(median_of(known)),
         min=float(np.min(known)),
         max=float(np.max(known)),
     )
@@ -121,7 +122,7 @@ class IntervalHistogram:
 
     def _merge(self, bins: Ints, counts: Ints, sums: Ints) -> None:
         """Add bins, sorted and each only once, to those that are kept."""
-        all_bins = np.union1d(self._bins, bins)
+        all_bins = distinct(np.concatenate([self._bins, bins]))
         all_counts, all_sums = np.zeros((2, len(all_bins)), np.int64)
         for held, held_counts, held_sums in (
             (self._bins, self._counts, self._sums),

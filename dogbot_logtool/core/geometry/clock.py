@@ -12,6 +12,7 @@ from typing import Final, Protocol
 import numpy as np
 
 from dogbot_logtool.core.geometry.arrays import Flags, Floats, Ints
+from dogbot_logtool.core.geometry.order_statistics import median_of
 
 _LARGEST_FLOAT: Final = float(np.nextafter(2.0**63, 0.0))
 """The largest float that an int64 can hold."""
@@ -115,7 +116,7 @@ def usual_interval_s(log_time: Ints) -> float | None:
         log_time: (n,) ns.
     """
     steps = np.diff(log_time)
-    usual = float(np.median(steps[steps > 0])) if (steps > 0).any() else None
+    usual = float(median_of(steps[steps > 0])) if (steps > 0).any() else None
     if usual is None:
         return None
     return min(usual, float(steps[(steps >= 0) & (steps < GAP_INTERVALS * usual)].mean())) / 1e9

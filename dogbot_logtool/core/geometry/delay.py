@@ -1,12 +1,12 @@
 """By how much a measured curve comes after the one that it follows, and how much of it arrives."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
 
 from dogbot_logtool.core.geometry.arrays import Flags, Floats
+from dogbot_logtool.dataclass import dataclass
 
 LIKELY: Final = 3.84
 """Chi-squared of one degree of freedom that is not exceeded with 95 %."""

@@ -1,11 +1,11 @@
 """What feet on the ground span, seen from above: polygon, margin and centre of pressure."""
 
-from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
 
 from dogbot_logtool.core.geometry.arrays import Flags, Floats
+from dogbot_logtool.dataclass import dataclass
 
 NEAR_NS: Final = 60_000_000
 """ns: a foot's row further from an instant than this does not tell where it is then."""

@@ -8,6 +8,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from dogbot_logtool.core.geometry.arrays import Flags, Floats, Ints
+from dogbot_logtool.core.geometry.order_statistics import distinct
 
 
 def no_spans() -> Ints:
@@ -60,7 +61,7 @@ def intersect(spans: Sequence[Ints]) -> Ints:
     """Return the time that lies in all of the given spans; nothing of nothing."""
     if not spans or any(len(each) == 0 for each in spans):
         return no_spans()
-    edges = np.unique(np.concatenate([each.ravel() for each in spans]))
+    edges = distinct(np.concatenate([each.ravel() for each in spans]))
     held = np.ones(max(0, len(edges) - 1), np.bool_)
     for each in spans:
         held &= covers(each, edges[:-1])
@@ -69,7 +70,7 @@ def intersect(spans: Sequence[Ints]) -> Ints:
 
 def subtract(spans: Ints, taken: Ints) -> Ints:
     """Return the time that lies in `spans` but not in `taken`."""
-    edges = np.unique(np.concatenate([spans.ravel(), taken.ravel()]))
+    edges = distinct(np.concatenate([spans.ravel(), taken.ravel()]))
     held = covers(spans, edges[:-1]) & ~covers(taken, edges[:-1])
     return spans_where(edges, held)
 

@@ -8,7 +8,7 @@ All are compared as means over one stride about each of 25 instants a second.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Final
 
 import numpy as np
@@ -25,6 +25,7 @@ from dogbot_logtool.core.imu.running import Running, inside, running_acceleratio
 from dogbot_logtool.core.imu.turn import Turn, find_turn
 from dogbot_logtool.core.load.loads import GRAVITY_MPS2
 from dogbot_logtool.core.recorded.vectors import VectorHistory
+from dogbot_logtool.dataclass import dataclass
 
 _TICK_NS: Final = round(1e9 / TRACK_RATE_HZ)
 STANDING_WINDOW_S: Final = 0.5

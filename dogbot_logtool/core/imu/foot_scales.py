@@ -1,12 +1,12 @@
 """Which foot's force is wrong: what each must be multiplied with to explain an accelerometer."""
 
-from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
 
 from dogbot_logtool.core.geometry.arrays import Floats
 from dogbot_logtool.core.load.loads import GRAVITY_MPS2
+from dogbot_logtool.dataclass import dataclass
 
 ODD: Final = 0.15
 """A factor that is further from 1, and from the others, is odd."""

@@ -1,7 +1,6 @@
 """What the feet's forces say of the acceleration, against what an accelerometer does."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
@@ -21,6 +20,7 @@ from dogbot_logtool.core.imu.running import (
 from dogbot_logtool.core.imu.turn import Turn, find_turn
 from dogbot_logtool.core.load.load_figures import vertical_is_known
 from dogbot_logtool.core.load.loads import GRAVITY_MPS2
+from dogbot_logtool.dataclass import dataclass
 
 LEAST_S: Final = 2.0
 """s that all of them must be known for."""

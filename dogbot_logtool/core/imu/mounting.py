@@ -1,6 +1,5 @@
 """How an accelerometer sits on the base, and in which unit it reads: told by gravity."""
 
-from dataclasses import dataclass
 from enum import StrEnum
 from typing import Final
 
@@ -9,6 +8,7 @@ import numpy as np
 from dogbot_logtool.core.geometry.arrays import Floats
 from dogbot_logtool.core.geometry.rotations import rotate
 from dogbot_logtool.core.load.loads import GRAVITY_MPS2
+from dogbot_logtool.dataclass import dataclass
 
 TOLERANCE: Final = 0.05
 """Share by which an accelerometer of g may read too much or too little."""

@@ -1,7 +1,6 @@
 """Running totals of forces and accelerations, so that means over any time can be asked for."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
@@ -11,9 +10,11 @@ from dogbot_logtool.core.contact.foot_history import FootHistory
 from dogbot_logtool.core.contact.stance_curves import PARTS
 from dogbot_logtool.core.geometry import timespans
 from dogbot_logtool.core.geometry.arrays import Flags, Floats, Ints, all_finite
+from dogbot_logtool.core.geometry.order_statistics import distinct
 from dogbot_logtool.core.geometry.rotations import conjugate, from_roll_pitch_yaw, rotate
 from dogbot_logtool.core.load.loads import GRAVITY_MPS2
 from dogbot_logtool.core.recorded.vectors import VectorHistory
+from dogbot_logtool.dataclass import dataclass
 
 SPARSE_NS: Final = 1_000_000_000
 """ns; readings further apart than this tell no acceleration."""
@@ -128,7 +129,7 @@ def horizontal_impulses(feet: Sequence[FootHistory]) -> Running | None:
         spans = np.stack([stances.touchdown, stances.liftoff], axis=1)
         known = timespans.subtract(known, timespans.merge(spans[~told]))
         curves.append(_of_stances(spans[told] - origin, forces[told, :2]))
-    time = np.unique(np.concatenate([knots for knots, _ in curves]))
+    time = distinct(np.concatenate([knots for knots, _ in curves]))
     total = np.zeros((len(time), 2))
     for knots, sums in curves:
         for axis in range(2):

@@ -1,11 +1,11 @@
 """How horizontal accelerations from two sources are turned against each other."""
 
-from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
 
 from dogbot_logtool.core.geometry.arrays import Floats
+from dogbot_logtool.dataclass import dataclass
 
 MOVES_MPS2: Final = 0.15
 """m/s^2, root mean square of a horizontal acceleration that tells directions."""

@@ -5,7 +5,6 @@ their robot description.
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
@@ -20,6 +19,7 @@ from dogbot_logtool.core.geometry.arrays import Flags, Float32s, Floats, Ints
 from dogbot_logtool.core.geometry.clock import first_at_each_tick
 from dogbot_logtool.core.geometry.rotations import rotate
 from dogbot_logtool.core.legs.joint_track import LONGEST_STEP_S, JointTrack
+from dogbot_logtool.dataclass import dataclass
 
 PATH_RATE_HZ: Final = 200.0
 _DELAY_NS: Final = round(LONGEST_DELAY_S * 1e9)

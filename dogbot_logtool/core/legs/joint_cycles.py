@@ -1,13 +1,12 @@
 """Joints over the strides of their leg's foot: work, and the usual motion over the gait cycle."""
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from dogbot_logtool.core.gait.cycle_curves import CYCLE_POINTS
 from dogbot_logtool.core.gait.strides import Strides
 from dogbot_logtool.core.geometry.arrays import Flags, Float32s, Floats
 from dogbot_logtool.core.legs.joint_track import JointHistory, JointTrack
+from dogbot_logtool.dataclass import dataclass
 
 
 @dataclass(frozen=True, slots=True)

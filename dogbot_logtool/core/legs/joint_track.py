@@ -4,7 +4,6 @@ Work and torque are integrated over every message. Positions, efforts and the wo
 are kept at `JOINT_RATE_HZ` from the first motion on: 24 bytes a row, 9 MB a joint and hour.
 """
 
-from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
@@ -13,6 +12,7 @@ from dogbot_logtool.core.geometry.arrays import Flags, Float32s, Floats, Ints
 from dogbot_logtool.core.geometry.blocks import Blocks
 from dogbot_logtool.core.geometry.clock import TimeSource, advancing, first_at_each_tick
 from dogbot_logtool.core.quality.stamps import StampFilter
+from dogbot_logtool.dataclass import dataclass
 
 JOINT_RATE_HZ: Final = 100.0
 MOST_JOINTS: Final = 256

@@ -1,7 +1,6 @@
 """Records of the figures of a robot's legs; `core/leg_evaluation.py` works them out."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 
 from dogbot_logtool.core.geometry.aggregates import Aggregate
 from dogbot_logtool.core.legs.joint_cycles import JointCurve, Work
@@ -9,6 +8,7 @@ from dogbot_logtool.core.legs.joint_track import JointHistory
 from dogbot_logtool.core.legs.settings import JointPair, LegSettings
 from dogbot_logtool.core.legs.swings import Footfalls, Steps, Swings
 from dogbot_logtool.core.quality.clocks import ClockDifference
+from dogbot_logtool.dataclass import dataclass
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,7 +1,6 @@
 """Everything that is kept of a robot's legs while its log streams past."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 
 from dogbot_logtool.core.frames.transform_buffer import TransformBuffer
 from dogbot_logtool.core.geometry.clock import TimeSource
@@ -15,6 +14,7 @@ from dogbot_logtool.core.legs.joint_track import (
 )
 from dogbot_logtool.core.legs.settings import LegSettings
 from dogbot_logtool.core.quality.clocks import OffsetRecorder, OffsetTrack
+from dogbot_logtool.dataclass import dataclass
 
 
 @dataclass(frozen=True, slots=True)

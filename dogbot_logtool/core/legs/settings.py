@@ -1,11 +1,12 @@
 """What decides the figures of the legs."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import field
 
 from dogbot_logtool.core.frames.transform_buffer import TransformBuffer
 from dogbot_logtool.core.legs.foot_path import LegChain
 from dogbot_logtool.core.legs.joint_track import JointLimits
+from dogbot_logtool.dataclass import dataclass
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,6 +1,5 @@
 """Swings of a foot: its way in the world, above the line between its footfalls."""
 
-from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
@@ -10,9 +9,11 @@ from dogbot_logtool.core.contact.stances import Cut, Stances
 from dogbot_logtool.core.gait.cycle_curves import CYCLE_POINTS, CycleCurve, cycle_curve
 from dogbot_logtool.core.gait.strides import Strides
 from dogbot_logtool.core.geometry.arrays import Flags, Floats, Ints
+from dogbot_logtool.core.geometry.order_statistics import median_of
 from dogbot_logtool.core.geometry.rotations import from_roll_pitch_yaw, rotate
 from dogbot_logtool.core.legs.foot_path import FootPath
 from dogbot_logtool.core.legs.joint_track import LONGEST_STEP_S
+from dogbot_logtool.dataclass import dataclass
 
 MIDDLE: Final = (0.2, 0.8)
 """Shares of a stance between which the foot is loaded and should be at rest."""
@@ -59,7 +60,7 @@ class WorldPath:
     @property
     def is_slow(self) -> bool:
         """Whether the path is told too rarely for velocities."""
-        return len(self.time) < 2 or float(np.median(np.diff(self.time))) > SLOWEST_NS
+        return len(self.time) < 2 or float(median_of(np.diff(self.time))) > SLOWEST_NS
 
     def unbroken(self, start: Ints, end: Ints) -> Flags:
         """(m,) whether the path is known all the way between two times each."""
@@ -215,7 +216,7 @@ def _approach(path: WorldPath, strides: Strides, contact_interval_s: float) -> F
     velocity = np.full((count, 3), np.nan)
     if path.is_slow or contact_interval_s * 1e9 > SLOWEST_NS:
         return velocity
-    interval = float(np.median(np.diff(path.time)))
+    interval = float(median_of(np.diff(path.time)))
     rows = max(FEWEST_ROWS, round(APPROACH_S * 1e9 / interval))
     aloft = strides.end - round(contact_interval_s * 1e9)
     last = np.searchsorted(path.time, aloft, side="right") - 1

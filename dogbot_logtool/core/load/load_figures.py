@@ -1,7 +1,6 @@
 """How the load is shared, and whether it adds up to the robot's weight."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from enum import StrEnum
 from typing import Final
 
@@ -12,6 +11,7 @@ from dogbot_logtool.core.contact.saturation import SATURATED_SAMPLES, SATURATED_
 from dogbot_logtool.core.geometry import timespans
 from dogbot_logtool.core.geometry.arrays import Flags, Ints
 from dogbot_logtool.core.leg_position import LegPosition
+from dogbot_logtool.dataclass import dataclass
 
 NEAR_ZERO: Final = 1e-9
 WEIGHT_TOLERANCE: Final = 0.05

@@ -4,7 +4,6 @@ This looks back only: what is written does not depend on where batches end.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
@@ -12,9 +11,11 @@ import numpy as np
 from dogbot_logtool.core.contact.contacts import Samples
 from dogbot_logtool.core.geometry.arrays import Ints
 from dogbot_logtool.core.geometry.clock import FEWEST_INTERVALS, GAP_INTERVALS, SILENCE_NS
+from dogbot_logtool.core.geometry.order_statistics import median_of, percentiles_of
 from dogbot_logtool.core.load.loads import Loads, LoadState
+from dogbot_logtool.dataclass import dataclass
 
-_USUAL: Final = 0.95
+_USUAL_PERCENT: Final = 95.0
 """Quantile of the intervals between messages that counts as usual."""
 
 
@@ -53,8 +54,9 @@ def message_rate(log_time: Ints, longest_swing_ns: int | None = None) -> Message
     step = step[step > 0]
     if len(step) < FEWEST_INTERVALS:
         return MessageRate(SILENCE_NS, longest_swing_ns or 20 * SILENCE_NS)
-    gap = longest_swing_ns or max(SILENCE_NS, GAP_INTERVALS * float(np.quantile(step, _USUAL)))
-    return MessageRate(round(float(np.median(step))), round(gap))
+    usual = float(percentiles_of(step, _USUAL_PERCENT))
+    gap = longest_swing_ns or max(SILENCE_NS, GAP_INTERVALS * usual)
+    return MessageRate(round(float(median_of(step))), round(gap))
 
 
 def follow_silences(

@@ -1,13 +1,14 @@
 """Whether the clocks of several topics agree: each one's stamps against log time, compared."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
 
 from dogbot_logtool.core.geometry.arrays import Floats, Ints
 from dogbot_logtool.core.geometry.blocks import GrowingTable
+from dogbot_logtool.core.geometry.order_statistics import distinct, median_of
+from dogbot_logtool.dataclass import dataclass
 
 WINDOW_NS: Final = 500_000_000
 """ns: of the messages logged within it, the one with the shortest delay is compared."""
@@ -106,7 +107,7 @@ def clock_differences(
     """
     if len(tracks) < 2:
         return ()
-    windows = np.unique(np.concatenate([track.window for track in tracks.values()]))
+    windows = distinct(np.concatenate([track.window for track in tracks.values()]))
     origin = min(int(track.least_ns.min(initial=0)) for track in tracks.values())
     offset = np.full((len(tracks), len(windows)), np.nan)
     for row, track in enumerate(tracks.values()):
@@ -135,13 +136,13 @@ def _difference(topic: str, time_s: Floats, behind_s: Floats) -> ClockDifference
     if len(behind) < FEWEST_WINDOWS:
         return None
     third = max(len(behind) // 3, 1)
-    grown = float(np.median(behind[-third:]) - np.median(behind[:third]))
-    apart = float(np.median(time[-third:]) - np.median(time[:third]))
+    grown = float(median_of(behind[-third:]) - median_of(behind[:third]))
+    apart = float(median_of(time[-third:]) - median_of(time[:third]))
     drift = grown * float(time[-1] - time[0]) / apart
     middle = (time[-1] + time[0]) / 2.0
     rest = behind - drift * (time - middle) / (time[-1] - time[0])
-    median = float(np.median(rest))
-    jitter = 1.4826 * float(np.median(np.abs(rest - median)))
+    median = float(median_of(rest))
+    jitter = 1.4826 * float(median_of(np.abs(rest - median)))
     return ClockDifference(topic, median, drift, jitter)
 
 

@@ -1,11 +1,12 @@
 """Which strides are unlike the others? A rule that the odd ones cannot bend."""
 
-from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
 
 from dogbot_logtool.core.geometry.arrays import Flags, Floats
+from dogbot_logtool.core.geometry.order_statistics import median_of
+from dogbot_logtool.dataclass import dataclass
 
 MOST_DEVIATIONS: Final = 3.5
 """Modified z-score beyond which a value is an outlier (Iglewicz and Hoaglin 1993)."""
@@ -44,9 +45,9 @@ def outliers(values: Floats, least: float = 0.0) -> Outliers:
     none = np.zeros(len(values), np.bool_)
     if len(known) < FEWEST:
         return Outliers(none, none, float("nan"))
-    median = float(np.median(known))
+    median = float(median_of(known))
     deviations = np.abs(known - median)
-    usual = float(np.median(deviations)) / 0.6745 or float(np.mean(deviations)) * 1.253314
+    usual = float(median_of(deviations)) / 0.6745 or float(np.mean(deviations)) * 1.253314
     away = values - median
     with np.errstate(invalid="ignore"):
         far = np.abs(away) > MOST_DEVIATIONS * usual

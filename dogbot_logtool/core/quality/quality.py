@@ -1,6 +1,6 @@
 """Can a recording be trusted? What the times of each topic's messages say."""
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Final
 
 import numpy as np
@@ -15,8 +15,10 @@ from dogbot_logtool.core.geometry.clock import (
     TimeSource,
     first_at_each_tick,
 )
+from dogbot_logtool.core.geometry.order_statistics import median_of
 from dogbot_logtool.core.quality.clocks import OffsetRecorder, OffsetTrack
 from dogbot_logtool.core.quality.stamps import ClockStep, StampFilter
+from dogbot_logtool.dataclass import dataclass
 
 _FAR_QUARTILES: Final = 10.0
 """Intervals whose quartiles are further apart are of two kinds: within bursts and between them."""
@@ -338,7 +340,7 @@ class TopicWatch:
         if self._origins is None:
             return None, None
         table = self._offsets.stacked()
-        offset = float(np.median(table[:, 1]) + self._origins[1]) / 1e9
+        offset = float(median_of(table[:, 1]) + self._origins[1]) / 1e9
         return offset, _slope_ppm(table[:, 0] - table[:, 1], table[:, 1])
 
 

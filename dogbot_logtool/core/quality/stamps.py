@@ -1,7 +1,7 @@
 """Which header stamps can be used: single bad ones are left out, a clock that is set is noticed."""
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any, Final, Generic
 
 import numpy as np
@@ -9,6 +9,8 @@ import numpy as np
 from dogbot_logtool.core.geometry.arrays import Flags, Ints
 from dogbot_logtool.core.geometry.blocks import Columns, run_of
 from dogbot_logtool.core.geometry.clock import TimeSource
+from dogbot_logtool.core.geometry.order_statistics import distinct
+from dogbot_logtool.dataclass import dataclass
 
 NEIGHBOURS: Final = 10
 """Stamps before and after a stamp that it is compared with."""
@@ -129,14 +131,14 @@ class StampCheck:
         stamp = series[:, 0]
         back = np.flatnonzero(stamp[1:] < stamp[:-1])
         begins_anew = back[_stay_below(stamp, back)] + 1
-        ahead = _ahead(stamp, np.setdiff1d(back, begins_anew - 1), begins_anew)
+        ahead = _ahead(stamp, back[~np.isin(back, begins_anew - 1)], begins_anew)
         forward = self._forward_steps(series, ahead, begins_anew)
         if at_end:
             late = forward > len(series) - FEWEST
             if late.any():
                 ahead[forward[late][0] :] = True
             forward = forward[~late]
-        self._note_steps(series, begin, end, np.union1d(begins_anew, forward))
+        self._note_steps(series, begin, end, distinct(np.concatenate([begins_anew, forward])))
         good = stamp[begin:end][~ahead[begin:end]]
         before = np.maximum.accumulate(np.concatenate([[self._latest], good]))
         self.behind += int((good < before[:-1]).sum())
@@ -151,7 +153,8 @@ class StampCheck:
         rows, before = good[1:][far], good[:-1][far]
         after = np.minimum(rows[:, None] + np.arange(NEIGHBOURS), len(series) - 1)
         stays = series[after, 0].min(axis=1) - series[before, 0] > LARGEST_STEP_S * 1e9
-        return np.setdiff1d(rows[stays], begins_anew)
+        forward: Ints = rows[stays & ~np.isin(rows, begins_anew)]
+        return forward
 
     def _note_steps(self, series: Ints, begin: int, end: int, rows: Ints) -> None:
         for row in rows[(rows >= max(begin, 1)) & (rows < end)].tolist():
@@ -186,7 +189,7 @@ def _ahead(stamp: Ints, back: Ints, begins_anew: Ints) -> Flags:
         begins_anew: (s,) rows at which the clock was set back.
     """
     ahead = np.zeros(len(stamp), np.bool_)
-    rows = np.unique(np.maximum(back[:, None] - np.arange(NEIGHBOURS), 0))
+    rows = distinct(np.maximum(back[:, None] - np.arange(NEIGHBOURS), 0))
     if len(rows) == 0:
         return ahead
     after = rows[:, None] + 1 + np.arange(NEIGHBOURS)

@@ -7,7 +7,6 @@ then is also that of the recorder, and is said to be.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
@@ -28,6 +27,7 @@ from dogbot_logtool.core.quality.clocks import (
     too_far_apart,
 )
 from dogbot_logtool.core.quality.quality import TopicWatch, steady_rhythm
+from dogbot_logtool.dataclass import dataclass
 
 RATE_HZ: Final = 100.0
 """A day at this rate is half a gigabyte."""

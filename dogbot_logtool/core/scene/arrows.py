@@ -6,7 +6,6 @@
 """
 
 import math
-from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
@@ -22,6 +21,7 @@ from dogbot_logtool.core.geometry.arrays import (
     norms,
 )
 from dogbot_logtool.core.scene.colour import LONGEST_NM, SHORTEST_NM, wavelength_to_rgba
+from dogbot_logtool.dataclass import dataclass
 
 NEWTONS_PER_METRE: Final = 100.0
 """An arrow of one metre is this many newtons, unless the robot's file says otherwise."""

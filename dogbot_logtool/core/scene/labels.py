@@ -2,7 +2,6 @@
 
 from collections.abc import Mapping
 from collections.abc import Set as AbstractSet
-from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
@@ -10,7 +9,9 @@ import numpy as np
 from dogbot_logtool.core.contact.contacts import Samples
 from dogbot_logtool.core.geometry.arrays import Flags, Floats, Ints, norms
 from dogbot_logtool.core.geometry.clock import first_at_each_tick
+from dogbot_logtool.core.geometry.order_statistics import distinct
 from dogbot_logtool.core.scene.arrows import Arrows
+from dogbot_logtool.dataclass import dataclass
 
 RATE_HZ: Final = 20.0
 """Labels a second: numbers that change faster cannot be read."""
@@ -50,7 +51,7 @@ def foot_labels(
         down: feet whose last sample before these was in contact.
     """
     chosen = [np.empty(0, np.int64)]
-    for foot in np.unique(arrows.foot).tolist():
+    for foot in distinct(arrows.foot).tolist():
         rows = np.flatnonzero(arrows.foot == foot)
         at_ticks = first_at_each_tick(arrows.log_time[rows], RATE_HZ, last_time.get(foot))
         was_down = np.concatenate([[foot in down], samples.in_contact[rows][:-1]])

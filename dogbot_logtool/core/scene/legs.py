@@ -1,7 +1,6 @@
 """Lines from the body to the feet that stand, where no transforms tell how the legs bend."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -9,6 +8,7 @@ from dogbot_logtool.core.base.odometry import Odometry
 from dogbot_logtool.core.contact.foot_tracker import FootTracker
 from dogbot_logtool.core.geometry.arrays import Floats, Ints
 from dogbot_logtool.core.geometry.rotations import normalised, rotate
+from dogbot_logtool.dataclass import dataclass
 
 
 @dataclass(frozen=True, slots=True)

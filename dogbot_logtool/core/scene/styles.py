@@ -5,8 +5,9 @@ that the command line can list the styles at once.
 """
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final
+
+from dogbot_logtool.dataclass import dataclass
 
 if TYPE_CHECKING:
     from dogbot_logtool.core.scene.arrows import ArrowCounts, ArrowInput, Arrows

@@ -6,7 +6,7 @@ is neither a polygon nor a centre of pressure.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Final
 
 import numpy as np
@@ -22,6 +22,7 @@ from dogbot_logtool.core.geometry.support_polygon import (
     hulls,
     margin_in,
 )
+from dogbot_logtool.dataclass import dataclass
 
 SAFE_MARGIN_M: Final = 0.05
 """m, static margin from which the polygon has the colour of safety."""

@@ -1,7 +1,6 @@
 """The walk seen from above: where the feet were put down, and where the load had its centre."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -10,6 +9,7 @@ from dogbot_logtool.core.geometry import timespans
 from dogbot_logtool.core.geometry.arrays import Floats, Ints
 from dogbot_logtool.core.geometry.support_polygon import centre_of_pressure
 from dogbot_logtool.core.stability.stability import feet_down
+from dogbot_logtool.dataclass import dataclass
 
 
 @dataclass(frozen=True, slots=True)

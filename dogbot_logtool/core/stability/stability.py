@@ -1,7 +1,6 @@
 """Does the robot stand safely on the feet that are down? Support polygon and static margin."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
@@ -15,6 +14,7 @@ from dogbot_logtool.core.geometry.arrays import Flags, Floats, Ints
 from dogbot_logtool.core.geometry.rotations import along_heading
 from dogbot_logtool.core.geometry.support_polygon import NEAR_NS, centre_of_pressure, margin_in_hull
 from dogbot_logtool.core.stability.energy_margin import energy_margin_m
+from dogbot_logtool.dataclass import dataclass
 
 FEWEST_FEET: Final = 3
 """Feet that span a polygon."""

@@ -1,13 +1,14 @@
 """Convert one batch: read it, compute its annotations, write them as chunks, copy its messages."""
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 
 from dogbot_logtool.core.base.odometry import usable_poses
 from dogbot_logtool.core.contact.foot_tracker import follow_feet
 from dogbot_logtool.core.frames.link_frames import FrameCounts
 from dogbot_logtool.core.load.silences import follow_silences
 from dogbot_logtool.core.scene.arrows import ArrowCounts
+from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.pipeline.batches import BatchColumns
 from dogbot_logtool.pipeline.conversion.annotating import compute_annotations, links_at_ticks
 from dogbot_logtool.pipeline.conversion.batch_state import BatchState

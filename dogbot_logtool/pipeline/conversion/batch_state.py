@@ -5,7 +5,7 @@ decoded messages alone, and is sent on before the expensive work begins.
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 
 import numpy as np
 
@@ -15,7 +15,9 @@ from dogbot_logtool.core.contact.foot_tracker import FootMemory, FootTracker, in
 from dogbot_logtool.core.contact.silent_swing import LastMessages, SilentFeet, last_messages
 from dogbot_logtool.core.frames.kinematics import LinkTransforms
 from dogbot_logtool.core.frames.transform_buffer import TransformBuffer
+from dogbot_logtool.core.geometry.order_statistics import distinct
 from dogbot_logtool.core.load.silences import LastContact
+from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.pipeline.batches import BatchColumns
 from dogbot_logtool.pipeline.plan import Plan
 
@@ -97,7 +99,7 @@ def _feet_down(samples: Sequence[Samples], before: frozenset[int]) -> frozenset[
     """Return the feet whose last sample is in contact; those without one are as before."""
     down = set(before)
     for each in samples:
-        for foot in np.unique(each.foot).tolist():
+        for foot in distinct(each.foot).tolist():
             last = np.flatnonzero(each.foot == foot)[-1]
             (down.add if each.in_contact[last] else down.discard)(foot)
     return frozenset(down)

@@ -1,13 +1,13 @@
 """The messages of `/events` and `/gait`, made of the figures of the whole log."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from dogbot_logtool.core.events.messages import EventMessage, GaitState
 from dogbot_logtool.core.geometry.arrays import Ints
+from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.writer.annotations import Annotations
 from dogbot_logtool.writer.message_records import MessageRecords, recorded
 

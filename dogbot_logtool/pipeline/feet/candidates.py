@@ -4,11 +4,12 @@ They are offered, with the reasons, and never taken unasked.
 """
 
 from collections.abc import Collection, Iterable, Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Final
 
 from dogbot_logtool.core.contact.contacts import Samples, no_samples
 from dogbot_logtool.core.geometry.blocks import concatenated
+from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.errors import DefinitionError
 from dogbot_logtool.pipeline.chunks import spread_chunks
 from dogbot_logtool.pipeline.feet.content import Content, judge_content

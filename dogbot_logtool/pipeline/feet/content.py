@@ -1,13 +1,14 @@
 """Whether values look like those of feet: on and off, in turns, together the weight."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
 
 from dogbot_logtool.core.contact.contacts import Samples
 from dogbot_logtool.core.geometry.arrays import Flags, Floats, norms
+from dogbot_logtool.core.geometry.order_statistics import median_of, percentiles_of
+from dogbot_logtool.dataclass import dataclass
 
 FEWEST: Final = 20
 """Samples of a foot from which its values mean something."""
@@ -54,7 +55,7 @@ def judge_content(samples: Samples, feet: int) -> Content | None:
         return None
     values = np.abs(signed)
     is_contact = bool((values <= _LARGEST_STATE).all() and (values == np.round(values)).all())
-    low, high = np.percentile(values, _TENTH, axis=0)
+    low, high = percentiles_of(values, _TENTH, axis=0)
     down = values > 0.0 if is_contact else values > low + _ON * (high - low)
     changes = np.count_nonzero(np.diff(down, axis=0), axis=0)
     found = [_on_and_off(changes), _in_turns(down)]
@@ -118,7 +119,7 @@ def _together(values: Floats) -> tuple[int, str]:
     if mean <= 0.0:
         return 0, ""
     spread = float(total.std()) / mean
-    own = float(np.median(values.std(axis=0) / np.maximum(values.mean(axis=0), 1e-12)))
+    own = float(median_of(values.std(axis=0) / np.maximum(values.mean(axis=0), 1e-12)))
     if spread <= _STEADY and own >= _UNSTEADY * spread:
         return 3, f"together they stay within {spread:.0%} of {mean:.4g}, as a weight does"
     return 0, f"their sum varies by {spread:.0%}"
@@ -126,7 +127,7 @@ def _together(values: Floats) -> tuple[int, str]:
 
 def _one_way(signed: Floats) -> tuple[int, str]:
     """The ground pushes and does not pull."""
-    low, high = np.percentile(signed, _TENTH, axis=0)
+    low, high = percentiles_of(signed, _TENTH, axis=0)
     opposite = (low < 0.0) & (high > 0.0)
     smaller, larger = np.minimum(-low, high), np.maximum(-low, high)
     both = int(np.count_nonzero(opposite & (smaller > _BOTH_WAYS * larger)))

@@ -1,11 +1,13 @@
 """The feet of messages that tell of all feet at once, and whether their contact flags are used."""
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import Final
 
 import numpy as np
 
+from dogbot_logtool.core.geometry.order_statistics import distinct
+from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.finding import Finding, warning
 from dogbot_logtool.io.listing import listed
 from dogbot_logtool.pipeline.feet.names import foot_name, leg_position
@@ -95,7 +97,7 @@ def sampled_messages(
     useful = [c for c in log.chunks if c.counts is None or channel.id in c.counts]
     if not useful:
         return
-    rows = np.unique(np.linspace(0, len(useful) - 1, looks).round().astype(int))
+    rows = distinct(np.linspace(0, len(useful) - 1, looks).round().astype(int))
     for span in log.grouped([useful[row] for row in rows.tolist()]):
         yield from decode_channels(log.read(span), [channel], source.fields)
 

@@ -19,9 +19,9 @@ One name alone misleads: ``rl_controller`` is no left hind leg and the ``front``
 import re
 from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
 from typing import Final
 
+from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.pipeline.feet.readings import (
     Reading,
     corners,

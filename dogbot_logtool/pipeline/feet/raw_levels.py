@@ -5,7 +5,7 @@ on a foot touches then lies between them, although nothing says what a count is 
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Final
 
 import numpy as np
@@ -14,6 +14,8 @@ from dogbot_logtool.core.contact.contact_rule import MOST_OF_LOAD, contact_rule
 from dogbot_logtool.core.contact.contacts import Samples, no_samples
 from dogbot_logtool.core.contact.sensor_level import SensorLevel, estimate_level
 from dogbot_logtool.core.geometry.blocks import concatenated
+from dogbot_logtool.core.geometry.order_statistics import percentiles_of
+from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.pipeline.feet.message_feet import sampled_messages
 from dogbot_logtool.reader.containers.log import Channel, Log
 from dogbot_logtool.reader.messages.contacts.registry import source_of
@@ -82,7 +84,7 @@ def _level(samples: Samples) -> SensorLevel:
     if not len(samples.force):
         return estimate_level(samples.log_time, samples.force)
     # A mode that is a count or two narrower than the other must not pass for the unloaded one.
-    low, high = np.percentile(samples.force[:, 2], [5.0, 95.0])
+    low, high = percentiles_of(samples.force[:, 2], [5.0, 95.0])
     blur = np.random.default_rng(0).normal(0.0, _BLUR * (high - low), len(samples.force))
     level = estimate_level(samples.log_time, samples.force + blur[:, None] * [0.0, 0.0, 1.0])
     light = level.alternative

@@ -1,10 +1,10 @@
 """All the ways in which a name can be read as that of a leg."""
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 from itertools import pairwise, product
 from typing import Final
 
+from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.pipeline.feet.words import (
     END_FIRST,
     ENDS,

@@ -1,7 +1,6 @@
 """Which robot description the output has: the log's own, the user's file, or one of primitives."""
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
 
@@ -9,6 +8,7 @@ import numpy as np
 
 from dogbot_logtool.core.geometry.arrays import Floats
 from dogbot_logtool.core.scene.foot_style import foot_colour
+from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.errors import CallError
 from dogbot_logtool.finding import Finding, note, warning
 from dogbot_logtool.io.storage import content

@@ -1,7 +1,6 @@
 """The joints of a robot description that the log's joint states move, where no transforms do."""
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 from itertools import islice
 from typing import Final
 
@@ -9,6 +8,7 @@ import numpy as np
 
 from dogbot_logtool.core.frames.kinematics import Joint, LinkTransforms, link_poses
 from dogbot_logtool.core.geometry.arrays import header_time
+from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.errors import DefinitionError
 from dogbot_logtool.pipeline.probe import Probe
 from dogbot_logtool.pipeline.robot_model.urdf import parse_urdf, urdf_joints

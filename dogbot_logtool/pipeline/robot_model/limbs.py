@@ -1,7 +1,6 @@
 """Where the robot's joints are over time: its frames, by transforms or by joint states."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
@@ -16,6 +15,7 @@ from dogbot_logtool.core.frames.transform_buffer import (
 from dogbot_logtool.core.geometry.arrays import Float32s, Floats, Ints
 from dogbot_logtool.core.geometry.clock import TimeSource
 from dogbot_logtool.core.geometry.rotations import rotate
+from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.pipeline.frames import useful_spans
 from dogbot_logtool.pipeline.probe import Probe, frame_names
 from dogbot_logtool.pipeline.robot_model.description import log_skeleton, model_feet

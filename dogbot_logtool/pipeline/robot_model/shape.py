@@ -1,12 +1,13 @@
 """The size of a robot and which way it looks, for pictures of it."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
 
 from dogbot_logtool.core.base.ground import nearest_axis
+from dogbot_logtool.core.geometry.order_statistics import median_of
+from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.pipeline.probe import Probe
 from dogbot_logtool.pipeline.robot_model.primitives import body_size_m
 from dogbot_logtool.pipeline.robot_model.skeleton import Point
@@ -38,7 +39,7 @@ def robot_shape(selection: Selection, probe: Probe) -> RobotShape:
     height = length
     if stances:
         points = np.array(list(stances.values()))
-        height = max(-float(np.median(points[:, 2])), 0.0) or length
+        height = max(-float(median_of(points[:, 2])), 0.0) or length
         length = max(float(np.ptp(points[:, :2], axis=0).max()), 0.5 * length)
     hips = {foot: (_INSIDE * x, _INSIDE * y, 0.0) for foot, (x, y, _) in stances.items()}
     axis = _axis_by_feet(robot, stances) if selection.robot_is_guessed else None

@@ -10,6 +10,7 @@ from dogbot_logtool.core.contact.contacts import Samples
 from dogbot_logtool.core.frames.recorded_transforms import RecordedTransforms
 from dogbot_logtool.core.frames.transform_buffer import TransformBuffer
 from dogbot_logtool.core.geometry.arrays import Floats, all_finite
+from dogbot_logtool.core.geometry.order_statistics import median_of
 from dogbot_logtool.core.geometry.rotations import conjugate, normalised, rotate
 from dogbot_logtool.pipeline.robot_model.skeleton import FramePose, Point
 from dogbot_logtool.pipeline.world_frames import WorldFrames
@@ -110,8 +111,8 @@ class SoleFinder:
             points = np.concatenate(parts)
             if len(points) < _FEWEST:
                 continue
-            middle = np.median(points, axis=0)
-            spread = float(np.median(np.sqrt(((points - middle) ** 2).sum(axis=1))))
+            middle = median_of(points, axis=0)
+            spread = float(median_of(np.sqrt(((points - middle) ** 2).sum(axis=1))))
             if spread <= self._spread_m and float(np.sqrt((middle**2).sum())) <= _FARTHEST_M:
                 found[foot] = tuple(middle.tolist())
         return found

@@ -1,11 +1,12 @@
 """Decompressed messages of some neighbouring chunks."""
 
 from collections.abc import Set as AbstractSet
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
 from dogbot_logtool.core.geometry.arrays import Bytes, Flags
+from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.reader.containers.contents import Chunk
 from dogbot_logtool.reader.containers.loss import Loss
 from dogbot_logtool.reader.decode.message_table import Messages

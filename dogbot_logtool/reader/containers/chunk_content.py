@@ -1,8 +1,7 @@
 """What is found in a decompressed chunk, or why nothing is."""
 
-from dataclasses import dataclass
-
 from dogbot_logtool.core.geometry.arrays import Ints
+from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.reader.containers.contents import Chunk
 from dogbot_logtool.reader.containers.loss import Loss
 from dogbot_logtool.reader.decode.message_table import Messages

@@ -1,11 +1,12 @@
 """Which of the records found in a chunk are kept, and the losses that describe the rest."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import field
 
 import numpy as np
 
 from dogbot_logtool.core.geometry.arrays import Bytes, Flags, Ints
+from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.reader.containers.chunk_content import ChunkContent
 from dogbot_logtool.reader.containers.contents import Chunk
 from dogbot_logtool.reader.containers.loss import Loss

@@ -1,8 +1,9 @@
 """What is known of a log before its messages are read: channels, chunks, counts and times."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 
+from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.reader.containers.loss import Loss
 from dogbot_logtool.reader.decode.definition import short_type_name
 

@@ -1,8 +1,9 @@
 """What was found damaged in a log."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import Final
+
+from dogbot_logtool.dataclass import dataclass
 
 LONGEST_NAME: Final = 200
 """Characters of a name from the log that a sentence repeats."""

@@ -7,12 +7,13 @@ merged log has chunks of its own: spans of time, each with the messages of all f
 from bisect import bisect_right
 from collections import Counter
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from typing import Final
 
 import numpy as np
 
 from dogbot_logtool.core.geometry.arrays import Flags
+from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.reader.containers.batch import Batch, LoadedChunk
 from dogbot_logtool.reader.containers.contents import Chunk, Contents, Extra
 from dogbot_logtool.reader.containers.log import BATCH_SIZE, Log, Span

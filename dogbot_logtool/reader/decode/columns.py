@@ -4,13 +4,14 @@ Numbers that stand near each other in a message stay together, as rows of a stru
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from dogbot_logtool.core.geometry.arrays import Bytes, Flags, Floats, Ints
+from dogbot_logtool.core.geometry.order_statistics import distinct
+from dogbot_logtool.dataclass import dataclass
 
 _DOUBLE: Final = np.dtype("<f8")
 _ROUNDS: Final = 64
@@ -97,7 +98,7 @@ class Texts:
             code[alike] = len(rows)
             rows.append(int(first))
             left = left[code[left] < 0] if len(alike) < len(left) else left[:0]
-        for one in np.unique(key[left]).tolist():
+        for one in distinct(key[left]).tolist():
             alike = left[key[left] == one]
             size = int(self.length[alike[0]])
             # Texts without a byte are all alike.

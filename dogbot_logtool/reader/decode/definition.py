@@ -7,10 +7,11 @@ decoder can compile, with every hostile shape (self-reference, absurd depth or s
 import re
 from collections import Counter
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 from functools import lru_cache
 from typing import TYPE_CHECKING, Final
 
+from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.errors import DefinitionError
 
 if TYPE_CHECKING:

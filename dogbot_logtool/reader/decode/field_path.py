@@ -6,7 +6,6 @@ or at a message with the numbers x, y and z.
 
 import re
 from collections.abc import Iterator
-from dataclasses import dataclass
 from difflib import get_close_matches
 from itertools import islice
 from typing import Final
@@ -14,6 +13,7 @@ from typing import Final
 import numpy as np
 
 from dogbot_logtool.core.geometry.arrays import Floats, Ints
+from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.errors import DefinitionError
 from dogbot_logtool.reader.decode.columns import Nested, Table
 from dogbot_logtool.reader.decode.definition import (

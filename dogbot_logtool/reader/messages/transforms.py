@@ -1,14 +1,15 @@
 """tf2_msgs/TFMessage to columns."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
 
 from dogbot_logtool.core.frames.recorded_transforms import RecordedTransforms
 from dogbot_logtool.core.geometry.arrays import Ints
+from dogbot_logtool.core.geometry.order_statistics import distinct
 from dogbot_logtool.core.plausible import plausible_translations
+from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.reader.containers.batch import Batch
 from dogbot_logtool.reader.containers.contents import Channel
 from dogbot_logtool.reader.decode.columns import Table
@@ -106,5 +107,5 @@ def frame_pairs(messages: DecodedMessages) -> set[tuple[str, str]]:
     each = messages.table.nested("transforms").table
     parent, parents = each.texts("header.frame_id").encode()
     child, children = each.texts("child_frame_id").encode()
-    pairs = np.unique(parent * max(len(children), 1) + child).tolist()
+    pairs = distinct(parent * max(len(children), 1) + child).tolist()
     return {(parents[pair // len(children)], children[pair % len(children)]) for pair in pairs}

@@ -2,12 +2,13 @@
 
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Final
 
 import numpy as np
 
 from dogbot_logtool.core.geometry.arrays import Bytes, Ints
+from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.reader.containers.chunk_content import (
     ChunkContent,
     ChunkDamage,

@@ -5,10 +5,10 @@ import os
 import re
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager, suppress
-from dataclasses import dataclass
 from pathlib import Path, PurePosixPath
 from typing import Any, Final, TypeVar
 
+from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.errors import ExtraMissingError, LogtoolError, StoreError
 from dogbot_logtool.io import storage
 from dogbot_logtool.io.output import whole_file

@@ -2,9 +2,9 @@
 
 import hashlib
 import os
-from dataclasses import dataclass
 from typing import Any
 
+from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.errors import LogtoolError
 from dogbot_logtool.io import storage
 from dogbot_logtool.io.storage import Location

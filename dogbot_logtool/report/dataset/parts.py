@@ -2,10 +2,11 @@
 
 from collections import Counter, defaultdict
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from itertools import count
 from typing import Any, Final
 
+from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.report.dataset.labels import Labels
 from dogbot_logtool.report.dataset.rows import LogRows
 

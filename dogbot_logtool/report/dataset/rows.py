@@ -1,11 +1,11 @@
 """The rows of one log, as plain values: made where the log is measured, sent to who writes them."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from datetime import UTC, datetime
 from typing import Any, Final
 from urllib.parse import quote
 
+from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.io.plain_json import to_json
 from dogbot_logtool.report.dataset.schema import foot_columns
 from dogbot_logtool.report.figures.figure import Json, TableName

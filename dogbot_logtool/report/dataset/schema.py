@@ -1,11 +1,11 @@
 """The tables of the dataset and their columns, most of them from the table of figures."""
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from enum import Enum
 from functools import cache
 from typing import Any, Final
 
+from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.report.figures.document import DOCUMENT
 from dogbot_logtool.report.figures.events import EVENTS
 from dogbot_logtool.report.figures.figure import (

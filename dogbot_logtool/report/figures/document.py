@@ -1,13 +1,13 @@
 """The document of `stats --json`: all figures of a log, scope by scope."""
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 from typing import Final
 
 from dogbot_logtool import __version__
 from dogbot_logtool.core.findings.checks import checks_of
 from dogbot_logtool.core.findings.findings import findings_of
 from dogbot_logtool.core.statistics import Stats
+from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.finding import Finding, warning
 from dogbot_logtool.report.figures.base import BASE
 from dogbot_logtool.report.figures.commands import COMMANDS, with_commands

@@ -1,12 +1,12 @@
 """What is reported of every event: the rows of JSON, CSV and Parquet."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from typing import Final
 
 from dogbot_logtool.core.events.event import Event, EventType
 from dogbot_logtool.core.events.events import find_events
 from dogbot_logtool.core.statistics import Stats
+from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.report.figures.figure import Figure, Kind
 
 

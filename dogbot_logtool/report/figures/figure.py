@@ -1,11 +1,12 @@
 """What a row of the table of figures says, and how rows become plain data."""
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from enum import Enum, auto
 from typing import Any, Final, Generic, TypeVar
 
 from dogbot_logtool.core.geometry.aggregates import Aggregate
+from dogbot_logtool.dataclass import dataclass
 
 S_contra = TypeVar("S_contra", contravariant=True)
 Json = dict[str, Any]

@@ -1,10 +1,10 @@
 """Figures of the base's accelerometer against the feet's forces and the base's poses."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final
 
 from dogbot_logtool.core.statistics import Stats
+from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.report.figures.figure import Figure, Kind, Member, Scope
 
 # Loaded for logs with an accelerometer.

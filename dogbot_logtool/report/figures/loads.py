@@ -1,7 +1,6 @@
 """Figures of how the load is shared, and of stability."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from typing import Final
 
 from dogbot_logtool.core.gait.foot_statistics import FootStatistics
@@ -13,6 +12,7 @@ from dogbot_logtool.core.load.load_figures import (
 )
 from dogbot_logtool.core.stability.stability import Stability
 from dogbot_logtool.core.statistics import Stats
+from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.report.figures.figure import (
     Column,
     Figure,

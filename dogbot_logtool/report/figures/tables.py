@@ -1,10 +1,10 @@
 """Tables whose columns are figures, read from the document of a log."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from functools import cache
 from typing import Any
 
+from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.report.figures.document import DOCUMENT, STRIDE_ROWS
 from dogbot_logtool.report.figures.figure import (
     Column,

@@ -1,11 +1,11 @@
 """Figures of the timing of each topic."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from typing import Final
 
 from dogbot_logtool.core.quality.quality import Gap, TopicQuality
 from dogbot_logtool.core.statistics import Stats
+from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.report.figures.figure import (
     Column,
     Figure,

@@ -1,13 +1,13 @@
 """Figures of what was checked before a recording is trusted: clocks, worlds, and the checks."""
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 from typing import Final
 
 from dogbot_logtool.core.consistency.worlds import Worlds
 from dogbot_logtool.core.findings.checks import Check, Outcome
 from dogbot_logtool.core.quality.clocks import ClockDifference
 from dogbot_logtool.core.statistics import Stats
+from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.report.figures.figure import Figure, Kind
 
 

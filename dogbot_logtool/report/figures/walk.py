@@ -1,7 +1,7 @@
 """Figures of the gait: of the longest segment, of each segment, and of the support."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any, Final
 
 from dogbot_logtool.core.gait.gait import IRREGULAR, STAND
@@ -11,6 +11,7 @@ from dogbot_logtool.core.gait.segments import Segment
 from dogbot_logtool.core.gait.support_pattern import Support
 from dogbot_logtool.core.geometry.aggregates import CircularMean
 from dogbot_logtool.core.statistics import SegmentFigures, Stats
+from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.report.figures.base import BASE
 from dogbot_logtool.report.figures.commands import COMMANDS_OF_SEGMENT
 from dogbot_logtool.report.figures.feet import FOOT_OF_SEGMENT

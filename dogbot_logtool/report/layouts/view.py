@@ -1,8 +1,9 @@
 """What a view shows, in whatever viewer."""
 
-from dataclasses import dataclass
 from math import floor, log10
 from typing import Final
+
+from dogbot_logtool.dataclass import dataclass
 
 _STEPS: Final = (1.0, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0)
 

@@ -1,9 +1,9 @@
 """The registry of viewers for which `layout` sets up a view."""
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Final
 
+from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.io.plain_json import to_json
 
 if TYPE_CHECKING:

@@ -1,11 +1,13 @@
 """Charts as the plotting library of the page reads them: traces and a layout as plain values."""
 
 import base64
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
+
+from dogbot_logtool.dataclass import dataclass
 
 Trace = dict[str, Any]
 """A trace of Plotly.js; arrays may be numpy's."""

@@ -5,12 +5,13 @@ Coordinates are those of the drawing: pixels from its upper left corner.
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from typing import Any, Final
 
 import numpy as np
 
 from dogbot_logtool.core.geometry.arrays import Floats
+from dogbot_logtool.core.geometry.order_statistics import median_of
+from dogbot_logtool.dataclass import dataclass
 
 WIDTH, HEIGHT = 300.0, 170.0
 """Of a panel."""
@@ -91,7 +92,7 @@ def _of_side(side: Sequence[Json], foot: str, curve: str) -> Floats | None:
     """(4, n) percent, lower quartile, median and upper quartile: the medians over the logs."""
     found = [_curve(document, foot, curve) for document in side]
     known = [each for each in found if each is not None]
-    return np.median(np.stack(known), axis=0) if known else None
+    return median_of(np.stack(known), axis=0) if known else None
 
 
 def _curve(document: Json, foot: str, curve: str) -> Floats | None:
@@ -160,7 +161,7 @@ def _bars(side: Sequence[Json], foot: str) -> tuple[tuple[float, float], ...]:
         return ()
     phases, duties = np.array(known).T
     turn = np.exp(2j * np.pi * phases).mean()
-    begin, duty = float(np.angle(turn) / (2.0 * np.pi)) % 1.0, float(np.median(duties))
+    begin, duty = float(np.angle(turn) / (2.0 * np.pi)) % 1.0, float(median_of(duties))
     begin = 0.0 if begin > 0.9995 else begin
     parts = [(begin, min(begin + duty, 1.0))]
     if begin + duty > 1.0:

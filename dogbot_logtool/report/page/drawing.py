@@ -2,14 +2,15 @@
 
 import html
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import Any, Final
 
 import numpy as np
 
 from dogbot_logtool.core.geometry.arrays import Float32s, Floats, Ints
+from dogbot_logtool.core.geometry.order_statistics import distinct
 from dogbot_logtool.core.scene.foot_style import foot_colour
 from dogbot_logtool.core.statistics import Stats
+from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.io.printable import printable
 from dogbot_logtool.report.page.chart import Chart
 
@@ -105,7 +106,7 @@ def thinned(count: int, most: int) -> Ints:
     """Return evenly spaced rows, at most so many; the last one is among them."""
     if count <= most:
         return np.arange(count)
-    return np.unique(np.linspace(0, count - 1, most).astype(np.int64))
+    return distinct(np.linspace(0, count - 1, most).astype(np.int64))
 
 
 def time_axis(stats: Stats) -> dict[str, Any]:

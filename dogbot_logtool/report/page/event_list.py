@@ -1,11 +1,11 @@
 """Events on the page: a list whose rows lead to the figures over time, and marks in these."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import Any, Final
 
 from dogbot_logtool.core.events.event import STEPS, EventType
 from dogbot_logtool.core.statistics import Stats
+from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.report.figures.events import EventSource, event_sources
 from dogbot_logtool.report.page.drawing import BAD, NEUTRAL, Drawing, translucent
 

@@ -6,6 +6,7 @@ import numpy as np
 
 from dogbot_logtool.core.base.base_motion import FORWARD_ANGLES
 from dogbot_logtool.core.geometry.arrays import Floats, Ints
+from dogbot_logtool.core.geometry.order_statistics import distinct
 from dogbot_logtool.core.stability.ground_projection import (
     GroundPoints,
     footprints,
@@ -77,7 +78,7 @@ def walk_from_above(stats: Stats) -> Drawing | None:
 
 def _broken(time: Ints, gaps: Ints) -> Ints:
     """Return the rows before which a line is to be broken."""
-    return np.unique(np.searchsorted(time, gaps[:, 1]))
+    return distinct(np.searchsorted(time, gaps[:, 1]))
 
 
 def _path(stats: Stats, rows: Ints) -> Trace:

@@ -2,7 +2,6 @@
 
 import os
 from collections.abc import Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
 from urllib.parse import quote
@@ -15,6 +14,7 @@ from dogbot_logtool.core.events.event import EventType
 from dogbot_logtool.core.events.events import find_events
 from dogbot_logtool.core.scene.foot_style import foot_colour
 from dogbot_logtool.core.statistics import Stats
+from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.report.figures.document import DOCUMENT, log_source
 from dogbot_logtool.report.figures.figure import TableName
 from dogbot_logtool.report.figures.tables import cells_of, headers

@@ -1,7 +1,6 @@
 """Legs over the gait cycle: height of the feet, and motion of the joints, left over right."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
@@ -10,6 +9,7 @@ from dogbot_logtool.core.geometry.arrays import Floats
 from dogbot_logtool.core.legs.leg_figures import LegFigures
 from dogbot_logtool.core.scene.foot_style import foot_colour
 from dogbot_logtool.core.statistics import Stats
+from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.io.printable import printable
 from dogbot_logtool.report.page.chart import Chart, Trace, scatter
 from dogbot_logtool.report.page.drawing import MARGIN, Drawing, label, translucent

@@ -1,6 +1,5 @@
 """When was the recording silent? A line a topic, its gaps marked."""
 
-from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
@@ -9,6 +8,7 @@ from dogbot_logtool.core.geometry import timespans
 from dogbot_logtool.core.geometry.arrays import Ints
 from dogbot_logtool.core.quality.quality import TopicQuality
 from dogbot_logtool.core.statistics import Stats
+from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.report.page.chart import Chart, Trace, bars
 from dogbot_logtool.report.page.drawing import (
     BAD,

@@ -1,7 +1,6 @@
 """The page itself: figures and tables set in a template, with all that it needs."""
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Final
 
@@ -10,6 +9,7 @@ from markupsafe import Markup
 from dogbot_logtool import __version__
 from dogbot_logtool.core.scene.foot_style import foot_colour, short_names
 from dogbot_logtool.core.statistics import Stats
+from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.report.figures.document import DOCUMENT, log_source
 from dogbot_logtool.report.gait_diagram import default_window
 from dogbot_logtool.report.numbers import NOTHING, span_of

@@ -9,6 +9,7 @@ from dogbot_logtool.core.base.base_motion import FORWARD_ANGLES
 from dogbot_logtool.core.contact.foot_history import FootHistory
 from dogbot_logtool.core.geometry import timespans
 from dogbot_logtool.core.geometry.arrays import Flags, Float32s, Floats, Ints
+from dogbot_logtool.core.geometry.order_statistics import distinct, median_of
 from dogbot_logtool.core.geometry.rotations import from_roll_pitch_yaw, rotate
 from dogbot_logtool.core.leg_position import LegPosition
 from dogbot_logtool.core.scene.foot_style import foot_colour, short_names
@@ -56,7 +57,7 @@ def frame_times(stats: Stats) -> Ints:
         if sum(map(len, shown)) + len(inside) > MOST_FRAMES:
             break
         shown.append(inside)
-    return np.unique(np.concatenate(shown))
+    return distinct(np.concatenate(shown))
 
 
 def replay(stats: Stats, time: Ints, limbs: Limbs | None) -> dict[str, Any] | None:
@@ -165,7 +166,7 @@ def _ground(points: Sequence[Floats], position: Floats) -> float:
         float(np.nanpercentile(each[:, 2], 5.0)) for each in points if np.isfinite(each).any()
     ]
     if lowest:
-        return float(np.median(lowest))
+        return float(median_of(lowest))
     middle = float(np.nanmedian(position[:, 2])) if np.isfinite(position).any() else 0.0
     return 0.0 if middle > 0.1 else middle - 0.5
 

@@ -1,7 +1,6 @@
 """Curves over time in rows, one above the other, on one axis of time."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
@@ -10,6 +9,7 @@ from dogbot_logtool.core.contact.curves import CurveDetail, CurveRecorder
 from dogbot_logtool.core.geometry import timespans
 from dogbot_logtool.core.geometry.arrays import Floats, Ints
 from dogbot_logtool.core.statistics import Stats
+from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.report.page.chart import Chart, Trace, scatter
 from dogbot_logtool.report.page.drawing import LINE, MARGIN, drawn_seconds, time_axis
 

@@ -1,7 +1,6 @@
 """What happened, to be read in ten seconds: the gait, a few numbers, and whether to trust them."""
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 from datetime import UTC, datetime
 from typing import Final
 
@@ -9,6 +8,7 @@ from dogbot_logtool.core.findings.checks import Check, Outcome, checks_of
 from dogbot_logtool.core.findings.findings import GRAVE, first_of
 from dogbot_logtool.core.gait.gait import STAND
 from dogbot_logtool.core.statistics import Stats
+from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.finding import Finding, Severity
 from dogbot_logtool.report.figures.document import log_source
 from dogbot_logtool.report.numbers import decimal

@@ -1,13 +1,13 @@
 """The tables of the page, in text; numbers of the same kind stand under one heading."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
 
 from dogbot_logtool.core.gait.foot_statistics import FootStatistics
 from dogbot_logtool.core.geometry.arrays import Floats, Ints
+from dogbot_logtool.core.geometry.order_statistics import distinct
 from dogbot_logtool.core.quality.outliers import (
     LEAST_SHARE,
     MOST_DEVIATIONS,
@@ -15,6 +15,7 @@ from dogbot_logtool.core.quality.outliers import (
     outliers,
 )
 from dogbot_logtool.core.statistics import Stats
+from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.report.figures.figure import Json, TableName
 from dogbot_logtool.report.figures.foot_source import FootSource
 from dogbot_logtool.report.figures.tables import cells_of, columns_of, headers
@@ -113,7 +114,7 @@ def _segment_of(stats: Stats, time: Ints) -> Ints:
 
 def _column(values: Floats, decimals: int, segment: Ints) -> list[Cell]:
     cells = [Cell(decimal(None if np.isnan(each) else each, decimals)) for each in values.tolist()]
-    for number in np.unique(segment[segment >= 0]).tolist():
+    for number in distinct(segment[segment >= 0]).tolist():
         rows = np.flatnonzero(segment == number)
         found: Outliers = outliers(values[rows], 10.0**-decimals)
         why = f"the median is {decimal(found.median, decimals)}"

@@ -1,10 +1,10 @@
 """What an output encoding must offer, and what all have in common."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from typing import Final, Protocol
 
 from dogbot_logtool.core.events.messages import EventMessage, GaitState
+from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.writer.template import Kind, Template
 
 Rgb = tuple[float, float, float]

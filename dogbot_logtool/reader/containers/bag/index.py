@@ -1,11 +1,12 @@
 """The index section at the end of a ROS 1 bag."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Final
 
 import numpy as np
 
+from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.reader.containers.bag.chunk import chunk_at, indexed_times
 from dogbot_logtool.reader.containers.bag.format import INDEX_ENTRY_SIZE
 from dogbot_logtool.reader.containers.bag.records import (

@@ -6,10 +6,10 @@ its length.
 
 import struct
 from collections.abc import Mapping
-from dataclasses import dataclass
 from enum import IntEnum
 from typing import Final
 
+from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.reader.containers.contents import Channel, Schema
 from dogbot_logtool.reader.containers.records import Readable
 

@@ -5,7 +5,6 @@ before the summary, and what a checksum covers before what none does.
 """
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
 from enum import IntEnum
 from typing import Final
 
@@ -14,6 +13,7 @@ from mcap.opcode import Opcode
 from zlib_ng.zlib_ng import crc32
 
 from dogbot_logtool.core.geometry.arrays import Bytes, Ints
+from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.reader.containers.contents import Channel
 from dogbot_logtool.reader.containers.loss import Loss, described_twice
 from dogbot_logtool.reader.containers.mcap.records import (

@@ -4,13 +4,14 @@ import struct
 import sys
 from collections import Counter
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import Final
 
 from mcap import records
 from mcap.opcode import Opcode
 from zlib_ng.zlib_ng import crc32
 
+from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.reader.containers.chunk_counts import SharedCounts
 from dogbot_logtool.reader.containers.contents import Chunk, Contents, Extra, Schema
 from dogbot_logtool.reader.containers.loss import Loss

@@ -1,11 +1,12 @@
 """Several files that are one log: the files of a ROS 2 bag that a recorder split."""
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
 from dogbot_logtool.core.geometry.arrays import Ints
+from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.io.storage import Location, file_name
 from dogbot_logtool.provenance import is_marked
 from dogbot_logtool.reader.containers.batch import Batch

@@ -1,13 +1,13 @@
 """The tables of a .db3 file that describe its topics and message types."""
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
 from typing import Any, Final
 
 import numpy as np
 from zlib_ng.zlib_ng import crc32
 
 from dogbot_logtool.core.geometry.arrays import Ints
+from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.errors import LogError
 from dogbot_logtool.io.storage import Location
 from dogbot_logtool.reader.containers.contents import Channel, Schema

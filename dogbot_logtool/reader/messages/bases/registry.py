@@ -1,11 +1,11 @@
 """All sources of base poses, and the function through which every command reads them."""
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
 from functools import lru_cache
 from typing import Final
 
 from dogbot_logtool.core.base.odometry import Odometry, concatenate_odometry
+from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.errors import DefinitionError
 from dogbot_logtool.reader.containers.batch import Batch
 from dogbot_logtool.reader.containers.contents import Channel

@@ -1,13 +1,14 @@
 """What every source of base poses offers."""
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import field
 from functools import partial
 
 import numpy as np
 
 from dogbot_logtool.core.base.odometry import Odometry
 from dogbot_logtool.core.geometry.arrays import Floats, Ints
+from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.reader.decode.fields import Fields, text, time, vector
 from dogbot_logtool.reader.messages.messages import DecodedMessages
 

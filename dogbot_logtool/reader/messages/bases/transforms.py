@@ -7,6 +7,7 @@ from typing import Final
 import numpy as np
 
 from dogbot_logtool.core.frames.recorded_transforms import RecordedTransforms
+from dogbot_logtool.core.geometry.order_statistics import distinct
 from dogbot_logtool.reader.decode.fields import Fields
 from dogbot_logtool.reader.messages import foxglove_transforms, transforms
 from dogbot_logtool.reader.messages.bases.source import BasePoses, BaseSource, poses_of
@@ -68,7 +69,7 @@ def _source(type_name: str, fields: Fields, columns: ToTransforms) -> BaseSource
 def _pairs(recorded: RecordedTransforms) -> list[tuple[int, int]]:
     """Return the different pairs of codes of parents and children."""
     width = max(len(recorded.children), 1)
-    pairs = np.unique(recorded.parent * width + recorded.child).tolist()
+    pairs = distinct(recorded.parent * width + recorded.child).tolist()
     return [divmod(pair, width) for pair in pairs]
 
 

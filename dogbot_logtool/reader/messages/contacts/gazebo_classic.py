@@ -12,6 +12,7 @@ from dogbot_logtool.core.contact.contacts import (
     contact_samples,
 )
 from dogbot_logtool.core.geometry.arrays import Ints
+from dogbot_logtool.core.geometry.order_statistics import distinct
 from dogbot_logtool.reader.decode.fields import table, text, time, vector
 from dogbot_logtool.reader.messages.contacts.collisions import (
     foot_sides,
@@ -92,7 +93,7 @@ def foot_links(messages: DecodedMessages, feet: FootChannels) -> FootLinks:
     code, names = states.table.texts("collision1_name").encode()
     pairs = foot[states.parent] * len(names) + code
     links: dict[int, set[str]] = {}
-    for pair in np.unique(pairs[side == FOOT_IS_COLLISION1]).tolist():
+    for pair in distinct(pairs[side == FOOT_IS_COLLISION1]).tolist():
         link = link_of_collision(names[pair % len(names)])
         if link is not None:
             links.setdefault(pair // len(names), set()).add(link)

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dogbot_logtool.core.geometry.arrays import Bytes, Flags, Ints
+from dogbot_logtool.core.geometry.order_statistics import distinct
 from dogbot_logtool.reader.decode.columns import Texts, gather_bytes
 from dogbot_logtool.reader.messages.contacts.source import StepTiming
 
@@ -112,7 +113,7 @@ def steps_of_messages(info: Texts, message: Ints, stamp: Ints) -> StepTiming:
     time, message = time[order], message[order]
     step = np.diff(time)
     later = (message[1:] == message[:-1]) & (step > 0)
-    several = np.unique(message[1:][later])
+    several = distinct(message[1:][later])
     newest = time[np.searchsorted(message, several, side="right") - 1]
     return StepTiming(stamp[several] - newest, step[later])
 

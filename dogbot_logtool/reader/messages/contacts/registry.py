@@ -1,11 +1,12 @@
 """All contact sources, and the seam through which every command reads them."""
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import lru_cache
 from typing import Final
 
 from dogbot_logtool.core.plausible import plausible_samples
+from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.errors import DefinitionError
 from dogbot_logtool.reader.containers.log import Batch, Channel
 from dogbot_logtool.reader.decode.fields import without

@@ -1,7 +1,6 @@
 """What every contact source offers, and what it is given."""
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -10,6 +9,7 @@ from dogbot_logtool.core.contact.contacts import Contacts, Samples
 from dogbot_logtool.core.frames.wrench_frame import WrenchFrame
 from dogbot_logtool.core.geometry.arrays import Floats, Ints
 from dogbot_logtool.core.geometry.blocks import concatenated
+from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.reader.decode.columns import Nested, Table
 from dogbot_logtool.reader.decode.fields import Fields
 from dogbot_logtool.reader.messages.messages import DecodedMessages

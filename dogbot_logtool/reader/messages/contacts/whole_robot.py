@@ -2,7 +2,7 @@
 
 import re
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import partial
 from typing import Final
 
@@ -11,6 +11,7 @@ import numpy as np
 from dogbot_logtool.core.contact.contacts import Samples
 from dogbot_logtool.core.geometry.arrays import Flags, Floats, Ints, all_finite
 from dogbot_logtool.core.geometry.blocks import concatenated
+from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.reader.decode.columns import Nested, Texts
 from dogbot_logtool.reader.decode.message_layout import ELEMENT
 from dogbot_logtool.reader.messages.contacts.source import (

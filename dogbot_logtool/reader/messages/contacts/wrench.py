@@ -2,9 +2,8 @@
 
 from typing import Final
 
-import numpy as np
-
 from dogbot_logtool.core.frames.wrench_frame import WrenchFrame
+from dogbot_logtool.core.geometry.order_statistics import distinct
 from dogbot_logtool.reader.decode.fields import text, time, vector
 from dogbot_logtool.reader.messages.contacts.source import (
     ContactSamples,
@@ -33,7 +32,7 @@ def sensor_frames(messages: DecodedMessages, feet: FootChannels) -> FootLinks:
     code, names = messages.table.texts("header.frame_id").encode()
     pairs = feet.single(messages.channel) * len(names) + code
     frames: dict[int, set[str]] = {}
-    for pair in np.unique(pairs).tolist():
+    for pair in distinct(pairs).tolist():
         frame = names[pair % len(names)].lstrip("/")
         if frame:
             frames.setdefault(pair // len(names), set()).add(frame)

@@ -12,6 +12,7 @@ import numpy as np
 
 from dogbot_logtool.core.frames.wrench_frame import WrenchFrame
 from dogbot_logtool.core.geometry.arrays import Floats
+from dogbot_logtool.core.geometry.order_statistics import median_of
 from dogbot_logtool.core.geometry.rotations import conjugate, normalised, rotate
 from dogbot_logtool.core.leg_position import leg_names
 from dogbot_logtool.reader.decode.fields import numbers, table, vector
@@ -66,7 +67,7 @@ def _feet_in(messages: DecodedMessages, *, motion: str, base: str) -> tuple[Mess
         rotate(back, points[usable, foot] - places[usable]) for foot in range(points.shape[1])
     ]
     return tuple(
-        MessageFoot(name=name) for name in leg_names(np.median(np.stack(from_base, 1), axis=0))
+        MessageFoot(name=name) for name in leg_names(median_of(np.stack(from_base, 1), axis=0))
     )
 
 
