@@ -29,6 +29,7 @@ from dogbot_logtool.core.stability.stability import Stability
 if TYPE_CHECKING:
     from dogbot_logtool.core.commands.tracking import CommandTrack, Tracking
     from dogbot_logtool.core.imu.comparison import ImuComparison
+    from dogbot_logtool.core.recorded.vectors import VectorHistory
 
 
 @dataclass(frozen=True, slots=True)
@@ -91,6 +92,8 @@ class Stats:
     """How each foot follows its plan; None without one; empty: the log has no plan beside."""
     all_silent: Ints = field(default_factory=timespans.no_spans)
     """(s, 2) ns, spans in which no foot's sensor sends anything, though the odometry does."""
+    beside: "tuple[VectorHistory, ...]" = ()
+    """What was recorded of commands and accelerometer."""
     command_track: "CommandTrack | None" = None
     """Commanded and measured velocity; None without commands."""
     commands: "Tracking | None" = None
