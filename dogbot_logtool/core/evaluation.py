@@ -239,6 +239,7 @@ def work_out(settings: StatsSettings, recorded: Recorded) -> Stats:
         worlds=walk.worlds,
         loses_way=walk.loses_way,
         all_silent=all_silent(records, walk.base),
+        beside=tuple(each for each in (recorded.commands, recorded.inertial) if each),
         command_track=track,
         commands=tracking_in(track),
         imu=_imu(walk, recorded.inertial, jumps),

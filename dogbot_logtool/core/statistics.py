@@ -31,6 +31,7 @@ if TYPE_CHECKING:
     from dogbot_logtool.core.commands.tracking import CommandTrack, Tracking
     from dogbot_logtool.core.imu.comparison import ImuComparison
     from dogbot_logtool.core.legs.leg_figures import LegFigures
+    from dogbot_logtool.core.recorded.vectors import VectorHistory
 
 
 @dataclass(frozen=True, slots=True)
@@ -95,6 +96,8 @@ class Stats:
     """How each foot follows its plan; None without one; empty: the log has no plan beside."""
     all_silent: Ints = field(default_factory=timespans.no_spans)
     """(s, 2) ns, spans in which no foot's sensor sends anything, though the odometry does."""
+    beside: "tuple[VectorHistory, ...]" = ()
+    """What was recorded of commands and accelerometer."""
     command_track: "CommandTrack | None" = None
     """Commanded and measured velocity; None without commands."""
     commands: "Tracking | None" = None

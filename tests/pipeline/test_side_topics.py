@@ -131,7 +131,18 @@ def test_commands_that_are_no_numbers_are_said(tmp_path: Path) -> None:
     given.vector[[10, 20]] = np.nan
     stats = measured(tmp_path, walk(given))
     assert stats["commands"]["refused"] == 2
+    (text,) = said(stats, "W_COMMANDS_REFUSED")
+    assert "2 messages of 801" in text
+
+
+def test_topics_of_nothing_but_bad_numbers_are_said(tmp_path: Path) -> None:
+    recording = with_imu(walk(ROBOT.commands()))
+    for topic in recording.beside:
+        topic.vector[:] = np.inf
+    stats = measured(tmp_path, recording)
+    assert (stats["commands"], stats["imu"]) == (None, None)
     assert said(stats, "W_COMMANDS_REFUSED")
+    assert said(stats, "W_IMU_REFUSED")
 
 
 def test_what_cannot_be_told_is_null_with_its_cause(tmp_path: Path) -> None:

@@ -2,7 +2,6 @@
 
 from collections.abc import Iterator
 
-from dogbot_logtool.core.findings.wording import counted
 from dogbot_logtool.core.geometry.clock import TimeSource
 from dogbot_logtool.core.statistics import Stats
 from dogbot_logtool.finding import Finding
@@ -20,10 +19,6 @@ def command_findings(stats: Stats) -> Iterator[Finding]:
     if track is None or found is None:
         return
     topic = track.history.topic
-    if track.history.refused:
-        commands = counted(track.history.refused, "command")
-        text = f"{commands} with a number that is not finite or that no robot reaches; left out"
-        yield Finding("W_COMMANDS_REFUSED", text, topic)
     if track.axes is None:
         frames = f" (their frame is {', '.join(track.history.frames)})"
         text = (

@@ -12,6 +12,7 @@ from dogbot_logtool.core.findings.loads import load_findings
 from dogbot_logtool.core.findings.sensors import sensor_findings
 from dogbot_logtool.core.findings.stability import stability_findings
 from dogbot_logtool.core.findings.topics import clock_findings, topic_findings
+from dogbot_logtool.core.findings.wording import counted
 from dogbot_logtool.core.statistics import Stats
 from dogbot_logtool.finding import Finding, Severity
 
@@ -88,6 +89,13 @@ def findings_of(stats: Stats) -> tuple[Finding, ...]:
 
 def _beside(stats: Stats) -> Iterator[Finding]:
     """Yield what topics beside feet and base say, in logs that have them."""
+    for each in stats.beside:
+        is_command = each.topic == stats.settings.command_topic
+        code = "W_COMMANDS_REFUSED" if is_command else "W_IMU_REFUSED"
+        if each.refused:
+            text = f"{counted(each.refused, 'message')} of {each.messages} with a number"
+            text += " that is not finite or that no robot reaches; left out"
+            yield Finding(code, f"{each.topic}: {text}", each.topic)
     if stats.command_track is not None:
         from dogbot_logtool.core.findings.commands import command_findings  # noqa: PLC0415
 

@@ -4,7 +4,6 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from dogbot_logtool.core.findings.wording import counted
 from dogbot_logtool.core.imu.comparison import ImuComparison
 from dogbot_logtool.core.imu.forces import ForceComparison
 from dogbot_logtool.core.imu.mounting import Reading
@@ -19,10 +18,6 @@ def imu_findings(stats: Stats) -> Iterator[Finding]:
     imu = stats.imu
     if imu is None:
         return
-    if imu.sensed.refused:
-        messages = counted(imu.sensed.refused, "message")
-        text = f"{messages} with an acceleration that is not finite or beyond reason; left out"
-        yield Finding("W_IMU_REFUSED", text, imu.sensed.topic)
     yield from _reading(imu)
     yield from _mounting(imu)
     if imu.forces is not None:
