@@ -115,12 +115,13 @@ def leg_reader(log: Log, selection: Selection, probe: Probe, clock: TimeSource) 
     if not any(chains) and not channels:
         return None
     by_transforms = [None if chain is None or chain.joints else chain for chain in chains]
+    foot_of_joint = _feet_of_joints(selection.robot.feet, chains, seen)
     settings = LegSettings(
         chains=chains,
         reasons=tuple("" if chain else legs.why_not(foot) for foot, chain in enumerate(chains)),
         joint_topics=tuple(dict.fromkeys(channel.topic for channel in channels)),
-        foot_of_joint=(of := _feet_of_joints(selection.robot.feet, chains, seen)),
-        pairs=_pairs(selection.robot.feet, of),
+        foot_of_joint=foot_of_joint,
+        pairs=_pairs(selection.robot.feet, foot_of_joint),
         limits=limits,
         statics=probe.statics,
     )
