@@ -24,25 +24,21 @@ from dogbot_logtool.core.gait.foot_statistics import (
     foot_statistics,
     overlap,
 )
+from dogbot_logtool.core.gait.reference_foot import any_strides, gait_input, reference_strides
 from dogbot_logtool.core.gait.segments import (
-    GaitInput,
     Segment,
     find_segments,
     main_segment,
     transition_strides,
 )
-from dogbot_logtool.core.gait.standing import Standing, standing_in, steps_apart, typical_period_s
+from dogbot_logtool.core.gait.standing import Standing, standing_in, typical_period_s
 from dogbot_logtool.core.gait.strides import (
     Strides,
-    cut_by_fall,
-    cut_by_standing,
-    no_strides,
-    strides_of,
 )
 from dogbot_logtool.core.gait.support_pattern import Support, support
 from dogbot_logtool.core.geometry import timespans
 from dogbot_logtool.core.geometry.arrays import Ints
-from dogbot_logtool.core.leg_position import legs_in_order, quadruped
+from dogbot_logtool.core.leg_position import quadruped
 from dogbot_logtool.core.load.load_figures import (
     LoadFigures,
     dead_feet,
@@ -201,9 +197,9 @@ def work_out(settings: StatsSettings, recorded: Recorded) -> Stats:
     settings, records = walk.settings, walk.records
     feet = walk.feet()
     supported = walk.support()
-    gait = _gait_input(feet, walk.standing, supported)
+    gait = gait_input(feet, walk.standing, supported)
     segments = find_segments(gait) if feet and not walk.feet_apart else ()
-    strides = _reference_strides(feet)
+    strides = reference_strides(feet)
     origin, end = _extent(records, walk.base)
     track = command_track(
         recorded.commands, walk.base, jumps, settings.forward_axis, segments, walk.period_s
@@ -260,7 +256,7 @@ def _walk(settings: StatsSettings, recorded: Recorded) -> tuple[_Walk, PoseJumps
     height = height_over_feet(placed_base, records)
     fallen = fallen_spans(recorded.base, records, height, jumps.spans)
     weighed = load_figures(
-        records, settings.body_weight_n, _any_strides(records, fallen, timespans.no_spans())
+        records, settings.body_weight_n, any_strides(records, fallen, timespans.no_spans())
     )
     dead = tuple(dead_feet(records, weighed))
     apart = too_far_apart(recorded.clocks, typical_period_s([each.stances for each in records]))
@@ -279,7 +275,7 @@ def _walk(settings: StatsSettings, recorded: Recorded) -> tuple[_Walk, PoseJumps
     loads = load_figures(
         records,
         settings.body_weight_n,
-        _any_strides(records, fallen, standing.without_steps),
+        any_strides(records, fallen, standing.without_steps),
         mass_is_assumed=settings.mass_is_assumed,
     )
     parted = worlds is not None and not worlds.agree
@@ -343,7 +339,7 @@ def _imu(walk: _Walk, inertial: "VectorHistory | None", jumps: PoseJumps) -> "Im
     from dogbot_logtool.core.imu.comparison import compare_imu  # noqa: PLC0415
 
     comparable = walk.vertical_known and not (walk.feet_apart or walk.base_apart)
-    strides = _any_strides(walk.records, walk.fallen, walk.standing.without_steps)
+    strides = any_strides(walk.records, walk.fallen, walk.standing.without_steps)
     return compare_imu(
         inertial,
         walk.base,
@@ -363,28 +359,6 @@ def _transition_strides(
     return transition_strides(segments, feet[reference].strides) if feet else 0
 
 
-def _any_strides(records: Sequence[FootHistory], fallen: Ints, standing: Ints) -> Ints:
-    """(s, 2) ns, the strides of the first foot that has any.
-
-    Args:
-        records: of all feet.
-        fallen: (f, 2) ns, spans in which the robot lies.
-        standing: (s, 2) ns, spans without steps, as far as they are known.
-    """
-    for record in records:
-        stances = cut_by_fall(record.stances, fallen)
-        stances = cut_by_standing(stances, steps_apart(standing, stances))
-        strides, _ = strides_of(stances, record.gaps, fallen)
-        if len(strides.stance):
-            return strides.spans
-    return timespans.no_spans()
-
-
-def _reference_strides(feet: Sequence[FootStatistics]) -> Strides:
-    """Return the whole strides of the first foot that has any."""
-    return next((foot.strides for foot in feet if len(foot.strides.stance)), no_strides())
-
-
 def _on_clock(
     foot: FootStatistics, odometry_topic: str, apart: frozenset[str], *, loses_way: bool
 ) -> FootStatistics:
@@ -392,24 +366,6 @@ def _on_clock(
     if not loses_way and not apart & {foot.topic, odometry_topic}:
         return foot
     return replace(foot, length_m=np.full_like(foot.length_m, np.nan), stride_length_m=None)
-
-
-def _gait_input(
-    feet: Sequence[FootStatistics], standing: Standing, supported: Support | None
-) -> GaitInput:
-    """Choose the feet that phases are measured against."""
-    places = [foot.place for foot in feet]
-    order = legs_in_order(places)
-    walking = [row for row in order or range(len(feet)) if len(feet[row].strides.stance)]
-    hind = places.index(("back", "left")) if ("back", "left") in places else None
-    return GaitInput(
-        feet=tuple(foot.events for foot in feet),
-        reference=walking[0] if walking else 0,
-        hind_reference=hind if hind in walking else None,
-        order=order,
-        standing=standing,
-        support=supported,
-    )
 
 
 def _extent(feet: Sequence[FootHistory], base: BaseHistory) -> tuple[int, int]:
