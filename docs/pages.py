@@ -124,7 +124,7 @@ PAGES: Final[dict[Path, Callable[[], str]]] = {
     HERE / "findings.md": findings_page,
     HERE / "figures.md": figures_page,
     HERE / "dataset.md": dataset_page,
-    HERE.parent / "dogbot_logtool" / "report" / "stats.schema.json": schema_file,
+    HERE.parent / "dogbot_logtool" / "report" / "documents" / "stats.schema.json": schema_file,
 }
 """What is made, and what makes it."""
 

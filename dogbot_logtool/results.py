@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from dogbot_logtool.finding import Finding
     from dogbot_logtool.io.storage import Location
     from dogbot_logtool.pipeline.conversion.batch import Counts
-    from dogbot_logtool.pipeline.frames import Frames
+    from dogbot_logtool.pipeline.frames.frames import Frames
     from dogbot_logtool.pipeline.plan import Plan
     from dogbot_logtool.reader.containers.log import Loss
 

@@ -20,7 +20,7 @@ from dogbot_logtool.commands.compare import update
 from dogbot_logtool.commands.convert import convert
 from dogbot_logtool.commands.stats import measure
 from dogbot_logtool.pipeline.options import ConvertOptions, StatsOptions
-from dogbot_logtool.report.stats_json import stats_json
+from dogbot_logtool.report.documents.stats_json import stats_json
 
 SAMPLES: Final = Path(__file__).parent
 GOLDEN: Final = SAMPLES / "golden"

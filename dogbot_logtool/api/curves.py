@@ -1,6 +1,7 @@
 """Forces over the gait cycle: an array stride by percent."""
 
 from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
 from typing import Any, Final
 
 import numpy as np
@@ -8,7 +9,6 @@ import numpy as np
 from dogbot_logtool.api.packages import with_package
 from dogbot_logtool.api.table import Table
 from dogbot_logtool.core.geometry.arrays import Floats
-from dogbot_logtool.dataclass import dataclass
 
 POINTS: Final = 101
 """Points of a curve: 0, 1, ... 100 %."""

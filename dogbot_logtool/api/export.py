@@ -7,12 +7,12 @@ from dogbot_logtool.api.walk import Walk
 from dogbot_logtool.commands.stats import measure
 from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.io.storage import Location, shown
-from dogbot_logtool.report.event_files import event_file
-from dogbot_logtool.report.stats_json import stats_json
+from dogbot_logtool.report.documents.stats_json import stats_json
+from dogbot_logtool.report.files.event_files import event_file
 
 if TYPE_CHECKING:
     from dogbot_logtool.pipeline.options import StatsOptions
-    from dogbot_logtool.report.table_file import TableFile
+    from dogbot_logtool.report.files.table_file import TableFile
     from dogbot_logtool.run.in_order import OnProgress
 
 

@@ -10,8 +10,8 @@ from dogbot_logtool.io.storage import Location, location
 # Each function loads what it needs: who only measures need not load the writer.
 if TYPE_CHECKING:
     from dogbot_logtool.api.walk import Walk
-    from dogbot_logtool.comparison.judge import Judgement
     from dogbot_logtool.comparison.outcome import Comparison
+    from dogbot_logtool.comparison.rules.judge import Judgement
     from dogbot_logtool.pipeline.options import (
         TfOption,
         TimeSourceOption,

@@ -1,14 +1,14 @@
 """A table: numpy columns of one length, with units in their names."""
 
 from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from dogbot_logtool.api.packages import with_package
-from dogbot_logtool.dataclass import dataclass
-from dogbot_logtool.report.table_file import arrow_table
+from dogbot_logtool.report.files.table_file import arrow_table
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)

@@ -1,7 +1,7 @@
 """The result of `measure`: figures, and tables of strides, stances, joints, events and more."""
 
 from collections.abc import Callable
-from dataclasses import field, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
@@ -18,15 +18,14 @@ from dogbot_logtool.core.geometry.arrays import Floats, Ints, norms
 from dogbot_logtool.core.geometry.clock import TimeSource
 from dogbot_logtool.core.geometry.timespans import covers
 from dogbot_logtool.core.statistics import Stats
-from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.errors import CallError
 from dogbot_logtool.io.listing import listed
 from dogbot_logtool.io.storage import Location
+from dogbot_logtool.report.documents.stats_json import stats_json
 from dogbot_logtool.report.figures.events import EVENT_COLUMNS
 from dogbot_logtool.report.figures.figure import Figure, Kind
 from dogbot_logtool.report.figures.joints import JOINT
-from dogbot_logtool.report.stats_json import stats_json
-from dogbot_logtool.report.stride_table import stride_table
+from dogbot_logtool.report.files.stride_table import stride_table
 from dogbot_logtool.results import Measurement
 
 if TYPE_CHECKING:

@@ -21,7 +21,7 @@ from dogbot_logtool.cli.outcomes import Outcomes
 from dogbot_logtool.errors import CallError
 
 if TYPE_CHECKING:
-    from dogbot_logtool.comparison.judge import Judgement
+    from dogbot_logtool.comparison.rules.judge import Judgement
     from dogbot_logtool.pipeline.options import StatsOptions
 
 
@@ -76,9 +76,9 @@ def check(
     from dogbot_logtool.commands.check import exit_code, read_limits  # noqa: PLC0415
     from dogbot_logtool.commands.tasks import Measure  # noqa: PLC0415
     from dogbot_logtool.io.targets import refuse_bad_report  # noqa: PLC0415
-    from dogbot_logtool.report.check_json import check_json  # noqa: PLC0415
-    from dogbot_logtool.report.check_text import print_check  # noqa: PLC0415
-    from dogbot_logtool.report.console import results  # noqa: PLC0415
+    from dogbot_logtool.report.documents.check_json import check_json  # noqa: PLC0415
+    from dogbot_logtool.report.text.check_text import print_check  # noqa: PLC0415
+    from dogbot_logtool.report.text.console import results  # noqa: PLC0415
     from dogbot_logtool.run.choice import runner_for  # noqa: PLC0415
     from dogbot_logtool.run.inputs import find_logs  # noqa: PLC0415
 
@@ -114,7 +114,7 @@ def check(
 
 
 def _print_suggestion(documents: dict[str, dict[str, Any]]) -> None:
-    from dogbot_logtool.comparison.suggestion import suggest_limits  # noqa: PLC0415
+    from dogbot_logtool.comparison.rules.suggestion import suggest_limits  # noqa: PLC0415
     from dogbot_logtool.io.printable import printable  # noqa: PLC0415
 
     names = [printable(name) for name in documents]
@@ -129,7 +129,7 @@ def _write_junit(
     overwrite: bool,
 ) -> None:
     from dogbot_logtool.io.output import whole_file  # noqa: PLC0415
-    from dogbot_logtool.report.check_junit import check_junit  # noqa: PLC0415
+    from dogbot_logtool.report.documents.check_junit import check_junit  # noqa: PLC0415
 
     with whole_file(target, overwrite=overwrite) as file:
         file.write(check_junit(checked, failures))

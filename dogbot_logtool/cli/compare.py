@@ -110,7 +110,7 @@ def compare(
     by figure, with intervals. Exit code 1: some differ, or the runs are not comparable. Options of
     the robot (--robot, --foot, --mass ...) say how logs are measured.
     """
-    from dogbot_logtool.comparison.event_files import is_event_file  # noqa: PLC0415
+    from dogbot_logtool.comparison.walks.event_files import is_event_file  # noqa: PLC0415
     from dogbot_logtool.pipeline.options import CompareOptions, TopicOptions  # noqa: PLC0415
 
     of_messages = {
@@ -176,10 +176,10 @@ def _compare_messages(
     from dogbot_logtool.io.output import whole_file  # noqa: PLC0415
     from dogbot_logtool.io.printable import printable  # noqa: PLC0415
     from dogbot_logtool.io.targets import refuse_bad_report  # noqa: PLC0415
-    from dogbot_logtool.report.comparison_json import comparison_json  # noqa: PLC0415
-    from dogbot_logtool.report.comparison_text import show_comparison  # noqa: PLC0415
-    from dogbot_logtool.report.console import results  # noqa: PLC0415
-    from dogbot_logtool.report.junit import junit_xml  # noqa: PLC0415
+    from dogbot_logtool.report.documents.comparison_json import comparison_json  # noqa: PLC0415
+    from dogbot_logtool.report.documents.junit import junit_xml  # noqa: PLC0415
+    from dogbot_logtool.report.text.comparison_text import show_comparison  # noqa: PLC0415
+    from dogbot_logtool.report.text.console import results  # noqa: PLC0415
 
     if junit is not None:
         refuse_bad_report(junit, (expected, actual), overwrite=overwrite)
@@ -207,14 +207,14 @@ def _compare_events(
 ) -> NoReturn:
     """Match labelled events with those that are found; exit."""
     from dogbot_logtool.commands.compare_events import compare_events  # noqa: PLC0415
-    from dogbot_logtool.comparison.labelled_events import WITHIN_S  # noqa: PLC0415
+    from dogbot_logtool.comparison.walks.labelled_events import WITHIN_S  # noqa: PLC0415
     from dogbot_logtool.io.plain_json import to_json  # noqa: PLC0415
     from dogbot_logtool.pipeline.options import StatsOptions  # noqa: PLC0415
-    from dogbot_logtool.report.console import results  # noqa: PLC0415
     from dogbot_logtool.report.event_matches import (  # noqa: PLC0415
         event_matches_json,
         print_event_matches,
     )
+    from dogbot_logtool.report.text.console import results  # noqa: PLC0415
 
     within_s = WITHIN_S if atol is None else atol
     matches = compare_events(labels, actual, within_s, StatsOptions(topics))
@@ -240,11 +240,11 @@ def _compare_gait(
     from dogbot_logtool.commands.compare_gait import compare_gait  # noqa: PLC0415
     from dogbot_logtool.io.plain_json import to_json  # noqa: PLC0415
     from dogbot_logtool.pipeline.options import StatsOptions  # noqa: PLC0415
-    from dogbot_logtool.report.console import results  # noqa: PLC0415
     from dogbot_logtool.report.gait_comparison import (  # noqa: PLC0415
         gait_comparison_json,
         print_gait_comparison,
     )
+    from dogbot_logtool.report.text.console import results  # noqa: PLC0415
     from dogbot_logtool.run.inputs import find_logs  # noqa: PLC0415
 
     options = StatsOptions(topics, jobs=jobs_or_cores(None))

@@ -8,7 +8,7 @@ from dogbot_logtool.io.storage import from_root, location, shown
 from dogbot_logtool.report.dataset.dataset import DatasetWriter, Pending, dataset_at
 from dogbot_logtool.report.dataset.labels import parse_labels
 from dogbot_logtool.report.dataset.rows import failed_rows
-from dogbot_logtool.report.dataset_text import DatasetRun
+from dogbot_logtool.report.text.dataset_text import DatasetRun
 
 if TYPE_CHECKING:
     from dogbot_logtool.cli.outcomes import Outcomes
@@ -75,8 +75,8 @@ class DatasetCall:
 
     def print_done(self, failed: int) -> None:
         """Print what was done: on stderr, since the result itself is in the dataset."""
-        from dogbot_logtool.report.console import diagnostics  # noqa: PLC0415 - rich costs 40 ms
-        from dogbot_logtool.report.dataset_text import print_dataset  # noqa: PLC0415
+        from dogbot_logtool.report.text.console import diagnostics  # noqa: PLC0415 - rich costs 40 ms
+        from dogbot_logtool.report.text.dataset_text import print_dataset  # noqa: PLC0415
 
         self._run.failed = failed
         print_dataset(diagnostics(), shown(self._dataset.root), self._run)

@@ -70,7 +70,7 @@ def export(
     """
     from dogbot_logtool.api.export import Export  # noqa: PLC0415
     from dogbot_logtool.io.output import refuse_bad_target, whole_file  # noqa: PLC0415
-    from dogbot_logtool.report.table_file import table_file  # noqa: PLC0415
+    from dogbot_logtool.report.files.table_file import table_file  # noqa: PLC0415
     from dogbot_logtool.run.inputs import find_logs  # noqa: PLC0415
 
     del verbose
@@ -103,8 +103,8 @@ def _work(
         CallError: the name tells none, or one that cannot hold what is asked for.
     """
     from dogbot_logtool.api.export import Export, ExportLabels  # noqa: PLC0415
-    from dogbot_logtool.report.event_files import LABELLED  # noqa: PLC0415
-    from dogbot_logtool.report.table_file import table_file  # noqa: PLC0415
+    from dogbot_logtool.report.files.event_files import LABELLED  # noqa: PLC0415
+    from dogbot_logtool.report.files.table_file import table_file  # noqa: PLC0415
 
     suffix = target.suffix.lower()
     if suffix not in LABELLED:

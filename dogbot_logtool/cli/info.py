@@ -63,9 +63,9 @@ def info(
     from dogbot_logtool.commands.tasks import Describe  # noqa: PLC0415
     from dogbot_logtool.io.output import refuse_bad_target, whole_file  # noqa: PLC0415
     from dogbot_logtool.io.targets import refuse_other_format  # noqa: PLC0415
-    from dogbot_logtool.report.console import results  # noqa: PLC0415
-    from dogbot_logtool.report.frames_dot import frames_dot  # noqa: PLC0415
+    from dogbot_logtool.report.documents.frames_dot import frames_dot  # noqa: PLC0415
     from dogbot_logtool.report.info_report import info_json, print_info  # noqa: PLC0415
+    from dogbot_logtool.report.text.console import results  # noqa: PLC0415
     from dogbot_logtool.run.choice import runner_for  # noqa: PLC0415
     from dogbot_logtool.run.inputs import find_logs  # noqa: PLC0415
 

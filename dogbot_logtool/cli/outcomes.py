@@ -53,7 +53,7 @@ class Outcomes:
             on_outcome: called with the number of each item, its result and, where there is none,
                 the sentence on why.
         """
-        from dogbot_logtool.report.progress import ProgressBars  # noqa: PLC0415
+        from dogbot_logtool.report.text.progress import ProgressBars  # noqa: PLC0415
         from dogbot_logtool.run.runner import Failure  # noqa: PLC0415
 
         bars = ProgressBars(names, shown=not self._quiet)
@@ -119,7 +119,7 @@ class Outcomes:
 
     def _print_failures(self) -> None:
         """Print a table of what could not be done."""
-        from dogbot_logtool.report.console import diagnostics, print_sentence  # noqa: PLC0415
+        from dogbot_logtool.report.text.console import diagnostics, print_sentence  # noqa: PLC0415
 
         say(f"{len(self._failed)} of {len(self._codes)} logs could not be done")
         width = min(max(len(printable(name)) for name, _ in self._failed), 60)
@@ -136,7 +136,7 @@ def say_error(error: LogtoolError) -> None:
 
 def say(sentence: str) -> None:
     """Print the sentence of an error on stderr; what it lists stands in indented lines below."""
-    from dogbot_logtool.report.console import (  # noqa: PLC0415
+    from dogbot_logtool.report.text.console import (  # noqa: PLC0415
         diagnostics,
         print_command,
         print_sentence,
@@ -153,6 +153,6 @@ def say(sentence: str) -> None:
 
 def note(sentence: str) -> None:
     """Print what is good to know on stderr."""
-    from dogbot_logtool.report.console import diagnostics, print_note  # noqa: PLC0415
+    from dogbot_logtool.report.text.console import diagnostics, print_note  # noqa: PLC0415
 
     print_note(diagnostics(), sentence)

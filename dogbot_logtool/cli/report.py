@@ -78,8 +78,8 @@ def report(
     require_libraries()
     from dogbot_logtool.commands.report import Reports  # noqa: PLC0415
     from dogbot_logtool.io.targets import may_be_several, output_at  # noqa: PLC0415
-    from dogbot_logtool.report.console import diagnostics  # noqa: PLC0415
     from dogbot_logtool.report.page.page_result import page_json, print_page  # noqa: PLC0415
+    from dogbot_logtool.report.text.console import diagnostics  # noqa: PLC0415
     from dogbot_logtool.results import Page  # noqa: PLC0415
     from dogbot_logtool.run.inputs import find_logs  # noqa: PLC0415
     from dogbot_logtool.run.runner import SerialRunner  # noqa: PLC0415
@@ -128,11 +128,11 @@ def _report_against(
     from dogbot_logtool.io.plain_json import to_json  # noqa: PLC0415
     from dogbot_logtool.io.storage import shown  # noqa: PLC0415
     from dogbot_logtool.io.targets import output_at  # noqa: PLC0415
-    from dogbot_logtool.report.console import diagnostics  # noqa: PLC0415
     from dogbot_logtool.report.gait_comparison import (  # noqa: PLC0415
         gait_comparison_json,
         print_comparison_page,
     )
+    from dogbot_logtool.report.text.console import diagnostics  # noqa: PLC0415
     from dogbot_logtool.run.inputs import find_logs  # noqa: PLC0415
 
     log_sets = [find_logs(words), find_logs(against)]

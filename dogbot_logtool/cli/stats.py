@@ -112,7 +112,7 @@ def stats(
     """Measure a walk: which gait, how loaded, and can the recording be trusted."""
     from dogbot_logtool.commands.tasks import Measure  # noqa: PLC0415
     from dogbot_logtool.core.contact.curves import CurveDetail  # noqa: PLC0415
-    from dogbot_logtool.report.stats_csv import write_strides  # noqa: PLC0415
+    from dogbot_logtool.report.files.stats_csv import write_strides  # noqa: PLC0415
     from dogbot_logtool.run.choice import runner_for  # noqa: PLC0415
     from dogbot_logtool.run.inputs import find_logs  # noqa: PLC0415
 
@@ -224,7 +224,7 @@ def _write_events(target: Path | None, done: "Figures", *, overwrite: bool) -> N
 
 def _print_drawn(target: Path, window: tuple[float, float]) -> None:
     """Print which time a figure shows."""
-    from dogbot_logtool.report.console import diagnostics, print_sentence  # noqa: PLC0415
+    from dogbot_logtool.report.text.console import diagnostics, print_sentence  # noqa: PLC0415
 
     start, end = window
     print_sentence(diagnostics(), printable(f"{target}: {start:.2f} to {end:.2f} s"))
@@ -232,8 +232,8 @@ def _print_drawn(target: Path, window: tuple[float, float]) -> None:
 
 def _print(measured: "list[Figures]", *, window: tuple[float, float] | None, verbose: bool) -> None:
     """Print the report of one log, or a summary of several."""
-    from dogbot_logtool.report.console import results  # noqa: PLC0415 - rich costs 40 ms
-    from dogbot_logtool.report.stats_text import print_report, print_summary  # noqa: PLC0415
+    from dogbot_logtool.report.text.console import results  # noqa: PLC0415 - rich costs 40 ms
+    from dogbot_logtool.report.text.stats_text import print_report, print_summary  # noqa: PLC0415
 
     one = measured[0].whole
     if one is not None:

@@ -4,8 +4,8 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from dogbot_logtool.comparison.judge import Judgement, Status, judge, worst
-from dogbot_logtool.comparison.limits import Rule, load_limits
+from dogbot_logtool.comparison.rules.judge import Judgement, Status, judge, worst
+from dogbot_logtool.comparison.rules.limits import Rule, load_limits
 from dogbot_logtool.comparison.stats_json import load_json
 from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.errors import CallError

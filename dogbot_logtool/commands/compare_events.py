@@ -3,8 +3,12 @@
 from pathlib import Path
 
 from dogbot_logtool.commands.tasks import Measure
-from dogbot_logtool.comparison.event_files import LabelledEvent, is_event_file, read_event_file
-from dogbot_logtool.comparison.labelled_events import EventMatch, match_labels
+from dogbot_logtool.comparison.walks.event_files import (
+    LabelledEvent,
+    is_event_file,
+    read_event_file,
+)
+from dogbot_logtool.comparison.walks.labelled_events import EventMatch, match_labels
 from dogbot_logtool.core.events.gait_labels import SIDES, feet_by_side
 from dogbot_logtool.errors import CallError
 from dogbot_logtool.pipeline.options import StatsOptions

@@ -15,18 +15,18 @@ from dogbot_logtool.errors import LogError
 from dogbot_logtool.finding import Finding, by_severity, note, warning
 from dogbot_logtool.io.output import refuse_bad_target, whole_file
 from dogbot_logtool.io.storage import Location, shown
-from dogbot_logtool.pipeline.annotated import open_recorded
 from dogbot_logtool.pipeline.conversion.batch import BatchConverter, ConvertedBatch, Counts
 from dogbot_logtool.pipeline.conversion.batch_state import BatchState
 from dogbot_logtool.pipeline.conversion.channels import annotations_of
 from dogbot_logtool.pipeline.conversion.events import WalkEvents, event_records, walk_events
 from dogbot_logtool.pipeline.conversion.provenance_record import provenance_record
+from dogbot_logtool.pipeline.frames.world_frames import frame_findings
 from dogbot_logtool.pipeline.options import ConvertOptions, StatsOptions
 from dogbot_logtool.pipeline.plan import Plan, make_plan, without_tf
 from dogbot_logtool.pipeline.probe import probe_log
-from dogbot_logtool.pipeline.selection import select_topics
 from dogbot_logtool.pipeline.time_span import refuse_empty_span
-from dogbot_logtool.pipeline.world_frames import frame_findings
+from dogbot_logtool.pipeline.topics.annotated import open_recorded
+from dogbot_logtool.pipeline.topics.selection import select_topics
 from dogbot_logtool.reader.containers.log import Log, Loss
 from dogbot_logtool.reader.containers.mcap.extras import read_extra
 from dogbot_logtool.reader.salvage.losses import malformed_messages, wrong_statistics

@@ -6,8 +6,8 @@ from pathlib import Path
 from dogbot_logtool.errors import CallError
 from dogbot_logtool.io.output import refuse_bad_target, whole_file
 from dogbot_logtool.io.storage import Location
-from dogbot_logtool.report.event_files import event_file
 from dogbot_logtool.report.figures.figure import Json
+from dogbot_logtool.report.files.event_files import event_file
 
 
 def refuse_bad_events_file(target: Path, logs: Sequence[Location], *, overwrite: bool) -> None:

@@ -9,14 +9,14 @@ import numpy as np
 from dogbot_logtool.core.geometry.arrays import norms
 from dogbot_logtool.core.load.loads import body_weight_n
 from dogbot_logtool.core.plausible import STRONGEST_N
-from dogbot_logtool.pipeline.annotated import open_recorded
 from dogbot_logtool.pipeline.feet.selection import assign_feet
 from dogbot_logtool.pipeline.options import ConvertOptions, TopicOptions
 from dogbot_logtool.pipeline.plan import Plan, make_plan
 from dogbot_logtool.pipeline.probe import DEFAULT_BASE, DEFAULT_WORLD, Probe, probe_log
 from dogbot_logtool.pipeline.robot_model.primitives import body_size_m
 from dogbot_logtool.pipeline.robot_model.shape import robot_shape
-from dogbot_logtool.pipeline.selection import select_topics
+from dogbot_logtool.pipeline.topics.annotated import open_recorded
+from dogbot_logtool.pipeline.topics.selection import select_topics
 from dogbot_logtool.report.layouts.view import View, upper_bound
 from dogbot_logtool.robot import Robot, load_robot
 

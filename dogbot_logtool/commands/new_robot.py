@@ -7,13 +7,13 @@ from dogbot_logtool.commands.tasks import figures_of
 from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.errors import LogError
 from dogbot_logtool.io.storage import Location, shown
-from dogbot_logtool.pipeline.annotated import open_recorded
 from dogbot_logtool.pipeline.feet.candidates import FootCandidates
 from dogbot_logtool.pipeline.options import StatsOptions, TopicOptions
 from dogbot_logtool.pipeline.probe import frame_names, probe_log
-from dogbot_logtool.pipeline.selection import Selection, nothing_to_do, select_topics
 from dogbot_logtool.pipeline.sensors import learn_sensors
-from dogbot_logtool.report.robot_file import RobotEvidence, robot_file
+from dogbot_logtool.pipeline.topics.annotated import open_recorded
+from dogbot_logtool.pipeline.topics.selection import Selection, nothing_to_do, select_topics
+from dogbot_logtool.report.files.robot_file import RobotEvidence, robot_file
 from dogbot_logtool.robot import Robot
 from dogbot_logtool.run.in_order import OnProgress
 

@@ -3,11 +3,11 @@
 from typing import Any
 
 from dogbot_logtool.io.storage import Location
-from dogbot_logtool.pipeline.annotated import open_recorded
 from dogbot_logtool.pipeline.options import StatsOptions
 from dogbot_logtool.pipeline.probe import probe_log
 from dogbot_logtool.pipeline.robot_model.limbs import read_limbs
-from dogbot_logtool.pipeline.selection import select_topics
+from dogbot_logtool.pipeline.topics.annotated import open_recorded
+from dogbot_logtool.pipeline.topics.selection import select_topics
 from dogbot_logtool.report.page.replay import frame_times, replay
 from dogbot_logtool.results import Measurement
 

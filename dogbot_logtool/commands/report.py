@@ -13,10 +13,10 @@ from dogbot_logtool.io.output import refuse_bad_target, whole_file
 from dogbot_logtool.io.storage import Location, file_name, is_folder, shown, version
 from dogbot_logtool.io.targets import Output, targets
 from dogbot_logtool.pipeline.options import StatsOptions
-from dogbot_logtool.report.gait_diagram import default_window
 from dogbot_logtool.report.page.assets import page_script, shared_name
 from dogbot_logtool.report.page.index_page import IndexRow, index, index_row
 from dogbot_logtool.report.page.render import ALONE, Beside, Damage, page
+from dogbot_logtool.report.text.gait_diagram import default_window
 from dogbot_logtool.results import Measurement, Page
 from dogbot_logtool.run.in_order import OnProgress
 

@@ -19,18 +19,18 @@ from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.errors import LogError
 from dogbot_logtool.finding import Finding, warning
 from dogbot_logtool.io.storage import Location, shown
-from dogbot_logtool.pipeline.annotated import open_recorded
 from dogbot_logtool.pipeline.batches import BatchReader
 from dogbot_logtool.pipeline.feet.plans import planned_feet
+from dogbot_logtool.pipeline.frames.world_frames import StreamedFrames, WorldFrames, follow_frames
 from dogbot_logtool.pipeline.measuring import BatchMeasurer, MeasuredBatch
 from dogbot_logtool.pipeline.options import StatsOptions
 from dogbot_logtool.pipeline.probe import Probe, frame_names, probe_log
 from dogbot_logtool.pipeline.probe_findings import probe_findings
-from dogbot_logtool.pipeline.selection import Selection, nothing_to_do, select_topics
 from dogbot_logtool.pipeline.sensors import LearntSensors, learn_sensors
 from dogbot_logtool.pipeline.side_types import has_side_topics
 from dogbot_logtool.pipeline.time_span import TimeLimits, refuse_empty_span, time_limits
-from dogbot_logtool.pipeline.world_frames import StreamedFrames, WorldFrames, follow_frames
+from dogbot_logtool.pipeline.topics.annotated import open_recorded
+from dogbot_logtool.pipeline.topics.selection import Selection, nothing_to_do, select_topics
 from dogbot_logtool.reader.containers.log import Log, Loss, lost_messages
 from dogbot_logtool.reader.salvage.losses import malformed_messages, wrong_statistics
 from dogbot_logtool.results import LogFacts, Measurement

@@ -103,9 +103,9 @@ def _is_free(target: Location) -> bool:
 
 def figures_of(measured: "Measurement", *, whole: bool = False) -> Figures:
     """Return what is reported of a log, and the whole measurement if wanted."""
-    from dogbot_logtool.report.stats_json import stats_json  # noqa: PLC0415
-    from dogbot_logtool.report.stats_summary import summary_row  # noqa: PLC0415
-    from dogbot_logtool.report.stride_table import stride_table  # noqa: PLC0415
+    from dogbot_logtool.report.documents.stats_json import stats_json  # noqa: PLC0415
+    from dogbot_logtool.report.files.stride_table import stride_table  # noqa: PLC0415
+    from dogbot_logtool.report.text.stats_summary import summary_row  # noqa: PLC0415
 
     stats, facts = measured.stats, measured.facts
     document = stats_json(stats, facts)

@@ -4,9 +4,9 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Final
 
-from dogbot_logtool.comparison.decoders import parse_json
-from dogbot_logtool.comparison.field_names import tree_names
 from dogbot_logtool.comparison.fields import Findings, Tree, compare_fields, join
+from dogbot_logtool.comparison.logs.decoders import parse_json
+from dogbot_logtool.comparison.logs.field_names import tree_names
 from dogbot_logtool.comparison.outcome import Comparison, Differences, Kind, Tally
 from dogbot_logtool.comparison.tolerances import FieldRules, Rules, nothing_left
 from dogbot_logtool.errors import CallError, LogError

@@ -14,8 +14,8 @@ from dogbot_logtool.core.contact.offsets import without_offsets
 from dogbot_logtool.core.frames.transform_buffer import LONGEST_DELAY_S, TransformBuffer
 from dogbot_logtool.core.plausible import plausible_odometry
 from dogbot_logtool.dataclass import dataclass
-from dogbot_logtool.pipeline.selection import Selection
-from dogbot_logtool.pipeline.world_frames import BatchFrames, WorldFrames
+from dogbot_logtool.pipeline.frames.world_frames import BatchFrames, WorldFrames
+from dogbot_logtool.pipeline.topics.selection import Selection
 from dogbot_logtool.reader.containers.log import Batch, Chunk, Log, Span
 from dogbot_logtool.reader.messages.bases.registry import joined_poses
 from dogbot_logtool.reader.messages.bases.source import BasePoses

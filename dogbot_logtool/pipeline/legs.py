@@ -21,7 +21,7 @@ from dogbot_logtool.pipeline.robot_model.joint_motion import (
 )
 from dogbot_logtool.pipeline.robot_model.soles import link_of_foot
 from dogbot_logtool.pipeline.robot_model.urdf import parse_urdf, urdf_joints, urdf_limits
-from dogbot_logtool.pipeline.selection import Selection
+from dogbot_logtool.pipeline.topics.selection import Selection
 from dogbot_logtool.reader.containers.log import Batch, Channel, Log
 from dogbot_logtool.reader.messages.frame_tracks import moving_tracks
 from dogbot_logtool.reader.messages.joints import JointStates, read_joints

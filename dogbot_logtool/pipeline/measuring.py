@@ -10,7 +10,7 @@ from dogbot_logtool.core.contact.contacts import Samples
 from dogbot_logtool.core.geometry.arrays import Ints, rows_by_group
 from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.pipeline.batches import BatchColumns, BatchReader
-from dogbot_logtool.pipeline.world_frames import BatchFrames
+from dogbot_logtool.pipeline.frames.world_frames import BatchFrames
 from dogbot_logtool.reader.containers.log import Batch, Log, Loss, Span
 from dogbot_logtool.reader.decode.columns import Texts
 from dogbot_logtool.reader.messages.bases.source import BasePoses

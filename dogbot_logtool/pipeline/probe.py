@@ -29,10 +29,10 @@ from dogbot_logtool.core.load.loads import body_weight_n
 from dogbot_logtool.core.plausible import plausible_odometry
 from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.pipeline.chunks import spread_chunks
+from dogbot_logtool.pipeline.frames.world_frames import WorldFrames, follow_frames
 from dogbot_logtool.pipeline.robot_model.skeleton import FramePose, Point
 from dogbot_logtool.pipeline.robot_model.soles import STANCE_SPREAD_M, SoleFinder, first_poses
-from dogbot_logtool.pipeline.selection import Selection
-from dogbot_logtool.pipeline.world_frames import WorldFrames, follow_frames
+from dogbot_logtool.pipeline.topics.selection import Selection
 from dogbot_logtool.reader.containers.log import Batch, Chunk, Log
 from dogbot_logtool.reader.messages.bases.registry import joined_poses
 from dogbot_logtool.reader.messages.bases.source import BasePoses

@@ -5,7 +5,7 @@ from math import atan, degrees
 from dogbot_logtool.core.frames.wrench_frame import FrameFit, WrenchFrame, WrenchFrameEvidence
 from dogbot_logtool.finding import Finding, note, warning
 from dogbot_logtool.pipeline.probe import Probe
-from dogbot_logtool.pipeline.selection import Selection
+from dogbot_logtool.pipeline.topics.selection import Selection
 
 
 def probe_findings(selection: Selection, probe: Probe) -> list[Finding]:

@@ -17,7 +17,13 @@ from dogbot_logtool.core.contact.contact_rule import (
     contact_rule,
 )
 from dogbot_logtool.core.contact.contacts import Samples, no_samples
-from dogbot_logtool.core.contact.sensor_level import (
+from dogbot_logtool.core.contact.silent_swing import SilentFeet, learn_silences
+from dogbot_logtool.core.geometry.arrays import norms
+from dogbot_logtool.core.geometry.blocks import concatenated
+from dogbot_logtool.core.geometry.clock import usual_interval_s
+from dogbot_logtool.core.geometry.order_statistics import median_of
+from dogbot_logtool.core.load.loads import body_weight_n
+from dogbot_logtool.core.sensors.sensor_level import (
     Origin,
     SensorLevel,
     estimate_level,
@@ -25,25 +31,19 @@ from dogbot_logtool.core.contact.sensor_level import (
     zero_level,
     zero_reading,
 )
-from dogbot_logtool.core.contact.sensor_modes import CONSTANT
-from dogbot_logtool.core.contact.silent_swing import SilentFeet, learn_silences
-from dogbot_logtool.core.contact.weighed_levels import (
+from dogbot_logtool.core.sensors.sensor_modes import CONSTANT
+from dogbot_logtool.core.sensors.weighed_levels import (
     checked_levels,
     turned_levels,
     weighed_levels,
     weight_of_levels,
 )
-from dogbot_logtool.core.geometry.arrays import norms
-from dogbot_logtool.core.geometry.blocks import concatenated
-from dogbot_logtool.core.geometry.clock import usual_interval_s
-from dogbot_logtool.core.geometry.order_statistics import median_of
-from dogbot_logtool.core.load.loads import body_weight_n
 from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.errors import CallError
 from dogbot_logtool.io.listing import listed
 from dogbot_logtool.pipeline.options import TopicOptions
 from dogbot_logtool.pipeline.probe import Probe
-from dogbot_logtool.pipeline.selection import Selection
+from dogbot_logtool.pipeline.topics.selection import Selection
 from dogbot_logtool.reader.containers.log import Chunk, Log
 from dogbot_logtool.reader.messages.contacts.registry import read_contacts
 

@@ -9,7 +9,7 @@ from dogbot_logtool.reader.containers.signatures import (
     ROSBAG2_METADATA,
     ZSTD_MAGIC,
 )
-from dogbot_logtool.reader.containers.source import ByteSource
+from dogbot_logtool.reader.containers.sources.source import ByteSource
 from dogbot_logtool.reader.registry import CONTAINERS
 
 _HEAD: Final = 4096

@@ -10,7 +10,7 @@ from dogbot_logtool.io.storage import Location
 from dogbot_logtool.reader import not_a_log
 from dogbot_logtool.reader.containers.log import Log, Loss
 from dogbot_logtool.reader.containers.signatures import is_zstd
-from dogbot_logtool.reader.containers.source import ByteSource
+from dogbot_logtool.reader.containers.sources.source import ByteSource
 from dogbot_logtool.reader.registry import CONTAINERS, ROSBAG2_SUFFIXES, Container
 
 if TYPE_CHECKING:
@@ -74,7 +74,7 @@ def _open_file(path: Location, distribution: str = "", *, packed: bool = True) -
 
 def _open_object(path: "UPath", distribution: str, facts: storage.Facts) -> Log:
     # Imported late: only URLs need it.
-    from dogbot_logtool.reader.containers.remote_source import RemoteSource, open_copied  # noqa: PLC0415
+    from dogbot_logtool.reader.containers.sources.remote_source import RemoteSource, open_copied  # noqa: PLC0415
 
     source = RemoteSource(path, facts)
     container = _with_magic(source.read(0, _MAGIC_SIZE))
@@ -94,7 +94,7 @@ def _open_or_close(source: ByteSource, distribution: str, *, packed: bool) -> Lo
 def _open_source(source: ByteSource, distribution: str, *, packed: bool) -> Log:
     magic = source.read(0, _MAGIC_SIZE)
     if is_zstd(magic) and packed:
-        from dogbot_logtool.reader.containers.zstd_file import open_zstd  # noqa: PLC0415
+        from dogbot_logtool.reader.containers.sources.zstd_file import open_zstd  # noqa: PLC0415
 
         # Only once: no recorder compresses a compressed file again.
         log = open_zstd(source, lambda inner: _open_file(inner, distribution, packed=False))

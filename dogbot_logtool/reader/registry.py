@@ -12,7 +12,7 @@ from dogbot_logtool.reader.containers.signatures import BAG_MAGIC, MCAP_MAGIC, S
 if TYPE_CHECKING:
     from dogbot_logtool.reader.containers.log import Log
     from dogbot_logtool.reader.containers.loss import Loss
-    from dogbot_logtool.reader.containers.source import ByteSource
+    from dogbot_logtool.reader.containers.sources.source import ByteSource
 
 
 @dataclass(frozen=True, slots=True)

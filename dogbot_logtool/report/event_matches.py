@@ -6,11 +6,11 @@ from typing import Any, Final
 import numpy as np
 from rich.console import Console
 
-from dogbot_logtool.comparison.labelled_events import EventMatch
+from dogbot_logtool.comparison.walks.labelled_events import EventMatch
 from dogbot_logtool.io.printable import printable
-from dogbot_logtool.report.console import print_sentence
 from dogbot_logtool.report.numbers import NOTHING
-from dogbot_logtool.report.text_layout import NameTable, Row
+from dogbot_logtool.report.text.console import print_sentence
+from dogbot_logtool.report.text.text_layout import NameTable, Row
 
 _HEADINGS: Final = ("events", "labelled", "found", "missed", "invented", "late by ms", "sd", "most")
 _MOST_TIMES: Final = 8

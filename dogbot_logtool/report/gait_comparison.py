@@ -4,10 +4,10 @@ from typing import Any, Final
 
 from rich.console import Console
 
-from dogbot_logtool.comparison.two_runs import CONFIDENCE, FigureDifference, GaitComparison
+from dogbot_logtool.comparison.walks.two_runs import CONFIDENCE, FigureDifference, GaitComparison
 from dogbot_logtool.io.printable import printable
-from dogbot_logtool.report.console import human_size, print_sentence
-from dogbot_logtool.report.text_layout import NameTable, Row
+from dogbot_logtool.report.text.console import human_size, print_sentence
+from dogbot_logtool.report.text.text_layout import NameTable, Row
 
 _HEADINGS: Final = ("figure", "first", "second", "difference", "from", "to", "effect", "strides")
 

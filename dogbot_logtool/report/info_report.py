@@ -8,12 +8,17 @@ from rich.console import Console
 
 from dogbot_logtool.io.printable import printable
 from dogbot_logtool.io.storage import shown
-from dogbot_logtool.report.console import human_size, print_damage, print_findings, print_sentence
-from dogbot_logtool.report.damage import damage_json
+from dogbot_logtool.report.documents.damage import damage_json
+from dogbot_logtool.report.documents.frames_json import frames_json
 from dogbot_logtool.report.figures.recording import finding_json
-from dogbot_logtool.report.frames_json import frames_json
-from dogbot_logtool.report.frames_text import print_frame_names, print_frames
-from dogbot_logtool.report.text_layout import NameTable, Row
+from dogbot_logtool.report.text.console import (
+    human_size,
+    print_damage,
+    print_findings,
+    print_sentence,
+)
+from dogbot_logtool.report.text.frames_text import print_frame_names, print_frames
+from dogbot_logtool.report.text.text_layout import NameTable, Row
 from dogbot_logtool.results import LogInfo
 
 _SIMULATED_BEFORE_S = 1_000_000_000

@@ -19,7 +19,7 @@ from dogbot_logtool.core.plausible import FARTHEST_M
 from dogbot_logtool.io.plain_json import only_finite, to_json
 from dogbot_logtool.io.targets import Output
 from dogbot_logtool.pipeline.options import ConvertOptions, StatsOptions, TopicOptions
-from dogbot_logtool.report.stats_json import stats_json
+from dogbot_logtool.report.documents.stats_json import stats_json
 from tests.oracles import walks
 
 GAZEBO, WRENCH = "gazebo_msgs/msg/ContactsState", "geometry_msgs/msg/WrenchStamped"

@@ -13,7 +13,7 @@ from mcap_ros2.decoder import DecoderFactory as Ros2Decoder
 from dogbot_logtool.commands.convert import convert
 from dogbot_logtool.commands.stats import measure
 from dogbot_logtool.pipeline.options import ConvertOptions, StatsOptions
-from dogbot_logtool.report.stats_json import stats_json
+from dogbot_logtool.report.documents.stats_json import stats_json
 from tests.paths import SAMPLE_LOGS
 
 TROUBLED = SAMPLE_LOGS / "dogbot_troubled.bag"

@@ -16,13 +16,13 @@ from dogbot_logtool.commands.convert import convert
 from dogbot_logtool.core.base.base_history import BaseRecorder
 from dogbot_logtool.core.contact.contact_rule import contact_rule
 from dogbot_logtool.core.contact.foot_history import FootRecorder
-from dogbot_logtool.core.contact.sensor_level import zero_reading
 from dogbot_logtool.core.geometry.clock import TimeSource
 from dogbot_logtool.core.geometry.support_polygon import margin_in_hull
 from dogbot_logtool.core.scene.support_scene import margin_colour
+from dogbot_logtool.core.sensors.sensor_level import zero_reading
 from dogbot_logtool.core.stability.stability import feet_down
 from dogbot_logtool.pipeline.options import ConvertOptions, TopicOptions
-from dogbot_logtool.pipeline.selection import select_topics
+from dogbot_logtool.pipeline.topics.selection import select_topics
 from dogbot_logtool.reader.messages.contacts.registry import read_contacts
 from dogbot_logtool.reader.opening import open_log
 from dogbot_logtool.results import Conversion

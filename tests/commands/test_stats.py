@@ -16,8 +16,8 @@ from mcap.writer import Writer
 from dogbot_logtool.commands.stats import measure
 from dogbot_logtool.errors import CallError, LogError
 from dogbot_logtool.pipeline.options import StatsOptions, TopicOptions
+from dogbot_logtool.report.documents.stats_json import stats_json
 from dogbot_logtool.report.figures.schema import schema
-from dogbot_logtool.report.stats_json import stats_json
 from tests.oracles.walks import Walk as ContactWalk
 from tests.oracles.walks import write_mcap
 from tests.paths import ROOT, SAMPLE_LOGS

@@ -16,8 +16,8 @@ from foxglove_schemas_protobuf.SceneUpdate_pb2 import SceneUpdate
 from mcap.writer import CompressionType, IndexType, Writer
 
 from dogbot_logtool.commands.compare import compare
+from dogbot_logtool.comparison.logs.windows import indexed_track, load, measured_track, plan_windows
 from dogbot_logtool.comparison.outcome import Comparison, Tally
-from dogbot_logtool.comparison.windows import indexed_track, load, measured_track, plan_windows
 from dogbot_logtool.errors import CallError
 from dogbot_logtool.pipeline.options import CompareOptions
 from dogbot_logtool.reader.containers.log import Log

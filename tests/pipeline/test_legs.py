@@ -83,7 +83,7 @@ def test_a_log_without_legs_imports_nothing_of_them(tmp_path: Path) -> None:
         "import sys; from pathlib import Path\n"
         "from dogbot_logtool.commands.stats import measure\n"
         "from dogbot_logtool.pipeline.options import StatsOptions\n"
-        "from dogbot_logtool.report.stats_json import stats_json\n"
+        "from dogbot_logtool.report.documents.stats_json import stats_json\n"
         f"found = measure(Path({str(log)!r}), StatsOptions())\n"
         "assert stats_json(found.stats, found.facts)['legs'] is None\n"
         "others = ('dogbot_logtool.report', 'dogbot_logtool.core.findings')\n"

@@ -13,7 +13,7 @@ from dogbot_logtool.pipeline.options import ConvertOptions, TopicOptions
 from dogbot_logtool.pipeline.plan import Plan, make_plan, without_tf
 from dogbot_logtool.pipeline.probe import Probe, probe_log
 from dogbot_logtool.pipeline.probe_findings import probe_findings
-from dogbot_logtool.pipeline.selection import Selection, select_topics
+from dogbot_logtool.pipeline.topics.selection import Selection, select_topics
 from dogbot_logtool.reader.containers.log import Log
 from dogbot_logtool.reader.opening import open_log
 from tests.paths import SAMPLE_LOGS

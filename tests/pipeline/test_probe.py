@@ -11,7 +11,7 @@ from dogbot_logtool.core.frames.wrench_frame import WrenchFrame
 from dogbot_logtool.pipeline import chunks
 from dogbot_logtool.pipeline.options import TopicOptions
 from dogbot_logtool.pipeline.probe import Probe, left_after, probe_log
-from dogbot_logtool.pipeline.selection import select_topics
+from dogbot_logtool.pipeline.topics.selection import select_topics
 from dogbot_logtool.reader.messages.contacts.source import StepTiming
 from dogbot_logtool.reader.opening import open_log
 from tests.paths import SAMPLE_LOGS

@@ -17,7 +17,7 @@ from dogbot_logtool.pipeline.options import StatsOptions, TopicOptions
 from dogbot_logtool.pipeline.side_types import SIDE_TYPES
 from dogbot_logtool.reader.messages.vectors import COMMANDS, INERTIAL_UNITS
 from dogbot_logtool.report.page.render import page
-from dogbot_logtool.report.stats_text import print_report
+from dogbot_logtool.report.text.stats_text import print_report
 from tests.report.page.page_data import drawings
 from tests.truth.commanded import Commanded, commanded_walk
 from tests.truth.gaits import WALK

@@ -12,7 +12,7 @@ from dogbot_logtool.reader.containers.batch import Batch
 from dogbot_logtool.reader.containers.contents import Contents
 from dogbot_logtool.reader.containers.log import Log, Span
 from dogbot_logtool.reader.containers.loss import Loss
-from dogbot_logtool.reader.containers.source import ByteSource
+from dogbot_logtool.reader.containers.sources.source import ByteSource
 from dogbot_logtool.reader.decode.message_table import no_messages
 from dogbot_logtool.reader.opening import open_log
 from dogbot_logtool.reader.registry import CONTAINERS, ROSBAG2_SUFFIXES, Container

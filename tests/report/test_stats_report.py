@@ -18,13 +18,13 @@ from dogbot_logtool.core.geometry.arrays import Floats
 from dogbot_logtool.core.settings import FootSettings, StatsSettings
 from dogbot_logtool.core.statistics import Stats
 from dogbot_logtool.finding import Finding, finding_kinds
+from dogbot_logtool.report.documents.stats_json import stats_json
 from dogbot_logtool.report.figures.schema import schema
-from dogbot_logtool.report.gait_diagram import ASCII, default_window, gait_diagram
-from dogbot_logtool.report.stats_csv import write_strides
-from dogbot_logtool.report.stats_json import stats_json
-from dogbot_logtool.report.stats_summary import summary_row
-from dogbot_logtool.report.stats_text import print_report, print_summary, verdict
-from dogbot_logtool.report.stride_table import stride_table
+from dogbot_logtool.report.files.stats_csv import write_strides
+from dogbot_logtool.report.files.stride_table import stride_table
+from dogbot_logtool.report.text.gait_diagram import ASCII, default_window, gait_diagram
+from dogbot_logtool.report.text.stats_summary import summary_row
+from dogbot_logtool.report.text.stats_text import print_report, print_summary, verdict
 from dogbot_logtool.results import LogFacts
 
 START = 1_700_000_000_000_000_000

@@ -209,7 +209,7 @@ def stop_one(folder: Path) -> None:
 @pytest.mark.parametrize("files", [15, 20, 24])
 def test_processes_that_cannot_be_started_are_told(files: int) -> None:
     script = f"""
-import dogbot_logtool.run.processes, dogbot_logtool.report.console
+import dogbot_logtool.run.processes, dogbot_logtool.report.text.console
 from resource import RLIMIT_NOFILE, setrlimit
 from dogbot_logtool.errors import LogtoolError
 from tests.run.work import Progress

@@ -7,10 +7,10 @@ from typing import Final
 import numpy as np
 
 from dogbot_logtool.core.contact.foot_history import FootHistory
-from dogbot_logtool.core.contact.saturation import SATURATED_SAMPLES, SATURATED_STANCES, STEEP
 from dogbot_logtool.core.geometry import timespans
 from dogbot_logtool.core.geometry.arrays import Flags, Ints
 from dogbot_logtool.core.leg_position import LegPosition
+from dogbot_logtool.core.sensors.saturation import SATURATED_SAMPLES, SATURATED_STANCES, STEEP
 from dogbot_logtool.dataclass import dataclass
 
 NEAR_ZERO: Final = 1e-9

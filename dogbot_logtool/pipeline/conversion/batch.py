@@ -13,8 +13,8 @@ from dogbot_logtool.pipeline.batches import BatchColumns
 from dogbot_logtool.pipeline.conversion.annotating import compute_annotations, links_at_ticks
 from dogbot_logtool.pipeline.conversion.batch_state import BatchState
 from dogbot_logtool.pipeline.conversion.copying import copied_chunks
+from dogbot_logtool.pipeline.frames.world_frames import Placed
 from dogbot_logtool.pipeline.plan import Plan
-from dogbot_logtool.pipeline.world_frames import Placed
 from dogbot_logtool.reader.containers.log import Batch, Log, Loss, Span
 from dogbot_logtool.reader.messages.transforms import frame_pairs
 from dogbot_logtool.run.in_order import StateExchange

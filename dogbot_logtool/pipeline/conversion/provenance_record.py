@@ -8,8 +8,8 @@ from mcap import records
 from dogbot_logtool import __version__
 from dogbot_logtool.io.printable import printable
 from dogbot_logtool.io.storage import file_name
-from dogbot_logtool.pipeline.annotated import annotations_left_out
 from dogbot_logtool.pipeline.plan import Plan
+from dogbot_logtool.pipeline.topics.annotated import annotations_left_out
 from dogbot_logtool.provenance import PROVENANCE
 from dogbot_logtool.reader.containers.log import Log, Loss, lost_messages
 from dogbot_logtool.writer.mcap_writer import metadata_record

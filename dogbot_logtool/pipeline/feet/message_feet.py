@@ -11,7 +11,7 @@ from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.finding import Finding, warning
 from dogbot_logtool.io.listing import listed
 from dogbot_logtool.pipeline.feet.names import foot_name, leg_position
-from dogbot_logtool.pipeline.readable import why_unreadable
+from dogbot_logtool.pipeline.topics.readable import why_unreadable
 from dogbot_logtool.reader.containers.log import Channel, Log
 from dogbot_logtool.reader.messages.contacts.registry import source_of
 from dogbot_logtool.reader.messages.contacts.source import ContactSource

@@ -5,8 +5,8 @@ from dataclasses import replace
 from typing import Final
 
 from dogbot_logtool.pipeline.feet.message_feet import feet_of_messages, is_planned
-from dogbot_logtool.pipeline.readable import why_unreadable
-from dogbot_logtool.pipeline.topics import most_frequent
+from dogbot_logtool.pipeline.topics.readable import why_unreadable
+from dogbot_logtool.pipeline.topics.topics import most_frequent
 from dogbot_logtool.reader.containers.log import Channel, Log
 from dogbot_logtool.reader.messages.contacts import joint_foot
 from dogbot_logtool.reader.messages.contacts.registry import source_of

@@ -12,9 +12,9 @@ import numpy as np
 
 from dogbot_logtool.core.contact.contact_rule import MOST_OF_LOAD, contact_rule
 from dogbot_logtool.core.contact.contacts import Samples, no_samples
-from dogbot_logtool.core.contact.sensor_level import SensorLevel, estimate_level
 from dogbot_logtool.core.geometry.blocks import concatenated
 from dogbot_logtool.core.geometry.order_statistics import percentiles_of
+from dogbot_logtool.core.sensors.sensor_level import SensorLevel, estimate_level
 from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.pipeline.feet.message_feet import sampled_messages
 from dogbot_logtool.reader.containers.log import Channel, Log

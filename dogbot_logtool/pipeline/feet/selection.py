@@ -19,8 +19,8 @@ from dogbot_logtool.pipeline.feet.field_feet import (
 )
 from dogbot_logtool.pipeline.feet.message_feet import feet_of_messages, is_planned
 from dogbot_logtool.pipeline.feet.names import FootSet, leg_position, name_feet
-from dogbot_logtool.pipeline.readable import why_unreadable
-from dogbot_logtool.pipeline.topics import (
+from dogbot_logtool.pipeline.topics.readable import why_unreadable
+from dogbot_logtool.pipeline.topics.topics import (
     most_frequent,
     readable_channels,
     recorded_topics,

@@ -23,7 +23,7 @@ from dogbot_logtool.pipeline.robot_model.shape import RobotShape, robot_shape
 from dogbot_logtool.pipeline.robot_model.skeleton import ModelFoot, Skeleton, skeleton
 from dogbot_logtool.pipeline.robot_model.soles import link_of_foot
 from dogbot_logtool.pipeline.robot_model.urdf import parse_urdf
-from dogbot_logtool.pipeline.selection import Selection
+from dogbot_logtool.pipeline.topics.selection import Selection
 from dogbot_logtool.reader.containers.log import Log
 
 _LARGEST: Final = 16 << 20

@@ -16,12 +16,12 @@ from dogbot_logtool.core.geometry.arrays import Float32s, Floats, Ints
 from dogbot_logtool.core.geometry.clock import TimeSource
 from dogbot_logtool.core.geometry.rotations import rotate
 from dogbot_logtool.dataclass import dataclass
-from dogbot_logtool.pipeline.frames import useful_spans
+from dogbot_logtool.pipeline.frames.frames import useful_spans
 from dogbot_logtool.pipeline.probe import Probe, frame_names
 from dogbot_logtool.pipeline.robot_model.description import log_skeleton, model_feet
 from dogbot_logtool.pipeline.robot_model.joint_motion import JointMotion, joint_motion
 from dogbot_logtool.pipeline.robot_model.skeleton import ModelFoot
-from dogbot_logtool.pipeline.selection import Selection
+from dogbot_logtool.pipeline.topics.selection import Selection
 from dogbot_logtool.reader.containers.log import Log, Span
 from dogbot_logtool.reader.messages.frame_tracks import moving_tracks
 from dogbot_logtool.reader.messages.transforms import decode_transforms, transform_columns

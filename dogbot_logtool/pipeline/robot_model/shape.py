@@ -11,7 +11,7 @@ from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.pipeline.probe import Probe
 from dogbot_logtool.pipeline.robot_model.primitives import body_size_m
 from dogbot_logtool.pipeline.robot_model.skeleton import Point
-from dogbot_logtool.pipeline.selection import Selection
+from dogbot_logtool.pipeline.topics.selection import Selection
 from dogbot_logtool.robot import Robot
 
 _INSIDE: Final = 0.75

@@ -12,12 +12,12 @@ from dogbot_logtool.core.frames.transform_buffer import TransformBuffer
 from dogbot_logtool.core.geometry.arrays import Floats, all_finite
 from dogbot_logtool.core.geometry.order_statistics import median_of
 from dogbot_logtool.core.geometry.rotations import conjugate, normalised, rotate
+from dogbot_logtool.pipeline.frames.world_frames import WorldFrames
 from dogbot_logtool.pipeline.robot_model.skeleton import FramePose, Point
-from dogbot_logtool.pipeline.world_frames import WorldFrames
 
 if TYPE_CHECKING:
     from dogbot_logtool.pipeline.probe import Probe
-    from dogbot_logtool.pipeline.selection import Selection
+    from dogbot_logtool.pipeline.topics.selection import Selection
 
 _MOST_SAMPLES: Final = 200
 """Contacts of a foot that are used of each batch."""

@@ -10,7 +10,7 @@ import numpy as np
 from dogbot_logtool.core.geometry.arrays import Bytes
 from dogbot_logtool.reader.containers.batch import Batch, LoadedChunk
 from dogbot_logtool.reader.containers.channel_ids import UNKNOWN_CHANNEL, ChannelIds
-from dogbot_logtool.reader.containers.chunk_content import (
+from dogbot_logtool.reader.containers.chunks.chunk_content import (
     ChunkContent,
     ChunkDamage,
     left_out,
@@ -19,7 +19,7 @@ from dogbot_logtool.reader.containers.chunk_content import (
 from dogbot_logtool.reader.containers.contents import Chunk, Contents
 from dogbot_logtool.reader.containers.log import Log, Span
 from dogbot_logtool.reader.containers.loss import Loss
-from dogbot_logtool.reader.containers.source import ByteSource
+from dogbot_logtool.reader.containers.sources.source import ByteSource
 from dogbot_logtool.reader.decode.message_table import Messages, concatenate_messages
 
 _ROUND_SIZE: Final = 1 << 20

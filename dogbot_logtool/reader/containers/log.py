@@ -14,7 +14,7 @@ from dogbot_logtool.io.storage import Location, shown
 from dogbot_logtool.reader.containers.batch import Batch, LoadedChunk
 from dogbot_logtool.reader.containers.contents import Channel, Chunk, Contents, Extra, Schema
 from dogbot_logtool.reader.containers.loss import Loss, lost_messages
-from dogbot_logtool.reader.containers.source import ByteSource
+from dogbot_logtool.reader.containers.sources.source import ByteSource
 from dogbot_logtool.reader.decode.message_table import Messages, concatenate_messages
 
 __all__ = [

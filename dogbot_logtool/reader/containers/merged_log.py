@@ -15,17 +15,17 @@ import numpy as np
 from dogbot_logtool.core.geometry.arrays import Flags
 from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.reader.containers.batch import Batch, LoadedChunk
+from dogbot_logtool.reader.containers.chunks.packed_messages import unpacked
 from dogbot_logtool.reader.containers.contents import Chunk, Contents, Extra
 from dogbot_logtool.reader.containers.log import BATCH_SIZE, Log, Span
 from dogbot_logtool.reader.containers.loss import Loss
-from dogbot_logtool.reader.containers.packed_messages import unpacked
 from dogbot_logtool.reader.containers.rosbag2.joined_log import (
     Folder,
     JointChannels,
     joint_contents,
     loss_in_file,
 )
-from dogbot_logtool.reader.containers.source import ByteSource
+from dogbot_logtool.reader.containers.sources.source import ByteSource
 from dogbot_logtool.reader.decode.message_table import concatenate_messages
 
 _EARLIEST: Final = -(1 << 62)

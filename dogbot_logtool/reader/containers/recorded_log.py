@@ -12,7 +12,7 @@ from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.reader.containers.batch import Batch, LoadedChunk
 from dogbot_logtool.reader.containers.contents import Chunk, Contents, Extra
 from dogbot_logtool.reader.containers.log import Log, Span
-from dogbot_logtool.reader.containers.source import ByteSource
+from dogbot_logtool.reader.containers.sources.source import ByteSource
 
 # The mcap library is not loaded for them: most commands and logs do without it.
 _SCHEMA: Final = 0x03

@@ -15,11 +15,11 @@ from dogbot_logtool.reader.containers.bag.records import (
     record_at,
     record_in_file,
 )
-from dogbot_logtool.reader.containers.chunk_content import ChunkContent, ChunkDamage
+from dogbot_logtool.reader.containers.chunks.chunk_content import ChunkContent, ChunkDamage
 from dogbot_logtool.reader.containers.contents import Chunk, Contents
 from dogbot_logtool.reader.containers.loss import Loss
 from dogbot_logtool.reader.containers.signatures import BAG_MAGIC
-from dogbot_logtool.reader.containers.source import ByteSource
+from dogbot_logtool.reader.containers.sources.source import ByteSource
 from dogbot_logtool.reader.salvage.losses import Losses
 from dogbot_logtool.reader.salvage.recovery_scan import IndexEntry, RecoveryScan
 

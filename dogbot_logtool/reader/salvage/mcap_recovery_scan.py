@@ -7,8 +7,8 @@ from mcap import records
 from mcap.opcode import Opcode
 
 from dogbot_logtool.core.geometry.arrays import Bytes
-from dogbot_logtool.reader.containers.chunk_content import ChunkContent, ChunkDamage
-from dogbot_logtool.reader.containers.chunk_counts import SharedCounts
+from dogbot_logtool.reader.containers.chunks.chunk_content import ChunkContent, ChunkDamage
+from dogbot_logtool.reader.containers.chunks.chunk_counts import SharedCounts
 from dogbot_logtool.reader.containers.contents import Channel, Chunk, Contents, Extra
 from dogbot_logtool.reader.containers.loss import Loss, lost_messages
 from dogbot_logtool.reader.containers.mcap.chunk import check_chunk, chunk_at, parse_chunk
@@ -22,7 +22,7 @@ from dogbot_logtool.reader.containers.mcap.records import (
 )
 from dogbot_logtool.reader.containers.mcap.summary import indexed_chunk
 from dogbot_logtool.reader.containers.signatures import MCAP_MAGIC
-from dogbot_logtool.reader.containers.source import ByteSource
+from dogbot_logtool.reader.containers.sources.source import ByteSource
 from dogbot_logtool.reader.salvage.losses import Losses, differing_counts
 from dogbot_logtool.reader.salvage.recovery_scan import IndexEntry, RecoveryScan
 

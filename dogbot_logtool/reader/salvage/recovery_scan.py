@@ -9,16 +9,16 @@ import numpy as np
 
 from dogbot_logtool.core.geometry.arrays import Bytes, Ints
 from dogbot_logtool.dataclass import dataclass
-from dogbot_logtool.reader.containers.chunk_content import (
+from dogbot_logtool.reader.containers.chunks.chunk_content import (
     ChunkContent,
     ChunkDamage,
     left_out,
     undescribed,
 )
+from dogbot_logtool.reader.containers.chunks.records import RecordFormat, next_sound
 from dogbot_logtool.reader.containers.contents import Chunk, Contents
 from dogbot_logtool.reader.containers.loss import Loss
-from dogbot_logtool.reader.containers.records import RecordFormat, next_sound
-from dogbot_logtool.reader.containers.source import ByteSource
+from dogbot_logtool.reader.containers.sources.source import ByteSource
 from dogbot_logtool.reader.salvage.losses import Losses
 
 _REGION_SIZE: Final = 1 << 20

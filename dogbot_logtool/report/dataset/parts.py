@@ -2,11 +2,10 @@
 
 from collections import Counter, defaultdict
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import field, replace
+from dataclasses import dataclass, field, replace
 from itertools import count
 from typing import Any, Final
 
-from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.report.dataset.labels import Labels
 from dogbot_logtool.report.dataset.rows import LogRows
 

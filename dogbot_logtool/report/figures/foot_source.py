@@ -1,7 +1,7 @@
 """What the figures of a foot are taken from."""
 
-from dogbot_logtool.core.contact.sensor_level import SensorLevel
 from dogbot_logtool.core.gait.foot_statistics import FootStatistics
+from dogbot_logtool.core.sensors.sensor_level import SensorLevel
 from dogbot_logtool.core.statistics import Stats
 from dogbot_logtool.dataclass import dataclass
 

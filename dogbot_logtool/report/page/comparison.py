@@ -8,11 +8,11 @@ from typing import Any, Final
 from markupsafe import Markup
 
 from dogbot_logtool import __version__
-from dogbot_logtool.comparison.two_runs import CONFIDENCE, FigureDifference, GaitComparison
+from dogbot_logtool.comparison.walks.two_runs import CONFIDENCE, FigureDifference, GaitComparison
 from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.report.numbers import NOTHING
 from dogbot_logtool.report.page.assets import own, rendered
-from dogbot_logtool.report.page.comparison_figures import (
+from dogbot_logtool.report.page.charts.comparison_figures import (
     PANEL,
     STANCES,
     Json,

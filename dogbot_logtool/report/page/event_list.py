@@ -7,7 +7,7 @@ from dogbot_logtool.core.events.event import STEPS, EventType
 from dogbot_logtool.core.statistics import Stats
 from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.report.figures.events import EventSource, event_sources
-from dogbot_logtool.report.page.drawing import BAD, NEUTRAL, Drawing, translucent
+from dogbot_logtool.report.page.charts.drawing import BAD, NEUTRAL, Drawing, translucent
 
 MOST_SHOWN: Final = 200
 """Events in the list, and marks in each figure."""

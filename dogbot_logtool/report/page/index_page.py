@@ -18,10 +18,10 @@ from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.report.figures.document import DOCUMENT, log_source
 from dogbot_logtool.report.figures.figure import TableName
 from dogbot_logtool.report.figures.tables import cells_of, headers
-from dogbot_logtool.report.gait_diagram import default_window
 from dogbot_logtool.report.numbers import NOTHING
 from dogbot_logtool.report.page.assets import own, policy_of, rendered
 from dogbot_logtool.report.page.summary import Trust, recorded_at, trust
+from dogbot_logtool.report.text.gait_diagram import default_window
 from dogbot_logtool.report.verdict import headline
 from dogbot_logtool.results import LogFacts
 

@@ -7,10 +7,10 @@ from rich.console import Console
 from dogbot_logtool import __version__
 from dogbot_logtool.io.printable import printable
 from dogbot_logtool.io.storage import shown
-from dogbot_logtool.report.console import human_size, print_damage, print_sentence
-from dogbot_logtool.report.damage import damage_json
+from dogbot_logtool.report.documents.damage import damage_json
 from dogbot_logtool.report.figures.document import log_source
 from dogbot_logtool.report.page.summary import trust
+from dogbot_logtool.report.text.console import human_size, print_damage, print_sentence
 from dogbot_logtool.report.verdict import headline
 from dogbot_logtool.results import Page
 

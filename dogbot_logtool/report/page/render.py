@@ -11,7 +11,6 @@ from dogbot_logtool.core.scene.foot_style import foot_colour, short_names
 from dogbot_logtool.core.statistics import Stats
 from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.report.figures.document import DOCUMENT, log_source
-from dogbot_logtool.report.gait_diagram import default_window
 from dogbot_logtool.report.numbers import NOTHING, span_of
 from dogbot_logtool.report.page.assets import (
     json_in_html,
@@ -20,16 +19,17 @@ from dogbot_logtool.report.page.assets import (
     policy_of,
     rendered,
 )
-from dogbot_logtool.report.page.chart import packed
-from dogbot_logtool.report.page.commands_figure import tracked_commands
-from dogbot_logtool.report.page.cycle_figure import force_over_cycle
-from dogbot_logtool.report.page.drawing import Drawing, drawn_seconds, foot_glyph
+from dogbot_logtool.report.page.charts.chart import packed
+from dogbot_logtool.report.page.charts.commands_figure import tracked_commands
+from dogbot_logtool.report.page.charts.cycle_figure import force_over_cycle
+from dogbot_logtool.report.page.charts.drawing import Drawing, drawn_seconds, foot_glyph
+from dogbot_logtool.report.page.charts.ground_figure import walk_from_above
+from dogbot_logtool.report.page.charts.legs_figure import legs_over_cycle
+from dogbot_logtool.report.page.charts.motion_figure import motion
+from dogbot_logtool.report.page.charts.phase_clock import phase_clock
+from dogbot_logtool.report.page.charts.quality_figure import recording
+from dogbot_logtool.report.page.charts.time_figures import gait_diagram, load_curves
 from dogbot_logtool.report.page.event_list import band_labels, event_list, marks
-from dogbot_logtool.report.page.ground_figure import walk_from_above
-from dogbot_logtool.report.page.legs_figure import legs_over_cycle
-from dogbot_logtool.report.page.motion_figure import motion
-from dogbot_logtool.report.page.phase_clock import phase_clock
-from dogbot_logtool.report.page.quality_figure import recording
 from dogbot_logtool.report.page.summary import grouped, recorded_at, summary
 from dogbot_logtool.report.page.tables import (
     joint_table,
@@ -40,7 +40,7 @@ from dogbot_logtool.report.page.tables import (
     symmetry_table,
     topic_table,
 )
-from dogbot_logtool.report.page.time_figures import gait_diagram, load_curves
+from dogbot_logtool.report.text.gait_diagram import default_window
 from dogbot_logtool.results import LogFacts
 
 FIGURES: Final = (

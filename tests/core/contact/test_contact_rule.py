@@ -5,8 +5,8 @@ from dataclasses import replace
 import pytest
 
 from dogbot_logtool.core.contact.contact_rule import FootSensor, contact_rule
-from dogbot_logtool.core.contact.sensor_level import SensorLevel, zero_reading
-from dogbot_logtool.core.contact.sensor_modes import WIDE
+from dogbot_logtool.core.sensors.sensor_level import SensorLevel, zero_reading
+from dogbot_logtool.core.sensors.sensor_modes import WIDE
 
 WEIGHT_N = 200.0
 UNKNOWN = replace(

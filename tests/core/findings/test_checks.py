@@ -3,9 +3,9 @@
 from dataclasses import replace
 
 from dogbot_logtool.core.contact.contact_rule import FootSensor, contact_rule
-from dogbot_logtool.core.contact.sensor_level import zero_reading
 from dogbot_logtool.core.findings.checks import EVENTS, Outcome, checks_of, codes_of_checks
 from dogbot_logtool.core.findings.findings import findings_of
+from dogbot_logtool.core.sensors.sensor_level import zero_reading
 from dogbot_logtool.core.statistics import Stats
 from dogbot_logtool.finding import finding_kinds
 from tests.core.findings.measured_walk import WALK, feet, late, measure

@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from dogbot_logtool.pipeline.annotated import open_recorded
 from dogbot_logtool.pipeline.options import TopicOptions
-from dogbot_logtool.pipeline.selection import select_topics
+from dogbot_logtool.pipeline.topics.annotated import open_recorded
+from dogbot_logtool.pipeline.topics.selection import select_topics
 from tests import forked_cli
 from tests.oracles import walks
 from tests.oracles.field_logs import (

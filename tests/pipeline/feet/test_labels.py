@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 from rosbags.typesys import get_types_from_msg
 
-from dogbot_logtool.pipeline.annotated import open_recorded
 from dogbot_logtool.pipeline.options import TopicOptions
-from dogbot_logtool.pipeline.selection import Selection, select_topics
+from dogbot_logtool.pipeline.topics.annotated import open_recorded
+from dogbot_logtool.pipeline.topics.selection import Selection, select_topics
 from tests.oracles import walks
 from tests.oracles.field_logs import RATE_HZ, load_n, odd_walk
 

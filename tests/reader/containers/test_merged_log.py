@@ -12,7 +12,7 @@ from dogbot_logtool.commands.stats import measure
 from dogbot_logtool.errors import CallError
 from dogbot_logtool.pipeline.options import ConvertOptions, StatsOptions, TopicOptions
 from dogbot_logtool.reader.containers import merged_log
-from dogbot_logtool.report.stats_json import stats_json
+from dogbot_logtool.report.documents.stats_json import stats_json
 from tests import forked_cli
 from tests.oracles import walks
 

@@ -26,7 +26,7 @@ from dogbot_logtool.commands.report import Reports
 from dogbot_logtool.commands.stats import measure
 from dogbot_logtool.io.targets import Output
 from dogbot_logtool.pipeline.options import StatsOptions, TopicOptions
-from dogbot_logtool.report.stats_json import stats_json
+from dogbot_logtool.report.documents.stats_json import stats_json
 from tests.oracles import walks
 from tests.paths import SAMPLE_LOGS
 

@@ -11,13 +11,13 @@ import pytest
 from dogbot_logtool.commands.compare_gait import compare_gait
 from dogbot_logtool.commands.tasks import Measure
 from dogbot_logtool.pipeline.options import StatsOptions, TopicOptions
-from dogbot_logtool.report.page.comparison import comparison_page
-from dogbot_logtool.report.page.comparison_figures import (
+from dogbot_logtool.report.page.charts.comparison_figures import (
     PANEL,
     STANCES,
     cycle_panels,
     stance_bars,
 )
+from dogbot_logtool.report.page.comparison import comparison_page
 from dogbot_logtool.results import Figures
 from tests.truth import gaits
 from tests.truth.gaits import Gait

@@ -20,10 +20,10 @@ from dogbot_logtool.core.settings import FootSettings, StatsSettings
 from dogbot_logtool.core.statistics import Stats
 from dogbot_logtool.finding import warning
 from dogbot_logtool.pipeline.options import StatsOptions
+from dogbot_logtool.report.documents.stats_json import stats_json
 from dogbot_logtool.report.page.assets import own
 from dogbot_logtool.report.page.index_page import IndexRow, index, index_row
 from dogbot_logtool.report.page.render import Beside, Damage, page
-from dogbot_logtool.report.stats_json import stats_json
 from dogbot_logtool.results import LogFacts
 from tests.paths import SAMPLE_LOGS
 from tests.report.page.page_data import drawings, numbers, trace

@@ -17,13 +17,13 @@ from dogbot_logtool.reader.containers.bag.records import (
     record_bounds,
     record_in_file,
 )
-from dogbot_logtool.reader.containers.chunk_content import ChunkContent, ChunkDamage
-from dogbot_logtool.reader.containers.chunk_validator import read_content
-from dogbot_logtool.reader.containers.compression import check_claimed_size, decompress_into
+from dogbot_logtool.reader.containers.chunks.chunk_content import ChunkContent, ChunkDamage
+from dogbot_logtool.reader.containers.chunks.chunk_validator import read_content
+from dogbot_logtool.reader.containers.chunks.compression import check_claimed_size, decompress_into
+from dogbot_logtool.reader.containers.chunks.records import Index, Readable
 from dogbot_logtool.reader.containers.contents import Chunk
 from dogbot_logtool.reader.containers.loss import Loss
-from dogbot_logtool.reader.containers.records import Index, Readable
-from dogbot_logtool.reader.containers.source import ByteSource
+from dogbot_logtool.reader.containers.sources.source import ByteSource
 
 INDEX_ENTRY: Final = np.dtype([("seconds", "<u4"), ("nanoseconds", "<u4"), ("offset", "<u4")])
 _RECURRING_SIZE: Final = 64

@@ -17,7 +17,7 @@ from dogbot_logtool.reader.containers.bag.records import (
     record_at,
     record_in_file,
 )
-from dogbot_logtool.reader.containers.records import Readable, Records, blank_messages
+from dogbot_logtool.reader.containers.chunks.records import Readable, Records, blank_messages
 from dogbot_logtool.reader.decode.columns import gather, gather_bytes, rows_like
 from dogbot_logtool.reader.decode.message_table import Messages
 

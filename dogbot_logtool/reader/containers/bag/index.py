@@ -19,13 +19,13 @@ from dogbot_logtool.reader.containers.bag.records import (
     record_at,
     record_in_file,
 )
-from dogbot_logtool.reader.containers.chunk_content import ChunkDamage
-from dogbot_logtool.reader.containers.chunk_counts import SharedCounts
+from dogbot_logtool.reader.containers.chunks.chunk_content import ChunkDamage
+from dogbot_logtool.reader.containers.chunks.chunk_counts import SharedCounts
+from dogbot_logtool.reader.containers.chunks.records import Heads
 from dogbot_logtool.reader.containers.contents import Channel, Chunk, Contents, Schema
 from dogbot_logtool.reader.containers.loss import Loss, described_twice
-from dogbot_logtool.reader.containers.records import Heads
 from dogbot_logtool.reader.containers.signatures import BAG_MAGIC
-from dogbot_logtool.reader.containers.source import ByteSource
+from dogbot_logtool.reader.containers.sources.source import ByteSource
 
 _MOST_CONNECTIONS: Final = 1 << 16
 _MOST_BYTES: Final = 64 << 20

@@ -10,8 +10,8 @@ from enum import IntEnum
 from typing import Final
 
 from dogbot_logtool.dataclass import dataclass
+from dogbot_logtool.reader.containers.chunks.records import Readable
 from dogbot_logtool.reader.containers.contents import Channel, Schema
-from dogbot_logtool.reader.containers.records import Readable
 
 U32: Final = struct.Struct("<I")
 _TIME: Final = struct.Struct("<II")

@@ -9,15 +9,15 @@ from mcap.opcode import Opcode
 from zlib_ng.zlib_ng import crc32
 
 from dogbot_logtool.core.geometry.arrays import Bytes
-from dogbot_logtool.reader.containers.chunk_content import ChunkContent, ChunkDamage
-from dogbot_logtool.reader.containers.chunk_validator import read_content
-from dogbot_logtool.reader.containers.compression import check_claimed_size, decompress_into
+from dogbot_logtool.reader.containers.chunks.chunk_content import ChunkContent, ChunkDamage
+from dogbot_logtool.reader.containers.chunks.chunk_validator import read_content
+from dogbot_logtool.reader.containers.chunks.compression import check_claimed_size, decompress_into
+from dogbot_logtool.reader.containers.chunks.records import Index
 from dogbot_logtool.reader.containers.contents import Chunk
 from dogbot_logtool.reader.containers.loss import Loss
 from dogbot_logtool.reader.containers.mcap.format import McapFormat
 from dogbot_logtool.reader.containers.mcap.records import CHUNK_HEAD, RECORD_HEAD
-from dogbot_logtool.reader.containers.records import Index
-from dogbot_logtool.reader.containers.source import ByteSource
+from dogbot_logtool.reader.containers.sources.source import ByteSource
 
 INDEX_ENTRY: Final = np.dtype([("log_time", "<i8"), ("offset", "<u8")])
 _INDEX_HEAD: Final = struct.Struct("<HI")

@@ -6,7 +6,7 @@ from zlib_ng.zlib_ng import crc32
 
 from dogbot_logtool.reader.containers.contents import Extra
 from dogbot_logtool.reader.containers.mcap.records import RECORD_HEAD, decode_record
-from dogbot_logtool.reader.containers.source import ByteSource
+from dogbot_logtool.reader.containers.sources.source import ByteSource
 
 
 def read_extra(

@@ -10,6 +10,7 @@ from mcap import records
 from mcap.opcode import Opcode
 
 from dogbot_logtool.core.geometry.arrays import Bytes, Ints
+from dogbot_logtool.reader.containers.chunks.records import Readable, Records, blank_messages
 from dogbot_logtool.reader.containers.mcap.records import (
     CHUNK_HEAD,
     LARGEST_PADDING,
@@ -17,7 +18,6 @@ from dogbot_logtool.reader.containers.mcap.records import (
     WHOLE_SMALL_RECORD,
     decode_record,
 )
-from dogbot_logtool.reader.containers.records import Readable, Records, blank_messages
 from dogbot_logtool.reader.containers.signatures import MCAP_MAGIC
 from dogbot_logtool.reader.decode.columns import gather
 from dogbot_logtool.reader.decode.message_table import Messages

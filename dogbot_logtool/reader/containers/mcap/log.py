@@ -9,8 +9,8 @@ from mcap.opcode import Opcode
 
 from dogbot_logtool.core.geometry.arrays import Bytes
 from dogbot_logtool.reader.containers.channel_ids import UNKNOWN_CHANNEL
-from dogbot_logtool.reader.containers.chunk_content import ChunkContent, ChunkDamage
 from dogbot_logtool.reader.containers.chunked_log import ChunkedLog
+from dogbot_logtool.reader.containers.chunks.chunk_content import ChunkContent, ChunkDamage
 from dogbot_logtool.reader.containers.contents import Chunk, Contents
 from dogbot_logtool.reader.containers.loss import Loss
 from dogbot_logtool.reader.containers.mcap.chunk import check_chunk, chunk_at, parse_chunk
@@ -19,7 +19,7 @@ from dogbot_logtool.reader.containers.mcap.format import McapFormat
 from dogbot_logtool.reader.containers.mcap.records import RECORD_HEAD, decode_record
 from dogbot_logtool.reader.containers.mcap.summary import SUMMARY_CONTRADICTS, read_summary
 from dogbot_logtool.reader.containers.signatures import MCAP_MAGIC
-from dogbot_logtool.reader.containers.source import ByteSource
+from dogbot_logtool.reader.containers.sources.source import ByteSource
 
 _LARGEST_HEADER: Final = 1 << 20
 _MOST_FIRST_CHUNKS: Final = 8

@@ -12,7 +12,8 @@ from mcap.opcode import Opcode
 from zlib_ng.zlib_ng import crc32
 
 from dogbot_logtool.dataclass import dataclass
-from dogbot_logtool.reader.containers.chunk_counts import SharedCounts
+from dogbot_logtool.reader.containers.chunks.chunk_counts import SharedCounts
+from dogbot_logtool.reader.containers.chunks.records import Heads
 from dogbot_logtool.reader.containers.contents import Chunk, Contents, Extra, Schema
 from dogbot_logtool.reader.containers.loss import Loss
 from dogbot_logtool.reader.containers.mcap.data_crc import DATA_END_SIZE, check_data
@@ -25,9 +26,8 @@ from dogbot_logtool.reader.containers.mcap.records import (
     decode_record,
     schema_of,
 )
-from dogbot_logtool.reader.containers.records import Heads
 from dogbot_logtool.reader.containers.signatures import MCAP_MAGIC
-from dogbot_logtool.reader.containers.source import ByteSource
+from dogbot_logtool.reader.containers.sources.source import ByteSource
 
 _FOOTER_SIZE: Final = RECORD_HEAD.size + 20
 _LARGEST_TIME: Final = 2**63 - 1

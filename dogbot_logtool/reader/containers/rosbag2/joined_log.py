@@ -10,11 +10,11 @@ from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.io.storage import Location, file_name
 from dogbot_logtool.provenance import is_marked
 from dogbot_logtool.reader.containers.batch import Batch
+from dogbot_logtool.reader.containers.chunks.packed_messages import unpacked
 from dogbot_logtool.reader.containers.contents import Channel, Chunk, Contents, Extra, Schema
 from dogbot_logtool.reader.containers.log import Log, Span
 from dogbot_logtool.reader.containers.loss import Loss
-from dogbot_logtool.reader.containers.packed_messages import unpacked
-from dogbot_logtool.reader.containers.source import ByteSource
+from dogbot_logtool.reader.containers.sources.source import ByteSource
 
 
 class Folder(ByteSource):

@@ -15,7 +15,7 @@ from urllib.parse import quote
 from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.errors import LogError
 from dogbot_logtool.reader.containers.loss import Loss
-from dogbot_logtool.reader.containers.source import ByteSource
+from dogbot_logtool.reader.containers.sources.source import ByteSource
 
 _ROWS_AT_ONCE: Final = 50_000
 _STEPS_BETWEEN_CHECKS: Final = 100_000

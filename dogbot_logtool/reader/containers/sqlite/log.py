@@ -13,11 +13,11 @@ from dogbot_logtool.core.geometry.arrays import Ints
 from dogbot_logtool.errors import LogError
 from dogbot_logtool.io.storage import Location
 from dogbot_logtool.reader.containers.batch import Batch, LoadedChunk
+from dogbot_logtool.reader.containers.chunks.packed_messages import unpacked
 from dogbot_logtool.reader.containers.contents import Chunk, Contents
 from dogbot_logtool.reader.containers.log import Log, Span
 from dogbot_logtool.reader.containers.loss import Loss
-from dogbot_logtool.reader.containers.packed_messages import unpacked
-from dogbot_logtool.reader.containers.source import ByteSource
+from dogbot_logtool.reader.containers.sources.source import ByteSource
 from dogbot_logtool.reader.containers.sqlite.database import (
     Database,
     PagesSharedError,

@@ -1,0 +1,1 @@
+"""Two logs, message by message."""

@@ -1,0 +1,1 @@
+"""How a robot walks in two runs, or in a run and in its labels."""

@@ -1,0 +1,1 @@
+"""How force sensors read: unloaded level, noise, limits."""

@@ -1,0 +1,1 @@
+"""The frames of a log, and where its feet are in them."""

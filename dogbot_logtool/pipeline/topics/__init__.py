@@ -1,0 +1,1 @@
+"""Which topics of a log are used for what."""

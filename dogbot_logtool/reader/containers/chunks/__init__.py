@@ -1,0 +1,1 @@
+"""Chunks: records in a row, compressed, checked."""

@@ -1,0 +1,35 @@
+"""The summary of `convert` for scripts."""
+
+from dataclasses import asdict
+from typing import Any
+
+from dogbot_logtool import __version__
+from dogbot_logtool.io.storage import shown
+from dogbot_logtool.report.documents.damage import damage_json
+from dogbot_logtool.report.figures.recording import finding_json
+from dogbot_logtool.results import Conversion
+
+
+def conversion_json(done: Conversion) -> dict[str, Any]:
+    """Return what was done as plain values."""
+    plan = done.plan
+    robot = plan.selection.robot
+    return {
+        "tool": {"name": "dogbot-logtool", "version": __version__},
+        "input": shown(done.source),
+        "output": shown(done.target),
+        "container": done.container,
+        "robot": robot.name,
+        "style": plan.options.style,
+        "encoding": plan.options.encoding,
+        "topics": {
+            "odometry": sorted({channel.topic for channel in plan.selection.odometry}),
+            "feet": {foot.name: foot.topic for foot in robot.feet},
+        },
+        "frames": {"world": plan.world_frame, "base": plan.base_frame},
+        "messages": {"read": done.messages, "copied": done.copied},
+        "annotations": dict(done.annotations),
+        "skipped": {**asdict(done.counts.arrows), "bad_poses": done.counts.bad_poses},
+        "findings": [finding_json(each) for each in done.findings],
+        "damage": damage_json(done.losses),
+    }

@@ -1,0 +1,1 @@
+"""Files: tables, events, figures for papers, robots."""

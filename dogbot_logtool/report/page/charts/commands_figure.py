@@ -1,0 +1,52 @@
+"""Commanded and measured velocity over time."""
+
+from typing import TYPE_CHECKING, Final
+
+from dogbot_logtool.core.statistics import Stats
+from dogbot_logtool.report.page.charts.drawing import SECOND, Drawing
+from dogbot_logtool.report.page.charts.stacked_rows import Line, Row, stacked
+
+if TYPE_CHECKING:
+    from dogbot_logtool.core.commands.tracking import AxisTracking
+
+_ROWS: Final = (
+    (0, "forward", "forward", "m/s", 0.1),
+    (1, "lateral", "to the left", "m/s", 0.1),
+    (2, "yaw", "yaw rate", "rad/s", 0.1),
+)
+"""Column of the velocities, its figures, title, unit, and the span that fills the row at least."""
+
+
+def tracked_commands(stats: Stats) -> Drawing | None:
+    """Draw commanded and measured velocity, an axis a row; None without commands."""
+    track, found = stats.command_track, stats.commands
+    if track is None or found is None or len(track.time) == 0:
+        return None
+    rows, words = [], []
+    for column, key, title, unit, least in _ROWS:
+        axis = getattr(found, key)
+        if axis is None:
+            continue
+        lines = (
+            Line("measured", track.time, track.measured[:, column]),
+            Line("commanded", track.time, track.commanded[:, column], SECOND, "dash"),
+        )
+        rows.append(Row(title, unit, 3, least, lines))
+        words.append(_axis_words(title, unit, axis))
+    if not rows:
+        return None
+    caption = (
+        "Velocity of the base in its own axes (line) and as commanded (dashed), both averaged over "
+        f"{track.window_ns / 1e9:.2f} s, so that the gait's own swing is left out. No line where "
+        "there is no command."
+    )
+    alt = f"Commanded and measured velocity over time. {' '.join(words)}"
+    figure = stacked(stats, rows, track.breaks)
+    return Drawing("commands", "Commands", alt, caption, figure, over_time=True)
+
+
+def _axis_words(title: str, unit: str, axis: "AxisTracking") -> str:
+    text = f"{title.capitalize()}: error {axis.rms_error:.3f} {unit} (root mean square)"
+    if axis.delay is None or axis.because:
+        return f"{text}."
+    return f"{text}, delay {axis.delay.delay_s:.2f} s, gain {axis.delay.gain:.2f}."

@@ -1,0 +1,124 @@
+"""What every figure of the page shares: names that stay text, margins, thinning."""
+
+import html
+from collections.abc import Sequence
+from typing import Any, Final
+
+import numpy as np
+
+from dogbot_logtool.core.geometry.arrays import Float32s, Floats, Ints
+from dogbot_logtool.core.geometry.order_statistics import distinct
+from dogbot_logtool.core.scene.foot_style import foot_colour
+from dogbot_logtool.core.statistics import Stats
+from dogbot_logtool.dataclass import dataclass
+from dogbot_logtool.io.printable import printable
+from dogbot_logtool.report.page.charts.chart import Chart
+
+NEUTRAL: Final = "#808080"
+"""Seen on white and on black."""
+LINE: Final = "#6f7680"
+"""Lines that are about no foot; also `SECOND`, for the second one of a figure."""
+SECOND: Final = "#8e6bbf"
+BAD: Final = "#c8382e"
+"""Gaps and damage."""
+SYMBOLS: Final = ("triangle-up", "triangle-down", "square", "diamond", "circle", "cross")
+"""A marker a foot, in turn, for those who cannot tell the colours; hollow for hind feet."""
+GLYPHS: Final = ("▲△", "▼▽", "■□", "◆◇", "●○", "✚✛")
+"""The same in text, filled and hollow."""
+NEAR_M: Final = 1000.0
+LONGEST_FLOAT32_S: Final = 8192.0
+"""s up to which 32 bits tell half a millisecond."""
+MARGIN: Final = {"l": 48, "r": 10, "t": 6, "b": 44}
+"""Pixels; the same on the left for all figures over time, so that they stand in line."""
+
+
+@dataclass(frozen=True, slots=True)
+class Drawing:
+    """A figure with its words."""
+
+    name: str
+    """Its id on the page."""
+    title: str
+    alt: str
+    """What it shows, for those who do not see it."""
+    caption: str
+    figure: Chart
+    over_time: bool = False
+    """Whether its x axis is the time that all such figures share."""
+    feet: Sequence[tuple[float, float]] = ()
+    """Lower and upper edge of each foot's row, as shares of the height; empty: no such rows."""
+
+
+def is_hind(stats: Stats, row: int) -> bool:
+    """Tell whether a foot is a hind foot."""
+    place = stats.feet[row].place
+    return place is not None and place[0] == "back"
+
+
+def foot_marker(stats: Stats, row: int) -> dict[str, Any]:
+    """Return the marker of a foot by its index: its colour and shape, hollow for a hind foot."""
+    hollow = is_hind(stats, row)
+    symbol = SYMBOLS[row % len(SYMBOLS)] + ("-open" if hollow else "")
+    line = {"width": 2 if hollow else 0, "color": foot_colour(row)}
+    return {"color": foot_colour(row), "symbol": symbol, "size": 9, "line": line}
+
+
+def foot_glyph(stats: Stats, row: int) -> str:
+    """Return the marker of a foot as a character."""
+    return GLYPHS[row % len(GLYPHS)][is_hind(stats, row)]
+
+
+def label(text: str) -> str:
+    """Return a text that Plotly shows as it is.
+
+    Plotly reads a little HTML in its labels, and `%{...}` in its templates.
+    """
+    return html.escape(printable(text), quote=False).replace("%", "&#37;")
+
+
+def translucent(colour: str, alpha: float) -> str:
+    """Return a colour ``#rrggbb`` that lets the background through."""
+    red, green, blue = (int(colour[start : start + 2], 16) for start in (1, 3, 5))
+    return f"rgba({red},{green},{blue},{alpha})"
+
+
+def seconds(stats: Stats, time: Ints) -> Floats:
+    """Return times as s since the log's start."""
+    since: Floats = (time - stats.origin) / 1e9
+    return since
+
+
+def drawn_seconds(stats: Stats, time: Ints) -> Floats | Float32s:
+    """Return times as s since the log's start, to half a millisecond: half as many bytes."""
+    exact = seconds(stats, time)
+    fits = (stats.end - stats.origin) / 1e9 < LONGEST_FLOAT32_S
+    return exact.astype(np.float32) if fits else exact
+
+
+def drawn_metres(place: Floats) -> Floats | Float32s:
+    """Return places in m to a tenth of a millimetre: near the origin 32 bits tell it."""
+    known = place[np.isfinite(place)]
+    is_near = bool((np.abs(known) < NEAR_M).all())
+    return place.astype(np.float32) if is_near else place
+
+
+def thinned(count: int, most: int) -> Ints:
+    """Return evenly spaced rows, at most so many; the last one is among them."""
+    if count <= most:
+        return np.arange(count)
+    return distinct(np.linspace(0, count - 1, most).astype(np.int64))
+
+
+def time_axis(stats: Stats) -> dict[str, Any]:
+    """Return the x axis of a figure over time."""
+    end = (stats.end - stats.origin) / 1e9
+    pad = 0.005 * end
+    return {
+        "title": {"text": "time since the log's start", "standoff": 10},
+        "ticksuffix": " s",
+        "hoverformat": ".3f",
+        "range": [-pad, end + pad],
+        "showgrid": True,
+        "zeroline": False,
+        "ticks": "outside",
+    }

@@ -1,0 +1,105 @@
+"""Progress bars, on a terminal only: one for the whole, and one for each log under way."""
+
+import sys
+import threading
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Self
+
+from dogbot_logtool.io.printable import printable
+
+if TYPE_CHECKING:
+    from rich.progress import Progress, Task, TaskID
+    from rich.text import Text
+
+
+class ProgressBars:
+    """Shows how work on logs goes on; may be called from any thread."""
+
+    def __init__(self, names: Sequence[str], *, shown: bool) -> None:
+        """Set up.
+
+        Args:
+            names: of the logs.
+            shown: whether to show anything.
+        """
+        self._names = names
+        self._shown = shown
+        self._lock = threading.Lock()
+        self._tasks: dict[int, TaskID] = {}
+        self._finished: set[int] = set()
+        self._bars = _bars() if shown and sys.stderr.isatty() else None
+
+    def __enter__(self) -> Self:
+        if self._bars is not None:
+            self._bars.start()
+            if len(self._names) > 1:
+                self._whole = self._bars.add_task(
+                    self._count(), total=len(self._names), counts_logs=True
+                )
+        return self
+
+    def __exit__(self, *_error: object) -> None:
+        if self._bars is not None:
+            self._bars.stop()
+
+    def update(self, number: int, done: int, total: int) -> None:
+        """Show how far a log has come, in bytes."""
+        with self._lock:
+            if self._bars is None or number in self._finished:
+                return
+            if number not in self._tasks:
+                name = printable(self._names[number])
+                self._tasks[number] = self._bars.add_task(name, total=total)
+            self._bars.update(self._tasks[number], completed=done, total=total)
+
+    def finished(self, number: int) -> None:
+        """Take a log's bar away."""
+        with self._lock:
+            self._finished.add(number)
+            if self._bars is None:
+                return
+            task = self._tasks.pop(number, None)
+            if task is not None:
+                self._bars.remove_task(task)
+            if len(self._names) > 1:
+                done = len(self._finished)
+                self._bars.update(self._whole, completed=done, description=self._count())
+
+    def lost(self, number: int) -> None:
+        """Say that the process that worked on a log died."""
+        what = "the process that worked on it died; it is tried once more"
+        self.say(f"{self._names[number]}: {what}")
+
+    def say(self, sentence: str) -> None:
+        """Say what a user should know at once."""
+        from dogbot_logtool.report.text.console import diagnostics, print_note  # noqa: PLC0415
+
+        if self._shown:
+            print_note(diagnostics(), sentence)
+
+    def _count(self) -> str:
+        return f"{len(self._finished)} of {len(self._names)} logs"
+
+
+def _bars() -> "Progress":
+    from rich import progress  # noqa: PLC0415 - rich costs 40 ms
+    from rich.text import Text  # noqa: PLC0415
+
+    from dogbot_logtool.report.text.console import diagnostics  # noqa: PLC0415
+
+    class Speed(progress.TransferSpeedColumn):
+        """Bytes a second; nothing for a bar that counts logs."""
+
+        def render(self, task: "Task") -> "Text":
+            """See `ProgressColumn.render`."""
+            return Text() if task.fields.get("counts_logs") else super().render(task)
+
+    return progress.Progress(
+        progress.TextColumn("{task.description}", markup=False),
+        progress.BarColumn(),
+        Speed(),
+        progress.TimeRemainingColumn(),
+        console=diagnostics(),
+        transient=True,
+        redirect_stdout=sys.stdout.isatty(),
+    )

@@ -1,0 +1,124 @@
+"""Limits files: what they may say, and how their faults are told."""
+
+import math
+from pathlib import Path
+
+import pytest
+
+from dogbot_logtool.comparison.rules.limits import (
+    Deviation,
+    Level,
+    Null,
+    Rule,
+    Subject,
+    load_limits,
+    parse_limits,
+)
+from dogbot_logtool.errors import CallError
+
+
+def rule(lines: str) -> Rule:
+    (only,) = parse_limits(f"[[rule]]\n{lines}", "limits.toml")
+    return only
+
+
+@pytest.mark.parametrize(
+    ("lines", "low", "high", "demand"),
+    [
+        ("between = [0.70, 0.80]", 0.7, 0.8, "0.7 to 0.8"),
+        ("within = { of = 1.0, by = 0.25 }", 0.75, 1.25, "0.75 to 1.25"),
+        ("at_most = 0.005", -math.inf, 0.005, "at most 0.005"),
+        ("at_least = 2", 2.0, math.inf, "at least 2"),
+        ("at_least = 2\nat_most = 3", 2.0, 3.0, "2 to 3"),
+    ],
+)
+def test_a_range_of_a_figure(lines: str, low: float, high: float, demand: str) -> None:
+    found = rule(f'figure = "feet.*.slip_m.max"\n{lines}')
+
+    assert (found.subject, found.pattern) == (Subject.FIGURE, "feet.*.slip_m.max")
+    assert (found.low, found.high, found.demand) == (low, high, demand)
+    assert (found.null, found.level, found.where) == (Null.UNKNOWN, Level.FAIL, None)
+
+
+def test_a_rule_may_say_more() -> None:
+    found = rule(
+        'figure = "a"\nat_most = 1\nwhere = "walk"\nnull = "pass"\nlevel = "warn"\nname = "calm"'
+    )
+
+    assert (found.where, found.null, found.level, found.name) == (
+        "walk",
+        Null.PASS,
+        Level.WARN,
+        "calm",
+    )
+
+
+def test_a_text_may_have_to_be_equal() -> None:
+    assert rule('figure = "gait.class"\nequals = "trot"').equals == "trot"
+
+
+def test_nothing_may_be_found_or_happen_unless_a_rule_says_more() -> None:
+    assert (rule('finding = "W_*"').high, rule('event = "fall"').high) == (0.0, 0.0)
+    assert rule('event = "slip"\nat_most = 3').high == 3.0
+    assert rule('event = "touchdown"\nat_least = 8').high == math.inf
+
+
+@pytest.mark.parametrize(
+    ("deviation", "value", "near"),
+    [
+        (Deviation(by=0.5), 2.0, (1.5, 2.5)),
+        (Deviation(by_percent=10.0), -2.0, (-2.2, -1.8)),
+        (Deviation(by=0.5, by_percent=10.0), 2.0, (1.5, 2.5)),
+    ],
+)
+def test_a_deviation_from_a_baseline(
+    deviation: Deviation, value: float, near: tuple[float, float]
+) -> None:
+    assert deviation.around(value) == pytest.approx(near)
+
+
+def test_a_baseline_is_taken_by_value_or_percent() -> None:
+    found = rule('figure = "a"\nbaseline = { by_percent = 5 }')
+
+    assert found.baseline == Deviation(by_percent=5.0)
+    assert found.demand == "within 5 % of the baseline"
+
+
+@pytest.mark.parametrize(
+    ("text", "says"),
+    [
+        ("", "there is no [[rule]] in it"),
+        ("rules = 1", "rules is not known; rules begin with [[rule]]"),
+        ("[rule]\nfigure = 'a'", "in double brackets"),
+        ("rule = [1]", "in double brackets"),
+        ("[[rule]]\nat_most = 1", "line 1: rule 1: needs one of figure, finding and event"),
+        ("[[rule]]\nfigure = 'a'\nevent = 'b'", "needs one of"),
+        ("[[rule]]\nfigure = 'a'", "rule 1: needs one of between, within"),
+        ("[[rule]]\nfigure = 3\nat_most = 1", "figure is 3; it must be a text"),
+        ("[[rule]]\nfigure = 'a'\nat_mots = 1", "at_mots is not known"),
+        ("[[rule]]\nfigure = 'a'\nat_most = 'b'", "at_most is 'b'; it must be a number"),
+        ("[[rule]]\nfigure = 'a'\nat_most = nan", "it must be a number"),
+        ("[[rule]]\nfigure = 'a'\nat_most = true", "it must be a number"),
+        ("[[rule]]\nfigure = 'a'\nbetween = [2, 1]", "its higher number first"),
+        ("[[rule]]\nfigure = 'a'\nbetween = 2", "two numbers"),
+        ("[[rule]]\nfigure = 'a'\nwithin = { of = 2 }", "within must be like"),
+        ("[[rule]]\nfigure = 'a'\nbetween = [1, 2]\nat_most = 1", "do not go together"),
+        ("[[rule]]\nfigure = 'a'\nbaseline = { by = -1 }", "numbers from 0 on"),
+        ("[[rule]]\nfigure = 'a'\nbaseline = 5", "baseline must be like"),
+        ("[[rule]]\nevent = 'a'\nbetween = [1, 2]", "at_most and at_least only"),
+        ("[[rule]]\nfigure = 'a'\nat_most = 1\nnull = 'ok'", "must be unknown, fail, pass"),
+        ("[[rule]]\nevent = 'a'\n\n[[rule]]\nevent = 1", "line 4: rule 2: event is 1"),
+        ("not toml", "not valid TOML"),
+    ],
+)
+def test_a_fault_is_told_with_rule_and_line(text: str, says: str) -> None:
+    with pytest.raises(CallError) as raised:
+        parse_limits(text, "limits.toml")
+
+    assert says in str(raised.value)
+    assert str(raised.value).startswith("limits.toml")
+
+
+def test_a_file_that_is_missing(tmp_path: Path) -> None:
+    with pytest.raises(CallError, match="no such file"):
+        load_limits(tmp_path / "none.toml")

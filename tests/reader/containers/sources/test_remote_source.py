@@ -1,0 +1,235 @@
+"""Logs in a store: only what is asked for is fetched; what fails is asked for again."""
+
+import dataclasses
+import http.server
+import threading
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from typing import Any, ClassVar
+
+import pytest
+from upath import UPath
+
+from dogbot_logtool.commands.convert import convert
+from dogbot_logtool.commands.info import describe
+from dogbot_logtool.errors import CallError, StoreError
+from dogbot_logtool.io import storage
+from dogbot_logtool.pipeline.options import ConvertOptions, TopicOptions
+from dogbot_logtool.reader.containers.sources.remote_source import RemoteSource
+from dogbot_logtool.reader.opening import open_log
+from dogbot_logtool.report.info_report import info_json
+from tests.oracles.small_logs import odometry_log
+from tests.paths import SAMPLE_LOGS
+
+
+class Server(http.server.BaseHTTPRequestHandler):
+    """Serves files by range; may fail, stall or fall short now and then."""
+
+    folder: ClassVar[Path]
+    sent: ClassVar[list[int]]
+    faults: ClassVar[list[str]]
+    stalled: ClassVar[threading.Event]
+
+    def do_HEAD(self) -> None:
+        if not (self.folder / self.path.lstrip("/")).exists():
+            self.send_error(404)
+            return
+        data = (self.folder / self.path.lstrip("/")).read_bytes()
+        self.send_response(200)
+        self.send_header("Content-Length", str(len(data)))
+        self.send_header("Accept-Ranges", "bytes")
+        self.end_headers()
+
+    def do_GET(self) -> None:
+        fault = self.faults.pop(0) if self.faults else ""
+        if not (self.folder / self.path.lstrip("/")).exists():
+            self.send_error(404)
+            return
+        if fault == "503":
+            self.send_error(503)
+            return
+        if fault == "stall":
+            self.stalled.wait(20)
+            return
+        data = (self.folder / self.path.lstrip("/")).read_bytes()
+        wanted = self.headers.get("Range", f"bytes=0-{len(data) - 1}").removeprefix("bytes=")
+        first, _, last = wanted.partition("-")
+        piece = data[int(first) : int(last or len(data) - 1) + 1]
+        self.sent.append(len(piece))
+        self.send_response(206)
+        self.send_header("Content-Range", f"bytes {first}-{last}/{len(data)}")
+        self.send_header("Content-Length", str(len(piece)))
+        self.end_headers()
+        self.wfile.write(piece[: len(piece) // 2] if fault == "short" else piece)
+
+    def log_message(self, *_words: object) -> None:
+        """Say nothing."""
+
+
+@pytest.fixture
+def url(tmp_path: Path) -> Iterator[str]:
+    Server.folder, Server.sent, Server.faults = tmp_path, [], []
+    Server.stalled = threading.Event()
+    server = http.server.ThreadingHTTPServer(("127.0.0.1", 0), Server)
+    thread = threading.Thread(target=server.serve_forever)
+    thread.start()
+    yield f"http://127.0.0.1:{server.server_port}"
+    Server.stalled.set()
+    server.shutdown()
+    thread.join()
+    server.server_close()
+
+
+@pytest.fixture
+def hasty(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(storage, "FIRST_WAIT_S", 0.01)
+    monkeypatch.setattr(storage, "ANSWER_WITHIN_S", 0.5)
+
+
+def facts_of(place: Any) -> dict[str, Any]:
+    told = info_json(describe(place, TopicOptions()))
+    return {key: value for key, value in told.items() if key != "path"}
+
+
+def test_info_reads_an_index_and_a_few_chunks(tmp_path: Path, url: str) -> None:
+    log = odometry_log(tmp_path / "log.mcap", "/odom", filler=3)
+    assert log.stat().st_size > 30_000_000
+
+    assert facts_of(storage.location(f"{url}/log.mcap")) == facts_of(log)
+
+    # Every chunk but those of noise alone is looked into.
+    assert sum(Server.sent) < 12_000_000
+
+
+def test_a_part_of_a_log_is_all_that_is_read(tmp_path: Path, url: str) -> None:
+    log = odometry_log(tmp_path / "log.mcap", "/odom", filler=3)
+    options = ConvertOptions(start_s=4.0, end_s=4.5, overwrite=True)
+    convert(log, tmp_path / "here.mcap", options)
+    place = storage.location(f"{url}/log.mcap")
+    describe(place, TopicOptions())
+    look = sum(Server.sent)
+    Server.sent.clear()
+
+    convert(place, tmp_path / "there.mcap", options)
+
+    assert (tmp_path / "there.mcap").read_bytes() == (tmp_path / "here.mcap").read_bytes()
+    assert sum(Server.sent) - look < 6_000_000
+
+
+@pytest.mark.parametrize("name", ["dogbot_trot.bag", "dogbot_troubled.bag", "dogbot_walk.mcap"])
+def test_a_log_is_the_same_wherever_it_lies(tmp_path: Path, url: str, name: str) -> None:
+    data = (SAMPLE_LOGS / name).read_bytes()
+    whole, cut = tmp_path / name, tmp_path / f"cut.{name}"
+    whole.write_bytes(data)
+    cut.write_bytes(data[: len(data) * 2 // 3])
+    for log in (whole, cut):
+        assert facts_of(storage.location(f"{url}/{log.name}")) == facts_of(log)
+
+
+@pytest.mark.usefixtures("hasty")
+@pytest.mark.parametrize("faults", [["503"], ["stall"], ["short"], ["503", "short", "503"]])
+def test_a_fault_is_asked_past_and_told(
+    tmp_path: Path, url: str, faults: Sequence[str], caplog: pytest.LogCaptureFixture
+) -> None:
+    (tmp_path / "x.bag").write_bytes(b"0123456789")
+    Server.faults = list(faults)
+    place = storage.location(f"{url}/x.bag")
+    assert isinstance(place, UPath)
+
+    source = RemoteSource(place, storage.facts(place))
+
+    assert source.read(2, 4) == b"2345"
+    assert source.read(8, 99) == b"89"
+    assert source.read(10, 1) == source.read(-1, 2) == b""
+    assert Server.faults == []
+    assert caplog.text.count("x.bag: the store fails") == len(faults)
+
+
+@pytest.mark.usefixtures("hasty")
+def test_a_store_that_always_fails_is_given_up(tmp_path: Path, url: str) -> None:
+    (tmp_path / "x.bag").write_bytes(b"0123456789")
+    Server.faults = ["503"] * 100
+    with pytest.raises(StoreError, match=r"x\.bag: the store fails"):
+        open_log(storage.location(f"{url}/x.bag"))
+    assert len(Server.faults) == 100 - storage.TRIES
+
+
+def test_neighbours_are_fetched_as_one_and_many_at_once(tmp_path: Path, url: str) -> None:
+    data = bytes(range(256)) * 8192
+    (tmp_path / "x.bag").write_bytes(data)
+    place = storage.location(f"{url}/x.bag")
+    assert isinstance(place, UPath)
+    source = RemoteSource(place, storage.facts(place))
+    places = [(0, 100), (100, 50), (1_500_000, 10), (2_097_150, 99), (9_000_000, 1), (700_000, 0)]
+
+    found = source.read_many(places)
+
+    assert found == [data[start : start + size] for start, size in places]
+    assert sorted(Server.sent) == [2, 10, 150]
+
+
+def test_what_is_not_there_is_a_wrong_call(url: str) -> None:
+    with pytest.raises(CallError, match="no such file"):
+        open_log(storage.location(f"{url}/absent.bag"))
+
+
+def test_a_size_must_be_known() -> None:
+    place = UPath("memory://x.bag")
+    unknown = dataclasses.replace(storage.Facts(is_folder=False, size=1, version=""), size=None)
+    with pytest.raises(Exception, match="does not tell its size"):
+        RemoteSource(place, unknown)
+
+
+class Refusing(http.server.BaseHTTPRequestHandler):
+    """Answers with the status that the path begins with."""
+
+    def do_GET(self) -> None:
+        self.send_response(int(self.path.split("/")[1]))
+        self.send_header("Content-Length", "0")
+        self.end_headers()
+
+    do_HEAD = do_GET  # noqa: N815 - http.server's name
+
+    def log_message(self, *words: Any) -> None:
+        pass
+
+
+@pytest.mark.parametrize(
+    ("status", "error", "words"),
+    [
+        (401, CallError, "access is denied (401 Unauthorized)"),
+        (403, CallError, "access is denied (403 Forbidden)"),
+        (404, CallError, "no such file"),
+        (410, CallError, "no such file"),
+        (400, CallError, "the server refuses the request (400 Bad Request)"),
+        (500, StoreError, "the store fails: 500 Internal Server Error"),
+    ],
+)
+def test_what_a_server_answers_is_said(
+    monkeypatch: pytest.MonkeyPatch, status: int, error: type[Exception], words: str
+) -> None:
+    monkeypatch.setattr(storage, "FIRST_WAIT_S", 0.01)
+    server = http.server.ThreadingHTTPServer(("127.0.0.1", 0), Refusing)
+    threading.Thread(target=server.serve_forever, daemon=True).start()
+    url = f"http://127.0.0.1:{server.server_port}/{status}/x.mcap"
+    try:
+        with pytest.raises(error) as raised:
+            open_log(UPath(f"{url}?Signature=secret"))
+    finally:
+        server.shutdown()
+        server.server_close()
+    assert str(raised.value) == f"{url}: {words}"
+
+
+@pytest.mark.parametrize(
+    ("host", "words"),
+    [("127.0.0.1:1", "Connection refused"), ("no.such.host.invalid", "no connection: ")],
+)
+def test_a_server_that_cannot_be_reached_is_no_missing_file(
+    monkeypatch: pytest.MonkeyPatch, host: str, words: str
+) -> None:
+    monkeypatch.setattr(storage, "FIRST_WAIT_S", 0.01)
+    with pytest.raises(StoreError) as raised:
+        open_log(UPath(f"http://{host}/x.mcap?Signature=secret"))
+    assert words in str(raised.value)
+    assert "secret" not in str(raised.value)

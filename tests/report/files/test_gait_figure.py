@@ -1,0 +1,229 @@
+"""The figure for a paper: read back from SVG and PDF, against the truth and `stats --json`."""
+
+import io
+import json
+import re
+from dataclasses import replace
+from functools import cache
+from pathlib import Path
+from typing import Any
+from xml.etree import ElementTree as ET
+
+import matplotlib as mpl
+import numpy as np
+import pytest
+from pypdf import PdfReader
+from pypdf.generic import DictionaryObject
+
+from dogbot_logtool.commands.load_detail import load_curves_within
+from dogbot_logtool.commands.plot import write_plot
+from dogbot_logtool.commands.stats import measure
+from dogbot_logtool.core.contact.curves import CurveDetail
+from dogbot_logtool.errors import CallError, LogError
+from dogbot_logtool.pipeline.options import PlotOptions, StatsOptions, TopicOptions
+from dogbot_logtool.report.documents.stats_json import stats_json
+from dogbot_logtool.report.files.gait_figure import FORMATS, gait_figure, write_figure
+from dogbot_logtool.report.text.gait_diagram import default_window
+from dogbot_logtool.results import Measurement
+from tests.oracles import walks
+from tests.paths import SAMPLE_LOGS
+
+TROT, WALK, TROUBLED = (
+    SAMPLE_LOGS / f"dogbot_{name}" for name in ("trot.bag", "walk.mcap", "troubled.bag")
+)
+FEET = {"front_left": "FL", "front_right": "FR", "back_left": "BL", "back_right": "BR"}
+SVG = "{http://www.w3.org/2000/svg}"
+MM_PER_POINT = 25.4 / 72.0
+Window = tuple[float, float]
+
+
+@cache
+def measured(path: Path) -> Measurement:
+    return measure(path, StatsOptions(curves=CurveDetail()))
+
+
+def drawn(
+    path: Path,
+    form: str,
+    window: Window | None = None,
+    size_mm: tuple[float, float | None] | None = None,
+) -> bytes:
+    stats = measured(path).stats
+    window = window or default_window(stats)
+    curves = load_curves_within(path, StatsOptions(), measured(path), window)
+    file = io.BytesIO()
+    write_figure(gait_figure(stats, curves, window, size_mm), file, form)
+    return file.getvalue()
+
+
+def svg_of(path: Path, window: Window | None = None) -> ET.Element:
+    return ET.fromstring(drawn(path, "svg", window))  # noqa: S314 - of our own making
+
+
+def texts(svg: ET.Element) -> list[str]:
+    return ["".join(text.itertext()).strip() for text in svg.iter(f"{SVG}text")]
+
+
+def time_scale(svg: ET.Element) -> np.poly1d:
+    """Return the time at a place, from the places of the numbers below the time axis."""
+    at = [
+        (float(text.get("x", "nan")), float("".join(text.itertext())))
+        for axis in svg.iter(f"{SVG}g")
+        if axis.get("id", "").startswith("xtick")
+        for text in axis.iter(f"{SVG}text")
+    ]
+    assert len(at) >= 3
+    return np.poly1d(np.polyfit([place for place, _ in at], [time for _, time in at], 1))
+
+
+def bars(svg: ET.Element, foot: str) -> list[Window]:
+    """Return start and end of each bar, s, as drawn."""
+    (group,) = [g for g in svg.iter(f"{SVG}g") if g.get("id") == f"stance-{foot}"]
+    time = time_scale(svg)
+    edges = []
+    for path in group.iter(f"{SVG}path"):
+        places = [float(x) for x in re.findall(r"[ML] (\S+) ", path.get("d", ""))]
+        edges.append((float(time(min(places))), float(time(max(places)))))
+    return sorted(edges)
+
+
+@pytest.mark.parametrize("path", [TROT, WALK], ids=["trot", "walk"])
+def test_bars_go_from_touchdown_to_liftoff(path: Path) -> None:
+    told: dict[str, Any] = stats_json(measured(path).stats, measured(path).facts)
+    truth: dict[str, Any] = json.loads(path.with_suffix(".truth.json").read_text(encoding="utf-8"))
+    window = 0.0, 4.0
+    svg = svg_of(path, window)
+    for foot in FEET:
+        figures = told["feet"][foot]
+        found = bars(svg, foot)
+        starts = within([start for start, _ in found], window)
+        ends = within([end for _, end in found], window)
+        assert starts == pytest.approx(within(figures["touchdown_s"], window), abs=2e-4)
+        assert ends == pytest.approx(within(figures["liftoff_s"], window), abs=2e-4)
+        assert len(starts) >= 3
+        # A message tells of all contacts since the one before, so a lift-off shows in the second.
+        interval = truth["log"]["contact_interval_s"]
+        for drawn_at, key in ((starts, "touchdown_s"), (ends, "liftoff_s")):
+            true = within(truth["feet"][foot][key], window)
+            assert drawn_at == pytest.approx(true, abs=2.0 * interval)
+
+
+def within(times: list[float], window: Window) -> list[float]:
+    """Leave out what lies outside a window, or at its very edge, where bars are cut."""
+    return [time for time in times if window[0] + 1e-3 < time < window[1] - 1e-3]
+
+
+def test_only_the_window_is_drawn() -> None:
+    svg = svg_of(TROT, (2.0, 3.0))
+    edges = [edge for foot in FEET for bar in bars(svg, foot) for edge in bar]
+    assert min(edges) == pytest.approx(2.0, abs=2e-4)
+    assert max(edges) == pytest.approx(3.0, abs=2e-4)
+
+
+@pytest.mark.parametrize("path", [TROT, WALK], ids=["trot", "walk"])
+def test_the_highest_load_is_the_highest_peak(path: Path) -> None:
+    stats = measured(path).stats
+    window = 0.0, (stats.end - stats.origin) / 1e9
+    curves = [foot.record.curves for foot in stats.feet]
+    lines = {
+        line.get_gid(): np.asarray(line.get_ydata(), np.float64)
+        for axes in gait_figure(stats, curves, window).axes
+        for line in axes.lines
+    }
+    told = stats_json(stats, measured(path).facts)
+    for foot in FEET:
+        peak = told["feet"][foot]["peak_force_bw"]["max"]
+        assert np.nanmax(lines[f"load-{foot}"]) == pytest.approx(peak, rel=1e-9)
+
+
+def test_a_gap_parts_the_line_and_a_dead_foot_has_no_bars() -> None:
+    stats = measured(TROUBLED).stats
+    curves = [foot.record.curves for foot in stats.feet]
+    figure = gait_figure(stats, curves, (0.0, 5.0))
+    lines = {line.get_gid(): line for axes in figure.axes for line in axes.lines}
+    broken = {gid for gid, line in lines.items() if np.isnan(np.asarray(line.get_ydata())).any()}
+    assert broken == {"load-front_right"}
+    assert bars(svg_of(TROUBLED, (0.0, 5.0)), "back_left") == []
+
+
+def test_text_is_text() -> None:
+    for form in ("svg", "pdf"):
+        if form == "svg":
+            found = texts(svg_of(WALK))
+        else:
+            page = PdfReader(io.BytesIO(drawn(WALK, form))).pages[0]
+            found = page.extract_text().replace("\n", " ").split(" ")
+        assert set(FEET.values()) <= set(found)
+        assert [word for word in " ".join(found).split() if word == "(s)"]
+        assert "body" in " ".join(found)
+
+
+def test_fonts_are_in_the_pdf() -> None:
+    page = PdfReader(io.BytesIO(drawn(WALK, "pdf"))).pages[0]
+    resources = page["/Resources"]
+    assert isinstance(resources, DictionaryObject)
+    fonts: Any = resources["/Font"]
+    assert len(fonts) > 0
+    for name in fonts:
+        font = fonts[name].get_object()
+        assert font["/Subtype"] != "/Type3"
+        inner = font.get("/DescendantFonts", [font])[0].get_object()
+        assert "/FontFile2" in inner["/FontDescriptor"].get_object()
+
+
+@pytest.mark.parametrize("form", FORMATS)
+def test_the_same_bytes_whatever_the_user_has_set_up(form: str) -> None:
+    first = drawn(WALK, form)
+    with mpl.rc_context({"lines.linewidth": 9.0, "font.size": 20.0, "svg.fonttype": "path"}):
+        assert drawn(WALK, form) == first
+    assert not re.search(rb"Matplotlib v|CreationDate|dc:date", first)
+
+
+def test_the_size_is_in_millimetres() -> None:
+    def size(form_size: tuple[float, float | None] | None) -> tuple[float, float]:
+        svg = ET.fromstring(drawn(WALK, "svg", None, form_size))  # noqa: S314 - ours
+        width, height = (float(svg.get(side, "").rstrip("pt")) for side in ("width", "height"))
+        return width * MM_PER_POINT, height * MM_PER_POINT
+
+    usual = size(None)
+    assert usual[0] == pytest.approx(85.0)
+    assert size((85.0, None)) == pytest.approx(usual)
+    assert size((180.0, 60.0)) == pytest.approx((180.0, 60.0))
+    with pytest.raises(CallError, match="at least"):
+        size((85.0, 30.0))
+
+
+def test_sensors_without_a_force_give_the_gait_diagram_alone(tmp_path: Path) -> None:
+    kind = "spot_msgs/msg/FootStateArray"
+    path = walks.write_walk(tmp_path, kind, "mcap")
+    options = StatsOptions(TopicOptions(robot=str(walks.robot_file(tmp_path, kind))))
+    done = measure(path, replace(options, curves=CurveDetail()))
+    target = tmp_path / "walk.svg"
+    write_plot(path, options, done, PlotOptions(target))
+    svg = ET.fromstring(target.read_bytes())  # noqa: S314 - ours
+    assert not [g for g in svg.iter(f"{SVG}g") if g.get("id", "").startswith("load-")]
+    assert not [text for text in texts(svg) if text.startswith("Load")]
+    assert "Time (s)" in texts(svg)
+    for leg in walks.LEGS:
+        assert bars(svg, leg)
+
+
+def test_no_mass_means_newtons(tmp_path: Path) -> None:
+    kind = "geometry_msgs/msg/WrenchStamped"
+    path = walks.write_walk(tmp_path, kind, "mcap")
+    options = StatsOptions(TopicOptions(robot="generic"))
+    done = measure(path, options)
+    target = tmp_path / "walk.svg"
+    window = write_plot(path, options, done, PlotOptions(target))
+    svg = ET.fromstring(target.read_bytes())  # noqa: S314 - ours
+    assert "Load (N)" in texts(svg)
+    assert window == default_window(done.stats)
+
+
+def test_what_cannot_be_drawn() -> None:
+    stats = measured(TROT).stats
+    curves = [foot.record.curves for foot in stats.feet]
+    with pytest.raises(CallError, match="the log has no time there, it lasts from 0 to 8"):
+        gait_figure(stats, curves, (8.5, 9.0))
+    with pytest.raises(LogError, match="no feet"):
+        gait_figure(replace(stats, feet=()), [], (0.0, 1.0))
