@@ -78,6 +78,10 @@ class _Worker:
         # Python 3.14 has a method for this, which takes them from there, too.
         for process in list((self._pool._processes or {}).values()):  # noqa: SLF001
             process.kill()
+        # One that ended while it sent a result leaves a part of it: with our own end of the pipe
+        # closed, the pool's thread does not wait for the rest.
+        with suppress(AttributeError, OSError):
+            self._pool._result_queue._writer.close()  # type: ignore[attr-defined]  # noqa: SLF001
 
 
 class ProcessRunner(ExecutorRunner[Result]):
