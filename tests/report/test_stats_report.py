@@ -41,7 +41,10 @@ def trot_samples(foot: int, time: Floats) -> Samples:
     up = np.tile([0.0, 0.0, 1.0], (count, 1))
     unknown = np.where(down, 0.0, np.nan)[:, None]
     stamp = START + np.round(time * 1e9).astype(np.int64)
-    corner = [0.3 if foot < 2 else -0.3, 0.15 if foot % 2 == 0 else -0.15, 0.0]
+    # In the middle of a stance a foot is at its corner of the base, which goes on.
+    ahead = 0.25 * (np.floor(cycle) + 0.398 + PHASES[foot])
+    x, y = 0.3 if foot < 2 else -0.3, 0.15 if foot % 2 == 0 else -0.15
+    point = np.stack([x + ahead, np.full(count, y), np.zeros(count)], axis=1)
     return Samples(
         foot=np.full(count, foot, np.int64),
         log_time=stamp,
@@ -50,7 +53,7 @@ def trot_samples(foot: int, time: Floats) -> Samples:
         force=up * np.where(down, 196.2 / 4.0 / 0.6, 0.0)[:, None],
         in_world=np.zeros(count, np.bool_),
         points=down.astype(np.int64),
-        position=np.tile(corner, (count, 1)) + unknown,
+        position=point + unknown,
         normal=up + unknown,
     )
 

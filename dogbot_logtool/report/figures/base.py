@@ -8,6 +8,7 @@ from dogbot_logtool.report.figures.figure import Column, Figure, Kind, TableName
 
 _SUMMARY, _INDEX, _LOG_ROWS = TableName.SUMMARY, TableName.INDEX, TableName.LOG_ROWS
 _NO_TIME: Final = "no time lies between the poses"
+_LOST: Final = "the base drifts among the contact points by more than 2 % of its way"
 
 BASE: Final[Sequence[Figure[BaseMotion]]] = (
     Figure(
@@ -23,6 +24,7 @@ BASE: Final[Sequence[Figure[BaseMotion]]] = (
         "m",
         lambda base: base.path_length_m,
         "horizontal way of the base above the noise of its poses, without gaps, jumps and stands",
+        null=_LOST,
         columns=(
             Column(_INDEX, "distance m", 2, rank=40),
             Column(_LOG_ROWS, "path_length_m", rank=60),
@@ -34,6 +36,7 @@ BASE: Final[Sequence[Figure[BaseMotion]]] = (
         "m",
         lambda base: base.net_displacement_m,
         "horizontal distance of the last pose from the first",
+        null=_LOST,
     ),
     Figure(
         "mean_speed_mps",
@@ -41,7 +44,7 @@ BASE: Final[Sequence[Figure[BaseMotion]]] = (
         "m/s",
         lambda base: base.mean_speed_mps,
         "path length / duration",
-        null=_NO_TIME,
+        null=f"{_NO_TIME}; {_LOST}",
     ),
     Figure(
         "forward_speed_mps",
@@ -49,7 +52,7 @@ BASE: Final[Sequence[Figure[BaseMotion]]] = (
         "m/s",
         lambda base: base.forward_speed_mps,
         "mean rate of displacement along the body's forward axis, turned by yaw only",
-        null=_NO_TIME,
+        null=f"{_NO_TIME}; {_LOST}",
         columns=(
             Column(_SUMMARY, "m/s", 3, rank=40),
             Column(_INDEX, "m/s forward", 3, rank=50),
@@ -62,7 +65,7 @@ BASE: Final[Sequence[Figure[BaseMotion]]] = (
         "m/s",
         lambda base: base.lateral_speed_mps,
         "the same to the left of the forward axis",
-        null=_NO_TIME,
+        null=f"{_NO_TIME}; {_LOST}",
     ),
     Figure(
         "yaw_change_rad",
@@ -77,7 +80,7 @@ BASE: Final[Sequence[Figure[BaseMotion]]] = (
         "rad/s",
         lambda base: base.yaw_rate_radps,
         "mean rate of turning to the left",
-        null=_NO_TIME,
+        null=f"{_NO_TIME}; {_LOST}",
     ),
     Figure(
         "height_m",

@@ -269,7 +269,7 @@ def _base(stats: Stats) -> list[RenderableType]:
     return [
         _line(
             "path",
-            f"{base.path_length_m:.3f} m, net {base.net_displacement_m:.3f} m, "
+            f"{decimal(base.path_length_m, 3)} m, net {decimal(base.net_displacement_m, 3)} m, "
             f"turned {decimal(base.yaw_change_rad, 3)} rad",
         ),
         _line("speed", ", ".join(speeds)),

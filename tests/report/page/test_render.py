@@ -65,7 +65,7 @@ def test_the_page_loads_nothing_and_has_each_id_once() -> None:
     assert set(tags.loads) == {"href=#findings", "href=#events"}
     assert len(tags.ids) == len(set(tags.ids))
     assert tags.seen.count("script") == 3
-    assert tags.seen.count("figure") == 8
+    assert tags.seen.count("figure") == 9
     assert tags.seen.count("h1") == 1
 
 

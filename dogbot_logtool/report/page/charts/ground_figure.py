@@ -164,7 +164,7 @@ def _ends(stats: Stats) -> Trace:
 
 def _words(stats: Stats) -> str:
     base = stats.base
-    if base is None:
+    if base is None or base.path_length_m is None:
         return "The footfalls seen from above; the base's path is not known."
     return (
         f"The walk seen from above: a path of {base.path_length_m:.2f} m that ends "
