@@ -38,7 +38,6 @@ GRAVE: Final = (
     "W_TIPPING",
     "W_SATURATED",
     "W_SLIPS",
-    "W_FOOT_FRAME",
     "W_JOINT_CLOCK",
     "W_JOINT_VALUES",
     "W_GAPS",

@@ -34,7 +34,7 @@ def _unknown_swings(legs: "LegFigures") -> Iterator[Finding]:
     for leg in legs.feet:
         if leg.moves:
             text = f"{leg.name}: {leg.reason}; its swings are not measured"
-            yield Finding("W_FOOT_FRAME", text, f"legs.feet.{leg.name}.clearance_m")
+            yield Finding("N_FOOT_FRAME", text, f"legs.feet.{leg.name}.clearance_m")
         elif leg.reason:
             reasons.setdefault(leg.reason, []).append(leg.name)
     for reason, feet in reasons.items():
