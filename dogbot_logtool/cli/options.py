@@ -296,7 +296,7 @@ def _parse_topics(
             raise CallError(f"--foot {foot}: a foot's name has letters, digits and _ only")
         if foot_topics.setdefault(name, topic) != topic or feet.count(foot) > 1:
             raise CallError(f"--foot {name}: is given twice; a foot has one topic")
-    return TopicOptions(robot, odom_topic, foot_topics, mass_kg)
+    return TopicOptions(robot, odom_topic, foot_topics or None, mass_kg)
 
 
 def _with_tares(topics: "TopicOptions", tares: tuple[str, ...]) -> "TopicOptions":
