@@ -1,13 +1,14 @@
 """A dataset whose writer is killed between any two files is readable, and is mended."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 from pathlib import Path
 from typing import Any
 
 import pyarrow.dataset as ds
 import pytest
 
+from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.report.dataset.changing import change
 from dogbot_logtool.report.dataset.files import Files
 from dogbot_logtool.report.dataset.parts import NewLog, Part
