@@ -54,7 +54,7 @@ from dogbot_logtool.core.statistics import SegmentFigures, Stats
 from dogbot_logtool.dataclass import dataclass
 
 if TYPE_CHECKING:
-    from dogbot_logtool.core.commands.tracking import CommandTrack
+    from dogbot_logtool.core.commands.tracking import CommandTrack, Tracking
     from dogbot_logtool.core.imu.comparison import ImuComparison
     from dogbot_logtool.core.recorded.vectors import VectorHistory
 
@@ -185,6 +185,13 @@ class _Walk:
         )
         return replace(loads, share_of=None, shares=None) if any(self.dead) else loads
 
+    def tracking(
+        self, track: "CommandTrack | None", within: Ints | None = None
+    ) -> "Tracking | None":
+        """Return how the base follows its commands."""
+        found = tracking_in(track, within)
+        return found.without_way() if found is not None and self.loses_way else found
+
 
 def work_out(settings: StatsSettings, recorded: Recorded) -> Stats:
     """Work out all figures of a log.
@@ -237,7 +244,7 @@ def work_out(settings: StatsSettings, recorded: Recorded) -> Stats:
         all_silent=all_silent(records, walk.base),
         beside=tuple(each for each in (recorded.commands, recorded.inertial) if each),
         command_track=track,
-        commands=tracking_in(track),
+        commands=walk.tracking(track),
         imu=_imu(walk, recorded.inertial, jumps),
     )
 
@@ -328,7 +335,7 @@ def _segment_figures(
         support=walk.support(spans),
         loads=walk.loads(strides.within(spans).spans, spans),
         stability=walk.stability(spans),
-        commands=tracking_in(track, spans),
+        commands=walk.tracking(track, spans),
     )
 
 

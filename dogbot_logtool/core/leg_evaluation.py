@@ -125,6 +125,8 @@ def _feet(stats: Stats, history: LegHistory, *, by_joints_apart: bool) -> tuple[
             reason = "too little of its leg is told"
         elif path is not None and stats.base_clock_is_apart:
             reason = "the clocks of odometry and feet differ"
+        elif path is not None and stats.loses_way:
+            reason = "the odometry drifts among the contact points"
         elif path is not None and by_joints_apart and chain is not None and chain.joints:
             reason = "the clock of the joint states differs from that of the feet"
         elif path is not None and not len(base.time):

@@ -22,9 +22,16 @@ from tests.report.page.page_data import drawings
 from tests.truth.commanded import Commanded, commanded_walk
 from tests.truth.gaits import WALK
 from tests.truth.log_file import write_log
-from tests.truth.recording import Recording, VectorRecording, about_axis, vector_messages
+from tests.truth.recording import (
+    Recording,
+    VectorRecording,
+    about_axis,
+    disturbed,
+    vector_messages,
+)
 from tests.truth.sensed import with_imu
 from tests.truth.walking import Walk
+from tests.truth.world_faults import drifting
 
 ROBOT = Commanded(seconds=16.0)
 
@@ -154,6 +161,18 @@ def test_what_cannot_be_told_is_null_with_its_cause(tmp_path: Path) -> None:
     assert "forward speed, sideways speed, yaw rate: the command hardly changes" in text
     (segment,) = stats["gait"]["segments"]
     assert segment["commands"]["forward"]["commanded_mps"] == pytest.approx(0.4)
+
+
+def test_tracking_is_null_where_the_odometry_loses_its_way(tmp_path: Path) -> None:
+    robot = Commanded(((0.0, (0.4, 0.0, 0.0)),), seconds=16.0)
+    sound = Walk(seconds=16.0, speed_mps=0.4).recorded(200.0, 100.0)
+    for recording, known in ((sound, True), (disturbed(sound, drifting(0.1)), False)):
+        stats = measured(tmp_path, replace(recording, beside=(robot.commands(),)))
+        commands = stats["commands"]
+        assert [commands[key] is not None for key in ("forward", "lateral")] == [known] * 2
+        assert (commands["straight"] is not None) is known
+        assert commands["yaw"]["commanded_radps"] == 0.0
+        assert any("commanded speeds" in each for each in said(stats, "W_WORLDS_DIFFER")) != known
 
 
 def test_a_log_without_such_topics_has_no_figures_of_them(tmp_path: Path) -> None:

@@ -230,6 +230,7 @@ def write_log(
     publishers: int = 1,
     silence_s: tuple[float, float] = (9.0, 9.0),
     change: Any = None,
+    drift: float = 0.0,
 ) -> Path:
     """Write the trot as an MCAP of ROS 2 messages.
 
@@ -240,6 +241,7 @@ def write_log(
         publishers: topics that the joints are shared out on.
         silence_s: time in which no joint states are sent.
         change: takes and returns position, velocity and effort, (n, 12) each.
+        drift: metres by which the odometry goes astray, to the left, a metre of the way.
     """
     physics, make = trot(), _Messages(2)
     rows = range(0, len(physics.time), EVERY)
@@ -257,7 +259,8 @@ def write_log(
         entries.append((ORIGIN_NS, "/robot_description", STRING, make.description()))
     for row in rows:
         time = ORIGIN_NS + round(physics.time[row] * 1e9)
-        pose = (*physics.base[row], 0.0, 0.0, 0.0, 1.0, SPEED_MPS, 0.0, 0.0)
+        x, y, z = physics.base[row].tolist()
+        pose = (x, y + drift * x, z, 0.0, 0.0, 0.0, 1.0, SPEED_MPS, 0.0, 0.0)
         entries.append((time, "/odom", ODOMETRY, odometry.filled(time, pose)))
         for number, share in enumerate(shares):
             numbers = np.concatenate([each[row, share] for each in told])

@@ -233,3 +233,12 @@ def test_figures_do_not_depend_on_jobs(measured: Callable[..., dl.Walk]) -> None
     for jobs in (1, 3):
         again = dl.measure(path, mass=physics.trot().mass_kg, jobs=jobs)
         assert again.stats["legs"] == measured(by_transforms=True).stats["legs"]
+
+
+def test_swings_are_not_known_where_the_odometry_loses_its_way(
+    measured: Callable[..., dl.Walk],
+) -> None:
+    walk = measured(by_transforms=True, drift=0.1)
+    assert np.isnan(walk.strides["clearance_m"]).all()
+    (text,) = (f["text"] for f in walk.stats["findings"] if f["code"] == "N_NO_SWINGS")
+    assert text.endswith("not known: the odometry drifts among the contact points")

@@ -55,7 +55,9 @@ def _worlds(worlds: Worlds, *, loses_way: bool) -> Finding:
         f"m), which are {worlds.spread_m:.2f} m from it; from the log's start to its end that "
         f"changes by {max(worlds.change_m, worlds.drift_m):.2f} m"
     )
-    null = "no stability, path, speeds and stride lengths" if loses_way else "no stability"
+    null = "no stability"
+    if loses_way:
+        null += ", path, speeds, stride lengths, swings and tracking of commanded speeds"
     return Finding("W_WORLDS_DIFFER", f"{text}; {null}", "stability")
 
 

@@ -43,7 +43,7 @@ def topic_findings(topic: TopicQuality, *, may_pause: bool = False) -> Iterator[
 
     Args:
         topic: its timing.
-        may_pause: whether it is silent now and then, as commands are while nobody steers.
+        may_pause: whether it is silent now and then, as commands are while no one steers.
     """
     name = topic.topic
     if topic.gaps and not may_pause:

@@ -1,4 +1,4 @@
-"""A URDF of boxes, cylinders and spheres: a robot to look at where nobody recorded its model.
+"""A URDF of boxes, cylinders and spheres: a robot to look at where the log has no model.
 
 Its links are the log's own frames, so that the log's transforms move it; the origins of its joints
 are their first recorded poses, so that it stands before the first transform. Joints are floating:

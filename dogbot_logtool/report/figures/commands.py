@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
 _NO_AXIS: Final = (
     "no window of one stride is known of both command and base; of the horizontal parts also where "
-    "the commands' axes cannot be told"
+    "the commands' axes cannot be told, or the odometry drifts among the contact points"
 )
 _NO_DELAY: Final = (
     "the command hardly changes (standard deviation below 0.03 m/s or rad/s), less than four "
@@ -123,7 +123,8 @@ _DRIFT: "Final[Sequence[Figure[Drift]]]" = (
         "mean yaw rate, to the left",
     ),
 )
-_LASTING: Final = "has held for 1 s and a window, for less than 1 s in all"
+_LASTING: Final = "has held for 1 s and a window, for 1 s in all"
+_NO_DRIFT: Final = "the odometry drifts among the contact points"
 COMMANDS_OF_SEGMENT: Final[Sequence[Member]] = (
     Figure(
         "commanded_s",
@@ -166,14 +167,14 @@ COMMANDS_OF_SEGMENT: Final[Sequence[Member]] = (
         _DRIFT,
         lambda tracking: tracking.straight,
         "drift while straight ahead is commanded (0.05 m/s and more, and nothing else)",
-        null=f"no such command {_LASTING}",
+        null=f"no such command {_LASTING}; {_NO_DRIFT}",
     ),
     Scope(
         "in_place",
         _DRIFT,
         lambda tracking: tracking.in_place,
         "drift while the robot steps and no motion is commanded",
-        null=f"no such command {_LASTING}, while the robot steps",
+        null=f"no such command {_LASTING}, while the robot steps; {_NO_DRIFT}",
     ),
 )
 """Figures of a `Tracking`."""
