@@ -9,6 +9,7 @@ from dogbot_logtool.core.base.base_motion import FORWARD_ANGLES
 from dogbot_logtool.core.geometry import timespans
 from dogbot_logtool.core.geometry.arrays import Floats, Ints
 from dogbot_logtool.core.geometry.rotations import along_heading
+from dogbot_logtool.core.geometry.runs import added_within
 from dogbot_logtool.dataclass import dataclass
 
 SPARSE_NS: Final = 1_000_000_000
@@ -35,13 +36,7 @@ class Odometer:
         """(m, 3) m/s and rad/s, means over a window about each time."""
         since = (time - self.origin) / 1e9
         half = window_ns / 2e9
-        columns = [
-            np.interp(since + half, self.seconds, column)
-            - np.interp(since - half, self.seconds, column)
-            for column in self.way.T
-        ]
-        rate: Floats = np.stack(columns, axis=1) / (2.0 * half)
-        return rate
+        return added_within(self.way, self.seconds, since, half) / (2.0 * half)
 
 
 def base_odometer(base: BaseHistory, forward_axis: str, jumps: Ints) -> Odometer | None:

@@ -6,6 +6,8 @@ import numpy as np
 
 from dogbot_logtool.core.geometry import timespans
 from dogbot_logtool.core.geometry.arrays import Flags, Floats, Ints
+from dogbot_logtool.core.geometry.rotations import along_heading
+from dogbot_logtool.core.geometry.runs import added_within
 from dogbot_logtool.core.recorded.vectors import VectorHistory
 from dogbot_logtool.dataclass import dataclass
 
@@ -44,13 +46,8 @@ class HeldCommand:
         total = np.zeros((len(knots), 3))
         total[1::2] = np.cumsum(held, axis=0)
         total[2::2] = total[1:-1:2]
-        since, half = time - origin - delay_ns, window_ns / 2.0
-        columns = [
-            np.interp(since + half, knots, column) - np.interp(since - half, knots, column)
-            for column in total.T
-        ]
-        mean: Floats = np.stack(columns, axis=1) / (window_ns / 1e9)
-        return mean
+        since = (time - origin - delay_ns).astype(np.float64)
+        return added_within(total, knots, since, window_ns / 2.0) / (window_ns / 1e9)
 
 
 def held_command(history: VectorHistory, turn_rad: float) -> HeldCommand:
@@ -63,11 +60,11 @@ def held_command(history: VectorHistory, turn_rad: float) -> HeldCommand:
     usual = history.gap_ns if np.isfinite(history.gap_ns) else 0.0
     timeout = round(max(TIMEOUT_S * 1e9, usual))
     end = np.append(history.time[1:], history.time[-1:] + timeout)
-    x, y, yaw = history.vector.T
-    cos, sin = np.cos(turn_rad), np.sin(turn_rad)
+    heading = np.full(len(history.time), turn_rad)
+    forward, left = along_heading(history.vector, heading)
     return HeldCommand(
         start=history.time,
         end=np.minimum(end, history.time + timeout),
-        velocity=np.stack([x * cos + y * sin, y * cos - x * sin, yaw], axis=1),
+        velocity=np.stack([forward, left, history.vector[:, 2]], axis=1),
         timeout_ns=timeout,
     )

@@ -152,7 +152,9 @@ def follow_commands(
     window = round((period_s or USUAL_WINDOW_S) * 1e9)
     held = held_command(history, 0.0)
     time = timespans.ticks(odometer.known, round(1e9 / TRACKING_HZ))
-    time = time[_windows_in([odometer.known, held.known], time, window // 2, window // 2)]
+    half = window // 2
+    for known in (odometer.known, held.known):
+        time = time[timespans.hold_window(known, time, half, half)]
     track = CommandTrack(
         history=history,
         axes="forward",
@@ -188,24 +190,6 @@ def _horizontal_error(track: CommandTrack) -> float:
     return float(np.sqrt((error * error).sum(axis=1).mean())) if len(error) else 0.0
 
 
-def _windows_in(spans: list[Ints], time: Ints, before_ns: int, after_ns: int) -> Flags:
-    """(n,) whether the time from before to after each time lies in one span of each kind.
-
-    Args:
-        spans: (s, 2) ns, of each kind.
-        time: (n,) ns.
-        before_ns: ns.
-        after_ns: ns.
-    """
-    inside = np.ones(len(time), np.bool_)
-    for each in spans:
-        row = np.searchsorted(each[:, 0], time - before_ns, side="right") - 1
-        inside &= row >= 0
-        if len(each):
-            inside &= time + after_ns <= each[np.maximum(row, 0), 1]
-    return inside
-
-
 def tracking(track: CommandTrack, within: Ints | None = None) -> Tracking:
     """Measure how the base follows the commands.
 
@@ -218,7 +202,7 @@ def tracking(track: CommandTrack, within: Ints | None = None) -> Tracking:
     commanded = timespans.intersect([known, track.held.known])
     rows = np.ones(len(track.time), np.bool_)
     if within is not None:
-        rows = _windows_in(limits, track.time, track.half_ns, track.half_ns)
+        rows = timespans.hold_window(within, track.time, track.half_ns, track.half_ns)
     axes = [_axis(track, axis, rows) for axis in range(3)]
     forward, lateral = axes[:2] if track.axes else (None, None)
     return Tracking(
@@ -228,7 +212,7 @@ def tracking(track: CommandTrack, within: Ints | None = None) -> Tracking:
         lateral=lateral,
         yaw=axes[2],
         straight=_drift(track, rows, _goes_straight(track.held)) if track.axes else None,
-        in_place=_drift(track, rows, _asks_nothing(track.held), [track.stepping]),
+        in_place=_drift(track, rows, _asks_nothing(track.held), track.stepping),
     )
 
 
@@ -254,7 +238,9 @@ def _delay(track: CommandTrack, axis: int, rows: Flags) -> tuple[Delay | None, s
         return None, "the command hardly changes"
     window = track.window_ns
     before, after = (track.half_ns + round(each * 1e9) for each in (LATEST_S, -EARLIEST_S))
-    chosen = np.flatnonzero(rows & _windows_in([track.held.known], track.time, before, after))
+    chosen = np.flatnonzero(
+        rows & timespans.hold_window(track.held.known, track.time, before, after)
+    )
     independent = len(chosen) / TRACKING_HZ / (window / 1e9)
     chosen = chosen[:: -(-len(chosen) // _MOST_ROWS) or 1]
     time = track.time[chosen]
@@ -285,14 +271,15 @@ def _goes_straight(held: HeldCommand) -> Flags:
 
 
 def _drift(
-    track: CommandTrack, rows: Flags, holds: Flags, limits: list[Ints] | None = None
+    track: CommandTrack, rows: Flags, holds: Flags, within: Ints | None = None
 ) -> Drift | None:
     """Return the mean velocity while one of some commands has held for some time."""
     spans = track.held.where(holds)
     half = track.half_ns
-    chosen = rows & _windows_in([spans], track.time, half + round(SETTLED_S * 1e9), half)
-    if limits is not None:
-        chosen &= _windows_in(limits, track.time, half, half)
+    settled = half + round(SETTLED_S * 1e9)
+    chosen = rows & timespans.hold_window(spans, track.time, settled, half)
+    if within is not None:
+        chosen &= timespans.hold_window(within, track.time, half, half)
     duration = int(chosen.sum()) / TRACKING_HZ
     if duration < _LEAST_DRIFT_S:
         return None

@@ -8,7 +8,7 @@ from dogbot_logtool.core.contact.stances import Stances
 from dogbot_logtool.core.gait.foot_statistics import FootStatistics
 from dogbot_logtool.core.geometry import timespans
 from dogbot_logtool.core.geometry.aggregates import Aggregate, aggregate
-from dogbot_logtool.core.geometry.arrays import Flags, Floats, Ints
+from dogbot_logtool.core.geometry.arrays import Floats, Ints
 from dogbot_logtool.core.geometry.order_statistics import median_of
 from dogbot_logtool.dataclass import dataclass
 
@@ -59,13 +59,15 @@ def follow_plan(measured: FootStatistics, planned: FootStatistics) -> PlannedFoo
     steps = measured.touchdown
     match = _matches(plan, steps, reach)
     found = match >= 0
-    counted = _well_inside(both, plan, reach) | (found & timespans.covers(both, plan))
+    counted = timespans.hold_window(both, plan, reach, reach) | (
+        found & timespans.covers(both, plan)
+    )
     delay = (steps[match[found & counted]] - plan[found & counted]) / 1e9
     tolerance = max(
         ON_TIME_S, *(foot.record.median_interval_s or 0.0 for foot in (measured, planned))
     )
     alone = np.setdiff1d(np.arange(len(steps)), match[found])
-    margin = np.full(len(alone), median_of(reach) if len(reach) else _LONE_S * 1e9)
+    margin = int(median_of(reach) if len(reach) else _LONE_S * 1e9)
     return PlannedFoot(
         topic=planned.topic,
         touchdowns=int(counted.sum()),
@@ -73,7 +75,7 @@ def follow_plan(measured: FootStatistics, planned: FootStatistics) -> PlannedFoo
         early=int((delay < -tolerance).sum()),
         late=int((delay > tolerance).sum()),
         missed=int((counted & ~found).sum()),
-        unplanned=int(_well_inside(both, steps[alone], margin.astype(np.int64)).sum()),
+        unplanned=int(timespans.hold_window(both, steps[alone], margin, margin).sum()),
         tolerance_s=tolerance,
         agreement=_agreement(both, measured, planned),
         force_error=aggregate(_force_errors(measured.stances, planned.stances, plan, steps, match)),
@@ -109,17 +111,6 @@ def _nearest(among: Ints, times: Ints) -> Ints:
     nearer = np.abs(among[before] - times) <= np.abs(among[after] - times)
     rows: Ints = np.where(nearer, before, after)
     return rows
-
-
-def _well_inside(spans: Ints, time: Ints, margin: Ints) -> Flags:
-    """(n,) whether a span reaches further than a margin around each time."""
-    row = np.searchsorted(spans[:, 0], time, side="right") - 1
-    inside = row >= 0
-    if not inside.any():
-        return inside
-    row = np.maximum(row, 0)
-    well: Flags = inside & (spans[row, 0] <= time - margin) & (time + margin <= spans[row, 1])
-    return well
 
 
 def _agreement(both: Ints, measured: FootStatistics, planned: FootStatistics) -> float | None:

@@ -27,6 +27,22 @@ def covers(spans: Ints, time: Ints) -> Flags:
     return inside
 
 
+def hold_window(spans: Ints, time: Ints, before_ns: int | Ints, after_ns: int | Ints) -> Flags:
+    """Tell of which times the window about them lies in one span.
+
+    Args:
+        spans: (n, 2) ns.
+        time: (m,) ns.
+        before_ns: ns from a window's start to its time; (m,) or the same of all.
+        after_ns: ns from there to its end, likewise.
+    """
+    if len(spans) == 0:
+        return np.zeros(len(time), np.bool_)
+    row = np.searchsorted(spans[:, 0], time - before_ns, side="right") - 1
+    held: Flags = (row >= 0) & (time + after_ns <= spans[np.maximum(row, 0), 1])
+    return held
+
+
 def covered(spans: Ints, edges: Ints) -> Floats:
     """Return how much of each cell between an edge and the next lies in spans.
 

@@ -21,7 +21,7 @@ from dogbot_logtool.core.geometry.arrays import Floats, Ints
 from dogbot_logtool.core.geometry.rotations import conjugate, from_roll_pitch_yaw, rotate
 from dogbot_logtool.core.imu.forces import ForceComparison, Sensed, compare_forces
 from dogbot_logtool.core.imu.mounting import Mounting, Reading, find_mounting
-from dogbot_logtool.core.imu.running import Running, inside, running_accelerations
+from dogbot_logtool.core.imu.running import Running, running_accelerations
 from dogbot_logtool.core.imu.turn import Turn, find_turn
 from dogbot_logtool.core.load.loads import GRAVITY_MPS2
 from dogbot_logtool.core.recorded.vectors import VectorHistory
@@ -97,7 +97,7 @@ def compare_imu(
     reach = half + _SPEED_NS
     usable = timespans.subtract(running.known, timespans.merge(np.concatenate([jumps, fallen])))
     time = timespans.ticks(usable, _TICK_NS)
-    time = time[inside(usable, time, reach)]
+    time = time[timespans.hold_window(usable, time, reach, reach)]
     if len(time) < _LEAST_S * TRACK_RATE_HZ:
         return None
     means = running.mean(time, half)

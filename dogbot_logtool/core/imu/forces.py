@@ -14,7 +14,6 @@ from dogbot_logtool.core.imu.foot_scales import FootScales, foot_scales
 from dogbot_logtool.core.imu.running import (
     Running,
     horizontal_impulses,
-    inside,
     mean_impulses,
 )
 from dogbot_logtool.core.imu.turn import Turn, find_turn
@@ -98,7 +97,7 @@ def compare_forces(
         return None
     known = timespans.intersect([strides, *(foot.vertical_known for foot in feet)])
     half = sensed.half_ns
-    rows = inside(known, sensed.time, half)
+    rows = timespans.hold_window(known, sensed.time, half, half)
     time = sensed.time[rows]
     if len(time) < LEAST_S * TRACK_RATE_HZ:
         return None
@@ -123,7 +122,7 @@ def _turn(
     sideways = horizontal_impulses(feet)
     if sideways is None:
         return None
-    told = inside(sideways.known, time, half_ns)
+    told = timespans.hold_window(sideways.known, time, half_ns, half_ns)
     return find_turn(sideways.mean(time[told], half_ns) / mass_kg, poses[told, :2])
 
 
@@ -137,7 +136,8 @@ def _curve(forces: Floats, time: Ints, sensed: Sensed) -> Delay | None:
     """
     half, cell = sensed.half_ns, _CELL_NS // 2
     latest_ns = min(_LATEST_NS, half // 4)
-    rows = inside(sensed.running.known, time, half + latest_ns)
+    reach = half + latest_ns
+    rows = timespans.hold_window(sensed.running.known, time, reach, reach)
     forces, time = forces[rows], time[rows]
 
     def swing(lag_s: float) -> Floats:

@@ -9,9 +9,10 @@ from dogbot_logtool.core.base.base_history import BaseHistory
 from dogbot_logtool.core.contact.foot_history import FootHistory
 from dogbot_logtool.core.contact.stance_curves import PARTS
 from dogbot_logtool.core.geometry import timespans
-from dogbot_logtool.core.geometry.arrays import Flags, Floats, Ints, all_finite
+from dogbot_logtool.core.geometry.arrays import Floats, Ints, all_finite
 from dogbot_logtool.core.geometry.order_statistics import distinct
 from dogbot_logtool.core.geometry.rotations import conjugate, from_roll_pitch_yaw, rotate
+from dogbot_logtool.core.geometry.runs import added_within
 from dogbot_logtool.core.load.loads import GRAVITY_MPS2
 from dogbot_logtool.core.recorded.vectors import VectorHistory
 from dogbot_logtool.dataclass import dataclass
@@ -36,22 +37,7 @@ class Running:
     def mean(self, time: Ints, half_ns: int) -> Floats:
         """(m, k) means over a window about each time."""
         since = (time - self.origin).astype(np.float64)
-        columns = [
-            np.interp(since + half_ns, self.time, column)
-            - np.interp(since - half_ns, self.time, column)
-            for column in self.total.T
-        ]
-        mean: Floats = np.stack(columns, axis=1) / (2e-9 * half_ns)
-        return mean
-
-
-def inside(spans: Ints, time: Ints, reach_ns: int) -> Flags:
-    """(n,) whether all time up to a reach before and after each time lies in one span."""
-    if len(spans) == 0:
-        return np.zeros(len(time), np.bool_)
-    row = np.searchsorted(spans[:, 0], time - reach_ns, side="right") - 1
-    held: Flags = (row >= 0) & (time + reach_ns <= spans[np.maximum(row, 0), 1])
-    return held
+        return added_within(self.total, self.time, since, half_ns) / (2e-9 * half_ns)
 
 
 def running_accelerations(
@@ -105,9 +91,9 @@ def mean_impulses(feet: Sequence[FootHistory], impulse: str, time: Ints, half_ns
         track = foot.track
         if len(track.time):
             since = (track.time - track.time[0]).astype(np.float64)
-            total, at = getattr(track, impulse), time - track.time[0]
-            way = np.interp(at + half_ns, since, total) - np.interp(at - half_ns, since, total)
-            columns[row] = way / (2e-9 * half_ns)
+            at, total = (time - track.time[0]).astype(np.float64), getattr(track, impulse)
+            added = added_within(total[:, None], since, at, half_ns)[:, 0]
+            columns[row] = added / (2e-9 * half_ns)
     return np.stack(columns, axis=1)
 
 

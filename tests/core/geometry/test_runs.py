@@ -2,6 +2,7 @@ import numpy as np
 import pytest
 
 from dogbot_logtool.core.geometry.runs import (
+    added_within,
     first_where,
     highest,
     quantiles,
@@ -41,3 +42,9 @@ def test_quantiles_are_interpolated() -> None:
     rows = np.array([0, 1]), np.array([1, 5])
     assert quantiles(later, *rows, 0.5).tolist() == [7.0, 15.0]
     assert quantiles(later, *rows, 0.9).tolist() == pytest.approx([7.0, 69.0])
+
+
+def test_running_totals_grow_within_windows() -> None:
+    total, knots = np.array([[0.0, 1.0], [2.0, 1.0], [2.0, 9.0]]), np.array([0.0, 1.0, 3.0])
+    added = added_within(total, knots, np.array([0.5, 1.0, 9.0]), 0.5)
+    assert added == pytest.approx(np.array([[2.0, 0.0], [1.0, 2.0], [0.0, 0.0]]))

@@ -44,6 +44,12 @@ def test_what_touches(table: Ints, start: int, length: int) -> None:
     assert found.tolist() == [any(b >= start and a < end for a, b in table.tolist())]
 
 
+@given(spans(), st.integers(0, LENGTH), st.integers(0, 4), st.integers(0, 4))
+def test_windows_that_one_span_holds(table: Ints, time: int, before: int, after: int) -> None:
+    found = timespans.hold_window(table, np.array([time]), before, after)
+    assert found.tolist() == [any(a <= time - before and time + after <= b for a, b in table)]
+
+
 def test_a_start_is_inside_an_end_is_not() -> None:
     table = np.array([[2, 5], [5, 9]], np.int64)
     assert timespans.covers(table, np.array([1, 2, 5, 8, 9])).tolist() == [0, 1, 1, 1, 0]
