@@ -1,37 +1,18 @@
 """Legs over the gait cycle: height of the feet, and motion of the joints, left over right."""
 
-from collections.abc import Mapping, Sequence
 from typing import Final
 
 import numpy as np
 
-from dogbot_logtool.core.geometry.arrays import Floats
 from dogbot_logtool.core.legs.leg_figures import LegFigures
-from dogbot_logtool.core.scene.foot_style import foot_colour
 from dogbot_logtool.core.statistics import Stats
-from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.io.printable import printable
-from dogbot_logtool.report.page.charts.chart import Chart, Trace, scatter
-from dogbot_logtool.report.page.charts.drawing import MARGIN, Drawing, label, translucent
-from dogbot_logtool.report.page.charts.panels import heading, leg_columns, panel_axes, place_of
+from dogbot_logtool.report.page.charts.drawing import Drawing
+from dogbot_logtool.report.page.charts.panels import Band, PanelRow, over_cycle
 
 _MOST_ROWS: Final = 8
 """Panels above each other."""
 _ROW_PIXELS: Final = 190
-
-
-@dataclass(frozen=True, slots=True)
-class _Band:
-    """A curve over the stride with what lies around it."""
-
-    percent: Floats
-    lower: Floats
-    middle: Floats
-    upper: Floats
-
-
-_Row = tuple[str, Mapping[int, _Band]]
-"""What a row of panels shows, and its curve of each foot."""
 
 
 def legs_over_cycle(stats: Stats) -> Drawing | None:
@@ -40,50 +21,36 @@ def legs_over_cycle(stats: Stats) -> Drawing | None:
     rows = [] if legs is None else [*_heights(legs), *_joints(legs)][:_MOST_ROWS]
     if not rows:
         return None
-    columns = leg_columns(stats)
-    figure = Chart(
-        layout={"height": _ROW_PIXELS * len(rows) + 60, "margin": {**MARGIN, "l": 60, "t": 24}}
-    )
-    figure.layout.update(showlegend=False, hovermode="x unified", annotations=[])
-    for row, (what, bands) in enumerate(rows):
-        for column, (title, feet) in enumerate(columns):
-            number = row * len(columns) + column + 1
-            place = place_of(row, len(rows), column, len(columns))
-            panel_axes(figure, number, place, (label(what), _extent(bands)))
-            for foot in feet:
-                if foot in bands:
-                    figure.data.extend(_traces(stats, foot, bands[foot], number))
-            if row == 0 and title:
-                figure.layout["annotations"].append(heading(title, place))
-    return Drawing("legs", "Legs over the gait cycle", _words(stats, legs), _caption(), figure)
+    chart = over_cycle(stats, rows, _ROW_PIXELS)
+    return Drawing("legs", "Legs over the gait cycle", _words(stats, legs), _caption(), chart)
 
 
-def _heights(legs: LegFigures) -> list[_Row]:
+def _heights(legs: LegFigures) -> list[PanelRow]:
     """Return the row of the feet's heights, if any is known."""
     bands = {
-        foot: _Band(
+        foot: Band(
             curve.percent, *(1e3 * each for each in (curve.lower, curve.median, curve.upper))
         )
         for foot, leg in enumerate(legs.feet)
         if (curve := leg.swings.height) is not None
     }
-    return [("foot (mm)", bands)] if bands else []
+    return [PanelRow("foot", "mm", bands)] if bands else []
 
 
-def _joints(legs: LegFigures) -> list[_Row]:
+def _joints(legs: LegFigures) -> list[PanelRow]:
     """Return a row a kind of joint: those of different legs that are alike."""
     numbers = {leg.name: row for row, leg in enumerate(legs.feet)}
     kinds = _kinds(legs)
-    rows: dict[str, dict[int, _Band]] = {}
+    rows: dict[str, dict[int, Band]] = {}
     for joint in legs.joints:
         curve = joint.curve
         if curve is None:
             continue
         low, high = curve.position - curve.position_sd, curve.position + curve.position_sd
         name = kinds.get(joint.history.name, joint.history.name)
-        band = _Band(curve.percent, low, curve.position, high)
+        band = Band(curve.percent, low, curve.position, high)
         rows.setdefault(name, {})[numbers[joint.foot]] = band
-    return [(f"{name} (rad)", bands) for name, bands in rows.items()]
+    return [PanelRow(name, "rad", bands) for name, bands in rows.items()]
 
 
 def _kinds(legs: LegFigures) -> dict[str, str]:
@@ -94,46 +61,6 @@ def _kinds(legs: LegFigures) -> dict[str, str]:
         kind = rest if end in {"front", "middle", "back"} and rest else pair.name
         kinds[pair.left] = kinds[pair.right] = kind.removesuffix("_joint").replace("_", " ")
     return kinds
-
-
-def _extent(bands: Mapping[int, _Band]) -> tuple[float, float]:
-    low = min(float(band.lower.min()) for band in bands.values())
-    high = max(float(band.upper.max()) for band in bands.values())
-    pad = 0.08 * (high - low) or 1.0
-    return low - pad, high + pad
-
-
-def _traces(stats: Stats, foot: int, band: _Band, number: int) -> Sequence[Trace]:
-    end = "" if number == 1 else str(number)
-    axes = {"xaxis": f"x{end}", "yaxis": f"y{end}"}
-    record = stats.feet[foot]
-    colour, name = foot_colour(foot), label(record.name)
-    is_right = record.place is not None and record.place[1] == "right"
-    percent, lower, middle, upper = (
-        each.astype(np.float32) for each in (band.percent, band.lower, band.middle, band.upper)
-    )
-    return (
-        scatter(
-            x=np.concatenate([percent, percent[::-1]]),
-            y=np.concatenate([upper, lower[::-1]]),
-            mode="lines",
-            line={"width": 0},
-            fill="toself",
-            fillcolor=translucent(colour, 0.2),
-            hoverinfo="skip",
-            name=f"{name} spread",
-            **axes,
-        ),
-        scatter(
-            x=percent,
-            y=middle,
-            mode="lines",
-            line={"color": colour, "width": 2, "dash": "dash" if is_right else "solid"},
-            name=name,
-            hovertemplate="%{y:.3g}",
-            **axes,
-        ),
-    )
 
 
 def _words(stats: Stats, legs: LegFigures | None) -> str:

@@ -1,13 +1,113 @@
-"""Panels of figures over the gait cycle: one a pair of legs."""
+"""Curves over the gait cycle, each with a band around it: a panel a pair of legs, row by row."""
 
+from collections.abc import Mapping, Sequence
 from typing import Any, Final
 
+import numpy as np
+
+from dogbot_logtool.core.geometry.arrays import Floats
+from dogbot_logtool.core.scene.foot_style import foot_colour
 from dogbot_logtool.core.statistics import Stats
-from dogbot_logtool.report.page.charts.chart import Chart
+from dogbot_logtool.dataclass import dataclass
+from dogbot_logtool.report.page.charts.chart import Chart, Trace, scatter
+from dogbot_logtool.report.page.charts.drawing import MARGIN, label, translucent
 
 _ENDS: Final = {"front": "fore feet", "middle": "middle feet", "back": "hind feet"}
 _BETWEEN: Final = 0.06
 """Of the width, between two panels; also of the height, doubled."""
+
+
+@dataclass(frozen=True, slots=True)
+class Band:
+    """A curve over the stride, (p,), with what lies around it."""
+
+    percent: Floats
+    lower: Floats
+    middle: Floats
+    upper: Floats
+
+
+@dataclass(frozen=True, slots=True)
+class PanelRow:
+    """Panels beside each other, of one unit."""
+
+    title: str
+    unit: str
+    bands: Mapping[int, Band]
+    """By foot; those without a curve are missing."""
+    hover: str = ".3g"
+    """How numbers are shown."""
+    with_zero: bool = False
+    """Whether 0 is shown, wherever the curves lie."""
+
+    @property
+    def extent(self) -> tuple[float, float]:
+        """Of the upright axis."""
+        low = min(float(band.lower.min()) for band in self.bands.values())
+        high = max(float(band.upper.max()) for band in self.bands.values())
+        pad = 0.06 * (high - low) or 1.0
+        if self.with_zero:
+            low, high = min(low, 0.0), max(high, 0.0)
+        return low - pad, high + pad
+
+
+def over_cycle(stats: Stats, rows: Sequence[PanelRow], row_pixels: int) -> Chart:
+    """Draw rows of panels, one above the other."""
+    columns = leg_columns(stats)
+    margin = {**MARGIN, "l": 60, "t": 24}
+    figure = Chart(layout={"height": row_pixels * len(rows) + 50, "margin": margin})
+    figure.layout.update(showlegend=False, hovermode="x unified", annotations=[])
+    for number, row in enumerate(rows):
+        for column, (title, feet) in enumerate(columns):
+            panel = number * len(columns) + column + 1
+            place = place_of(number, len(rows), column, len(columns))
+            panel_axes(figure, panel, place, row)
+            for foot in feet:
+                if foot in row.bands:
+                    figure.data.extend(_traces(stats, foot, row, panel))
+            if number == 0 and title:
+                figure.layout["annotations"].append(heading(title, place))
+    return figure
+
+
+def _traces(stats: Stats, foot: int, row: PanelRow, panel: int) -> Sequence[Trace]:
+    """Return the band and the line of a foot, dashed on the right."""
+    end = "" if panel == 1 else str(panel)
+    axes = {"xaxis": f"x{end}", "yaxis": f"y{end}"}
+    record, band = stats.feet[foot], row.bands[foot]
+    colour, name = foot_colour(foot), label(record.name)
+    is_right = record.place is not None and record.place[1] == "right"
+    percent, lower, middle, upper = (
+        each.astype(np.float32) for each in (band.percent, band.lower, band.middle, band.upper)
+    )
+    value, least, most = (
+        f"%{{{of}:{row.hover}}}" for of in ("y", "customdata[0]", "customdata[1]")
+    )
+    return (
+        scatter(
+            x=np.concatenate([percent, percent[::-1]]),
+            y=np.concatenate([upper, lower[::-1]]),
+            mode="lines",
+            line={"width": 0},
+            fill="toself",
+            fillcolor=translucent(colour, 0.2),
+            hoverinfo="skip",
+            name=f"{name} spread",
+            **axes,
+        ),
+        scatter(
+            x=percent,
+            y=middle,
+            mode="lines",
+            line={"color": colour, "width": 2, "dash": "dash" if is_right else "solid"},
+            name=name,
+            # The page finds the foot's stride by it.
+            meta={"foot": foot},
+            customdata=np.stack([lower, upper], axis=1),
+            hovertemplate=f"{value} {row.unit} ({least} to {most})",
+            **axes,
+        ),
+    )
 
 
 def leg_columns(stats: Stats) -> list[tuple[str, list[int]]]:
@@ -42,22 +142,17 @@ def place_of(row: int, rows: int, column: int, columns: int) -> dict[str, list[f
     }
 
 
-def panel_axes(
-    figure: Chart,
-    number: int,
-    place: dict[str, list[float]],
-    what: tuple[str, tuple[float, float]],
-) -> None:
+def panel_axes(figure: Chart, number: int, place: dict[str, list[float]], row: PanelRow) -> None:
     """Add the axes of a panel.
 
     Args:
         figure: it is added to.
         number: of the panel, from 1.
         place: of the panel.
-        what: title and extent of the upright axis.
+        row: what it shows.
     """
     end = "" if number == 1 else str(number)
-    title, extent = what
+    title = f"{label(row.title)} ({row.unit})"
     figure.layout[f"xaxis{end}"] = {
         "domain": place["x"],
         "anchor": f"y{end}",
@@ -72,7 +167,7 @@ def panel_axes(
     figure.layout[f"yaxis{end}"] = {
         "domain": place["y"],
         "anchor": f"x{end}",
-        "range": list(extent),
+        "range": list(row.extent),
         "fixedrange": True,
         "zeroline": True,
         "nticks": 6,
