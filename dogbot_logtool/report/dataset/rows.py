@@ -87,17 +87,8 @@ def _leg(name: str, foot: Json) -> Json:
 
 
 def _foot_row(name: str, foot: Json) -> Json:
-    figures = {each.column.name: _value(foot, each.path) for each in foot_columns()}
+    figures = {each.column.name: at(foot, each.path) for each in foot_columns()}
     return {**_leg(name, foot), **figures}
-
-
-def _value(foot: Json, path: Sequence[str]) -> Any:  # noqa: ANN401 - JSON
-    value: Any = foot
-    for key in path:
-        if value is None:
-            return None
-        value = value[key]
-    return value
 
 
 def _transposed(rows: Sequence[Json]) -> Columns:

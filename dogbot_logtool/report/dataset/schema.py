@@ -56,8 +56,8 @@ class FootColumn:
     """A column of the table of feet, and where its figure stands in the JSON of a foot."""
 
     column: TableColumn
-    path: tuple[str, ...]
-    """Keys; the last may be one of an aggregate."""
+    path: str
+    """Keys, joined by dots; the last may be one of an aggregate."""
 
 
 _TYPES: Final = {
@@ -140,18 +140,19 @@ def _foot_columns() -> Iterator[FootColumn]:
     for path, figure in all_figures(DOCUMENT):
         if not path.startswith("feet.*."):
             continue
-        keys = tuple(path.removeprefix("feet.*.").split("."))
+        below = path.removeprefix("feet.*.")
+        keys = below.split(".")
         if keys[0] in (*_IN_EVENTS, *_AS_LEG) or figure.kind in BY_NAME:
             continue
         name = _FOOT_NAMES.get(keys[0], "_".join(keys))
         if figure.kind is not Kind.AGGREGATE:
-            yield FootColumn(_of_figure(name, figure), keys)
+            yield FootColumn(_of_figure(name, figure), below)
             continue
         for statistic, words in STATISTICS.items():
             kind, unit = (Type.INTEGER, "") if statistic == "n" else (Type.NUMBER, figure.unit)
             of = f"{figure.definition}: {words}"
             column = TableColumn(f"{name}_{statistic}", kind, of, unit, figure.null)
-            yield FootColumn(column, (*keys, statistic))
+            yield FootColumn(column, f"{below}.{statistic}")
 
 
 @cache

@@ -19,27 +19,61 @@ _LEGS, _ROWS = TableName.LEGS, TableName.STRIDE_ROWS
 _NO_PATH: Final = (
     "nothing tells of the foot's leg, or its frame is not at rest in stances (see findings)"
 )
-_NO_SWING: Final = f"{_NO_PATH}; {NO_STRIDE}"
-_SLOW: Final = (
-    "the leg or the foot's contact is told less often than 100 times a second; the swing is shorter"
+_NO_STEP: Final = f"{_NO_PATH}; the other foot's leg is not known"
+_NO_VELOCITY: Final = (
+    f"{_NO_PATH}; the leg or the foot's contact is told less often than 100 times a second; the "
+    "swing is shorter"
 )
+_NO_LEG_WORK: Final = f"no joint is known to be of this leg; {NO_WORK}"
 
 
-def _swing(
-    key: str, unit: str, of: "Callable[[LegFoot], Floats]", definition: str, column: Column
-) -> "Figure[LegFoot]":
-    """Return a figure of a foot's strides."""
-    null = f"{_NO_SWING}; {_SLOW}" if "touchdown" in key else _NO_SWING
-    null = f"{_NO_SWING}; the other foot's leg is not known" if "step" in key else null
-    return Figure(
+def _of_stride(
+    key: str,
+    unit: str,
+    of: "Callable[[LegFoot], Floats]",
+    texts: tuple[str, str],
+    column: Column,
+) -> "tuple[Figure[LegFoot], Figure[FootSource]]":
+    """Return a figure of a foot, aggregated over its strides, and the same of each stride.
+
+    Args:
+        key: of both.
+        unit: of both.
+        of: takes the values of all strides.
+        texts: the definition, and when it is not known.
+        column: shows the aggregate.
+    """
+    definition, null = texts
+    aggregated: Figure[LegFoot] = Figure(
         key,
         Kind.AGGREGATE,
         unit,
         lambda leg: aggregate(of(leg)),
         definition,
-        null,
+        f"{null}; {NO_STRIDE}",
         columns=(column,),
     )
+    rows = Figure(
+        key,
+        Kind.COLUMN,
+        unit,
+        _stride_values(of),
+        definition,
+        f"{null}; the leg is silent in the stride",
+        columns=(Column(_ROWS, key),),
+    )
+    return aggregated, rows
+
+
+def _stride_values(of: "Callable[[LegFoot], Floats]") -> Callable[[FootSource], Floats]:
+    def column(source: FootSource) -> Floats:
+        legs = source.stats.legs
+        unknown = np.full(len(source.foot.strides.stance), np.nan)
+        found = unknown if legs is None else of(legs.feet[source.row])
+        # One NaN for all: tables are compared to the bit.
+        return np.where(np.isnan(found), np.nan, found)
+
+    return column
 
 
 _CLEARANCE: Final = (
@@ -47,8 +81,8 @@ _CLEARANCE: Final = (
     "the stances before and after"
 )
 _DOWN: Final = (
-    "downward velocity of the foot at the touchdown, one contact sample before it: slope there of "
-    "the parabola that fits its places of the 30 ms before (at least four)"
+    "downward velocity of the foot one contact sample before the touchdown that ends the stride: "
+    "slope there of the parabola that fits its places of the 30 ms before (at least four)"
 )
 _ALONG: Final = "horizontal speed of the foot, likewise"
 _LENGTH: Final = "horizontal distance of the foot's places in the stances before and after a swing"
@@ -56,6 +90,65 @@ _STEP: Final = (
     "way from the footfall of the other foot of the pair to the own one, along the foot's swing"
 )
 _WIDTH: Final = "the same across it"
+
+_OF_STRIDES: Final = (
+    _of_stride(
+        "clearance_m",
+        "m",
+        lambda leg: leg.swings.clearance_m,
+        (_CLEARANCE, _NO_PATH),
+        Column(_LEGS, "clearance", 1, scale=1e3),
+    ),
+    _of_stride(
+        "swing_length_m",
+        "m",
+        lambda leg: leg.swings.length_m,
+        (_LENGTH, _NO_PATH),
+        Column(_LEGS, "swing m", 3),
+    ),
+    _of_stride(
+        "step_length_m",
+        "m",
+        lambda leg: leg.steps.length_m,
+        (_STEP, _NO_STEP),
+        Column(_LEGS, "step m", 3),
+    ),
+    _of_stride(
+        "step_width_m",
+        "m",
+        lambda leg: leg.steps.width_m,
+        (_WIDTH, _NO_STEP),
+        Column(_LEGS, "width m", 3),
+    ),
+    _of_stride(
+        "touchdown_down_mps",
+        "m/s",
+        lambda leg: leg.swings.touchdown_down_mps,
+        (_DOWN, _NO_VELOCITY),
+        Column(_LEGS, "down m/s", 3),
+    ),
+    _of_stride(
+        "touchdown_along_mps",
+        "m/s",
+        lambda leg: leg.swings.touchdown_along_mps,
+        (_ALONG, _NO_VELOCITY),
+        Column(_LEGS, "along m/s", 3),
+    ),
+    _of_stride(
+        "positive_work_j",
+        "J",
+        lambda leg: leg.work.positive_j,
+        ("positive work of the leg's joints in a stride of the foot", _NO_LEG_WORK),
+        Column(_LEGS, "work+ J", 2),
+    ),
+    _of_stride(
+        "absolute_work_j",
+        "J",
+        lambda leg: leg.work.absolute_j,
+        ("absolute work of the leg's joints in a stride of the foot", _NO_LEG_WORK),
+        Column(_LEGS, "|work| J", 2),
+    ),
+)
 
 _HEIGHT: Final[Sequence[Figure[CycleCurve]]] = (
     Figure("n", Kind.COUNT, "", lambda curve: curve.number, "number of strides"),
@@ -97,60 +190,13 @@ _FOOT: "Final[Sequence[Figure[LegFoot] | Scope]]" = (
         null="nothing tells of the foot's leg in a whole stance",
         columns=(Column(_LEGS, "at rest", 1, scale=1e3, rank=110),),
     ),
-    _swing(
-        "clearance_m",
-        "m",
-        lambda leg: leg.swings.clearance_m,
-        _CLEARANCE,
-        Column(_LEGS, "clearance", 1, scale=1e3),
-    ),
-    _swing(
-        "swing_length_m",
-        "m",
-        lambda leg: leg.swings.length_m,
-        _LENGTH,
-        Column(_LEGS, "swing m", 3),
-    ),
-    _swing("step_length_m", "m", lambda leg: leg.steps.length_m, _STEP, Column(_LEGS, "step m", 3)),
-    _swing("step_width_m", "m", lambda leg: leg.steps.width_m, _WIDTH, Column(_LEGS, "width m", 3)),
-    _swing(
-        "touchdown_down_mps",
-        "m/s",
-        lambda leg: leg.swings.touchdown_down_mps,
-        _DOWN,
-        Column(_LEGS, "down m/s", 3),
-    ),
-    _swing(
-        "touchdown_along_mps",
-        "m/s",
-        lambda leg: leg.swings.touchdown_along_mps,
-        _ALONG,
-        Column(_LEGS, "along m/s", 3),
-    ),
-    Figure(
-        "positive_work_j",
-        Kind.AGGREGATE,
-        "J",
-        lambda leg: aggregate(leg.work.positive_j),
-        "positive work of the leg's joints in a stride of the foot",
-        null=f"no joint is known to be of this leg; {NO_WORK}; {NO_STRIDE}",
-        columns=(Column(_LEGS, "work+ J", 2),),
-    ),
-    Figure(
-        "absolute_work_j",
-        Kind.AGGREGATE,
-        "J",
-        lambda leg: aggregate(leg.work.absolute_j),
-        "absolute work of the leg's joints in a stride of the foot",
-        null=f"no joint is known to be of this leg; {NO_WORK}; {NO_STRIDE}",
-        columns=(Column(_LEGS, "|work| J", 2),),
-    ),
+    *(aggregated for aggregated, _ in _OF_STRIDES),
     Scope(
         "height_over_stride_m",
         _HEIGHT,
         lambda leg: leg.swings.height,
         "height of the foot above the line of its clearance, from touchdown to touchdown",
-        null=_NO_SWING,
+        null=f"{_NO_PATH}; {NO_STRIDE}",
     ),
 )
 
@@ -230,56 +276,5 @@ LEGS: "Final[Sequence[Figure[LegFigures] | Scope]]" = (
 """Of a `LegFigures`."""
 
 
-def _of_strides(of: "Callable[[LegFoot], Floats]") -> Callable[[FootSource], Floats]:
-    def column(source: FootSource) -> Floats:
-        legs = source.stats.legs
-        unknown = np.full(len(source.foot.strides.stance), np.nan)
-        found = unknown if legs is None else of(legs.feet[source.row])
-        # One NaN for all: tables are compared to the bit.
-        return np.where(np.isnan(found), np.nan, found)
-
-    return column
-
-
-def _stride(
-    key: str, unit: str, of: "Callable[[LegFoot], Floats]", definition: str, null: str
-) -> Figure[FootSource]:
-    columns = (Column(_ROWS, key),)
-    return Figure(key, Kind.COLUMN, unit, _of_strides(of), definition, null, columns=columns)
-
-
-LEG_STRIDES: Final[Sequence[Figure[FootSource]]] = (
-    _stride("clearance_m", "m", lambda leg: leg.swings.clearance_m, _CLEARANCE, _NO_SWING),
-    _stride("swing_length_m", "m", lambda leg: leg.swings.length_m, _LENGTH, _NO_SWING),
-    _stride("step_length_m", "m", lambda leg: leg.steps.length_m, _STEP, _NO_SWING),
-    _stride("step_width_m", "m", lambda leg: leg.steps.width_m, _WIDTH, _NO_SWING),
-    _stride(
-        "touchdown_down_mps",
-        "m/s",
-        lambda leg: leg.swings.touchdown_down_mps,
-        f"{_DOWN} that ends the stride",
-        f"{_NO_SWING}; {_SLOW}",
-    ),
-    _stride(
-        "touchdown_along_mps",
-        "m/s",
-        lambda leg: leg.swings.touchdown_along_mps,
-        _ALONG,
-        f"{_NO_SWING}; {_SLOW}",
-    ),
-    _stride(
-        "positive_work_j",
-        "J",
-        lambda leg: leg.work.positive_j,
-        "positive work of the leg's joints in the stride",
-        NO_WORK,
-    ),
-    _stride(
-        "absolute_work_j",
-        "J",
-        lambda leg: leg.work.absolute_j,
-        "absolute work of the leg's joints in the stride",
-        NO_WORK,
-    ),
-)
+LEG_STRIDES: Final[Sequence[Figure[FootSource]]] = tuple(rows for _, rows in _OF_STRIDES)
 """Figures of the strides of a `FootSource`, like `STRIDES`."""
