@@ -54,7 +54,7 @@ class PanelRow:
 def over_cycle(stats: Stats, rows: Sequence[PanelRow], row_pixels: int) -> Chart:
     """Draw rows of panels, one above the other."""
     columns = leg_columns(stats)
-    margin = {**MARGIN, "l": 60, "t": 24}
+    margin = {**MARGIN, "l": 60, "r": 20, "t": 24}
     figure = Chart(layout={"height": row_pixels * len(rows) + 50, "margin": margin})
     figure.layout.update(showlegend=False, hovermode="x unified", annotations=[])
     for number, row in enumerate(rows):
