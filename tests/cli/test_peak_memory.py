@@ -9,8 +9,9 @@ import pytest
 from tests.paths import ROOT
 
 LIMIT_MIB = 150
-SLACK_MIB = 15
-"""What two runs of the same command may differ by."""
+SLACK_MIB = 25
+"""What two runs of the same command may differ by: the shorter log ends before all workers are at
+their peak. A minute of messages takes more than three times as much."""
 
 
 def run(*words: str | Path) -> str:
@@ -21,9 +22,9 @@ def run(*words: str | Path) -> str:
 @pytest.mark.slow
 @pytest.mark.skipif(sys.platform != "linux", reason="nothing tells the memory of all processes")
 @pytest.mark.parametrize(("suffix", "kind"), [("bag", "lz4"), ("mcap", "ros1")])
-def test_three_times_the_log_takes_no_more_memory(tmp_path: Path, suffix: str, kind: str) -> None:
+def test_four_times_the_log_takes_no_more_memory(tmp_path: Path, suffix: str, kind: str) -> None:
     peaks: list[float] = []
-    for seconds in (20, 60):
+    for seconds in (20, 80):
         log = tmp_path / f"{seconds}.{suffix}"
         run("benchmarks/make_log.py", log, str(seconds), kind)
         words = ("convert", log, "-o", tmp_path / f"{seconds}.out.mcap", "-q", "--jobs", "2")
