@@ -4,11 +4,18 @@ from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Final
 
+import numpy as np
+
 from dogbot_logtool.core.frames.transform_buffer import TransformBuffer
 from dogbot_logtool.core.geometry.arrays import header_time
 from dogbot_logtool.core.geometry.clock import TimeSource
 from dogbot_logtool.core.legs.foot_path import LegChain, chain_to, moving_parents
-from dogbot_logtool.core.legs.joint_track import MOST_JOINTS, JointLimits, JointTable
+from dogbot_logtool.core.legs.joint_track import (
+    MOST_JOINTS,
+    JointLimits,
+    JointSamples,
+    JointTable,
+)
 from dogbot_logtool.core.legs.settings import JointPair, LegSettings
 from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.pipeline.feet.names import name_feet
@@ -84,15 +91,11 @@ class LegReader:
             taken = self.taken[channel.id]
             kept = [row for row, name in enumerate(told.names) if name not in taken][:MOST_JOINTS]
             if kept and len(told.log_time):
-                yield JointTable(
-                    channel.topic,
-                    tuple(told.names[row] for row in kept),
-                    told.log_time,
-                    header_time(told.stamp, told.log_time),
-                    told.position[:, kept],
-                    told.velocity[:, kept],
-                    told.effort[:, kept],
-                )
+                stamp = header_time(told.stamp, told.log_time)
+                values = told.position, told.velocity, told.effort
+                samples = JointSamples(told.log_time, stamp, *values).only(np.array(kept))
+                names = tuple(told.names[row] for row in kept)
+                yield JointTable(channel.topic, names, samples)
 
 
 def leg_reader(log: Log, selection: Selection, probe: Probe, clock: TimeSource) -> LegReader | None:

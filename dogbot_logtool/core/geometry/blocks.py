@@ -5,7 +5,8 @@ depend on that in its last digits. So each stream is cut into blocks of a fixed 
 counted from its own start: the figures are the same to the bit however the log is packed.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from copy import copy
 from dataclasses import fields
 from typing import Any, ClassVar, Final, Generic, Protocol, Self, TypeVar
 
@@ -74,6 +75,12 @@ class Blocks(Generic[Columns]):
         if self._parts:
             yield concatenated(self._parts)
         self._parts, self._rows = [], 0
+
+    def changed(self, change: Callable[[Columns], Columns]) -> Self:
+        """Return a copy whose rows that wait are changed."""
+        other = copy(self)
+        other._parts = [change(each) for each in self._parts]  # noqa: SLF001 - its own
+        return other
 
 
 def run_of(columns: Columns, start: int, stop: int) -> Columns:

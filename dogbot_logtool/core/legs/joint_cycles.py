@@ -4,7 +4,7 @@ import numpy as np
 
 from dogbot_logtool.core.gait.cycle_curves import CYCLE_POINTS
 from dogbot_logtool.core.gait.strides import Strides
-from dogbot_logtool.core.geometry.arrays import Flags, Float32s, Floats
+from dogbot_logtool.core.geometry.arrays import Flags, Floats
 from dogbot_logtool.core.legs.joint_track import JointHistory, JointTrack
 from dogbot_logtool.dataclass import dataclass
 
@@ -50,25 +50,23 @@ def joint_work(joint: JointHistory, strides: Strides) -> Work:
         within = (strides.touchdown >= joint.start) & (strides.end <= joint.end)
         still = np.where(within, 0.0, np.nan)
         return Work(still, still)
-    known = _known(joint.track, strides, joint)
-    return Work(
-        *(
-            np.where(known, _over(joint.track, work, strides), np.nan)
-            for work in (joint.track.positive_work, joint.track.absolute_work)
-        )
-    )
+    track = joint.track
+    known = _known(track, strides, joint)
+    positive, absolute = _over(track, strides)
+    return Work(np.where(known, positive, np.nan), np.where(known, absolute, np.nan))
 
 
-def _over(track: JointTrack, work: Float32s, strides: Strides) -> Floats:
-    """(strides,) J, work between touchdown and the next, of work between rows."""
-    since = (track.time - track.time[0]).astype(np.float64)
-    total = np.cumsum(np.nan_to_num(work.astype(np.float64)))
-    end, begin = (
-        np.interp((time - track.time[0]).astype(np.float64), since, total)
-        for time in (strides.end, strides.touchdown)
+def _over(track: JointTrack, strides: Strides) -> tuple[Floats, Floats]:
+    """(strides,) J each, positive and absolute work between touchdown and the next."""
+    since, end, begin = (
+        (time - track.time[0]).astype(np.float64)
+        for time in (track.time, strides.end, strides.touchdown)
     )
-    done: Floats = end - begin
-    return done
+    done: list[Floats] = []
+    for work in (track.positive_work, track.absolute_work):
+        total = np.cumsum(np.nan_to_num(work.astype(np.float64)))
+        done.append(np.interp(end, since, total) - np.interp(begin, since, total))
+    return done[0], done[1]
 
 
 def _known(track: JointTrack, strides: Strides, joint: JointHistory) -> Flags:

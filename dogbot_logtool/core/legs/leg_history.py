@@ -5,13 +5,8 @@ from collections.abc import Mapping, Sequence
 from dogbot_logtool.core.frames.transform_buffer import TransformBuffer
 from dogbot_logtool.core.geometry.clock import TimeSource
 from dogbot_logtool.core.legs.foot_path import FootPath, PathRecorder, path_by_joints
-from dogbot_logtool.core.legs.joint_track import (
-    MOST_JOINTS,
-    JointHistory,
-    JointLimits,
-    JointRecorder,
-    JointTable,
-)
+from dogbot_logtool.core.legs.joint_recorder import TopicRecorder
+from dogbot_logtool.core.legs.joint_track import MOST_JOINTS, JointHistory, JointTable
 from dogbot_logtool.core.legs.settings import LegSettings
 from dogbot_logtool.core.quality.clocks import OffsetRecorder, OffsetTrack
 from dogbot_logtool.dataclass import dataclass
@@ -37,37 +32,39 @@ class LegRecorder:
         self._settings, self._clock = settings, clock
         chains = [None if each is None or each.joints else each for each in settings.chains]
         self._paths = PathRecorder(chains, settings.statics)
-        self._joints: dict[tuple[str, str], JointRecorder] = {}
+        self._topics: dict[str, TopicRecorder] = {}
         self._offsets: dict[str, OffsetRecorder] = {}
 
     def add(self, joints: Sequence[JointTable], frames: TransformBuffer, end: int | None) -> None:
         """Take in the next batch: joint states, frames that move, and its latest log time, ns."""
         for table in joints:
-            stamped = table.stamp != table.log_time
+            log_time, stamp = table.samples.log_time, table.samples.stamp
+            stamped = stamp != log_time
             offsets = self._offsets.setdefault(table.topic, OffsetRecorder())
-            offsets.add(table.log_time[stamped], table.stamp[stamped])
-            for column, name in enumerate(table.names):
-                key = table.topic, name
-                if key not in self._joints:
-                    if len(self._joints) >= MOST_JOINTS:
-                        continue
-                    limits = self._settings.limits.get(name, JointLimits())
-                    self._joints[key] = JointRecorder(name, table.topic, self._clock, limits)
-                self._joints[key].add(table.joint(column))
+            offsets.add(log_time[stamped], stamp[stamped])
+            if table.topic not in self._topics:
+                limits = self._settings.limits
+                self._topics[table.topic] = TopicRecorder(table.topic, self._clock, limits)
+            topic = self._topics[table.topic]
+            others = sum(each.joints for each in self._topics.values()) - topic.joints
+            topic.add(table.names, table.samples, MOST_JOINTS - others)
         self._paths.add(frames, end)
 
     def finish(self) -> LegHistory:
         """End the log."""
         order = {topic: rank for rank, topic in enumerate(self._settings.joint_topics)}
         found: dict[str, JointHistory] = {}
-        for topic, name in sorted(self._joints, key=lambda key: (key[1], order[key[0]])):
-            history = self._joints[topic, name].finish() if name not in found else None
-            if history is not None:
-                found[name] = history
+        for topic in sorted(self._topics, key=order.__getitem__):
+            for name, history in self._topics[topic].finish().items():
+                found.setdefault(name, history)
+        joints = tuple(found[name] for name in sorted(found))
         paths = list(self._paths.finish())
-        tracks = {name: each.track if each.moves else each.lowest for name, each in found.items()}
         for foot, chain in enumerate(self._settings.chains):
             if chain is not None and chain.joints:
-                paths[foot] = path_by_joints(chain, tracks)
+                named = {joint.measured for joint in chain.joints}
+                own = {name: each for name, each in found.items() if name in named}
+                paths[foot] = path_by_joints(
+                    chain, {n: each.track if each.moves else each.lowest for n, each in own.items()}
+                )
         offsets = {topic: each.finish() for topic, each in self._offsets.items()}
-        return LegHistory(self._settings, tuple(found.values()), tuple(paths), offsets)
+        return LegHistory(self._settings, joints, tuple(paths), offsets)

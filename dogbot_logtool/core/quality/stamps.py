@@ -1,8 +1,9 @@
 """Which header stamps can be used: single bad ones are left out, a clock that is set is noticed."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from copy import copy, deepcopy
 from dataclasses import replace
-from typing import Any, Final, Generic
+from typing import Any, Final, Generic, Self
 
 import numpy as np
 
@@ -227,6 +228,13 @@ class StampFilter(Generic[Columns]):
     def finish(self) -> Iterator[Columns]:
         """End the log; give the rest."""
         yield from self._release(self.check.finish())
+
+    def changed(self, change: Callable[[Columns], Columns]) -> Self:
+        """Return a copy whose rows that are held back are changed."""
+        other = copy(self)
+        other.check = deepcopy(self.check)
+        other._held = [change(each) for each in self._held]  # noqa: SLF001 - its own
+        return other
 
     def _release(self, usable: Flags) -> Iterator[Columns]:
         waiting, self._held = self._held, []

@@ -125,10 +125,13 @@ def _read_alike(messages: DecodedMessages, named: Nested) -> JointStates | None:
         return None
     called: Texts = named.table.texts(ELEMENT)
     start, length = called.start.reshape(count, rows), called.length.reshape(count, rows)
-    columns = [Texts(called.buffer, *each) for each in zip(start, length, strict=True)]
-    names = tuple(each.text(0) for each in columns)
+    names = tuple(called.text(row) for row in range(0, count * rows, rows))
+    # All names of a message, with what lies between them.
+    whole = Texts(called.buffer, start[0], start[-1] + length[-1] - start[0])
+    ends = np.stack([start, start + length]) - start[0]
+    differ = (ends != ends[:, :, :1]).any() or len(whole.alike()[1]) > 1
     parents = np.repeat(np.arange(rows), count)
-    if len(set(names)) < count or any(len(each.alike()[1]) > 1 for each in columns):
+    if len(set(names)) < count or differ:
         return None
     found: list[Floats] = []
     for path in ("position", "velocity", "effort"):

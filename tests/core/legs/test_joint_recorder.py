@@ -1,42 +1,47 @@
-"""A joint's states, however they are split, against sums worked out by hand."""
+"""Joints' states, however they are split and told, against sums worked out by hand."""
 
 import numpy as np
 import pytest
 
 from dogbot_logtool.core.geometry.arrays import Floats, Ints
 from dogbot_logtool.core.geometry.clock import TimeSource
-from dogbot_logtool.core.legs.joint_track import (
-    JointHistory,
-    JointLimits,
-    JointRecorder,
-    JointSamples,
-)
+from dogbot_logtool.core.legs.joint_recorder import TopicRecorder
+from dogbot_logtool.core.legs.joint_track import JointHistory, JointLimits, JointSamples
 
 START = 7_000_000_000
 STEP = 2_000_000
+NAMES = ("hip", "thigh", "knee", "ankle", "toe", "neck")
 
 
 def samples(
     position: Floats, velocity: Floats, effort: Floats, time: Ints | None = None
 ) -> JointSamples:
     times = START + STEP * np.arange(len(position)) if time is None else time
-    return JointSamples(times, times, position, velocity, effort)
+    columns = (each.reshape(len(times), -1) for each in (position, velocity, effort))
+    return JointSamples(times, times, *columns)
 
 
-def wave(count: int = 12_000) -> JointSamples:
-    time = STEP / 1e9 * np.arange(count)
-    return samples(np.sin(3.0 * time), 3.0 * np.cos(3.0 * time), 5.0 * np.cos(3.0 * time + 1.0))
+def wave(count: int = 12_000, joints: int = 1) -> JointSamples:
+    phase = 3.0 * STEP / 1e9 * np.arange(count)[:, None] + np.arange(joints)
+    return samples(np.sin(phase), 3.0 * np.cos(phase), 5.0 * np.cos(phase + 1.0))
+
+
+def histories(
+    *parts: JointSamples,
+    limits: JointLimits = JointLimits(),  # noqa: B008 - frozen
+    most: int = 99,
+) -> dict[str, JointHistory]:
+    recorder = TopicRecorder("/joint_states", TimeSource.HEADER, dict.fromkeys(NAMES, limits))
+    for part in parts:
+        recorder.add(NAMES[: part.position.shape[1]], part, most)
+    return recorder.finish()
 
 
 def recorded(
     *parts: JointSamples,
     limits: JointLimits = JointLimits(),  # noqa: B008 - frozen
 ) -> JointHistory:
-    recorder = JointRecorder("knee", "/joint_states", TimeSource.HEADER, limits)
-    for part in parts:
-        recorder.add(part)
-    found = recorder.finish()
-    assert found is not None
+    (found,) = histories(*parts, limits=limits).values()
     return found
 
 
@@ -46,14 +51,30 @@ def same(one: JointHistory, other: JointHistory) -> bool:
         np.array_equal(getattr(one.track, name), getattr(other.track, name), equal_nan=True)
         for name in columns
     )
-    names = [name for name in JointHistory.__dataclass_fields__ if name != "track"]
+    names = [n for n in JointHistory.__dataclass_fields__ if n not in {"number", "kept"}]
     return tracks and all(getattr(one, name) == getattr(other, name) for name in names)
+
+
+def irregular() -> JointSamples:
+    """Six joints: of a leg that rests at first, with silences and numbers that are missing."""
+    whole = wave(9_000, len(NAMES))
+    whole.position[:4300, 1:3] = 0.25
+    whole.position[:, 5] = -0.5
+    whole.velocity[:, 3] = 0.0
+    whole.effort[2000:2100, 4] = np.nan
+    rows = np.delete(np.arange(9_000), np.s_[1001:1100])
+    whole = whole.pick(np.delete(rows, np.s_[4095:4200]))
+    whole.stamp[[5, 3000]] = 0
+    whole.stamp[2500:2503] -= 500 * STEP
+    whole.position[700:705, 2] = np.nan
+    whole.position[5000:, 4] = np.nan
+    return whole
 
 
 def test_work_of_a_wave() -> None:
     whole = wave()
     found = recorded(whole)
-    power, time = whole.effort * whole.velocity, whole.stamp / 1e9
+    power, time = (whole.effort * whole.velocity)[:, 0], whole.stamp / 1e9
     assert found.absolute_work_j == pytest.approx(np.trapezoid(np.abs(power), time))
     assert found.positive_work_j == pytest.approx(np.trapezoid(power.clip(0.0), time))
     assert found.track.absolute_work.sum() == pytest.approx(found.absolute_work_j, rel=1e-5)
@@ -68,6 +89,37 @@ def test_splits_do_not_matter(seed: int) -> None:
     cuts = np.sort(np.random.default_rng(seed).integers(0, len(whole.stamp), 9))
     parts = np.split(np.arange(len(whole.stamp)), cuts)
     assert same(recorded(whole), recorded(*(whole.pick(rows) for rows in parts)))
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_joints_together_are_as_each_alone_however_they_are_split(seed: int) -> None:
+    whole = irregular()
+    cuts = np.sort(np.random.default_rng(seed).integers(0, len(whole.stamp), 7))
+    parts = [whole.pick(rows) for rows in np.split(np.arange(len(whole.stamp)), cuts)]
+    found = histories(*parts)
+    assert sorted(found) == sorted(NAMES)
+    for column, name in enumerate(NAMES):
+        alone = TopicRecorder("/joint_states", TimeSource.HEADER, {name: JointLimits()})
+        alone.add([name], whole.only(np.array([column])), 1)
+        assert same(found[name], alone.finish()[name]), name
+
+
+def test_joints_of_two_senders_on_one_topic() -> None:
+    whole = wave(8_000, 4)
+    whole.position[::2, :2] = np.nan
+    whole.position[1::2, 2:] = np.nan
+    found = histories(whole)
+    for column, name in enumerate(NAMES[:4]):
+        rows = np.arange(1 - column // 2, 8_000, 2)
+        assert same(
+            found[name],
+            histories(whole.pick(rows).only(np.arange(column + 1)))[name],
+        )
+        assert found[name].messages == 4_000
+
+
+def test_no_more_joints_are_followed_than_allowed() -> None:
+    assert list(histories(wave(50, 6), wave(50, 6), most=4)) == list(NAMES[:4])
 
 
 def test_no_velocity_means_differences() -> None:
@@ -102,10 +154,11 @@ def test_a_joint_that_never_moves_keeps_no_rows() -> None:
 
 def test_rest_before_the_first_motion_is_not_kept() -> None:
     whole = wave(1000)
+    rest = np.zeros((8000, 1))
     late = samples(
-        np.concatenate([np.zeros(8000), whole.position]),
-        np.concatenate([np.zeros(8000), whole.velocity]),
-        np.concatenate([np.zeros(8000), whole.effort]),
+        np.concatenate([rest, whole.position]),
+        np.concatenate([rest, whole.velocity]),
+        np.concatenate([rest, whole.effort]),
     )
     found = recorded(late)
     assert found.track.time[0] == late.stamp[8000]
@@ -115,7 +168,7 @@ def test_rest_before_the_first_motion_is_not_kept() -> None:
 def test_time_near_limits() -> None:
     whole = wave()
     near = recorded(whole, limits=JointLimits(-1.0, 1.0)).near_limit_s
-    expected = (np.abs(whole.position[1:]) > 0.96).sum() * STEP / 1e9
+    expected = (np.abs(whole.position[1:, 0]) > 0.96).sum() * STEP / 1e9
     assert near == pytest.approx(expected, abs=2 * STEP / 1e9)
     assert recorded(whole).near_limit_s == 0.0
 
