@@ -15,10 +15,11 @@ from dogbot_logtool.core.frames.transform_buffer import (
     TransformBuffer,
     chain_of_frames,
 )
-from dogbot_logtool.core.geometry.arrays import Flags, Float32s, Floats, Ints
+from dogbot_logtool.core.geometry.arrays import Float32s, Floats, Ints
 from dogbot_logtool.core.geometry.clock import first_at_each_tick
 from dogbot_logtool.core.geometry.rotations import rotate
-from dogbot_logtool.core.legs.joint_track import LONGEST_STEP_S, JointTrack
+from dogbot_logtool.core.legs.joint_track import JointTrack
+from dogbot_logtool.core.legs.silences import silent_before
 from dogbot_logtool.dataclass import dataclass
 
 PATH_RATE_HZ: Final = 200.0
@@ -49,13 +50,6 @@ class FootPath:
     """(n,) ns, strictly increasing."""
     position: Float32s
     """(n, 3) m."""
-
-    @property
-    def broken(self) -> Flags:
-        """(n,) whether a silence lies between a row and the one before."""
-        broken = np.zeros(len(self.time), np.bool_)
-        broken[1:] = np.diff(self.time) > LONGEST_STEP_S * 1e9
-        return broken
 
 
 class FootPathRecorder:
@@ -184,7 +178,7 @@ def path_by_joints(chain: LegChain, tracks: Mapping[str, JointTrack | float]) ->
                 track.position.astype(np.float64),
             )
             after = np.searchsorted(track.time, time)
-            known &= ~(track.broken[after] & (track.time[after] > time))
+            known &= ~(silent_before(track.time)[after] & (track.time[after] > time))
         elif track is not None:
             positions[:, column] = track
     time, positions = time[known], positions[known]

@@ -6,6 +6,7 @@ from dogbot_logtool.core.gait.cycle_curves import CYCLE_POINTS
 from dogbot_logtool.core.gait.strides import Strides
 from dogbot_logtool.core.geometry.arrays import Flags, Floats
 from dogbot_logtool.core.legs.joint_track import JointHistory, JointTrack
+from dogbot_logtool.core.legs.silences import silent_before, unbroken
 from dogbot_logtool.dataclass import dataclass
 
 
@@ -74,13 +75,9 @@ def _known(track: JointTrack, strides: Strides, joint: JointHistory) -> Flags:
 
     Before its first motion, which is where its track begins, a joint is known to be at rest.
     """
-    unknown = np.concatenate([[0], np.cumsum(~np.isfinite(track.positive_work))])
-    first = np.searchsorted(track.time, strides.touchdown, side="right")
-    last = np.searchsorted(track.time, strides.end, side="left") + 1
-    inside = (strides.touchdown >= joint.start) & (last <= len(track.time))
-    last = np.minimum(last, len(track.time))
-    known: Flags = inside & (unknown[last] == unknown[np.minimum(first, last)])
-    return known
+    breaks = ~np.isfinite(track.positive_work)
+    told = unbroken(track.time, breaks, strides.touchdown, strides.end)
+    return told & (strides.touchdown >= joint.start)
 
 
 def joint_curve(joint: JointHistory, strides: Strides) -> JointCurve | None:
@@ -88,7 +85,8 @@ def joint_curve(joint: JointHistory, strides: Strides) -> JointCurve | None:
     track = joint.track
     if len(track.time) < 2 or not len(strides.touchdown):
         return None
-    rows = np.flatnonzero(_unbroken(track, strides))
+    told = unbroken(track.time, silent_before(track.time), strides.touchdown, strides.end)
+    rows = np.flatnonzero(told & (strides.touchdown >= track.time[0]))
     if not len(rows):
         return None
     phase = np.linspace(0.0, 1.0, CYCLE_POINTS)
@@ -107,17 +105,6 @@ def joint_curve(joint: JointHistory, strides: Strides) -> JointCurve | None:
         number=len(rows),
         ranges=np.ptp(position, axis=1),
     )
-
-
-def _unbroken(track: JointTrack, strides: Strides) -> Flags:
-    """(strides,) whether the joint's states cover a stride without a silence."""
-    breaks = np.concatenate([[0], np.cumsum(track.broken)])
-    first = np.searchsorted(track.time, strides.touchdown, side="right")
-    last = np.searchsorted(track.time, strides.end, side="left") + 1
-    inside = (first > 0) & (last <= len(track.time))
-    last = np.minimum(last, len(track.time))
-    known: Flags = inside & (breaks[last] == breaks[np.minimum(first, last)])
-    return known
 
 
 def summed(works: list[Work], count: int) -> Work:

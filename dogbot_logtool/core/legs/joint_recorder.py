@@ -18,12 +18,12 @@ from dogbot_logtool.core.geometry.blocks import Blocks, concatenated
 from dogbot_logtool.core.geometry.clock import TimeSource, advancing, first_at_each_tick
 from dogbot_logtool.core.geometry.order_statistics import distinct
 from dogbot_logtool.core.legs.joint_track import (
-    LONGEST_STEP_S,
     JointHistory,
     JointLimits,
     JointSamples,
     KeptStates,
 )
+from dogbot_logtool.core.legs.silences import LONGEST_STEP_S
 from dogbot_logtool.core.quality.stamps import StampFilter
 
 JOINT_RATE_HZ: Final = 100.0

@@ -9,8 +9,6 @@ from dogbot_logtool.dataclass import dataclass
 
 MOST_JOINTS: Final = 256
 """Joints of a robot that are followed; no robot with legs has more."""
-LONGEST_STEP_S: Final = 0.1
-"""Joint states further apart are not joined: it is not known what the joint did between."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -80,13 +78,6 @@ class JointTrack:
     positive_work: Float32s
     """J since the row before; NaN where a silence or an unknown effort lies between."""
     absolute_work: Float32s
-
-    @property
-    def broken(self) -> Flags:
-        """(n,) whether a silence lies between a row and the one before."""
-        broken = np.zeros(len(self.time), np.bool_)
-        broken[1:] = np.diff(self.time) > LONGEST_STEP_S * 1e9
-        return broken
 
 
 @dataclass(frozen=True, slots=True)

@@ -12,7 +12,7 @@ from dogbot_logtool.core.geometry.arrays import Flags, Floats, Ints
 from dogbot_logtool.core.geometry.order_statistics import median_of
 from dogbot_logtool.core.geometry.rotations import from_roll_pitch_yaw, rotate
 from dogbot_logtool.core.legs.foot_path import FootPath
-from dogbot_logtool.core.legs.joint_track import LONGEST_STEP_S
+from dogbot_logtool.core.legs.silences import silent_before, unbroken
 from dogbot_logtool.dataclass import dataclass
 
 MIDDLE: Final = (0.2, 0.8)
@@ -66,12 +66,7 @@ class WorldPath:
         """(m,) whether the path is known all the way between two times each."""
         if len(self.time) == 0:
             return np.zeros(len(start), np.bool_)
-        breaks = np.concatenate([[0], np.cumsum(self.broken)])
-        first = np.searchsorted(self.time, start, side="right")
-        last = np.searchsorted(self.time, end, side="left") + 1
-        inside = (first > 0) & (last <= len(self.time))
-        last = np.minimum(last, len(self.time))
-        known: Flags = inside & (breaks[last] == breaks[np.minimum(first, len(self.time))])
+        known: Flags = unbroken(self.time, self.broken, start, end) & (start >= self.time[0])
         return known
 
 
@@ -82,9 +77,7 @@ def world_path(path: FootPath, base: BaseHistory) -> WorldPath:
     position = place + rotate(turn, path.position.astype(np.float64))
     known = np.isfinite(position).all(axis=1)
     time, position = path.time[known], position[known]
-    broken = np.zeros(len(time), np.bool_)
-    broken[1:] = np.diff(time) > LONGEST_STEP_S * 1e9
-    return WorldPath(time, position, broken)
+    return WorldPath(time, position, silent_before(time))
 
 
 @dataclass(frozen=True, slots=True)
