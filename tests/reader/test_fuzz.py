@@ -13,6 +13,10 @@ from tests.reader.mutation import CASES, Case, Kind, Mutation, floor, read_harme
 from tests.reader.reading import Reading, read_bytes, read_file, written_mcap
 
 ANY_CASE = pytest.mark.parametrize("case", CASES, ids=lambda case: case.name)
+CUT_EVERY = 3
+"""Bytes; the cases differ in where their records end."""
+FLIP_EVERY = 7
+"""Bits: one of each byte at least. `make fuzz` tries others."""
 NUMBERS = st.integers(0, (1 << 16) - 1)
 MUTATIONS = st.lists(
     st.builds(Mutation, st.sampled_from(Kind), NUMBERS, NUMBERS, NUMBERS), min_size=1, max_size=4
@@ -20,10 +24,10 @@ MUTATIONS = st.lists(
 
 
 @ANY_CASE
-def test_cut_at_every_byte(tmp_path: Path, case: Case) -> None:
+def test_cut_anywhere(tmp_path: Path, case: Case) -> None:
     path = tmp_path / "log"
     path.write_bytes(case.data)
-    for size in range(len(case.data) - 1, -1, -1):
+    for size in range(len(case.data) - 1, -1, -CUT_EVERY):
         os.truncate(path, size)
         if case.is_bag and 100 < size < 4000:
             continue  # the padding of the bag's header
@@ -71,7 +75,7 @@ FLIPPED = {
 
 @pytest.mark.slow
 @pytest.mark.parametrize("name", FLIPPED)
-def test_every_flipped_bit_of_an_mcap_is_harmless_or_said(tmp_path: Path, name: str) -> None:
+def test_a_flipped_bit_in_any_byte_is_harmless_or_said(tmp_path: Path, name: str) -> None:
     mcap = FLIPPED[name]
     data = mcap.build()
     written = set(written_mcap(mcap))
@@ -80,7 +84,7 @@ def test_every_flipped_bit_of_an_mcap_is_harmless_or_said(tmp_path: Path, name: 
     assert set(sound.messages) == written
     path = tmp_path / "log"
     with path.open("r+b") as file:
-        for bit in range(8 * len(data)):
+        for bit in range(0, 8 * len(data), FLIP_EVERY):
             place, mask = bit // 8, 1 << bit % 8
             file.seek(place)
             file.write(bytes([data[place] ^ mask]))
