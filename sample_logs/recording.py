@@ -24,6 +24,7 @@ from gait_model import (
 )
 from joint_torques import joint_torques
 from leg_kinematics import (
+    LOWER_LEG_LENGTH_M,
     UPPER_LEG_LENGTH_M,
     conjugate,
     joint_rotations,
@@ -203,13 +204,13 @@ class _Recorder:
         )
 
     def transforms(self) -> Iterator[LoggedMessage]:
-        """Legs; the rigid foot frames are among them in ROS 1 and apart in ROS 2."""
+        """Legs; the rigid frames of feet and soles are among them in ROS 1 and apart in ROS 2."""
         time_s = self._times_s(_JOINT_INTERVAL_NS)
         rotations = {
             foot: round_quaternions(joint_rotations(leg_angles(self._scenario.gait, foot, time_s)))
             for foot in FEET
         }
-        fixed_links = _foot_links() if self._scenario.ros_version == 1 else []
+        fixed_links = _fixed_links() if self._scenario.ros_version == 1 else []
 
         def serialise(seq: int, stamp_ns: int) -> bytes:
             links = [link for foot in FEET for link in _leg_links(foot, rotations[foot][seq])]
@@ -218,10 +219,10 @@ class _Recorder:
         return self._periodic(TF_TOPIC, _TF_TYPE, _JOINT_INTERVAL_NS, serialise)
 
     def static_transforms(self) -> Iterator[LoggedMessage]:
-        """Rigid foot frames once at the start, in ROS 2 only."""
+        """Rigid frames of feet and soles once at the start, in ROS 2 only."""
         if self._scenario.ros_version == 2:
             time_ns = self._scenario.start_ns
-            data = self._factory.transforms(time_ns, _foot_links())
+            data = self._factory.transforms(time_ns, _fixed_links())
             yield LoggedMessage(TF_STATIC_TOPIC, _TF_TYPE, time_ns, time_ns, data)
 
     def _periodic(
@@ -299,11 +300,13 @@ def _leg_links(foot: str, rotations: Array) -> list[Link]:
     ]
 
 
-def _foot_links() -> list[Link]:
-    """Foot frames: fixed to the lower leg at the knee, not where the foot touches the ground."""
+def _fixed_links() -> list[Link]:
+    """Frames fixed to lower legs: a foot's at the knee, a sole's where it touches the ground."""
+    height_m = {"foot": 0.0, "sole": -LOWER_LEG_LENGTH_M}
     return [
-        Link(f"{foot}_lowerleg", f"{foot}_foot", (0.0, 0.0, 0.0), (0.0, 0.0, 0.0, 1.0))
+        Link(f"{foot}_lowerleg", f"{foot}_{name}", (0.0, 0.0, z), (0.0, 0.0, 0.0, 1.0))
         for foot in FEET
+        for name, z in height_m.items()
     ]
 
 

@@ -37,6 +37,7 @@ from dogbot_logtool.reader.messages.transforms import transform_columns
 from dogbot_logtool.robot import Foot
 
 _MOST_TOPICS: Final = 16
+_SOLE: Final = frozenset({"sole", "soles", "footsole"})
 
 
 @dataclass(frozen=True, slots=True)
@@ -219,8 +220,14 @@ class _Legs:
 
 
 def _named_frames(feet: Sequence[Foot], frames: Iterable[str]) -> dict[int, str]:
-    """Return the frame of each foot among frames that are named like the feet of all legs."""
-    found = name_feet(frames, contacts_only=False).chosen
+    """Return the frame of each foot among frames that are named like the feet of all legs.
+
+    A frame of the sole comes before others, which may as well be at the ankle or the knee.
+    """
+    names = list(frames)
+    soles = [name for name in names if any(word.text in _SOLE for word in words_of(name))]
+    found = name_feet(soles, contacts_only=False).chosen
+    found = found or name_feet(names, contacts_only=False).chosen
     if found is None or found.part is not Part.FOOT:
         return {}
     named = {each.position or each.name: each.topic for each in found.feet}

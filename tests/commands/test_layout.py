@@ -87,10 +87,10 @@ def test_the_robot_is_followed_and_its_arrows_are_visible() -> None:
 def test_the_camera_stands_before_the_robot(axis: str, side: tuple[int, int]) -> None:
     offset = panel(foxglove_layout(View(FEET, "world", "base", axis)), "3D")["cameraState"]
     angle = radians(-90.0 - offset["thetaOffset"])
-    assert cos(angle) * side[0] + sin(angle) * side[1] > 0.7
+    assert 0.3 < cos(angle) * side[0] + sin(angle) * side[1] < 0.7
     yaw = rviz_config(View(FEET, "world", "base", axis))["Visualization Manager"]["Views"]
     angle = yaw["Current"]["Yaw"]
-    assert cos(angle) * side[0] + sin(angle) * side[1] > 0.7
+    assert 0.3 < cos(angle) * side[0] + sin(angle) * side[1] < 0.7
 
 
 def test_the_ground_stays_in_the_world() -> None:
@@ -182,6 +182,12 @@ def test_rviz_shows_what_is_written() -> None:
     feet = {name for foot in FEET for name in (f"/marker_basic_{foot}_foot", f"/label/{foot}")}
     assert topics == feet | {"/support", "/legs"}
     assert {"rviz/RobotModel", "rviz/Grid"} < {each["Class"] for each in displays}
+
+
+def test_rviz_opens_a_window_of_a_screen_s_size() -> None:
+    view = rviz_config(View(FEET, "map", "trunk"))
+    assert (view["Window Geometry"]["Width"], view["Window Geometry"]["Height"]) == (1280, 720)
+    assert "rviz/Displays" in {each["Class"] for each in view["Panels"]}
 
 
 def test_the_shape_is_what_viewers_import() -> None:

@@ -75,6 +75,13 @@ def test_frames_that_are_named_like_feet() -> None:
     named = _named_frames(QUADRUPED, frames)
     assert named == {0: "LF_FOOT", 1: "RF_FOOT", 2: "LH_FOOT", 3: "RH_FOOT"}
     assert _named_frames(QUADRUPED, ["base", "camera"]) == {}
+    # A foot's frame may be at the knee, as DogBot's is; a sole's is not.
+    soles = ["LF_sole", "RF_sole", "LH_sole", "RH_sole"]
+    assert _named_frames(QUADRUPED, [*frames, *soles]) == dict(enumerate(soles))
+    assert _named_frames(BIPED, ["left_sole_link", "left_ankle", "right_sole_link"]) == {
+        0: "left_sole_link",
+        1: "right_sole_link",
+    }
 
 
 def test_a_log_without_legs_imports_nothing_of_them(tmp_path: Path) -> None:

@@ -88,7 +88,8 @@ def test_parents_are_those_of_the_legs(name: str) -> None:
         ]
         for parent, child in pairwise(chain):
             assert parents[child] == {parent}
-    assert len(parents) == 16
+        assert parents[f"{foot}_sole"] == {f"{foot}_lowerleg"}
+    assert len(parents) == 20
 
 
 @pytest.mark.parametrize("name", LOGS)

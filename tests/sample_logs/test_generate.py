@@ -388,8 +388,13 @@ def test_contact_points_lie_on_the_ground_at_the_end_of_the_lower_leg(name: str)
             points_m = np.array([vector(p) for p in states[foot][time_ns].contact_positions])
             assert np.all(points_m[:, 2] == 0)
             # The foot's frame is at the knee, a lower leg's length above the ground contact.
-            expected_m = (poses[f"{foot}_foot"] @ sole)[:3]
-            np.testing.assert_allclose(points_m.mean(axis=0), expected_m, atol=LENGTH_TOLERANCE_M)
+            for expected_m in (
+                (poses[f"{foot}_foot"] @ sole)[:3],
+                poses[f"{foot}_sole"][:3, 3],
+            ):
+                np.testing.assert_allclose(
+                    points_m.mean(axis=0), expected_m, atol=LENGTH_TOLERANCE_M
+                )
 
 
 def test_the_force_weighted_point_of_the_pad_travels() -> None:
@@ -466,7 +471,7 @@ def test_transforms_hold_the_legs_and_not_the_base(name: str) -> None:
         for message in [*log.messages("/tf"), *(message for _, message in static)]
         for link in message.transforms
     )
-    joints = ("hip", "upperleg", "lowerleg", "foot")
+    joints = ("hip", "upperleg", "lowerleg", "foot", "sole")
     assert set(children) == {f"{foot}_{joint}" for foot in FEET for joint in joints}
     assert bool(static) == (name == WALK)
 

@@ -10,6 +10,7 @@ from typing import Any, Final
 from dogbot_logtool.core.scene.foot_style import foot_colour
 from dogbot_logtool.report.layouts.view import View
 from dogbot_logtool.writer.annotations import (
+    EVENTS_TOPIC,
     LEGS_TOPIC,
     SUPPORT_TOPIC,
     arrow_topic,
@@ -18,9 +19,6 @@ from dogbot_logtool.writer.annotations import (
 )
 from dogbot_logtool.writer.robot_description import ROBOT_DESCRIPTION_TOPIC
 
-EVENTS_TOPIC: Final = "/events"
-_ASIDE_DEG: Final = 40.0
-"""The camera looks at the robot's front from this much to its right."""
 _MOST_CURVES: Final = 4
 """Panels of curves: more would be too low to read."""
 _ROW, _AXIS, _TITLE, _SCREEN = 64, 30, 31, 613
@@ -89,7 +87,7 @@ def _scene(view: View) -> dict[str, Any]:
             "distance": round(3.7 * view.size_m, 2),
             "phi": 72,
             # The camera stands at -90 degrees minus this.
-            "thetaOffset": (_ASIDE_DEG - view.heading_deg - 90.0) % 360.0,
+            "thetaOffset": (-90.0 - view.camera_deg) % 360.0,
             # Arrows stand above the robot as high as its feet are below it, and more.
             "targetOffset": [0, 0, round(0.05 * view.size_m, 2)],
             "target": [0, 0, 0],

@@ -18,8 +18,6 @@ if TYPE_CHECKING:
     from dogbot_logtool.report.layouts.view import View
 
 APPLICATION: Final = "dogbot_logtool"
-_ASIDE_DEG: Final = 40.0
-"""The camera looks at the robot's front from this much to its right."""
 _TIMELINE: Final = "message_log_time"
 _LOAD: Final = "dogbot_logtool.Load:message"
 """The load messages of `convert --encoding foxglove`, as Rerun names what it has no type for."""
@@ -67,7 +65,7 @@ def rerun_blueprint(view: "View") -> bytes:
 
 def _eye(rrb: Any, view: "View") -> Any:  # noqa: ANN401 - of a library without types
     """Return a camera that faces the robot and goes along with its body."""
-    away, angle = 3.7 * view.size_m, radians(view.heading_deg - _ASIDE_DEG)
+    away, angle = 3.7 * view.size_m, radians(view.camera_deg)
     body = f"/{view.robot_name}/visual_geometries/{view.base_frame}/visual_0"
     return rrb.EyeControls3D(
         position=[away * cos(angle), away * sin(angle), 0.35 * away],

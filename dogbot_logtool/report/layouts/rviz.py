@@ -6,8 +6,16 @@ from typing import Any, Final
 from dogbot_logtool.report.layouts.view import View
 from dogbot_logtool.writer.annotations import LEGS_TOPIC, SUPPORT_TOPIC, arrow_topic, label_topic
 
-_ASIDE_DEG: Final = 40.0
-"""The camera looks at the robot's front from this much to its right."""
+_WINDOW: Final = {
+    "Width": 1280,
+    "Height": 720,
+    "X": 0,
+    "Y": 0,
+    "Hide Left Dock": True,
+    "Displays": {"collapsed": True},
+}
+"""Pixels: without them RViz opens a window too small to see anything in. Without the last two, its
+list of displays covers the robot."""
 
 
 def rviz_config(view: View) -> dict[str, Any]:
@@ -18,6 +26,7 @@ def rviz_config(view: View) -> dict[str, Any]:
     topics = [topic(foot) for foot in view.feet for topic in (arrow_topic, label_topic)]
     topics.append(LEGS_TOPIC)
     return {
+        "Panels": [{"Class": "rviz/Displays", "Name": "Displays"}],
         "Visualization Manager": {
             "Class": "",
             "Enabled": True,
@@ -41,7 +50,8 @@ def rviz_config(view: View) -> dict[str, Any]:
             },
             "Tools": [{"Class": "rviz/MoveCamera"}, {"Class": "rviz/Measure"}],
             "Views": {"Current": _camera(view)},
-        }
+        },
+        "Window Geometry": _WINDOW,
     }
 
 
@@ -76,6 +86,6 @@ def _camera(view: View) -> dict[str, Any]:
         "Target Frame": view.base_frame,
         "Distance": round(4.4 * view.size_m, 2),
         "Pitch": 0.35,
-        "Yaw": round(radians((view.heading_deg - _ASIDE_DEG) % 360.0), 4),
+        "Yaw": round(radians(view.camera_deg), 4),
         "Focal Point": {"X": 0, "Y": 0, "Z": 0},
     }

@@ -5,6 +5,9 @@ from typing import Final
 
 from dogbot_logtool.dataclass import dataclass
 
+_ASIDE_DEG: Final = 60.0
+"""The camera looks at the robot's front from this much to its right: at 40 a quadruped's right fore
+leg would hide the left hind one, which stands with it in a trot."""
 _STEPS: Final = (1.0, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0)
 
 
@@ -27,9 +30,10 @@ class View:
     """As in its description."""
 
     @property
-    def heading_deg(self) -> float:
-        """Where the robot looks if its base is not turned, from +x to the left."""
-        return {"+x": 0.0, "+y": 90.0, "-x": 180.0, "-y": 270.0}[self.forward_axis]
+    def camera_deg(self) -> float:
+        """Where the camera stands, from +x of a base that is not turned to the left: 0 to 360."""
+        heading = {"+x": 0.0, "+y": 90.0, "-x": 180.0, "-y": 270.0}[self.forward_axis]
+        return (heading - _ASIDE_DEG) % 360.0
 
 
 def upper_bound(value: float) -> float:

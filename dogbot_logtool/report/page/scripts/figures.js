@@ -7,12 +7,12 @@ for (const drawing of drawings) {
     if (trace.meta?.weight) trace.customdata = Float32Array.from(trace.y, (force) => force / trace.meta.weight);
   }
 }
-const plots = drawings.map((each) => ({ ...each, node: document.getElementById(each.name) }));
+const plots = drawings.map((each) => ({ ...each, height: each.layout.height, node: document.getElementById(each.name) }));
 const overTime = plots.filter((each) => each.over_time);
 const times = read("times");
 const whole = overTime.length ? overTime[0].layout.xaxis.range.slice() : [0, 1];
 const config = { responsive: true, displayModeBar: false, displaylogo: false, doubleClick: false };
-const PAPER_WIDTH = 660;
+const PAPER = { width: 660, height: 900 };
 let range = whole.slice();
 let moving = false;
 
@@ -177,12 +177,12 @@ function listen(plot) {
 }
 
 const patched = (plot, more) => Plotly.relayout(plot.node, { ...theme(plot.layout), ...more });
-function everywhere(more) {
+function everywhere(more = () => ({})) {
   for (const redraw of onColours) redraw();
-  return Promise.all(plots.map((plot) => patched(plot, more)));
+  return Promise.all(plots.map((plot) => patched(plot, more(plot))));
 }
 
-// On paper every figure is as wide as the paper, whatever the width of the window, and light.
+// On paper every figure is as wide as the paper, whatever the width of the window, no higher, and light.
 function listenToPrinter() {
   let onPaper = false;
   const toPaper = () => {
@@ -190,13 +190,13 @@ function listenToPrinter() {
     onPaper = true;
     document.documentElement.classList.add("paper");
     for (const each of document.querySelectorAll("details")) each.open = true;
-    everywhere({ width: PAPER_WIDTH, autosize: false });
+    everywhere((plot) => ({ width: PAPER.width, height: Math.min(plot.height, PAPER.height), autosize: false }));
     placeCursors();
   };
   const toScreen = () => {
     onPaper = false;
     document.documentElement.classList.remove("paper");
-    everywhere({ width: null, autosize: true }).then(placeCursors);
+    everywhere((plot) => ({ width: null, height: plot.height, autosize: true })).then(placeCursors);
   };
   addEventListener("beforeprint", toPaper);
   addEventListener("afterprint", toScreen);
