@@ -16,6 +16,7 @@ from dogbot_logtool.core.base.tipping import find_tipping
 from dogbot_logtool.core.base.travel import find_travel
 from dogbot_logtool.core.command_tracking import command_track, tracking_in
 from dogbot_logtool.core.consistency.silences import all_silent
+from dogbot_logtool.core.consistency.stopped import without_stopped
 from dogbot_logtool.core.consistency.worlds import Worlds, placed_poses
 from dogbot_logtool.core.contact.foot_history import FootHistory
 from dogbot_logtool.core.gait.foot_statistics import (
@@ -250,6 +251,7 @@ def _walk(settings: StatsSettings, recorded: Recorded) -> tuple[_Walk, PoseJumps
         else record
         for record in recorded.feet
     )
+    records = without_stopped(records)
     jumps = find_jumps(recorded.base)
     base = without_jumps(recorded.base, jumps)
     placed_base, worlds = placed_poses(records, recorded.base, base)

@@ -27,6 +27,7 @@ def groups() -> dict[str, tuple[Case, ...]]:
         "Clocks and losses together": tuple(attack_cases.clocks_and_losses()),
         "Swinging legs": tuple(attack_cases.swinging_legs()),
         "Faults that contradict": tuple(attack_cases.contradictory()),
+        "Sensors that stop": tuple(combined_cases.stopped()),
         "Found by trying at random": tuple(combined_cases.combined()),
         "No foot on the ground": tuple(attack_cases.in_the_air()),
         "A walk, and then": tuple(other_cases.sequences()),
