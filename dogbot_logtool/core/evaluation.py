@@ -102,6 +102,8 @@ class _Walk:
     """Whether nothing says that the feet's forces lean otherwise than they seem to."""
     upright: bool
     """Whether they are not so far from it that they are no vertical forces."""
+    in_newtons: bool
+    """Whether forces may be in N."""
 
     @property
     def feet_apart(self) -> bool:
@@ -139,6 +141,7 @@ class _Walk:
                     contact_known=not (is_dead or refuted),
                     direction_known=self.direction_known,
                     vertical_known=self.upright,
+                    in_newtons=self.in_newtons,
                     within=within,
                 ),
                 settings.odometry_topic,
@@ -303,7 +306,8 @@ def _walk(settings: StatsSettings, recorded: Recorded) -> tuple[_Walk, PoseJumps
         direction_known=not (
             loads.direction_refuted or (settings.wrench_frame_is_inferred and loads.may_be_tilted)
         ),
-        upright=not loads.vertical_refuted,
+        upright=not (loads.vertical_refuted or loads.other_units),
+        in_newtons=not loads.other_units,
     )
     return walk, jumps
 

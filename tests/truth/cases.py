@@ -20,6 +20,7 @@ def groups() -> dict[str, tuple[Case, ...]]:
         "Clocks and stamps": tuple(fault_cases.clocks()),
         "Lost messages and silence": tuple(fault_cases.losses()),
         "Mass": tuple(fault_cases.masses()),
+        "Units and scales": tuple(fault_cases.scales()),
         "No steps": tuple(other_cases.no_steps()),
         "Light and heavy robots, several faults": tuple(attack_cases.light_and_heavy()),
         "Hexapods": tuple(attack_cases.hexapods()),

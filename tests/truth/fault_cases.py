@@ -233,3 +233,20 @@ def masses() -> Iterator[Case]:
                 "IMPULSE_IS_NOT_WEIGHT" if seen or abs(percent) > 25 else "mass|weight",
                 skip=("impulse",),
             )  # fmt: skip
+
+
+def scales() -> Iterator[Case]:
+    """Sensors in other units, or one that is calibrated wrongly."""
+    said = "IMPULSE_IS_NOT_WEIGHT"
+    noisy = FORCE, sensor.noise(1.0)
+    for unit, factor in (("pounds", 0.2248), ("counts", 37.0)):
+        scale = sensor.scaled(factor)
+        yield Case(f"bumpers read {unit}", recorder(Walk(), scale), said, said)
+        yield Case(f"force sensors read {unit}", recorder(Walk(), *noisy, scale), said, said)
+    for factor in (0.5, 2.0):
+        odd = sensor.scaled(factor, "front_left")
+        name = f"one foot reads {factor:g} times its force"
+        yield Case(
+            f"{name}, bumpers", recorder(Walk(), odd), said, said, skip=("peak force",)
+        )  # fmt: skip
+        yield Case(f"{name}, force sensors", recorder(Walk(), *noisy, odd), said, said)

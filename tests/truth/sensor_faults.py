@@ -150,6 +150,13 @@ def without_tf(recording: Recording) -> Recording:
     return replace(recording, has_tf=False)
 
 
+def scaled(factor: float, *only: str) -> Disturbance:
+    """Let sensors report a multiple of the force."""
+    return lambda recording: recording.each_foot(
+        lambda _, foot: replace(foot, force=factor * foot.force), *only
+    )
+
+
 def inverted(recording: Recording) -> Recording:
     """Mount the sensors the other way round."""
     return recording.each_foot(lambda _, foot: replace(foot, force=-foot.force))
