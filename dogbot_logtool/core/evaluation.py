@@ -56,6 +56,7 @@ from dogbot_logtool.dataclass import dataclass
 
 if TYPE_CHECKING:
     from dogbot_logtool.core.commands.tracking import CommandTrack
+    from dogbot_logtool.core.geometry.delay import Delay
     from dogbot_logtool.core.imu.comparison import ImuComparison
     from dogbot_logtool.core.recorded.vectors import VectorHistory
 
@@ -94,6 +95,8 @@ class _Walk:
     although it moves."""
     apart: frozenset[str]
     """Topics whose clocks are too far from the others'."""
+    base_delay: "Delay | None"
+    """By how much the base comes after the forces that drive it; None: not known, or little."""
     worlds: Worlds | None
     loses_way: bool
     """Whether the base drifts so far among the contact points that speeds are not known."""
@@ -236,6 +239,7 @@ def work_out(settings: StatsSettings, recorded: Recorded) -> Stats:
         ),
         clocks=recorded.clocks,
         clocks_apart=walk.apart,
+        base_delay=walk.base_delay,
         worlds=walk.worlds,
         loses_way=walk.loses_way,
         all_silent=all_silent(records, walk.base),
@@ -264,7 +268,8 @@ def _walk(settings: StatsSettings, recorded: Recorded) -> tuple[_Walk, PoseJumps
         records, settings.body_weight_n, any_strides(records, fallen, timespans.no_spans())
     )
     dead = tuple(dead_feet(records, weighed))
-    apart = too_far_apart(recorded.clocks, typical_period_s([each.stances for each in records]))
+    period_s = typical_period_s([each.stances for each in records])
+    apart = too_far_apart(recorded.clocks, period_s)
     feet_apart = any(foot.topic in apart for foot in settings.feet)
     supported = None if any(dead) or feet_apart else support(records)
     # Sensors that never report a contact say nothing of where the feet are.
@@ -277,12 +282,19 @@ def _walk(settings: StatsSettings, recorded: Recorded) -> tuple[_Walk, PoseJumps
         fallen,
         is_steady=bool(sensors) and all(sensor.is_steady for sensor in sensors),
     )
+    strides = any_strides(records, fallen, standing.without_steps)
     loads = load_figures(
         records,
         settings.body_weight_n,
-        any_strides(records, fallen, standing.without_steps),
+        strides,
         mass_is_assumed=settings.mass_is_assumed,
     )
+    delay = None
+    if not apart and period_s and len(base.time):
+        from dogbot_logtool.core.consistency.heave import long_delay  # noqa: PLC0415
+
+        delay = long_delay(records, base, period_s, strides)
+        apart |= {settings.odometry_topic} if delay else set()
     parted = worlds is not None and not worlds.agree
     over_feet = np.full_like(height, np.nan) if parted else height
     track = BaseTrack(base, find_travel(base), over_feet, records, standing.still)
@@ -300,6 +312,7 @@ def _walk(settings: StatsSettings, recorded: Recorded) -> tuple[_Walk, PoseJumps
         saturated=_saturated(settings, records),
         refuted=tuple(bool(each.level.reason and len(standing.moving)) for each in sensors),
         apart=apart,
+        base_delay=delay,
         worlds=worlds,
         loses_way=worlds is not None and worlds.lose_way(path_m),
         vertical_known=weighed.share_of == "vertical_impulse",

@@ -155,6 +155,16 @@ def clocks() -> Iterator[Case]:
             f"clock of the feet {seconds:+g} s off",
             recorder(Walk(), time.late_clock(seconds)), clock, clock, shifted=True,
         )  # fmt: skip
+    # Only steps that are not evenly spaced tell a delay from one that is half a stride longer.
+    uneven = gaits.Gait("walk", (0.0, 0.5, 0.72, 0.22), 0.75, "lateral")
+    walk = Walk(gait=uneven, period_s=1.0, seconds=20.0, shares=(0.29, 0.27, 0.23, 0.21))
+    for late in (0.0, 0.1, 0.2, 0.3, -0.2):
+        yield Case(
+            f"the base heaves, odometry restamped by {late:+g} s",
+            recorder(walk, world.driven, world.restamped(late)),
+            clock if late else "", clock if late else "", shifted=late < 0.0,
+            skip=("height", "peak force", "braking"),
+        )  # fmt: skip
     yield Case(
         "feet on simulation time, odometry on the wall's",
         recorder(Walk(), time.late_clock(-1.69e9)), clock, clock, shifted=True,
