@@ -16,6 +16,7 @@ from dogbot_logtool.core.base.tipping import find_tipping
 from dogbot_logtool.core.base.travel import find_travel
 from dogbot_logtool.core.command_tracking import command_track, tracking_in
 from dogbot_logtool.core.consistency.silences import all_silent
+from dogbot_logtool.core.consistency.stopped import without_stopped
 from dogbot_logtool.core.consistency.worlds import Worlds, placed_poses
 from dogbot_logtool.core.contact.foot_history import FootHistory
 from dogbot_logtool.core.gait.foot_statistics import (
@@ -55,6 +56,7 @@ from dogbot_logtool.dataclass import dataclass
 
 if TYPE_CHECKING:
     from dogbot_logtool.core.commands.tracking import CommandTrack, Tracking
+    from dogbot_logtool.core.geometry.delay import Delay
     from dogbot_logtool.core.imu.comparison import ImuComparison
     from dogbot_logtool.core.recorded.vectors import VectorHistory
 
@@ -93,6 +95,8 @@ class _Walk:
     although it moves."""
     apart: frozenset[str]
     """Topics whose clocks are too far from the others'."""
+    base_delay: "Delay | None"
+    """By how much the base comes after the forces that drive it; None: not known, or little."""
     worlds: Worlds | None
     loses_way: bool
     """Whether the base drifts so far among the contact points that speeds are not known."""
@@ -101,6 +105,8 @@ class _Walk:
     """Whether nothing says that the feet's forces lean otherwise than they seem to."""
     upright: bool
     """Whether they are not so far from it that they are no vertical forces."""
+    in_newtons: bool
+    """Whether forces may be in N."""
 
     @property
     def feet_apart(self) -> bool:
@@ -138,6 +144,7 @@ class _Walk:
                     contact_known=not (is_dead or refuted),
                     direction_known=self.direction_known,
                     vertical_known=self.upright,
+                    in_newtons=self.in_newtons,
                     within=within,
                 ),
                 settings.odometry_topic,
@@ -239,6 +246,7 @@ def work_out(settings: StatsSettings, recorded: Recorded) -> Stats:
         ),
         clocks=recorded.clocks,
         clocks_apart=walk.apart,
+        base_delay=walk.base_delay,
         worlds=walk.worlds,
         loses_way=walk.loses_way,
         all_silent=all_silent(records, walk.base),
@@ -257,6 +265,7 @@ def _walk(settings: StatsSettings, recorded: Recorded) -> tuple[_Walk, PoseJumps
         else record
         for record in recorded.feet
     )
+    records = without_stopped(records)
     jumps = find_jumps(recorded.base)
     base = without_jumps(recorded.base, jumps)
     placed_base, worlds = placed_poses(records, recorded.base, base)
@@ -266,7 +275,8 @@ def _walk(settings: StatsSettings, recorded: Recorded) -> tuple[_Walk, PoseJumps
         records, settings.body_weight_n, any_strides(records, fallen, timespans.no_spans())
     )
     dead = tuple(dead_feet(records, weighed))
-    apart = too_far_apart(recorded.clocks, typical_period_s([each.stances for each in records]))
+    period_s = typical_period_s([each.stances for each in records])
+    apart = too_far_apart(recorded.clocks, period_s)
     feet_apart = any(foot.topic in apart for foot in settings.feet)
     supported = None if any(dead) or feet_apart else support(records)
     # Sensors that never report a contact say nothing of where the feet are.
@@ -279,12 +289,19 @@ def _walk(settings: StatsSettings, recorded: Recorded) -> tuple[_Walk, PoseJumps
         fallen,
         is_steady=bool(sensors) and all(sensor.is_steady for sensor in sensors),
     )
+    strides = any_strides(records, fallen, standing.without_steps)
     loads = load_figures(
         records,
         settings.body_weight_n,
-        any_strides(records, fallen, standing.without_steps),
+        strides,
         mass_is_assumed=settings.mass_is_assumed,
     )
+    delay = None
+    if not apart and period_s and len(base.time):
+        from dogbot_logtool.core.consistency.heave import long_delay  # noqa: PLC0415
+
+        delay = long_delay(records, base, period_s, strides)
+        apart |= {settings.odometry_topic} if delay else set()
     parted = worlds is not None and not worlds.agree
     over_feet = np.full_like(height, np.nan) if parted else height
     track = BaseTrack(base, find_travel(base), over_feet, records, standing.still)
@@ -302,13 +319,15 @@ def _walk(settings: StatsSettings, recorded: Recorded) -> tuple[_Walk, PoseJumps
         saturated=_saturated(settings, records),
         refuted=tuple(bool(each.level.reason and len(standing.moving)) for each in sensors),
         apart=apart,
+        base_delay=delay,
         worlds=worlds,
         loses_way=worlds is not None and worlds.lose_way(path_m),
         vertical_known=weighed.share_of == "vertical_impulse",
         direction_known=not (
             loads.direction_refuted or (settings.wrench_frame_is_inferred and loads.may_be_tilted)
         ),
-        upright=not loads.vertical_refuted,
+        upright=not (loads.vertical_refuted or loads.other_units),
+        in_newtons=not loads.other_units,
     )
     return walk, jumps
 

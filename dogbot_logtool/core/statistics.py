@@ -29,6 +29,7 @@ from dogbot_logtool.dataclass import dataclass
 
 if TYPE_CHECKING:
     from dogbot_logtool.core.commands.tracking import CommandTrack, Tracking
+    from dogbot_logtool.core.geometry.delay import Delay
     from dogbot_logtool.core.imu.comparison import ImuComparison
     from dogbot_logtool.core.legs.leg_figures import LegFigures
     from dogbot_logtool.core.recorded.vectors import VectorHistory
@@ -88,6 +89,8 @@ class Stats:
     """How far topics' clocks are from that of the feet; nothing on log time."""
     clocks_apart: frozenset[str] = frozenset()
     """Topics whose clocks are too far from the others' for figures of both."""
+    base_delay: "Delay | None" = None
+    """By how much the base comes after the forces that drive it; None: not known, or little."""
     loses_way: bool = False
     """Whether the base drifts so far among the contact points that speeds are not known."""
     worlds: Worlds | None = None

@@ -10,10 +10,39 @@ from tests.truth import world_faults as world
 from tests.truth.attack_cases import COARSE
 from tests.truth.judging import Case
 from tests.truth.recorders import FORCE, recorder
-from tests.truth.robots import hexapod, quadruped
+from tests.truth.robots import biped, hexapod, quadruped
 from tests.truth.walking import Walk
 
 _WORLDS = r"W_WORLDS_DIFFER|drifts"
+
+
+def stopped() -> Iterator[Case]:
+    """Sensors that stop, or begin to speak, in the midst of a walk."""
+    walk, foot = Walk(seconds=16.0), "front_left"
+    noise = FORCE, sensor.noise(1.0)
+    dead, frozen = sensor.dead_from(8.0, foot), sensor.frozen_from(8.25, foot)
+    tall = Walk(gait=gaits.BIPED_WALK, robot=biped(80.0), period_s=1.1, seconds=16.0)
+    of_tall = FORCE, sensor.dead_from(8.0, "left"), sensor.noise(3.0), sensor.offset(-40.0)
+    kinds = (
+        ("bumper dead", walk, (dead,)),
+        ("bumper that is silent in swing dead", walk, (time.silent_in_swing, dead)),
+        ("force sensor dead, zeros", walk, (*noise, dead)),
+        ("force sensor dead, noise", walk, (FORCE, dead, sensor.noise(1.0))),
+        ("force sensor frozen", walk, (*noise, frozen)),
+        ("force sensor frozen, noise", walk, (FORCE, frozen, sensor.noise(1.0))),
+        ("biped's force sensor dead, offset -40 N", tall, of_tall),
+        ("topic ends", walk, (time.silent_between(8.0, 99.0, foot),)),
+        ("force sensor's topic ends", walk, (*noise, time.silent_between(8.0, 99.0, foot))),
+    )
+    for name, of, faults in kinds:
+        yield Case(
+            f"{name} from mid-log on", recorder(of, *faults), "STOPPED|OFFSET", "STOPPED",
+            silence_s=(7.2, 99.0), skip=("margin", "support"),
+        )  # fmt: skip
+    yield Case(
+        "topic begins in mid-log", recorder(walk, time.silent_between(-1.0, 8.0, foot)),
+        "STOPPED", "STOPPED", silence_s=(-1.0, 8.2), skip=("margin", "support"),
+    )  # fmt: skip
 
 
 def combined() -> Iterator[Case]:

@@ -155,6 +155,16 @@ def clocks() -> Iterator[Case]:
             f"clock of the feet {seconds:+g} s off",
             recorder(Walk(), time.late_clock(seconds)), clock, clock, shifted=True,
         )  # fmt: skip
+    # Only steps that are not evenly spaced tell a delay from one that is half a stride longer.
+    uneven = gaits.Gait("walk", (0.0, 0.5, 0.72, 0.22), 0.75, "lateral")
+    walk = Walk(gait=uneven, period_s=1.0, seconds=20.0, shares=(0.29, 0.27, 0.23, 0.21))
+    for late in (0.0, 0.1, 0.2, 0.3, -0.2):
+        yield Case(
+            f"the base heaves, odometry restamped by {late:+g} s",
+            recorder(walk, world.driven, world.restamped(late)),
+            clock if late else "", clock if late else "", shifted=late < 0.0,
+            skip=("height", "peak force", "braking"),
+        )  # fmt: skip
     yield Case(
         "feet on simulation time, odometry on the wall's",
         recorder(Walk(), time.late_clock(-1.69e9)), clock, clock, shifted=True,
@@ -233,3 +243,20 @@ def masses() -> Iterator[Case]:
                 "IMPULSE_IS_NOT_WEIGHT" if seen or abs(percent) > 25 else "mass|weight",
                 skip=("impulse",),
             )  # fmt: skip
+
+
+def scales() -> Iterator[Case]:
+    """Sensors in other units, or one that is calibrated wrongly."""
+    said = "IMPULSE_IS_NOT_WEIGHT"
+    noisy = FORCE, sensor.noise(1.0)
+    for unit, factor in (("pounds", 0.2248), ("counts", 37.0)):
+        scale = sensor.scaled(factor)
+        yield Case(f"bumpers read {unit}", recorder(Walk(), scale), said, said)
+        yield Case(f"force sensors read {unit}", recorder(Walk(), *noisy, scale), said, said)
+    for factor in (0.5, 2.0):
+        odd = sensor.scaled(factor, "front_left")
+        name = f"one foot reads {factor:g} times its force"
+        yield Case(
+            f"{name}, bumpers", recorder(Walk(), odd), said, said, skip=("peak force",)
+        )  # fmt: skip
+        yield Case(f"{name}, force sensors", recorder(Walk(), *noisy, odd), said, said)

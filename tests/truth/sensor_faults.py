@@ -91,6 +91,28 @@ def stuck(newtons: float, *only: str) -> Disturbance:
     )
 
 
+def dead_from(at_s: float, *only: str) -> Disturbance:
+    """Let sensors feel nothing more from some time on; put it before their noise."""
+
+    def change(_: int, foot: FootRecording) -> FootRecording:
+        alive = foot.time < at_s
+        return replace(foot, force=foot.force * alive[:, None], touching=foot.touching & alive)
+
+    return lambda recording: recording.each_foot(change, *only)
+
+
+def frozen_from(at_s: float, *only: str) -> Disturbance:
+    """Let sensors report for ever what they felt at some time."""
+
+    def change(_: int, foot: FootRecording) -> FootRecording:
+        row = int(np.searchsorted(foot.time, at_s))
+        force = foot.force.copy()
+        force[row:] = force[row]
+        return replace(foot, force=force)
+
+    return lambda recording: recording.each_foot(change, *only)
+
+
 def without_forces(recording: Recording) -> Recording:
     """Let contacts have no force, as some physics engines do."""
     return recording.each_foot(lambda _, foot: replace(foot, force=np.zeros_like(foot.force)))
@@ -126,6 +148,13 @@ def in_link_frame(recording: Recording) -> Recording:
 def without_tf(recording: Recording) -> Recording:
     """Leave out the transforms."""
     return replace(recording, has_tf=False)
+
+
+def scaled(factor: float, *only: str) -> Disturbance:
+    """Let sensors report a multiple of the force."""
+    return lambda recording: recording.each_foot(
+        lambda _, foot: replace(foot, force=factor * foot.force), *only
+    )
 
 
 def inverted(recording: Recording) -> Recording:

@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 
 from tests.truth.recording import Disturbance, Floats, Recording
+from tests.truth.robots import GRAVITY_MPS2
 
 
 def _moved(recording: Recording, by: Floats) -> Recording:
@@ -58,5 +59,30 @@ def pose_noise(std_m: float, seed: int = 0) -> Disturbance:
     def change(recording: Recording) -> Recording:
         random = np.random.default_rng(seed)
         return _moved(recording, random.normal(0.0, std_m, recording.base.position.shape))
+
+    return change
+
+
+def driven(recording: Recording) -> Recording:
+    """Let the base go up and down as the feet's vertical forces drive it."""
+    time = np.arange(0.0, recording.seconds, 0.001)
+    force = sum(np.interp(time, foot.time, foot.force[:, 2]) for foot in recording.feet)
+    excess = force / recording.robot.mass_kg - GRAVITY_MPS2
+    speed = np.cumsum(excess) * 0.001
+    way = np.cumsum(speed - np.polyval(np.polyfit(time, speed, 1), time)) * 0.001
+    heave = way - np.polyval(np.polyfit(time, way, 1), time)
+    above = np.interp(recording.base.time, time, heave)
+    return _moved(recording, np.outer(above, (0.0, 0.0, 1.0)))
+
+
+def restamped(seconds: float) -> Disturbance:
+    """Let a recorder stamp the odometry anew, late: by stamps and log times alike."""
+    late = round(seconds * 1e9)
+
+    def change(recording: Recording) -> Recording:
+        base = recording.base
+        return replace(
+            recording, base=replace(base, stamp=base.stamp + late, log_time=base.log_time + late)
+        )
 
     return change

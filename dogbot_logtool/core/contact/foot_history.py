@@ -1,6 +1,6 @@
 """Everything that is measured on one foot while its samples stream past."""
 
-from dataclasses import replace
+from dataclasses import field, replace
 from typing import Final
 
 import numpy as np
@@ -69,6 +69,8 @@ class FootHistory:
     """Whether forces are known at all, not only contact."""
     curves: LoadCurves | None = None
     """Load over time; None unless asked for, and where forces are not known."""
+    stopped: Ints = field(default_factory=timespans.no_spans)
+    """(s, 2) ns, gaps in which the sensor speaks, but has stopped to feel the foot."""
 
     def contact_fraction(self, within: Ints | None = None) -> float | None:
         """Return time in contact over time known; None where nothing is known.
@@ -90,6 +92,27 @@ class FootHistory:
             stances=replace(self.stances, figures=nothing),
             stance_forces=np.full_like(self.stance_forces, np.nan),
             curves=None,
+        )
+
+    def stopped_in(self, spans: Ints) -> "FootHistory":
+        """Return what is left where the sensor has stopped in some spans, (s, 2) ns.
+
+        Each begins with a touchdown, or the log, and ends with a touchdown, or the log.
+        """
+        stances, gaps = self.stances, timespans.merge(np.concatenate([self.gaps, spans]))
+        begins = np.isin(stances.touchdown, spans[:, 0])
+        kept = begins | ~timespans.covers(spans, stances.touchdown)
+        cut, liftoff = stances.cut.copy(), stances.liftoff.copy()
+        cut[timespans.touches(spans, stances.touchdown, stances.liftoff)] = Cut.GAP
+        liftoff[begins] = spans[np.isin(spans[:, 0], stances.touchdown), 1]
+        return replace(
+            self,
+            gaps=gaps,
+            known=timespans.subtract(self.known, spans),
+            stances=replace(stances, cut=cut, liftoff=liftoff).pick(kept),
+            stance_forces=self.stance_forces[kept],
+            in_contact=timespans.subtract(self.in_contact, spans),
+            stopped=spans,
         )
 
     @property

@@ -117,6 +117,11 @@ class Stances:
         whole: Flags = self.cut == Cut.WHOLE
         return whole
 
+    def pick(self, rows: Flags) -> "Stances":
+        """Return the chosen stances."""
+        figures = StanceFigures(*(each[rows] for each in self.figures))
+        return Stances(self.touchdown[rows], self.liftoff[rows], self.cut[rows], figures)
+
     @property
     def duration_s(self) -> Floats:
         """(n,) s, lift-off minus touchdown."""

@@ -6,6 +6,7 @@ import numpy as np
 
 from dogbot_logtool.core.events.event import Event, EventType
 from dogbot_logtool.core.gait.foot_statistics import FootStatistics
+from dogbot_logtool.core.geometry import timespans
 from dogbot_logtool.core.geometry.arrays import Ints
 from dogbot_logtool.core.load.load_figures import is_saturated, is_stuck, saturated_stances
 from dogbot_logtool.core.load.spikes import has_lone_spikes
@@ -16,7 +17,7 @@ def gaps(stats: Stats) -> Iterator[Event]:
     """Yield the gaps of each foot's sensor, and of the base's poses."""
     yield from _gaps(stats.base_history.gaps, None)
     for row, foot in enumerate(stats.feet):
-        yield from _gaps(foot.record.gaps, row)
+        yield from _gaps(timespans.subtract(foot.record.gaps, foot.record.stopped), row)
 
 
 def _gaps(spans: Ints, foot: int | None) -> Iterator[Event]:
@@ -34,6 +35,8 @@ def sensor_faults(stats: Stats) -> Iterator[Event]:
             yield _fault(record.start, record.end, row, "W_DEAD")
         if is_stuck(record, others):
             yield _fault(int(stances.touchdown[0]), int(stances.liftoff[-1]), row, "W_STUCK")
+        for start, end in record.stopped.tolist():
+            yield _fault(start, end, row, "W_STOPPED")
         if is_saturated(record, others):
             cut_off = np.flatnonzero(saturated_stances(record))
             first, last = int(cut_off[0]), int(cut_off[-1])

@@ -204,6 +204,7 @@ _KINDS: Final = (
                 "W_FOOT_MISSING",
                 "W_DEAD",
                 "W_STUCK",
+                "W_STOPPED",
                 "W_SATURATED",
                 "W_CHATTER",
                 "W_CONTACT_UNKNOWN",

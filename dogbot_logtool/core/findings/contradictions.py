@@ -4,6 +4,7 @@ from collections.abc import Iterator
 
 from dogbot_logtool.core.consistency.worlds import Worlds
 from dogbot_logtool.core.findings.wording import counted
+from dogbot_logtool.core.geometry.delay import Delay
 from dogbot_logtool.core.quality.clocks import ClockDifference
 from dogbot_logtool.core.statistics import Stats
 from dogbot_logtool.finding import Finding
@@ -14,6 +15,8 @@ def contradiction_findings(stats: Stats) -> Iterator[Finding]:
     for each in stats.clocks:
         if each.is_apart:
             yield _clock(stats, each)
+    if stats.base_delay is not None:
+        yield _heave(stats.settings.odometry_topic, stats.base_delay)
     if stats.worlds is not None and stats.worlds_differ:
         yield _worlds(stats.worlds, loses_way=stats.loses_way)
     if len(stats.all_silent):
@@ -46,6 +49,16 @@ def _clock(stats: Stats, difference: ClockDifference) -> Finding:
     if topic != stats.settings.odometry_topic:
         null = "the gait, support and stability"
     return Finding("W_CLOCK_OFFSET", f"{text}: {null} are null", topic)
+
+
+def _heave(topic: str, delay: Delay) -> Finding:
+    where = "after" if delay.delay_s > 0.0 else "before"
+    text = (
+        f"{topic}: the base goes up and down {abs(delay.delay_s):.3f} s {where} the feet's forces "
+        f"drive it ({delay.low_s:+.2f} to {delay.high_s:+.2f} s, correlation "
+        f"{delay.correlation:.2f}), whatever the stamps say: stride lengths and stability are null"
+    )
+    return Finding("W_CLOCK_OFFSET", text, topic)
 
 
 def _worlds(worlds: Worlds, *, loses_way: bool) -> Finding:

@@ -7,6 +7,7 @@ import numpy as np
 
 from dogbot_logtool.core.findings.wording import counted
 from dogbot_logtool.core.gait.foot_statistics import FootStatistics
+from dogbot_logtool.core.geometry import timespans
 from dogbot_logtool.core.load.load_figures import is_stuck, vertical_is_known
 from dogbot_logtool.core.load.slip import LARGEST_FOOT_M
 from dogbot_logtool.core.statistics import Stats
@@ -70,6 +71,15 @@ def _sensor(stats: Stats, foot: FootStatistics, where: str) -> Iterator[Finding]
     if is_stuck(record, others):
         text = f"the sensor of {name} shows one constant force while it is loaded: stuck; no loads"
         yield Finding("W_STUCK", text, where)
+    if len(record.stopped):
+        start, end = stats.seconds(record.stopped.ravel()[[0, -1]])
+        lasts = timespans.total(record.stopped) / 1e9
+        text = (
+            f"no step of {name} is seen from {start:.2f} s to {end:.2f} s ({lasts:.1f} s in all) "
+            "while other feet go on, and these do not carry its load: its sensor has stopped; "
+            "contact and load are not known then"
+        )
+        yield Finding("W_STOPPED", text, where)
     if foot.is_saturated:
         limit_n = stats.settings.sensor(stats.feet.index(foot)).level.limit_n
         at = "" if limit_n is None else f" at {limit_n:.4g} N"

@@ -29,6 +29,7 @@ GRAVE: Final = (
     "W_ALL_FEET_SILENT",
     "W_DEAD",
     "W_STUCK",
+    "W_STOPPED",
     "W_WORLDS_DIFFER",
     "W_POSE_JUMP",
     "W_IMPULSE_IS_NOT_WEIGHT",

@@ -3,6 +3,7 @@
 from collections.abc import Iterator
 from typing import Final
 
+from dogbot_logtool.core.load.load_figures import LoadFigures
 from dogbot_logtool.core.statistics import Stats
 from dogbot_logtool.finding import Finding
 
@@ -18,14 +19,16 @@ def load_findings(stats: Stats) -> Iterator[Finding]:
     """Yield what is missing or doubtful in the figures of loads."""
     loads = stats.loads
     yield from _weight_findings(stats)
-    if loads.share_of == "force_impulse":
+    if loads.share_of == "force_impulse" and loads.shares is not None:
         text = (
             "load shares are of the integral of |F|, since vertical forces are not known; "
             "the impulse over weight is not known either"
         )
         yield Finding("N_SHARES_OF_MAGNITUDE", text, "forces.load_share")
     if loads.shares is None:
-        text = "not every foot's load is known, or there is none: no load shares"
+        text = (
+            "not every foot's load is known, there is none, or they miss the weight: no load shares"
+        )
         yield Finding("N_NO_SHARES", text, "forces.load_share")
 
 
@@ -50,9 +53,7 @@ def _weight_findings(stats: Stats) -> Iterator[Finding]:
             text += "; no vertical forces"
         if loads.direction_refuted:
             text += "; no braking and propulsive impulses"
-        if loads.weight_n is None:
-            text += "; nothing is given in body weights"
-        yield Finding("W_IMPULSE_IS_NOT_WEIGHT", text, where)
+        yield Finding("W_IMPULSE_IS_NOT_WEIGHT", text + _left_out(loads), where)
     if stats.settings.wrench_frame_is_inferred and loads.may_be_tilted:
         yield _tilt_finding(loads.mean_magnitude_n, loads.mean_vertical_n)
 
@@ -71,10 +72,16 @@ def _magnitude_finding(stats: Stats, ratio: float, where: str) -> Finding:
     """Return that the sum of |F| is far from the weight, where no more is known of forces."""
     text = (
         f"the mean sum of the feet's |F| is {ratio:.2f} of the weight: "
-        f"{_likely_cause(stats, ratio)}; "
-        "nothing is given in body weights"
+        f"{_likely_cause(stats, ratio)}"
     )
-    return Finding("W_IMPULSE_IS_NOT_WEIGHT", text, where)
+    return Finding("W_IMPULSE_IS_NOT_WEIGHT", text + _left_out(stats.loads), where)
+
+
+def _left_out(loads: LoadFigures) -> str:
+    """Return what is not given where forces do not add up to the weight."""
+    words = ["no forces in N"] * loads.other_units + ["no load shares"] * (loads.shares is None)
+    words += ["nothing is given in body weights"] * (loads.weight_n is None)
+    return "".join(f"; {each}" for each in words)
 
 
 def _without_mass(weight_n: float | None, thresholds_n: float | None, where: str) -> Finding:

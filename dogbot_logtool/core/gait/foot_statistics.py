@@ -117,6 +117,7 @@ def foot_statistics(
     contact_known: bool = True,
     direction_known: bool = True,
     vertical_known: bool = True,
+    in_newtons: bool = True,
     within: Ints | None = None,
 ) -> FootStatistics:
     """Aggregate what was recorded of one foot.
@@ -137,6 +138,7 @@ def foot_statistics(
         contact_known: whether nothing refutes its contacts.
         direction_known: whether nothing contradicts the direction of the force.
         vertical_known: whether its vertical part may be what it seems.
+        in_newtons: whether forces may be in N.
         within: (w, 2) ns, a part of the log; its stances and strides are those with their middle in
             it. None: all of it.
     """
@@ -152,7 +154,8 @@ def foot_statistics(
     whole = stances.whole
     forward = forward_forces(record, base, forward_axis)
     forward = forward if direction_known else np.full_like(forward, np.nan)
-    upright = stances.figures if vertical_known else _without_vertical(stances.figures)
+    figures = stances.figures if in_newtons else _without_newtons(stances.figures)
+    upright = figures if vertical_known else _without_vertical(figures)
     fore_aft = fore_aft_impulses(forward, stances)
     # A spike of a leaning force is as large as all that brakes.
     clean = whole & ~(stances.figures.spikes > 0)
@@ -178,8 +181,8 @@ def foot_statistics(
         stride_frequency_hz=strides.frequency_hz,
         duty_factor=aggregate(strides.duty_factor),
         stride_length_m=aggregate(length),
-        peak_force_n=None if is_saturated else aggregate(stances.figures.peak_n[whole]),
-        mean_force_n=aggregate(stances.figures.mean_n[whole]),
+        peak_force_n=None if is_saturated else aggregate(figures.peak_n[whole]),
+        mean_force_n=aggregate(figures.mean_n[whole]),
         peak_vertical_force_n=(None if is_saturated else aggregate(upright.peak_vertical_n[whole])),
         mean_vertical_force_n=aggregate(upright.mean_vertical_n[whole]),
         vertical_impulse_ns=(
@@ -193,7 +196,7 @@ def foot_statistics(
             stances,
             strides,
         ),
-        loading_rate_nps=aggregate(stances.figures.loading_rate_nps[whole]),
+        loading_rate_nps=aggregate(figures.loading_rate_nps[whole]),
         impact_ratio=aggregate(stances.figures.impact_ratio[whole]),
         contact_travel_m=aggregate(stances.figures.contact_travel_m[whole]),
         slip_distance_m=aggregate(slip[whole]),
@@ -206,6 +209,11 @@ def foot_statistics(
 def _without_vertical(figures: StanceFigures) -> StanceFigures:
     unknown = np.full_like(figures.peak_n, np.nan)
     return figures._replace(peak_vertical_n=unknown, mean_vertical_n=unknown)
+
+
+def _without_newtons(figures: StanceFigures) -> StanceFigures:
+    unknown = np.full_like(figures.peak_n, np.nan)
+    return figures._replace(peak_n=unknown, mean_n=unknown, loading_rate_nps=unknown)
 
 
 def _seen(time: Ints, record: FootHistory, unseen: Cut, stances: Stances) -> Ints:

@@ -18,8 +18,12 @@ WEIGHT_TOLERANCE: Final = 0.05
 """By how much the vertical impulse may miss the weight before figures of direction are left out."""
 REFUTED: Final = 0.20
 """By how much the feet's vertical force may miss the weight before nothing rests on the weight."""
+FALLS_SHORT: Final = 0.1
+"""The same of the sum of |F|, which is never below the weight; what is estimated of sensors without
+load may leave some per cent."""
 NOT_THE_WEIGHT: Final = 0.5
-"""Share of the weight below which the feet's vertical force is none: no mass is so far off."""
+"""Share of the weight below which the feet's vertical force is none: no mass is so far off. Above
+its inverse, and below it, the sum of |F| is in other units."""
 LEANS: Final = 0.006
 """Share by which the sum of |F| exceeds that of vertical forces, from which these lean so much (6
 degrees) that those of legs that swing, in their links' frames, could look alike."""
@@ -64,7 +68,8 @@ class LoadFigures:
     """What the shares are of: ``vertical_impulse``, or ``force_impulse`` (the integral of |F|)
     where the direction of the force is not known."""
     shares: tuple[float, ...] | None
-    """(feet) share of each foot; they add up to 1."""
+    """(feet) share of each foot; they add up to 1. None also where the sum misses the weight: a
+    sensor of one foot may be why."""
     mean_over_weight: float | None = None
     """`mean_vertical_n` over m g, also where an assumed mass is refuted by it."""
     magnitude_over_weight: float | None = None
@@ -74,6 +79,10 @@ class LoadFigures:
     """Whether it misses 1 by so much that the direction of the forces is doubtful: by
     `WEIGHT_TOLERANCE`, or by `REFUTED` where the mass is only assumed. The load on a foot that is
     never seen to touch may be missing instead."""
+    magnitude_misses_weight: bool = False
+    """Whether the sum of |F| is below the weight, or far above it: a wrong mass or sensor."""
+    other_units: bool = False
+    """Whether the sum of |F| is so far from the weight that forces are not in N of this robot."""
 
     @property
     def vertical_refuted(self) -> bool:
@@ -101,12 +110,6 @@ class LoadFigures:
         """Whether the feet's vertical impulse is not the weight: a wrong frame, sensor or mass."""
         ratio = self.mean_over_weight
         return ratio is not None and abs(ratio - 1.0) > WEIGHT_TOLERANCE
-
-    @property
-    def magnitude_misses_weight(self) -> bool:
-        """Whether the sum of |F| is far from the weight: a wrong mass or sensor."""
-        ratio = self.magnitude_over_weight
-        return ratio is not None and abs(ratio - 1.0) > REFUTED
 
 
 def vertical_is_known(foot: FootHistory) -> bool:
@@ -219,7 +222,14 @@ def load_figures(
         magnitude = _mean_magnitude_n(feet, spans) / body_weight_n
         refuted = abs(magnitude - 1.0) > REFUTED
     weight_n, source = _trusted_weight(body_weight_n, estimated_n, refuted=refuted)
+    tolerance = REFUTED if mass_is_assumed else WEIGHT_TOLERANCE
+    direction_refuted = ratio is not None and (complete or ratio > 1.0)
+    direction_refuted &= abs((ratio or 1.0) - 1.0) > tolerance
+    falls_short = magnitude is not None and magnitude < 1.0 - max(tolerance, FALLS_SHORT)
+    magnitude_misses = falls_short or (magnitude is not None and magnitude > 1.0 + REFUTED)
     share_of, shares = _shares(feet, spans, vertical=vertical)
+    if direction_refuted or magnitude_misses:
+        shares = None
     return LoadFigures(
         known_s=timespans.total(spans) / 1e9,
         over_strides=over_strides,
@@ -232,10 +242,21 @@ def load_figures(
         mean_over_weight=ratio,
         magnitude_over_weight=magnitude,
         mean_magnitude_n=mean_magnitude,
-        direction_refuted=ratio is not None
-        and (complete or ratio > 1.0)
-        and abs(ratio - 1.0) > (REFUTED if mass_is_assumed else WEIGHT_TOLERANCE),
+        direction_refuted=direction_refuted,
+        magnitude_misses_weight=magnitude_misses,
+        other_units=complete
+        and over_strides
+        and _is_no_weight(magnitude, mean_magnitude, body_weight_n),
     )
+
+
+def _is_no_weight(
+    magnitude: float | None, mean_magnitude_n: float | None, weight_n: float | None
+) -> bool:
+    """Tell whether the feet's summed |F|, over the weight or in N, is that of no such mass."""
+    if magnitude is None and mean_magnitude_n is not None and weight_n:
+        magnitude = mean_magnitude_n / weight_n
+    return magnitude is not None and not NOT_THE_WEIGHT <= magnitude <= 1.0 / NOT_THE_WEIGHT
 
 
 def _vertical_of_all(feet: Sequence[FootHistory]) -> bool:

@@ -11,7 +11,7 @@ from typing import Final, Literal
 
 import numpy as np
 
-from dogbot_logtool.core.geometry.arrays import Flags, Floats, Ints, norms
+from dogbot_logtool.core.geometry.arrays import Floats, Ints, norms
 from dogbot_logtool.core.geometry.clock import usual_interval_s
 from dogbot_logtool.core.geometry.order_statistics import median_of, percentiles_of
 from dogbot_logtool.core.sensors.saturation import resolution_n, saturated_limit_n
@@ -26,6 +26,7 @@ from dogbot_logtool.core.sensors.sensor_modes import (
     judge_modes,
     two_modes,
 )
+from dogbot_logtool.core.sensors.zero_in_swing import rests_at_zero
 from dogbot_logtool.dataclass import dataclass
 
 Origin = Literal["option", "robot", "estimated", "default"]
@@ -34,19 +35,8 @@ Origin = Literal["option", "robot", "estimated", "default"]
 FEWEST_SAMPLES: Final = 20
 CLEAR_OF_NOISE: Final = 5.0
 """Least distance between both modes, in standard deviations of the noise."""
-IN_RUNS: Final = 0.25
-"""Share of the zeros that stand in runs of three and more in a sensor that reads zero in swing;
-messages that are lost here and there make single zeros."""
 DROPOUTS: Final = 3
 """Lone zeros under load that make a sensor one that drops out."""
-LIGHT: Final = 0.05
-"""Share of the usual load below which a sample counts as light."""
-PULL: Final = 0.02
-"""Share of the usual load by which no ground can pull at a foot."""
-LIGHTLY: Final = 0.35
-"""Times the usual load: a reading in swing stays below."""
-PULLS: Final = 0.1
-"""Share of the zeros from which so many such pulls make a sensor that does not rest at zero."""
 _LOADED: Final = 75.0
 """Percentile of the forces that stands for the usual load where swings are not told apart."""
 _RANGE: Final = (3.0, 97.0)
@@ -214,14 +204,10 @@ def zero_level(force: Floats, interval_s: float | None = None) -> SensorLevel | 
         force: (n, 3) N, finite.
         interval_s: s, the usual sampling interval.
     """
+    if not rests_at_zero(force):
+        return None
     magnitude = norms(force)
-    zero = magnitude == 0.0
-    if _in_runs(zero).sum() <= IN_RUNS * zero.sum():
-        return None
-    loaded = float(median_of(magnitude[~zero])) if not zero.all() else None
-    light = (magnitude < LIGHT * loaded).sum() if loaded else zero.sum()
-    if 2 * zero.sum() < light or _pulls(force, zero):
-        return None
+    loaded = float(median_of(magnitude[magnitude > 0.0])) if magnitude.any() else None
     knots, offset = no_offset()
     return SensorLevel(
         knots,
@@ -236,28 +222,6 @@ def zero_level(force: Floats, interval_s: float | None = None) -> SensorLevel | 
         zero_in_swing=True,
         origin="estimated",
     )
-
-
-def _pulls(force: Floats, zero: Flags) -> bool:
-    """Tell whether a sensor that counts in steps also reads less than nothing, (n, 3) N.
-
-    Full loads the other way are those of a sensor that turns with its link.
-    """
-    if zero.all():
-        return False
-    load, magnitude = force @ force.mean(axis=0), norms(force)
-    pulled = load < -PULL * median_of(load[~zero])
-    pulled &= magnitude < LIGHTLY * median_of(magnitude[~zero])
-    return bool(pulled.sum() > PULLS * zero.sum())
-
-
-def _in_runs(flags: Flags) -> Flags:
-    """(n,) whether a row is one of at least three flagged ones in a row."""
-    middle = flags[2:] & flags[1:-1] & flags[:-2]
-    within = np.zeros(len(flags), np.bool_)
-    for shift in range(3):
-        within[shift : shift + len(middle)] |= middle
-    return within
 
 
 def _drops_out(force: Floats, loaded_n: float) -> bool:

@@ -1,0 +1,108 @@
+"""Whether the base goes up and down when the feet's forces drive it: clocks compared by physics.
+
+Header stamps cannot tell that a recorder stamped odometry anew. But what the feet's vertical
+forces exceed the weight by, over the mass, is the acceleration of the centre of mass; integrated
+twice it is a way that the base follows at once. Legs have mass, and the base is not the centre of
+mass: only where the base follows closely, and as far, is its delay told.
+"""
+
+from collections.abc import Sequence
+from typing import Final
+
+import numpy as np
+
+from dogbot_logtool.core.base.base_history import BaseHistory
+from dogbot_logtool.core.contact.foot_history import FootHistory
+from dogbot_logtool.core.contact.track import TRACK_RATE_HZ
+from dogbot_logtool.core.geometry import timespans
+from dogbot_logtool.core.geometry.arrays import Floats, Ints
+from dogbot_logtool.core.geometry.delay import Delay, fit_delay
+from dogbot_logtool.core.imu.running import mean_impulses
+from dogbot_logtool.core.load.load_figures import vertical_is_known
+from dogbot_logtool.core.load.loads import GRAVITY_MPS2
+from dogbot_logtool.core.quality.clocks import CLOCK_SHARE_OF_STRIDE, LONGEST_DELAY_S
+
+FOLLOWS: Final = 0.9
+"""Correlation of both ways from which the base follows the forces."""
+AS_FAR: Final = (0.75, 1.33)
+"""How far the base may go, against what the forces say."""
+LEAST_STRIDES: Final = 6
+_LONGEST_S: Final = 120.0
+_CELL_NS: Final = round(1e9 / TRACK_RATE_HZ)
+_LATEST_S: Final = 0.5
+_LAGS: Final = 101
+
+
+def long_delay(
+    feet: Sequence[FootHistory], base: BaseHistory, period_s: float, strides: Ints
+) -> Delay | None:
+    """Return by how much the base comes after the feet's forces, if that is long.
+
+    Long is surely more than odometry takes, and than a few per cent of a stride. A heave that
+    repeats itself in less than a second makes that uncertain.
+
+    Args:
+        feet: histories of all feet.
+        base: poses without jumps.
+        period_s: s, the usual stride.
+        strides: (s, 2) ns, strides, in which nothing but the feet carries the robot.
+    """
+    found = heave_delay(feet, base, period_s, timespans.merge(strides))
+    least = max(CLOCK_SHARE_OF_STRIDE * period_s, LONGEST_DELAY_S)
+    is_long = found is not None and (found.low_s > least or found.high_s < -least)
+    return found if is_long else None
+
+
+def heave_delay(
+    feet: Sequence[FootHistory], base: BaseHistory, period_s: float, strides: Ints
+) -> Delay | None:
+    """Return by how much the base comes after the feet's forces; see `long_delay`.
+
+    Returns:
+        None where vertical forces are not known over strides enough in a row, or the base does not
+        follow them closely.
+    """
+    if not all(vertical_is_known(foot) for foot in feet):
+        return None
+    spans = timespans.intersect([strides, base.known, *(foot.vertical_known for foot in feet)])
+    if not len(spans):
+        return None
+    start, end = spans[np.argmax(spans[:, 1] - spans[:, 0])].tolist()
+    cells = int(min((end - start) / 1e9, _LONGEST_S) * TRACK_RATE_HZ)
+    window = max(round(period_s * TRACK_RATE_HZ), 1)
+    if cells < LEAST_STRIDES * window:
+        return None
+    time = start + np.arange(cells) * _CELL_NS
+    force = mean_impulses(feet, "vertical_impulse", time + _CELL_NS // 2, _CELL_NS // 2).sum(axis=1)
+    # The sum of cells is known at their ends, the sum of those half a cell later.
+    driven, at = _way(force, window), (time - start) / 1e9 + 1.5 / TRACK_RATE_HZ
+    base_at = time + 3 * _CELL_NS // 2
+    heave = _about_mean(base.position_at(base_at)[:, 2], window)
+    edge = 2 * window + int(_LATEST_S * TRACK_RATE_HZ) + 2
+    rows = slice(edge, cells - edge)
+    inside = np.isfinite(heave[rows])
+    if not inside.any():
+        return None
+    found = fit_delay(
+        heave[rows][inside],
+        lambda lag: np.interp(at[rows][inside] - lag, at, driven),
+        np.linspace(-_LATEST_S, _LATEST_S, _LAGS),
+        float(inside.sum()) / window,
+    )
+    follows = found is not None and found.correlation >= FOLLOWS
+    return found if follows and found and AS_FAR[0] <= found.gain <= AS_FAR[1] else None
+
+
+def _way(force: Floats, window: int) -> Floats:
+    """(n,) m, the way about its mean over a stride that mean forces in cells drive, (n,) N."""
+    step = 1.0 / TRACK_RATE_HZ
+    acceleration = GRAVITY_MPS2 * (force / force.mean() - 1.0)
+    speed = _about_mean(np.cumsum(_about_mean(acceleration, window)) * step, window)
+    return _about_mean(np.cumsum(speed) * step, window)
+
+
+def _about_mean(values: Floats, window: int) -> Floats:
+    """(n,) what values differ by from their mean over a window about them."""
+    mean = np.convolve(values, np.full(window, 1.0 / window), mode="same")
+    rest: Floats = values - mean
+    return rest

@@ -1,0 +1,89 @@
+"""Sensors that stop in the course of a log: one foot makes no step while the others go on.
+
+A foot that is lifted, or planted, makes no step either. Of a lifted one the other feet carry the
+load; a planted one feels that load shift.
+"""
+
+from collections.abc import Iterator, Sequence
+from typing import Final
+
+import numpy as np
+
+from dogbot_logtool.core.contact.foot_history import FootHistory
+from dogbot_logtool.core.geometry import timespans
+from dogbot_logtool.core.geometry.arrays import Flags, Ints
+from dogbot_logtool.core.geometry.order_statistics import median_of
+
+MISSED_STEPS: Final = 4
+"""Touchdowns of half of the other feet, or more, while one foot makes no step."""
+ONE_FORCE: Final = 0.02
+"""Share of a load within which that of a sensor that has stopped stays."""
+MOSTLY: Final = 0.75
+"""Share of the time in which it does so: it may stop in the midst of a stance."""
+LACKS: Final = 0.5
+"""Share of a foot's usual load that must be missing from the sum of all feet's."""
+
+
+def without_stopped(feet: Sequence[FootHistory]) -> tuple[FootHistory, ...]:
+    """Return histories in which the time is unknown in which a foot's sensor has stopped."""
+    stopped = [list(_stopped(row, feet)) for row in range(len(feet))]
+    return tuple(
+        foot.stopped_in(np.array(spans, np.int64)) if spans else foot
+        for foot, spans in zip(feet, stopped, strict=True)
+    )
+
+
+def _stopped(row: int, feet: Sequence[FootHistory]) -> Iterator[tuple[int, int]]:
+    """Yield spans, ns, from a foot's last touchdown until it certainly steps again."""
+    foot, others = feet[row], [*feet[:row], *feet[row + 1 :]]
+    stances = foot.stances
+    if not others or not len(stances.touchdown):
+        return
+    # A sensor that speaks in contact only begins and ends with one.
+    first = min(each.start for each in feet if each.start is not None)
+    last = max(each.end for each in feet if each.end is not None)
+    starts = np.concatenate([[first], stances.touchdown])
+    leaves = np.concatenate([[first], stances.liftoff])
+    ends = np.concatenate([stances.touchdown, [last]])
+    stays, hangs = _others_step(others, starts, leaves), _others_step(others, leaves, ends)
+    for at in np.flatnonzero(stays | hangs).tolist():
+        in_stance, in_swing = np.array([[starts[at], leaves[at]], [leaves[at], ends[at]]])
+        if (stays[at] and _is_constant(foot, in_stance[None])) or (
+            hangs[at] and _load_is_missing(foot, feet, in_swing[None])
+        ):
+            yield int(starts[at]), int(ends[at])
+
+
+def _others_step(others: Sequence[FootHistory], start: Ints, end: Ints) -> Flags:
+    """(n,) whether half of the other feet, or more, go on stepping in some spans."""
+    touchdowns = [each.stances.touchdown for each in others]
+    steps = [np.searchsorted(each, end) - np.searchsorted(each, start) for each in touchdowns]
+    enough: Flags = 2 * (np.array(steps) >= MISSED_STEPS).sum(axis=0) >= len(others)
+    return enough
+
+
+def _is_constant(foot: FootHistory, span: Ints) -> bool:
+    """Tell whether a foot's load hardly ever varies in a span, (1, 2) ns, but near its ends."""
+    track = foot.track
+    inside = np.flatnonzero(timespans.covers(span, track.time))
+    time, impulse = track.time[inside], track.force_impulse[inside]
+    force = np.diff(impulse) / np.diff(time) * 1e9
+    if not foot.has_force or len(force) < MISSED_STEPS:
+        return False
+    usual = float(median_of(force))
+    return bool((np.abs(force - usual) <= ONE_FORCE * usual).mean() > MOSTLY)
+
+
+def _load_is_missing(foot: FootHistory, feet: Sequence[FootHistory], span: Ints) -> bool:
+    """Tell whether the load that a foot usually carries is missing in a span, (1, 2) ns."""
+    if not all(each.has_force for each in feet):
+        return True
+    known = timespans.intersect([each.known for each in feet])
+    inside, usual = timespans.intersect([known, span]), timespans.subtract(known, span)
+    if 2 * timespans.total(inside) < timespans.total(span) or not len(usual):
+        return True
+    own, now, before = (
+        sum(each.track.force_within(spans) for each in those) / timespans.total(spans)
+        for those, spans in (((foot,), usual), (feet, inside), (feet, usual))
+    )
+    return now < before - LACKS * own
