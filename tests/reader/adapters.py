@@ -44,7 +44,11 @@ SAME_AS: Final = {
 }
 """Types of other drivers, with a type that has the same fields."""
 FOXGLOVE: Final = ("foxglove.FrameTransforms", "foxglove.FrameTransform")
-VARIANTS: Final = ("old_xpp/RobotStateCartesian", "old_whole_body/WholeBodyState")
+VARIANTS: Final = (
+    "old_xpp/RobotStateCartesian",
+    "old_whole_body/WholeBodyState",
+    "old_dwl/WholeBodyState",
+)
 """Earlier definitions of types, by the packages that the tests give them."""
 BASES: Final = tuple(
     name
