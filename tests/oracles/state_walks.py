@@ -15,6 +15,7 @@ LABELS: Final = {
     "back_left": "LH_FOOT",
     "back_right": "RH_FOOT",
 }
+TIPS: Final = {leg: label.replace("FOOT", "tip") for leg, label in LABELS.items()}
 SENSORS: Final = {"front_left": "lfsensor", "front_right": "rfsensor"}
 """Feet of a biped, by the leg that they walk like."""
 PLACES: Final = {
@@ -301,7 +302,7 @@ class StateWalk(walks.Walk):
         contacts = [
             self.make(
                 f"{kind.split('/', maxsplit=1)[0]}/ContactState",
-                name=LABELS[leg].lower(),
+                name=LABELS[leg],
                 wrench=self.wrench(FORCES[leg][sample]),
                 **placed(foot_position(leg, sample) - base),
             )
@@ -323,7 +324,7 @@ class StateWalk(walks.Walk):
         return self.make(
             kind,
             header=self.header(sample, ""),
-            name=[f"{LABELS[leg][:2]}_tip" for leg in LEGS],
+            name=[TIPS[leg] for leg in LEGS],
             wrench=[self.wrench(FORCES[leg][sample]) for leg in LEGS],
             proximity=np.zeros(0),
         )

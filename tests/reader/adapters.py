@@ -197,6 +197,8 @@ def feet(type_name: str) -> FootChannels:
 
 def _labels(type_name: str) -> Mapping[str, str]:
     """Return what messages of a type call the feet."""
+    if type_name.startswith("syropod"):
+        return state_walks.TIPS
     return state_walks.SENSORS if type_name.startswith("hrpsys") else state_walks.LABELS
 
 
