@@ -175,6 +175,21 @@ def _listed(walk: walks.Walk, kind: str, sample: int) -> Any:
     return walk.make(kind, name=names, pose=poses, twist=[_twist(walk) for _ in names])
 
 
+def models(walk: walks.Walk, places: Mapping[str, float]) -> bytes:
+    """Return a message of models, each at its x in metres."""
+    poses = [
+        walk.make(
+            "geometry_msgs/Pose",
+            position=walk.vector((x, 0.0, HEIGHT), "geometry_msgs/Point"),
+            orientation=walk.make("geometry_msgs/Quaternion", x=0.0, y=0.0, z=0.0, w=1.0),
+        )
+        for x in places.values()
+    ]
+    kind = "gazebo_msgs/msg/ModelStates"
+    twists = [_twist(walk) for _ in places]
+    return walk.bytes_of(kind, walk.make(kind, name=[*places], pose=poses, twist=twists))
+
+
 def message(kind: str, sample: int) -> bytes:
     """Return the serialised message of a sample."""
     if kind.startswith("foxglove."):

@@ -14,12 +14,15 @@ _ALTERNATIVES: Final = 2
 """Sets that are offered beside the most likely one."""
 
 
-def candidates_finding(log: Log, found: Sequence[FootCandidates], base: str = "") -> Finding:
+def candidates_finding(
+    log: Log, found: Sequence[FootCandidates], call: str, base: str = ""
+) -> Finding:
     """Return which fields may be feet, why, and the command that measures with them.
 
     Args:
         log: the log.
         found: what `find_candidates` finds, at least one.
+        call: a call of `stats` without the feet.
         base: poses that may be the base's, as ``--odom-topic`` takes them; empty: none.
     """
     first, *others = found
@@ -34,7 +37,7 @@ def candidates_finding(log: Log, found: Sequence[FootCandidates], base: str = ""
         text += f"; they are not used unasked. This writes a robot's file with them: {draft}"
         return replace(warning("FEET_POSSIBLE", text), command=draft)
     words = " ".join(f"--foot {foot.name}={shlex.quote(word_of(foot))}" for foot in first.feet)
-    command = f"{shlex.join(['dogbot-logtool', 'stats', *log.words, *chosen])} {words}"
+    command = f"{call} {words}"
     text += (
         f"; they are not used unasked. `{draft}` writes a robot's file with them; this measures "
         f"with them: {command}"
