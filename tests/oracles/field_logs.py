@@ -14,6 +14,9 @@ DEFINITIONS: Final = {
     "odd_msgs/msg/LoadCell": "uint32 rows\nuint32 cols\nfloat32[] data\n",
     "odd_msgs/msg/Counts": "int16 value\n",
     "odd_msgs/msg/Touch": "bool is_down\n",
+    "odd_msgs/msg/Bits": "int8 foot_contacts\nfloat32 battery\n",
+    "odd_msgs/msg/Pad": "string name\nfloat64 load\n",
+    "odd_msgs/msg/Pads": "odd_msgs/Pad[] pads\n",
     "odd_msgs/msg/Leg": "string name\nint16 counts\ngeometry_msgs/Vector3 force\nfloat32[] cells\n",
     "odd_msgs/msg/State": (
         "std_msgs/Header header\nodd_msgs/Leg[] legs\nfloat64[4] loads\nuint8[] flags\n"

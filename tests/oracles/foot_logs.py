@@ -35,8 +35,8 @@ def write_log(
         data = walk.odometry(sample)
         entries += [walks.Entry(one, "nav_msgs/msg/Odometry", time, data) for one in odometry]
         if models is not None:
-            states = base_walks.models(walk, {name: v * sample for name, v in models.items()})
-            entries.append(walks.Entry("/gazebo/model_states", MODELS, time, states))
+            listed = base_walks.models(walk, {name: v * sample for name, v in models.items()})
+            entries.append(walks.Entry("/gazebo/model_states", MODELS, time, listed))
         for number, (topic, kind) in enumerate(topics.items()):
             down = (sample - number % 2 * LATE) % walks.PERIOD < walks.STANCE
             force = (0.0, 0.0, 60.0 if down else 0.0)
