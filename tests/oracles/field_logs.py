@@ -57,6 +57,17 @@ def six_feet(path: Path, kind: str = "odd_msgs/msg/Reading") -> Path:
     return path
 
 
+def six_feet_in_two(folder: Path) -> tuple[Path, Path]:
+    """Write the same recording as two files: three feet in each."""
+    walk = odd_walk()
+    entries = list(_six_feet(walk, "odd_msgs/msg/Reading"))
+    paths = folder / "front.mcap", folder / "back.mcap"
+    for path, struts in zip(paths, ("123", "456"), strict=True):
+        own = [entry for entry in entries if entry.topic.split("/")[2][-1] in struts]
+        walks.write_mcap(path, walk, own)
+    return paths
+
+
 def load_cell(path: Path, rows: int) -> Path:
     """Write one six-axis force sensor below a walking robot: rows of Fx, Fy, Fz, Tx, Ty, Tz."""
     walk, kind = odd_walk(), "odd_msgs/msg/LoadCell"

@@ -29,9 +29,14 @@ def candidates_finding(
     text = f"fields of {first.type_name} look like feet: {first.text}"
     for other in others[:_ALTERNATIVES]:
         text += f"; or {other.text}"
+    if any(foot.place is None for foot in first.feet):
+        text += (
+            "; which leg each is, they do not say: put front_left, back_right ... for "
+            f"{first.feet[0].name} and the others, and gaits have names"
+        )
     file = f"{PurePath(log.words[0]).stem}.toml"
     chosen = ["--odom-topic", base] if base else []
-    draft = shlex.join(["dogbot-logtool", "robots", "new", log.words[0], *chosen, "-o", file])
+    draft = shlex.join(["dogbot-logtool", "robots", "new", *log.words, *chosen, "-o", file])
     if any(foot.field and foot.field.kind for foot in first.feet):
         # What the fields are can only be said in a robot's file.
         text += f"; they are not used unasked. This writes a robot's file with them: {draft}"

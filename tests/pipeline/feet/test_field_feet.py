@@ -23,6 +23,7 @@ from tests.oracles.field_logs import (
     load_n,
     odd_walk,
     six_feet,
+    six_feet_in_two,
 )
 from tests.paths import ROOT
 
@@ -311,3 +312,23 @@ def test_counts_are_no_bits(tmp_path: Path) -> None:
     done = forked_cli.run("info", path)
     assert done.returncode == 0
     assert "&" not in done.stdout
+
+
+def test_a_robot_of_two_files_that_are_one_recording(tmp_path: Path) -> None:
+    files = six_feet_in_two(tmp_path)
+    alone = forked_cli.run("robots", "new", *files)
+    assert alone.returncode == 2
+    assert "--join" in alone.stderr
+    done = forked_cli.run("robots", "new", *files, "--join", "-o", tmp_path / "crawler.toml")
+    words = command(done.stderr)
+    assert words[:4] == ["stats", *map(str, files), "--join"]
+    check_steps(figures(*words[1:]))
+
+
+def test_feet_without_a_leg_are_said_to_need_one(tmp_path: Path) -> None:
+    told = forked_cli.run("info", six_feet(tmp_path / "walk.mcap"))
+    assert "put front_left, back_right ... for" in " ".join(told.stdout.split())
+    found = forked_cli.run(*command(told.stdout))
+    text = " ".join(found.stdout.split())
+    assert "which foot is front or back, left or right must be known to name one" in text
+    assert "phases of all" not in text
