@@ -2,12 +2,14 @@
 
 import re
 import shlex
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
 
 from dogbot_logtool.cli.options import (
+    join_option,
     json_option,
     output_file,
     overwrite_option,
@@ -22,7 +24,8 @@ if TYPE_CHECKING:
 
 @click.command()
 @click.argument("name", required=False)
-@click.argument("log", required=False, type=click.Path(path_type=Path))
+@click.argument("logs", nargs=-1, metavar="[LOG...]", type=click.Path(path_type=Path))
+@join_option
 @click.option(
     "-o", "--output", type=output_file, metavar="FILE.toml", help="Of new; default: stdout."
 )
@@ -31,10 +34,11 @@ if TYPE_CHECKING:
 @json_option
 def robots(
     name: str | None,
-    log: Path | None,
+    logs: tuple[Path, ...],
     output: Path | None,
     topics: "TopicOptions",
     *,
+    join: bool,
     overwrite: bool,
     as_json: bool,
 ) -> None:
@@ -45,13 +49,16 @@ def robots(
     """
     from dogbot_logtool.robot import known_robots, load_robot, robot_toml  # noqa: PLC0415
 
-    if name == "new" and log is not None:
-        _new(log, output, topics, overwrite=overwrite)
+    if name == "new" and logs:
+        log, *others = logs
+        if others and not join:
+            raise CallError("robots new: name one log; with --join, several files of one recording")
+        _new(log, output, replace(topics, joined=tuple(others)), overwrite=overwrite)
         return
     if name == "new":
         raise CallError("robots new: name the log, as in 'dogbot-logtool robots new walk.mcap'")
-    if log is not None or output is not None:
-        raise CallError("robots: a log and -o go with 'new' only")
+    if logs or output is not None or join:
+        raise CallError("robots: a log, -o and --join go with 'new' only")
     if name is not None:
         click.echo(robot_toml(name), nl=False)
         return
@@ -71,7 +78,8 @@ def _new(log: Path, output: Path | None, options: "TopicOptions", *, overwrite: 
 
     if output is not None:
         refuse_other_format(output, ".toml")
-        refuse_bad_target(output, log, overwrite=overwrite)
+        for source in (log, *options.joined):
+            refuse_bad_target(output, source, overwrite=overwrite)
     stem = (output or log).stem
     found = new_robot(log, re.sub(r"[^A-Za-z0-9]+", "_", stem).strip("_") or "robot", options)
     if output is None:
@@ -82,5 +90,6 @@ def _new(log: Path, output: Path | None, options: "TopicOptions", *, overwrite: 
     for other in found.runners_up[:3]:
         click.echo(f"not chosen: {other.fields} ({'; '.join(other.reasons)})", err=True)
     file_name = str(output or "robot.toml")
-    command = shlex.join(["dogbot-logtool", "stats", str(log), "--robot", file_name])
+    files = [str(log), *map(str, options.joined), *(["--join"] if options.joined else [])]
+    command = shlex.join(["dogbot-logtool", "stats", *files, "--robot", file_name])
     click.echo(f"  {command}", err=True)

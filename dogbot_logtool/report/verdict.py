@@ -78,6 +78,8 @@ def evidence(segment: Segment) -> str:
         return "the robot is held in the air, or lies on its body"
     if feet not in {BIPED, QUADRUPED, HEXAPOD}:
         return f"only gaits of two, four or six feet have names; this robot has {feet}"
+    if gait.name is None and len(consistency) == feet:
+        return "which foot is front or back, left or right must be known to name one"
     if gait.name is None or gait.distance is None or not consistency:
         return f"phases of all {feet} feet are needed to name one"
     if gait.name == IRREGULAR:

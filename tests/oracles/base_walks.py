@@ -40,6 +40,8 @@ DEFINITIONS: Final = {
     "float32[3] position\nfloat32[3] velocity",
     "ocs2_msgs/msg/mpc_state": "float32[] value",
     "ocs2_msgs/msg/mpc_observation": "float64 time\nocs2_msgs/mpc_state state\nint8 mode",
+    "dwl_msgs/msg/BaseState": "string name\nuint8 id\nfloat64 position",
+    "dwl_msgs/msg/WholeBodyState": "std_msgs/Header header\ndwl_msgs/BaseState[] base",
     "tf2_msgs/msg/TFMessage": "geometry_msgs/TransformStamped[] transforms",
 }
 TOPICS: Final = {
@@ -56,6 +58,7 @@ TOPICS: Final = {
     "xpp_msgs/RobotStateCartesian": "/xpp/state_des",
     "anymal_msgs/AnymalState": "/state_estimator/anymal_state",
     "quad_msgs/RobotState": "/robot/state/ground_truth",
+    "dwl_msgs/WholeBodyState": "/hyq/robot_states",
     "tf2_msgs/TFMessage": "/tf",
     "foxglove.Odometry": "/base/odometry",
     "foxglove.PoseInFrame": "/base/pose",
@@ -172,6 +175,21 @@ def _listed(walk: walks.Walk, kind: str, sample: int) -> Any:
     return walk.make(kind, name=names, pose=poses, twist=[_twist(walk) for _ in names])
 
 
+def models(walk: walks.Walk, places: Mapping[str, float]) -> bytes:
+    """Return a message of models, each at its x in metres."""
+    poses = [
+        walk.make(
+            "geometry_msgs/Pose",
+            position=walk.vector((x, 0.0, HEIGHT), "geometry_msgs/Point"),
+            orientation=walk.make("geometry_msgs/Quaternion", x=0.0, y=0.0, z=0.0, w=1.0),
+        )
+        for x in places.values()
+    ]
+    kind = "gazebo_msgs/msg/ModelStates"
+    twists = [_twist(walk) for _ in places]
+    return walk.bytes_of(kind, walk.make(kind, name=[*places], pose=poses, twist=twists))
+
+
 def message(kind: str, sample: int) -> bytes:
     """Return the serialised message of a sample."""
     if kind.startswith("foxglove."):
@@ -242,6 +260,18 @@ def _ocs2(walk: walks.Walk, sample: int) -> Any:
     )
 
 
+def _dwl(walk: walks.Walk, sample: int) -> Any:
+    """The joints of the base, by numbers: roll, pitch, yaw, x, y, z."""
+    position, _, angles = pose(sample)
+    joints = [
+        walk.make("dwl_msgs/BaseState", name="", id=number, position=float(value))
+        for number, value in enumerate((*angles, *position))
+    ]
+    return walk.make(
+        "dwl_msgs/WholeBodyState", header=walk.header(sample, "world"), base=joints[::-1]
+    )
+
+
 def _array(walk: walks.Walk, sample: int) -> Any:
     position, quaternion, _ = pose(sample)
     return walk.make(
@@ -293,6 +323,7 @@ _MAKERS: Final[Mapping[str, Callable[[walks.Walk, int], Any]]] = {
         traj_index=0,
         body=walk.make("quad_msgs/BodyState", pose=_pose(walk, sample), twist=_twist(walk)),
     ),
+    "dwl_msgs/WholeBodyState": _dwl,
     "tf2_msgs/TFMessage": lambda walk, sample: walk.make(
         "tf2_msgs/TFMessage",
         transforms=[

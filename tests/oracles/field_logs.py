@@ -14,6 +14,9 @@ DEFINITIONS: Final = {
     "odd_msgs/msg/LoadCell": "uint32 rows\nuint32 cols\nfloat32[] data\n",
     "odd_msgs/msg/Counts": "int16 value\n",
     "odd_msgs/msg/Touch": "bool is_down\n",
+    "odd_msgs/msg/Bits": "int8 foot_contacts\nfloat32 battery\n",
+    "odd_msgs/msg/Pad": "string name\nfloat64 load\n",
+    "odd_msgs/msg/Pads": "odd_msgs/Pad[] pads\n",
     "odd_msgs/msg/Leg": "string name\nint16 counts\ngeometry_msgs/Vector3 force\nfloat32[] cells\n",
     "odd_msgs/msg/State": (
         "std_msgs/Header header\nodd_msgs/Leg[] legs\nfloat64[4] loads\nuint8[] flags\n"
@@ -52,6 +55,17 @@ def six_feet(path: Path, kind: str = "odd_msgs/msg/Reading") -> Path:
     walk = odd_walk()
     walks.write_mcap(path, walk, list(_six_feet(walk, kind)))
     return path
+
+
+def six_feet_in_two(folder: Path) -> tuple[Path, Path]:
+    """Write the same recording as two files: three feet in each."""
+    walk = odd_walk()
+    entries = list(_six_feet(walk, "odd_msgs/msg/Reading"))
+    paths = folder / "front.mcap", folder / "back.mcap"
+    for path, struts in zip(paths, ("123", "456"), strict=True):
+        own = [entry for entry in entries if entry.topic.split("/")[2][-1] in struts]
+        walks.write_mcap(path, walk, own)
+    return paths
 
 
 def load_cell(path: Path, rows: int) -> Path:

@@ -1,6 +1,6 @@
 """The synthetic walk of `walks.py` in messages that tell of all feet at once."""
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from typing import Any, Final
 
 import numpy as np
@@ -15,6 +15,7 @@ LABELS: Final = {
     "back_left": "LH_FOOT",
     "back_right": "RH_FOOT",
 }
+TIPS: Final = {leg: label.replace("FOOT", "tip") for leg, label in LABELS.items()}
 SENSORS: Final = {"front_left": "lfsensor", "front_right": "rfsensor"}
 """Feet of a biped, by the leg that they walk like."""
 PLACES: Final = {
@@ -57,6 +58,17 @@ DEFINITIONS: Final = {
     "old_whole_body/msg/ContactState": "string name\nuint8 type\nint8 contact_state\n" + _CONTACT,
     "old_whole_body/msg/WholeBodyState": "std_msgs/Header header\nfloat64 time\n"
     "old_whole_body/ContactState[] contacts",
+    "dwl_msgs/msg/BaseState": "string name\nuint8 id\nfloat64 position\nfloat64 velocity",
+    "dwl_msgs/msg/ContactState": "string name\ngeometry_msgs/Pose pose\n"
+    "geometry_msgs/Twist velocity\ngeometry_msgs/Wrench wrench",
+    "dwl_msgs/msg/WholeBodyState": "std_msgs/Header header\nfloat64 time\n"
+    "dwl_msgs/BaseState[] base\ndwl_msgs/ContactState[] contacts",
+    "old_dwl/msg/ContactState": "string name\ngeometry_msgs/Vector3 position\n"
+    "geometry_msgs/Wrench wrench",
+    "old_dwl/msg/WholeBodyState": "std_msgs/Header header\nfloat64 time\n"
+    "dwl_msgs/BaseState[] base\nold_dwl/ContactState[] contacts",
+    "syropod_highlevel_controller/msg/TipState": "std_msgs/Header header\nstring[] name\n"
+    "geometry_msgs/Wrench[] wrench\nfloat64[] proximity",
     "ocs2_msgs/msg/mpc_state": "float32[] value",
     "ocs2_msgs/msg/mpc_input": "float32[] value",
     "ocs2_msgs/msg/mpc_observation": "float64 time\nocs2_msgs/mpc_state state\n"
@@ -90,6 +102,9 @@ KINDS: Final = (
     "hrpsys_ros_bridge/msg/ContactStatesStamped",
     "go2_interfaces/msg/Go2State",
     "my_driver/msg/SportModeState",
+    "dwl_msgs/msg/WholeBodyState",
+    "old_dwl/msg/WholeBodyState",
+    "syropod_highlevel_controller/msg/TipState",
 )
 RAW: Final = ("go2_interfaces/msg/Go2State", "my_driver/msg/SportModeState")
 FLAGS_ONLY: Final = (
@@ -98,7 +113,7 @@ FLAGS_ONLY: Final = (
     "hrpsys_ros_bridge/msg/ContactStatesStamped",
 )
 WITH_FORCE: Final = tuple(kind for kind in KINDS if kind not in FLAGS_ONLY)
-WITH_POINTS: Final = (*KINDS[:6], *RAW)
+WITH_POINTS: Final = (*KINDS[:6], *RAW, *KINDS[-3:-1])
 IN_WORLD: Final = tuple(kind for kind in KINDS[:7] if not kind.startswith("anymal"))
 PLANNED: Final = (KINDS[0], KINDS[1], "ocs2_msgs/msg/mpc_observation")
 
@@ -271,6 +286,48 @@ class StateWalk(walks.Walk):
         ]
         header = self.header(sample, "world")
         return self.make(kind, header=header, time=0.01 * sample, contacts=contacts)
+
+    def _dwl_msgs(self, kind: str, sample: int) -> Any:
+        """Contacts are in the base's frame, and the base is six joints in any order."""
+        return self._dwl(
+            kind, sample, lambda at: {"pose": self._pose(at), "velocity": self._twist()}
+        )
+
+    def _old_dwl(self, kind: str, sample: int) -> Any:
+        return self._dwl(kind, sample, lambda at: {"position": self.vector(at)})
+
+    def _dwl(self, kind: str, sample: int, placed: Callable[[Any], dict[str, Any]]) -> Any:
+        base = base_position(sample)
+        joints = dict(zip((5, 4, 3, 0, 1, 2), (*base[::-1], 0.0, 0.0, 0.0), strict=True))
+        contacts = [
+            self.make(
+                f"{kind.split('/', maxsplit=1)[0]}/ContactState",
+                name=LABELS[leg],
+                wrench=self.wrench(FORCES[leg][sample]),
+                **placed(foot_position(leg, sample) - base),
+            )
+            for leg in LEGS[:: -1 if sample % 2 else 1]
+        ]
+        joint = "dwl_msgs/BaseState"
+        return self.make(
+            kind,
+            header=self.header(sample, "world"),
+            time=0.01 * sample,
+            base=[
+                self.make(joint, name="", id=number, position=float(position), velocity=0.0)
+                for number, position in joints.items()
+            ],
+            contacts=contacts,
+        )
+
+    def _syropod_highlevel_controller(self, kind: str, sample: int) -> Any:
+        return self.make(
+            kind,
+            header=self.header(sample, ""),
+            name=[TIPS[leg] for leg in LEGS],
+            wrench=[self.wrench(FORCES[leg][sample]) for leg in LEGS],
+            proximity=np.zeros(0),
+        )
 
     def _ocs2_msgs(self, kind: str, sample: int) -> Any:
         bits = dict(zip(LEGS, (8, 4, 2, 1), strict=True))

@@ -44,7 +44,11 @@ SAME_AS: Final = {
 }
 """Types of other drivers, with a type that has the same fields."""
 FOXGLOVE: Final = ("foxglove.FrameTransforms", "foxglove.FrameTransform")
-VARIANTS: Final = ("old_xpp/RobotStateCartesian", "old_whole_body/WholeBodyState")
+VARIANTS: Final = (
+    "old_xpp/RobotStateCartesian",
+    "old_whole_body/WholeBodyState",
+    "old_dwl/WholeBodyState",
+)
 """Earlier definitions of types, by the packages that the tests give them."""
 BASES: Final = tuple(
     name
@@ -193,6 +197,8 @@ def feet(type_name: str) -> FootChannels:
 
 def _labels(type_name: str) -> Mapping[str, str]:
     """Return what messages of a type call the feet."""
+    if type_name.startswith("syropod"):
+        return state_walks.TIPS
     return state_walks.SENSORS if type_name.startswith("hrpsys") else state_walks.LABELS
 
 

@@ -89,8 +89,8 @@ def _why_no_class(stats: Stats) -> str:
         return f"only gaits of two, four or six feet have names; this robot has {len(stats.feet)}"
     if legs_in_order([foot.place for foot in stats.feet]) is None:
         return (
-            "a gait's name needs to know which foot is front or back, left or right: "
-            "`place` in a robot's file says so"
+            "a gait's name needs to know which foot is front or back, left or right: names such as "
+            "--foot front_left=TOPIC say so, or `place` in a robot's file"
         )
     main = stats.main
     missing = [

@@ -13,11 +13,20 @@ from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.errors import DefinitionError
 from dogbot_logtool.pipeline.chunks import spread_chunks
 from dogbot_logtool.pipeline.feet.content import Content, judge_content
+from dogbot_logtool.pipeline.feet.elements import (
+    FEWEST_LEGS,
+    MOST_FEET,
+    PossibleField,
+    array_feet,
+    bit_feet,
+    feet_there,
+    named_elements,
+)
 from dogbot_logtool.pipeline.feet.labels import with_labels
 from dogbot_logtool.pipeline.feet.names import FootSet, NamedFoot, leg_position, name_feet
 from dogbot_logtool.pipeline.feet.words import MERITS, Part, words_of
 from dogbot_logtool.reader.containers.log import Channel, Log
-from dogbot_logtool.reader.decode.definition import FieldType, FixedArray, Primitive, Struct
+from dogbot_logtool.reader.decode.definition import FieldType, FixedArray, Struct
 from dogbot_logtool.reader.decode.field_path import is_vector, readable_fields
 from dogbot_logtool.reader.messages.contacts.registry import read_contacts, source_of
 from dogbot_logtool.reader.messages.contacts.source import FootChannels
@@ -26,12 +35,10 @@ from dogbot_logtool.robot import Foot, FootField
 
 ENOUGH: Final = 5
 """Points from which fields are offered as feet."""
-_MOST_FEET: Final = 8
 _MOST_SETS: Final = 40
 """Sets of fields whose content is looked at."""
 _MOST_NAMES: Final = 2000
 """Names that are compared with each other."""
-_FEWEST_LEGS: Final = 2
 _USUAL_LEGS: Final = (2, 4, 6, 8)
 _OTHER_PART: Final = 4
 """Points that a name costs which speaks of something else beside a foot."""
@@ -43,6 +50,7 @@ _FORCE: Final = frozenset(
     {"cell", "effort", "force", "forces", "fsr", "load", "loads", "pressure", "torque", "wrench",
      "wrenches"}
 )  # fmt: skip
+_BITS: Final = frozenset({"bits", "bitmask", "mask"})
 _OTHER: Final = frozenset(
     {"acc",
         "acceleration", "accel", "angle", "angular", "covariance", "current", "effort", "gain",
@@ -62,6 +70,8 @@ class FootCandidates:
     reasons: tuple[str, ...]
     is_contact: bool = False
     """Whether the fields only tell contact, and no force."""
+    is_numbered: bool = False
+    """Whether they are the elements of an array or bits, of which messages have fewer."""
 
     @property
     def text(self) -> str:
@@ -101,21 +111,6 @@ def _without_repeats(sets: Iterable[FootCandidates]) -> list[FootCandidates]:
     return kept
 
 
-@dataclass(frozen=True, slots=True)
-class _Field:
-    """A field of the messages of some topics."""
-
-    path: str
-    """With ``[]`` for an index."""
-    field_type: FieldType
-    length: int | None = None
-    """Elements of its array, where the definition says."""
-
-    @property
-    def is_flag(self) -> bool:
-        return isinstance(self.field_type, Primitive) and self.field_type.name == "bool"
-
-
 def _named_sets(log: Log) -> Iterator[FootCandidates]:
     """Yield sets of fields whose names do not speak against feet."""
     by_type: dict[str, list[Channel]] = {}
@@ -128,27 +123,33 @@ def _named_sets(log: Log) -> Iterator[FootCandidates]:
         except DefinitionError:
             continue
         topics = sorted({channel.topic for channel in channels})
-        fields = _possible_fields(definition)
+        fields = _possible_fields(definition, _OTHER)
+        efforts = [
+            each for each in _possible_fields(definition, _OTHER - {"effort"}) if each not in fields
+        ]
         yield from _of_sibling_topics(log, type_name, topics, fields)
         for topic in topics:
             yield from _of_sibling_fields(log, type_name, topic, fields)
             for field in fields:
-                yield from _of_array(log, type_name, topic, field)
+                yield from _inside_messages(log, type_name, topic, field)
+            for field in efforts:
+                if named := named_elements(log, topic, field):
+                    yield _scored(log, type_name, *named, [topic])
 
 
-def _possible_fields(definition: Struct) -> list[_Field]:
+def _possible_fields(definition: Struct, other: frozenset[str]) -> list[PossibleField]:
     """Return the fields whose names say nothing else; of a vector not its components, too."""
     fields = dict(readable_fields(definition))
     vectors = {path for path, kind in fields.items() if is_vector(kind)}
     return [
-        _Field(path, kind, _length(definition, path))
+        PossibleField(path, kind, _length(definition, path))
         for path, kind in fields.items()
-        if not _says(path, _OTHER) and path.rpartition(".")[0] not in vectors
+        if not _says(path, other) and path.rpartition(".")[0] not in vectors
     ]
 
 
 def _of_sibling_topics(
-    log: Log, type_name: str, topics: Sequence[str], fields: Sequence[_Field]
+    log: Log, type_name: str, topics: Sequence[str], fields: Sequence[PossibleField]
 ) -> Iterator[FootCandidates]:
     """Yield the same field of several topics: ``/leg_1/contact:data`` ..."""
     for field in fields:
@@ -179,7 +180,7 @@ def _differing_in_a_word(names: Collection[str]) -> Iterator[FootSet]:
             key = (str(index), *words[:index], *words[index + 1 :])
             groups.setdefault(key, {})[word] = name
     for group in groups.values():
-        if _FEWEST_LEGS < len(group) <= _MOST_FEET:
+        if FEWEST_LEGS < len(group) <= MOST_FEET:
             feet = tuple(
                 NamedFoot(f"foot_{word}" if word.isdigit() else word, name, leg_position(word))
                 for word, name in sorted(group.items(), key=_natural)
@@ -192,7 +193,7 @@ def _natural(entry: tuple[str, str]) -> tuple[int, str]:
 
 
 def _of_sibling_fields(
-    log: Log, type_name: str, topic: str, fields: Sequence[_Field]
+    log: Log, type_name: str, topic: str, fields: Sequence[PossibleField]
 ) -> Iterator[FootCandidates]:
     """Yield fields of one message whose names differ in the leg: ``stance_lf`` ..."""
     for is_vector_field in (False, True):
@@ -208,21 +209,23 @@ def _of_sibling_fields(
             yield _scored(log, type_name, feet, found, [topic])
 
 
-def _of_array(log: Log, type_name: str, topic: str, field: _Field) -> Iterator[FootCandidates]:
-    """Yield the elements of an array; how many there are, its messages tell."""
-    if field.path.count("[]") != 1 or not _fits(f"{topic} {type_name} {field.path}", field):
+def _inside_messages(
+    log: Log, type_name: str, topic: str, field: PossibleField
+) -> Iterator[FootCandidates]:
+    """Yield feet that are elements of an array, or bits of an integer."""
+    if not _fits(f"{topic} {type_name} {field.path}", field):
         return
-    count = _MOST_FEET + 1 if field.length is None else field.length
-    if not _FEWEST_LEGS <= count <= _MOST_FEET + 1:
-        return
-    feet = tuple(
-        Foot(f"foot_{index}", topic, field=FootField(field.path.replace("[]", f"[{index}]")))
-        for index in range(count)
-    )
-    yield _scored(log, type_name, feet, None, [topic])
+    if named := named_elements(log, topic, field):
+        yield _scored(log, type_name, *named, [topic])
+    sets = [*array_feet(topic, field)]
+    if _says(f"{topic} {field.path}", _CONTACT | _BITS):
+        sets += [bit_feet(topic, field)]
+    for feet in filter(None, sets):
+        one = _scored(log, type_name, feet, None, [topic])
+        yield replace(one, is_numbered=True)
 
 
-def _fits(name: str, field: _Field) -> bool:
+def _fits(name: str, field: PossibleField) -> bool:
     """Tell whether names speak of forces or contacts, and of nothing that is no foot."""
     words = {word.text for word in words_of(name)}
     of_field = {word.text for word in words_of(field.path)}
@@ -288,15 +291,12 @@ def _rate_hz(log: Log, topics: Iterable[str]) -> float | None:
 def _judged(log: Log, named: FootCandidates) -> FootCandidates | None:
     """Add what the content says; None where it cannot be feet."""
     samples = read_feet(log, named.feet)
-    seen = [int((samples.foot == foot).sum()) for foot in range(len(named.feet))]
-    there = [index for index, count in enumerate(seen) if count]
-    if named.feet[0].field is not None and "[" in named.feet[0].field.path:
-        # Of an array, as many elements as all messages have.
-        if there != [*range(len(there))] or len({seen[index] for index in there}) > 1:
+    field = named.feet[0].field
+    if named.is_numbered and field is not None:
+        count = feet_there(named.feet, samples)
+        if not count:
             return None
-        if not _FEWEST_LEGS <= len(there) <= _MOST_FEET:
-            return None
-        named = _labelled(log, replace(named, feet=named.feet[: len(there)]))
+        named = _labelled(log, replace(named, feet=named.feet[:count]))
     content = judge_content(samples, len(named.feet))
     if content is None or content.points <= 0:
         return None

@@ -44,19 +44,23 @@ def with_labels(log: Log, feet: Sequence[Foot]) -> tuple[tuple[Foot, ...], tuple
         messages in the same order.
     """
     field = feet[0].field
-    if field is None:
+    if field is None or "[" not in field.path:
         return tuple(feet), ()
-    array = field.path.partition("[")[0]
-    for channel in log.channels_by_topic.get(feet[0].topic, ()):
+    called = labels_of_array(log, feet[0].topic, field.path.partition("[")[0])
+    return (_named(feet, called), called) if len(called) == len(feet) else (tuple(feet), ())
+
+
+def labels_of_array(log: Log, topic: str, array: str) -> tuple[str, ...]:
+    """Return the strings beside the elements of an array, the same in all messages; else none."""
+    for channel in log.channels_by_topic.get(topic, ()):
         try:
             definition = definition_of(channel)
         except DefinitionError:
             continue
         for labels in _label_fields(definition, array):
-            called = _constant(log, channel.id, labels, len(feet))
-            if called:
-                return _named(feet, called), called
-    return tuple(feet), ()
+            if called := _constant(log, channel.id, labels):
+                return called
+    return ()
 
 
 def _named(feet: Sequence[Foot], called: Sequence[str]) -> tuple[Foot, ...]:
@@ -98,15 +102,15 @@ def _strings(path: str, struct: Struct) -> Iterator[str]:
             yield from _strings(inner, kind)
 
 
-def _constant(log: Log, channel: int, labels: _Labels, feet: int) -> tuple[str, ...]:
-    """Return the strings of the first elements, if all messages have the same; else nothing."""
+def _constant(log: Log, channel: int, labels: _Labels) -> tuple[str, ...]:
+    """Return the strings of the elements, if all messages have the same; else nothing."""
     channels = [log.channels[channel]]
     found: set[tuple[str, ...]] = set()
     for span in log.grouped(spread_chunks(log, {channel})):
         for messages in decode_channels(log.read(span), channels, (labels.field,)):
             found |= _rows(messages.table.nested(labels.array), labels.inner)
     called = next(iter(found)) if len(found) == 1 else ()
-    distinct = len(called) == feet == len(set(called)) and all(called)
+    distinct = len(called) == len(set(called)) and all(called)
     return called if distinct else ()
 
 

@@ -10,7 +10,8 @@ from dogbot_logtool.core.geometry.order_statistics import distinct
 from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.finding import Finding, warning
 from dogbot_logtool.io.listing import listed
-from dogbot_logtool.pipeline.feet.names import foot_name, leg_position
+from dogbot_logtool.pipeline.feet.names import label_names, leg_position
+from dogbot_logtool.pipeline.feet.words import Part, words_of
 from dogbot_logtool.pipeline.topics.readable import why_unreadable
 from dogbot_logtool.reader.containers.log import Channel, Log
 from dogbot_logtool.reader.messages.contacts.registry import source_of
@@ -64,17 +65,32 @@ def _feet_in(log: Log, channel: Channel, source: ContactSource) -> Sequence[Mess
     return [by_label[label] for label in sorted(by_label)]
 
 
+def _without_hands(found: Sequence[MessageFoot]) -> Sequence[MessageFoot]:
+    """Leave out hands, wheels, tools ... where other labels say that they are feet."""
+    parts = [{word.part for word in words_of(foot.label)} for foot in found]
+    if not any({Part.FOOT, Part.LEG} & each for each in parts):
+        return found
+    return [
+        foot
+        for foot, each in zip(found, parts, strict=True)
+        if Part.NOT_A_FOOT not in each or {Part.FOOT, Part.LEG} & each
+    ]
+
+
 def _feet(found: Sequence[MessageFoot], topic: str) -> tuple[Foot, ...]:
-    names = [foot.name or foot_name(foot.label) for foot in found]
+    found = _without_hands(found)
+    labelled = label_names([foot.label for foot in found])
+    names = [foot.name or each.name for foot, each in zip(found, labelled, strict=True)]
+    places = [each.position for each in labelled]
     feet = [
         Foot(
             name if names.count(name) == 1 else foot.label or f"{name}_{element + 1}",
             topic,
-            place=leg_position(name),
+            place=leg_position(name) or place,
             element=element,
             label=foot.label,
         )
-        for element, (foot, name) in enumerate(zip(found, names, strict=True))
+        for element, (foot, name, place) in enumerate(zip(found, names, places, strict=True))
     ]
     return tuple(sorted(feet, key=_front_to_back))
 

@@ -54,6 +54,8 @@ class FootOffer:
     """Which topics, and which feet they seem to be."""
     options: str
     """Words for a shell that choose the most likely ones: ``--foot left=/left_foot/wrench``."""
+    topics: frozenset[str]
+    """Those of the most likely ones."""
 
 
 def assign_feet(
@@ -268,7 +270,7 @@ def _offer(offered: Sequence[FootSet]) -> FootOffer:
         text += f"; or {' or '.join(map(foot_options, _few(others)))}"
     if len(others) > _ALTERNATIVES:
         text += f" or {len(others) - _ALTERNATIVES} other sets of topics"
-    return FootOffer(text, foot_options(first))
+    return FootOffer(text, foot_options(first), first.topics)
 
 
 def foot_options(feet: FootSet) -> str:

@@ -172,15 +172,9 @@ def select_topics(log: Log, options: TopicOptions) -> Selection:
         LogError: an option names a topic that cannot be decoded.
     """
     findings: list[Finding] = [*annotation_findings(log)]
-    robot = _apply_options(log, choose_robot(log, options, findings), options)
-    named = robot
-    chosen = choose_base(log, robot, findings)
-    if options.robot is not None and not _shows(log, named, chosen.channels):
-        findings.extend(_without_topics(named))
-    robot, odometry = chosen.robot, chosen.channels
-    robot, offer = find_feet(log, robot, findings)
-    offered = None if offer is None else _offered(log, options, offer)
-    findings.extend([offered] if offered else [])
+    named = _apply_options(log, choose_robot(log, options, findings), options)
+    of_feet: list[Finding] = []
+    robot, offer = find_feet(log, named, of_feet)
     contacts: list[Channel] = []
     feet_of: dict[int, tuple[int, ...]] = {}
     for topic in dict.fromkeys(foot.topic for foot in robot.feet):
@@ -188,11 +182,20 @@ def select_topics(log: Log, options: TopicOptions) -> Selection:
         for channel in foot_channels(log, robot, topic):
             contacts.append(channel)
             feet_of[channel.id] = feet
-    possible: list[FootCandidates] = []
-    if not contacts and offered is None:
-        possible = find_candidates(log)
-        if possible:
-            findings.append(candidates_finding(log, possible, chosen.offered))
+    possible = find_candidates(log) if not contacts and offer is None else []
+    topics = {foot.topic for foot in (possible[0].feet if possible else robot.feet)}
+    topics = {*offer.topics} if offer is not None else topics
+    chosen = choose_base(log, robot, findings, topics)
+    if options.robot is not None and not _shows(log, named, chosen.channels):
+        findings.extend(_without_topics(named))
+    robot, odometry = chosen.robot, chosen.channels
+    call = _call(log, options, chosen.offered)
+    offered = None if offer is None else _offered(call, offer)
+    findings.extend([*of_feet, offered] if offered else of_feet)
+    if possible:
+        findings.append(candidates_finding(log, possible, call, chosen.offered))
+    elif offered is None and chosen.offered:
+        findings = [_with_command(each, call) for each in findings]
     levels = with_raw_levels(log, contacts, feet_of, robot)
     robot = levels.robot
     findings.extend(_source_findings(contacts, levels))
@@ -234,7 +237,8 @@ def nothing_to_do(log: Log, selection: Selection) -> str:
         return f"{path}: {none}, but {possible.sentence}\n  {possible.command}"
     for finding in selection.findings:
         if finding.code == "W_NO_ODOMETRY" and "--odom-topic" in finding.text:
-            return f"{path}: there are no contact messages, and {finding.text}"
+            command = finding.command and f"\n  {finding.command}"
+            return f"{path}: there are no contact messages, and {finding.sentence}{command}"
     if because := reasons(selection.findings):
         return f"{path}: has no odometry and no contact messages that can be read: {because}"
     found = sorted({(c.topic, c.type_name) for c in log.channels.values()}, key=_unlikely)
@@ -292,14 +296,28 @@ def _apply_options(log: Log, robot: Robot, options: TopicOptions) -> Robot:
     return robot
 
 
-def _offered(log: Log, options: TopicOptions, offer: FootOffer) -> Finding:
-    """Return a warning with the command that chooses the feet."""
+def _call(log: Log, options: TopicOptions, base: str) -> str:
+    """Return a call of `stats` with the user's options, and with a base that is offered."""
     words = ["dogbot-logtool", "stats", *log.words]
-    if options.odometry_topic is not None:
-        words += ["--odom-topic", options.odometry_topic]
-    if options.mass_kg is not None:
-        words += ["--mass", f"{options.mass_kg:g}"]
-    command = f"{shlex.join(words)} {offer.options}"
+    named = options.odometry_topic or base
+    words += ["--robot", options.robot] if options.robot is not None else []
+    words += ["--odom-topic", named] if named else []
+    words += ["--mass", f"{options.mass_kg:g}"] if options.mass_kg is not None else []
+    for foot, topic in (options.foot_topics or {}).items():
+        words += ["--foot", f"{foot}={topic}"]
+    return shlex.join(words)
+
+
+def _with_command(finding: Finding, call: str) -> Finding:
+    """Add the call that takes the offered poses to the finding that there is no odometry."""
+    if finding.code != "W_NO_ODOMETRY":
+        return finding
+    return replace(finding, text=f"{finding.text}; this takes them: {call}", command=call)
+
+
+def _offered(call: str, offer: FootOffer) -> Finding:
+    """Return a warning with the command that chooses the feet."""
+    command = f"{call} {offer.options}"
     text = (
         f"feet may be among the topics, but their names do not tell surely: {offer.text}; "
         f"no arrows, no gait, until --foot says which they are: {command}"

@@ -1,7 +1,7 @@
 """Paths to one field of a message, such as ``data[3]`` or ``legs[2].force``, and their values.
 
 A path is checked against the log's own definition before any message is read. It ends at a number,
-or at a message with the numbers x, y and z.
+at a message with the numbers x, y and z, or at bits of an integer, as in ``contacts&4``.
 """
 
 import re
@@ -37,6 +37,7 @@ from dogbot_logtool.reader.decode.fields import (
 from dogbot_logtool.reader.decode.message_layout import ELEMENT
 
 _PART: Final = re.compile(r"([A-Za-z]\w*)(?:\[([0-9]{1,6})\])?", re.ASCII)
+_MASK: Final = re.compile(r"(.+)&([0-9]{1,10}|0x[0-9a-fA-F]{1,8})", re.ASCII)
 _COMPONENTS: Final = ("x", "y", "z")
 _MOST_LISTED: Final = 12
 _MOST_FIELDS: Final = 2000
@@ -64,6 +65,8 @@ class FieldPath:
     """Path of the field in the last element; empty: the element itself."""
     number: Primitive | None
     """Type of the number; None: a vector."""
+    mask: int = 0
+    """Bits of an integer: the value is 1 where one of them is set, else 0; 0: the number itself."""
 
     @property
     def width(self) -> int:
@@ -91,7 +94,12 @@ class FieldPath:
 
     def values(self, messages: Table) -> Floats:
         """Return (n, `width`) of n messages; NaN where a message has no such element."""
-        return self._values(messages, 0)
+        found = self._values(messages, 0)
+        if not self.mask:
+            return found
+        known = ~np.isnan(found)
+        found[known] = (found[known].astype(np.int64) & self.mask) != 0
+        return found
 
     def _values(self, rows: Table, depth: int) -> Floats:
         if depth == len(self.arrays):
@@ -129,6 +137,8 @@ def parse_field_path(definition: Struct, text: str) -> FieldPath:
     Raises:
         DefinitionError: it is no path, or leads to no number or vector; with the nearest that do.
     """
+    masked = _MASK.fullmatch(text)
+    text, mask = (masked[1], int(masked[2], 0)) if masked else (text, 0)
     current: FieldType = definition
     arrays: list[ArrayIndex] = []
     names: list[str] = []
@@ -137,7 +147,8 @@ def parse_field_path(definition: Struct, text: str) -> FieldPath:
         match = _PART.fullmatch(part)
         if match is None:
             raise DefinitionError(
-                f"{text!r} is no path of a field; such are data, data[3], legs[2].force"
+                f"{text!r} is no path of a field; such are data, data[3], legs[2].force, and "
+                "data&4 for a bit of an integer"
             )
         name, index = match.groups()
         if not isinstance(current, Struct) or name not in dict(current.fields):
@@ -161,10 +172,15 @@ def parse_field_path(definition: Struct, text: str) -> FieldPath:
         raise DefinitionError(
             f"{text} is an array, {type_text(current)}: say which element, as in {text}[0]"
         )
+    if masked and not (mask and isinstance(current, Primitive) and current.dtype[0] in "iu"):
+        raise DefinitionError(
+            f"{masked[0]}: {text} is {type_text(current)}; only integers have bits, counted as "
+            "&1, &2, &4, &8 ..."
+        )
     if not isinstance(current, Primitive) and not is_vector(current):
         raise _no_such_field(definition, text, text, f"is {type_text(current)}")
     leaf = current if isinstance(current, Primitive) else None
-    return FieldPath(tuple(arrays), ".".join(names), leaf)
+    return FieldPath(tuple(arrays), ".".join(names), leaf, mask)
 
 
 def _held(array: FixedArray | VariableArray) -> str:

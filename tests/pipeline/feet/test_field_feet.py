@@ -16,12 +16,14 @@ from tests.oracles import walks
 from tests.oracles.field_logs import (
     DUTY,
     PERIOD_S,
+    START_NS,
     WEIGHT_N,
     is_down,
     load_cell,
     load_n,
     odd_walk,
     six_feet,
+    six_feet_in_two,
 )
 from tests.paths import ROOT
 
@@ -226,3 +228,107 @@ def test_a_known_robot_is_recognised_by_fields_of_all_its_feet(tmp_path: Path, l
     log.close()
     assert found.robot.name == ("hexapod" if legs == 6 else "generic")
     assert len(found.contacts) == (6 if legs == 6 else 0)
+
+
+LEGS = ("LF", "RF", "LH", "RH")
+TURNS = dict(zip(LEGS, (0, 1, 1, 0), strict=True))
+INSIDE = {
+    "bits": ("odd_msgs/msg/Bits", "/status", [f"foot_contacts&{1 << n}" for n in range(4)]),
+    "joints": ("sensor_msgs/msg/JointState", "/joints", [f"effort[{n}]" for n in range(2, 6)]),
+    "hands": ("odd_msgs/msg/Pads", "/pads", [f"pads[{n}].load" for n in range(1, 5)]),
+    "components": (
+        "std_msgs/msg/Float64MultiArray",
+        "/feet/forces",
+        [f"data[{n}]" for n in (2, 5, 8, 11)],
+    ),
+}
+
+
+@pytest.mark.parametrize("kind", INSIDE)
+def test_feet_inside_one_message_in_two_commands(tmp_path: Path, kind: str) -> None:
+    type_name, topic, paths = INSIDE[kind]
+    walk, path = odd_walk(), tmp_path / "walk.mcap"
+    entries = []
+    for sample in range(1200):
+        time_s, time = sample / 100.0, START_NS + sample * 10_000_000
+        down = {leg: is_down(time_s, turn) for leg, turn in TURNS.items()}
+        loads = [WEIGHT_N / sum(down.values()) * down[leg] for leg in LEGS]
+        message = inside(walk, kind, type_name, time_s, loads)
+        entries.append(walks.Entry(topic, type_name, time, walk.bytes_of(type_name, message)))
+    walks.write_mcap(path, walk, entries)
+    told = forked_cli.run("info", path, environment={"COLUMNS": "400"})
+    words = command(told.stdout)
+    assert [word.partition(":")[2] for word in words if ":" in word] == paths
+    assert "gripper" not in " ".join(words)
+    found = figures(*words[1:])
+    assert len(found["feet"]) == 4
+    for foot in found["feet"].values():
+        assert foot["stance_s"]["median"] == pytest.approx(DUTY * PERIOD_S, abs=0.011)
+    assert found["gait"]["class"] == ("trot" if kind in {"joints", "hands"} else None)
+
+
+def inside(walk: walks.Walk, kind: str, type_name: str, time_s: float, loads: list[float]) -> Any:
+    """Return a message that tells of four feet, and of something else."""
+    swing = float(np.sin(7.0 * time_s))
+    match kind:
+        case "bits":
+            bits = sum(1 << number for number, load in enumerate(loads) if load)
+            return walk.make(type_name, foot_contacts=bits - 128, battery=50.0 - time_s)
+        case "joints":
+            return walk.make(
+                type_name,
+                header=walk.make("std_msgs/Header", stamp=stamp_of(walk, time_s), frame_id=""),
+                name=["LF_hip", "RF_hip", *(f"{leg}_foot" for leg in LEGS)],
+                position=np.full(6, swing),
+                velocity=np.full(6, swing),
+                effort=np.array([swing, -swing, *loads]),
+            )
+        case "hands":
+            names = ["gripper", *(f"{leg}_foot" for leg in LEGS)]
+            pads = [
+                walk.make("odd_msgs/Pad", name=name, load=load)
+                for name, load in zip(names, [0.0, *loads], strict=True)
+            ]
+            return walk.make(type_name, pads=pads)
+        case _:
+            data = np.array([[3.0 * swing, 0.5, load] for load in loads]).ravel()
+            layout = walk.make("std_msgs/MultiArrayLayout", dim=[], data_offset=0)
+            return walk.make(type_name, layout=layout, data=data)
+
+
+def stamp_of(walk: walks.Walk, time_s: float) -> Any:
+    seconds, nanoseconds = divmod(START_NS + round(time_s * 1e9), 1_000_000_000)
+    return walk.make("builtin_interfaces/Time", sec=seconds, nanosec=nanoseconds)
+
+
+def test_counts_are_no_bits(tmp_path: Path) -> None:
+    walk, path, kind = odd_walk(), tmp_path / "walk.mcap", "odd_msgs/msg/Counts"
+    entries = [
+        walks.Entry("/contact_load", kind, START_NS + sample * 10_000_000,
+                    walk.bytes_of(kind, walk.make(kind, value=sample * 37 % 251)))
+        for sample in range(1200)
+    ]  # fmt: skip
+    walks.write_mcap(path, walk, entries)
+    done = forked_cli.run("info", path)
+    assert done.returncode == 0
+    assert "&" not in done.stdout
+
+
+def test_a_robot_of_two_files_that_are_one_recording(tmp_path: Path) -> None:
+    files = six_feet_in_two(tmp_path)
+    alone = forked_cli.run("robots", "new", *files)
+    assert alone.returncode == 2
+    assert "--join" in alone.stderr
+    done = forked_cli.run("robots", "new", *files, "--join", "-o", tmp_path / "crawler.toml")
+    words = command(done.stderr)
+    assert words[:4] == ["stats", *map(str, files), "--join"]
+    check_steps(figures(*words[1:]))
+
+
+def test_feet_without_a_leg_are_said_to_need_one(tmp_path: Path) -> None:
+    told = forked_cli.run("info", six_feet(tmp_path / "walk.mcap"))
+    assert "put front_left, back_right ... for" in " ".join(told.stdout.split())
+    found = forked_cli.run(*command(told.stdout))
+    text = " ".join(found.stdout.split())
+    assert "which foot is front or back, left or right must be known to name one" in text
+    assert "phases of all" not in text

@@ -1,5 +1,6 @@
 """The base from every source: the same figures, in closed form; what is said; what is refused."""
 
+import shlex
 from pathlib import Path
 from typing import Any
 
@@ -14,6 +15,7 @@ from dogbot_logtool.pipeline.options import ConvertOptions, StatsOptions, TopicO
 from dogbot_logtool.report.documents.stats_json import stats_json
 from tests.oracles import base_walks as base
 from tests.oracles import walks
+from tests.oracles.foot_logs import WRENCH, write_log
 
 DURATION_S = (base.SAMPLES - 1) * walks.STEP / 1e9
 
@@ -155,3 +157,34 @@ def test_an_error_names_the_poses_that_may_be_the_base_s(tmp_path: Path) -> None
     path = base.write(tmp_path / "walk.mcap", "geometry_msgs/PoseStamped", "/object")
     with pytest.raises(LogError, match="--odom-topic /object"):
         figures(path)
+
+
+FEET = {f"/a1/{leg}_foot/wrench": WRENCH for leg in ("fl", "fr", "rl", "rr")}
+
+
+def test_of_two_robots_the_base_is_that_of_the_feet(tmp_path: Path) -> None:
+    odometry = ["/a1/odom", "/a2/odom"]
+    path = write_log(tmp_path / "two.mcap", FEET, odometry=odometry)
+    uses = {topic.topic: topic.use for topic in describe(path, TopicOptions()).topics}
+    assert {topic: uses[topic] for topic in odometry} == {"/a1/odom": "odometry", "/a2/odom": ""}
+
+
+@pytest.mark.parametrize("names", [("a1_gazebo", "a2_gazebo"), ("a2_gazebo", "a1_gazebo")])
+def test_of_two_models_the_base_is_that_of_the_feet(tmp_path: Path, names: tuple[str, str]) -> None:
+    path = write_log(tmp_path / "two.mcap", FEET, models=dict.fromkeys(names, 0.4))
+    info = describe(path, TopicOptions())
+    (use,) = [topic.use for topic in info.topics if topic.topic == "/gazebo/model_states"]
+    assert use == "base a1_gazebo"
+
+
+def test_what_moves_is_offered_as_the_base(tmp_path: Path) -> None:
+    models = {"cupboard": 0.0, "laikago": 0.4, "person_walking": 1.0}
+    path = write_log(tmp_path / "models.mcap", FEET, models=models)
+    (none,) = [
+        finding
+        for finding in describe(path, TopicOptions()).findings
+        if finding.code == "W_NO_ODOMETRY"
+    ]
+    words = ["dogbot-logtool", "stats", str(path), "--odom-topic", "/gazebo/model_states:laikago"]
+    assert none.command == shlex.join(words)
+    assert measure(path, StatsOptions(TopicOptions(odometry_topic=words[-1]))).stats.base

@@ -52,6 +52,8 @@ def state() -> Struct:
         ("legs[2].force.z", 1, False),
         ("legs[0].flags[1]", 1, True),
         ("legs[0].turn.w", 1, False),
+        ("legs[0].flags[1]&4", 1, True),
+        ("down&0x1", 1, True),
     ],
 )
 def test_paths_that_fit(state: Struct, path: str, width: int, *, is_integer: bool) -> None:
@@ -73,6 +75,10 @@ def test_paths_that_fit(state: Struct, path: str, width: int, *, is_integer: boo
         ("", "is no path"),
         ("loads[-1]", "is no path"),
         ("loads[9999999]", "is no path"),
+        ("loads[0]&1", "only integers have bits"),
+        ("down&0", "only integers have bits"),
+        ("down&x", "is no path"),
+        ("legs[0].force&1", "only integers have bits"),
     ],
 )
 def test_paths_that_do_not_fit_say_what_there_is(state: Struct, path: str, expected: str) -> None:

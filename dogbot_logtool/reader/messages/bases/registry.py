@@ -9,13 +9,22 @@ from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.errors import DefinitionError
 from dogbot_logtool.reader.containers.batch import Batch
 from dogbot_logtool.reader.containers.contents import Channel
-from dogbot_logtool.reader.messages.bases import lists, numbers, poses, states, transforms, unitree
+from dogbot_logtool.reader.messages.bases import (
+    dwl,
+    lists,
+    numbers,
+    poses,
+    states,
+    transforms,
+    unitree,
+)
 from dogbot_logtool.reader.messages.bases.source import BasePoses, BaseSource
 from dogbot_logtool.reader.messages.messages import check_channel, decode_channels
 
 _SOURCES: Final = (
     *poses.SOURCES,
     *states.SOURCES,
+    dwl.SOURCE,
     *unitree.SOURCES,
     *lists.SOURCES,
     *transforms.SOURCES,

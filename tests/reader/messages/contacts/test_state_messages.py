@@ -129,6 +129,24 @@ def test_measured_forces_are_taken_before_commanded_ones(tmp_path: Path) -> None
     assert uses["/control/grfs"] == ""
 
 
+class WithArm(StateWalk):
+    """A robot whose messages tell of a gripper, too."""
+
+    def _syropod_highlevel_controller(self, kind: str, sample: int) -> Any:
+        message = super()._syropod_highlevel_controller(kind, sample)
+        message.name = ["gripper", *(f"{name[:2]}_foot" for name in message.name)]
+        message.wrench = [self.wrench((0.0, 0.0, -12.0)), *message.wrench]
+        return message
+
+
+def test_a_gripper_among_feet_is_no_foot(tmp_path: Path) -> None:
+    path = written(tmp_path, "syropod_highlevel_controller/msg/TipState", WithArm(2))
+    got = figures(path, TopicOptions(mass_kg=walks.MASS_KG))
+    assert set(got["feet"]) == set(walks.LEGS)
+    for leg in walks.LEGS:
+        assert got["feet"][leg]["touchdown_s"] == pytest.approx(steps(leg)[0], abs=1e-6)
+
+
 class Unflagged(StateWalk):
     """A publisher that never sets its flags."""
 

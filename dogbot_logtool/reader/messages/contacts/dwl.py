@@ -1,0 +1,59 @@
+"""dwl_msgs/WholeBodyState: places and forces of contacts by name, in the base's frame."""
+
+from collections.abc import Sequence
+from functools import partial
+from typing import Final
+
+from dogbot_logtool.core.frames.wrench_frame import WrenchFrame
+from dogbot_logtool.reader.decode.fields import table, text, time, vector
+from dogbot_logtool.reader.messages.contacts.source import ContactSource
+from dogbot_logtool.reader.messages.contacts.whole_robot import (
+    FootValues,
+    MessageFoot,
+    is_named_as_planned,
+    labelled_elements,
+    labels_in,
+    reader_of,
+    scattered,
+)
+from dogbot_logtool.reader.messages.messages import DecodedMessages
+from dogbot_logtool.robot import Foot
+
+
+def _values(messages: DecodedMessages, feet: Sequence[Foot], *, position: str) -> FootValues:
+    rows, contacts = len(messages.channel), messages.table.nested("contacts")
+    element = labelled_elements(contacts.table.texts("name"), feet)
+    force = contacts.table.vectors("wrench.force", "xyz")
+    place = contacts.table.vectors(position, "xyz")
+    return FootValues(
+        stamp=messages.table.nanoseconds("header.stamp"),
+        force=scattered(contacts.parent, element, force, rows),
+        position=scattered(contacts.parent, element, place, rows),
+    )
+
+
+def _feet_in(messages: DecodedMessages) -> tuple[MessageFoot, ...]:
+    return labels_in(messages.table.nested("contacts").table.texts("name"))
+
+
+def _source(position: str) -> ContactSource:
+    values = partial(_values, position=position)
+    return ContactSource(
+        type_name="dwl_msgs/WholeBodyState",
+        fields=(
+            time("header.stamp"),
+            text("header.frame_id"),
+            table("contacts", text("name"), *vector(position), *vector("wrench.force")),
+        ),
+        read=reader_of(values, in_base=True),
+        values=values,
+        feet_in=_feet_in,
+        any_package=True,
+        is_planned=is_named_as_planned,
+        frame=WrenchFrame.UNKNOWN,
+        in_base=True,
+    )
+
+
+SOURCES: Final = (_source("pose.position"), _source("position"))
+"""Today's definition, and the one before it. Forces are zero without contact."""
