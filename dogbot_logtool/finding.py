@@ -48,12 +48,28 @@ class FindingKind:
 @cache
 def finding_kinds() -> Mapping[str, FindingKind]:
     """Return every kind of finding by its code, in the order of the subjects."""
-    text = Path(__file__).with_name("findings.toml").read_text(encoding="utf-8")
+    return _kinds(_declarations())
+
+
+@cache
+def _declarations() -> str:
+    return Path(__file__).with_name("findings.toml").read_text(encoding="utf-8")
+
+
+def _kinds(declarations: str) -> Mapping[str, FindingKind]:
     return {
         code: FindingKind(code, subject, **words)
-        for subject, kinds in tomllib.loads(text).items()
+        for subject, kinds in tomllib.loads(declarations).items()
         for code, words in kinds.items()
     }
+
+
+@cache
+def _kind(code: str) -> FindingKind | None:
+    """Return a kind of finding by its code; parsing the table of all takes long."""
+    start = f".{code}]\n"
+    own = (each for each in _declarations().split("\n\n") if start in each)
+    return _kinds(next(own, "")).get(code)
 
 
 @dataclass(frozen=True, slots=True)
@@ -77,7 +93,7 @@ class Finding:
     @property
     def remedy(self) -> str:
         """What to do about it; empty of a code that is not declared."""
-        kind = finding_kinds().get(self.code)
+        kind = _kind(self.code)
         return kind.remedy if kind else ""
 
     @property

@@ -1,33 +1,57 @@
 """The command line: words in, one function called, results printed, an exit code set.
 
-One file a command. Commands import what they need when they run, so that --help answers at once.
+One file a command, loaded when it is called. Commands import what they need when they run, so that
+--help answers at once.
 """
 
 import errno
 import os
 import sys
-import traceback
-from typing import NoReturn
+from importlib import import_module
+from typing import Final, NoReturn
 
 import click
 
 from dogbot_logtool import __version__
-from dogbot_logtool.cli.check import check
-from dogbot_logtool.cli.compare import compare
-from dogbot_logtool.cli.convert import convert
-from dogbot_logtool.cli.export import export
-from dogbot_logtool.cli.info import info
-from dogbot_logtool.cli.layout import layout
 from dogbot_logtool.cli.outcomes import say, say_error
-from dogbot_logtool.cli.report import report
-from dogbot_logtool.cli.robots import robots
-from dogbot_logtool.cli.stats import stats
 from dogbot_logtool.errors import LogtoolError
 from dogbot_logtool.io.streams import safe_streams
 from dogbot_logtool.run.signals import Stopped, raise_on_signals
 
+_COMMANDS: Final = (
+    "check",
+    "compare",
+    "convert",
+    "export",
+    "info",
+    "layout",
+    "report",
+    "robots",
+    "stats",
+)
 
-@click.group(context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100})
+
+class _Commands(click.Group):
+    """Commands by name, each loaded when it is called: the options of all take a while."""
+
+    def list_commands(self, ctx: click.Context) -> list[str]:
+        """See `click.Group`."""
+        del ctx
+        return list(_COMMANDS)
+
+    def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
+        """See `click.Group`."""
+        del ctx
+        if cmd_name not in _COMMANDS:
+            return None
+        command: click.Command = getattr(import_module(f"{__name__}.{cmd_name}"), cmd_name)
+        return command
+
+
+@click.group(
+    cls=_Commands,
+    context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100},
+)
 @click.version_option(__version__, prog_name="dogbot-logtool")
 def cli() -> None:
     """See and measure a legged robot's footfalls from recorded logs.
@@ -38,10 +62,6 @@ def cli() -> None:
     Exit codes: 0 done; 1 it could not be done, or a difference or a broken rule was found; 2 the
     call was wrong; 3 done, but the input was damaged.
     """
-
-
-for _command in (info, convert, stats, report, check, export, compare, layout, robots):
-    cli.add_command(_command)
 
 
 def main() -> NoReturn:
@@ -88,4 +108,6 @@ def _show_fault(error: Exception) -> None:
         # Modules that print other sentences may not be loaded yet, and would take some.
         click.echo("error: there is not enough memory; with --jobs 1 the least is needed", err=True)
     else:
+        import traceback  # noqa: PLC0415 - a fault of ours is rare
+
         traceback.print_exception(error)

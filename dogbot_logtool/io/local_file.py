@@ -7,7 +7,6 @@ leaves anything; elsewhere it has a temporary name, and is removed on any error.
 import contextlib
 import errno
 import os
-import secrets
 import stat
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -189,7 +188,7 @@ def _open_unnamed(folder: Path) -> BinaryIO | None:
 
 
 def _temporary_name(folder: Path) -> Path:
-    return folder / f".dogbot-logtool.{secrets.token_hex(8)}.part"
+    return folder / f".dogbot-logtool.{os.urandom(8).hex()}.part"
 
 
 def _existing(folder: Path) -> Path:

@@ -4,7 +4,6 @@ fsspec comes with the extra `fleet` and is imported only when a URL is met.
 """
 
 import errno
-import logging
 import os
 import re
 import stat
@@ -26,7 +25,6 @@ else:
     Location = Path
 
 Result = TypeVar("Result")
-_LOG: Final = logging.getLogger(__name__)
 
 TRIES: Final = 5
 """A request is made so often before the store is given up. s3fs and its like try a few times of
@@ -351,9 +349,12 @@ def _is_refused(error: BaseException) -> bool:
 
 def _say_again(path: Location, state: "RetryCallState") -> None:
     """Say that a request is made again: on stderr, or wherever a worker keeps its log."""
+    import logging  # noqa: PLC0415 - a store that fails is rare
+
     error = state.outcome.exception() if state.outcome else None
     what = _first_line(error) if isinstance(error, Exception) else "no answer"
-    _LOG.warning("%s: the store fails (%s); it is asked again", shown(path), printable(what))
+    logger = logging.getLogger(__name__)
+    logger.warning("%s: the store fails (%s); it is asked again", shown(path), printable(what))
 
 
 def _may_pass(error: BaseException) -> bool:

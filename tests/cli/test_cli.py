@@ -61,7 +61,10 @@ def test_help(shell: Shell, words: list[str]) -> None:
 
 def test_every_option_says_what_it_takes() -> None:
     """Not what a function of ours or of click is called."""
-    for command in cli.commands.values():
+    group = click.Context(cli)
+    for name in cli.list_commands(group):
+        command = cli.get_command(group, name)
+        assert command is not None
         context = click.Context(command)
         for option in command.params:
             taken = option.make_metavar(context)

@@ -2,7 +2,6 @@
 
 from collections.abc import Sequence
 from dataclasses import replace
-from difflib import get_close_matches
 from itertools import islice
 from typing import Final
 
@@ -71,6 +70,8 @@ def require_field_topic(log: Log, option: str, topic: str) -> None:
     """
     if topic in log.channels_by_topic:
         return
+    from difflib import get_close_matches  # noqa: PLC0415 - for wrong calls only
+
     topics = sorted(log.channels_by_topic)
     close = get_close_matches(topic, topics[:_MOST_COMPARED], n=3)
     meant = f"; did you mean {' or '.join(close)}?" if close else f"; it has {listed(topics)}"

@@ -3,7 +3,6 @@
 import re
 from collections.abc import Container, Iterable
 from collections.abc import Set as AbstractSet
-from difflib import get_close_matches
 from typing import Final
 
 from dogbot_logtool.errors import CallError, LogError
@@ -85,6 +84,8 @@ def require_topic(
             f"{where}: {topic} is of type {', '.join(sorted(types))}, not {names}. "
             f"Topics that can be used: {listed(usable) or 'none'}{otherwise and '. '}{otherwise}"
         )
+    from difflib import get_close_matches  # noqa: PLC0415 - for wrong calls only
+
     # The slash at the beginning is forgotten most often.
     close = get_close_matches(topic, usable[:_COMPARED], n=3)
     close = [one for one in usable if one.strip("/") == topic.strip("/")] or close

@@ -6,7 +6,6 @@ at a message with the numbers x, y and z, or at bits of an integer, as in ``cont
 
 import re
 from collections.abc import Iterator
-from difflib import get_close_matches
 from itertools import islice
 from typing import Final
 
@@ -233,6 +232,8 @@ def _readable(path: str, field_type: FieldType) -> Iterator[tuple[str, FieldType
 def _no_such_field(
     definition: Struct, text: str, where: str, what: str = "does not exist"
 ) -> DefinitionError:
+    from difflib import get_close_matches  # noqa: PLC0415 - for wrong calls only
+
     fields = dict(islice(readable_fields(definition), _MOST_FIELDS))
     wanted = re.sub(r"\[[0-9]+\]", "[]", text)
     close = [path for path in fields if path.startswith(f"{wanted}.")]
