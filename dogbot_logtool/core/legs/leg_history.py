@@ -5,9 +5,9 @@ from collections.abc import Mapping, Sequence
 from dogbot_logtool.core.frames.transform_buffer import TransformBuffer
 from dogbot_logtool.core.geometry.clock import TimeSource
 from dogbot_logtool.core.legs.foot_path import FootPath, PathRecorder, path_by_joints
-from dogbot_logtool.core.legs.joint_recorder import TopicRecorder
 from dogbot_logtool.core.legs.joint_track import MOST_JOINTS, JointHistory, JointTable
 from dogbot_logtool.core.legs.settings import LegSettings
+from dogbot_logtool.core.legs.topic_recorder import TopicRecorder
 from dogbot_logtool.core.quality.clocks import OffsetRecorder, OffsetTrack
 from dogbot_logtool.dataclass import dataclass
 
