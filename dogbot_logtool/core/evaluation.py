@@ -265,9 +265,9 @@ def _walk(settings: StatsSettings, recorded: Recorded) -> tuple[_Walk, PoseJumps
         else record
         for record in recorded.feet
     )
-    records = without_stopped(records)
     jumps = find_jumps(recorded.base)
     base = without_jumps(recorded.base, jumps)
+    records = without_stopped(records, base)
     placed_base, worlds = placed_poses(records, recorded.base, base)
     height = height_over_feet(placed_base, records)
     fallen = fallen_spans(recorded.base, records, height, jumps.spans)

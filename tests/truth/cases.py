@@ -29,6 +29,7 @@ def groups() -> dict[str, tuple[Case, ...]]:
         "Swinging legs": tuple(attack_cases.swinging_legs()),
         "Faults that contradict": tuple(attack_cases.contradictory()),
         "Sensors that stop": tuple(combined_cases.stopped()),
+        "Noise that looks like steps": tuple(combined_cases.noisy()),
         "Found by trying at random": tuple(combined_cases.combined()),
         "No foot on the ground": tuple(attack_cases.in_the_air()),
         "A walk, and then": tuple(other_cases.sequences()),

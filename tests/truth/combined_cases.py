@@ -45,6 +45,25 @@ def stopped() -> Iterator[Case]:
     )  # fmt: skip
 
 
+def noisy() -> Iterator[Case]:
+    """Forces that come and go where no foot steps, or stay where one does."""
+    walk = Walk(seconds=20.0)
+    for apart in (3, 4):
+        yield Case(
+            f"pairs of spikes, {apart} samples apart",
+            recorder(walk, FORCE, sensor.noise(1.0), sensor.spike_pairs(300.0, 0.5, apart)),
+            "CONTACT_UNKNOWN|spike", "spike", COARSE,
+            skip=("peak force", "load share", "impulse", "lift-offs", "stride length"),
+        )  # fmt: skip
+    slow = Walk(robot=quadruped(40.0), period_s=1.12, seconds=20.0, hump=0.0)
+    sticking = FORCE, sensor.hysteresis(0.08), sensor.noise(0.5), sensor.clipped
+    yield Case(
+        "8 % hysteresis, clipped at zero, 50 Hz, in bursts",
+        recorder(slow, *sticking, time.in_bursts(0.1), rate_hz=50.0),
+        "STOPPED", "STOPPED", COARSE, skip=("touchdowns",),
+    )  # fmt: skip
+
+
 def combined() -> Iterator[Case]:
     """Return each kind that was once measured wrongly."""
     quick = Walk(gait=gaits.WAVE, robot=hexapod(0.7), period_s=0.9, speed_mps=0.2, hump=0.0)

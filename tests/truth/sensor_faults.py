@@ -206,6 +206,41 @@ def wobble(newtons: float, turns: int = 2) -> Disturbance:
     )
 
 
+def spike_pairs(newtons: float, every_s: float, apart: int, seed: int = 0) -> Disturbance:
+    """Add two lone samples of much force along z, some samples apart, at random."""
+
+    def change(row: int, foot: FootRecording) -> FootRecording:
+        random = np.random.default_rng((seed, row))
+        count = int(foot.time[-1] / every_s)
+        at = random.integers(5, len(foot.time) - 5 - apart, count)
+        force = foot.force.copy()
+        force[at, 2] += newtons
+        force[at + apart, 2] += newtons
+        return replace(foot, force=force)
+
+    return lambda recording: recording.each_foot(change)
+
+
+def hysteresis(part: float) -> Disturbance:
+    """Let the force along z stick within a band, so wide against its largest."""
+
+    def change(_: int, foot: FootRecording) -> FootRecording:
+        half, force, held = part * foot.force[:, 2].max() / 2.0, foot.force.copy(), 0.0
+        for row, true in enumerate(foot.force[:, 2].tolist()):
+            held = force[row, 2] = min(max(held, true - half), true + half)
+        return replace(foot, force=force)
+
+    return lambda recording: recording.each_foot(change)
+
+
+def clipped(recording: Recording) -> Recording:
+    """Let sensors tell the force along z only, and none below zero."""
+    up = np.array([0.0, 0.0, 1.0])
+    return recording.each_foot(
+        lambda _, foot: replace(foot, force=np.maximum(foot.force * up, 0.0))
+    )
+
+
 def wrong_mass(mass_kg: float | None) -> Disturbance:
     """Let the user give another mass, or none."""
     return lambda recording: replace(recording, given={**recording.given, "mass_kg": mass_kg})

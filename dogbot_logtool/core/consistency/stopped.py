@@ -1,7 +1,7 @@
 """Sensors that stop in the course of a log: one foot makes no step while the others go on.
 
 A foot that is lifted, or planted, makes no step either. Of a lifted one the other feet carry the
-load; a planted one feels that load shift.
+load; a planted one feels that load shift, and the base does not go away from it.
 """
 
 from collections.abc import Iterator, Sequence
@@ -9,9 +9,10 @@ from typing import Final
 
 import numpy as np
 
+from dogbot_logtool.core.base.base_history import BaseHistory
 from dogbot_logtool.core.contact.foot_history import FootHistory
 from dogbot_logtool.core.geometry import timespans
-from dogbot_logtool.core.geometry.arrays import Flags, Ints
+from dogbot_logtool.core.geometry.arrays import Ints
 from dogbot_logtool.core.geometry.order_statistics import median_of
 
 MISSED_STEPS: Final = 4
@@ -20,20 +21,28 @@ ONE_FORCE: Final = 0.02
 """Share of a load within which that of a sensor that has stopped stays."""
 MOSTLY: Final = 0.75
 """Share of the time in which it does so: it may stop in the midst of a stance."""
+FAR_M: Final = 1.0
+"""m: no foot stays where it is while the base goes so far."""
+_INSTANTS: Final = 50
 LACKS: Final = 0.5
 """Share of a foot's usual load that must be missing from the sum of all feet's."""
 
 
-def without_stopped(feet: Sequence[FootHistory]) -> tuple[FootHistory, ...]:
-    """Return histories in which the time is unknown in which a foot's sensor has stopped."""
-    stopped = [list(_stopped(row, feet)) for row in range(len(feet))]
+def without_stopped(feet: Sequence[FootHistory], base: BaseHistory) -> tuple[FootHistory, ...]:
+    """Return histories in which the time is unknown in which a foot's sensor has stopped.
+
+    Args:
+        feet: histories of all feet.
+        base: poses without jumps.
+    """
+    stopped = [list(_stopped(row, feet, base)) for row in range(len(feet))]
     return tuple(
         foot.stopped_in(np.array(spans, np.int64)) if spans else foot
         for foot, spans in zip(feet, stopped, strict=True)
     )
 
 
-def _stopped(row: int, feet: Sequence[FootHistory]) -> Iterator[tuple[int, int]]:
+def _stopped(row: int, feet: Sequence[FootHistory], base: BaseHistory) -> Iterator[tuple[int, int]]:
     """Yield spans, ns, from a foot's last touchdown until it certainly steps again."""
     foot, others = feet[row], [*feet[:row], *feet[row + 1 :]]
     stances = foot.stances
@@ -45,21 +54,32 @@ def _stopped(row: int, feet: Sequence[FootHistory]) -> Iterator[tuple[int, int]]
     starts = np.concatenate([[first], stances.touchdown])
     leaves = np.concatenate([[first], stances.liftoff])
     ends = np.concatenate([stances.touchdown, [last]])
-    stays, hangs = _others_step(others, starts, leaves), _others_step(others, leaves, ends)
-    for at in np.flatnonzero(stays | hangs).tolist():
+    down, up = _stepping(others, starts, leaves), _stepping(others, leaves, ends)
+    half = max(len(others) / 2.0, 1.0)
+    for at in np.flatnonzero((down > 0) | (up >= half)).tolist():
         in_stance, in_swing = np.array([[starts[at], leaves[at]], [leaves[at], ends[at]]])
-        if (stays[at] and _is_constant(foot, in_stance[None])) or (
-            hangs[at] and _load_is_missing(foot, feet, in_swing[None])
-        ):
+        stays = down[at] >= half and _is_constant(foot, in_stance[None])
+        hangs = up[at] >= half and _load_is_missing(foot, feet, in_swing[None])
+        if stays or hangs or (down[at] and _goes_far(base, in_stance)):
             yield int(starts[at]), int(ends[at])
 
 
-def _others_step(others: Sequence[FootHistory], start: Ints, end: Ints) -> Flags:
-    """(n,) whether half of the other feet, or more, go on stepping in some spans."""
+def _stepping(others: Sequence[FootHistory], start: Ints, end: Ints) -> Ints:
+    """(n,) the number of other feet that go on stepping in some spans."""
     touchdowns = [each.stances.touchdown for each in others]
     steps = [np.searchsorted(each, end) - np.searchsorted(each, start) for each in touchdowns]
-    enough: Flags = 2 * (np.array(steps) >= MISSED_STEPS).sum(axis=0) >= len(others)
-    return enough
+    stepping: Ints = (np.array(steps) >= MISSED_STEPS).sum(axis=0)
+    return stepping
+
+
+def _goes_far(base: BaseHistory, span: Ints) -> bool:
+    """Tell whether the base goes away from where it was, (2,) ns."""
+    if not len(base.time):
+        return False
+    start, end = span.tolist()
+    place = base.position_at(np.linspace(start, end, _INSTANTS).astype(np.int64))[:, :2]
+    known = place[np.isfinite(place).all(axis=1)]
+    return len(known) > 1 and float(np.hypot(*(known - known[0]).T).max()) > FAR_M
 
 
 def _is_constant(foot: FootHistory, span: Ints) -> bool:

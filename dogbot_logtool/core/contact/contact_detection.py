@@ -288,10 +288,13 @@ class StanceFinder:
         # Where the log ends in a stance, its last sample ends it.
         ends = np.minimum(ends, len(signal) - 1)
         touchdown, liftoff = signal.time[starts], signal.time[ends]
-        if self._standing_since is not None and starts[0] == 0:
+        stood = self._standing_since is not None and starts[0] == 0
+        if self._standing_since is not None and stood:
             touchdown[0], self._standing_since = self._standing_since, None
         if not may_be_brief:
-            brief = (liftoff - touchdown < self._debounce_ns) & ~signal.silent_before[starts]
+            brief = _loaded_ns(signal, starts, ends) < self._debounce_ns
+            brief &= ~signal.silent_before[starts]
+            brief[0] &= not stood
             self.dropped_stances += int(brief.sum())
             starts, ends, touchdown, liftoff = (
                 rows[~brief] for rows in (starts, ends, touchdown, liftoff)
@@ -317,6 +320,18 @@ class StanceFinder:
         tail = int(np.flatnonzero(signal.contact)[-1])
         self.filled_swings += _rises(signal.contact[start : tail + 1])
         return signal.rows(tail)
+
+
+def _loaded_ns(signal: FootSignal, starts: Ints, ends: Ints) -> Ints:
+    """(k,) ns in contact between some rows, without the swings that were filled.
+
+    A single sample stands for no more than the interval before it: the next may be lost.
+    """
+    step = np.diff(signal.time)
+    total = np.concatenate([[0], np.cumsum(step * signal.contact[:-1])])
+    loaded: Ints = total[ends] - total[starts]
+    before = np.where(starts > 0, step[np.maximum(starts - 1, 0)], loaded)
+    return np.where(ends - starts == 1, np.minimum(loaded, before), loaded)
 
 
 def _rises(contact: Flags) -> int:

@@ -103,7 +103,8 @@ class FootHistory:
         begins = np.isin(stances.touchdown, spans[:, 0])
         kept = begins | ~timespans.covers(spans, stances.touchdown)
         cut, liftoff = stances.cut.copy(), stances.liftoff.copy()
-        cut[timespans.touches(spans, stances.touchdown, stances.liftoff)] = Cut.GAP
+        touched = timespans.touches(spans, stances.touchdown, stances.liftoff)
+        cut[touched & (cut != Cut.LOG_START)] = Cut.GAP
         liftoff[begins] = spans[np.isin(spans[:, 0], stances.touchdown), 1]
         return replace(
             self,

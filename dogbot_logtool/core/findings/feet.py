@@ -30,7 +30,8 @@ def foot_findings(stats: Stats, foot: FootStatistics) -> Iterator[Finding]:
         return
     if foot.is_dead:
         text = f"{name} never touches the ground: its sensor seems dead, or the foot is lifted"
-        yield Finding("W_DEAD", text, where)
+        has_stopped = len(record.stopped) > 0
+        yield _stopped(stats, foot, where) if has_stopped else Finding("W_DEAD", text, where)
         return
     if len(foot.stances.touchdown) == 0:
         text = f"{name} never touches the ground, and the other feet carry the whole weight"
@@ -47,6 +48,19 @@ def foot_findings(stats: Stats, foot: FootStatistics) -> Iterator[Finding]:
     if foot.stance_s is not None:
         yield from _stance_reasons(stats, foot, where)
     yield from _base_reasons(stats, foot, where)
+
+
+def _stopped(stats: Stats, foot: FootStatistics, where: str) -> Finding:
+    spans = foot.record.stopped
+    start, end = stats.seconds(spans.ravel()[[0, -1]])
+    lasts = timespans.total(spans) / 1e9
+    text = (
+        f"no step of {foot.name} is seen from {start:.2f} s to {end:.2f} s ({lasts:.1f} s in all) "
+        "while other feet go on: its load is missing, stays the same, or stays while the base "
+        "goes away; its sensor has stopped, or what it reads without load is not what it "
+        "seems; contact and load are not known then"
+    )
+    return Finding("W_STOPPED", text, where)
 
 
 def _base_reasons(stats: Stats, foot: FootStatistics, where: str) -> Iterator[Finding]:
@@ -72,14 +86,7 @@ def _sensor(stats: Stats, foot: FootStatistics, where: str) -> Iterator[Finding]
         text = f"the sensor of {name} shows one constant force while it is loaded: stuck; no loads"
         yield Finding("W_STUCK", text, where)
     if len(record.stopped):
-        start, end = stats.seconds(record.stopped.ravel()[[0, -1]])
-        lasts = timespans.total(record.stopped) / 1e9
-        text = (
-            f"no step of {name} is seen from {start:.2f} s to {end:.2f} s ({lasts:.1f} s in all) "
-            "while other feet go on, and these do not carry its load: its sensor has stopped; "
-            "contact and load are not known then"
-        )
-        yield Finding("W_STOPPED", text, where)
+        yield _stopped(stats, foot, where)
     if foot.is_saturated:
         limit_n = stats.settings.sensor(stats.feet.index(foot)).level.limit_n
         at = "" if limit_n is None else f" at {limit_n:.4g} N"
