@@ -114,11 +114,14 @@ def check(
 
 
 def _print_suggestion(documents: dict[str, dict[str, Any]]) -> None:
-    from dogbot_logtool.comparison.rules.suggestion import suggest_limits  # noqa: PLC0415
+    from dogbot_logtool.comparison.rules.suggestion import doubts, suggest_limits  # noqa: PLC0415
     from dogbot_logtool.io.printable import printable  # noqa: PLC0415
 
     names = [printable(name) for name in documents]
-    click.echo(suggest_limits(list(documents.values()), names), nl=False)
+    runs = list(documents.values())
+    click.echo(suggest_limits(runs, names), nl=False)
+    for doubt in doubts(runs, names):
+        click.echo(f"warning: {doubt}", err=True)
 
 
 def _write_junit(

@@ -6,7 +6,7 @@ from typing import Any
 
 from dogbot_logtool.comparison.rules.judge import Judgement, Status, judge, worst
 from dogbot_logtool.comparison.rules.limits import Rule, load_limits
-from dogbot_logtool.comparison.stats_json import load_json
+from dogbot_logtool.comparison.stats_json import load_json, looks_like_json
 from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.errors import CallError
 
@@ -29,11 +29,17 @@ def read_limits(limits: Path, baseline: Path | None) -> Limits:
     rules = load_limits(limits)
     if baseline is None:
         if any(rule.baseline is not None for rule in rules):
-            raise CallError(f"{limits}: some rules need --baseline FILE.json, of `stats --json`")
+            raise CallError(
+                f"{limits}: some rules need --baseline FILE.json, which "
+                "'dogbot-logtool stats LOG --json > FILE.json' writes"
+            )
         return Limits(rules)
-    document = load_json(baseline)
+    document = load_json(baseline) if looks_like_json(baseline) else None
     if not isinstance(document, dict) or "schema_version" not in document:
-        raise CallError(f"{baseline}: is not what `stats --json` prints for one log")
+        raise CallError(
+            f"{baseline}: is not what `stats --json` prints for one log; "
+            "'dogbot-logtool stats LOG --json > FILE.json' writes it"
+        )
     return Limits(rules, document)
 
 

@@ -96,10 +96,12 @@ def test_a_baseline_is_another_run(tmp_path: Path) -> None:
         (["--suggest", "--json"], "goes with none of the other outputs"),
         (["--limits", "none.toml"], "no such file"),
         (["--limits", "bad.toml"], "bad.toml, line 1: rule 1"),
+        (["--limits", "good.toml", "--baseline", str(TROT)], "stats LOG --json > FILE.json"),
     ],
 )
 def test_wrong_calls(tmp_path: Path, words: list[str], says: str) -> None:
     (tmp_path / "bad.toml").write_text("[[rule]]\n", encoding="utf-8")
+    (tmp_path / "good.toml").write_text("[[rule]]\nevent = 'fall'\n", encoding="utf-8")
     ended = run("check", str(TROT), *words, folder=tmp_path)
 
     assert ended.returncode == 2

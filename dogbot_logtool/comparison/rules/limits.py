@@ -12,12 +12,16 @@ stands for dots), and says what is demanded of it.
 import math
 import re
 from collections.abc import Mapping
+from difflib import get_close_matches
 from enum import StrEnum
+from fnmatch import fnmatchcase
 from pathlib import Path
 from typing import Any, Final, TypeVar
 
+from dogbot_logtool.core.events.event import EventType
 from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.errors import CallError
+from dogbot_logtool.finding import finding_kinds
 from dogbot_logtool.io.toml_table import parse_toml, read_toml, shortened
 
 Choice = TypeVar("Choice", bound=StrEnum)
@@ -146,6 +150,7 @@ def _rule(table: Mapping[str, Any], where: str) -> Rule:
         known = ", ".join((*_DEMANDS, *_OTHERS))
         raise CallError(f"{where}: {strange[0]} is not known; there may be {known}")
     pattern = _text(table, subject, where)
+    _check_name(subject, pattern, where)
     demands = [name for name in _DEMANDS if name in table]
     if subject is not Subject.FIGURE and set(demands) - {"at_most", "at_least"}:
         raise CallError(f"{where}: of a {subject}'s number there is at_most and at_least only")
@@ -166,6 +171,18 @@ def _rule(table: Mapping[str, Any], where: str) -> Rule:
         level=_choice(Level, table, "level", where) or Level.FAIL,
         name=_text(table, "name", where) if "name" in table else "",
     )
+
+
+def _check_name(subject: Subject, pattern: str, where: str) -> None:
+    """Refuse a finding or an event that no log can have: its rule would always be kept."""
+    if subject is Subject.FIGURE:
+        return
+    known = list(EventType) if subject is Subject.EVENT else list(finding_kinds())
+    if any(fnmatchcase(name, pattern) for name in known):
+        return
+    close = get_close_matches(pattern, known, 3) or (known if subject is Subject.EVENT else [])
+    near = f"; there are {', '.join(close)}" if close else "; docs/findings.md has all codes"
+    raise CallError(f"{where}: no {subject} is called {pattern!r}{near}")
 
 
 def _range(table: Mapping[str, Any], subject: Subject, where: str) -> tuple[float, float]:

@@ -78,6 +78,7 @@ def suggest_limits(documents: Sequence[Json], names: Sequence[str]) -> str:
     """
     runs = "1 run" if len(documents) == 1 else f"{len(documents)} runs"
     parts = [_HEAD.format(runs=runs, names=", ".join(names))]
+    parts += [f"# {doubt}\n" for doubt in doubts(documents, names)]
     parts += _gait(documents)
     for suggested in _FIGURES:
         parts += _rules(documents, suggested)
@@ -88,6 +89,27 @@ def suggest_limits(documents: Sequence[Json], names: Sequence[str]) -> str:
     most = max(sum(count.values()) for count in counts)
     parts.append(_FINDINGS.format(most=most))
     return "".join(parts)
+
+
+def doubts(documents: Sequence[Json], names: Sequence[str]) -> list[str]:
+    """Return sentences on what speaks against these runs as examples of good ones.
+
+    Args:
+        documents: ``stats --json`` of each.
+        names: what to call them.
+    """
+    found = []
+    for document, name in zip(documents, names, strict=True):
+        bad = [code for code in _SENSORS if code in _findings(document)]
+        if bad:
+            found.append(f"{name} has {', '.join(bad)}: is it a good run?")
+    classes = sorted({str(document["gait"]["class"] or "no gait") for document in documents})
+    if len(classes) > 1:
+        found.append(
+            f"The runs differ in gait ({', '.join(classes)}), and the ranges hold all of them: "
+            "suggest limits from runs of one gait each."
+        )
+    return found
 
 
 def _gait(documents: Sequence[Json]) -> Iterator[str]:

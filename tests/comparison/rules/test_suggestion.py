@@ -7,7 +7,7 @@ import pytest
 
 from dogbot_logtool.comparison.rules.judge import Status, judge, worst
 from dogbot_logtool.comparison.rules.limits import parse_limits
-from dogbot_logtool.comparison.rules.suggestion import suggest_limits
+from dogbot_logtool.comparison.rules.suggestion import doubts, suggest_limits
 
 
 def run(
@@ -112,3 +112,12 @@ def test_slips_that_cannot_be_told_get_no_rule_and_are_unknown_where_there_is_on
         foot["contact_travel_m"] = None
     assert 'event = "slip"' not in suggest_limits([blind], ["a.bag"])
     assert verdict(blind) is Status.UNKNOWN
+
+
+def test_runs_that_are_no_good_examples_are_named() -> None:
+    walk = {**run(0.8), "gait": {"class": "walk", "class_distance": 0.01}}
+    found = doubts([GOOD[0], run(code="W_FALL"), walk], NAMES)
+    assert found[0] == "b.bag has W_FALL: is it a good run?"
+    assert "(trot, walk)" in found[1]
+    assert f"# {found[0]}\n" in suggest_limits([GOOD[0], run(code="W_FALL")], NAMES[:2])
+    assert doubts(GOOD, NAMES) == []
