@@ -50,6 +50,7 @@ def view_of(log: Path | None, options: TopicOptions) -> View:
             peak_n=_peak_n(plan, probe) or view.peak_n,
             forward_axis=shape.forward_axis,
             size_m=shape.size_m,
+            turned_deg=probe.turned_deg,
         )
     finally:
         opened.close()

@@ -21,10 +21,11 @@ from dogbot_logtool.core.frames.wrench_frame import (
     frame_fit,
     judge_wrench_frame,
 )
-from dogbot_logtool.core.geometry.arrays import Flags, Ints
+from dogbot_logtool.core.geometry.arrays import Flags, Ints, all_finite
 from dogbot_logtool.core.geometry.blocks import concatenated
 from dogbot_logtool.core.geometry.clock import TimeSource
 from dogbot_logtool.core.geometry.order_statistics import distinct, median_of
+from dogbot_logtool.core.geometry.rotations import normalised, roll_pitch_yaw
 from dogbot_logtool.core.load.loads import body_weight_n
 from dogbot_logtool.core.plausible import plausible_odometry
 from dogbot_logtool.dataclass import dataclass
@@ -97,6 +98,8 @@ class Probe:
     """m, the same, not rounded."""
     stances: Mapping[int, Point] = field(default_factory=dict)
     """m, the same in the base's frame: the median while the foot stands."""
+    turned_deg: float = 0.0
+    """Yaw of the base in the world when it was first seen; asked for like `soles`."""
 
     @property
     def forceless(self) -> frozenset[int]:
@@ -242,12 +245,21 @@ class _Prober:
 
     def with_places(self, probe: Probe) -> Probe:
         """Return the probe with the places where feet touch the ground."""
-        probe = replace(probe, stances=self._stances(probe))
+        probe = replace(probe, stances=self._stances(probe), turned_deg=self._turned_deg())
         placed = self._frames(probe)
         if placed is None:
             return probe
         soles = self._filled(SoleFinder(placed), placed)
         return replace(probe, soles=soles.points(), exact_soles=soles.exact_points())
+
+    def _turned_deg(self) -> float:
+        """Return the yaw of the base's first usable pose; 0 where none was seen."""
+        for look in self._looks:
+            turns = look.base.orientation
+            usable = turns[all_finite(turns) & (turns != 0.0).any(axis=1)]
+            if len(usable):
+                return float(np.degrees(roll_pitch_yaw(normalised(usable[:1]))[0, 2]))
+        return 0.0
 
     def _stances(self, probe: Probe) -> Mapping[int, Point]:
         """Return where feet touch the ground in the frame of the base that odometry places."""

@@ -82,6 +82,7 @@ def robot_description(
             shape.forward_axis,
             selection.robot.mass_kg,
             list(shape.hips.values()),
+            upright=len(selection.robot.feet) == 2,
         )
     return RobotDescription(given, moved, hips, motion, shape.height_m)
 

@@ -37,6 +37,8 @@ def primitive_urdf(
     forward_axis: str,
     mass_kg: float | None = None,
     hips: Sequence[Point] = (),
+    *,
+    upright: bool = False,
 ) -> str:
     """Return the URDF of a body, limbs between joints, feet in their colours, and a nose.
 
@@ -46,6 +48,7 @@ def primitive_urdf(
         forward_axis: the body axis that points forward, ``+x`` ...
         mass_kg: gives the body's size where the legs do not; None: not known.
         hips: m, base frame: where legs without frames are assumed to begin.
+        upright: whether a body of the mass's size stands on the base's origin, as a biped's.
     """
     robot = ET.Element("robot", name=name)
     colours = {"body": _BODY, "limb": _LIMB, "nose": _NOSE}
@@ -55,7 +58,7 @@ def primitive_urdf(
     links = {
         frame: ET.SubElement(robot, "link", name=frame) for frame in (frames.base, *frames.frames)
     }
-    centre, size = _body(frames, forward_axis, mass_kg, hips)
+    centre, size = _body(frames, forward_axis, mass_kg, hips, upright=upright)
     _add_visual(links[frames.base], "body", centre, "box", size=_text(size))
     _add_nose(links[frames.base], centre, size, forward_axis)
     radius = _limb_radius(frames)
@@ -73,7 +76,12 @@ def primitive_urdf(
 
 
 def _body(
-    frames: Skeleton, forward_axis: str, mass_kg: float | None, assumed: Sequence[Point]
+    frames: Skeleton,
+    forward_axis: str,
+    mass_kg: float | None,
+    assumed: Sequence[Point],
+    *,
+    upright: bool,
 ) -> tuple[Point, Point]:
     """Return centre and size, m, of the box between the hips; of the mass's size without hips."""
     hips = [frames.frames[leg[-1]].translation for leg in frames.legs]
@@ -81,8 +89,10 @@ def _body(
         hips = list(assumed)
     if not hips:
         length, width, height = body_size_m(mass_kg)
+        length, height = (height, length) if upright else (length, height)
         along_x = _AXES[forward_axis][0] != 0
-        return (0.0, 0.0, 0.0), (*((length, width) if along_x else (width, length)), height)
+        centre = (0.0, 0.0, 0.5 * height if upright else 0.0)
+        return centre, (*((length, width) if along_x else (width, length)), height)
     low, high = np.min(hips, axis=0), np.max(hips, axis=0)
     longest = max(float((high - low)[:2].max()), 0.1)
     x, y = (max(float(side), 0.4 * longest) for side in (high - low)[:2])

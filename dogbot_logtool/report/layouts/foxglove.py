@@ -85,7 +85,7 @@ def _scene(view: View) -> dict[str, Any]:
         "cameraState": {
             "perspective": True,
             "distance": round(3.7 * view.size_m, 2),
-            "phi": 72,
+            "phi": 66,
             # The camera stands at -90 degrees minus this.
             "thetaOffset": (-90.0 - view.camera_deg) % 360.0,
             # Arrows stand above the robot as high as its feet are below it, and more.

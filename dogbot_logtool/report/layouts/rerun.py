@@ -65,7 +65,7 @@ def rerun_blueprint(view: "View") -> bytes:
 
 def _eye(rrb: Any, view: "View") -> Any:  # noqa: ANN401 - of a library without types
     """Return a camera that faces the robot and goes along with its body."""
-    away, angle = 3.7 * view.size_m, radians(view.camera_deg)
+    away, angle = 3.7 * view.size_m, radians(view.camera_in_world_deg)
     body = f"/{view.robot_name}/visual_geometries/{view.base_frame}/visual_0"
     return rrb.EyeControls3D(
         position=[away * cos(angle), away * sin(angle), 0.35 * away],

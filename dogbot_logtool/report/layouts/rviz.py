@@ -86,6 +86,6 @@ def _camera(view: View) -> dict[str, Any]:
         "Target Frame": view.base_frame,
         "Distance": round(4.4 * view.size_m, 2),
         "Pitch": 0.35,
-        "Yaw": round(radians(view.camera_deg), 4),
+        "Yaw": round(radians(view.camera_in_world_deg), 4),
         "Focal Point": {"X": 0, "Y": 0, "Z": 0},
     }

@@ -5,9 +5,9 @@ from typing import Final
 
 from dogbot_logtool.dataclass import dataclass
 
-_ASIDE_DEG: Final = 60.0
-"""The camera looks at the robot's front from this much to its right: at 40 a quadruped's right fore
-leg would hide the left hind one, which stands with it in a trot."""
+_ASIDE_DEG: Final = 75.0
+"""The camera looks at the robot's front from this much to its right: nearer to the front, a
+quadruped's right fore leg hides the left hind one, which stands with it in a trot."""
 _STEPS: Final = (1.0, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0)
 
 
@@ -28,12 +28,19 @@ class View:
     """m, length of the body."""
     robot_name: str = ""
     """As in its description."""
+    turned_deg: float = 0.0
+    """Yaw of the base in the world at the log's start."""
 
     @property
     def camera_deg(self) -> float:
-        """Where the camera stands, from +x of a base that is not turned to the left: 0 to 360."""
+        """Where the camera stands, from the base's +x to the left: 0 to 360."""
         heading = {"+x": 0.0, "+y": 90.0, "-x": 180.0, "-y": 270.0}[self.forward_axis]
         return (heading - _ASIDE_DEG) % 360.0
+
+    @property
+    def camera_in_world_deg(self) -> float:
+        """Where the camera stands, from the world's +x to the left: 0 to 360."""
+        return (self.camera_deg + self.turned_deg) % 360.0
 
 
 def upper_bound(value: float) -> float:

@@ -114,6 +114,20 @@ def test_the_nose_is_at_the_front(axis: str, x: int, y: int) -> None:
     assert size[0 if x else 1] == max(size)
 
 
+def test_a_biped_s_body_stands_on_its_base() -> None:
+    frames = skeleton("base", {}, frozenset(), ())
+    for upright in (False, True):
+        robot = ET.fromstring(primitive_urdf("r", frames, "+x", 60.0, upright=upright))  # noqa: S314
+        body = link(robot, "base").findall("visual")[0]
+        box, origin = body.find("geometry/box"), body.find("origin")
+        assert box is not None
+        assert origin is not None
+        length, _, height = (float(side) for side in box.attrib["size"].split())
+        assert (height > length) == upright
+        lowest = float(origin.attrib["xyz"].split()[2]) - height / 2.0
+        assert lowest == pytest.approx(0.0 if upright else -height / 2.0, abs=1e-6)
+
+
 def test_frames_with_two_parents_are_left_out_with_those_below() -> None:
     frames = skeleton("base", POSES, {"hip"}, FEET)
     assert sorted(frames.frames) == ["imu", "other_hip"]
