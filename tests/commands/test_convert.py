@@ -181,9 +181,7 @@ def codes(conversion: Conversion) -> set[str]:
 
 MATRIX = [
     *((TROUBLED, style, encoding) for style in STYLES for encoding in ENCODINGS),
-    (TROT, "pressure", "foxglove"),
     (TROT, "classic", "ros1"),
-    (TROT, "force", "foxglove"),
     (WALK, "force", "foxglove"),
 ]
 

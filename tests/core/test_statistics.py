@@ -1,6 +1,7 @@
 """Whole walks in closed form, measured: gaits, and the conventions that fool naive tools."""
 
 from dataclasses import replace
+from functools import cache
 from itertools import pairwise
 from random import Random
 
@@ -413,13 +414,22 @@ def test_two_feet_have_phases_but_no_class() -> None:
     assert stats.main.gait.name is None
 
 
-@settings(max_examples=15, deadline=None)
+@cache
+def every_digit_of_a_walk() -> str:
+    return every_digit(Walk(seconds=4.0).measure())
+
+
+def every_digit(stats: Stats) -> str:
+    with np.printoptions(threshold=1_000_000, floatmode="unique"):
+        return repr(stats)
+
+
+@settings(max_examples=10, deadline=None)
 @given(st.lists(st.integers(0, 1000), max_size=4), st.randoms(use_true_random=False))
 def test_batches_and_the_order_of_feet_in_them_do_not_matter(
     cuts: list[int], random: Random
 ) -> None:
     walk = Walk(seconds=4.0)
-    whole = walk.measure()
     accumulator = StatsAccumulator(SETTINGS)
     edges = [0, *sorted(cuts), 1001]
     for start, end in pairwise(edges):
@@ -431,9 +441,7 @@ def test_batches_and_the_order_of_feet_in_them_do_not_matter(
             accumulator.add_contacts(samples)
             accumulator.add_message_times(f"/{FEET[foot].name}", samples.log_time, samples.stamp)
         accumulator.add_odometry(walk.odometry().pick(rows))
-    split = accumulator.finish()
-    with np.printoptions(threshold=1_000_000, floatmode="unique"):
-        assert repr(split) == repr(whole)
+    assert every_digit(accumulator.finish()) == every_digit_of_a_walk()
 
 
 def test_wheels_and_wrong_contacts_are_no_stand_and_no_gait() -> None:

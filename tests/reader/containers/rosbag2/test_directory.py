@@ -230,7 +230,7 @@ def test_hostile_metadata_is_left_unused_at_once(tmp_path: Path, text: str, reas
         [sys.executable, "-c", code, str(bag)],
         capture_output=True,
         text=True,
-        timeout=30,
+        timeout=120,
         check=True,
         cwd=ROOT,
     )
