@@ -53,6 +53,7 @@ def long_delay(
     return found if is_long else None
 
 
+@np.errstate(over="ignore", invalid="ignore")
 def heave_delay(
     feet: Sequence[FootHistory], base: BaseHistory, period_s: float, strides: Ints
 ) -> Delay | None:
@@ -74,6 +75,8 @@ def heave_delay(
         return None
     time = start + np.arange(cells) * _CELL_NS
     force = mean_impulses(feet, "vertical_impulse", time + _CELL_NS // 2, _CELL_NS // 2).sum(axis=1)
+    if not force.mean() > 0.0:
+        return None
     # The sum of cells is known at their ends, the sum of those half a cell later.
     driven, at = _way(force, window), (time - start) / 1e9 + 1.5 / TRACK_RATE_HZ
     base_at = time + 3 * _CELL_NS // 2
