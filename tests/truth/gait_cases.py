@@ -100,6 +100,9 @@ def short_and_slow() -> Iterator[Case]:
             yield Case(
                 f"{strides} strides, {kind}", recorder(walk, *more), r"stride|stance|longer|short"
             )
+    for kind, more in (("bumpers", ()), ("force sensors", (FORCE, sensor.noise(1.0)))):
+        walk = Walk(seconds=1.04)
+        yield Case(f"1.3 strides, {kind}", recorder(walk, *more), "stride", skip=("impulse",))
     crawl = Walk(gait=gaits.WALK, period_s=8.0, speed_mps=0.03, seconds=60.0)
     slow = Tolerance(event_s=0.15)
     yield Case("crawl, 8 s a stride, bumpers", recorder(crawl, rate_hz=50.0), tolerance=slow)

@@ -53,6 +53,7 @@ def long_delay(
     return found if is_long else None
 
 
+@np.errstate(over="ignore", invalid="ignore")
 def heave_delay(
     feet: Sequence[FootHistory], base: BaseHistory, period_s: float, strides: Ints
 ) -> Delay | None:

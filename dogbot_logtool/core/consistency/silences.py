@@ -18,7 +18,9 @@ def all_silent(feet: Sequence[FootHistory], base: BaseHistory) -> Ints:
     Returns:
         (s, 2) ns; none with fewer than two feet.
     """
-    speaking = [foot.gaps for foot in feet if foot.start is not None]
+    speaking = [
+        timespans.subtract(foot.gaps, foot.stopped) for foot in feet if foot.start is not None
+    ]
     if len(speaking) < 2:
         return timespans.no_spans()
     return timespans.intersect([*speaking, base.known])

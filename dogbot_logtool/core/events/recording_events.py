@@ -31,11 +31,13 @@ def sensor_faults(stats: Stats) -> Iterator[Event]:
     for row, foot in enumerate(stats.feet):
         others = [other.record for other in stats.feet if other is not foot]
         record, stances = foot.record, foot.record.stances
-        if foot.is_dead and record.start is not None and record.end is not None:
+        stopped = () if is_stuck(record, others) else record.stopped.tolist()
+        never = foot.is_dead and not len(record.stopped)
+        if never and record.start is not None and record.end is not None:
             yield _fault(record.start, record.end, row, "W_DEAD")
         if is_stuck(record, others):
             yield _fault(int(stances.touchdown[0]), int(stances.liftoff[-1]), row, "W_STUCK")
-        for start, end in record.stopped.tolist():
+        for start, end in stopped:
             yield _fault(start, end, row, "W_STOPPED")
         if is_saturated(record, others):
             cut_off = np.flatnonzero(saturated_stances(record))

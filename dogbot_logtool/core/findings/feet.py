@@ -29,9 +29,11 @@ def foot_findings(stats: Stats, foot: FootStatistics) -> Iterator[Finding]:
         yield Finding("W_NOTHING_USABLE", f"no message of {name} can be used", where)
         return
     if foot.is_dead:
-        text = f"{name} never touches the ground: its sensor seems dead, or the foot is lifted"
-        has_stopped = len(record.stopped) > 0
-        yield _stopped(stats, foot, where) if has_stopped else Finding("W_DEAD", text, where)
+        yield _fault(stats, foot, where) or Finding(
+            "W_DEAD",
+            f"{name} never touches the ground: its sensor seems dead, or the foot is lifted",
+            where,
+        )
         return
     if len(foot.stances.touchdown) == 0:
         text = f"{name} never touches the ground, and the other feet carry the whole weight"
@@ -50,8 +52,15 @@ def foot_findings(stats: Stats, foot: FootStatistics) -> Iterator[Finding]:
     yield from _base_reasons(stats, foot, where)
 
 
-def _stopped(stats: Stats, foot: FootStatistics, where: str) -> Finding:
+def _fault(stats: Stats, foot: FootStatistics, where: str) -> Finding | None:
+    """Return that a sensor is stuck, or has stopped at times; None: neither."""
+    others = [other.record for other in stats.feet if other is not foot]
     spans = foot.record.stopped
+    if is_stuck(foot.record, others):
+        text = f"the sensor of {foot.name} shows one constant force while it is loaded: stuck"
+        return Finding("W_STUCK", f"{text}; no loads", where)
+    if not len(spans):
+        return None
     start, end = stats.seconds(spans.ravel()[[0, -1]])
     lasts = timespans.total(spans) / 1e9
     text = (
@@ -81,12 +90,9 @@ def _base_reasons(stats: Stats, foot: FootStatistics, where: str) -> Iterator[Fi
 
 def _sensor(stats: Stats, foot: FootStatistics, where: str) -> Iterator[Finding]:
     record, name = foot.record, foot.name
-    others = [other.record for other in stats.feet if other is not foot]
-    if is_stuck(record, others):
-        text = f"the sensor of {name} shows one constant force while it is loaded: stuck; no loads"
-        yield Finding("W_STUCK", text, where)
-    if len(record.stopped):
-        yield _stopped(stats, foot, where)
+    fault = _fault(stats, foot, where)
+    if fault:
+        yield fault
     if foot.is_saturated:
         limit_n = stats.settings.sensor(stats.feet.index(foot)).level.limit_n
         at = "" if limit_n is None else f" at {limit_n:.4g} N"

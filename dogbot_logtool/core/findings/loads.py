@@ -27,7 +27,8 @@ def load_findings(stats: Stats) -> Iterator[Finding]:
         yield Finding("N_SHARES_OF_MAGNITUDE", text, "forces.load_share")
     if loads.shares is None:
         text = (
-            "not every foot's load is known, there is none, or they miss the weight: no load shares"
+            "not every foot's load is known, there is none, they miss the weight, or no whole "
+            "stride is seen: no load shares"
         )
         yield Finding("N_NO_SHARES", text, "forces.load_share")
 

@@ -198,7 +198,8 @@ def load_figures(
     Args:
         feet: histories of all feet.
         body_weight_n: N, from the robot's mass; None: not known.
-        strides: (s, 2) ns, strides of one foot; without any, all known time counts.
+        strides: (s, 2) ns, strides of one foot; without any, all known time counts, and of feet
+            that step there are no shares.
         within: (w, 2) ns, a segment; its strides are given. None: the whole log.
         mass_is_assumed: whether the weight is that of a robot that was only guessed.
     """
@@ -228,7 +229,9 @@ def load_figures(
     falls_short = magnitude is not None and magnitude < 1.0 - max(tolerance, FALLS_SHORT)
     magnitude_misses = falls_short or (magnitude is not None and magnitude > 1.0 + REFUTED)
     share_of, shares = _shares(feet, spans, vertical=vertical)
-    if direction_refuted or magnitude_misses:
+    # A part of a stride counts one foot's stance and another's swing.
+    in_part = not over_strides and any(len(foot.stances.touchdown) > 1 for foot in feet)
+    if direction_refuted or magnitude_misses or in_part:
         shares = None
     return LoadFigures(
         known_s=timespans.total(spans) / 1e9,
