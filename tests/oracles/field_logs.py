@@ -15,6 +15,7 @@ DEFINITIONS: Final = {
     "odd_msgs/msg/Counts": "int16 value\n",
     "odd_msgs/msg/Touch": "bool is_down\n",
     "odd_msgs/msg/Bits": "int8 foot_contacts\nfloat32 battery\n",
+    "odd_msgs/msg/Pressures": "".join(f"float64 {leg}_foot\n" for leg in ("LF", "RF", "LH", "RH")),
     "odd_msgs/msg/Pad": "string name\nfloat64 load\n",
     "odd_msgs/msg/Pads": "odd_msgs/Pad[] pads\n",
     "odd_msgs/msg/Leg": "string name\nint16 counts\ngeometry_msgs/Vector3 force\nfloat32[] cells\n",

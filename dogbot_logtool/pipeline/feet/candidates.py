@@ -302,12 +302,14 @@ def _judged(log: Log, named: FootCandidates) -> FootCandidates | None:
         return None
     usual = len(named.feet) in _USUAL_LEGS
     feet = tuple(_with_kind(log, foot, content) for foot in named.feet)
+    if content.thresholds:
+        feet = tuple(map(_with_threshold, feet, content.thresholds))
     return replace(
         named,
         feet=feet,
         points=named.points + content.points + (1 if usual else -1),
         reasons=(*named.reasons, *content.reasons),
-        is_contact=content.is_contact,
+        is_contact=content.is_contact or bool(content.thresholds),
     )
 
 
@@ -344,6 +346,13 @@ def _with_kind(log: Log, foot: Foot, content: Content) -> Foot:
             return foot
     kind = "contact" if content.is_contact else "force"
     return replace(foot, field=replace(foot.field, kind=kind))
+
+
+def _with_threshold(foot: Foot, threshold: float) -> Foot:
+    """Return a foot whose field is a contact above a threshold."""
+    if foot.field is None:
+        return foot
+    return replace(foot, field=replace(foot.field, kind="contact", threshold=threshold))
 
 
 def read_feet(log: Log, feet: Sequence[Foot]) -> Samples:

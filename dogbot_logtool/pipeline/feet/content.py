@@ -27,8 +27,13 @@ _BOTH_WAYS: Final = 0.5
 """Share of the larger that the smaller of push and pull is, from which a number is no load."""
 _NO_FOOT: Final = -10
 """Points of what cannot be feet, whatever else is true of it."""
+_NOT_UNLOADED: Final = 0.5
+"""Share of what each foot reads with load that it reads without, from which numbers are no forces:
+those of air pressure, or of a sensor that was never set to zero."""
 _TENTH: Final = (10.0, 90.0)
 """Percentiles of what a foot reads without and with load."""
+_ENDS: Final = (2.0, 98.0)
+"""The same of feet that are hardly ever in the air."""
 _ON: Final = 0.2
 """Share of the way between them from which it is on; with all feet down each bears little."""
 
@@ -41,6 +46,8 @@ class Content:
     reasons: tuple[str, ...]
     is_contact: bool
     """Whether the values only tell contact, and no force."""
+    thresholds: tuple[float, ...] = ()
+    """Of each foot, above which it is on; empty: values are near zero without load."""
 
 
 def judge_content(samples: Samples, feet: int) -> Content | None:
@@ -61,10 +68,17 @@ def judge_content(samples: Samples, feet: int) -> Content | None:
     found = [_on_and_off(changes), _in_turns(down)]
     if not is_contact:
         found += [_together(values), _one_way(signed)]
+    thresholds: tuple[float, ...] = ()
+    is_number = not is_contact and not samples.force[:, :2].any()
+    low, high = percentiles_of(values, _ENDS, axis=0)
+    if is_number and bool((signed > 0.0).all()) and bool((low > _NOT_UNLOADED * high).all()):
+        thresholds = tuple((low + _ON * (high - low)).tolist())
+        found.append((0, "none reads near zero without load: they tell contact, not newtons"))
     return Content(
         sum(points for points, _ in found),
         tuple(reason for _, reason in found if reason),
         is_contact,
+        thresholds,
     )
 
 

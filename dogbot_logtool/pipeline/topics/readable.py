@@ -121,12 +121,14 @@ def other_encodings(channels: Mapping[int, Channel]) -> str:
     return (
         f"{many} {'is' if len(others) == 1 else 'are'} encoded as "
         f"{listed(sorted({encoding or 'nothing' for encoding in others.values()}))}; only ROS 1 "
-        "messages and CDR are read"
+        "messages, CDR and Foxglove's poses, transforms and joints are read"
     )
 
 
 def _is_read(channel: Channel) -> bool:
-    return channel.message_encoding in SERIALISATIONS or channel.type_name in FOXGLOVE_TYPES
+    if channel.message_encoding in SERIALISATIONS or channel.type_name in FOXGLOVE_TYPES:
+        return True
+    return bool(base_type(channel.type_name)) and not why_no_poses(channel)
 
 
 def reasons(findings: Iterable[Finding]) -> str:

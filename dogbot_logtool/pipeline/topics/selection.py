@@ -207,7 +207,7 @@ def select_topics(log: Log, options: TopicOptions) -> Selection:
         for channel in readable_channels(log, topic, TRANSFORM_TYPES)
     ]
     unreadable = list(unreadable_findings(log.channels.values(), odometry, contacts))
-    if not (odometry or contacts or unreadable) and (others := other_encodings(log.channels)):
+    if not (contacts or unreadable) and (others := other_encodings(log.channels)):
         unreadable.append(note("UNREADABLE", others))
     findings.extend(unreadable)
     findings.extend(own_definition_findings([*odometry, *contacts, *transforms]))

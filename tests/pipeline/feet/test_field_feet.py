@@ -236,6 +236,7 @@ INSIDE = {
     "bits": ("odd_msgs/msg/Bits", "/status", [f"foot_contacts&{1 << n}" for n in range(4)]),
     "joints": ("sensor_msgs/msg/JointState", "/joints", [f"effort[{n}]" for n in range(2, 6)]),
     "hands": ("odd_msgs/msg/Pads", "/pads", [f"pads[{n}].load" for n in range(1, 5)]),
+    "pressures": ("odd_msgs/msg/Pressures", "/soles", [f"{leg}_foot" for leg in LEGS]),
     "components": (
         "std_msgs/msg/Float64MultiArray",
         "/feet/forces",
@@ -258,13 +259,16 @@ def test_feet_inside_one_message_in_two_commands(tmp_path: Path, kind: str) -> N
     walks.write_mcap(path, walk, entries)
     told = forked_cli.run("info", path, environment={"COLUMNS": "400"})
     words = command(told.stdout)
-    assert [word.partition(":")[2] for word in words if ":" in word] == paths
+    if words[0] == "robots":
+        words = command(forked_cli.run(*words, folder=tmp_path).stderr)
+    else:
+        assert [word.partition(":")[2] for word in words if ":" in word] == paths
     assert "gripper" not in " ".join(words)
-    found = figures(*words[1:])
+    found = figures(*words[1:], folder=tmp_path)
     assert len(found["feet"]) == 4
     for foot in found["feet"].values():
         assert foot["stance_s"]["median"] == pytest.approx(DUTY * PERIOD_S, abs=0.011)
-    assert found["gait"]["class"] == ("trot" if kind in {"joints", "hands"} else None)
+    assert found["gait"]["class"] == ("trot" if kind in {"joints", "hands", "pressures"} else None)
 
 
 def inside(walk: walks.Walk, kind: str, type_name: str, time_s: float, loads: list[float]) -> Any:
@@ -283,6 +287,11 @@ def inside(walk: walks.Walk, kind: str, type_name: str, time_s: float, loads: li
                 velocity=np.full(6, swing),
                 effort=np.array([swing, -swing, *loads]),
             )
+        case "pressures":
+            values = {
+                f"{leg}_foot": 101_325.0 + load for leg, load in zip(LEGS, loads, strict=True)
+            }
+            return walk.make(type_name, **values)
         case "hands":
             names = ["gripper", *(f"{leg}_foot" for leg in LEGS)]
             pads = [

@@ -109,3 +109,14 @@ def test_known_types_need_no_definition(
     assert len(own) == 3
     assert sum("/left, /right: " in each for each in own) == 1
     assert not any("UNREADABLE" in f.code for f in selection.findings)
+
+
+def test_feet_of_another_encoding_are_named_beside_a_base_that_is_read(opened: Opener) -> None:
+    found: list[Channel] = [
+        ("/robot/pose", "foxglove.PoseInFrame", b"{}", "json"),
+        ("/feet", "my.Feet", b"{}", "json"),
+    ]
+    selection = select_topics(opened(found, "jsonschema"), TopicOptions())
+    assert selection.base_name == "/robot/pose"
+    (finding,) = [f for f in selection.findings if f.code == "N_UNREADABLE"]
+    assert finding.text.startswith("1 of 2 topics is encoded as json; only ROS 1")
