@@ -4,6 +4,7 @@ import base64
 import csv
 import io
 import json
+import re
 import shutil
 import time
 from collections.abc import Iterator
@@ -325,6 +326,24 @@ def test_it_prints_whole_from_a_wide_window(window: Window, trot_page: Path) -> 
     assert words.count("8 s") >= len(OVER_TIME)
     window.open(trot_page)
     assert window.run("return document.getElementById('loads')._fullLayout.width") > 1000
+
+
+def test_no_figure_is_higher_than_the_paper(
+    window: Window, trot_page: Path, tmp_path: Path
+) -> None:
+    """Figures of robots with many joints would be cut in two by the end of a page."""
+    high = re.sub(r'"height":\d+', '"height":1600', trot_page.read_text(encoding="utf-8"))
+    (tmp_path / "high.html").write_text(high, encoding="utf-8")
+    window.open(tmp_path / "high.html")
+
+    def all_are(wanted: int, _: Chrome) -> bool:
+        plots = "document.querySelectorAll('.plot')"
+        heights = window.run(f"return [...{plots}].map((each) => each._fullLayout.height)")
+        return bool(heights == [wanted] * len(heights))
+
+    for event, wanted in (("beforeprint", 900), ("afterprint", 1600)):
+        window.run(f"dispatchEvent(new Event('{event}'))")
+        WebDriverWait(window.driver, 10, 0.1).until(partial(all_are, wanted))
 
 
 def test_data_are_saved_as_csv(window: Window, trot_page: Path, trot_json: Any) -> None:
