@@ -48,8 +48,8 @@ def plain_types(type_name: str, text: str) -> Types | None:
         text: its definition, dependencies appended as recorders do.
     """
     found: dict[str, list[tuple[str, Any]]] = {}
-    package, fields = "", []
-    begins = True
+    fields: list[tuple[str, Any]] = []
+    package, begins = "", True
     for line in (f"MSG: {type_name}\n{text}").split("\n"):
         header = _HEADER.fullmatch(line) if begins else None
         if header and header[1]:

@@ -53,7 +53,7 @@ def of_rosbags(name: str, text: str) -> dict[str, Any] | None:
 def test_known_types_are_read_as_by_rosbags(store: Stores, version: int) -> None:
     known, plain = get_typestore(store), 0
     for name in known.fielddefs:
-        text, _ = known.generate_msgdef(name, ros_version=version)  # type: ignore[arg-type]
+        text, _ = known.generate_msgdef(name, ros_version=version)
         found: Types | None = plain_types(name, text)
         plain += found is not None
         assert found is None or spelt(found) == spelt(of_rosbags(name, text)), name
