@@ -16,7 +16,7 @@ SAMPLE := sample_logs/dogbot_trot.bag
 export PIP_DISABLE_PIP_VERSION_CHECK := 1
 export PIP_NO_PYTHON_VERSION_WARNING := 1
 
-.PHONY: help demo test lint format samples golden fuzz torture mutants bench docs pictures validate vendor clean
+.PHONY: help demo test lint format samples golden fuzz torture mutants bench guard docs pictures validate vendor clean
 
 help:
 	@echo "make demo     convert a sample log and look at it"
@@ -33,6 +33,7 @@ help:
 	@echo "make pictures take the documentation's pictures anew, in Chromium (CHROMIUM=/usr/bin/chromium)"
 	@echo "make validate measure logs of known truth, and write docs/validation.md"
 	@echo "make bench    measure against what one would use instead; some ten minutes"
+	@echo "make guard    measure a minute's worth of that: ratios must not be far from what they were"
 	@echo "make clean    remove what the others made"
 
 $(VENV)/python:
@@ -115,7 +116,10 @@ golden: $(VENV)/dev
 
 bench: $(VENV)/dev
 	@$(BIN)/python -m pip install --quiet --editable '.[dev,bench]' --constraint $(CONSTRAINTS)
-	$(BIN)/python benchmarks/run.py
+	$(BIN)/python benchmarks/run.py $(ARGS)
+
+guard: $(VENV)/dev
+	$(BIN)/python benchmarks/run.py --guard
 
 samples: $(VENV)/dev
 	$(BIN)/python sample_logs/generate.py

@@ -1,10 +1,12 @@
 """Counts a log's messages by topic from its index, with rosbags or the mcap library.
 
-python benchmarks/library_info.py IN.bag|IN.mcap
+python benchmarks/library_info.py IN.bag|IN.mcap|http://...     a URL is downloaded first
 """
 
 import sys
+import tempfile
 from pathlib import Path
+from urllib.request import urlretrieve
 
 
 def main(source: Path) -> None:
@@ -29,4 +31,11 @@ def main(source: Path) -> None:
 
 
 if __name__ == "__main__":
-    main(Path(sys.argv[1]))
+    word = sys.argv[1]
+    if word.startswith("http://"):
+        with tempfile.TemporaryDirectory() as folder:
+            target = Path(folder) / word.rpartition("/")[2]
+            urlretrieve(word, target)  # noqa: S310 - http
+            main(target)
+    else:
+        main(Path(word))

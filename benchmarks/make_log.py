@@ -1,20 +1,21 @@
 """Writes the logs that the benchmarks read, as a fast Gazebo simulation records them.
 
-Four feet at 500 Hz, each message of 0 to 4 states of 1 to 4 contact points with names and `info`
-of real length, and odometry at 100 Hz. Eight seconds are serialised by rosbags; the log is those
-over and over with new times. They are longer than a codec looks back, in the log (a second is) and
-in what is made of each foot, so the repetition makes nothing compress better.
+Four feet at 500 Hz, or six at 1 kHz, each message of 0 to 4 states of 1 to 4 contact points with
+names and `info` of real length, and odometry at 100 Hz. Eight seconds are serialised by rosbags;
+the log repeats them with new times. They are longer than a codec looks back, in the log (a second
+is) and in what is made of each foot, so the repetition makes nothing compress better.
 
 Forces, torques, depths and heights are noise to the last bit, as a physics engine's are; normals
 are upright and a standing foot's points stay where they are. It compresses by 3.8 (lz4) and 4.3
 (zstd): less than recorded walks, which reach 4.5 and 6, so the codecs' share is not flattered.
 
-    python benchmarks/make_log.py OUT SECONDS [none|lz4|bz2|ros1|cdr]
+    python benchmarks/make_log.py OUT SECONDS [none|lz4|bz2|ros1|cdr] [dogbot|hexapod]
 """
 
 import struct
 import sys
 from collections.abc import Iterator
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Final, Literal
 
@@ -27,14 +28,9 @@ from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
 CONTACTS: Final = "gazebo_msgs/msg/ContactsState"
 ODOMETRY: Final = "nav_msgs/msg/Odometry"
-FEET: Final = ("front_left", "front_right", "back_left", "back_right")
 START_S: Final = 1_700_000_000
 _FIRST_STEP: Final = b"time:%d." % START_S
 _BAG_CHUNK_SIZE: Final = 768 << 10
-_TOPICS: Final = {
-    "/dogbot/odom": ODOMETRY,
-    **{f"/dogbot/{foot}_contactsensor_state": CONTACTS for foot in FEET},
-}
 _CONTACT_STATE: Final = """string info
 string collision1_name
 string collision2_name
@@ -64,6 +60,28 @@ for _store, _header_type in ((_STORE, "Header"), (_ROS2_STORE, "std_msgs/Header"
 
 Message = tuple[int, str, bytes]
 """Time in the second, ns; topic; payload, with its stamp at bytes 4 to 12."""
+
+
+@dataclass(frozen=True)
+class Robot:
+    """What is recorded."""
+
+    feet: tuple[str, ...]
+    rate_hz: int
+    """Contact messages of each foot."""
+
+    @property
+    def topics(self) -> dict[str, str]:
+        """Types by topic."""
+        feet = {f"/dogbot/{foot}_contactsensor_state": CONTACTS for foot in self.feet}
+        return {"/dogbot/odom": ODOMETRY, **feet}
+
+
+DOGBOT: Final = Robot(("front_left", "front_right", "back_left", "back_right"), 500)
+ROBOTS: Final = {
+    "dogbot": DOGBOT,
+    "hexapod": Robot((*DOGBOT.feet, "middle_left", "middle_right"), 1000),
+}
 
 
 def _make(name: str, **fields: Any) -> Any:  # noqa: ANN401 - types made at run time
@@ -104,12 +122,12 @@ def _state(foot: str, points: int, load: float, noise: np.random.Generator) -> A
     )
 
 
-def _one_second(noise: np.random.Generator) -> list[Message]:
+def _one_second(robot: Robot, noise: np.random.Generator) -> list[Message]:
     second: list[Message] = []
-    for number, foot in enumerate(FEET):
-        for sample in range(500):
-            time = sample * 2_000_000 + number * 100_000
-            phase = (sample / 500 * 2 + number / 4) % 1.0
+    for number, foot in enumerate(robot.feet):
+        for sample in range(robot.rate_hz):
+            time = sample * (10**9 // robot.rate_hz) + number * 100_000
+            phase = (sample / robot.rate_hz * 2 + number / 4) % 1.0
             count = int(noise.choice(4, p=_STATES)) + 1 if phase < 0.6 else 0
             states = [
                 _state(foot, int(noise.choice(4, p=_POINTS)) + 1, 90.0 / count, noise)
@@ -154,14 +172,14 @@ def _repeated(different: list[list[Message]], seconds: int) -> Iterator[Message]
             yield now * 10**9 + time, topic, stamped.replace(_FIRST_STEP, step)
 
 
-def _messages(seconds: int, encoding: str) -> Iterator[Message]:
+def _messages(seconds: int, encoding: str, robot: Robot) -> Iterator[Message]:
     noise = np.random.default_rng(1)
-    different = [_one_second(noise) for _ in range(min(_DIFFERENT_SECONDS, seconds))]
+    different = [_one_second(robot, noise) for _ in range(min(_DIFFERENT_SECONDS, seconds))]
     if encoding == "cdr":
         # Without Header.seq, and with the encapsulation's four bytes, stamps stay where they are.
         different = [
             [
-                (time, topic, bytes(_ROS2_STORE.ros1_to_cdr(payload, _TOPICS[topic])))
+                (time, topic, bytes(_ROS2_STORE.ros1_to_cdr(payload, robot.topics[topic])))
                 for time, topic, payload in second
             ]
             for second in different
@@ -169,7 +187,7 @@ def _messages(seconds: int, encoding: str) -> Iterator[Message]:
     return _repeated(different, seconds)
 
 
-def write_bag(path: Path, seconds: int, compression: str) -> None:
+def write_bag(path: Path, seconds: int, compression: str, robot: Robot = DOGBOT) -> None:
     """Write a ROS 1 bag with chunks as `rosbag record` makes them."""
     path.unlink(missing_ok=True)
     writer = BagWriter(path)
@@ -181,9 +199,9 @@ def write_bag(path: Path, seconds: int, compression: str) -> None:
     with writer:
         connections = {
             topic: writer.add_connection(topic, kind, typestore=_STORE)
-            for topic, kind in _TOPICS.items()
+            for topic, kind in robot.topics.items()
         }
-        for time, topic, payload in _messages(seconds, "ros1"):
+        for time, topic, payload in _messages(seconds, "ros1", robot):
             writer.write(connections[topic], time, payload)
 
 
@@ -199,7 +217,7 @@ def _compress_as_rosbag(chunk: bytes) -> bytes:
     return compressed
 
 
-def write_mcap(path: Path, seconds: int, encoding: str) -> None:
+def write_mcap(path: Path, seconds: int, encoding: str, robot: Robot = DOGBOT) -> None:
     """Write an MCAP with zstd chunks of the library's own size; ``ros1`` or ``cdr`` messages."""
     version: Literal[1, 2] = 1 if encoding == "ros1" else 2
     store = _STORE if version == 1 else _ROS2_STORE
@@ -207,19 +225,20 @@ def write_mcap(path: Path, seconds: int, encoding: str) -> None:
         writer = McapWriter(file, compression=CompressionType.ZSTD)
         writer.start(profile=f"ros{version}", library="make_log")
         channels: dict[str, int] = {}
-        for topic, kind in _TOPICS.items():
+        for topic, kind in robot.topics.items():
             definition, _ = store.generate_msgdef(kind, ros_version=version)
             name = kind if version == 2 else kind.replace("/msg/", "/")
             schema = writer.register_schema(name, f"ros{version}msg", definition.encode())
             channels[topic] = writer.register_channel(topic, encoding, schema)
-        for time, topic, payload in _messages(seconds, encoding):
+        for time, topic, payload in _messages(seconds, encoding, robot):
             writer.add_message(channels[topic], time, payload, time)
         writer.finish()
 
 
 if __name__ == "__main__":
     target, kind = Path(sys.argv[1]), sys.argv[3] if len(sys.argv) > 3 else "lz4"
+    walker = ROBOTS[sys.argv[4] if len(sys.argv) > 4 else "dogbot"]
     if kind in {"ros1", "cdr"}:
-        write_mcap(target, int(sys.argv[2]), kind)
+        write_mcap(target, int(sys.argv[2]), kind, walker)
     else:
-        write_bag(target, int(sys.argv[2]), kind)
+        write_bag(target, int(sys.argv[2]), kind, walker)
