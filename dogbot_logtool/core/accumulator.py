@@ -17,10 +17,11 @@ from typing import TYPE_CHECKING
 
 from dogbot_logtool.core.base.base_history import BaseRecorder
 from dogbot_logtool.core.base.odometry import Odometry
+from dogbot_logtool.core.checked_walk import Recorded
 from dogbot_logtool.core.contact.contacts import Samples
 from dogbot_logtool.core.contact.curves import CurveDetail
 from dogbot_logtool.core.contact.foot_history import FootHistory, FootRecorder
-from dogbot_logtool.core.evaluation import Recorded, work_out
+from dogbot_logtool.core.evaluation import work_out
 from dogbot_logtool.core.geometry import timespans
 from dogbot_logtool.core.geometry.arrays import Ints, rows_by_group
 from dogbot_logtool.core.geometry.clock import TimeSource, UnusableStamps

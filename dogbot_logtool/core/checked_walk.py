@@ -1,0 +1,311 @@
+"""A walk as it was recorded, and after the checks that its figures rest on."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from dogbot_logtool.core.base.base_history import BaseHistory
+from dogbot_logtool.core.base.base_motion import BaseMotion, BaseTrack, base_motion
+from dogbot_logtool.core.base.falls import fallen_spans
+from dogbot_logtool.core.base.forward_axis import with_forward_axis
+from dogbot_logtool.core.base.ground import height_over_feet
+from dogbot_logtool.core.base.pose_jumps import PoseJumps, find_jumps, without_jumps
+from dogbot_logtool.core.base.travel import find_travel
+from dogbot_logtool.core.command_tracking import tracking_in
+from dogbot_logtool.core.consistency.stopped import without_stopped
+from dogbot_logtool.core.consistency.worlds import Worlds, placed_poses
+from dogbot_logtool.core.contact.foot_history import FootHistory
+from dogbot_logtool.core.gait.foot_statistics import (
+    FootStatistics,
+    foot_statistics,
+)
+from dogbot_logtool.core.gait.reference_foot import any_strides
+from dogbot_logtool.core.gait.standing import Standing, standing_in, typical_period_s
+from dogbot_logtool.core.gait.support_pattern import Support, support
+from dogbot_logtool.core.geometry import timespans
+from dogbot_logtool.core.geometry.arrays import Ints
+from dogbot_logtool.core.load.load_figures import (
+    LoadFigures,
+    dead_feet,
+    is_saturated,
+    is_stuck,
+    load_figures,
+)
+from dogbot_logtool.core.quality.clocks import ClockDifference, too_far_apart
+from dogbot_logtool.core.quality.quality import TopicQuality
+from dogbot_logtool.core.settings import StatsSettings
+from dogbot_logtool.core.stability.stability import Stability, stability
+from dogbot_logtool.dataclass import dataclass
+
+if TYPE_CHECKING:
+    from dogbot_logtool.core.commands.tracking import CommandTrack, Tracking
+    from dogbot_logtool.core.geometry.delay import Delay
+    from dogbot_logtool.core.recorded.vectors import VectorHistory
+
+
+@dataclass(frozen=True, slots=True)
+class Recorded:
+    """What was kept of a log while it streamed past."""
+
+    feet: tuple[FootHistory, ...]
+    base: BaseHistory
+    clocks: tuple[ClockDifference, ...]
+    """How far topics' clocks are from that of the feet; nothing on log time."""
+    topics: tuple[TopicQuality, ...]
+    commands: "VectorHistory | None" = None
+    """Velocity commands; None: the log has none. Likewise `inertial`."""
+    inertial: "VectorHistory | None" = None
+
+
+@dataclass(frozen=True, slots=True)
+class CheckedWalk:
+    """What the figures of a log, or of a part of it, are taken from, and what these rest on."""
+
+    settings: StatsSettings
+    records: tuple[FootHistory, ...]
+    base: BaseHistory
+    """Poses without jumps."""
+    jumps: PoseJumps
+    placed_base: BaseHistory
+    """Poses among the contact points: with jumps, if these jump with the odometry."""
+    track: BaseTrack
+    fallen: Ints
+    standing: Standing
+    dead: tuple[bool, ...]
+    saturated: tuple[bool, ...]
+    refuted: tuple[bool, ...]
+    """Feet whose sensor was assumed to read zero without load, on a robot that then makes no steps
+    although it moves."""
+    apart: frozenset[str]
+    """Topics whose clocks are too far from the others'."""
+    base_delay: "Delay | None"
+    """By how much the base comes after the forces that drive it; None: not known, or little."""
+    worlds: Worlds | None
+    loses_way: bool
+    """Whether the base drifts so far among the contact points that speeds are not known."""
+    vertical_known: bool
+    direction_known: bool
+    """Whether nothing says that the feet's forces lean otherwise than they seem to."""
+    upright: bool
+    """Whether they are not so far from it that they are no vertical forces."""
+    in_newtons: bool
+    """Whether forces may be in N."""
+
+    @property
+    def feet_apart(self) -> bool:
+        """Whether the clock of a foot is too far from that of the others."""
+        return _feet_apart(self.settings, self.apart)
+
+    @property
+    def base_apart(self) -> bool:
+        """Whether the base is on another clock than the feet, or in another world."""
+        differ = self.worlds is not None and not self.worlds.agree
+        return self.settings.odometry_topic in self.apart or differ
+
+    @property
+    def period_s(self) -> float | None:
+        """The usual stride, s; None: there are none."""
+        return typical_period_s([each.stances for each in self.records])
+
+    def feet(self, within: Ints | None = None) -> tuple[FootStatistics, ...]:
+        """Return the figures of all feet, in some spans or in the whole log."""
+        settings = self.settings
+        return tuple(
+            _on_clock(
+                foot_statistics(
+                    foot.name,
+                    foot.topic,
+                    foot.place,
+                    record,
+                    self.base,
+                    fallen=self.fallen,
+                    forward_axis=settings.forward_axis,
+                    standing=self.standing,
+                    foot_rolling_m=settings.foot_rolling_m,
+                    is_dead=is_dead,
+                    is_saturated=cut_off,
+                    contact_known=not (is_dead or refuted),
+                    direction_known=self.direction_known,
+                    vertical_known=self.upright,
+                    in_newtons=self.in_newtons,
+                    within=within,
+                ),
+                settings.odometry_topic,
+                self.apart,
+                loses_way=self.loses_way,
+            )
+            for foot, record, is_dead, cut_off, refuted in zip(
+                settings.feet, self.records, self.dead, self.saturated, self.refuted, strict=True
+            )
+        )
+
+    def base_motion(self, within: Ints | None = None) -> BaseMotion | None:
+        """Return how the base moved."""
+        motion = base_motion(self.track, self.settings.forward_axis, within)
+        return motion.without_way() if motion is not None and self.loses_way else motion
+
+    def support(self, within: Ints | None = None) -> Support | None:
+        """Return the support pattern; where one foot's state is not known, none is."""
+        if any(self.dead) or any(self.refuted) or self.feet_apart:
+            return None
+        return support(self.records, within)
+
+    def stability(self, within: Ints | None = None) -> Stability | None:
+        """Return the figures of stability."""
+        if any(self.dead) or any(self.refuted) or self.feet_apart or self.base_apart:
+            return None
+        return stability(
+            self.records,
+            self.placed_base,
+            self.settings.forward_axis,
+            vertical_known=self.vertical_known,
+            height_known=bool(np.isfinite(self.track.height_m).any()),
+            com_offset_m=self.settings.com_offset_m or (0.0, 0.0, 0.0),
+            within=within,
+        )
+
+    def loads(self, strides: Ints, within: Ints | None = None) -> LoadFigures:
+        """Return the loads of all feet over whole strides, (s, 2) ns."""
+        loads = load_figures(
+            self.records,
+            self.settings.body_weight_n,
+            strides,
+            within,
+            mass_is_assumed=self.settings.mass_is_assumed,
+        )
+        return replace(loads, share_of=None, shares=None) if any(self.dead) else loads
+
+    def tracking(
+        self, track: "CommandTrack | None", within: Ints | None = None
+    ) -> "Tracking | None":
+        """Return how the base follows its commands."""
+        found = tracking_in(track, within)
+        return found.without_way() if found is not None and self.loses_way else found
+
+
+def check_walk(settings: StatsSettings, recorded: Recorded) -> CheckedWalk:
+    """Find jumps, falls, stands, dead sensors, clocks and worlds that cannot be compared.
+
+    Args:
+        settings: what decides the figures.
+        recorded: what was kept of the log.
+    """
+    jumps = find_jumps(recorded.base)
+    base = without_jumps(recorded.base, jumps)
+    records = without_stopped(_without_stuck(recorded.feet), base)
+    placed_base, worlds = placed_poses(records, recorded.base, base)
+    height = height_over_feet(placed_base, records)
+    fallen = fallen_spans(recorded.base, records, height, jumps.spans)
+    weighed = load_figures(
+        records, settings.body_weight_n, any_strides(records, fallen, timespans.no_spans())
+    )
+    dead = tuple(dead_feet(records, weighed))
+    period_s = typical_period_s([each.stances for each in records])
+    apart = too_far_apart(recorded.clocks, period_s)
+    supported = None if any(dead) or _feet_apart(settings, apart) else support(records)
+    standing = _standing(settings, records, supported, base, fallen)
+    strides = any_strides(records, fallen, standing.without_steps)
+    loads = load_figures(
+        records, settings.body_weight_n, strides, mass_is_assumed=settings.mass_is_assumed
+    )
+    delay = None if apart else _long_delay(records, base, period_s, strides)
+    parted = worlds is not None and not worlds.agree
+    over_feet = np.full_like(height, np.nan) if parted else height
+    track = BaseTrack(base, find_travel(base), over_feet, records, standing.still)
+    sensors = [settings.sensor(row) for row in range(len(records))]
+    return CheckedWalk(
+        settings=with_forward_axis(settings, track),
+        records=records,
+        base=base,
+        jumps=jumps,
+        placed_base=placed_base,
+        track=track,
+        fallen=fallen,
+        standing=standing,
+        dead=dead,
+        saturated=_saturated(settings, records),
+        refuted=tuple(bool(each.level.reason and len(standing.moving)) for each in sensors),
+        apart=apart | {settings.odometry_topic} if delay else apart,
+        base_delay=delay,
+        worlds=worlds,
+        loses_way=_loses_way(worlds, base_motion(track, settings.forward_axis)),
+        vertical_known=weighed.share_of == "vertical_impulse",
+        direction_known=not (
+            loads.direction_refuted or (settings.wrench_frame_is_inferred and loads.may_be_tilted)
+        ),
+        upright=not (loads.vertical_refuted or loads.other_units),
+        in_newtons=not loads.other_units,
+    )
+
+
+def _without_stuck(feet: Sequence[FootHistory]) -> tuple[FootHistory, ...]:
+    """Return histories without the forces of sensors that show one constant force."""
+    return tuple(
+        foot.without_force()
+        if is_stuck(foot, [each for each in feet if each is not foot])
+        else foot
+        for foot in feet
+    )
+
+
+def _feet_apart(settings: StatsSettings, apart: frozenset[str]) -> bool:
+    return any(foot.topic in apart for foot in settings.feet)
+
+
+def _standing(
+    settings: StatsSettings,
+    records: Sequence[FootHistory],
+    supported: Support | None,
+    base: BaseHistory,
+    fallen: Ints,
+) -> Standing:
+    """Find the time in which the robot stands, or moves without steps."""
+    # Sensors that never report a contact say nothing of where the feet are.
+    touching = any(len(each.in_contact) for each in records)
+    sensors = [settings.sensor(row) for row in range(len(records))]
+    return standing_in(
+        supported if touching else None,
+        [each.stances for each in records],
+        base,
+        fallen,
+        is_steady=bool(sensors) and all(sensor.is_steady for sensor in sensors),
+    )
+
+
+def _long_delay(
+    records: Sequence[FootHistory], base: BaseHistory, period_s: float | None, strides: Ints
+) -> "Delay | None":
+    """Tell by physics whether the base comes late; only of logs with strides and poses."""
+    if not period_s or not len(base.time):
+        return None
+    from dogbot_logtool.core.consistency.heave import long_delay  # noqa: PLC0415
+
+    return long_delay(records, base, period_s, strides)
+
+
+def _loses_way(worlds: Worlds | None, motion: BaseMotion | None) -> bool:
+    path_m = 0.0 if motion is None else motion.path_length_m or 0.0
+    return worlds is not None and worlds.lose_way(path_m)
+
+
+def _saturated(settings: StatsSettings, records: Sequence[FootHistory]) -> tuple[bool, ...]:
+    """Tell which feet's sensors are cut off at a limit, in an axis or in the magnitude."""
+    levels = [settings.sensor(foot).level for foot in range(len(records))]
+    return tuple(
+        level.limit_n is not None
+        or is_saturated(
+            record, [each for each in records if each is not record], level.resolution_n
+        )
+        for level, record in zip(levels, records, strict=True)
+    )
+
+
+def _on_clock(
+    foot: FootStatistics, odometry_topic: str, apart: frozenset[str], *, loses_way: bool
+) -> FootStatistics:
+    """Leave out the lengths of a foot's strides where the odometry does not tell them."""
+    if not loses_way and not apart & {foot.topic, odometry_topic}:
+        return foot
+    return replace(foot, length_m=np.full_like(foot.length_m, np.nan), stride_length_m=None)
