@@ -112,7 +112,6 @@ def stats(
     """Measure a walk: which gait, how loaded, and can the recording be trusted."""
     from dogbot_logtool.commands.tasks import Measure  # noqa: PLC0415
     from dogbot_logtool.core.contact.curves import CurveDetail  # noqa: PLC0415
-    from dogbot_logtool.report.files.stats_csv import write_strides  # noqa: PLC0415
     from dogbot_logtool.run.choice import runner_for  # noqa: PLC0415
     from dogbot_logtool.run.inputs import find_logs  # noqa: PLC0415
 
@@ -152,6 +151,8 @@ def stats(
             _write_events(events, done, overwrite=overwrite)
             measured.append(done)
     if as_csv:
+        from dogbot_logtool.report.files.stats_csv import write_strides  # noqa: PLC0415
+
         write_strides(sys.stdout, [(done.json["log"]["path"], done.strides) for done in measured])
     elif not as_json and measured and call is None:
         _print(measured, window=shown, verbose=verbose)
