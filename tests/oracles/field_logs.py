@@ -51,10 +51,13 @@ def load_n(time_s: float, foot: int) -> float:
     return WEIGHT_N / down if is_down(time_s, foot) else 0.0
 
 
-def six_feet(path: Path, kind: str = "odd_msgs/msg/Reading") -> Path:
+_TOPIC: Final = "/crawler/strut_{}/tip_load"
+
+
+def six_feet(path: Path, kind: str = "odd_msgs/msg/Reading", topic: str = _TOPIC) -> Path:
     """Write six feet on unusual topics, with temperatures of the same type beside them."""
     walk = odd_walk()
-    walks.write_mcap(path, walk, list(_six_feet(walk, kind)))
+    walks.write_mcap(path, walk, list(_six_feet(walk, kind, topic)))
     return path
 
 
@@ -83,7 +86,7 @@ def load_cell(path: Path, rows: int) -> Path:
     return path
 
 
-def _six_feet(walk: walks.Walk, kind: str) -> Iterator[walks.Entry]:
+def _six_feet(walk: walks.Walk, kind: str, topic: str = _TOPIC) -> Iterator[walks.Entry]:
     for sample in range(round(DURATION_S * RATE_HZ)):
         time_s = sample / RATE_HZ
         time = START_NS + round(time_s * 1e9)
@@ -94,7 +97,7 @@ def _six_feet(walk: walks.Walk, kind: str) -> Iterator[walks.Entry]:
                 value = {"is_down": down}
             elif kind.endswith("Counts"):
                 value = {"value": round(load_n(time_s, foot))}
-            yield _entry(walk, f"/crawler/strut_{foot + 1}/tip_load", kind, time, value)
+            yield _entry(walk, topic.format(foot + 1), kind, time, value)
             warm = {"value": 40.0 + foot + sample * 1e-3}
             yield _entry(
                 walk, f"/crawler/strut_{foot + 1}/motor_temp", "odd_msgs/msg/Reading", time, warm

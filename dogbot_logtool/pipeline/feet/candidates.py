@@ -47,8 +47,8 @@ _NO_FOOT: Final = 20
 _SLOW_HZ, _FAST_HZ = 5.0, 20.0
 _CONTACT: Final = frozenset({"contact", "contacts", "grf", "stance", "touch", "touches", "ground"})
 _FORCE: Final = frozenset(
-    {"cell", "effort", "force", "forces", "fsr", "load", "loads", "pressure", "torque", "wrench",
-     "wrenches"}
+    {"cell", "effort", "force", "forces", "fsr", "ft", "fz", "load", "loadcell", "loadcells",
+     "loads", "pressure", "torque", "weight", "wrench", "wrenches"}
 )  # fmt: skip
 _BITS: Final = frozenset({"bits", "bitmask", "mask"})
 _OTHER: Final = frozenset(

@@ -137,7 +137,8 @@ def _gait(stats: Stats) -> Text:
     if main.stride_frequency_hz is not None:
         line.append(f", {main.stride_frequency_hz:.3f} strides a second")
     if stats.base is not None and stats.base.forward_speed_mps is not None:
-        line.append(f", {stats.base.forward_speed_mps:.3f} m/s forward")
+        # Rounded first: -0.0001 is no -0.000.
+        line.append(f", {round(stats.base.forward_speed_mps, 3) + 0.0:.3f} m/s forward")
     return line
 
 

@@ -341,3 +341,8 @@ def test_feet_without_a_leg_are_said_to_need_one(tmp_path: Path) -> None:
     text = " ".join(found.stdout.split())
     assert "which foot is front or back, left or right must be known to name one" in text
     assert "phases of all" not in text
+
+
+def test_load_cells_written_as_one_word(tmp_path: Path) -> None:
+    told = forked_cli.run("info", six_feet(tmp_path / "walk.mcap", topic="/loadcell_{}"))
+    check_steps(figures(*command(told.stdout)[1:]))
