@@ -9,7 +9,7 @@ from dogbot_logtool.report.figures.foot_source import FootSource
 
 _LOADS, _PAGE_LOADS = TableName.LOADS, TableName.PAGE_LOADS
 _NO_STANCE: Final = "no stance is seen from touchdown to lift-off"
-_NO_FORCE: Final = f"{_NO_STANCE}; the sensor gives no force"
+_NO_FORCE: Final = f"{_NO_STANCE}; the sensor gives no force, or not in N"
 _NO_VERTICAL: Final = f"{_NO_FORCE}; its wrenches are not known in the world frame"
 _NO_SLIP: Final = f"{_NO_STANCE}; no contact points there; `settings.foot_rolling_m` is not known"
 _NO_MASS: Final = "`forces.weight_n` is not known"

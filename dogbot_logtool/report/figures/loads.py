@@ -215,7 +215,8 @@ FORCES_OF_SEGMENT: Final[Sequence[Member]] = (
         _SHARES,
         lambda source: source.shares,
         "share of the impulse over `known_s`",
-        null="a foot's load is not known, or there is none",
+        null="a foot's load is not known, or there is none; the feet's forces miss m g; no whole "
+        "stride of feet that step",
     ),
     Scope(
         "symmetry_index_percent",
