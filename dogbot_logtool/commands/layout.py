@@ -51,6 +51,7 @@ def view_of(log: Path | None, options: TopicOptions) -> View:
             forward_axis=shape.forward_axis,
             size_m=shape.size_m,
             turned_deg=probe.turned_deg,
+            has_stamps=not probe.zero_stamps,
         )
     finally:
         opened.close()

@@ -234,6 +234,9 @@ def test_the_sample_logs_have_the_dogbot_s_layout(log: str, heading_rad: float) 
     assert view.forward_axis == "+y"
     assert 0.4 <= view.size_m <= 0.6
     assert radians(view.turned_deg) == pytest.approx(heading_rad, abs=0.01)
+    # Zero stamps are of one time: those read ahead would move the legs to where they will be.
+    scene = panel(foxglove_layout(view), "3D")["scene"]
+    assert scene["transforms"]["enablePreloading"] == ("troubled" not in log)
     # RViz's camera stands in the world, Foxglove's on the base.
     yaw = rviz_config(view)["Visualization Manager"]["Views"]["Current"]["Yaw"]
     assert cos(yaw - radians(view.camera_deg) - heading_rad) == pytest.approx(1.0, abs=1e-3)

@@ -122,7 +122,8 @@ def _add_nose(link: ET.Element, centre: Point, size: Point, forward_axis: str) -
     reach_x, reach_y = (size[0] + depth) / 2.0, (size[1] + depth) / 2.0
     middle = (centre[0] + x * reach_x, centre[1] + y * reach_y, centre[2])
     across = 0.4 * (size[1] if x else size[0])
-    nose = (depth, across, 0.6 * size[2]) if x else (across, depth, 0.6 * size[2])
+    high = 0.6 * min(size)
+    nose = (depth, across, high) if x else (across, depth, high)
     _add_visual(link, "nose", middle, "box", size=_text(nose))
 
 

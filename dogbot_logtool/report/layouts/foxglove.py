@@ -102,7 +102,8 @@ def _scene(view: View) -> dict[str, Any]:
         "scene": {
             # Axes, lines and names of frames would hide the robot.
             "transforms": {
-                "enablePreloading": True,
+                # Without stamps, transforms read ahead would take the place of the present ones.
+                "enablePreloading": view.has_stamps,
                 "showLabel": False,
                 "axisScale": 0,
                 "lineWidth": 0,

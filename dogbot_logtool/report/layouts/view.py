@@ -30,6 +30,8 @@ class View:
     """As in its description."""
     turned_deg: float = 0.0
     """Yaw of the base in the world at the log's start."""
+    has_stamps: bool = True
+    """Whether header stamps tell when a transform holds."""
 
     @property
     def camera_deg(self) -> float:

@@ -332,13 +332,15 @@ def test_no_figure_is_higher_than_the_paper(
     window: Window, trot_page: Path, tmp_path: Path
 ) -> None:
     """Figures of robots with many joints would be cut in two by the end of a page."""
-    high = re.sub(r'"height":\d+', '"height":1600', trot_page.read_text(encoding="utf-8"))
+    text = trot_page.read_text(encoding="utf-8")
+    high = re.sub(r'("height":|style="height:)\d+', r"\g<1>1600", text)
     (tmp_path / "high.html").write_text(high, encoding="utf-8")
     window.open(tmp_path / "high.html")
 
     def all_are(wanted: int, _: Chrome) -> bool:
         plots = "document.querySelectorAll('.plot')"
-        heights = window.run(f"return [...{plots}].map((each) => each._fullLayout.height)")
+        sizes = "[each._fullLayout.height, each.clientHeight]"
+        heights = window.run(f"return [...{plots}].flatMap((each) => {sizes})")
         return bool(heights == [wanted] * len(heights))
 
     for event, wanted in (("beforeprint", 900), ("afterprint", 1600)):

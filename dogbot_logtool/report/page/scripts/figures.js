@@ -190,12 +190,14 @@ function listenToPrinter() {
     onPaper = true;
     document.documentElement.classList.add("paper");
     for (const each of document.querySelectorAll("details")) each.open = true;
+    for (const plot of plots) plot.node.style.maxHeight = `${PAPER.height}px`;
     everywhere((plot) => ({ width: PAPER.width, height: Math.min(plot.height, PAPER.height), autosize: false }));
     placeCursors();
   };
   const toScreen = () => {
     onPaper = false;
     document.documentElement.classList.remove("paper");
+    for (const plot of plots) plot.node.style.maxHeight = "";
     everywhere((plot) => ({ width: null, height: plot.height, autosize: true })).then(placeCursors);
   };
   addEventListener("beforeprint", toPaper);
