@@ -13,11 +13,11 @@ from dogbot_logtool.core.frames.kinematics import LinkTransforms
 from dogbot_logtool.core.geometry.arrays import Floats
 from dogbot_logtool.core.geometry.clock import first_at_each_tick
 from dogbot_logtool.core.geometry.support_polygon import NEAR_NS
-from dogbot_logtool.core.load.loads import Loads, foot_loads, opening_loads
+from dogbot_logtool.core.load.loads import Loads, all_heard, foot_loads, opening_loads
 from dogbot_logtool.core.scene.arrows import ArrowCounts, ArrowInput, Arrows, no_arrows
 from dogbot_logtool.core.scene.labels import Labels, foot_labels
 from dogbot_logtool.core.scene.legs import LegLines, leg_lines
-from dogbot_logtool.core.scene.support_scene import opening_support, support_scene
+from dogbot_logtool.core.scene.support_scene import SupportScene, opening_support, support_scene
 from dogbot_logtool.pipeline.conversion.batch_state import BatchState
 from dogbot_logtool.pipeline.plan import Plan
 from dogbot_logtool.reader.messages.contacts.registry import DecodedContacts
@@ -67,6 +67,7 @@ def compute_annotations(
         if plan.draws_labels:
             last = state.last_contact_times
             labels.append(foot_labels(samples, of_type, last, state.feet_down))
+    heard = all_heard(loads, plan.opening_time or 0)
     if plan.opening_time is not None:
         new = state.feet_without_messages(len(plan.sensors))
         if new:
@@ -75,12 +76,9 @@ def compute_annotations(
         first_at_each_tick(poses.time, plan.options.tf_rate_hz, state.last_pose_time)
     )
     transforms = base_transforms(at_ticks)
-    com_offset_m = plan.selection.robot.com_offset_m or (0.0, 0.0, 0.0)
-    support = [support_scene(at_ticks, trackers, com_offset_m)] if plan.draws_support else []
+    support = _support(at_ticks, heard, trackers, state, plan)
     if state.last_pose_time is None and plan.opening_time is not None:
         transforms = from_opening(transforms, plan.opening_time)
-        if plan.draws_support:
-            support.append(opening_support(at_ticks, trackers, plan.opening_time, com_offset_m))
     legs = [] if plan.hips is None else [_legs(at_ticks, trackers, plan.hips, state, plan)]
     columns = AnnotationColumns(transforms, arrows, [*loads, silences], support, labels, legs)
     return columns, skipped
@@ -98,6 +96,38 @@ def links_at_ticks(
     if chosen and state.last_link_time is None and plan.opening_time is not None:
         chosen[0] = chosen[0].from_opening(plan.opening_time)
     return chosen
+
+
+def _support(
+    poses: Odometry,
+    heard: int,
+    trackers: Sequence[FootTracker],
+    state: BatchState,
+    plan: Plan,
+) -> list[SupportScene]:
+    """Return what the robot stands on at poses, and at the log's first time.
+
+    At poses before every foot has sent a message nothing is known: what follows at once stands at
+    the log's first time instead.
+
+    Args:
+        poses: of the base, at ticks.
+        heard: ns, log time by which every foot of the batch has sent a message.
+        trackers: of each foot in the batch.
+        state: what all earlier batches pass on.
+        plan: what to write.
+    """
+    if not plan.draws_support:
+        return []
+    com_offset_m, opening = plan.selection.robot.com_offset_m or (0.0, 0.0, 0.0), plan.opening_time
+    if state.last_pose_time is not None or opening is None:
+        return [support_scene(poses, trackers, com_offset_m)]
+    heard = heard if heard - opening <= NEAR_NS else opening
+    later = poses.pick((poses.log_time >= heard) & (poses.log_time > opening))
+    return [
+        opening_support(poses, trackers, opening, heard, com_offset_m),
+        support_scene(later, trackers, com_offset_m),
+    ]
 
 
 def _legs(

@@ -106,7 +106,7 @@ class BatchConverter:
             columns.contacts, placed.samples, poses, trackers, silences, state, plan
         )
         written = replace(written, links=links_at_ticks(links, state, plan))
-        contacts, support = columns.contacts, written.support[:1]
+        contacts, support = columns.contacts, written.support
         return columns.batch, ConvertedBatch(
             chunks=tuple(self._finished(written)),
             counts=Counts(
