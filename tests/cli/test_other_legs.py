@@ -60,7 +60,8 @@ def test_gait_figures_are_whole_and_those_of_quadrupeds_null(
 ) -> None:
     log = walked(tmp_path / "walk.mcap", phases)
     feet = {leg: f"/{leg}/contact" for leg in phases}
-    options = TopicOptions(robot="generic", foot_topics=feet, mass_kg=20.0)
+    carried_kg = len(phases) * STANCE / STRIDE * FORCE[2] / 9.81
+    options = TopicOptions(robot="generic", foot_topics=feet, mass_kg=carried_kg)
     done = measure(log, StatsOptions(options))
     got: dict[str, Any] = stats_json(done.stats, done.facts)
 
