@@ -475,12 +475,12 @@ def test_a_chunk_without_messages(tmp_path: Path, compression: Compression) -> N
     log.write_bytes(b"".join([*pieces, builder.end(), b"\x89MCAP0\r\n"]))
     conversion = convert(log, tmp_path / "out.mcap", ConvertOptions(compression=compression))
     assert (conversion.exit_code, conversion.copied) == (0, 100)
-    # Besides one of every message: the robot, the first time's support and load (of the
-    # one foot with messages), and labels.
+    # Besides one of every message: the robot, the first time's load (of the one foot with
+    # messages), and labels.
     labels = conversion.annotations[label_topic("front_left")]
     assert 0 < labels <= 10
     written = read_written(tmp_path / "out.mcap")
-    assert len(written.messages) == 100 + 120 + 1 + 1 + 1 + labels
+    assert len(written.messages) == 100 + 120 + 1 + 1 + labels
 
 
 def test_extras_are_not_copied_without_copy(tmp_path: Path) -> None:

@@ -240,8 +240,11 @@ def naive_stances(force: list[float]) -> list[tuple[int, int]]:
     return [
         (start, min(end, last))
         for start, end in joined
-        # A short one at either end of the log may be part of a longer one.
-        if (end - start) * 5 >= 20 or start == 0 or (last - end) * 5 < 20
+        # Swings that were filled do not make a stance long; a short one at either end of the log
+        # may be part of a longer one.
+        if sum(value > 0.0 for value in force[start:end]) * 5 >= 20
+        or start == 0
+        or (last - end) * 5 < 20
     ]
 
 
