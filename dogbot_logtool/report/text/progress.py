@@ -51,6 +51,7 @@ class ProgressBars:
                 name = printable(self._names[number])
                 self._tasks[number] = self._bars.add_task(name, total=total)
             self._bars.update(self._tasks[number], completed=done, total=total)
+            self._bars.refresh()
 
     def finished(self, number: int) -> None:
         """Take a log's bar away."""
@@ -64,6 +65,7 @@ class ProgressBars:
             if len(self._names) > 1:
                 done = len(self._finished)
                 self._bars.update(self._whole, completed=done, description=self._count())
+            self._bars.refresh()
 
     def lost(self, number: int) -> None:
         """Say that the process that worked on a log died."""
@@ -101,5 +103,7 @@ def _bars() -> "Progress":
         progress.TimeRemainingColumn(),
         console=diagnostics(),
         transient=True,
+        # Refreshed by a thread, bars erase lines that are printed at the same time.
+        auto_refresh=False,
         redirect_stdout=sys.stdout.isatty(),
     )
