@@ -67,16 +67,15 @@ def compute_annotations(
         if plan.draws_labels:
             last = state.last_contact_times
             labels.append(foot_labels(samples, of_type, last, state.feet_down))
-    heard = all_heard(loads, plan.opening_time or 0)
+    at_ticks = poses.pick(
+        first_at_each_tick(poses.time, plan.options.tf_rate_hz, state.last_pose_time)
+    )
+    support = _support(at_ticks, loads, trackers, state, plan)
     if plan.opening_time is not None:
         new = state.feet_without_messages(len(plan.sensors))
         if new:
             loads = [*(opening_loads(each, plan.opening_time, new) for each in loads), *loads]
-    at_ticks = poses.pick(
-        first_at_each_tick(poses.time, plan.options.tf_rate_hz, state.last_pose_time)
-    )
     transforms = base_transforms(at_ticks)
-    support = _support(at_ticks, heard, trackers, state, plan)
     if state.last_pose_time is None and plan.opening_time is not None:
         transforms = from_opening(transforms, plan.opening_time)
     legs = [] if plan.hips is None else [_legs(at_ticks, trackers, plan.hips, state, plan)]
@@ -100,7 +99,7 @@ def links_at_ticks(
 
 def _support(
     poses: Odometry,
-    heard: int,
+    loads: Sequence[Loads],
     trackers: Sequence[FootTracker],
     state: BatchState,
     plan: Plan,
@@ -112,7 +111,7 @@ def _support(
 
     Args:
         poses: of the base, at ticks.
-        heard: ns, log time by which every foot of the batch has sent a message.
+        loads: of the feet's messages in the batch.
         trackers: of each foot in the batch.
         state: what all earlier batches pass on.
         plan: what to write.
@@ -122,6 +121,7 @@ def _support(
     com_offset_m, opening = plan.selection.robot.com_offset_m or (0.0, 0.0, 0.0), plan.opening_time
     if state.last_pose_time is not None or opening is None:
         return [support_scene(poses, trackers, com_offset_m)]
+    heard = all_heard(loads, opening)
     heard = heard if heard - opening <= NEAR_NS else opening
     later = poses.pick((poses.log_time >= heard) & (poses.log_time > opening))
     return [
