@@ -17,7 +17,7 @@ from dogbot_logtool.core.contact.track import TRACK_RATE_HZ
 from dogbot_logtool.core.geometry import timespans
 from dogbot_logtool.core.geometry.arrays import Floats, Ints
 from dogbot_logtool.core.geometry.delay import Delay, fit_delay
-from dogbot_logtool.core.imu.running import mean_impulses
+from dogbot_logtool.core.load.impulses import mean_impulses
 from dogbot_logtool.core.load.load_figures import vertical_is_known
 from dogbot_logtool.core.load.loads import GRAVITY_MPS2
 from dogbot_logtool.core.quality.clocks import CLOCK_SHARE_OF_STRIDE, LONGEST_DELAY_S

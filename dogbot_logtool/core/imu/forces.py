@@ -14,9 +14,9 @@ from dogbot_logtool.core.imu.foot_scales import FootScales, foot_scales
 from dogbot_logtool.core.imu.running import (
     Running,
     horizontal_impulses,
-    mean_impulses,
 )
 from dogbot_logtool.core.imu.turn import Turn, find_turn
+from dogbot_logtool.core.load.impulses import mean_impulses
 from dogbot_logtool.core.load.load_figures import vertical_is_known
 from dogbot_logtool.core.load.loads import GRAVITY_MPS2
 from dogbot_logtool.dataclass import dataclass

@@ -77,26 +77,6 @@ def running_accelerations(
     )
 
 
-def mean_impulses(feet: Sequence[FootHistory], impulse: str, time: Ints, half_ns: int) -> Floats:
-    """(m, feet) N, means over a window about each time.
-
-    Args:
-        feet: histories of all feet.
-        impulse: ``vertical_impulse`` or ``force_impulse`` of their tracks.
-        time: (m,) ns.
-        half_ns: half of the window.
-    """
-    columns = [np.zeros(len(time)) for _ in feet]
-    for row, foot in enumerate(feet):
-        track = foot.track
-        if len(track.time):
-            since = (track.time - track.time[0]).astype(np.float64)
-            at, total = (time - track.time[0]).astype(np.float64), getattr(track, impulse)
-            added = added_within(total[:, None], since, at, half_ns)[:, 0]
-            columns[row] = added / (2e-9 * half_ns)
-    return np.stack(columns, axis=1)
-
-
 def horizontal_impulses(feet: Sequence[FootHistory]) -> Running | None:
     """Add up the horizontal forces of all feet, from the parts of their stances.
 
