@@ -33,8 +33,6 @@ def topic_words(name: str) -> frozenset[str]:
     return frozenset(re.findall(r"[a-z0-9]+", name.lower()))
 
 
-_CHUNKS_SEEN: Final = 6
-"""Chunks that are searched for the names of frames, models and links."""
 _WORLDS: Final = ("odom", "world", "map", "odom_combined", "vision", "earth", "mocap")
 """Frames that stand still, the best first."""
 _BASES: Final = ("base_link", "base", "trunk", "torso", "pelvis", "body", "base_footprint")
@@ -207,11 +205,8 @@ def elements_in(log: Log, topic: str, source: BaseSource) -> frozenset[str]:
         for channel in log.channels_by_topic[topic]
         if base_type(channel.type_name) == source.type_name and not why_no_poses(channel)
     ]
-    ids = {channel.id for channel in channels}
-    chunks = [c for c in log.chunks if c.counts is None or not ids.isdisjoint(c.counts)]
-    step = max(len(chunks) // _CHUNKS_SEEN, 1)
     found: set[str] = set()
-    for span in log.grouped(chunks[::step][:_CHUNKS_SEEN]):
+    for span in log.grouped(spread_chunks(log, {channel.id for channel in channels})):
         for messages in decode_channels(log.read(span), channels, source.fields):
             found |= source.elements(messages) if source.elements else frozenset()
     return frozenset(found)
