@@ -13,8 +13,8 @@ if TYPE_CHECKING:
     from dogbot_logtool.finding import Finding
     from dogbot_logtool.io.storage import Location
     from dogbot_logtool.pipeline.conversion.batch import Counts
+    from dogbot_logtool.pipeline.conversion.plan import ConversionPlan
     from dogbot_logtool.pipeline.frames.frames import Frames
-    from dogbot_logtool.pipeline.plan import Plan
     from dogbot_logtool.reader.containers.log import Loss
 
 
@@ -77,7 +77,7 @@ class Conversion:
     source: "Location"
     target: "Location"
     container: str
-    plan: "Plan"
+    plan: "ConversionPlan"
     messages: int
     """Recorded messages that were read."""
     copied: int

@@ -19,10 +19,10 @@ from dogbot_logtool.pipeline.conversion.batch import BatchConverter, ConvertedBa
 from dogbot_logtool.pipeline.conversion.batch_state import BatchState
 from dogbot_logtool.pipeline.conversion.channels import annotations_of
 from dogbot_logtool.pipeline.conversion.events import WalkEvents, event_records, walk_events
+from dogbot_logtool.pipeline.conversion.plan import ConversionPlan, make_plan, without_tf
 from dogbot_logtool.pipeline.conversion.provenance_record import provenance_record
 from dogbot_logtool.pipeline.frames.world_frames import frame_findings
 from dogbot_logtool.pipeline.options import ConvertOptions, StatsOptions
-from dogbot_logtool.pipeline.plan import Plan, make_plan, without_tf
 from dogbot_logtool.pipeline.probe import probe_log
 from dogbot_logtool.pipeline.time_span import refuse_empty_span
 from dogbot_logtool.pipeline.topics.annotated import open_recorded
@@ -120,7 +120,7 @@ def _events(
 def _write(
     log: Log,
     target: Location,
-    plan: Plan,
+    plan: ConversionPlan,
     events: WalkEvents | None,
     progress: OnProgress | None,
 ) -> tuple[Annotations, _Tally]:
@@ -147,7 +147,7 @@ def _write(
 def _write_batches(
     writer: McapWriter,
     log: Log,
-    plan: Plan,
+    plan: ConversionPlan,
     annotations: Annotations,
     tally: _Tally,
     progress: OnProgress | None,
@@ -168,7 +168,7 @@ def _write_batches(
 
 
 def _write_robot_description(
-    writer: McapWriter, plan: Plan, annotations: Annotations, tally: _Tally
+    writer: McapWriter, plan: ConversionPlan, annotations: Annotations, tally: _Tally
 ) -> None:
     """Write the robot's description at the output's first time."""
     if plan.urdf is None or plan.opening_time is None:
@@ -181,7 +181,7 @@ def _write_robot_description(
 
 def _write_events(
     writer: McapWriter,
-    plan: Plan,
+    plan: ConversionPlan,
     annotations: Annotations,
     events: WalkEvents,
     tally: _Tally,
@@ -193,7 +193,7 @@ def _write_events(
             tally.by_channel.update(chunk.counts)
 
 
-def _write_end(writer: McapWriter, log: Log, plan: Plan, tally: _Tally) -> None:
+def _write_end(writer: McapWriter, log: Log, plan: ConversionPlan, tally: _Tally) -> None:
     """Write what follows the messages."""
     if not tally.losses:
         refuse_empty_span(log, plan.limits, tally.recorded.total())
@@ -204,7 +204,7 @@ def _write_end(writer: McapWriter, log: Log, plan: Plan, tally: _Tally) -> None:
     writer.finish()
 
 
-def _start(file: BinaryIO, log: Log, plan: Plan, annotations: Annotations) -> McapWriter:
+def _start(file: BinaryIO, log: Log, plan: ConversionPlan, annotations: Annotations) -> McapWriter:
     """Write the header, schemas and channels."""
     writer = McapWriter(file, log.profile if plan.options.copy else plan.encoding.profile)
     if plan.options.copy:
@@ -226,15 +226,15 @@ def _start(file: BinaryIO, log: Log, plan: Plan, annotations: Annotations) -> Mc
                     schema_id=channel.schema.id if channel.schema else 0,
                 )
             )
-    for ours_schema in annotations.schemas:
+    for ours_schema in annotations.added.schemas:
         writer.add_schema(ours_schema)
-    for ours_channel in annotations.channels:
+    for ours_channel in annotations.added.channels:
         writer.add_channel(ours_channel)
     return writer
 
 
 def _converted(
-    log: Log, plan: Plan, annotations: Annotations
+    log: Log, plan: ConversionPlan, annotations: Annotations
 ) -> Generator[ConvertedBatch, None, None]:
     """Convert all batches of a log."""
     return in_order_with_state(
@@ -260,7 +260,7 @@ def _copy_extras(log: Log, writer: McapWriter, tally: _Tally) -> None:
         tally.losses.append(Loss(extra.offset, what, extra.size))
 
 
-def _account_for_damage(log: Log, plan: Plan, tally: _Tally) -> None:
+def _account_for_damage(log: Log, plan: ConversionPlan, tally: _Tally) -> None:
     """Turn malformed messages and a wrong index into losses.
 
     Raises:
@@ -279,9 +279,9 @@ def _account_for_damage(log: Log, plan: Plan, tally: _Tally) -> None:
 
 
 def _conversion(
-    log: Log, target: Location, plan: Plan, annotations: Annotations, tally: _Tally
+    log: Log, target: Location, plan: ConversionPlan, annotations: Annotations, tally: _Tally
 ) -> Conversion:
-    topics = annotations.topics()
+    topics = annotations.added.topics()
     ours = {topic: tally.by_channel.get(channel, 0) for channel, topic in topics.items()}
     copied = sum(n for channel, n in tally.by_channel.items() if channel not in topics)
     findings = (*plan.findings, *_findings(plan, tally))
@@ -299,7 +299,7 @@ def _conversion(
     )
 
 
-def _findings(plan: Plan, tally: _Tally) -> Iterator[Finding]:
+def _findings(plan: ConversionPlan, tally: _Tally) -> Iterator[Finding]:
     """Yield findings about what was counted while converting."""
     if plan.frames is not None:
         yield from frame_findings(plan.frames, tally.counts.frames)

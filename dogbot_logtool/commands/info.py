@@ -6,14 +6,14 @@ from dataclasses import replace
 from dogbot_logtool.core.quality.quality import mean_rate_hz
 from dogbot_logtool.finding import Finding, by_severity
 from dogbot_logtool.io.storage import Location
+from dogbot_logtool.pipeline.conversion.plan import make_plan
 from dogbot_logtool.pipeline.feet.message_feet import is_planned
 from dogbot_logtool.pipeline.frames.frame_findings import frame_findings
 from dogbot_logtool.pipeline.frames.frames import Frames, read_frames
+from dogbot_logtool.pipeline.measuring.side_types import has_side_topics
 from dogbot_logtool.pipeline.options import ConvertOptions, StatsOptions, TopicOptions
-from dogbot_logtool.pipeline.plan import make_plan
 from dogbot_logtool.pipeline.probe import Probe, probe_log
 from dogbot_logtool.pipeline.probe_findings import probe_findings
-from dogbot_logtool.pipeline.side_types import has_side_topics
 from dogbot_logtool.pipeline.topics.annotated import without_annotations
 from dogbot_logtool.pipeline.topics.selection import Selection, select_topics
 from dogbot_logtool.reader.containers.log import Log
@@ -122,7 +122,7 @@ def _side_uses(log: Log) -> dict[int, str]:
     """Return what `stats` uses channels beside feet and base for, by id."""
     if not has_side_topics(log):
         return {}
-    from dogbot_logtool.pipeline.side_topics import side_topics  # noqa: PLC0415
+    from dogbot_logtool.pipeline.measuring.side_topics import side_topics  # noqa: PLC0415
 
     side = side_topics(log, StatsOptions())
     uses = ((side.commands, "commands"), (side.inertial, "accelerometer"))

@@ -9,9 +9,9 @@ import numpy as np
 from dogbot_logtool.core.geometry.arrays import norms
 from dogbot_logtool.core.load.loads import body_weight_n
 from dogbot_logtool.core.plausible import STRONGEST_N
+from dogbot_logtool.pipeline.conversion.plan import ConversionPlan, make_plan
 from dogbot_logtool.pipeline.feet.selection import assign_feet
 from dogbot_logtool.pipeline.options import ConvertOptions, TopicOptions
-from dogbot_logtool.pipeline.plan import Plan, make_plan
 from dogbot_logtool.pipeline.probe import DEFAULT_BASE, DEFAULT_WORLD, Probe, probe_log
 from dogbot_logtool.pipeline.robot_model.primitives import body_size_m
 from dogbot_logtool.pipeline.robot_model.shape import robot_shape
@@ -70,7 +70,7 @@ def _view(robot: Robot, world: str, base: str) -> View:
     )
 
 
-def _peak_n(plan: Plan, probe: Probe) -> float | None:
+def _peak_n(plan: ConversionPlan, probe: Probe) -> float | None:
     """Return a round bound, N, of the loads that were seen, above their sensors' offsets."""
     largest = 0.0
     for foot, sensor in enumerate(plan.force_sensors):

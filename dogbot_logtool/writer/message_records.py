@@ -7,9 +7,9 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from dogbot_logtool.core.geometry.arrays import Bytes, Ints
+from dogbot_logtool.core.geometry.arrays import Bytes, Floats, Ints
 from dogbot_logtool.dataclass import dataclass
-from dogbot_logtool.writer.template import Template
+from dogbot_logtool.writer.template import Stamps, Template
 
 MESSAGE_OPCODE: Final = 0x05
 MESSAGE_HEAD: Final = np.dtype(
@@ -139,6 +139,40 @@ def write_log_time(records: NDArray[np.void], log_time: Ints) -> None:
     """Write log times, ns, into copies of record templates; the publish times are the same."""
     records["log_time"] = log_time
     records["publish_time"] = log_time
+
+
+def timed_records(
+    template: Template, log_time: Ints, stamps: Stamps, rows: Ints
+) -> NDArray[np.void]:
+    """Return copies of a template with the times of some rows.
+
+    Args:
+        template: see `record_template`.
+        log_time: (n,) ns.
+        stamps: (n,) in the encoding's form.
+        rows: (m,) of them.
+    """
+    records = template.copies(len(rows))
+    write_log_time(records, log_time[rows])
+    template.write_stamps(records, "stamp", stamps.pick(rows))
+    return records
+
+
+def write_pose(
+    records: NDArray[np.void], position: Floats, orientation: Floats, prefix: str = ""
+) -> None:
+    """Write poses into copies of record templates.
+
+    Args:
+        records: (n,).
+        position: (n, 3) m.
+        orientation: (n, 4) quaternions, x y z w.
+        prefix: of the fields' names.
+    """
+    for axis, column in zip("xyz", position.T, strict=True):
+        records[prefix + axis] = column
+    for axis, column in zip("xyzw", orientation.T, strict=True):
+        records[f"{prefix}q{axis}"] = column
 
 
 def by_channel(parts: Iterable[NDArray[np.void]]) -> Iterator[MessageRecords]:

@@ -23,16 +23,16 @@ from dogbot_logtool.errors import LogtoolError
 from dogbot_logtool.writer.annotations import (
     AnnotationColumns,
     Annotations,
-    IdSource,
-    arrow_topic,
-    load_topic,
+    WantedAnnotations,
 )
+from dogbot_logtool.writer.channels import AddedChannels, IdSource
 from dogbot_logtool.writer.encodings.encoding import ArrowLook, Encoding, MessageType
 from dogbot_logtool.writer.encodings.foxglove import FoxgloveEncoding
 from dogbot_logtool.writer.encodings.ros1 import Ros1Encoding
 from dogbot_logtool.writer.encodings.ros2 import Ros2Encoding
 from dogbot_logtool.writer.mcap_writer import McapWriter
-from dogbot_logtool.writer.robot_description import description_type
+from dogbot_logtool.writer.messages.robot_description import description_type
+from dogbot_logtool.writer.topics import arrow_topic, load_topic
 
 FEET = ("left", "right")
 ENCODINGS = (FoxgloveEncoding(), Ros1Encoding(), Ros2Encoding())
@@ -43,41 +43,42 @@ def declared(
     feet: Sequence[str] = FEET,
     *,
     with_tf: bool = True,
+    with_labels: bool = False,
+    description: MessageType | None = None,
     used: frozenset[int] = frozenset(),
     resolve: Callable[[str, MessageType], str] = lambda topic, _: topic,
 ) -> Annotations:
-    return Annotations(
-        encoding,
+    wanted = WantedAnnotations(
         feet,
+        "world",
+        "base",
         ArrowLook(0.04, 0.5),
-        world_frame="world",
-        base_frame="base",
-        with_tf=with_tf,
-        schema_ids=IdSource(used),
-        channel_ids=IdSource(used),
-        resolve_topic=resolve,
+        base_transform=with_tf,
+        labels=with_labels,
+        description=description,
     )
+    return Annotations(encoding, wanted, AddedChannels(IdSource(used), IdSource(used), resolve))
 
 
 @pytest.mark.parametrize("encoding", ENCODINGS, ids=lambda one: type(one).__name__)
 def test_channels(encoding: Encoding) -> None:
     annotations = declared(encoding)
-    topics = {channel.topic for channel in annotations.channels}
+    topics = {channel.topic for channel in annotations.added.channels}
     wanted = {"/tf", *(f"/marker_basic_{foot}_foot" for foot in FEET)}
     assert topics == wanted | {f"/load/{foot}" for foot in FEET}
-    assert len(annotations.schemas) == 3
-    names = {schema.id: schema.name for schema in annotations.schemas}
-    types = {channel.topic: names[channel.schema_id] for channel in annotations.channels}
+    assert len(annotations.added.schemas) == 3
+    names = {schema.id: schema.name for schema in annotations.added.schemas}
+    types = {channel.topic: names[channel.schema_id] for channel in annotations.added.channels}
     assert types["/tf"] == encoding.transform_type.name
     assert types[arrow_topic("left")] == types[arrow_topic("right")] == encoding.arrow_type.name
     assert types[load_topic("left")] == encoding.load_type.name
-    assert annotations.topics() == {c.id: c.topic for c in annotations.channels}
-    assert len(annotations.topics()) == 5
+    assert annotations.added.topics() == {c.id: c.topic for c in annotations.added.channels}
+    assert len(annotations.added.topics()) == 5
 
 
 def test_without_tf_and_feet_there_is_nothing() -> None:
     annotations = declared(ENCODINGS[0], (), with_tf=False)
-    assert (annotations.schemas, annotations.channels) == ([], [])
+    assert (annotations.added.schemas, annotations.added.channels) == ([], [])
     assert list(annotations.messages(AnnotationColumns(no_transforms(), [], []))) == []
 
 
@@ -85,14 +86,14 @@ def test_without_tf_and_feet_there_is_nothing() -> None:
 def test_ids_are_free_and_unique(used: set[int]) -> None:
     annotations = declared(ENCODINGS[0], used=frozenset(used))
     for ids in (
-        [channel.id for channel in annotations.channels],
-        [schema.id for schema in annotations.schemas],
+        [channel.id for channel in annotations.added.channels],
+        [schema.id for schema in annotations.added.schemas],
     ):
         assert len(set(ids)) == len(ids)
         assert used.isdisjoint(ids)
         assert all(0 < number < 65536 for number in ids)
     if max(used) < 65000:
-        assert min(channel.id for channel in annotations.channels) > max(used)
+        assert min(channel.id for channel in annotations.added.channels) > max(used)
 
 
 @given(st.sets(st.integers(65000, 65535)))
@@ -115,7 +116,7 @@ def test_topics_are_resolved_with_their_types() -> None:
         return f"/elsewhere{topic}"
 
     annotations = declared(ENCODINGS[0], resolve=resolve)
-    assert {channel.topic for channel in annotations.channels} == {
+    assert {channel.topic for channel in annotations.added.channels} == {
         f"/elsewhere{topic}" for topic in asked
     }
     assert asked["/tf"] == "foxglove.FrameTransforms"
@@ -156,7 +157,7 @@ def loads(foot: list[int], times: list[int]) -> Loads:
 def messages_of(annotations: Annotations, columns: AnnotationColumns) -> list[tuple[str, Any]]:
     laid = b"".join(group.data.tobytes() for group in annotations.messages(columns))
     stream = BytesIO(laid)
-    topics = annotations.topics()
+    topics = annotations.added.topics()
     found: list[tuple[str, Any]] = []
     while stream.tell() < len(laid):
         data = ReadDataStream(stream)
@@ -209,37 +210,26 @@ def test_the_library_reads_declared_channels() -> None:
         annotations = declared(encoding)
         sink = BytesIO()
         writer = McapWriter(sink, "")
-        for schema in annotations.schemas:
+        for schema in annotations.added.schemas:
             writer.add_schema(schema)
-        for channel in annotations.channels:
+        for channel in annotations.added.channels:
             writer.add_channel(channel)
         writer.finish()
         read = list(StreamReader(BytesIO(sink.getvalue())).records)
-        assert [r for r in read if isinstance(r, records.Schema)][:3] == annotations.schemas
-        assert [r for r in read if isinstance(r, records.Channel)][:5] == annotations.channels
+        assert [r for r in read if isinstance(r, records.Schema)][:3] == annotations.added.schemas
+        assert [r for r in read if isinstance(r, records.Channel)][:5] == annotations.added.channels
 
 
 @pytest.mark.parametrize("encoding", ENCODINGS, ids=lambda one: type(one).__name__)
 @pytest.mark.parametrize("profile", ["ros1", "ros2", ""])
 def test_a_robot_description_is_a_string_of_ros(encoding: Encoding, profile: str) -> None:
-    annotations = Annotations(
-        encoding,
-        FEET,
-        ArrowLook(0.04, 0.5),
-        world_frame="world",
-        base_frame="base",
-        with_tf=False,
-        description=description_type(profile),
-        schema_ids=IdSource(frozenset()),
-        channel_ids=IdSource(frozenset()),
-        resolve_topic=lambda topic, _: topic,
-    )
+    annotations = declared(encoding, with_tf=False, description=description_type(profile))
     urdf = '<robot name="d\u00f6g"/>'
     written = annotations.robot_description(urdf, 42).data.tobytes()
     stream = ReadDataStream(BytesIO(written))
     assert stream.read1() == 5
     message = records.Message.read(stream, stream.read8())
-    channel = annotations.channels[-1]
+    channel = annotations.added.channels[-1]
     assert (message.channel_id, message.log_time) == (channel.id, 42)
     assert channel.topic == "/robot_description"
     store = get_typestore(Stores.ROS1_NOETIC if profile == "ros1" else Stores.ROS2_HUMBLE)
@@ -259,18 +249,8 @@ def test_loads_say_their_state(encoding: Encoding) -> None:
 
 
 def test_labels_are_written_and_removed() -> None:
-    annotations = Annotations(
-        ENCODINGS[0],
-        ("front_left", "front_right"),
-        ArrowLook(0.04, 0.5),
-        world_frame="world",
-        base_frame="base",
-        with_tf=False,
-        with_labels=True,
-        schema_ids=IdSource(frozenset()),
-        channel_ids=IdSource(frozenset()),
-        resolve_topic=lambda topic, _: topic,
-    )
+    feet = ("front_left", "front_right")
+    annotations = declared(ENCODINGS[0], feet, with_tf=False, with_labels=True)
     times = np.array([1, 2, 3], np.int64)
     labels = Labels(
         foot=np.array([0, 1, 1]),

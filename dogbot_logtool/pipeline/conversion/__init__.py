@@ -1,1 +1,1 @@
-"""What `convert` does with one batch: the way through it, and each step."""
+"""What `convert` does with a log: its plan, the way through a batch, and each step."""

@@ -19,7 +19,7 @@ from dogbot_logtool.core.scene.labels import Labels, foot_labels
 from dogbot_logtool.core.scene.legs import LegLines, leg_lines
 from dogbot_logtool.core.scene.support_scene import SupportScene, opening_support, support_scene
 from dogbot_logtool.pipeline.conversion.batch_state import BatchState
-from dogbot_logtool.pipeline.plan import Plan
+from dogbot_logtool.pipeline.conversion.plan import ConversionPlan
 from dogbot_logtool.reader.messages.contacts.registry import DecodedContacts
 from dogbot_logtool.writer.annotations import AnnotationColumns
 
@@ -31,7 +31,7 @@ def compute_annotations(
     trackers: Sequence[FootTracker],
     silences: Loads,
     state: BatchState,
-    plan: Plan,
+    plan: ConversionPlan,
 ) -> tuple[AnnotationColumns, ArrowCounts]:
     """Compute what is written about a batch.
 
@@ -84,7 +84,7 @@ def compute_annotations(
 
 
 def links_at_ticks(
-    links: Sequence[LinkTransforms], state: BatchState, plan: Plan
+    links: Sequence[LinkTransforms], state: BatchState, plan: ConversionPlan
 ) -> Sequence[LinkTransforms]:
     """Return the links that are written: as often as the base, and at the log's first time."""
     previous, chosen = state.last_link_time, []
@@ -102,7 +102,7 @@ def _support(
     loads: Sequence[Loads],
     trackers: Sequence[FootTracker],
     state: BatchState,
-    plan: Plan,
+    plan: ConversionPlan,
 ) -> list[SupportScene]:
     """Return what the robot stands on at poses, and at the log's first time.
 
@@ -135,7 +135,7 @@ def _legs(
     trackers: Sequence[FootTracker],
     hips: Floats,
     state: BatchState,
-    plan: Plan,
+    plan: ConversionPlan,
 ) -> LegLines:
     """Return the lines of the legs; those at the first pose stand at the log's first time, too."""
     legs = leg_lines(poses, trackers, hips)
@@ -152,7 +152,7 @@ def _legs(
 
 
 def _with_swings(
-    decoded: DecodedContacts, samples: Samples, state: BatchState, plan: Plan
+    decoded: DecodedContacts, samples: Samples, state: BatchState, plan: ConversionPlan
 ) -> Samples:
     """Return the samples, and swings where the sensor is silent in swing."""
     if not decoded.source.silent_in_swing:
@@ -160,14 +160,16 @@ def _with_swings(
     return with_swings(samples, plan.silent, state.last_messages, plan.swings_from)
 
 
-def _of_known_force(samples: Samples, plan: Plan) -> Samples:
+def _of_known_force(samples: Samples, plan: ConversionPlan) -> Samples:
     """Return the samples of feet whose force is known."""
     feet = range(len(plan.selection.robot.feet))
     known = [foot for foot in feet if plan.selection.knows_force(foot)]
     return samples if len(known) == len(feet) else samples.pick(np.isin(samples.foot, known))
 
 
-def _arrows(decoded: DecodedContacts, samples: Samples, plan: Plan) -> tuple[Arrows, ArrowCounts]:
+def _arrows(
+    decoded: DecodedContacts, samples: Samples, plan: ConversionPlan
+) -> tuple[Arrows, ArrowCounts]:
     """Compute the arrows of one contact type."""
     if not len(samples.foot):
         return no_arrows(), ArrowCounts()

@@ -13,8 +13,8 @@ from dogbot_logtool.pipeline.batches import BatchColumns
 from dogbot_logtool.pipeline.conversion.annotating import compute_annotations, links_at_ticks
 from dogbot_logtool.pipeline.conversion.batch_state import BatchState
 from dogbot_logtool.pipeline.conversion.copying import copied_chunks
+from dogbot_logtool.pipeline.conversion.plan import ConversionPlan
 from dogbot_logtool.pipeline.frames.world_frames import Placed
-from dogbot_logtool.pipeline.plan import Plan
 from dogbot_logtool.reader.containers.log import Batch, Log, Loss, Span
 from dogbot_logtool.reader.messages.transforms import frame_pairs
 from dogbot_logtool.run.in_order import StateExchange
@@ -74,7 +74,7 @@ class ConvertedBatch:
 class BatchConverter:
     """Converts batches; called in several threads or processes at once."""
 
-    def __init__(self, log: Log, plan: Plan, annotations: Annotations) -> None:
+    def __init__(self, log: Log, plan: ConversionPlan, annotations: Annotations) -> None:
         self._log = log
         self._plan = plan
         self._annotations = annotations
@@ -139,14 +139,14 @@ class BatchConverter:
             yield from copied_chunks(batch, options.compression, verbatim=verbatim)
 
 
-def _in_world(columns: BatchColumns, state: BatchState, plan: Plan) -> Placed:
+def _in_world(columns: BatchColumns, state: BatchState, plan: ConversionPlan) -> Placed:
     """Return a batch's samples in the world, as far as that is needed and frames are known."""
     if plan.frames is None or columns.frames is None:
         return Placed(columns.samples)
     return plan.frames.place(columns.samples, columns.frames.around(state.transforms))
 
 
-def _second_parent(columns: BatchColumns, plan: Plan) -> str | None:
+def _second_parent(columns: BatchColumns, plan: ConversionPlan) -> str | None:
     """Return another parent than ours that the log's own transforms give the base, if any."""
     if not plan.base_may_have_parent:
         return None

@@ -19,7 +19,7 @@ from dogbot_logtool.core.geometry.order_statistics import distinct
 from dogbot_logtool.core.load.silences import LastContact
 from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.pipeline.batches import BatchColumns
-from dogbot_logtool.pipeline.plan import Plan
+from dogbot_logtool.pipeline.conversion.plan import ConversionPlan
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,7 +53,7 @@ class BatchState:
         return {foot: last.log_time for foot, last in enumerate(self.contacts or ())}
 
     @classmethod
-    def initial(cls, plan: Plan) -> "BatchState":
+    def initial(cls, plan: ConversionPlan) -> "BatchState":
         """Return the state before the first message."""
         return cls(feet=(initial_memory(),) * len(plan.sensors))
 

@@ -2,15 +2,17 @@
 
 from collections.abc import Mapping
 
-from dogbot_logtool.pipeline.plan import Plan
+from dogbot_logtool.pipeline.conversion.plan import ConversionPlan
 from dogbot_logtool.reader.containers.log import Log
 from dogbot_logtool.reader.decode.definition import short_type_name
-from dogbot_logtool.writer.annotations import FALLBACK_PREFIX, Annotations, IdSource
+from dogbot_logtool.writer.annotations import Annotations, WantedAnnotations
+from dogbot_logtool.writer.channels import AddedChannels, IdSource
 from dogbot_logtool.writer.encodings.encoding import MessageType
-from dogbot_logtool.writer.robot_description import description_type
+from dogbot_logtool.writer.messages.robot_description import description_type
+from dogbot_logtool.writer.topics import FALLBACK_PREFIX
 
 
-def annotations_of(log: Log, plan: Plan) -> tuple[Annotations, Mapping[str, str]]:
+def annotations_of(log: Log, plan: ConversionPlan) -> tuple[Annotations, Mapping[str, str]]:
     """Return the annotation channels of a log's output.
 
     Returns:
@@ -33,22 +35,21 @@ def annotations_of(log: Log, plan: Plan) -> tuple[Annotations, Mapping[str, str]
         return name
 
     profile = plan.encoding.profile or (log.profile if plan.options.copy else "")
-    annotations = Annotations(
-        plan.encoding.load(),
+    wanted = WantedAnnotations(
         [foot.name for foot in plan.selection.robot.feet],
+        plan.world_frame,
+        plan.base_frame,
         plan.arrow_look,
-        world_frame=plan.world_frame,
-        base_frame=plan.base_frame,
-        with_tf=plan.write_tf,
+        base_transform=plan.write_tf,
         links=plan.motion.pairs if plan.motion else (),
-        support_look=plan.support_look if plan.draws_support else None,
-        with_events=plan.options.events,
-        # Chunks that are copied as they are may describe channels that are left out.
-        schema_ids=IdSource({channel.schema.id for channel in copied if channel.schema}),
-        channel_ids=IdSource({channel.id for channel in copied}),
-        with_labels=plan.draws_labels,
-        legs_look=None if plan.hips is None else plan.support_look,
+        support=plan.support_look if plan.draws_support else None,
+        legs=None if plan.hips is None else plan.support_look,
+        labels=plan.draws_labels,
         description=description_type(profile) if plan.urdf is not None else None,
-        resolve_topic=resolve_topic,
+        events=plan.options.events,
     )
-    return annotations, moved
+    # Chunks that are copied as they are may describe channels that are left out.
+    schema_ids = IdSource({channel.schema.id for channel in copied if channel.schema})
+    channel_ids = IdSource({channel.id for channel in copied})
+    added = AddedChannels(schema_ids, channel_ids, resolve_topic)
+    return Annotations(plan.encoding.load(), wanted, added), moved

@@ -8,7 +8,7 @@ from mcap import records
 from dogbot_logtool import __version__
 from dogbot_logtool.io.printable import printable
 from dogbot_logtool.io.storage import file_name
-from dogbot_logtool.pipeline.plan import Plan
+from dogbot_logtool.pipeline.conversion.plan import ConversionPlan
 from dogbot_logtool.pipeline.topics.annotated import annotations_left_out
 from dogbot_logtool.provenance import PROVENANCE
 from dogbot_logtool.reader.containers.log import Log, Loss, lost_messages
@@ -17,7 +17,7 @@ from dogbot_logtool.writer.mcap_writer import metadata_record
 _LONGEST_NUMBER: Final = 18
 
 
-def provenance_record(log: Log, plan: Plan, losses: Sequence[Loss]) -> records.Metadata:
+def provenance_record(log: Log, plan: ConversionPlan, losses: Sequence[Loss]) -> records.Metadata:
     """Return the record of a conversion."""
     options, robot = plan.options, plan.selection.robot
     values: dict[str, object] = {
@@ -43,13 +43,13 @@ def provenance_record(log: Log, plan: Plan, losses: Sequence[Loss]) -> records.M
     return metadata_record(PROVENANCE, texts)
 
 
-def _copied(plan: Plan) -> dict[str, object]:
+def _copied(plan: ConversionPlan) -> dict[str, object]:
     """Return which topics were copied, where that was not all."""
     globs = {"topics": plan.options.copied_topics, "without": plan.options.topics_left_out}
     return {key: " ".join(map(printable, value)) for key, value in globs.items() if value}
 
 
-def _origin(log: Log, plan: Plan) -> dict[str, object]:
+def _origin(log: Log, plan: ConversionPlan) -> dict[str, object]:
     """Return where the recorded messages come from.
 
     For a log that was annotated before, that is the log which it was made from, as long as a part

@@ -135,14 +135,14 @@ def _unmarked(
 
 def _alike(channels: Sequence[Channel], output_encoding: OutputEncoding) -> Iterator[Channel]:
     """Yield the channels that look like ours in an encoding."""
-    from dogbot_logtool.writer.annotations import (  # noqa: PLC0415
+    from dogbot_logtool.writer.encodings.encoding import MessageType  # noqa: PLC0415
+    from dogbot_logtool.writer.topics import (  # noqa: PLC0415
         FALLBACK_PREFIX,
         SUPPORT_TOPIC,
         TF_TOPIC,
         arrow_topic,
         load_topic,
     )
-    from dogbot_logtool.writer.encodings.encoding import MessageType  # noqa: PLC0415
 
     encoding = output_encoding.load()
 

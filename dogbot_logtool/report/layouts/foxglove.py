@@ -9,15 +9,15 @@ from typing import Any, Final
 
 from dogbot_logtool.core.scene.foot_style import foot_colour
 from dogbot_logtool.report.layouts.view import View
-from dogbot_logtool.writer.annotations import (
+from dogbot_logtool.writer.topics import (
     EVENTS_TOPIC,
     LEGS_TOPIC,
+    ROBOT_DESCRIPTION_TOPIC,
     SUPPORT_TOPIC,
     arrow_topic,
     label_topic,
     load_topic,
 )
-from dogbot_logtool.writer.robot_description import ROBOT_DESCRIPTION_TOPIC
 
 _MOST_CURVES: Final = 4
 """Panels of curves: more would be too low to read."""

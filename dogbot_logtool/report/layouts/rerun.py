@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 from dogbot_logtool.core.scene.foot_style import colour_parts, foot_colour
 from dogbot_logtool.errors import ExtraMissingError
-from dogbot_logtool.writer.annotations import EVENTS_TOPIC, load_topic
+from dogbot_logtool.writer.topics import EVENTS_TOPIC, load_topic
 
 if TYPE_CHECKING:
     from dogbot_logtool.report.layouts.view import View

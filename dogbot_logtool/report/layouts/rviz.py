@@ -4,7 +4,7 @@ from math import radians
 from typing import Any, Final
 
 from dogbot_logtool.report.layouts.view import View
-from dogbot_logtool.writer.annotations import LEGS_TOPIC, SUPPORT_TOPIC, arrow_topic, label_topic
+from dogbot_logtool.writer.topics import LEGS_TOPIC, SUPPORT_TOPIC, arrow_topic, label_topic
 
 _WINDOW: Final = {
     "Width": 1280,

@@ -15,7 +15,7 @@ from dogbot_logtool.commands import convert as convert_module
 from dogbot_logtool.commands.compare import compare
 from dogbot_logtool.commands.convert import convert
 from dogbot_logtool.commands.stats import measure
-from dogbot_logtool.pipeline import plan as plan_module
+from dogbot_logtool.pipeline.conversion import plan as plan_module
 from dogbot_logtool.pipeline.options import (
     CompareOptions,
     ConvertOptions,

@@ -18,8 +18,8 @@ from dogbot_logtool.reader.messages.messages import DecodedMessages
 
 # Loaded for logs that have such topics.
 if TYPE_CHECKING:
-    from dogbot_logtool.pipeline.legs import LegColumns, LegReader
-    from dogbot_logtool.pipeline.side_topics import SideTopic, SideTopics
+    from dogbot_logtool.pipeline.measuring.legs import LegColumns, LegReader
+    from dogbot_logtool.pipeline.measuring.side_topics import SideTopic, SideTopics
     from dogbot_logtool.reader.messages.vectors import ReadVectors
 
 

@@ -38,7 +38,7 @@ _MOST_FEET: Final = 16
 
 
 @dataclass(frozen=True, slots=True)
-class Plan:
+class ConversionPlan:
     """What `convert` does with one log."""
 
     selection: Selection
@@ -114,7 +114,9 @@ class Plan:
         return self.write_tf and copies and self.options.tf != "always"
 
 
-def make_plan(log: Log, selection: Selection, probe: Probe, options: ConvertOptions) -> Plan:
+def make_plan(
+    log: Log, selection: Selection, probe: Probe, options: ConvertOptions
+) -> ConversionPlan:
     """Decide what to do.
 
     Raises:
@@ -131,9 +133,9 @@ def make_plan(log: Log, selection: Selection, probe: Probe, options: ConvertOpti
     world, base = frame_names(robot, probe)
     wrench_frame = _wrench_frame(probe, options)
     learnt = learn_sensors(log, selection, probe, options.topics)
-    weight = body_weight_n(robot.mass_kg)
-    names = [foot.name for foot in robot.feet]
-    findings.extend(sensor_findings(names, learnt.feet, weight or learnt.estimated_weight_n))
+    known_weight_n = body_weight_n(robot.mass_kg)
+    weight_n = known_weight_n or learnt.estimated_weight_n
+    findings.extend(sensor_findings([foot.name for foot in robot.feet], learnt.feet, weight_n))
     wants_support = style.draws_support if options.scene is None else options.scene
     draws_support = wants_support and _can_draw_support(selection, probe, findings)
     frames = follow_frames(
@@ -146,21 +148,16 @@ def make_plan(log: Log, selection: Selection, probe: Probe, options: ConvertOpti
         turn_forces=wrench_frame is WrenchFrame.LINK and (style.needs_directions or draws_support),
         place_sensors=style.needs_sensor_positions,
     )
-    findings.extend(_without_points(selection, frames))
-    if style.needs_directions and wrench_frame is not WrenchFrame.WORLD:
-        findings.extend(_magnitude_only(selection, frames))
-    scaled_by_weight = robot.newtons_per_metre is None and learnt.estimated_weight_n
-    if style.coloured_by_weight and not (weight or scaled_by_weight):
-        text = "the robot's mass is unknown: arrows are coloured by newtons (give it with --mass)"
-        findings.append(note("NO_MASS", text))
-    if style.needs_contact_states:
-        findings.extend(_without_states(selection, style))
+    # A scale of the robot's file has colours of its own.
+    scale_n = known_weight_n if robot.newtons_per_metre is not None else weight_n
+    findings.extend(_arrow_findings(selection, style, frames, wrench_frame, scale_n))
     left_out = channels_left_out(log, options)
     findings.extend(copy_findings(log, options, left_out))
     start_time, end_time = time_limits(log, options.start_s, options.end_s)
+    from_start = log.start_time if start_time is None else None
     description = robot_description(log, selection, probe, base, options.urdf, copy=options.copy)
     findings.extend(description.findings)
-    return Plan(
+    return ConversionPlan(
         selection=selection,
         options=options,
         style=style,
@@ -170,10 +167,8 @@ def make_plan(log: Log, selection: Selection, probe: Probe, options: ConvertOpti
         write_tf=_write_tf(selection, probe, options, (world, base), left_out, findings),
         force_in_world=wrench_frame is WrenchFrame.WORLD,
         frames=frames,
-        body_weight_n=weight,
-        arrow_scale=arrow_scale(
-            robot.newtons_per_metre, weight or learnt.estimated_weight_n, description.height_m
-        ),
+        body_weight_n=known_weight_n,
+        arrow_scale=arrow_scale(robot.newtons_per_metre, weight_n, description.height_m),
         arrow_look=_arrow_look(style, robot.shaft_diameter_m),
         support_look=_support_look(robot.shaft_diameter_m, options.tf_rate_hz),
         force_sensors=learnt.feet,
@@ -183,14 +178,40 @@ def make_plan(log: Log, selection: Selection, probe: Probe, options: ConvertOpti
         urdf=description.urdf,
         hips=description.hips if draws_support else None,
         motion=description.motion if options.tf != "never" else None,
-        opening_time=log.start_time if start_time is None else start_time,
+        opening_time=from_start if start_time is None else start_time,
         silent=learnt.silent,
-        swings_from=log.start_time if start_time is None else None,
+        swings_from=from_start,
         start_time=start_time,
         end_time=end_time,
         findings=tuple(sorted(findings, key=by_severity)),
         left_out=left_out,
     )
+
+
+def _arrow_findings(
+    selection: Selection,
+    style: ArrowStyle,
+    frames: WorldFrames | None,
+    wrench_frame: WrenchFrame,
+    weight_n: float | None,
+) -> Iterator[Finding]:
+    """Yield findings about what arrows of a style lack.
+
+    Args:
+        selection: topics of the feet.
+        style: of the arrows.
+        frames: how links hang in the world.
+        wrench_frame: of the recorded forces.
+        weight_n: N, by which arrows may be coloured; None: not known.
+    """
+    yield from _without_points(selection, frames)
+    if style.needs_directions and wrench_frame is not WrenchFrame.WORLD:
+        yield from _magnitude_only(selection, frames)
+    if style.coloured_by_weight and not weight_n:
+        text = "the robot's mass is unknown: arrows are coloured by newtons (give it with --mass)"
+        yield note("NO_MASS", text)
+    if style.needs_contact_states:
+        yield from _without_states(selection, style)
 
 
 def _registered(registry: Mapping[str, Entry], kind: str, name: str) -> Entry:
@@ -204,7 +225,7 @@ def _registered(registry: Mapping[str, Entry], kind: str, name: str) -> Entry:
     return registry[name]
 
 
-def without_tf(plan: Plan, parent: str) -> Plan:
+def without_tf(plan: ConversionPlan, parent: str) -> ConversionPlan:
     """Return the plan for a log whose own transforms give the base another parent."""
     finding = _second_parent(plan.base_frame, [parent])
     return replace(

@@ -19,7 +19,7 @@ from dogbot_logtool.writer.encodings.foxglove import FoxgloveEncoding
 from dogbot_logtool.writer.encodings.ros1 import Ros1Encoding
 from dogbot_logtool.writer.encodings.ros2 import Ros2Encoding
 from dogbot_logtool.writer.message_records import MESSAGE_HEAD
-from dogbot_logtool.writer.support import SupportWriter
+from dogbot_logtool.writer.messages.support import SupportWriter
 
 STYLE = SupportLook(line_m=0.02, mark_m=0.04, lifetime_s=0.5)
 FEET, TRAIL = 3, 4

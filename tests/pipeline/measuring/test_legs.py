@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from dogbot_logtool.pipeline.legs import _feet_of_joints, _named_frames, _pairs
+from dogbot_logtool.pipeline.measuring.legs import _feet_of_joints, _named_frames, _pairs
 from dogbot_logtool.robot import Foot
 from tests.oracles.standing_log import write_standing_log
 

@@ -5,7 +5,6 @@ from typing import Final
 
 from dogbot_logtool.writer.encodings.encoding import MessageType
 
-ROBOT_DESCRIPTION_TOPIC: Final = "/robot_description"
 _DEFINITION: Final = b"string data\n"
 _CDR_HEAD: Final = b"\x00\x01\x00\x00"
 """Little-endian CDR."""

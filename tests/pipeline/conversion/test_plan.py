@@ -9,8 +9,8 @@ import pytest
 from dogbot_logtool.core.frames.wrench_frame import WrenchFrame, WrenchFrameEvidence
 from dogbot_logtool.errors import CallError, LogError
 from dogbot_logtool.finding import Severity, by_severity
+from dogbot_logtool.pipeline.conversion.plan import ConversionPlan, make_plan, without_tf
 from dogbot_logtool.pipeline.options import ConvertOptions, TopicOptions
-from dogbot_logtool.pipeline.plan import Plan, make_plan, without_tf
 from dogbot_logtool.pipeline.probe import Probe, probe_log
 from dogbot_logtool.pipeline.probe_findings import probe_findings
 from dogbot_logtool.pipeline.topics.selection import Selection, select_topics
@@ -29,7 +29,7 @@ class Case:
         self.selection: Selection = select_topics(log, TopicOptions())
         self.probe: Probe = probe_log(log, self.selection, with_places=True)
 
-    def plan(self, **options: Any) -> Plan:
+    def plan(self, **options: Any) -> ConversionPlan:
         return make_plan(self.log, self.selection, self.probe, ConvertOptions(**options))
 
     def see(self, **probe: Any) -> None:
@@ -53,7 +53,7 @@ def walk() -> Iterator[Case]:
     log.close()
 
 
-def codes(plan: Plan) -> set[str]:
+def codes(plan: ConversionPlan) -> set[str]:
     return {finding.code for finding in plan.findings}
 
 

@@ -13,8 +13,8 @@ from rich.console import Console
 import dogbot_logtool as dl
 from dogbot_logtool.commands.stats import measure
 from dogbot_logtool.core.contact.curves import CurveDetail
+from dogbot_logtool.pipeline.measuring.side_types import SIDE_TYPES
 from dogbot_logtool.pipeline.options import StatsOptions, TopicOptions
-from dogbot_logtool.pipeline.side_types import SIDE_TYPES
 from dogbot_logtool.reader.messages.vectors import COMMANDS, INERTIAL_UNITS
 from dogbot_logtool.report.page.render import page
 from dogbot_logtool.report.text.stats_text import print_report

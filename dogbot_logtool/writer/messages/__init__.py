@@ -1,0 +1,1 @@
+"""Messages that we add, made of columns: one file a kind."""
