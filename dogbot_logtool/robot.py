@@ -15,7 +15,7 @@ MOST_FEET: Final = 64
 """A robot's file or a log that has more is a mistake, and takes the square of the time."""
 _KNOWN: Final = Path(__file__).with_name("robots")
 """Directory of the robots that come with the program."""
-_PLACES: Final = (
+_LEG_POSITIONS: Final = (
     frozenset({"front", "middle", "back"}),
     frozenset({"left", "right", "centre"}),
 )
@@ -59,7 +59,7 @@ class Foot:
     """Contact topic."""
     collision: str = ""
     """Glob for the name of the foot's collision; empty: recognised by the names in the log."""
-    place: tuple[str, str] | None = None
+    leg_position: tuple[str, str] | None = None
     """("front" | "middle" | "back", "left" | "right" | "centre"); None when not known."""
     frame: str | None = None
     """Frame that places the foot where its sensor tells no contact point; None: the sensor's."""
@@ -210,7 +210,7 @@ def _foot(table: TomlTable, name: str) -> Foot:
         name,
         topic,
         collision=table.text("collision") or "",
-        place=table.words("place", _PLACES, '["front", "left"]'),
+        leg_position=table.words("place", _LEG_POSITIONS, '["front", "left"]'),
         frame=table.frame("frame"),
         contact_point_m=table.vector("contact_point_m") or (0.0, 0.0, 0.0),
         element=table.count("element"),

@@ -71,7 +71,7 @@ def test_dogbot_is_as_it_was_measured() -> None:
     assert [foot.topic for foot in robot.feet] == [
         f"/dogbot/{foot.name}_contactsensor_state" for foot in robot.feet
     ]
-    assert [foot.place for foot in robot.feet] == [
+    assert [foot.leg_position for foot in robot.feet] == [
         ("front", "left"),
         ("front", "right"),
         ("back", "left"),

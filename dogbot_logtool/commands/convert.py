@@ -86,7 +86,7 @@ def convert(
     log = open_recorded(source, options.topics.joined)
     try:
         selection = select_topics(log, options.topics)
-        plan = make_plan(log, selection, probe_log(log, selection, with_places=True), options)
+        plan = make_plan(log, selection, probe_log(log, selection, with_soles=True), options)
         events = _events(source, log, options, progress)
         annotations, tally = _write(log, target, plan, events, progress)
         if tally.second_parent is not None:

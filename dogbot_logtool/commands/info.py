@@ -50,7 +50,7 @@ def describe(
         recorded = without_annotations(log)
         ours = frozenset(log.channels.keys() - recorded.channels.keys())
         selection = select_topics(recorded, options)
-        probe = probe_log(recorded, selection, with_places=True)
+        probe = probe_log(recorded, selection, with_soles=True)
         frames = None
         if all_frames:
             added_transforms = [

@@ -41,7 +41,7 @@ def view_of(log: Path | None, options: TopicOptions) -> View:
     opened = open_recorded(log)
     try:
         selection = select_topics(opened, options)
-        probe = probe_log(opened, selection, with_places=True)
+        probe = probe_log(opened, selection, with_soles=True)
         plan = make_plan(opened, selection, probe, ConvertOptions())
         view = _view(selection.robot, plan.world_frame, plan.base_frame)
         shape = robot_shape(selection, probe)

@@ -32,7 +32,7 @@ def replay_of(
     log = open_recorded(source, options.topics.joined)
     try:
         selection = select_topics(log, options.topics)
-        probe, clock = probe_log(log, selection, with_places=True), stats.settings.clock
+        probe, clock = probe_log(log, selection, with_soles=True), stats.settings.clock
         limbs = read_limbs(log, selection, probe, clock, time, options.jobs)
         return replay(stats, time, limbs)
     finally:

@@ -55,17 +55,17 @@ class Difference:
     @property
     def line(self) -> str:
         """The difference in a line."""
-        place = printable(self.topic)
+        message = printable(self.topic)
         if self.index is not None:
-            place += f"[{self.index}] t={self.time_s:.3f} s"
+            message += f"[{self.index}] t={self.time_s:.3f} s"
         match self.kind:
             case Kind.MISSING | Kind.EXTRA:
-                return f"{place}: {self.kind}"
+                return f"{message}: {self.kind}"
             case Kind.TOPIC:
-                return f"{place}: {self.path}"
+                return f"{message}: {self.path}"
         if self.index is None and self.kind is Kind.FIELD:
-            place = ""
-        where = " ".join(part for part in (place, printable(self.path)) if part)
+            message = ""
+        where = " ".join(part for part in (message, printable(self.path)) if part)
         texts = f"expected {printable(self.expected)}, got {printable(self.actual)}"
         apart = "" if self.deviation is None else f" (|d| {self.deviation:.3g})"
         return f"{where or self.topic}: {texts}{apart}"

@@ -17,10 +17,8 @@ from dogbot_logtool.core.command_tracking import tracking_in
 from dogbot_logtool.core.consistency.stopped import without_stopped
 from dogbot_logtool.core.consistency.worlds import Worlds, placed_poses
 from dogbot_logtool.core.contact.foot_history import FootHistory
-from dogbot_logtool.core.gait.foot_statistics import (
-    FootStatistics,
-    foot_statistics,
-)
+from dogbot_logtool.core.gait.foot_statistics import FootStatistics, foot_statistics
+from dogbot_logtool.core.gait.foot_steps import FootChecks, FootSteps, foot_steps
 from dogbot_logtool.core.gait.reference_foot import any_strides
 from dogbot_logtool.core.gait.standing import Standing, standing_in, typical_period_s
 from dogbot_logtool.core.gait.support_pattern import Support, support
@@ -73,11 +71,8 @@ class CheckedWalk:
     track: BaseTrack
     fallen: Ints
     standing: Standing
-    dead: tuple[bool, ...]
-    saturated: tuple[bool, ...]
-    refuted: tuple[bool, ...]
-    """Feet whose sensor was assumed to read zero without load, on a robot that then makes no steps
-    although it moves."""
+    steps: tuple[FootSteps, ...]
+    """Of each foot."""
     apart: frozenset[str]
     """Topics whose clocks are too far from the others'."""
     base_delay: "Delay | None"
@@ -86,12 +81,6 @@ class CheckedWalk:
     loses_way: bool
     """Whether the base drifts so far among the contact points that speeds are not known."""
     vertical_known: bool
-    direction_known: bool
-    """Whether nothing says that the feet's forces lean otherwise than they seem to."""
-    upright: bool
-    """Whether they are not so far from it that they are no vertical forces."""
-    in_newtons: bool
-    """Whether forces may be in N."""
 
     @property
     def feet_apart(self) -> bool:
@@ -109,37 +98,15 @@ class CheckedWalk:
         """The usual stride, s; None: there are none."""
         return typical_period_s([each.stances for each in self.records])
 
+    @property
+    def contacts_known(self) -> bool:
+        """Whether the contacts of all feet are known, on one clock."""
+        return all(foot.checks.contact_known for foot in self.steps) and not self.feet_apart
+
     def feet(self, within: Ints | None = None) -> tuple[FootStatistics, ...]:
         """Return the figures of all feet, in some spans or in the whole log."""
-        settings = self.settings
-        return tuple(
-            _on_clock(
-                foot_statistics(
-                    foot.name,
-                    foot.topic,
-                    foot.place,
-                    record,
-                    self.base,
-                    fallen=self.fallen,
-                    forward_axis=settings.forward_axis,
-                    standing=self.standing,
-                    foot_rolling_m=settings.foot_rolling_m,
-                    is_dead=is_dead,
-                    is_saturated=cut_off,
-                    contact_known=not (is_dead or refuted),
-                    direction_known=self.direction_known,
-                    vertical_known=self.upright,
-                    in_newtons=self.in_newtons,
-                    within=within,
-                ),
-                settings.odometry_topic,
-                self.apart,
-                loses_way=self.loses_way,
-            )
-            for foot, record, is_dead, cut_off, refuted in zip(
-                settings.feet, self.records, self.dead, self.saturated, self.refuted, strict=True
-            )
-        )
+        rolling_m = self.settings.foot_rolling_m
+        return tuple(foot_statistics(foot, self.base, rolling_m, within) for foot in self.steps)
 
     def base_motion(self, within: Ints | None = None) -> BaseMotion | None:
         """Return how the base moved."""
@@ -148,13 +115,11 @@ class CheckedWalk:
 
     def support(self, within: Ints | None = None) -> Support | None:
         """Return the support pattern; where one foot's state is not known, none is."""
-        if any(self.dead) or any(self.refuted) or self.feet_apart:
-            return None
-        return support(self.records, within)
+        return support(self.records, within) if self.contacts_known else None
 
     def stability(self, within: Ints | None = None) -> Stability | None:
         """Return the figures of stability."""
-        if any(self.dead) or any(self.refuted) or self.feet_apart or self.base_apart:
+        if not self.contacts_known or self.base_apart:
             return None
         return stability(
             self.records,
@@ -175,7 +140,8 @@ class CheckedWalk:
             within,
             mass_is_assumed=self.settings.mass_is_assumed,
         )
-        return replace(loads, share_of=None, shares=None) if any(self.dead) else loads
+        any_dead = any(foot.checks.is_dead for foot in self.steps)
+        return replace(loads, share_of=None, shares=None) if any_dead else loads
 
     def tracking(
         self, track: "CommandTrack | None", within: Ints | None = None
@@ -211,12 +177,23 @@ def check_walk(settings: StatsSettings, recorded: Recorded) -> CheckedWalk:
         records, settings.body_weight_n, strides, mass_is_assumed=settings.mass_is_assumed
     )
     delay = None if apart else _long_delay(records, base, period_s, strides)
+    apart = apart | {settings.odometry_topic} if delay else apart
     parted = worlds is not None and not worlds.agree
     over_feet = np.full_like(height, np.nan) if parted else height
     track = BaseTrack(base, find_travel(base), over_feet, records, standing.still)
-    sensors = [settings.sensor(row) for row in range(len(records))]
+    loses_way = _loses_way(worlds, base_motion(track, settings.forward_axis))
+    settings = with_forward_axis(settings, track)
+    checks = _foot_checks(
+        settings,
+        records,
+        dead,
+        loads,
+        apart,
+        steps_missing=len(standing.moving) > 0,
+        lost=loses_way,
+    )
     return CheckedWalk(
-        settings=with_forward_axis(settings, track),
+        settings=settings,
         records=records,
         base=base,
         jumps=jumps,
@@ -224,19 +201,17 @@ def check_walk(settings: StatsSettings, recorded: Recorded) -> CheckedWalk:
         track=track,
         fallen=fallen,
         standing=standing,
-        dead=dead,
-        saturated=_saturated(settings, records),
-        refuted=tuple(bool(each.level.reason and len(standing.moving)) for each in sensors),
-        apart=apart | {settings.odometry_topic} if delay else apart,
+        steps=tuple(
+            foot_steps(
+                *foot, base, forward_axis=settings.forward_axis, fallen=fallen, standing=standing
+            )
+            for foot in zip(settings.feet, checks, records, strict=True)
+        ),
+        apart=apart,
         base_delay=delay,
         worlds=worlds,
-        loses_way=_loses_way(worlds, base_motion(track, settings.forward_axis)),
+        loses_way=loses_way,
         vertical_known=weighed.share_of == "vertical_impulse",
-        direction_known=not (
-            loads.direction_refuted or (settings.wrench_frame_is_inferred and loads.may_be_tilted)
-        ),
-        upright=not (loads.vertical_refuted or loads.other_units),
-        in_newtons=not loads.other_units,
     )
 
 
@@ -290,22 +265,44 @@ def _loses_way(worlds: Worlds | None, motion: BaseMotion | None) -> bool:
     return worlds is not None and worlds.lose_way(path_m)
 
 
-def _saturated(settings: StatsSettings, records: Sequence[FootHistory]) -> tuple[bool, ...]:
-    """Tell which feet's sensors are cut off at a limit, in an axis or in the magnitude."""
-    levels = [settings.sensor(foot).level for foot in range(len(records))]
+def _foot_checks(
+    settings: StatsSettings,
+    records: Sequence[FootHistory],
+    dead: Sequence[bool],
+    loads: LoadFigures,
+    apart: frozenset[str],
+    *,
+    steps_missing: bool,
+    lost: bool,
+) -> tuple[FootChecks, ...]:
+    """Bring together what is known of each foot.
+
+    Args:
+        settings: what decides the figures.
+        records: of all feet.
+        dead: which feet's sensors seem dead.
+        loads: of the feet over whole strides.
+        apart: topics whose clocks are too far from the others'.
+        steps_missing: whether the robot moves, for a time, without steps.
+        lost: whether the base loses its way among the contact points.
+    """
+    tilted = settings.wrench_frame_is_inferred and loads.may_be_tilted
     return tuple(
-        level.limit_n is not None
-        or is_saturated(
-            record, [each for each in records if each is not record], level.resolution_n
+        FootChecks(
+            is_dead=is_dead,
+            is_saturated=_is_saturated(settings, records, row),
+            is_refuted=bool(settings.sensor(row).level.reason and steps_missing),
+            direction_known=not (loads.direction_refuted or tilted),
+            vertical_known=not (loads.vertical_refuted or loads.other_units),
+            in_newtons=not loads.other_units,
+            length_known=not (lost or apart & {foot.topic, settings.odometry_topic}),
         )
-        for level, record in zip(levels, records, strict=True)
+        for row, (foot, is_dead) in enumerate(zip(settings.feet, dead, strict=True))
     )
 
 
-def _on_clock(
-    foot: FootStatistics, odometry_topic: str, apart: frozenset[str], *, loses_way: bool
-) -> FootStatistics:
-    """Leave out the lengths of a foot's strides where the odometry does not tell them."""
-    if not loses_way and not apart & {foot.topic, odometry_topic}:
-        return foot
-    return replace(foot, length_m=np.full_like(foot.length_m, np.nan), stride_length_m=None)
+def _is_saturated(settings: StatsSettings, records: Sequence[FootHistory], row: int) -> bool:
+    """Tell whether a foot's sensor is cut off at a limit, in an axis or in the magnitude."""
+    level = settings.sensor(row).level
+    others = [each for other, each in enumerate(records) if other != row]
+    return level.limit_n is not None or is_saturated(records[row], others, level.resolution_n)

@@ -58,7 +58,7 @@ def work_out(settings: StatsSettings, recorded: Recorded) -> Stats:
         end=end,
         feet=feet,
         reference=gait.reference,
-        corners=quadruped([foot.place for foot in settings.feet]),
+        corners=quadruped([foot.leg_position for foot in settings.feet]),
         base_history=recorded.base,
         base=walk.base_motion(),
         jumps=walk.jumps,

@@ -185,12 +185,12 @@ def _steps(stats: Stats, row: int, legs: Sequence[LegFoot]) -> Steps:
     """Return the steps of a foot against the other of its pair, where both are known."""
     strides = stats.feet[row].strides
     unknown = np.full(len(strides.stance), np.nan)
-    own = stats.feet[row].place
+    own = stats.feet[row].leg_position
     others = [
         number
         for number, foot in enumerate(stats.feet)
         if number != row
-        and (len(stats.feet) == 2 or (foot.place and own and foot.place[0] == own[0]))
+        and (len(stats.feet) == 2 or (foot.leg_position and own and foot.leg_position[0] == own[0]))
     ]
     stood = legs[row].footfalls
     other = legs[others[0]].footfalls if len(others) == 1 else None

@@ -20,14 +20,14 @@ CORNERS: Final[tuple[LegPosition, ...]] = (
 )
 
 
-def quadruped(places: Sequence[LegPosition | None]) -> tuple[int, int, int, int] | None:
+def quadruped(leg_positions: Sequence[LegPosition | None]) -> tuple[int, int, int, int] | None:
     """Return which foot is front left, front right, back left, back right.
 
     None unless the robot has exactly these four.
     """
-    if sorted(place for place in places if place) != sorted(CORNERS) or len(places) != 4:
+    if sorted(each for each in leg_positions if each) != sorted(CORNERS) or len(leg_positions) != 4:
         return None
-    front_left, front_right, back_left, back_right = (places.index(corner) for corner in CORNERS)
+    front_left, front_right, back_left, back_right = map(leg_positions.index, CORNERS)
     return front_left, front_right, back_left, back_right
 
 

@@ -17,7 +17,7 @@ class FootSettings:
 
     name: str
     topic: str
-    place: LegPosition | None = None
+    leg_position: LegPosition | None = None
     has_force: bool = True
     """Whether its sensor tells a force, not only whether the foot touches."""
     sensor: FootSensor | None = None

@@ -216,12 +216,12 @@ class TomlTable:
         return float(value)
 
     def count(self, key: str) -> int | None:
-        """Take a place in an array."""
+        """Take an index into an array."""
         value = self._values.pop(key, None)
         if value is None:
             return None
         if isinstance(value, bool) or not isinstance(value, int) or not 0 <= value < 100:
-            raise self._wrong(key, value, "a place in an array, counted from 0")
+            raise self._wrong(key, value, "an index into an array, counted from 0")
         return value
 
     def vector(self, key: str) -> tuple[float, float, float] | None:

@@ -109,20 +109,20 @@ class Probe:
         return frozenset(touching.foot.tolist()) - frozenset(loaded.tolist())
 
 
-def probe_log(log: Log, selection: Selection, *, with_places: bool = False) -> Probe:
+def probe_log(log: Log, selection: Selection, *, with_soles: bool = False) -> Probe:
     """Look into chunks from the start to the end of a log.
 
     Args:
         log: an open log.
         selection: its topics.
-        with_places: find `soles` and `stances`, too, which pictures of the robot need.
+        with_soles: find `soles` and `stances`, too, which pictures of the robot need.
     """
     look = _Prober(selection)
     chosen = _spread(log, selection)
     for span in log.grouped(chosen):
         look.take(log.read(span))
     probe = look.probe(len(chosen), len(log.chunks))
-    return look.with_places(probe) if with_places else probe
+    return look.with_soles(probe) if with_soles else probe
 
 
 def _spread(log: Log, selection: Selection) -> list[Chunk]:
@@ -243,8 +243,8 @@ class _Prober:
         )
         return replace(probe, wrench_frame=self._wrench_frame(probe))
 
-    def with_places(self, probe: Probe) -> Probe:
-        """Return the probe with the places where feet touch the ground."""
+    def with_soles(self, probe: Probe) -> Probe:
+        """Return the probe with the points where feet touch the ground."""
         probe = replace(probe, stances=self._stances(probe), turned_deg=self._turned_deg())
         placed = self._frames(probe)
         if placed is None:

@@ -50,14 +50,14 @@ def pair_messages(
     row = np.concatenate([expected_order, actual_order])
     topic = np.concatenate([one[0], other[0]])
     time = np.concatenate([one[1], other[1]])
-    place = np.concatenate([_index_among_equals(*one), _index_among_equals(*other)])
+    nth = np.concatenate([_index_among_equals(*one), _index_among_equals(*other)])
     is_actual = np.arange(len(row)) >= len(expected_order)
-    order = np.lexsort((is_actual, place, time, topic))
-    row, topic, time, place = row[order], topic[order], time[order], place[order]
+    order = np.lexsort((is_actual, nth, time, topic))
+    row, topic, time, nth = row[order], topic[order], time[order], nth[order]
     is_actual = is_actual[order]
     # The two of a pair stand side by side now.
     first = np.flatnonzero(
-        (topic[1:] == topic[:-1]) & (time[1:] == time[:-1]) & (place[1:] == place[:-1])
+        (topic[1:] == topic[:-1]) & (time[1:] == time[:-1]) & (nth[1:] == nth[:-1])
     )
     alone = np.ones(len(row), np.bool_)
     alone[first] = alone[first + 1] = False

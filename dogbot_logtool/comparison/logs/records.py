@@ -65,15 +65,15 @@ def _attachment(log: Log, extra: Extra) -> tuple[str, Tree]:
     end = extra.offset + extra.size
     head = log.source_of(extra).read(offset, min(_PIECE, end - offset))
     try:
-        place, texts = 16, []
+        at, texts = 16, []
         for _ in range(2):
-            (length,) = struct.unpack_from("<I", head, place)
-            texts.append(str(head[place + 4 : place + 4 + length], "utf-8", "replace"))
-            place += 4 + length
-        (size,) = struct.unpack_from("<Q", head, place)
+            (length,) = struct.unpack_from("<I", head, at)
+            texts.append(str(head[at + 4 : at + 4 + length], "utf-8", "replace"))
+            at += 4 + length
+        (size,) = struct.unpack_from("<Q", head, at)
     except struct.error:
         return "(damaged)", head
-    start = offset + place + 8
+    start = offset + at + 8
     content = hashlib.sha256()
     for piece in range(start, min(start + size, end), _PIECE):
         content.update(log.source_of(extra).read(piece, min(_PIECE, start + size - piece)))

@@ -202,8 +202,8 @@ def _taken(batch: Batch, topic_of: Mapping[int, int], window: Window) -> tuple[B
     if 2 * size.sum() > len(batch.buffer):
         return batch.buffer, messages
     data = batch.buffer.data
-    places = zip(messages.start.tolist(), messages.end.tolist(), strict=True)
-    buffer = np.frombuffer(b"".join([data[start:end] for start, end in places]), np.uint8)
+    bounds = zip(messages.start.tolist(), messages.end.tolist(), strict=True)
+    buffer = np.frombuffer(b"".join([data[start:end] for start, end in bounds]), np.uint8)
     end = np.cumsum(size)
     return buffer, replace(messages, start=end - size, end=end)
 

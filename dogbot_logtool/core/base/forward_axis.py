@@ -25,7 +25,7 @@ def with_forward_axis(settings: StatsSettings, track: BaseTrack) -> StatsSetting
     """
     if not settings.forward_axis_is_assumed:
         return settings
-    positions = [foot.place for foot in settings.feet]
+    positions = [foot.leg_position for foot in settings.feet]
     measured = axis_by_legs(track.history, track.feet, positions)
     because = "the fore feet are on that side of the hind feet"
     if measured is None:

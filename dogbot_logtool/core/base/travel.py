@@ -52,11 +52,11 @@ def _away_spans(base: BaseHistory) -> Ints:
     """(t, 2) ns, from each place to the time at which the base is `AWAY_M` away from it."""
     rows = np.flatnonzero(first_at_each_tick(base.time, _LOOK_HZ, None))
     time = base.time[rows].tolist()
-    places = base.position[rows, :2].tolist()
+    points = base.position[rows, :2].tolist()
     spans = []
     start = 0
-    for row, (x, y) in enumerate(places):
-        from_x, from_y = places[start]
+    for row, (x, y) in enumerate(points):
+        from_x, from_y = points[start]
         if hypot(x - from_x, y - from_y) >= AWAY_M:
             spans.append((time[start], time[row]))
             start = row
@@ -124,13 +124,13 @@ def path_length_m(base: BaseHistory, travel: Travel, moves: Flags) -> float:
     )
 
 
-def _way(place: Floats, travel: Travel) -> float:
+def _way(path: Floats, travel: Travel) -> float:
     """Length of an unbroken path, m."""
-    size = min(travel.block, max(1, len(place) // 4))
-    blocks = len(place) // size
-    points = place[: blocks * size].reshape(blocks, size, 2).mean(axis=1)
+    size = min(travel.block, max(1, len(path) // 4))
+    blocks = len(path) // size
+    points = path[: blocks * size].reshape(blocks, size, 2).mean(axis=1)
     step = np.diff(points, axis=0)
     noise = 4.0 * travel.noise_m**2 / size
     length = float(np.sqrt(np.clip((step * step).sum(axis=1) - noise, 0.0, None)).sum())
     # The means lie half a block inside the path's ends.
-    return length * (len(place) - 1) / ((blocks - 1) * size) if blocks > 1 else 0.0
+    return length * (len(path) - 1) / ((blocks - 1) * size) if blocks > 1 else 0.0

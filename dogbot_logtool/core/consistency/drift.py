@@ -14,7 +14,7 @@ from dogbot_logtool.core.geometry.rotations import along_heading
 FEWEST_STANCES: Final = 8
 """Stances of all feet from which a trend is told."""
 STEADY: Final = 0.8
-"""Share of the variance of the feet's places that a straight trend explains; a robot that leans
+"""Share of the variance of the feet's positions that a straight trend explains; a robot that leans
 otherwise from some moment on makes a step."""
 
 
@@ -23,7 +23,7 @@ def drift_m(
 ) -> float | None:
     """Return how far the base goes among its feet, steadily, over all stances.
 
-    A foot's place is its mean one over a whole stance, in the body's axes: acceleration, which
+    A foot's position is its mean one over a whole stance, in the body's axes: acceleration, which
     lets a foot land further ahead, hardly moves it. All feet have one trend.
 
     Args:
@@ -34,15 +34,15 @@ def drift_m(
     Returns:
         m; 0 without a trend, None with too few stances.
     """
-    seen = [_places(*foot, base) for foot in zip(tracks, stances, strict=True)]
-    # Each foot has a place of its own, and each its own mean time.
+    seen = [_positions(*foot, base) for foot in zip(tracks, stances, strict=True)]
+    # Each foot has a position of its own, and each its own mean time.
     centred = [foot - foot.mean(axis=0) for foot in seen if len(foot) > 1]
     if sum(map(len, centred)) < FEWEST_STANCES:
         return None
-    places = np.concatenate(centred)
-    time, place = places[:, 0], places[:, 1:]
-    slope = (time @ place) / (time @ time)
-    along = place @ (slope / max(float(np.hypot(*slope)), np.finfo(float).tiny))
+    positions = np.concatenate(centred)
+    time, position = positions[:, 0], positions[:, 1:]
+    slope = (time @ position) / (time @ time)
+    along = position @ (slope / max(float(np.hypot(*slope)), np.finfo(float).tiny))
     explained = float(np.hypot(*slope)) * time
     total = float(along @ along)
     if total == 0.0 or float(((along - explained) ** 2).sum()) > (1.0 - STEADY) * total:
@@ -50,8 +50,8 @@ def drift_m(
     return float(np.hypot(*slope)) * float(np.ptp(np.concatenate([foot[:, 0] for foot in seen])))
 
 
-def _places(track: FootTrack, stances: Stances, base: BaseHistory) -> Floats:
-    """(s, 3) s, and m ahead and to the left of the base: mean places of whole stances."""
+def _positions(track: FootTrack, stances: Stances, base: BaseHistory) -> Floats:
+    """(s, 3) s, and m ahead and to the left of the base: mean positions of whole stances."""
     known = np.isfinite(track.point[:, :2]).all(axis=1)
     time, point = track.time[known], track.point[known, :2]
     begin, end = stances.touchdown[stances.whole], stances.liftoff[stances.whole]

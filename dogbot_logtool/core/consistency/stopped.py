@@ -77,8 +77,8 @@ def _goes_far(base: BaseHistory, span: Ints) -> bool:
     if not len(base.time):
         return False
     start, end = span.tolist()
-    place = base.position_at(np.linspace(start, end, _INSTANTS).astype(np.int64))[:, :2]
-    known = place[np.isfinite(place).all(axis=1)]
+    position = base.position_at(np.linspace(start, end, _INSTANTS).astype(np.int64))[:, :2]
+    known = position[np.isfinite(position).all(axis=1)]
     return len(known) > 1 and float(np.hypot(*(known - known[0]).T).max()) > FAR_M
 
 

@@ -16,15 +16,15 @@ from dogbot_logtool.core.geometry.rotations import along_heading
 from dogbot_logtool.dataclass import dataclass
 
 WINDOW_S: Final = 2.0
-"""s: a foot's place is averaged over so long: a stride or more of most gaits."""
+"""s: a foot's position is averaged over so long: a stride or more of most gaits."""
 _MOST_WINDOWS: Final = 60
 FEWEST_POINTS: Final = 25
-"""Contact points of a foot, at up to 25 Hz, from which its usual place is known."""
+"""Contact points of a foot, at up to 25 Hz, from which its usual position is known."""
 FEWEST_FEET: Final = 2
 MOST_BEYOND: Final = 0.05
 """Share of the time in which the base may be further from the feet than they are spread."""
 MOST_CHANGE: Final = 0.5
-"""Change of the base's place among the feet, against their spread, that no gait explains."""
+"""Change of the base's position among the feet, against their spread, that no gait explains."""
 MOST_DRIFT: Final = 0.05
 """The same of a change that goes on steadily, stance after stance."""
 MOST_OF_WAY: Final = 0.02
@@ -36,18 +36,18 @@ class Worlds:
     """Where the base is among the feet that are down, seen from above and from the base."""
 
     distance_m: float
-    """m, median horizontal distance of the base from the centroid of the feet's usual places."""
+    """m, median horizontal distance of the base from the centroid of the feet's usual positions."""
     largest_m: float
     """m, the largest, averaged over two seconds."""
     spread_m: float
-    """m, distance of the outermost foot's usual place from that centroid."""
+    """m, distance of the outermost foot's usual position from that centroid."""
     beyond_fraction: float
     """Share of the time in which the base is further from it than the outermost foot."""
     change_m: float
-    """m, change of the base's place among the feet from the log's first third to its last."""
+    """m, change of the base's position among the feet from the log's first third to its last."""
 
     drift_m: float = 0.0
-    """m, how far that place goes steadily; 0 where it does not, or too few stances tell."""
+    """m, how far that position goes steadily; 0 where it does not, or too few stances tell."""
 
     @property
     def agree(self) -> bool:
@@ -84,7 +84,7 @@ def compare_worlds(
     spread = float(np.hypot(*(usual - centroid).T).max())
     seconds = max(float(seen[-1, 0]) for seen in feet)
     edges = np.linspace(0.0, seconds, _windows(seconds) + 1)
-    shift = np.stack([_shift(seen, place, edges) for seen, place in zip(feet, usual, strict=True)])
+    shift = np.stack([_shift(*each, edges) for each in zip(feet, usual, strict=True)])
     known = np.isfinite(shift[:, :, 0]).any(axis=0)
     away = centroid + np.nanmean(shift[:, known], axis=0)
     distance = np.hypot(away[:, 0], away[:, 1])
@@ -134,7 +134,7 @@ def _from_base(track: FootTrack, base: BaseHistory) -> Floats:
 
 
 def _shift(seen: Floats, usual: Floats, edges: Floats) -> Floats:
-    """(w, 2) m, a foot's mean place in each window less its usual one; NaN where not seen."""
+    """(w, 2) m, a foot's mean position in each window less its usual one; NaN where not seen."""
     window = np.clip(np.searchsorted(edges, seen[:, 0], side="right") - 1, 0, len(edges) - 2)
     count = np.bincount(window, minlength=len(edges) - 1)
     sums = [np.bincount(window, column, len(edges) - 1) for column in (seen[:, 1:] - usual).T]

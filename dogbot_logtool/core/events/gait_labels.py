@@ -16,12 +16,12 @@ def feet_by_side(feet: Mapping[str, Sequence[str] | None]) -> dict[str, str] | N
     Args:
         feet: position of the leg (``("middle", "left")``) by name, None where only the name tells.
     """
-    sides = {_side(name, place): name for name, place in feet.items()}
+    sides = {_side(name, at): name for name, at in feet.items()}
     return sides if len(feet) == 2 and set(sides) == set(SIDES.values()) else None
 
 
-def _side(name: str, place: Sequence[str] | None) -> str:
-    if place is not None:
-        return place[1]
+def _side(name: str, leg_position: Sequence[str] | None) -> str:
+    if leg_position is not None:
+        return leg_position[1]
     words = re.split(r"[^a-z]+", name.lower())
     return next((side for short, side in SIDES.items() if {short, side} & {*words}), "")

@@ -25,7 +25,7 @@ def gait_findings(stats: Stats) -> Iterator[Finding]:
         yield Finding("N_NO_GAIT", text, where)
         return
     yield from _against_plan(stats)
-    order = legs_in_order([foot.place for foot in stats.feet]) or range(len(stats.feet))
+    order = legs_in_order([foot.leg_position for foot in stats.feet]) or range(len(stats.feet))
     if stats.reference != order[0]:
         first = stats.feet[order[0]].name
         text = f"{first} has no strides: phases are measured against {reference}"
@@ -87,7 +87,7 @@ def _without_steps(stats: Stats) -> Iterator[Finding]:
 def _why_no_class(stats: Stats) -> str:
     if len(stats.feet) not in {BIPED, QUADRUPED, HEXAPOD}:
         return f"only gaits of two, four or six feet have names; this robot has {len(stats.feet)}"
-    if legs_in_order([foot.place for foot in stats.feet]) is None:
+    if legs_in_order([foot.leg_position for foot in stats.feet]) is None:
         return (
             "a gait's name needs to know which foot is front or back, left or right: names such as "
             "--foot front_left=TOPIC say so, or `place` in a robot's file"

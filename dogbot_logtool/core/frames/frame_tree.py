@@ -67,7 +67,7 @@ def _walk_down(top: str, children: Mapping[str, list[str]], told: set[str]) -> I
         yield TreeRow(frame, parent if more else None, more, again, cut)
         if not cut:
             last = len(below) - 1
-            waiting += [(child, frame, (*more, place < last)) for place, child in enumerate(below)][
+            waiting += [(child, frame, (*more, index < last)) for index, child in enumerate(below)][
                 ::-1
             ]
 
@@ -97,20 +97,20 @@ def loops(pairs: Iterable[Pair]) -> list[list[str]]:
     named: set[str] = set()
     for top in sorted(children):
         path: list[str] = []
-        place: dict[str, int] = {}
+        index: dict[str, int] = {}
         waiting = [(top, False)]
         while waiting:
             frame, leaving = waiting.pop()
             if leaving:
                 done.add(path.pop())
-                del place[frame]
-            elif frame in place:
-                loop = path[place[frame] :]
+                del index[frame]
+            elif frame in index:
+                loop = path[index[frame] :]
                 if named.isdisjoint(loop):
                     found.append(loop)
                     named.update(loop)
             elif frame not in done:
-                place[frame] = len(path)
+                index[frame] = len(path)
                 path.append(frame)
                 waiting.append((frame, True))
                 waiting += [(child, False) for child in reversed(children.get(frame, []))]

@@ -91,7 +91,7 @@ def points_from_frames(
 
     Args:
         samples: those with contact points stay as they are.
-        points: place of each foot; None: not known.
+        points: position of each foot; None: not known.
         buffer: transforms around the samples.
         world: frame of the positions.
         clock: the clock of the samples and of the buffer.

@@ -57,9 +57,9 @@ def concatenate_transforms(parts: Sequence[RecordedTransforms]) -> RecordedTrans
 
 def _one_code(coded: Sequence[tuple[Ints, tuple[str, ...]]]) -> tuple[Ints, tuple[str, ...]]:
     """Join columns of coded names into one with a common code."""
-    places: dict[str, int] = {}
+    columns_of: dict[str, int] = {}
     columns = []
     for code, names in coded:
-        common = [places.setdefault(name, len(places)) for name in names]
+        common = [columns_of.setdefault(name, len(columns_of)) for name in names]
         columns.append(np.array(common, np.int64)[code])
-    return np.concatenate(columns), tuple(places)
+    return np.concatenate(columns), tuple(columns_of)

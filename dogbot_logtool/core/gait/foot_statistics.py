@@ -12,16 +12,12 @@ from dogbot_logtool.core.gait.cycle_curves import (
     ForceCurves,
     force_curves,
     fore_aft_impulses,
-    forward_forces,
 )
+from dogbot_logtool.core.gait.foot_steps import FootChecks, FootSteps
 from dogbot_logtool.core.gait.segments import FootEvents
-from dogbot_logtool.core.gait.standing import Standing, steps_apart
 from dogbot_logtool.core.gait.strides import (
     Strides,
-    cut_by_fall,
-    cut_by_standing,
     cut_outside,
-    strides_of,
 )
 from dogbot_logtool.core.geometry import timespans
 from dogbot_logtool.core.geometry.aggregates import Aggregate, aggregate
@@ -29,7 +25,6 @@ from dogbot_logtool.core.geometry.arrays import Floats, Ints
 from dogbot_logtool.core.leg_position import LegPosition
 from dogbot_logtool.core.load.load_figures import vertical_impulse_ns
 from dogbot_logtool.core.load.slip import slip_m
-from dogbot_logtool.core.load.spikes import has_lone_spikes, without_spikes
 from dogbot_logtool.dataclass import dataclass
 
 
@@ -43,7 +38,7 @@ class FootStatistics:
 
     name: str
     topic: str
-    place: LegPosition | None
+    leg_position: LegPosition | None
     record: FootHistory
     stances: Stances
     """All stances, those in a fall or a stand marked as cut."""
@@ -59,9 +54,8 @@ class FootStatistics:
     liftoff: Ints
     """(l,) ns, lift-offs that were seen."""
     is_dead: bool
-    """Its sensor never reports a contact, and nothing says that the foot is lifted."""
+    """See `FootChecks`; likewise `is_saturated`."""
     is_saturated: bool
-    """Its sensor is cut off at a limit: the peaks are not known."""
     spikes: int
     """Lone spikes of its force in whole stances; kept out of the peaks."""
     contact_fraction: float | None
@@ -102,118 +96,84 @@ class FootStatistics:
 
 
 def foot_statistics(
-    name: str,
-    topic: str,
-    place: LegPosition | None,
-    record: FootHistory,
-    base: BaseHistory,
-    *,
-    fallen: Ints,
-    forward_axis: str,
-    standing: Standing,
-    foot_rolling_m: float | None,
-    is_dead: bool,
-    is_saturated: bool = False,
-    contact_known: bool = True,
-    direction_known: bool = True,
-    vertical_known: bool = True,
-    in_newtons: bool = True,
-    within: Ints | None = None,
+    steps: FootSteps, base: BaseHistory, foot_rolling_m: float | None, within: Ints | None = None
 ) -> FootStatistics:
     """Aggregate what was recorded of one foot.
 
     Args:
-        name: of the foot. Also its topic and place.
-        topic: contact topic.
-        place: front or back, left or right.
-        record: its stances and track.
+        steps: of the foot.
         base: poses.
-        fallen: (f, 2) ns, spans in which the robot lies.
-        forward_axis: the body's axis that points forward.
-        standing: spans without steps.
         foot_rolling_m: m, travel of the contact point of a foot that rolls without slipping; None:
             not known.
-        is_dead: whether its sensor seems dead.
-        is_saturated: whether its sensor is cut off at a limit.
-        contact_known: whether nothing refutes its contacts.
-        direction_known: whether nothing contradicts the direction of the force.
-        vertical_known: whether its vertical part may be what it seems.
-        in_newtons: whether forces may be in N.
         within: (w, 2) ns, a part of the log; its stances and strides are those with their middle in
             it. None: all of it.
     """
-    stances = without_spikes(cut_by_fall(record.stances, fallen))
-    stances = cut_by_standing(stances, steps_apart(standing.without_steps, stances))
-    strides, discarded = strides_of(stances, record.gaps, fallen)
-    lone = has_lone_spikes(stances)
+    record, checks, stances, strides = steps.record, steps.checks, steps.stances, steps.strides
     if within is not None:
         stances, strides = cut_outside(stances, within), strides.within(within)
     length = stride_lengths(base, strides.touchdown, strides.end)
+    length = length if checks.length_known else np.full_like(length, np.nan)
     slip = slip_m(stances.figures.contact_travel_m, foot_rolling_m)
     largest_slip = slip_m(stances.figures.contact_reach_m, foot_rolling_m)
     whole = stances.whole
-    forward = forward_forces(record, base, forward_axis)
-    forward = forward if direction_known else np.full_like(forward, np.nan)
-    figures = stances.figures if in_newtons else _without_newtons(stances.figures)
-    upright = figures if vertical_known else _without_vertical(figures)
-    fore_aft = fore_aft_impulses(forward, stances)
+    figures = _known_forces(stances.figures, checks)
+    fore_aft = fore_aft_impulses(steps.forward, stances)
     # A spike of a leaning force is as large as all that brakes.
     clean = whole & ~(stances.figures.spikes > 0)
     return FootStatistics(
-        name=name,
-        topic=topic,
-        place=place,
+        name=steps.settings.name,
+        topic=steps.settings.topic,
+        leg_position=steps.settings.leg_position,
         record=record,
         stances=stances,
         strides=strides,
         length_m=length,
         slip_m=slip,
-        discarded=discarded,
+        discarded=steps.discarded,
         touchdown=_seen(stances.touchdown, record, Cut.LOG_START, stances),
         liftoff=_seen(stances.liftoff, record, Cut.LOG_END, stances),
-        is_dead=is_dead,
-        is_saturated=is_saturated,
-        spikes=int(stances.figures.spikes[lone & whole].sum()),
-        contact_fraction=record.contact_fraction(within) if contact_known else None,
+        is_dead=checks.is_dead,
+        is_saturated=checks.is_saturated,
+        spikes=int(stances.figures.spikes[steps.has_spikes & whole].sum()),
+        contact_fraction=record.contact_fraction(within) if checks.contact_known else None,
         stance_s=aggregate(stances.duration_s[whole]),
         swing_s=aggregate(strides.swing_s),
         stride_period_s=aggregate(strides.period_s),
         stride_frequency_hz=strides.frequency_hz,
         duty_factor=aggregate(strides.duty_factor),
         stride_length_m=aggregate(length),
-        peak_force_n=None if is_saturated else aggregate(figures.peak_n[whole]),
+        peak_force_n=aggregate(figures.peak_n[whole]),
         mean_force_n=aggregate(figures.mean_n[whole]),
-        peak_vertical_force_n=(None if is_saturated else aggregate(upright.peak_vertical_n[whole])),
-        mean_vertical_force_n=aggregate(upright.mean_vertical_n[whole]),
+        peak_vertical_force_n=aggregate(figures.peak_vertical_n[whole]),
+        mean_vertical_force_n=aggregate(figures.mean_vertical_n[whole]),
         vertical_impulse_ns=(
-            vertical_impulse_ns(record, within) if vertical_known and not is_dead else None
+            vertical_impulse_ns(record, within)
+            if checks.vertical_known and not checks.is_dead
+            else None
         ),
         braking_impulse_ns=aggregate(fore_aft.braking[clean]),
         propulsive_impulse_ns=aggregate(fore_aft.propulsive[clean]),
-        force_curves=force_curves(
-            record.stance_forces[:, 2] if vertical_known else np.full_like(forward, np.nan),
-            forward,
-            stances,
-            strides,
-        ),
+        force_curves=force_curves(steps.vertical, steps.forward, stances, strides),
         loading_rate_nps=aggregate(figures.loading_rate_nps[whole]),
-        impact_ratio=aggregate(stances.figures.impact_ratio[whole]),
-        contact_travel_m=aggregate(stances.figures.contact_travel_m[whole]),
+        impact_ratio=aggregate(figures.impact_ratio[whole]),
+        contact_travel_m=aggregate(figures.contact_travel_m[whole]),
         slip_distance_m=aggregate(slip[whole]),
         largest_slip_m=aggregate(largest_slip[whole]),
-        friction_use=aggregate(stances.figures.friction_use[whole]) if direction_known else None,
+        friction_use=aggregate(figures.friction_use[whole]) if checks.direction_known else None,
         slip_source="contact_points" if np.isfinite(slip[whole]).any() else None,
     )
 
 
-def _without_vertical(figures: StanceFigures) -> StanceFigures:
+def _known_forces(figures: StanceFigures, checks: FootChecks) -> StanceFigures:
+    """Return figures without the forces that are not known."""
     unknown = np.full_like(figures.peak_n, np.nan)
-    return figures._replace(peak_vertical_n=unknown, mean_vertical_n=unknown)
-
-
-def _without_newtons(figures: StanceFigures) -> StanceFigures:
-    unknown = np.full_like(figures.peak_n, np.nan)
-    return figures._replace(peak_n=unknown, mean_n=unknown, loading_rate_nps=unknown)
+    if not checks.in_newtons:
+        figures = figures._replace(peak_n=unknown, mean_n=unknown, loading_rate_nps=unknown)
+    if not checks.vertical_known:
+        figures = figures._replace(peak_vertical_n=unknown, mean_vertical_n=unknown)
+    if checks.is_saturated:
+        figures = figures._replace(peak_n=unknown, peak_vertical_n=unknown)
+    return figures
 
 
 def _seen(time: Ints, record: FootHistory, unseen: Cut, stances: Stances) -> Ints:

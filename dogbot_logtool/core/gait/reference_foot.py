@@ -45,10 +45,10 @@ def gait_input(
     feet: Sequence[FootStatistics], standing: Standing, supported: Support | None
 ) -> GaitInput:
     """Choose the feet that phases are measured against."""
-    places = [foot.place for foot in feet]
-    order = legs_in_order(places)
+    leg_positions = [foot.leg_position for foot in feet]
+    order = legs_in_order(leg_positions)
     walking = [row for row in order or range(len(feet)) if len(feet[row].strides.stance)]
-    hind = places.index(("back", "left")) if ("back", "left") in places else None
+    hind = leg_positions.index(("back", "left")) if ("back", "left") in leg_positions else None
     return GaitInput(
         feet=tuple(foot.events for foot in feet),
         reference=walking[0] if walking else 0,

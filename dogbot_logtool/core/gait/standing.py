@@ -14,7 +14,7 @@ from dogbot_logtool.core.geometry.order_statistics import median_of
 STAND_S: Final = 1.0
 """All feet down for longer, and for longer than a stride, is no part of a stride."""
 MOVED_M: Final = 0.15
-"""m from its first place that a base reaches only if it moves; swaying is less."""
+"""m from its first position that a base reaches only if it moves; swaying is less."""
 TURNED_RAD: Final = 0.5
 """rad, the same for its heading."""
 STILL_MPS: Final = 0.01
@@ -99,29 +99,29 @@ def _moving(span: Ints, base: BaseHistory) -> Ints:
     start, end = span.tolist()
     count = max(1, int((end - start) / (_STEP_S * 1e9)))
     time = np.linspace(start, end, count + 1).astype(np.int64)
-    place = np.column_stack([base.position_at(time)[:, :2], base.angles_at(time)[:, 2]])
-    known = place[np.isfinite(place).all(axis=1)]
+    position = np.column_stack([base.position_at(time)[:, :2], base.angles_at(time)[:, 2]])
+    known = position[np.isfinite(position).all(axis=1)]
     if len(known) < 2:
         return timespans.no_spans()
     away = known - known[0]
     if _distance(away).max() < MOVED_M and np.abs(away[:, 2]).max() < TURNED_RAD:
         return timespans.no_spans()
-    return _lasting(timespans.spans_where(time, _moves(place)[:-1]))
+    return _lasting(timespans.spans_where(time, _moves(position)[:-1]))
 
 
-def _moves(place: Floats) -> Flags:
+def _moves(position: Floats) -> Flags:
     """(n,) whether the base moves around each instant; not where it is not known."""
     reach = round(_WINDOW_S / _STEP_S / 2.0)
-    rows = np.arange(len(place))
-    after, before = np.minimum(rows + reach, len(place) - 1), np.maximum(rows - reach, 0)
-    way, seconds = place[after] - place[before], (after - before) * _STEP_S
+    rows = np.arange(len(position))
+    after, before = np.minimum(rows + reach, len(position) - 1), np.maximum(rows - reach, 0)
+    way, seconds = position[after] - position[before], (after - before) * _STEP_S
     fast = _distance(way) > STILL_MPS * seconds
     moves: Flags = fast | (np.abs(way[:, 2]) > STILL_RADPS * seconds)
     return moves
 
 
-def _distance(place: Floats) -> Floats:
-    distance: Floats = np.hypot(place[:, 0], place[:, 1])
+def _distance(position: Floats) -> Floats:
+    distance: Floats = np.hypot(position[:, 0], position[:, 1])
     return distance
 
 

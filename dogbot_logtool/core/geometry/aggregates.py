@@ -128,9 +128,9 @@ class IntervalHistogram:
             (self._bins, self._counts, self._sums),
             (bins, counts, sums),
         ):
-            places = np.searchsorted(all_bins, held)
-            all_counts[places] += held_counts
-            all_sums[places] += held_sums
+            rows = np.searchsorted(all_bins, held)
+            all_counts[rows] += held_counts
+            all_sums[rows] += held_sums
         self._bins, self._counts, self._sums = all_bins, all_counts, all_sums
 
     @property

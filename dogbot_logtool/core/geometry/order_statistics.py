@@ -26,11 +26,11 @@ def median_of(values: ArrayLike, axis: int | None = None) -> Any:  # noqa: ANN40
     """
     rows = _rows(values, axis)
     middle = len(rows) // 2
-    places = [middle] if len(rows) % 2 else [middle - 1, middle]
+    ranks = [middle] if len(rows) % 2 else [middle - 1, middle]
     if not len(rows):
         return np.full(rows.shape[1:], np.nan)[()]
-    ordered = np.partition(rows, [*places, -1], axis=0)
-    return _nan_if_any(ordered, ordered[places].mean(axis=0))
+    ordered = np.partition(rows, [*ranks, -1], axis=0)
+    return _nan_if_any(ordered, ordered[ranks].mean(axis=0))
 
 
 def percentiles_of(
@@ -47,12 +47,12 @@ def percentiles_of(
         (k, ...), or as one percentage has it; NaN where one is among the values.
     """
     rows = _rows(values, axis)
-    place = np.atleast_1d(percents) / 100.0 * (len(rows) - 1)
-    before = np.floor(place).astype(np.intp)
+    rank = np.atleast_1d(percents) / 100.0 * (len(rows) - 1)
+    before = np.floor(rank).astype(np.intp)
     after = np.minimum(before + 1, len(rows) - 1)
     ordered = np.partition(rows, [*before.tolist(), *after.tolist(), -1], axis=0)
     low, high = ordered[before], ordered[after]
-    part = (place - before).reshape(-1, *[1] * (rows.ndim - 1))
+    part = (rank - before).reshape(-1, *[1] * (rows.ndim - 1))
     step = high - low
     found = np.where(part < 0.5, low + step * part, high - step * (1.0 - part))
     return _nan_if_any(ordered, found if np.ndim(percents) else found[0])

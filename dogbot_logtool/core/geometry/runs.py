@@ -84,8 +84,8 @@ def quantiles(ordered: Floats, begin: Ints, end: Ints, share: float) -> Floats:
         end: (k,) row after its last.
         share: 0.5 for the median.
     """
-    place = share * (end - begin - 1)
-    below = begin + place.astype(np.int64)
+    rank = share * (end - begin - 1)
+    below = begin + rank.astype(np.int64)
     above = np.minimum(below + 1, end - 1)
-    between: Floats = ordered[below] + (ordered[above] - ordered[below]) * (place - (below - begin))
+    between: Floats = ordered[below] + (ordered[above] - ordered[below]) * (rank - (below - begin))
     return between

@@ -300,15 +300,15 @@ def _shares(
 
 
 def grouped_shares(
-    shares: Sequence[float], places: Sequence[LegPosition | None]
+    shares: Sequence[float], leg_positions: Sequence[LegPosition | None]
 ) -> Mapping[str, float | None]:
-    """Add up the shares of fore, hind, left and right feet; None where places are not known."""
+    """Add up the shares of fore, hind, left and right feet; None where these are not known."""
     groups = {"fore": "front", "hind": "back", "left": "left", "right": "right"}
-    known = [place for place in places if place is not None]
-    if len(known) < len(places):
+    known = [each for each in leg_positions if each is not None]
+    if len(known) < len(leg_positions):
         return dict.fromkeys(groups)
     return {
-        name: sum(share for share, place in zip(shares, known, strict=True) if word in place)
+        name: sum(share for share, each in zip(shares, known, strict=True) if word in each)
         for name, word in groups.items()
     }
 

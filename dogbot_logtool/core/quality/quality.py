@@ -23,7 +23,7 @@ from dogbot_logtool.dataclass import dataclass
 _FAR_QUARTILES: Final = 10.0
 """Intervals whose quartiles are further apart are of two kinds: within bursts and between them."""
 LONGEST_SHOWN: Final = 5
-"""Gaps that are reported with their place."""
+"""Gaps that are reported with their times."""
 OFFSET_RATE_HZ: Final = 1.0
 """Rate at which the offset of the two clocks is looked at."""
 SHORTEST_DRIFT_S: Final = 5.0

@@ -21,7 +21,7 @@ class LegLines:
     """(n,) ns."""
     ends: Floats
     """(n, feet, 2, 3) m, world frame: hip and contact point; NaN where the foot is not down, or
-    where that or its place is not known."""
+    where that or its position is not known."""
 
 
 def leg_lines(poses: Odometry, feet: Sequence[FootTracker], hips: Floats) -> LegLines:

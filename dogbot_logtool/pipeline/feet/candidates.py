@@ -237,7 +237,7 @@ def _fits(name: str, field: PossibleField) -> bool:
 
 def _feet(found: FootSet, fields: Sequence[tuple[str, str]]) -> tuple[Foot, ...]:
     return tuple(
-        Foot(foot.name, topic, place=foot.position or leg_position(foot.name),
+        Foot(foot.name, topic, leg_position=foot.position or leg_position(foot.name),
              field=FootField(path))
         for foot, (topic, path) in zip(found.feet, fields, strict=True)
     )  # fmt: skip

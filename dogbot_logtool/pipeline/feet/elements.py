@@ -104,7 +104,7 @@ def named_elements(
             Foot(
                 foot.name,
                 topic,
-                place=foot.position or leg_position(foot.name),
+                leg_position=foot.position or leg_position(foot.name),
                 field=FootField(field.path.replace("[]", f"[{labels.index(foot.topic)}]")),
             )
             for foot in one.feet

@@ -29,7 +29,7 @@ def candidates_finding(
     text = f"fields of {first.type_name} look like feet: {first.text}"
     for other in others[:_ALTERNATIVES]:
         text += f"; or {other.text}"
-    if any(foot.place is None for foot in first.feet):
+    if any(foot.leg_position is None for foot in first.feet):
         text += (
             "; which leg each is, they do not say: put front_left, back_right ... for "
             f"{first.feet[0].name} and the others, and gaits have names"

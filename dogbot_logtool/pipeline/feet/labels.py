@@ -68,7 +68,7 @@ def _named(feet: Sequence[Foot], called: Sequence[str]) -> tuple[Foot, ...]:
     if len({each.name for each in named}) < len(named):
         return tuple(feet)
     return tuple(
-        replace(foot, name=each.name, place=each.position)
+        replace(foot, name=each.name, leg_position=each.position)
         for foot, each in zip(feet, named, strict=True)
     )
 

@@ -81,16 +81,16 @@ def _feet(found: Sequence[MessageFoot], topic: str) -> tuple[Foot, ...]:
     found = _without_hands(found)
     labelled = label_names([foot.label for foot in found])
     names = [foot.name or each.name for foot, each in zip(found, labelled, strict=True)]
-    places = [each.position for each in labelled]
+    positions = [each.position for each in labelled]
     feet = [
         Foot(
             name if names.count(name) == 1 else foot.label or f"{name}_{element + 1}",
             topic,
-            place=leg_position(name) or place,
+            leg_position=leg_position(name) or position,
             element=element,
             label=foot.label,
         )
-        for element, (foot, name, place) in enumerate(zip(found, names, places, strict=True))
+        for element, (foot, name, position) in enumerate(zip(found, names, positions, strict=True))
     ]
     return tuple(sorted(feet, key=_front_to_back))
 
@@ -100,9 +100,11 @@ _ORDER: Final = ("front", "middle", "back", "left", "right")
 
 def _front_to_back(foot: Foot) -> tuple[int, int, str]:
     """Sort feet front to back, left before right."""
-    if foot.place is None:
+    if foot.leg_position is None:
         return len(_ORDER), 0, foot.name
-    end, side = (_ORDER.index(each) if each in _ORDER else len(_ORDER) for each in foot.place)
+    end, side = (
+        _ORDER.index(each) if each in _ORDER else len(_ORDER) for each in foot.leg_position
+    )
     return end, side, foot.name
 
 

@@ -86,7 +86,7 @@ def assign_feet(
         )
     feet = {} if unknown else dict(known)
     for name, word in topics.items():
-        foot = known.get(name, Foot(name, word, place=leg_position(name)))
+        foot = known.get(name, Foot(name, word, leg_position=leg_position(name)))
         feet[name] = with_topic(foot, *split_topic(word, recorded))
     return replace(robot, feet=tuple(feet.values()))
 
@@ -245,7 +245,7 @@ def _check_elements_differ(feet: Sequence[Foot]) -> None:
 
 
 def _feet_of(found: FootSet) -> tuple[Foot, ...]:
-    return tuple(Foot(foot.name, foot.topic, place=foot.position) for foot in found.feet)
+    return tuple(Foot(foot.name, foot.topic, leg_position=foot.position) for foot in found.feet)
 
 
 def _found(
@@ -297,7 +297,8 @@ def _with_element(log: Log, foot: Foot, findings: list[Finding]) -> Foot:
     if foot.element is not None and sources[0].elements:
         return foot
     found = feet_of_messages(log, foot.topic)
-    for name in (foot.name, *("_".join(at) for at in (foot.place, leg_position(foot.name)) if at)):
+    positions = (foot.leg_position, leg_position(foot.name))
+    for name in (foot.name, *("_".join(position) for position in positions if position)):
         for other in found:
             if foot.label == other.label if foot.label else name == other.name:
                 return replace(foot, element=other.element, label=other.label)

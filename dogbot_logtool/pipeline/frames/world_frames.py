@@ -1,4 +1,4 @@
-"""What the log's own frames tell of its feet: link-frame forces in the world, places of sensors.
+"""What the log's own frames tell of its feet: link-frame forces in the world, positions of sensors.
 
 Transforms before and after a sample are needed, so a reader of a log in parts keeps the tail of
 what came before, and looks a little ahead. What is found does not depend on where the parts end:
@@ -85,7 +85,7 @@ class WorldFrames:
         return tracks
 
     def place(self, samples: Sequence[Samples], around: TransformBuffer) -> "Placed":
-        """Turn forces into the world and give sensors their places, where frames tell.
+        """Turn forces into the world and give sensors their positions, where frames tell.
 
         Args:
             samples: of one batch.
@@ -160,7 +160,7 @@ def follow_frames(
         else None
         for foot in range(len(selection.robot.feet))
     ]
-    # The world itself is no place of a foot.
+    # The world itself is no frame of a foot.
     points = tuple(
         point if point and chain_of_frames(parents, point.frame, world) else None
         for point in sensors
@@ -199,7 +199,7 @@ def _sensor(
     world: str,
     named: Mapping[LegPosition, str],
 ) -> FramePoint | None:
-    """Return the place of a foot whose sensor tells forces but no contact points.
+    """Return the position of a foot whose sensor tells forces but no contact points.
 
     It is at the frame of the robot's file or of its messages; where the log's transforms do not
     place that, at the frame that is named like the leg's foot.
@@ -210,8 +210,8 @@ def _sensor(
     described = selection.robot.feet[foot]
     frame = described.frame or probe.links[foot]
     is_placed = frame is not None and chain_of_frames(parents, frame, world) is not None
-    if described.frame is None and described.place is not None and not is_placed:
-        frame = named.get(described.place, frame)
+    if described.frame is None and described.leg_position is not None and not is_placed:
+        frame = named.get(described.leg_position, frame)
     return FramePoint(frame, described.contact_point_m) if frame else None
 
 

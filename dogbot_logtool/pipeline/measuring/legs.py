@@ -231,7 +231,7 @@ def _named_frames(feet: Sequence[Foot], frames: Iterable[str]) -> dict[int, str]
     if found is None or found.part is not Part.FOOT:
         return {}
     named = {each.position or each.name: each.topic for each in found.feet}
-    keys = (foot.place if foot.place in named else foot.name for foot in feet)
+    keys = (foot.leg_position if foot.leg_position in named else foot.name for foot in feet)
     return {number: named[key] for number, key in enumerate(keys) if key in named}
 
 
@@ -244,7 +244,7 @@ def _feet_of_joints(
         for joint in chain.joints if chain else ():
             if joint.kind != "fixed":
                 found.setdefault(joint.measured, number)
-    places = [foot.place or _place_of(foot.name) for foot in feet]
+    places = [foot.leg_position or _place_of(foot.name) for foot in feet]
     for name in sorted(names - found.keys()):
         place = _place_of(name)
         matching = [number for number, each in enumerate(places) if _is_of(place, each)]
@@ -273,7 +273,7 @@ def _pairs(feet: Sequence[Foot], foot_of: Mapping[str, int]) -> tuple[JointPair,
     """Return the joints of legs that are alike but for their side."""
     found: dict[str, dict[str, str]] = {}
     for joint, foot in sorted(foot_of.items()):
-        end, side = feet[foot].place or _place_of(feet[foot].name)
+        end, side = feet[foot].leg_position or _place_of(feet[foot].name)
         words = [w.text for w in words_of(joint) if w.text not in {*LETTERS, *ENDS, *SIDES}]
         end = end if end in {"front", "back"} or len(feet) > 2 else ""
         found.setdefault("_".join(filter(None, (end, *words))), {})[side] = joint

@@ -87,7 +87,7 @@ def make_plan(log: Log, options: StatsOptions) -> MeasuringPlan:
     selection = select_topics(log, options.topics)
     if not selection.odometry and not selection.contacts:
         raise LogError(nothing_to_do(log, selection))
-    probe = probe_log(log, selection, with_places=_may_tell_of_legs(log, selection))
+    probe = probe_log(log, selection, with_soles=_may_tell_of_legs(log, selection))
     selection = selection.without_forces(probe.forceless)
     given = Thresholds(options.contact_on_n, options.contact_off_n, options.debounce_s)
     sensors = learn_sensors(log, selection, probe, options.topics, given)
@@ -120,7 +120,7 @@ def _settings(
             FootSettings(
                 foot.name,
                 foot.topic,
-                foot.place,
+                foot.leg_position,
                 has_force=selection.knows_force(index),
                 sensor=sensors.feet[index],
                 silent_in_swing=index in probe.intervals,

@@ -39,7 +39,7 @@ class RobotDescription:
     findings: tuple[Finding, ...] = ()
     hips: Floats | None = None
     """(feet, 3) m, base frame: where lines to standing feet begin, NaN where not known; None: the
-    legs move by transforms, or no foot has a place."""
+    legs move by transforms, or no foot has a leg position."""
     motion: JointMotion | None = None
     """How joint states move its links; None: they do not."""
     height_m: float = 1.0
@@ -137,7 +137,7 @@ def log_skeleton(selection: Selection, probe: Probe, base_frame: str) -> Skeleto
 
 
 def _hips(shape: RobotShape, feet: int) -> Floats | None:
-    """Return where the lines of legs begin; None: no foot has a place."""
+    """Return where the lines of legs begin; None: no foot has a leg position."""
     if not shape.hips:
         return None
     nowhere = (np.nan,) * 3

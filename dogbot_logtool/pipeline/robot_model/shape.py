@@ -33,7 +33,7 @@ class RobotShape:
 
 
 def robot_shape(selection: Selection, probe: Probe) -> RobotShape:
-    """Return what the places of standing feet, else the mass, tell of a robot's shape."""
+    """Return what the positions of standing feet, else the mass, tell of a robot's shape."""
     robot, stances = selection.robot, probe.stances
     length = body_size_m(robot.mass_kg)[0]
     height = length
@@ -47,12 +47,12 @@ def robot_shape(selection: Selection, probe: Probe) -> RobotShape:
 
 
 def _axis_by_feet(robot: Robot, stances: Mapping[int, Point]) -> str | None:
-    """Return the axis from hind to fore feet; None: their places are not known."""
+    """Return the axis from hind to fore feet; None: their positions are not known."""
     ends: Sequence[list[Point]] = [
         [
             stances[number]
             for number, foot in enumerate(robot.feet)
-            if number in stances and foot.place is not None and foot.place[0] == end
+            if number in stances and foot.leg_position is not None and foot.leg_position[0] == end
         ]
         for end in ("front", "back")
     ]

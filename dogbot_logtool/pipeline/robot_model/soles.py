@@ -23,7 +23,7 @@ _MOST_SAMPLES: Final = 200
 """Contacts of a foot that are used of each batch."""
 _FEWEST: Final = 5
 _SPREAD_M: Final = 0.05
-"""m, median distance from the median beyond which points are no place of a sole."""
+"""m, median distance from the median beyond which points tell no sole."""
 STANCE_SPREAD_M: Final = 0.3
 """m, the same in the base's frame, in which a foot moves back while it stands."""
 _GRID_M: Final = 0.02
@@ -66,7 +66,7 @@ class SoleFinder:
 
         Args:
             frames: how the links hang in the world.
-            spread_m: m, median distance from the median beyond which a foot has no place.
+            spread_m: m, median distance from the median beyond which a foot has no sole.
             in_base: feet whose points are in the base's frame as they are recorded.
         """
         self._frames = frames

@@ -176,14 +176,14 @@ class Files:
             "another directory: all logs that are there are measured anew"
         )
 
-    def _readable(self, place: Location, read: Callable[[], Result]) -> Result:
+    def _readable(self, location: Location, read: Callable[[], Result]) -> Result:
         """Return what is read; an error is one that has a sentence."""
         try:
-            return read() if isinstance(place, Path) else storage.asked(place, read)
+            return read() if isinstance(location, Path) else storage.asked(location, read)
         except StoreError:
             raise
         except (OSError, pa.ArrowInvalid) as error:
-            raise LogtoolError(f"{storage.shown(place)}: cannot be read: {error}") from error
+            raise LogtoolError(f"{storage.shown(location)}: cannot be read: {error}") from error
 
 
 def _files_below(folder: Location) -> list[str]:

@@ -17,7 +17,7 @@ MOST_ROWS: Final = 2_000_000
 
 @dataclass(frozen=True, slots=True, order=True)
 class Part:
-    """The place of some logs' rows: a file of each table."""
+    """The files of some logs' rows, one of each table."""
 
     partition: str
     """Directories below that of the table, such as ``robot=dogbot/month=2026-11``."""

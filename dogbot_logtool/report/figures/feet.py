@@ -29,7 +29,7 @@ _SENSOR: Final[Sequence[Figure[FootStatistics]]] = (
         "place",
         Kind.TEXTS,
         "",
-        lambda foot: None if foot.place is None else list(foot.place),
+        lambda foot: None if foot.leg_position is None else list(foot.leg_position),
         "where the leg is: front, middle or back, then left, right or centre",
         null="the robot's file does not say",
     ),

@@ -70,7 +70,7 @@ class LoadSource:
         if shares is None:
             return None
         names = [foot.name for foot in self.feet]
-        groups = grouped_shares(shares, [foot.place for foot in self.feet])
+        groups = grouped_shares(shares, [foot.leg_position for foot in self.feet])
         return LoadShares(dict(zip(names, shares, strict=True)), groups)
 
     @property

@@ -202,14 +202,14 @@ def _draw_rows(
 def _name(
     axes: "Axes",
     name: str,
-    place: tuple[float, float],
+    at: tuple[float, float],
     measured_in: str | tuple[str, str],
     side: Literal[-1, 1],
 ) -> None:
-    """Write a foot's name to the left (-1) or the right (1) of a place."""
+    """Write a foot's name to the left (-1) or the right (1) of a point."""
     axes.annotate(
         name,
-        place,
+        at,
         xycoords=measured_in,
         xytext=(3.0 * side, 0.0),
         textcoords="offset points",

@@ -135,8 +135,8 @@ def _foot(foot: Foot, figures: Mapping[str, Any]) -> Iterator[str]:
         yield from _field(foot.field)
     if foot.collision:
         yield f"collision = {_text(foot.collision)}"
-    if foot.place is not None:
-        yield f"place = [{_text(foot.place[0])}, {_text(foot.place[1])}]"
+    if foot.leg_position is not None:
+        yield f"place = [{_text(foot.leg_position[0])}, {_text(foot.leg_position[1])}]"
     else:
         yield '# place = ["front", "left"]  # not known; gaits are named by it'
     yield from _foot_sensor(foot, figures.get("force_offset_n"))

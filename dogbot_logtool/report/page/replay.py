@@ -33,7 +33,7 @@ MOST_FOOTFALLS: Final = 1000
 _SMALL_M: Final = 3.2
 """m, the furthest joint from the base that 16 bits tell to 0.1 mm."""
 _UNKNOWN: Final = -32768
-"""Stands for a joint whose place is not known."""
+"""Stands for a joint whose position is not known."""
 _SWING, _STANCE, _NOT_KNOWN = 0, 1, 2
 _ALONG: Final = {"front": 1.0, "back": -1.0}
 _ASIDE: Final = {"left": 1.0, "right": -1.0}
@@ -72,7 +72,7 @@ def replay(stats: Stats, time: Ints, limbs: Limbs | None) -> dict[str, Any] | No
     if len(base.time) == 0 or len(time) == 0:
         return None
     position, angles = base.position_at(time), base.angles_at(time)
-    # Near the robot, 32 bits tell places to less than a millimetre, wherever the world begins.
+    # Near the robot, 32 bits tell positions to less than a millimetre, wherever the world begins.
     origin = np.array([*np.round(base.position[0, :2]), 0.0])
     points = [
         _foot_points(stats, row, time, limbs, position, angles) for row in range(len(stats.feet))
@@ -82,7 +82,7 @@ def replay(stats: Stats, time: Ints, limbs: Limbs | None) -> dict[str, Any] | No
     is_schematic = bool(points) and not any(np.isfinite(each).any() for each in points)
     if is_schematic:
         points = [
-            _in_world(_nominal(foot.place, row, height), position, angles)
+            _in_world(_nominal(foot.leg_position, row, height), position, angles)
             for row, foot in enumerate(stats.feet)
         ]
     short = short_names([foot.name for foot in stats.feet])
@@ -121,22 +121,22 @@ def _foot_points(
 ) -> Floats:
     """(n, 3) m, in the world: the contact point in stance, the sole or a straight line in swing."""
     record = stats.feet[row].record
-    place = np.full((len(time), 3), np.nan)
+    point = np.full((len(time), 3), np.nan)
     known = np.isfinite(record.track.point).all(axis=1)
     if known.any() and _in_one_world(stats):
         at = record.track.time[known]
         for axis in range(3):
-            place[:, axis] = np.interp(time - at[0], at - at[0], record.track.point[known, axis])
+            point[:, axis] = np.interp(time - at[0], at - at[0], record.track.point[known, axis])
         after = np.clip(np.searchsorted(at, time), 1, max(len(at) - 1, 1))
         apart = at[np.minimum(after, len(at) - 1)] - at[after - 1] > LONGEST_SWING_NS
-        place[(time < at[0]) | (time > at[-1]) | apart] = np.nan
+        point[(time < at[0]) | (time > at[-1]) | apart] = np.nan
     sole = None if limbs is None else limbs.soles[row]
     if limbs is not None and sole is not None:
-        swings = ~timespans.covers(record.in_contact, time) | np.isnan(place[:, 0])
+        swings = ~timespans.covers(record.in_contact, time) | np.isnan(point[:, 0])
         by_frames = _in_world(limbs.point[:, sole].astype(np.float64), position, angles)
         use: Flags = swings & np.isfinite(by_frames[:, 0])
-        place[use] = by_frames[use]
-    return place
+        point[use] = by_frames[use]
+    return point
 
 
 def _in_one_world(stats: Stats) -> bool:
@@ -150,12 +150,11 @@ def _in_world(point: Floats, position: Floats, angles: Floats) -> Floats:
     return position + rotate(from_roll_pitch_yaw(angles), points)
 
 
-def _nominal(place: LegPosition | None, row: int, height: float) -> Floats:
+def _nominal(leg_position: LegPosition | None, row: int, height: float) -> Floats:
     """(3,) m, in the base's frame: below the base, where a foot of its name may be."""
-    along, aside = (
-        (0.0, 0.0) if place is None else (_ALONG.get(place[0], 0.0), _ASIDE.get(place[1], 0.0))
-    )
-    if place is None:
+    end, side = leg_position or ("", "")
+    along, aside = _ALONG.get(end, 0.0), _ASIDE.get(side, 0.0)
+    if leg_position is None:
         aside = 1.0 - 2.0 * (row % 2)
     return np.array([0.4 * height * along, 0.15 * height * aside, -height])
 

@@ -27,7 +27,7 @@ class Case:
     def __init__(self, log: Log) -> None:
         self.log = log
         self.selection: Selection = select_topics(log, TopicOptions())
-        self.probe: Probe = probe_log(log, self.selection, with_places=True)
+        self.probe: Probe = probe_log(log, self.selection, with_soles=True)
 
     def plan(self, **options: Any) -> ConversionPlan:
         return make_plan(self.log, self.selection, self.probe, ConvertOptions(**options))

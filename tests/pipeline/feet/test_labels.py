@@ -73,7 +73,7 @@ def tips(walk: walks.Walk, labels: Sequence[str], loads: Sequence[float]) -> dic
 
 def test_strings_in_the_elements_name_the_feet(tmp_path: Path) -> None:
     found = select(tmp_path, "odd_msgs/msg/Limbs", ("FL", "FR", "RL", "RR"))
-    feet = {foot.name: foot.place for foot in found.possible_feet[0].feet}
+    feet = {foot.name: foot.leg_position for foot in found.possible_feet[0].feet}
     assert feet == PLACES
     assert [foot.field.path for foot in found.possible_feet[0].feet if foot.field] == [
         f"legs[{leg}].grf" for leg in range(4)

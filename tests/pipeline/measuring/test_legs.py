@@ -12,7 +12,7 @@ from dogbot_logtool.robot import Foot
 from tests.oracles.standing_log import write_standing_log
 
 QUADRUPED = tuple(
-    Foot(f"{end}_{side}", f"/{end}_{side}", place=(end, side))
+    Foot(f"{end}_{side}", f"/{end}_{side}", leg_position=(end, side))
     for end in ("front", "back")
     for side in ("left", "right")
 )

@@ -197,7 +197,7 @@ def test_options_choose(opened: Opener) -> None:
     selection = select_topics(opened(channels(topics)), options)
     assert [channel.topic for channel in selection.odometry] == ["/x"]
     assert feet(selection) == {"paw": "/y", "hind_left": "/z"}
-    assert [foot.place for foot in selection.robot.feet] == [None, ("back", "left")]
+    assert [foot.leg_position for foot in selection.robot.feet] == [None, ("back", "left")]
     assert selection.robot.mass_kg == 12.5
     assert codes(selection) == []
 
@@ -208,7 +208,7 @@ def test_a_foot_of_the_robot_gets_another_topic(opened: Opener) -> None:
     selection = select_topics(opened(channels(topics)), options)
     assert feet(selection)["back_left"] == "/other"
     (foot,) = [foot for foot in selection.robot.feet if foot.name == "back_left"]
-    assert (foot.collision, foot.place) == ("*back_left_foot*", ("back", "left"))
+    assert (foot.collision, foot.leg_position) == ("*back_left_foot*", ("back", "left"))
 
 
 SPARE = {f"/spare/{number}": CONTACTS for number in range(4)}

@@ -44,10 +44,10 @@ def _rows_at(nested: Nested, keys: Ints) -> tuple[Ints, Ints]:
     """Return the rows of elements by message and index, and which of them exist."""
     own = nested.parent << 32 | nested.index
     order = np.argsort(own)
-    place = np.minimum(np.searchsorted(own[order], keys), max(len(own) - 1, 0))
+    index = np.minimum(np.searchsorted(own[order], keys), max(len(own) - 1, 0))
     if not len(own):
         return np.zeros(len(keys), np.int64), np.zeros(len(keys), np.bool_)
-    rows = order[place]
+    rows = order[index]
     return rows, own[rows] == keys
 
 

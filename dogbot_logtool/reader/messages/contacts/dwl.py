@@ -1,4 +1,4 @@
-"""dwl_msgs/WholeBodyState: places and forces of contacts by name, in the base's frame."""
+"""dwl_msgs/WholeBodyState: positions and forces of contacts by name, in the base's frame."""
 
 from collections.abc import Sequence
 from functools import partial
@@ -24,11 +24,11 @@ def _values(messages: DecodedMessages, feet: Sequence[Foot], *, position: str) -
     rows, contacts = len(messages.channel), messages.table.nested("contacts")
     element = labelled_elements(contacts.table.texts("name"), feet)
     force = contacts.table.vectors("wrench.force", "xyz")
-    place = contacts.table.vectors(position, "xyz")
+    points = contacts.table.vectors(position, "xyz")
     return FootValues(
         stamp=messages.table.nanoseconds("header.stamp"),
         force=scattered(contacts.parent, element, force, rows),
-        position=scattered(contacts.parent, element, place, rows),
+        position=scattered(contacts.parent, element, points, rows),
     )
 
 

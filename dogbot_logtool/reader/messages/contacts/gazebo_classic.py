@@ -85,7 +85,7 @@ def to_contact_samples(messages: DecodedMessages, feet: FootChannels) -> Contact
 def foot_links(messages: DecodedMessages, feet: FootChannels) -> FootLinks:
     """Return the links that the feet's own collisions belong to, by foot.
 
-    Only pairs with the foot in first place count: their wrenches are in that link's frame.
+    Only pairs with the foot named first count: their wrenches are in that link's frame.
     """
     states = messages.table.nested("states")
     foot = feet.single(messages.channel)

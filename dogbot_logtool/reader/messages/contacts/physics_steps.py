@@ -52,7 +52,7 @@ def newest_step(info: Texts, message: Ints, messages: int) -> tuple[Flags, int]:
 def _step_times(info: Texts) -> tuple[NDArray[np.void], Flags]:
     """(s,) the text after the last ``time:`` in a form that compares, and (s,) if there is one."""
     end = info.end
-    alike = _times_at_same_place(info, end)
+    alike = _times_at_same_offset(info, end)
     if alike is not None:
         return alike, np.ones(len(end), np.bool_)
     size = min(_INFO_TAIL, len(info.buffer))
@@ -73,7 +73,7 @@ def _step_times(info: Texts) -> tuple[NDArray[np.void], Flags]:
     return tail.view(f"V{_INFO_TAIL}")[:, 0], timed
 
 
-def _times_at_same_place(info: Texts, end: Ints) -> NDArray[np.void] | None:
+def _times_at_same_offset(info: Texts, end: Ints) -> NDArray[np.void] | None:
     """(s,) what `_step_times` seeks if it is as long in all texts, as is usual; else None."""
     text = info.text(0)
     size = len(text) - text.rfind("time:") if text.isascii() and "time:" in text else 0

@@ -247,8 +247,8 @@ def by_element(nested: Nested, values: Floats, rows: int, elements: int) -> Floa
     """
     order = np.argsort(nested.parent, kind="stable")
     parent = nested.parent[order]
-    place = np.arange(len(parent)) - np.searchsorted(parent, parent)
+    element = np.arange(len(parent)) - np.searchsorted(parent, parent)
     table = np.full((rows, elements), np.nan)
-    kept = place < elements
-    table[parent[kept], place[kept]] = values[order][kept]
+    kept = element < elements
+    table[parent[kept], element[kept]] = values[order][kept]
     return table

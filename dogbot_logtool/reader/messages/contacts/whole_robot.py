@@ -244,7 +244,7 @@ class MessageFoot:
     """A foot that messages tell of."""
 
     label: str = ""
-    """What the messages call it; empty: they tell it by its place in their arrays."""
+    """What the messages call it; empty: they tell it by its index in their arrays."""
     name: str = ""
     """Name of the leg, such as ``front_left``; empty: the label tells it."""
 

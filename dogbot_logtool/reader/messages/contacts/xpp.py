@@ -53,18 +53,18 @@ def _positions(messages: DecodedMessages, motion: str) -> Floats:
 def _feet_in(messages: DecodedMessages, *, motion: str, base: str) -> tuple[MessageFoot, ...]:
     """Name the feet by where they are, seen from the base."""
     table = messages.table
-    places, turned = (
+    positions, turned = (
         table.vectors(f"{base}.position", "xyz"),
         table.vectors(f"{base}.orientation", "xyzw"),
     )
     points = _positions(messages, motion)
     usable = np.isfinite(points).all(axis=(1, 2)) & (turned != 0.0).any(axis=1)
-    usable &= np.isfinite(turned).all(axis=1) & np.isfinite(places).all(axis=1)
+    usable &= np.isfinite(turned).all(axis=1) & np.isfinite(positions).all(axis=1)
     if not usable.any() or points.shape[1] > MOST_FEET:
         return ()
     back = conjugate(normalised(turned[usable]))
     from_base = [
-        rotate(back, points[usable, foot] - places[usable]) for foot in range(points.shape[1])
+        rotate(back, points[usable, foot] - positions[usable]) for foot in range(points.shape[1])
     ]
     return tuple(
         MessageFoot(name=name) for name in leg_names(median_of(np.stack(from_base, 1), axis=0))

@@ -51,8 +51,8 @@ class Drawing:
 
 def is_hind(stats: Stats, row: int) -> bool:
     """Tell whether a foot is a hind foot."""
-    place = stats.feet[row].place
-    return place is not None and place[0] == "back"
+    leg_position = stats.feet[row].leg_position
+    return leg_position is not None and leg_position[0] == "back"
 
 
 def foot_marker(stats: Stats, row: int) -> dict[str, Any]:
@@ -95,11 +95,11 @@ def drawn_seconds(stats: Stats, time: Ints) -> Floats | Float32s:
     return exact.astype(np.float32) if fits else exact
 
 
-def drawn_metres(place: Floats) -> Floats | Float32s:
-    """Return places in m to a tenth of a millimetre: near the origin 32 bits tell it."""
-    known = place[np.isfinite(place)]
+def drawn_metres(position: Floats) -> Floats | Float32s:
+    """Return positions in m to a tenth of a millimetre: near the origin 32 bits tell it."""
+    known = position[np.isfinite(position)]
     is_near = bool((np.abs(known) < NEAR_M).all())
-    return place.astype(np.float32) if is_near else place
+    return position.astype(np.float32) if is_near else position
 
 
 def thinned(count: int, most: int) -> Ints:

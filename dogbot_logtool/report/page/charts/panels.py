@@ -60,13 +60,13 @@ def over_cycle(stats: Stats, rows: Sequence[PanelRow], row_pixels: int) -> Chart
     for number, row in enumerate(rows):
         for column, (title, feet) in enumerate(columns):
             panel = number * len(columns) + column + 1
-            place = place_of(number, len(rows), column, len(columns))
-            panel_axes(figure, panel, place, row)
+            domain = panel_domain(number, len(rows), column, len(columns))
+            panel_axes(figure, panel, domain, row)
             for foot in feet:
                 if foot in row.bands:
                     figure.data.extend(_traces(stats, foot, row, panel))
             if number == 0 and title:
-                figure.layout["annotations"].append(heading(title, place))
+                figure.layout["annotations"].append(heading(title, domain))
     return figure
 
 
@@ -76,7 +76,7 @@ def _traces(stats: Stats, foot: int, row: PanelRow, panel: int) -> Sequence[Trac
     axes = {"xaxis": f"x{end}", "yaxis": f"y{end}"}
     record, band = stats.feet[foot], row.bands[foot]
     colour, name = foot_colour(foot), label(record.name)
-    is_right = record.place is not None and record.place[1] == "right"
+    is_right = record.leg_position is not None and record.leg_position[1] == "right"
     percent, lower, middle, upper = (
         each.astype(np.float32) for each in (band.percent, band.lower, band.middle, band.upper)
     )
@@ -112,20 +112,20 @@ def _traces(stats: Stats, foot: int, row: PanelRow, panel: int) -> Sequence[Trac
 
 def leg_columns(stats: Stats) -> list[tuple[str, list[int]]]:
     """Return the panels: the feet of each pair of legs, or all of them."""
-    places = [foot.place for foot in stats.feet]
-    if any(place is None for place in places):
-        return [("", list(range(len(places))))]
-    ends = dict.fromkeys(place[0] for place in places if place)
+    leg_positions = [foot.leg_position for foot in stats.feet]
+    if None in leg_positions:
+        return [("", list(range(len(leg_positions))))]
+    ends = dict.fromkeys(each[0] for each in leg_positions if each)
     named = [end for end in _ENDS if end in ends]
     if len(named) < 2:
-        return [("", list(range(len(places))))]
+        return [("", list(range(len(leg_positions))))]
     return [
-        (_ENDS[end], [foot for foot, place in enumerate(places) if place and place[0] == end])
+        (_ENDS[end], [foot for foot, each in enumerate(leg_positions) if each and each[0] == end])
         for end in named
     ]
 
 
-def place_of(row: int, rows: int, column: int, columns: int) -> dict[str, list[float]]:
+def panel_domain(row: int, rows: int, column: int, columns: int) -> dict[str, list[float]]:
     """Return where a panel lies, as shares of width and height."""
     width, height = 1.0 / columns, 1.0 / rows
     across = 0.5 * _BETWEEN if columns > 1 else 0.0
@@ -142,45 +142,45 @@ def place_of(row: int, rows: int, column: int, columns: int) -> dict[str, list[f
     }
 
 
-def panel_axes(figure: Chart, number: int, place: dict[str, list[float]], row: PanelRow) -> None:
+def panel_axes(figure: Chart, number: int, domain: dict[str, list[float]], row: PanelRow) -> None:
     """Add the axes of a panel.
 
     Args:
         figure: it is added to.
         number: of the panel, from 1.
-        place: of the panel.
+        domain: of the panel.
         row: what it shows.
     """
     end = "" if number == 1 else str(number)
     title = f"{label(row.title)} ({row.unit})"
     figure.layout[f"xaxis{end}"] = {
-        "domain": place["x"],
+        "domain": domain["x"],
         "anchor": f"y{end}",
         "range": [0, 100],
         "fixedrange": True,
         "tickvals": [0, 25, 50, 75, 100],
         "tickangle": 0,
-        "title": {"text": "% of the stride" if place["y"][0] == 0.0 else "", "standoff": 6},
+        "title": {"text": "% of the stride" if domain["y"][0] == 0.0 else "", "standoff": 6},
         "zeroline": False,
         "hoverformat": ".0f",
     }
     figure.layout[f"yaxis{end}"] = {
-        "domain": place["y"],
+        "domain": domain["y"],
         "anchor": f"x{end}",
         "range": list(row.extent),
         "fixedrange": True,
         "zeroline": True,
         "nticks": 6,
-        "title": {"text": title if place["x"][0] == 0.0 else "", "standoff": 2},
-        "showticklabels": place["x"][0] == 0.0,
+        "title": {"text": title if domain["x"][0] == 0.0 else "", "standoff": 2},
+        "showticklabels": domain["x"][0] == 0.0,
     }
 
 
-def heading(title: str, place: dict[str, list[float]]) -> dict[str, Any]:
+def heading(title: str, domain: dict[str, list[float]]) -> dict[str, Any]:
     """Return a heading above a column of panels."""
     return {
         "text": title,
-        "x": sum(place["x"]) / 2.0,
+        "x": sum(domain["x"]) / 2.0,
         "y": 1.0,
         "xref": "paper",
         "yref": "paper",

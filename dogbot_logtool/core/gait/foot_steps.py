@@ -1,0 +1,102 @@
+"""A foot's steps over a whole log, and what is known of the sensor that tells of them."""
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from dogbot_logtool.core.base.base_history import BaseHistory
+from dogbot_logtool.core.contact.foot_history import FootHistory
+from dogbot_logtool.core.contact.stances import Stances
+from dogbot_logtool.core.gait.cycle_curves import forward_forces
+from dogbot_logtool.core.gait.standing import Standing, steps_apart
+from dogbot_logtool.core.gait.strides import Strides, cut_by_fall, cut_by_standing, strides_of
+from dogbot_logtool.core.geometry.arrays import Flags, Floats, Ints
+from dogbot_logtool.core.load.spikes import has_lone_spikes, without_spikes
+from dogbot_logtool.core.settings import FootSettings
+from dogbot_logtool.dataclass import dataclass
+
+
+@dataclass(frozen=True, slots=True)
+class FootChecks:
+    """What is known of a foot; figures that rest on something else are None."""
+
+    is_dead: bool = False
+    """Whether its sensor never reports a contact, and nothing says that the foot is lifted."""
+    is_saturated: bool = False
+    """Whether its sensor is cut off at a limit: the peaks are not known."""
+    is_refuted: bool = False
+    """Whether its sensor was taken to read zero without load, on a robot that then makes no steps
+    although it moves."""
+    direction_known: bool = True
+    """Whether nothing contradicts the direction of its force."""
+    vertical_known: bool = True
+    """Whether the vertical part of its force may be what it seems."""
+    in_newtons: bool = True
+    """Whether forces may be in N."""
+    length_known: bool = True
+    """Whether the odometry tells how far its strides go."""
+
+    @property
+    def contact_known(self) -> bool:
+        """Whether nothing refutes its contacts."""
+        return not (self.is_dead or self.is_refuted)
+
+
+@dataclass(frozen=True, slots=True)
+class FootSteps:
+    """Stances and strides of a foot over the whole log, and the forces in them."""
+
+    settings: FootSettings
+    checks: FootChecks
+    record: FootHistory
+    stances: Stances
+    """All stances, those in a fall or a stand marked as cut; peaks are without lone spikes."""
+    strides: Strides
+    discarded: Mapping[str, int]
+    """Stances that begin no whole stride, by reason."""
+    has_spikes: Flags
+    """(stances,) which have lone spikes."""
+    vertical: Floats
+    """(stances, PARTS) N, mean vertical force in each part of each stance; NaN: not known."""
+    forward: Floats
+    """(stances, PARTS) N, the same along the base's forward axis."""
+
+
+def foot_steps(
+    settings: FootSettings,
+    checks: FootChecks,
+    record: FootHistory,
+    base: BaseHistory,
+    *,
+    forward_axis: str,
+    fallen: Ints,
+    standing: Standing,
+) -> FootSteps:
+    """Find the steps of a foot.
+
+    Args:
+        settings: of the foot.
+        checks: what is known of it.
+        record: its stances and track.
+        base: poses.
+        forward_axis: the body's axis that points forward.
+        fallen: (f, 2) ns, spans in which the robot lies.
+        standing: spans without steps.
+    """
+    stances = without_spikes(cut_by_fall(record.stances, fallen))
+    stances = cut_by_standing(stances, steps_apart(standing.without_steps, stances))
+    strides, discarded = strides_of(stances, record.gaps, fallen)
+    vertical = record.stance_forces[:, 2]
+    forward = forward_forces(record, base, forward_axis)
+    unknown = np.full_like(forward, np.nan)
+    return FootSteps(
+        settings=settings,
+        checks=checks,
+        record=record,
+        stances=stances,
+        strides=strides,
+        discarded=discarded,
+        has_spikes=has_lone_spikes(stances),
+        vertical=vertical if checks.vertical_known else unknown,
+        forward=forward if checks.direction_known else unknown,
+    )
