@@ -127,8 +127,8 @@ def _axis(start: float, end: float, margin: int, columns: int, glyphs: Glyphs) -
         column = min(int((number * step - start) / (end - start) * columns), columns - 1)
         ruler[column] = glyphs.tick
         label = f"{number * step:.{decimals}f}"
-        start = min(max(margin + column - len(label) // 2, 0), len(labels) - len(label))
-        labels[start : start + len(label)] = label
+        first = min(max(margin + column - len(label) // 2, 0), len(labels) - len(label))
+        labels[first : first + len(label)] = label
     return [
         Text(" " * margin + "".join(ruler), style="dim"),
         Text("".join(labels).rstrip() + " s", style="dim"),
