@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 
 def options_of_plan(options: "StatsOptions", feet: tuple[Foot, ...]) -> "StatsOptions":
-    """Return the options that measure the planned feet instead of the felt ones."""
+    """Return the options that measure the planned feet instead of the measured ones."""
     topics = replace(
         options.topics, foot_topics=None, offsets_n=None, takes_offsets=False, feet=feet
     )
@@ -26,7 +26,7 @@ def with_plan(measured: "Measurement", planned: "Stats") -> "Measurement":
     """Add how the feet follow their plan.
 
     Args:
-        measured: of the feet that were felt.
+        measured: of the feet by their sensors.
         planned: of the planned ones.
     """
     stats = measured.stats

@@ -1,4 +1,4 @@
-"""A batch of a log as columns of what the robot did and felt: `convert` and `stats` begin here."""
+"""A batch of a log as columns of poses and contacts: `convert` and `stats` begin here."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
@@ -151,7 +151,7 @@ class BatchReader:
             log: the log.
             span: the batch's chunks.
             own: what it tells of the frames itself.
-            reduced: what feet felt in it, none of it empty.
+            reduced: contacts of feet in it, none of it empty.
         """
         ahead = TransformBuffer()
         if not reduced:

@@ -56,7 +56,7 @@ _BURST: Final = 0.5
 """Messages that are logged in less than this part of the time between their stamps come in
 bursts."""
 _USUAL_INTERVAL_NS: Final = 10_000_000
-"""Of a sensor that was hardly heard."""
+"""Of a sensor that sent hardly any message."""
 
 
 @dataclass(frozen=True, slots=True)

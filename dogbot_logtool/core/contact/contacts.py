@@ -1,4 +1,4 @@
-"""What the feet felt: contact messages as columns, reduced to one sample a message."""
+"""Contact messages as columns, reduced to one sample a message."""
 
 from dataclasses import replace
 from typing import Final
@@ -62,7 +62,7 @@ class Contacts:
 
 @dataclass(frozen=True, slots=True)
 class Samples:
-    """One contact message reduced to what a foot felt at one time."""
+    """One contact message reduced to one contact sample."""
 
     foot: Ints
     """(n,) index of the foot among the robot's feet."""

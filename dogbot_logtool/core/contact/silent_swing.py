@@ -158,7 +158,7 @@ def last_messages(
     """Return the last message of each foot up to the end of some samples."""
     clock = TimeSource.LOG if silent is None else silent.clock
     dropouts = _dropouts(samples, before, silent)
-    heard = {
+    messages = {
         foot: replace(last, interrupted=True) if _interrupts(dropouts, last, clock) else last
         for foot, last in before.items()
     }
@@ -170,8 +170,8 @@ def last_messages(
         if silent is not None and foot in silent.stance_ns:
             swing = _last_swing(all_times[rows], before.get(foot), foot, silent)
         interrupted = _interrupts(dropouts, message, clock)
-        heard[foot] = replace(message, interrupted=interrupted, swing=swing)
-    return heard
+        messages[foot] = replace(message, interrupted=interrupted, swing=swing)
+    return messages
 
 
 def _last_swing(
@@ -231,13 +231,13 @@ def with_swings(
         if not len(rows):
             continue
         first = LastMessage(int(samples.log_time[rows[0]]), int(samples.stamp[rows[0]]))
-        heard = before.get(foot) or _at_start(first, silent, log_start, interval)
-        log_time = np.concatenate([[heard.log_time], samples.log_time[rows]])
-        stamp = np.concatenate([[heard.stamp], samples.stamp[rows]])
+        last = before.get(foot) or _at_start(first, silent, log_start, interval)
+        log_time = np.concatenate([[last.log_time], samples.log_time[rows]])
+        stamp = np.concatenate([[last.stamp], samples.stamp[rows]])
         times = _Times(log_time, stamp)
         time = silent.clock.of(times)
         known = ~_within(dropouts, time[:-1], time[1:])
-        known[0] &= not heard.interrupted
+        known[0] &= not last.interrupted
         lasts_from = np.full(len(rows), silent.swing_from_ns(foot))
         if foot in silent.stance_ns:
             # What comes before the foot's first message is no certain swing.
@@ -264,12 +264,12 @@ def _within(dropouts: Ints, start: Ints, end: Ints) -> Flags:
 def trailing_swings(silent: SilentFeet, before: LastMessages, log_end: int | None) -> list[Samples]:
     """Return the samples without contact between the last contacts and the log's end."""
     found: list[Samples] = []
-    for foot, heard in sorted(before.items()):
+    for foot, last in sorted(before.items()):
         interval = silent.interval_ns.get(foot)
-        if interval is not None and log_end is not None and not heard.interrupted:
+        if interval is not None and log_end is not None and not last.interrupted:
             end = log_end + interval
-            log_time = np.array([heard.log_time, end])
-            stamp = np.array([heard.stamp, heard.stamp + end - heard.log_time])
+            log_time = np.array([last.log_time, end])
+            stamp = np.array([last.stamp, last.stamp + end - last.log_time])
             lasts_from = np.array([silent.cut_swing_from_ns(foot)])
             known = np.ones(1, np.bool_)
             _, log_time, stamp = _swings(
@@ -292,7 +292,7 @@ class SwingInserter:
         """
         self._silent = silent
         self._start, self._end = log_start, log_end
-        self._heard: LastMessages = {}
+        self._last: LastMessages = {}
 
     def add(self, batch: Sequence[Samples]) -> Sequence[Samples]:
         """Return the samples of a batch with their swings."""
@@ -300,13 +300,13 @@ class SwingInserter:
             return batch
         told = []
         for samples in batch:
-            told.append(with_swings(samples, self._silent, self._heard, self._start))
-            self._heard = last_messages(samples, self._heard, self._silent)
+            told.append(with_swings(samples, self._silent, self._last, self._start))
+            self._last = last_messages(samples, self._last, self._silent)
         return told
 
     def finish(self) -> list[Samples]:
         """End the log: return what is left to be said."""
-        return trailing_swings(self._silent, self._heard, self._end)
+        return trailing_swings(self._silent, self._last, self._end)
 
 
 def _at_start(

@@ -123,7 +123,7 @@ class SecondParent:
 
     child: str
     parents: tuple[str, ...]
-    """In the order in which they were first heard."""
+    """In the order in which they were first seen."""
     at_once: bool
     """Whether some of them hold at the same time; else one follows the other."""
 

@@ -81,7 +81,7 @@ def _states(samples: Samples, force: Floats, trackers: Sequence[FootTracker]) ->
     return state
 
 
-def all_heard(loads: Sequence[Loads], opening: int) -> int:
+def all_known_from(loads: Sequence[Loads], opening: int) -> int:
     """Return the log time by which every foot of these loads has had one, ns."""
     first = [each.log_time[np.unique(each.foot, return_index=True)[1]] for each in loads]
     return int(np.concatenate([[opening], *first]).max())

@@ -126,7 +126,7 @@ def opening_support(
     poses: Odometry,
     feet: Sequence[FootTracker],
     opening: int,
-    heard: int,
+    known_from: int,
     com_offset_m: Sequence[float] = (0.0, 0.0, 0.0),
 ) -> SupportScene:
     """Return what the robot stands on at its first pose, if near, as of the log's first time.
@@ -135,11 +135,11 @@ def opening_support(
         poses: of the base, the first of the log.
         feet: all feet of the robot.
         opening: ns, log time.
-        heard: ns, log time from which what feet are down is told.
+        known_from: ns, log time from which it is known which feet are down.
         com_offset_m: m, the centre of mass from the base's frame, in its axes.
     """
     near = poses.pick(np.flatnonzero(poses.log_time[:1] - opening <= NEAR_NS))
-    near = replace(near, log_time=np.maximum(near.log_time, heard))
+    near = replace(near, log_time=np.maximum(near.log_time, known_from))
     scene = support_scene(near, feet, com_offset_m)
     time = np.full(len(near.log_time), opening)
     return replace(scene, log_time=time, stamp=time)

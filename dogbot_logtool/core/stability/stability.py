@@ -218,9 +218,9 @@ def feet_down(instants: Ints, feet: Sequence[FootHistory]) -> tuple[Floats, Floa
             continue
         row, near = _nearest(track.time[placed], instants)
         points[down & near, column] = track.point[placed[row[down & near]]]
-        row, heard = _nearest(track.time, instants)
+        row, measured = _nearest(track.time, instants)
         vertical = np.maximum(np.nan_to_num(track.vertical_force[row]), 0.0)
-        load[:, column] = np.where(down & near & heard, vertical, 0.0)
+        load[:, column] = np.where(down & near & measured, vertical, 0.0)
     return points, load
 
 

@@ -13,7 +13,7 @@ from dogbot_logtool.core.frames.kinematics import LinkTransforms
 from dogbot_logtool.core.geometry.arrays import Floats
 from dogbot_logtool.core.geometry.clock import first_at_each_tick
 from dogbot_logtool.core.geometry.support_polygon import NEAR_NS
-from dogbot_logtool.core.load.loads import Loads, all_heard, foot_loads, opening_loads
+from dogbot_logtool.core.load.loads import Loads, all_known_from, foot_loads, opening_loads
 from dogbot_logtool.core.scene.arrows import ArrowCounts, ArrowInput, Arrows, no_arrows
 from dogbot_logtool.core.scene.labels import Labels, foot_labels
 from dogbot_logtool.core.scene.legs import LegLines, leg_lines
@@ -121,11 +121,11 @@ def _support(
     com_offset_m, opening = plan.selection.robot.com_offset_m or (0.0, 0.0, 0.0), plan.opening_time
     if state.last_pose_time is not None or opening is None:
         return [support_scene(poses, trackers, com_offset_m)]
-    heard = all_heard(loads, opening)
-    heard = heard if heard - opening <= NEAR_NS else opening
-    later = poses.pick((poses.log_time >= heard) & (poses.log_time > opening))
+    known_from = all_known_from(loads, opening)
+    known_from = known_from if known_from - opening <= NEAR_NS else opening
+    later = poses.pick((poses.log_time >= known_from) & (poses.log_time > opening))
     return [
-        opening_support(poses, trackers, opening, heard, com_offset_m),
+        opening_support(poses, trackers, opening, known_from, com_offset_m),
         support_scene(later, trackers, com_offset_m),
     ]
 

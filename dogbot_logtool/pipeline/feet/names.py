@@ -98,7 +98,7 @@ class FootSet:
 
     @property
     def merit(self) -> int:
-        """How good what it tells is for knowing what a foot felt."""
+        """How good what it tells is for telling a foot's contact."""
         return sum(MERITS.get(word, 0) for word in self.words)
 
     def is_clear(self, *, contacts_only: bool) -> bool:

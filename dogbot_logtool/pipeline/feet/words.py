@@ -103,7 +103,7 @@ MERITS: Final[Mapping[str, int]] = {
     **dict.fromkeys(_WORSE.split(), -1),
     **dict.fromkeys(_NOT_MEASURED.split(), -4),
 }
-"""How good what a word announces is for knowing what a foot felt; other words count 0."""
+"""How good what a word announces is for telling a foot's contact; other words count 0."""
 USABLE: Final = -2
 """Merit below which a topic tells no measured force: it is planned, or an error."""
 

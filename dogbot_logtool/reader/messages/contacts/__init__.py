@@ -1,1 +1,1 @@
-"""What feet felt, from every kind of message that tells it: one small adapter a message type."""
+"""Contacts of feet from every kind of message: one small adapter a message type."""
