@@ -14,7 +14,15 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any, Final
 
 if TYPE_CHECKING:
-    from dogbot_logtool.api.functions import check, compare, convert, info, measure
+    from dogbot_logtool.api.functions import (
+        check,
+        compare,
+        compare_events,
+        compare_gait,
+        convert,
+        info,
+        measure,
+    )
     from dogbot_logtool.api.table import Table
     from dogbot_logtool.api.walk import Walk
     from dogbot_logtool.errors import CallError, LogError, LogtoolError
@@ -28,13 +36,23 @@ __all__ = [
     "Walk",
     "check",
     "compare",
+    "compare_events",
+    "compare_gait",
     "convert",
     "info",
     "measure",
 ]
 _MODULES: Final = {
     "errors": ("CallError", "LogError", "LogtoolError"),
-    "api.functions": ("check", "compare", "convert", "info", "measure"),
+    "api.functions": (
+        "check",
+        "compare",
+        "compare_events",
+        "compare_gait",
+        "convert",
+        "info",
+        "measure",
+    ),
     "api.table": ("Table",),
     "api.walk": ("Walk",),
 }

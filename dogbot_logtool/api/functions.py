@@ -1,10 +1,22 @@
-"""The functions of `import dogbot_logtool`: one a command, options named as on the command line."""
+"""The functions of `import dogbot_logtool`; options are named as on the command line."""
 
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Literal, TypedDict, Unpack
+from typing import TYPE_CHECKING, Unpack
 
+from dogbot_logtool.api.keywords import (
+    ConvertKeywords,
+    MeasureKeywords,
+    PathOrName,
+    RobotKeywords,
+    checked,
+    convert_options,
+    refuse_bad_values,
+    several,
+    stats_options,
+    topic_options,
+)
 from dogbot_logtool.io.storage import Location, location
 
 # Each function loads what it needs: who only measures need not load the writer.
@@ -12,80 +24,9 @@ if TYPE_CHECKING:
     from dogbot_logtool.api.walk import Walk
     from dogbot_logtool.comparison.outcome import Comparison
     from dogbot_logtool.comparison.rules.judge import Judgement
-    from dogbot_logtool.pipeline.options import (
-        TfOption,
-        TimeSourceOption,
-        TopicOptions,
-        WrenchFrameOption,
-    )
+    from dogbot_logtool.comparison.walks.labelled_events import EventMatch
+    from dogbot_logtool.comparison.walks.two_runs import GaitComparison
     from dogbot_logtool.results import Conversion, LogInfo
-    from dogbot_logtool.writer.chunks import Compression
-
-PathOrName = str | os.PathLike[str]
-"""A file, the directory of a ROS 2 bag, or a URL."""
-
-
-class RobotKeywords(TypedDict, total=False):
-    """Which robot it is, and where its feet and its base are found."""
-
-    robot: PathOrName
-    """Name of a known robot, or a TOML file; default: guessed from the log's topics."""
-    odom_topic: str
-    """Topic of the base's poses."""
-    foot: Mapping[str, str]
-    """Topic by foot, and the field where one is named: ``/feet:data[3]``."""
-    mass: float
-    """kg."""
-    tare: Mapping[str, tuple[float, float, float]] | Literal["none"]
-    """N, what a foot's unloaded sensor reads; ``"none"``: offsets stay in; default: estimated."""
-
-
-class MeasureKeywords(RobotKeywords, total=False):
-    """Options of `measure` and `check`."""
-
-    wrench_frame: "WrenchFrameOption"
-    forward_axis: Literal["+x", "-x", "+y", "-y"]
-    contact_on: float
-    """N, also `contact_off`."""
-    contact_off: float
-    debounce: float
-    """s."""
-    time_source: "TimeSourceOption"
-    command: str
-    """Topic of the velocity commands; default: found by type and name. Likewise `imu`."""
-    imu: str
-    start: float
-    """s since the log's start, also `end`."""
-    end: float
-    jobs: int
-    """Batches that are worked on at once; default: 1."""
-
-
-class ConvertKeywords(RobotKeywords, total=False):
-    """Options of `convert`."""
-
-    style: Literal["classic", "pressure", "force"]
-    encoding: Literal["foxglove", "ros1", "ros2"]
-    copy: bool
-    topics: Sequence[str]
-    """Globs of the recorded topics that are copied."""
-    without: Sequence[str]
-    """Globs of the recorded topics that are not."""
-    wrench_frame: "WrenchFrameOption"
-    tf: "TfOption"
-    tf_rate: float
-    """Hz; 0 writes every pose."""
-    scene: bool
-    labels: bool
-    urdf: PathOrName
-    events: bool
-    start: float
-    """s since the log's start, also `end`."""
-    end: float
-    compression: "Compression"
-    jobs: int
-    overwrite: bool
-    strict: bool
 
 
 def measure(log: PathOrName, **options: Unpack[MeasureKeywords]) -> "Walk":
@@ -106,23 +47,8 @@ def measure(log: PathOrName, **options: Unpack[MeasureKeywords]) -> "Walk":
     """
     from dogbot_logtool.api.walk import Walk  # noqa: PLC0415
     from dogbot_logtool.commands import stats  # noqa: PLC0415
-    from dogbot_logtool.pipeline.options import StatsOptions  # noqa: PLC0415
 
-    path = _location(log)
-    chosen = StatsOptions(
-        topics=_topics(options),
-        wrench_frame=options.get("wrench_frame", "auto"),
-        forward_axis=options.get("forward_axis"),
-        contact_on_n=options.get("contact_on"),
-        contact_off_n=options.get("contact_off"),
-        debounce_s=options.get("debounce"),
-        time_source=options.get("time_source"),
-        command_topic=options.get("command"),
-        imu_topic=options.get("imu"),
-        start_s=options.get("start"),
-        end_s=options.get("end"),
-        jobs=options.get("jobs", 1),
-    )
+    path, chosen = _location(log), stats_options(options)
     return Walk(path, stats.measure(path, chosen), chosen)
 
 
@@ -137,37 +63,20 @@ def convert(
         LogtoolError: the target cannot be written.
     """
     from dogbot_logtool.commands import convert as command  # noqa: PLC0415
-    from dogbot_logtool.core.scene.styles import DEFAULT_STYLE  # noqa: PLC0415
-    from dogbot_logtool.pipeline.options import ConvertOptions  # noqa: PLC0415
-    from dogbot_logtool.writer.encodings.registry import DEFAULT_ENCODING  # noqa: PLC0415
 
-    urdf = options.get("urdf")
-    chosen = ConvertOptions(
-        topics=_topics(options),
-        style=options.get("style", DEFAULT_STYLE),
-        encoding=options.get("encoding", DEFAULT_ENCODING),
-        copy=options.get("copy", True),
-        copied_topics=tuple(options.get("topics", ())),
-        topics_left_out=tuple(options.get("without", ())),
-        wrench_frame=options.get("wrench_frame", "auto"),
-        tf=options.get("tf", "auto"),
-        tf_rate_hz=options.get("tf_rate", 50.0),
-        start_s=options.get("start"),
-        end_s=options.get("end"),
-        scene=options.get("scene"),
-        urdf=None if urdf is None else Path(urdf),
-        labels=options.get("labels", True),
-        events=options.get("events", False),
-        compression=options.get("compression"),
-        jobs=options.get("jobs", 1),
-        overwrite=options.get("overwrite", False),
-        strict=options.get("strict", False),
-    )
-    return command.convert(_location(log), _location(target), chosen)
+    return command.convert(_location(log), _location(target), convert_options(options))
 
 
-def info(log: PathOrName, **options: Unpack[RobotKeywords]) -> "LogInfo":
+def info(
+    log: PathOrName, *, frames: bool = False, jobs: int = 1, **options: Unpack[RobotKeywords]
+) -> "LogInfo":
     """Tell what is in a log, what is used for what, and what is wrong with it.
+
+    Args:
+        log: its path or URL.
+        frames: read every transform: the result's `frames`.
+        jobs: batches that are worked on at once then.
+        options: see `RobotKeywords`.
 
     Raises:
         CallError: no such file, or a topic that the log does not have.
@@ -175,7 +84,9 @@ def info(log: PathOrName, **options: Unpack[RobotKeywords]) -> "LogInfo":
     """
     from dogbot_logtool.commands.info import describe  # noqa: PLC0415
 
-    return describe(_location(log), _topics(options))
+    refuse_bad_values({"jobs": jobs})
+    topics = topic_options(checked(options, RobotKeywords))
+    return describe(_location(log), topics, all_frames=frames, jobs=jobs)
 
 
 def compare(
@@ -187,6 +98,7 @@ def compare(
     tolerances: PathOrName | None = None,
     ignore: Sequence[str] = (),
     topics: Sequence[str] = (),
+    max_differences: int = 20,
 ) -> "Comparison":
     """Compare two logs, or two results of `stats --json`; `exit_code` is 0 where they agree.
 
@@ -196,14 +108,65 @@ def compare(
     from dogbot_logtool.commands import compare as command  # noqa: PLC0415
     from dogbot_logtool.pipeline.options import CompareOptions  # noqa: PLC0415
 
+    tolerated = {name: value for name, value in (("atol", atol), ("rtol", rtol)) if value}
+    refuse_bad_values(tolerated)
     chosen = CompareOptions(
         atol=atol,
         rtol=rtol,
         tolerances=None if tolerances is None else Path(tolerances),
-        ignore=tuple(ignore),
-        topics=tuple(topics),
+        ignore=tuple(several(ignore)),
+        topics=tuple(several(topics)),
+        max_differences=max_differences,
     )
     return command.compare(Path(expected), Path(actual), chosen)
+
+
+def compare_gait(
+    first: PathOrName | Sequence[PathOrName],
+    second: PathOrName | Sequence[PathOrName],
+    **options: Unpack[MeasureKeywords],
+) -> "GaitComparison":
+    """Compare how the robot walks in two logs, or groups of logs: what `compare --gait` does.
+
+    Raises:
+        CallError: no such file, or an option that does not fit a log.
+        LogError: one is no log, or has nothing to measure.
+    """
+    from dogbot_logtool.commands import compare_gait as command  # noqa: PLC0415
+    from dogbot_logtool.commands.tasks import Measure  # noqa: PLC0415
+
+    work = Measure(stats_options(options))
+    sides = [[work(_location(log), None) for log in several(side)] for side in (first, second)]
+    return command.compare_gait(*sides)
+
+
+def compare_events(
+    labels: PathOrName,
+    actual: PathOrName,
+    *,
+    atol: float | None = None,
+    **options: Unpack[MeasureKeywords],
+) -> "tuple[EventMatch, ...]":
+    """Match labelled events with those of a log, or of another file of events.
+
+    Args:
+        labels: a file of events: EUROBENCH's (.yaml), BIDS (.tsv), or that of `stats --events`.
+        actual: the log or file.
+        atol: s that an event may be early or late; default: 0.05.
+        options: see `MeasureKeywords`.
+
+    Raises:
+        CallError: a file cannot be read, or names feet that the log does not have.
+        LogError: it is no log, or has nothing to measure.
+    """
+    from dogbot_logtool.commands import compare_events as command  # noqa: PLC0415
+    from dogbot_logtool.comparison.walks.labelled_events import WITHIN_S  # noqa: PLC0415
+
+    within_s = WITHIN_S if atol is None else atol
+    refuse_bad_values({"atol": within_s})
+    return tuple(
+        command.compare_events(Path(labels), Path(actual), within_s, stats_options(options))
+    )
 
 
 def check(
@@ -228,18 +191,3 @@ def check(
 def _location(path: PathOrName) -> Location:
     """Return the path or URL that was given."""
     return location(os.fspath(path))
-
-
-def _topics(options: RobotKeywords) -> "TopicOptions":
-    """Return the options about robot and topics."""
-    from dogbot_logtool.pipeline.options import TopicOptions  # noqa: PLC0415
-
-    robot, tare = options.get("robot"), options.get("tare")
-    return TopicOptions(
-        robot=None if robot is None else os.fspath(robot),
-        odometry_topic=options.get("odom_topic"),
-        foot_topics=dict(options.get("foot", {})),
-        mass_kg=options.get("mass"),
-        offsets_n=None if isinstance(tare, str) or tare is None else dict(tare),
-        takes_offsets=tare != "none",
-    )

@@ -1,14 +1,17 @@
 """The result of `measure`: figures, and tables of strides, stances, joints, events and more."""
 
+import os
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from dogbot_logtool.api.curves import POINTS, Curves, curves_of
+from dogbot_logtool.api.keywords import PathOrName
 from dogbot_logtool.api.table import Table, texts
 from dogbot_logtool.commands.stats import measure
 from dogbot_logtool.core.accumulator import OnSamples
@@ -20,7 +23,8 @@ from dogbot_logtool.core.geometry.timespans import covers
 from dogbot_logtool.core.statistics import Stats
 from dogbot_logtool.errors import CallError
 from dogbot_logtool.io.listing import listed
-from dogbot_logtool.io.storage import Location
+from dogbot_logtool.io.storage import Location, location
+from dogbot_logtool.pipeline.time_span import refuse_window
 from dogbot_logtool.report.documents.stats_json import stats_json
 from dogbot_logtool.report.figures.events import EVENT_COLUMNS
 from dogbot_logtool.report.figures.figure import Figure, Kind
@@ -199,6 +203,63 @@ class Walk:
         samples = self.samples(foot)
         strides = self._stats.feet[self.feet.index(foot)].strides
         return curves_of(foot, samples, self._seconds(strides.touchdown), strides.period_s, points)
+
+    def plot(
+        self,
+        target: PathOrName,
+        *,
+        size: tuple[float, float | None] | None = None,
+        window: tuple[float, float] | None = None,
+        overwrite: bool = False,
+    ) -> tuple[float, float]:
+        """Read the log again and draw gait diagram and load curves for a paper.
+
+        Args:
+            target: the file; it ends in .pdf, .svg or .png.
+            size: mm, width and height; default: 85, and as high as the feet need.
+            window: s, from and to; default: some strides.
+            overwrite: replace a file that is there.
+
+        Returns:
+            s, the window that is drawn.
+
+        Raises:
+            CallError: the file may not be written, or the log has no time in the window.
+            LogtoolError: matplotlib is not installed, or there are no feet.
+        """
+        from dogbot_logtool.commands.plot import refuse_bad_plot, write_plot  # noqa: PLC0415
+        from dogbot_logtool.core.contact.curves import CurveDetail  # noqa: PLC0415
+        from dogbot_logtool.pipeline.options import PlotOptions  # noqa: PLC0415
+
+        drawing = PlotOptions(Path(target), size, window, overwrite)
+        refuse_bad_plot(drawing, [self.path])
+        if window is not None:
+            refuse_window(window, (self._stats.end - self.start_ns) / 1e9)
+        options = replace(self._options, curves=CurveDetail())
+        return write_plot(self.path, options, measure(self.path, options), drawing)
+
+    def report(self, target: PathOrName, *, replay: bool = True, overwrite: bool = False) -> None:
+        """Read the log again and write its page: what `dogbot-logtool report` does.
+
+        Args:
+            target: the HTML file.
+            replay: show the walk in 3D, which takes up to a megabyte.
+            overwrite: replace a page that is there.
+
+        Raises:
+            CallError: the page may not be written.
+            LogtoolError: it cannot be written, or the extra `report` is not installed.
+        """
+        from dogbot_logtool.report.page.libraries import require_libraries  # noqa: PLC0415
+
+        require_libraries()
+        from dogbot_logtool.commands.report import Reports  # noqa: PLC0415
+        from dogbot_logtool.io.targets import Output  # noqa: PLC0415
+
+        page = Output(location(os.fspath(target)), is_folder=False)
+        Reports([self.path], page, self._options, overwrite=overwrite, with_replay=replay).write(
+            self.path
+        )
 
     def each_block_of_samples(self, take: Callable[[Table], None]) -> None:
         """Read the log again and hand on the samples of all feet, block by block.

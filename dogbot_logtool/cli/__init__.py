@@ -85,7 +85,8 @@ def _run() -> int:
     """Run the command that was called; return its exit code."""
     code = 0
     try:
-        cli.main(standalone_mode=False)
+        # On Windows click would take the globs of --topics and --ignore for files.
+        cli.main(standalone_mode=False, windows_expand_args=False)
     except Stopped as stopped:
         click.echo("interrupted: nothing was left behind", err=True)
         code = stopped.exit_code

@@ -26,10 +26,10 @@ if TYPE_CHECKING:
 @click.argument("actual", type=click.Path(path_type=Path))
 @click.option(
     "--atol",
-    type=number(0.0, 1e300),
+    type=number("atol"),
     help="Absolute tolerance of numbers, in each field's own unit; default: 0.",
 )
-@click.option("--rtol", type=number(0.0, 1.0), help="Relative tolerance; default: 0.")
+@click.option("--rtol", type=number("rtol"), help="Relative tolerance; default: 0.")
 @click.option(
     "--tolerances",
     type=click.Path(path_type=Path),

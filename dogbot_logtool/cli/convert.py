@@ -3,10 +3,11 @@
 from collections.abc import Iterable
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Any, Final, cast
 
 import click
 
+from dogbot_logtool.api.keywords import CHOICES, ConvertKeywords, convert_options
 from dogbot_logtool.cli.options import (
     jobs_option,
     jobs_or_cores,
@@ -52,14 +53,14 @@ def _summaries(entries: Iterable[ArrowStyle | OutputEncoding]) -> str:
 )
 @click.option(
     "--style",
-    type=click.Choice(list(ARROW_STYLES)),
+    type=click.Choice(CHOICES["style"]),
     default=DEFAULT_STYLE,
     show_default=True,
     help=f"Arrows: {_summaries(ARROW_STYLES.values())}.",
 )
 @click.option(
     "--encoding",
-    type=click.Choice(list(ENCODINGS)),
+    type=click.Choice(CHOICES["encoding"]),
     default=DEFAULT_ENCODING,
     show_default=True,
     help=f"Messages that are added: {_summaries(ENCODINGS.values())}.",
@@ -78,22 +79,20 @@ def _summaries(entries: Iterable[ArrowStyle | OutputEncoding]) -> str:
 )
 @click.option(
     "--without",
-    "topics_left_out",
     multiple=True,
     metavar="GLOB",
     help="Do not copy these recorded topics, such as '/camera/*'; may be given several times.",
 )
 @click.option(
     "--tf",
-    type=click.Choice(["auto", "always", "never"]),
+    type=click.Choice(CHOICES["tf"]),
     default="auto",
     show_default=True,
     help="Write /tf; auto does not if the log places the base otherwise.",
 )
 @click.option(
     "--tf-rate",
-    "tf_rate_hz",
-    type=number(1e-3, 1e6, or_zero=True),
+    type=number("tf_rate"),
     default="50",
     show_default=True,
     metavar="HZ",
@@ -126,7 +125,7 @@ def _summaries(entries: Iterable[ArrowStyle | OutputEncoding]) -> str:
 @time_range
 @click.option(
     "--compression",
-    type=click.Choice(["zstd", "lz4", "none"]),
+    type=click.Choice(CHOICES["compression"]),
     help="Of the output; default: zstd, and chunks copied from an MCAP as they are.",
 )
 @jobs_option
@@ -141,18 +140,18 @@ def convert(
     topics: "TopicOptions",
     jobs: int | None,
     scheduler: str | None,
+    copied_topics: tuple[str, ...],
     *,
     join: bool,
     as_json: bool,
     quiet: bool,
     verbose: bool,
-    **options: Any,  # noqa: ANN401 - click's words go straight into the dataclass
+    **options: Any,  # noqa: ANN401 - click's words are the keywords
 ) -> None:
     """Write an annotated MCAP: /tf, arrows and loads of the feet, /support, and the log itself."""
     from dogbot_logtool.commands.tasks import Convert, conversion_tasks  # noqa: PLC0415
     from dogbot_logtool.io.storage import from_root  # noqa: PLC0415
     from dogbot_logtool.io.targets import may_be_several, output_at, targets  # noqa: PLC0415
-    from dogbot_logtool.pipeline.options import ConvertOptions  # noqa: PLC0415
     from dogbot_logtool.run.choice import runner_for  # noqa: PLC0415
     from dogbot_logtool.run.inputs import find_logs  # noqa: PLC0415
 
@@ -164,9 +163,8 @@ def convert(
         where = replace(where, path=from_root(where.path))
     pairs = targets(log_set.paths, where, ".annotated.mcap", log_set.below)
     runner = runner_for(len(pairs), jobs_or_cores(jobs), scheduler)
-    chosen = ConvertOptions(
-        topics=topics, jobs=runner.jobs, makes_folder=where.is_folder, **options
-    )
+    given = cast("ConvertKeywords", {**options, "topics": copied_topics, "jobs": runner.jobs})
+    chosen = replace(convert_options(given), topics=topics, makes_folder=where.is_folder)
     work = conversion_tasks(pairs, may_repeat=runner.may_repeat)
     outcomes = Outcomes(quiet=quiet)
     outcomes.mention_left_out(log_set)

@@ -6,32 +6,21 @@ from collections.abc import Callable
 from dataclasses import replace
 from functools import wraps
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Final, TypeVar
+from typing import TYPE_CHECKING, Any, Final, Literal, TypeVar, cast
 
 import click
 
+from dogbot_logtool.api import keywords
+from dogbot_logtool.api.keywords import CHOICES, NUMBERS, MeasureKeywords, RobotKeywords
 from dogbot_logtool.errors import CallError
 
 if TYPE_CHECKING:
     from dogbot_logtool.pipeline.options import TopicOptions
     from dogbot_logtool.run.inputs import LogSet
 
-LONGEST_S: Final = 1e9
-"""No log lasts longer."""
-
 _FEWEST_JOINED: Final = 2
-_MEASURING: Final = (
-    *("topics", "wrench_frame", "forward_axis", "contact_on_n", "contact_off_n", "debounce_s"),
-    *("time_source", "start_s", "end_s", "command_topic", "imu_topic"),
-)
-"""What `stats_options` adds; fields of `StatsOptions`."""
-_STRONGEST_N: Final = 1e6
-"""N; no sensor reads more without load."""
-
-
-def seconds(text: str) -> float:
-    """Parse a number of seconds; NaN and what no log can last are refused."""
-    return _number(text, -LONGEST_S, LONGEST_S, "a number of seconds")
+_MEASURING: Final = MeasureKeywords.__optional_keys__ - RobotKeywords.__optional_keys__ - {"jobs"}
+"""What `stats_options` adds, beside words about the robot."""
 
 
 def output_name(text: str) -> str:
@@ -59,27 +48,21 @@ def output_file(text: str) -> Path:
     return Path(text)
 
 
-def number(least: float, most: float, *, or_zero: bool = False) -> Callable[[str], float]:
-    """Return a parser of numbers in a range, or 0 where that means something."""
-    wanted = f"a number from {least:g} to {most:g}" + (", or 0" if or_zero else "")
+def number(option: str) -> Callable[[str], float]:
+    """Return a parser of the numbers that an option may be."""
+    wanted = NUMBERS[option]
 
     def parse(text: str) -> float:
-        return (
-            0.0 if or_zero and text.strip() in {"0", "0.0"} else _number(text, least, most, wanted)
-        )
+        try:
+            value = float(text)
+        except ValueError:
+            value = math.nan
+        if not wanted.has(value):
+            raise click.BadParameter(f"{text!r} is not {wanted}.")
+        return value
 
     parse.__name__ = "number"  # what --help shows for it
     return parse
-
-
-def _number(text: str, least: float, most: float, wanted: str) -> float:
-    try:
-        value = float(text)
-    except ValueError:
-        value = math.nan
-    if not least <= value <= most:
-        raise click.BadParameter(f"{text!r} is not {wanted}.")
-    return value
 
 
 Command = TypeVar("Command", bound=Callable[..., Any])
@@ -96,7 +79,7 @@ json_option: Final = click.option(
 )
 jobs_option: Final = click.option(
     "--jobs",
-    type=click.IntRange(min=1, max=256),
+    type=click.IntRange(1, 256),
     metavar="N",
     help="Processes at work; default: as many as there are cores. The result is the same.",
 )
@@ -116,7 +99,7 @@ overwrite_option: Final = click.option(
 )
 wrench_frame_option: Final = click.option(
     "--wrench-frame",
-    type=click.Choice(["auto", "world", "link"]),
+    type=click.Choice(CHOICES["wrench_frame"]),
     default="auto",
     show_default=True,
     help="Frame of the recorded wrenches; auto decides by evidence.",
@@ -134,13 +117,12 @@ def time_range(command: Command) -> Command:
     """Add --start and --end."""
     start = click.option(
         "--start",
-        "start_s",
-        type=seconds,
+        type=number("start"),
         metavar="S",
         help="From here on; s since the log's start, not negative.",
     )
     end = click.option(
-        "--end", "end_s", type=seconds, metavar="S", help="Up to here; s since the log's start."
+        "--end", type=number("end"), metavar="S", help="Up to here; s since the log's start."
     )
     return start(end(command))
 
@@ -149,51 +131,46 @@ def _measuring_options(command: Command) -> Command:
     """Add what decides the figures: --forward-axis, --contact-on and so on."""
     axis = click.option(
         "--forward-axis",
-        type=click.Choice(["+x", "-x", "+y", "-y"]),
+        type=click.Choice(CHOICES["forward_axis"]),
         help="Body axis that points forward; default: the robot's.",
     )
     contact_on = click.option(
         "--contact-on",
-        "contact_on_n",
-        type=number(1e-6, 1e6),
+        type=number("contact_on"),
         metavar="N",
         help="Force from which a foot is in contact; default: a share of the weight.",
     )
     contact_off = click.option(
         "--contact-off",
-        "contact_off_n",
-        type=number(1e-6, 1e6),
+        type=number("contact_off"),
         metavar="N",
         help="Force below which contact ends; default: a share of the weight.",
     )
     debounce = click.option(
         "--debounce",
-        "debounce_s",
-        type=number(1e-9, 10.0, or_zero=True),
+        type=number("debounce"),
         metavar="S",
         help="Shorter swings are filled, then shorter stances dropped; default: 0.020.",
     )
     clock = click.option(
         "--time-source",
-        type=click.Choice(["header", "log"]),
+        type=click.Choice(CHOICES["time_source"]),
         help="Clock to measure on; default: header stamps, log time where those cannot be used.",
     )
     twist = click.option(
         "--command",
-        "command_topic",
         metavar="TOPIC",
         help="Topic of the velocity commands, instead of the one found.",
     )
     imu = click.option(
         "--imu",
-        "imu_topic",
         metavar="TOPIC",
         help="Topic of the base's inertial unit, instead of the one found.",
     )
     return axis(contact_on(contact_off(debounce(clock(twist(imu(command)))))))
 
 
-def topic_options(command: Callable[..., Any]) -> Callable[..., Any]:
+def topic_options(command: Command) -> Command:
     """Add --robot, --odom-topic, --foot and --mass; the command gets `TopicOptions` as `topics`."""
     robot = click.option(
         "--robot",
@@ -208,62 +185,58 @@ def topic_options(command: Callable[..., Any]) -> Callable[..., Any]:
     )
     feet = click.option(
         "--foot",
-        "feet",
         multiple=True,
         metavar="NAME=TOPIC[:FIELD]",
         help="Contact topic of a foot, or a field of any message (/feet:data[3]); may be given "
         "several times.",
     )
-    mass = click.option(
-        "--mass", "mass_kg", type=number(1e-3, 1e6), metavar="KG", help="Mass of the robot."
-    )
-
-    @wraps(command)
-    def with_topics(
-        robot: str | None,
-        odom_topic: str | None,
-        feet: tuple[str, ...],
-        mass_kg: float | None,
-        **others: Any,  # noqa: ANN401 - click's words
-    ) -> object:
-        return command(topics=_parse_topics(robot, odom_topic, feet, mass_kg), **others)
-
-    return robot(odometry(feet(mass(with_topics))))
+    mass = click.option("--mass", type=number("mass"), metavar="KG", help="Mass of the robot.")
+    return robot(odometry(feet(mass(_with_topics(command)))))
 
 
-def tared_topic_options(command: Callable[..., Any]) -> Callable[..., Any]:
+def tared_topic_options(command: Command) -> Command:
     """Add `topic_options` and --tare."""
     tare = click.option(
         "--tare",
-        "tares",
         multiple=True,
         metavar="FOOT=FX,FY,FZ",
         help="Force in N that an unloaded sensor reads; may be given several times; none: "
         "offsets stay in. Default: the robot's, else estimated from the log.",
     )
+    return topic_options(tare(command))
+
+
+def _with_topics(command: Command) -> Command:
+    """Hand a command `TopicOptions` instead of the words about the robot."""
 
     @wraps(command)
-    def with_tares(
-        topics: "TopicOptions",
-        tares: tuple[str, ...],
-        **others: Any,  # noqa: ANN401 - click's words
+    def with_topics(
+        foot: tuple[str, ...],
+        tare: tuple[str, ...] = (),
+        **words: Any,  # noqa: ANN401 - click's words
     ) -> object:
-        return command(topics=_with_tares(topics, tares), **others)
+        given: RobotKeywords = {"foot": _parse_feet(foot)}
+        if tare:
+            given["tare"] = _parse_tares(tare)
+        for name in ("robot", "odom_topic", "mass"):
+            given[name] = words.pop(name)
+        given = keywords.checked(given, RobotKeywords)
+        return command(topics=keywords.topic_options(given), **words)
 
-    return topic_options(tare(with_tares))
+    return cast("Command", with_topics)
 
 
-def stats_options(command: Callable[..., Any]) -> Callable[..., Any]:
+def stats_options(command: Command) -> Command:
     """Add all that decides the figures; the command gets `StatsOptions` as `measuring`."""
 
     @wraps(command)
-    def with_options(**words: Any) -> object:  # noqa: ANN401 - click's words
-        from dogbot_logtool.pipeline.options import StatsOptions  # noqa: PLC0415
+    def with_options(topics: "TopicOptions", **words: Any) -> object:  # noqa: ANN401 - click's words
+        names = words.keys() & _MEASURING
+        given = cast("MeasureKeywords", {name: words.pop(name) for name in names})
+        return command(measuring=replace(keywords.stats_options(given), topics=topics), **words)
 
-        measuring = StatsOptions(**{name: words.pop(name) for name in _MEASURING})
-        return command(measuring=measuring, **words)
-
-    return tared_topic_options(wrench_frame_option(_measuring_options(time_range(with_options))))
+    deciding = _measuring_options(time_range(cast("Command", with_options)))
+    return tared_topic_options(wrench_frame_option(deciding))
 
 
 def join_logs(
@@ -277,55 +250,45 @@ def join_logs(
     return replace(log_set, logs=(first,)), replace(topics, joined=joined)
 
 
-def _parse_topics(
-    robot: str | None, odom_topic: str | None, feet: tuple[str, ...], mass_kg: float | None
-) -> "TopicOptions":
-    """Check the words of `topic_options`.
+def _parse_feet(feet: tuple[str, ...]) -> dict[str, str]:
+    """Return the topics of feet.
 
     Raises:
-        CallError: naming the option and what it must be.
+        CallError: words are no NAME=TOPIC, or name a foot twice.
     """
-    from dogbot_logtool.pipeline.options import TopicOptions  # noqa: PLC0415
-
-    foot_topics: dict[str, str] = {}
+    topics: dict[str, str] = {}
     for foot in feet:
         name, equals, topic = foot.partition("=")
         if not (name and equals and topic):
             raise CallError(f"--foot {foot}: must be NAME=TOPIC, such as front_left=/fl/contacts")
-        if not name.replace("_", "").isalnum():
-            raise CallError(f"--foot {foot}: a foot's name has letters, digits and _ only")
-        if foot_topics.setdefault(name, topic) != topic or feet.count(foot) > 1:
+        if name in topics:
             raise CallError(f"--foot {name}: is given twice; a foot has one topic")
-    return TopicOptions(robot, odom_topic, foot_topics or None, mass_kg)
+        topics[name] = topic
+    return topics
 
 
-def _with_tares(topics: "TopicOptions", tares: tuple[str, ...]) -> "TopicOptions":
-    """Add the words of --tare.
+def _parse_tares(
+    tares: tuple[str, ...],
+) -> "dict[str, tuple[float, float, float]] | Literal['none']":
+    """Return what unloaded sensors read, by foot.
 
     Raises:
-        CallError: they are no FOOT=FX,FY,FZ, or ``none`` stands beside others.
+        CallError: words are no FOOT=FX,FY,FZ, or ``none`` stands beside others.
     """
-    if not tares:
-        return topics
-    given = tuple(tare for tare in tares if tare != "none")
-    if given and len(given) < len(tares):
+    if "none" not in tares:
+        return dict(map(_parse_tare, tares))
+    if set(tares) != {"none"}:
         raise CallError("--tare none: goes with no other --tare")
-    offsets_n = dict(_parse_tare(tare) for tare in given)
-    return replace(topics, offsets_n=offsets_n, takes_offsets="none" not in tares)
+    return "none"
 
 
 def _parse_tare(tare: str) -> tuple[str, tuple[float, float, float]]:
-    """Return a foot and what its unloaded sensor reads.
-
-    Raises:
-        CallError: the words are no FOOT=FX,FY,FZ.
-    """
     foot, _, numbers = tare.partition("=")
     try:
         x, y, z = map(float, numbers.split(","))
     except ValueError:
         x = y = z = math.nan
-    if not foot or not all(abs(part) <= _STRONGEST_N for part in (x, y, z)):
+    if not foot or not all(keywords.OFFSET.has(part) for part in (x, y, z)):
         raise CallError(f"--tare {tare}: must be FOOT=FX,FY,FZ in newtons, such as left=3,-2,-60")
     return foot, (x, y, z)
 

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from dogbot_logtool.api.keywords import LONGEST_S
 from dogbot_logtool.cli.options import (
-    LONGEST_S,
     jobs_option,
     jobs_or_cores,
     join_logs,

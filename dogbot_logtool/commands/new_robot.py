@@ -6,7 +6,7 @@ from dogbot_logtool.commands.stats import measure
 from dogbot_logtool.commands.tasks import figures_of
 from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.errors import LogError
-from dogbot_logtool.io.storage import Location, shown
+from dogbot_logtool.io.storage import Location, file_name
 from dogbot_logtool.pipeline.feet.candidates import FootCandidates
 from dogbot_logtool.pipeline.options import StatsOptions, TopicOptions
 from dogbot_logtool.pipeline.probe import frame_names, probe_log
@@ -62,7 +62,7 @@ def new_robot(
         log.close()
     figures = figures_of(measure(path, StatsOptions(topics=options), progress)).json
     evidence = RobotEvidence(
-        log=shown(path).rpartition("/")[2],
+        log=file_name(path),
         world_frame=world,
         base_frame=base,
         has_base=bool(selection.odometry),

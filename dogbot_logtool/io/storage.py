@@ -10,7 +10,7 @@ import stat
 from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, BinaryIO, Final, TypeVar
-from urllib.parse import unquote, urlsplit
+from urllib.parse import urlsplit
 
 from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.errors import CallError, ExtraMissingError, StoreError
@@ -35,13 +35,14 @@ ask all at once."""
 LONGEST_WAIT_S: Final = 10.0
 ANSWER_WITHIN_S = 120.0
 """A request that takes longer has stalled."""
-_URL: Final = re.compile(r"[A-Za-z][A-Za-z0-9+.-]*://")
+_URL: Final = re.compile(r"[A-Za-z][A-Za-z0-9+.-]+://")
+"""One letter is a drive of Windows."""
 _CREDENTIALS: Final = re.compile(r"(?<=://)[^/?#]*@")
 _SECRET_END: Final = re.compile(r"[?#]")
-_CREDENTIALS_WITHIN: Final = re.compile(r"(\b[A-Za-z][A-Za-z0-9+.-]*:/{1,2})[^\s/?#]*@")
+_CREDENTIALS_WITHIN: Final = re.compile(r"(\b[A-Za-z][A-Za-z0-9+.-]+:/{1,2})[^\s/?#]*@")
 """A URL that was treated as a path has one slash."""
 _QUERY_WITHIN: Final = re.compile(
-    r"(\b[A-Za-z][A-Za-z0-9+.-]*:/{1,2}[^\s?#]*)[?#]\S*?(?=[\]:;,.)'\"]*(?:\s|$))"
+    r"(\b[A-Za-z][A-Za-z0-9+.-]+:/{1,2}[^\s?#]*)[?#]\S*?(?=[\]:;,.)'\"]*(?:\s|$))"
 )
 _KINDS: Final = {
     stat.S_IFDIR: "a directory",
@@ -71,7 +72,9 @@ def location(word: str) -> Location:
         return Path(word)
     _refuse_bad_url(word)
     if word.startswith("file://"):
-        return Path(unquote(urlsplit(word).path))
+        from urllib.request import url2pathname  # noqa: PLC0415 - takes long
+
+        return Path(url2pathname(urlsplit(word).path))
     try:
         from upath import UPath  # noqa: PLC0415 - only URLs need it
     except ImportError as error:

@@ -29,6 +29,9 @@ class LastingStream(io.TextIOBase):
         if isinstance(stream, io.TextIOWrapper):
             # Characters that the encoding of a terminal lacks are escaped.
             stream.reconfigure(errors="backslashreplace")
+            if not stream.isatty() and "PYTHONIOENCODING" not in os.environ:
+                # Files and pipes get the same bytes on all systems.
+                stream.reconfigure(encoding="utf-8", newline="\n")
 
     def write(self, text: str, /) -> int:
         """Write a text, or drop it if it cannot be written."""

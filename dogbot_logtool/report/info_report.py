@@ -22,6 +22,7 @@ from dogbot_logtool.report.text.text_layout import NameTable, Row
 from dogbot_logtool.results import LogInfo
 
 _SIMULATED_BEFORE_S = 1_000_000_000
+_NEVER_S = 3e10
 """Log times before this are simulation time, not dates."""
 _MOST_TOPICS = 1000
 """Rows of the table; laying it out takes a millisecond each."""
@@ -87,7 +88,7 @@ def _head(info: LogInfo) -> Iterator[tuple[str, str]]:
 
 def _when(time_ns: int) -> str:
     seconds = time_ns / 1e9
-    if not _SIMULATED_BEFORE_S <= seconds < 1e11:
+    if not _SIMULATED_BEFORE_S <= seconds < _NEVER_S:
         return f"{seconds:.3f} s (simulation time)"
     return f"{datetime.fromtimestamp(seconds, UTC):%Y-%m-%d %H:%M:%S} UTC"
 

@@ -4,6 +4,7 @@ import codecs
 import os
 import re
 from collections.abc import Iterable, Iterator, Sequence
+from contextlib import suppress
 from dataclasses import field, replace
 from pathlib import Path, PurePath, PurePosixPath
 from typing import TYPE_CHECKING, Final
@@ -146,10 +147,11 @@ def _lines(path: Location) -> list[str]:
         raise CallError(f"{name}: cannot be read: {error.strerror}") from error
     if data is None:
         raise CallError(f"{name}: is too long for a list of logs")
-    if b"\0" in data:
-        raise CallError(f"{name}: is no list of logs, not even text in UTF-8")
     lines = data.removeprefix(codecs.BOM_UTF8).split(b"\n")
-    return [os.fsdecode(line.removesuffix(b"\r")) for line in lines]
+    with suppress(UnicodeDecodeError):  # Windows, where names are no bytes
+        if b"\0" not in data:
+            return [os.fsdecode(line.removesuffix(b"\r")) for line in lines]
+    raise CallError(f"{name}: is no list of logs, not even text in UTF-8")
 
 
 def _on_disk(path: Path, unreadable: list[UnreadableDirectory]) -> Iterator[Found]:

@@ -95,6 +95,8 @@ def matches(pattern: str, unreadable: list[UnreadableDirectory]) -> list[Path]:
     Patterns are those of `glob`, but ``**`` enters each directory only once: directories with
     links to themselves have endlessly many names. Links to a directory above them fit none.
     """
+    if os.name == "nt":
+        pattern = pattern.replace("\\", "/")
     names = {Path(name) for name in _matches(pattern, unreadable)}
     return sorted(path for path in names if not (path.is_symlink() and _leads_up(path)))
 

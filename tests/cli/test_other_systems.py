@@ -1,61 +1,118 @@
-"""Without what Windows and macOS lack, the program gives the same results.
+"""Without what Windows and macOS lack, and with what Windows refuses, the results are the same.
 
-Calls of the system are taken away in each process before the program is loaded. What remains of
-those systems (names of paths, open files that cannot be renamed, their libraries) is not tried.
+Each process is changed before the program is loaded: calls of the system are taken away, files that
+are open are neither removed nor renamed, standard output has the letters and line ends of Windows,
+and a text file that is opened without naming its encoding is an error. What remains of those
+systems (drives, the libraries themselves) is not tried.
 """
 
 import os
 import shutil
+import sqlite3
 import subprocess
 import sys
+from contextlib import closing
 from pathlib import Path
 
 import pytest
+import zstandard
 
-from tests.paths import ROOT, TROUBLED, WALK
+from dogbot_logtool.errors import CallError
+from dogbot_logtool.io import storage
+from dogbot_logtool.run import inputs, search
+from tests.oracles.walks import write_walk
+from tests.paths import ROOT, TROT, TROUBLED, WALK
 
 LACKING = """
-import os, signal, sys
+import io, os, signal, sys, types
 for name in ("fork", "forkpty", "pread", "preadv", "fchown", "fchmod", "O_TMPFILE", "O_NONBLOCK",
-             "O_PATH", "link"):
+             "O_PATH", "link", "sched_getaffinity", "geteuid", "getuid", "symlink"):
     if hasattr(os, name):
         delattr(os, name)
 os.link = None
-for name in ("pthread_sigmask", "pthread_kill", "setitimer", "SIGALRM"):
+for name in ("pthread_sigmask", "pthread_kill", "setitimer", "SIGALRM", "SIGHUP"):
     if hasattr(signal, name):
         delattr(signal, name)
-sys.modules["fcntl"] = None
+for name in ("fcntl", "resource", "termios", "pwd", "grp"):
+    sys.modules[name] = None
+
+
+def refusing(call):
+    def refuse_open_files(*paths, **others):
+        for path in paths:
+            try:
+                wanted = os.stat(path)
+            except OSError:
+                continue
+            if "pym-" in str(path):
+                continue  # memory that processes share, which Windows does otherwise
+            for number in os.listdir("/proc/self/fd"):
+                try:
+                    opened = os.fstat(int(number))
+                except OSError:
+                    continue
+                if (opened.st_dev, opened.st_ino) == (wanted.st_dev, wanted.st_ino):
+                    raise PermissionError(13, "it is used by another process", path)
+        return call(*paths, **others)
+    return refuse_open_files
+
+
+for name in ("unlink", "remove", "rename", "replace"):
+    setattr(os, name, refusing(getattr(os, name)))
+for name in ("stdout", "stderr"):
+    stream = getattr(sys, name)
+    setattr(sys, name, io.TextIOWrapper(stream.buffer, encoding="cp1252", newline="\\r\\n"))
+
+
+class Windows(types.ModuleType):
+    name = "nt"
+
+    def __getattr__(self, attribute):
+        return getattr(os, attribute)
+
+
+import click.core
+click.core.os = Windows("os")
 """
 
 
-def run(folder: Path, *words: object, lacking: bool) -> subprocess.CompletedProcess[str]:
+def run(folder: Path, *words: object, lacking: bool) -> subprocess.CompletedProcess[bytes]:
     """Run the program in a folder; its workers lack what it lacks."""
-    site = folder / "site"
-    site.mkdir(exist_ok=True)
+    site, scratch = folder / "site", folder / "scratch"
+    for each in (site, scratch):
+        each.mkdir(exist_ok=True)
     (site / "sitecustomize.py").write_text(LACKING if lacking else "")
-    return subprocess.run(  # noqa: S603
+    environment = {
+        "PYTHONPATH": os.pathsep.join([str(site), str(ROOT)]),
+        "PYTHONWARNDEFAULTENCODING": "1",
+        "PYTHONWARNINGS": "error::EncodingWarning",
+        "TMPDIR": str(scratch),
+    }
+    done = subprocess.run(  # noqa: S603
         [sys.executable, "-m", "dogbot_logtool", *map(str, words)],
         cwd=folder,
-        env={**os.environ, "PYTHONPATH": os.pathsep.join([str(site), str(ROOT)])},
+        env={**os.environ, **environment},
         capture_output=True,
-        text=True,
         check=False,
     )
+    assert list(scratch.iterdir()) == []
+    return done
 
 
-def made(folder: Path, *words: object) -> dict[str, bytes]:
+def made(folder: Path, *words: object, code: int = 0, again: bool = False) -> dict[str, bytes]:
     """What a call writes with and without, which must be the same."""
     results = []
     for lacking in (False, True):
         target = folder / "made"
-        done = run(folder, *words, lacking=lacking)
-        assert done.returncode == 0, done.stderr
+        for _ in range(2 if again else 1):
+            done = run(folder, *words, lacking=lacking)
+            assert done.returncode == code, done.stderr.decode()
         files = {
             file.relative_to(target).as_posix(): file.read_bytes()
             for file in sorted(target.rglob("*"))
             if file.is_file()
         }
-        results.append({**files, "stdout": done.stdout.encode()})
+        results.append({**files, "stdout": done.stdout})
         shutil.rmtree(target, ignore_errors=True)
     assert results[0] == results[1]
     return results[1]
@@ -71,11 +128,79 @@ def logs(tmp_path: Path) -> Path:
 
 def test_figures_and_a_dataset_by_two_processes(logs: Path) -> None:
     words = ("stats", TROUBLED.name, WALK.name, "--jobs", 2, "--parquet", "made", "-q")
-    assert {name.split("/")[0] for name in made(logs, *words)} == {
+    files = made(logs, *words)
+    assert {name.split("/")[0] for name in files} == {
         *("logs", "feet", "strides", "events", "stdout")
     }
 
 
-def test_one_log_in_several_batches_at_once(logs: Path) -> None:
-    words = ("convert", WALK.name, "--jobs", 2, "-o", "made/", "--json")
-    assert len(made(logs, *words)["dogbot_walk.annotated.mcap"]) > 1_000_000
+def test_one_log_in_several_batches_at_once_over_a_file_that_exists(logs: Path) -> None:
+    words = ("convert", WALK.name, "--jobs", 2, "-o", "made/", "--overwrite", "--json")
+    assert len(made(logs, *words, again=True)["dogbot_walk.annotated.mcap"]) > 1_000_000
+
+
+def test_letters_and_line_ends_of_a_file_that_takes_stdout(logs: Path) -> None:
+    printed = made(logs, "stats", WALK.name)["stdout"]
+    assert "█" in printed.decode()
+    assert b"\r" not in printed
+    assert b"\r" not in made(logs, "stats", WALK.name, "--csv")["stdout"]
+
+
+def test_globs_of_options_are_no_files(logs: Path) -> None:
+    made(logs, "compare", WALK.name, WALK.name, "--ignore", "*", "--topics", "d*", code=2)
+    made(logs, "stats", "*.mcap", "--json")
+
+
+def test_compressed_logs_and_unfinished_databases(tmp_path: Path) -> None:
+    (tmp_path / "log.bag.zstd").write_bytes(zstandard.compress(TROT.read_bytes()))
+    made(tmp_path, "info", "log.bag.zstd", "--json")
+    bag = write_walk(tmp_path, "geometry_msgs/msg/WrenchStamped", "ros2")
+    (database,) = bag.glob("*.db3")
+    kept = tmp_path / "kept"
+    with closing(sqlite3.connect(database, isolation_level=None)) as connection:
+        connection.execute("PRAGMA journal_mode = WAL")
+        connection.execute("CREATE TABLE more (id INTEGER PRIMARY KEY)")
+        shutil.copytree(bag, kept)
+    assert [*kept.glob("*.db3-wal")]
+    made(tmp_path, "info", "kept", "--json")
+    data = database.read_bytes()
+    (tmp_path / "cut.db3").write_bytes(data[: len(data) // 2 + 100])
+    made(tmp_path, "info", "cut.db3", "--json", code=3)
+
+
+def test_pages_and_tables(logs: Path) -> None:
+    words = ("report", WALK.name, TROUBLED.name, "-o", "made/", "--overwrite", "--no-replay")
+    assert "index.html" in made(logs, *words, "-q", again=True)
+    run(logs, "export", WALK.name, "-o", "strides.parquet", lacking=True)
+    assert (logs / "strides.parquet").stat().st_size > 0
+
+
+@pytest.mark.parametrize("word", [r"C:\logs\walk.bag", "C:/logs/walk.bag", "C://logs/walk.bag"])
+def test_a_drive_is_no_scheme(word: str) -> None:
+    assert storage.location(word) == Path(word)
+    assert storage.shown(word) == word
+    assert storage.without_secrets(f"C:/runs/a@b.bag and {word}") == f"C:/runs/a@b.bag and {word}"
+
+
+def test_depths_in_patterns_of_windows(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (tmp_path / "runs" / "a").mkdir(parents=True)
+    log = tmp_path / "runs" / "a" / "walk.bag"
+    log.touch()
+
+    class Windows:
+        name = "nt"
+
+        def __getattr__(self, attribute: str) -> object:
+            return getattr(os, attribute)
+
+    monkeypatch.setattr(search, "os", Windows())
+    monkeypatch.chdir(tmp_path)
+    assert search.matches(r"runs\**\*.bag", []) == [Path("runs/a/walk.bag")]
+
+
+def test_a_list_in_letters_of_windows(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Names are no bytes there: those that are no UTF-8 cannot be told."""
+    (tmp_path / "list.txt").write_bytes("läufe.bag\r\n".encode("cp1252"))
+    monkeypatch.setattr(os, "fsdecode", lambda data: data.decode("utf-8", "surrogatepass"))
+    with pytest.raises(CallError, match="is no list of logs, not even text in UTF-8"):
+        inputs.find_logs([f"@{tmp_path / 'list.txt'}"])

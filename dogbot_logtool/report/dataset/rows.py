@@ -14,7 +14,7 @@ from dogbot_logtool.results import Figures
 
 _SIMULATED_BEFORE_S: Final = 1_000_000_000
 """Log times before this are simulation time, not dates."""
-_NEVER_S: Final = 1e11
+_NEVER_S: Final = 3e10
 _NOT_KNOWN: Final = "unknown"
 
 Columns = Mapping[str, Sequence[Any]]

@@ -13,8 +13,6 @@ from dogbot_logtool.report.figures.tables import headers
 from dogbot_logtool.results import StrideTable
 
 _FORMULA: Final = ("=", "+", "-", "@", "\t", "\r")
-_DIGITS: Final = 9
-"""Significant digits; stamps are nanoseconds, forces are not that good."""
 
 
 def write_strides(file: TextIO, results: Iterable[tuple[str, StrideTable]]) -> None:
@@ -48,4 +46,5 @@ def text_cell(text: str) -> str:
 
 
 def _text(figure: float | None) -> str:
-    return "" if figure is None or not np.isfinite(figure) else f"{figure:.{_DIGITS}g}"
+    """Return a number with all its digits: read again, it is the same to the bit."""
+    return "" if figure is None or not np.isfinite(figure) else repr(float(figure))

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 from dogbot_logtool.errors import CallError, LogError
 from dogbot_logtool.io import storage
+from dogbot_logtool.io.scratch import scratch_folder
 from dogbot_logtool.reader.containers.log import Log
 from dogbot_logtool.reader.containers.sources.source import ByteSource
 
@@ -95,9 +96,9 @@ class RemoteSource(ByteSource):
 
     def nearby(self) -> ByteSource:
         """See `ByteSource.nearby`: a copy on the disk without a name, gone when it is closed."""
-        with tempfile.NamedTemporaryFile(suffix=f"-{storage.file_name(self.path)}") as file:
-            self.copy_to(Path(file.name))
-            copy = ByteSource(Path(file.name))
+        with scratch_folder() as folder:
+            self.copy_to(folder / "copy")
+            copy = ByteSource(folder / "copy")
         copy.path = self.path
         return copy
 
@@ -107,11 +108,12 @@ class RemoteSource(ByteSource):
         Raises:
             LogError: there is no room.
         """
-        room = shutil.disk_usage(target.parent).free
+        folder = tempfile.gettempdir()
+        room = shutil.disk_usage(folder).free
         if self.size > room:
             raise LogError(
                 f"{storage.shown(self.path)}: has no index that serves, so that all its "
-                f"{self.size} bytes are needed on a disk; {target.parent} has room for {room} "
+                f"{self.size} bytes are needed on a disk; {folder} has room for {room} "
                 "(TMPDIR names another)"
             )
         with target.open("wb") as file:
@@ -184,8 +186,8 @@ def open_copied(source: RemoteSource, open_file: Callable[[Path], Log]) -> Log:
     Raises:
         LogError: it cannot be opened.
     """
-    with tempfile.TemporaryDirectory(prefix="dogbot-logtool.") as folder:
-        copy = Path(folder) / "copy"
+    with scratch_folder() as folder:
+        copy = folder / "copy"
         source.copy_to(copy)
         try:
             log = open_file(copy)

@@ -1,13 +1,13 @@
 """Logs that were compressed whole, as ROS 2 recorders can: decompressed into a temporary file."""
 
-import tempfile
 from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import IO, BinaryIO, Final
+from typing import BinaryIO, Final
 
 import zstandard
 
 from dogbot_logtool.errors import LogError
+from dogbot_logtool.io.scratch import scratch_folder
 from dogbot_logtool.io.storage import Location, file_stem, shown
 from dogbot_logtool.reader.containers.log import Log
 from dogbot_logtool.reader.containers.signatures import is_zstd
@@ -31,18 +31,20 @@ def open_zstd(source: ByteSource, open_file: Callable[[Path], Log]) -> Log:
         LogError: it is damaged or swells absurdly, or what is in it is no log.
     """
     path = source.path
-    with tempfile.NamedTemporaryFile(suffix=f"-{file_stem(path)}") as file:
-        _decompress(path, source.size, file)
+    with scratch_folder() as folder:
+        copy = folder / file_stem(path)
+        with copy.open("xb") as file:
+            _decompress(path, source.size, file)
         try:
-            log = open_file(Path(file.name))
+            log = open_file(copy)
         except LogError as error:
-            raise LogError(str(error).replace(file.name, shown(path))) from error
+            raise LogError(str(error).replace(str(copy), shown(path))) from error
     # The file's name is gone, but the log holds its bytes open.
     log.source.path = path
     return log
 
 
-def _decompress(path: Location, size: int, target: IO[bytes]) -> None:
+def _decompress(path: Location, size: int, target: BinaryIO) -> None:
     most = max(_MOST_FREE, _MAX_RATIO * size)
     written = 0
     try:
@@ -52,7 +54,6 @@ def _decompress(path: Location, size: int, target: IO[bytes]) -> None:
                 if written > most:
                     raise LogError(f"{shown(path)}: its {size} bytes swell to over {most}")
                 target.write(piece)
-        target.flush()
     except zstandard.ZstdError as error:
         raise LogError(f"{shown(path)}: its zstd data is damaged ({error})") from error
     except OSError as error:

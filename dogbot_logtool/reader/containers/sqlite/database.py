@@ -14,6 +14,7 @@ from urllib.parse import quote
 
 from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.errors import LogError
+from dogbot_logtool.io.scratch import scratch_folder
 from dogbot_logtool.reader.containers.loss import Loss
 from dogbot_logtool.reader.containers.sources.source import ByteSource
 
@@ -134,8 +135,8 @@ def open_database(source: ByteSource) -> tuple[Database, list[Loss]]:
         return (
             (_connect(path), []) if cut is None else (_connect_whole_pages(path, cut), [cut.loss])
         )
-    with tempfile.TemporaryDirectory(prefix="dogbot-logtool.") as folder:
-        copy = Path(folder) / "copy.db3"
+    with scratch_folder() as folder:
+        copy = folder / "copy.db3"
         try:
             _copy(path, copy, journals)
             _settle(copy)
@@ -182,10 +183,11 @@ def _cut_off(path: Path) -> _CutOff | None:
 def _connect_whole_pages(path: Path, cut: _CutOff) -> Database:
     if path.stat().st_size == cut.whole:
         return _connect(path, cut_off=True)
-    with tempfile.NamedTemporaryFile(prefix="dogbot-logtool.") as copy:
-        shutil.copyfile(path, copy.name)
-        os.truncate(copy.name, cut.whole)
-        return _connect(Path(copy.name), cut_off=True)
+    with scratch_folder() as folder:
+        copy = folder / "copy.db3"
+        shutil.copyfile(path, copy)
+        os.truncate(copy, cut.whole)
+        return _connect(copy, cut_off=True)
 
 
 def _rolled_back(path: Path) -> Loss:

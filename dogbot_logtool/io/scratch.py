@@ -1,0 +1,24 @@
+"""A place on the disk for copies that are read once."""
+
+import atexit
+import shutil
+import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+
+@contextmanager
+def scratch_folder() -> Iterator[Path]:
+    """Make a directory of our own that is gone when the block ends.
+
+    What is still open then has no name any more, and its bytes go when it is closed. Windows
+    removes no open file: there it goes when the process ends.
+    """
+    folder = Path(tempfile.mkdtemp(prefix="dogbot-logtool."))
+    try:
+        yield folder
+    finally:
+        shutil.rmtree(folder, ignore_errors=True)
+        if folder.exists():
+            atexit.register(shutil.rmtree, folder, ignore_errors=True)
