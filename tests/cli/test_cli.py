@@ -21,12 +21,13 @@ from dogbot_logtool.cli import cli
 from dogbot_logtool.extras import install_command
 from dogbot_logtool.robot import known_robots
 from tests import forked_cli
-from tests.oracles.small_logs import odometry_log, string_log
+from tests.oracles.small_logs import first_seconds, odometry_log, string_log
 from tests.paths import ROOT, TROT, TROUBLED, WALK
 from tests.shell import ENDING, Outcome, Shell
 from tests.unfinished import unfinished
 
 COMMANDS = ("compare", "convert", "info", "layout", "report", "robots", "stats")
+SHORT = first_seconds(TROT)
 MAGIC = b"\x89MCAP0\r\n"
 
 
@@ -664,7 +665,9 @@ def test_no_progress_bar_where_there_is_no_terminal(tmp_path: Path) -> None:
     assert "\r" not in done.err
 
 
-@pytest.mark.parametrize("logs", [[TROT], [TROT, TROUBLED]])
+@pytest.mark.parametrize(
+    "logs", [[SHORT], [SHORT, first_seconds(TROUBLED)]], ids=["one", "several"]
+)
 @pytest.mark.parametrize("command", ["convert", "stats", "info"])
 def test_a_terminal_shows_in_the_end_what_a_pipe_gets(
     tmp_path: Path, command: str, logs: list[Path]

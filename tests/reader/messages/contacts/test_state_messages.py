@@ -20,7 +20,6 @@ from tests.oracles import state_walks, walks
 from tests.oracles.state_walks import StateWalk
 from tests.reader.messages.contacts.test_sources import steps
 
-
 Figures = Callable[[str], dict[str, Any]]
 
 
