@@ -564,8 +564,10 @@ main()
 """
 
 
-@pytest.mark.parametrize(("jobs", "twins"), [(1, 0), (2, 0), (2, 1)])
-@pytest.mark.parametrize("number", ENDING, ids=lambda n: n.name)
+@pytest.mark.parametrize(
+    ("number", "jobs", "twins"),
+    [*((number, 2, 0) for number in ENDING), (signal.SIGINT, 1, 0), (signal.SIGINT, 2, 1)],
+)
 def test_a_signal_amid_writing_leaves_nothing(
     tmp_path: Path, long_log: Path, number: signal.Signals, jobs: int, twins: int
 ) -> None:

@@ -120,7 +120,7 @@ def server(tmp_path: Path) -> Iterator[str]:
     (runs / "2").write_bytes(TROT.read_bytes()[:900_000])
     handler = functools.partial(_Runs, directory=str(runs))
     with http.server.ThreadingHTTPServer(("127.0.0.1", 0), handler) as running:
-        thread = threading.Thread(target=running.serve_forever)
+        thread = threading.Thread(target=running.serve_forever, args=(0.02,))
         thread.start()
         yield f"http://127.0.0.1:{running.server_port}/log.bag"
         running.shutdown()
