@@ -146,6 +146,12 @@ def _known(ros: int) -> Typestore:
     return store
 
 
+@cache
+def messages(kind: str) -> list[walks.Entry]:
+    """Return the walk of ROS 2 in a kind of message."""
+    return list(StateWalk(2).messages(kind))
+
+
 class StateWalk(walks.Walk):
     """Messages that tell of all feet."""
 

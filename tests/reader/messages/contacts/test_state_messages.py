@@ -23,15 +23,10 @@ from tests.reader.messages.contacts.test_sources import steps
 Figures = Callable[[str], dict[str, Any]]
 
 
-@cache
-def messages(kind: str) -> list[walks.Entry]:
-    return list(StateWalk(2).messages(kind))
-
-
 def written(folder: Path, kind: str, walk: StateWalk | None = None) -> Path:
     """Write the walk into an MCAP file."""
     path = folder / "walk.mcap"
-    entries = messages(kind) if walk is None else list(walk.messages(kind))
+    entries = state_walks.messages(kind) if walk is None else list(walk.messages(kind))
     walks.write_mcap(path, walk or StateWalk(2), entries)
     return path
 
