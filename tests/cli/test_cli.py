@@ -21,12 +21,13 @@ from dogbot_logtool.cli import cli
 from dogbot_logtool.extras import install_command
 from dogbot_logtool.robot import known_robots
 from tests import forked_cli
-from tests.oracles.small_logs import odometry_log, string_log
+from tests.oracles.small_logs import first_seconds, odometry_log, string_log
 from tests.paths import ROOT, TROT, TROUBLED, WALK
 from tests.shell import ENDING, Outcome, Shell
 from tests.unfinished import unfinished
 
 COMMANDS = ("compare", "convert", "info", "layout", "report", "robots", "stats")
+SHORT = first_seconds(TROT)
 MAGIC = b"\x89MCAP0\r\n"
 
 
@@ -563,8 +564,10 @@ main()
 """
 
 
-@pytest.mark.parametrize(("jobs", "twins"), [(1, 0), (2, 0), (2, 1)])
-@pytest.mark.parametrize("number", ENDING, ids=lambda n: n.name)
+@pytest.mark.parametrize(
+    ("number", "jobs", "twins"),
+    [*((number, 2, 0) for number in ENDING), (signal.SIGINT, 1, 0), (signal.SIGINT, 2, 1)],
+)
 def test_a_signal_amid_writing_leaves_nothing(
     tmp_path: Path, long_log: Path, number: signal.Signals, jobs: int, twins: int
 ) -> None:
@@ -664,7 +667,9 @@ def test_no_progress_bar_where_there_is_no_terminal(tmp_path: Path) -> None:
     assert "\r" not in done.err
 
 
-@pytest.mark.parametrize("logs", [[TROT], [TROT, TROUBLED]])
+@pytest.mark.parametrize(
+    "logs", [[SHORT], [SHORT, first_seconds(TROUBLED)]], ids=["one", "several"]
+)
 @pytest.mark.parametrize("command", ["convert", "stats", "info"])
 def test_a_terminal_shows_in_the_end_what_a_pipe_gets(
     tmp_path: Path, command: str, logs: list[Path]

@@ -1,6 +1,7 @@
 """`/events` and `/gait` in a converted log: what they say, and when."""
 
 import sys
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -14,6 +15,7 @@ from dogbot_logtool.commands.convert import convert
 from dogbot_logtool.commands.stats import measure
 from dogbot_logtool.pipeline.options import ConvertOptions, StatsOptions
 from dogbot_logtool.report.documents.stats_json import stats_json
+from dogbot_logtool.results import Measurement
 from tests.paths import SAMPLE_LOGS
 
 TROUBLED = SAMPLE_LOGS / "dogbot_troubled.bag"
@@ -26,6 +28,11 @@ def messages_of(path: Path, topic: str) -> list[tuple[int, Any]]:
         reader = make_reader(stream, validate_crcs=True, decoder_factories=factories)
         found = reader.iter_decoded_messages(topics=[topic])
         return [(message.log_time, decoded) for _, _, message, decoded in found]
+
+
+@cache
+def measured(source: Path) -> Measurement:
+    return measure(source, StatsOptions())
 
 
 def converted(source: Path, target: Path, **options: object) -> Path:
@@ -41,13 +48,13 @@ def test_every_event_is_a_log_message_at_its_log_time(
     tmp_path: Path, encoding: str, text: str, warning: int
 ) -> None:
     target = converted(TROUBLED, tmp_path / "out.mcap", encoding=encoding)
-    measured = measure(TROUBLED, StatsOptions())
-    events = stats_json(measured.stats, measured.facts)["events"]
+    stats = measured(TROUBLED).stats
+    events = stats_json(stats, measured(TROUBLED).facts)["events"]
     found = messages_of(target, "/events")
     assert len(found) == len(events)
     for (log_time, message), event in zip(found, events, strict=True):
         # The stamps of this log are zero: it is measured on log time.
-        assert log_time == measured.stats.origin + round(event["onset_s"] * 1e9)
+        assert log_time == stats.origin + round(event["onset_s"] * 1e9)
         assert getattr(message, text).startswith(event["type"].replace("_", " "))
         assert message.name == (event["foot"] or "robot")
         is_step = event["type"] in {"touchdown", "lift_off"}
@@ -56,7 +63,7 @@ def test_every_event_is_a_log_message_at_its_log_time(
 
 def test_onsets_on_stamps_are_written_at_log_times(tmp_path: Path) -> None:
     target = converted(TROT, tmp_path / "out.mcap")
-    stats = measure(TROT, StatsOptions()).stats
+    stats = measured(TROT).stats
     offset = next(each.offset_median_s for each in stats.topics if "contact" in each.topic)
     assert offset is not None
     for log_time, message in messages_of(target, "/events"):
@@ -79,12 +86,12 @@ def test_the_gait_is_written_where_it_changes_and_ends(tmp_path: Path, encoding:
 def test_events_are_spans_where_the_schemas_have_them(tmp_path: Path) -> None:
     pytest.importorskip("foxglove_schemas_protobuf.Event_pb2")
     target = converted(TROUBLED, tmp_path / "out.mcap")
-    measured = measure(TROUBLED, StatsOptions())
-    events = stats_json(measured.stats, measured.facts)["events"]
+    stats = measured(TROUBLED).stats
+    events = stats_json(stats, measured(TROUBLED).facts)["events"]
     odd = [each for each in events if each["type"] not in {"touchdown", "lift_off"}]
     found = messages_of(target, "/events/spans")
     assert [message.start_time.ToNanoseconds() for _, message in found] == [
-        measured.stats.origin + round(each["onset_s"] * 1e9) for each in odd
+        stats.origin + round(each["onset_s"] * 1e9) for each in odd
     ]
     for (log_time, message), event in zip(found, odd, strict=True):
         start, end = (each.ToNanoseconds() for each in (message.start_time, message.end_time))

@@ -28,9 +28,8 @@ def figures_with_file(path: Path, odometry_topic: str | None = None) -> dict[str
 
 @pytest.mark.parametrize("kind", state_walks.KINDS)
 def test_the_file_has_the_feet_of_messages_of_all_feet(tmp_path: Path, kind: str) -> None:
-    walk = StateWalk(2)
     path = tmp_path / "walk.mcap"
-    walks.write_mcap(path, walk, list(walk.messages(kind)))
+    walks.write_mcap(path, StateWalk(2), state_walks.messages(kind))
     without, with_file = figures(path, TopicOptions()), figures_with_file(path)
     assert with_file["feet"] == without["feet"]
     assert len(with_file["feet"]) > 1

@@ -13,9 +13,11 @@ from pathlib import Path
 import pytest
 
 from tests.forked_cli import CLOSED, run
+from tests.oracles.small_logs import first_seconds
 from tests.paths import SAMPLE_LOGS
 
-TROT, TROUBLED = (SAMPLE_LOGS / f"dogbot_{name}.bag" for name in ("trot", "troubled"))
+LONG = [SAMPLE_LOGS / f"dogbot_{name}.bag" for name in ("trot", "troubled")]
+TROT, TROUBLED = map(first_seconds, LONG)
 CUT = "cut.bag"
 
 RESULTS = {
@@ -84,7 +86,7 @@ def test_a_reader_that_stops_early_changes_nothing(folder: Path, words: str, cod
 @pytest.mark.parametrize("unbuffered", ["", "1"])
 def test_a_difference_is_seen_through_a_pipe(folder: Path, unbuffered: str) -> None:
     """Much is printed, so that the reader has gone long before the end."""
-    call = f"logtool compare {TROT} {TROUBLED} --max-differences 9999"
+    call = f"logtool compare {LONG[0]} {LONG[1]} --max-differences 9999"
     line = f"{call} | grep -q different; exit ${{PIPESTATUS[0]}}"
     assert shell(folder, line, PYTHONUNBUFFERED=unbuffered) == (1, "", "")
 
@@ -136,13 +138,20 @@ def test_an_unwritable_stderr_changes_nothing(folder: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    "streams", [">&- 2>&-", "<&- >&- 2>&-", ">/dev/full 2>&1"], ids=["both", "all", "full"]
+    ("streams", "logs", "unbuffered"),
+    [
+        (">&- 2>&-", f"{TROUBLED}", "1"),
+        (">&- 2>&-", f"{TROUBLED} {TROT} --json", ""),
+        ("<&- >&- 2>&-", f"{TROUBLED} {TROT} --json", "1"),
+        (">/dev/full 2>&1", f"{TROUBLED}", ""),
+    ],
+    ids=["both", "both, several", "all", "full"],
 )
-def test_all_streams_may_be_unwritable(folder: Path, streams: str) -> None:
-    logs = f"{TROUBLED} {TROT} --json"
-    for words, unbuffered in ((f"stats {TROUBLED}", "1"), (f"stats {logs}", "")):
-        done = shell(folder, f"logtool {words} {streams}", PYTHONUNBUFFERED=unbuffered)
-        assert done == (1, "", "")
+def test_all_streams_may_be_unwritable(
+    folder: Path, streams: str, logs: str, unbuffered: str
+) -> None:
+    done = shell(folder, f"logtool stats {logs} {streams}", PYTHONUNBUFFERED=unbuffered)
+    assert done == (1, "", "")
 
 
 def test_what_prints_no_result_needs_no_stdout(folder: Path) -> None:
@@ -160,13 +169,21 @@ def test_a_wrong_call_stays_one(folder: Path) -> None:
                 assert run("stats", word, folder=folder, stderr=stream).returncode == 2
 
 
-@pytest.mark.parametrize("encoding", ["ascii", "latin-1", "utf-8"])
-def test_any_encoding_will_do(folder: Path, encoding: str) -> None:
+@pytest.mark.parametrize(
+    ("encoding", "words"),
+    [
+        ("ascii", "info *-*.bag"),
+        ("ascii", "stats *-*.bag"),
+        ("ascii", "stats *-*.bag --csv"),
+        ("latin-1", "info --frames *-*.bag"),
+        ("utf-8", "stats *-*.bag"),
+    ],
+)
+def test_any_encoding_will_do(folder: Path, encoding: str, words: str) -> None:
     name = os.fsdecode("\u81ea\u884c-é-\x9b1m-".encode() + b"\xff.bag")
     (folder / name).write_bytes((folder / CUT).read_bytes())
-    for words in ("info *-*.bag", "stats *-*.bag", "stats *-*.bag --csv", "info --frames *-*.bag"):
-        code, out, err = shell(
-            folder, f"logtool {words} | cat -v; exit ${{PIPESTATUS[0]}}", PYTHONIOENCODING=encoding
-        )
-        assert (code, err) == (3, "")
-        assert "\\xff.bag" in out.replace("\n", "")
+    code, out, err = shell(
+        folder, f"logtool {words} | cat -v; exit ${{PIPESTATUS[0]}}", PYTHONIOENCODING=encoding
+    )
+    assert (code, err) == (3, "")
+    assert "\\xff.bag" in out.replace("\n", "")

@@ -1,13 +1,15 @@
 """Changes the code at random and looks whether tests notice: ``python -m tests.mutants.sample``.
 
 Each mutant is one small change that cosmic-ray makes (another operator, another number, a
-condition turned round) in a copy of the checkout; then the tests of that room run. A mutant that
-no test notices has survived. ``make mutants`` tries a sample of `core`.
+condition turned round) in a copy of the checkout. The tests of the changed file's own folder run
+first, and all tests of the room where these do not notice. A mutant that no test notices has
+survived. ``make mutants`` tries a sample of `core`.
 """
 
 import argparse
 import ast
 import random
+import shlex
 import shutil
 import subprocess
 import sys
@@ -17,18 +19,18 @@ from contextlib import chdir
 from pathlib import Path
 from typing import Final
 
-from cosmic_ray.commands import execute, init
-from cosmic_ray.config import ConfigDict
+from cosmic_ray.commands import init
 from cosmic_ray.modules import find_modules
+from cosmic_ray.mutating import mutate_and_test
 from cosmic_ray.work_db import WorkDB, use_db
-from cosmic_ray.work_item import MutationSpec, WorkerOutcome, WorkItem, WorkResult
+from cosmic_ray.work_item import MutationSpec, WorkItem, WorkResult
 
 from tests.paths import ROOT
 
 _NOT_COPIED: Final = shutil.ignore_patterns(
     ".*", "build", "*.egg-info", "__pycache__", "demo_output"
 )
-_PATIENCE_S: Final = 300.0
+_PATIENCE_S: Final = 600.0
 CAUGHT: Final = 0.9
 """Share of the mutants that tests must notice."""
 
@@ -52,14 +54,10 @@ def is_in_code(mutation: MutationSpec) -> bool:
 
 
 def choose(database: WorkDB, count: int, seed: int) -> list[WorkItem]:
-    """Leave a random sample of the mutants to be tried; skip the others."""
+    """Return a random sample of the mutants."""
     items = sorted(database.work_items, key=lambda item: _position(item.mutations[0]))
     items = [item for item in items if is_in_code(item.mutations[0])]
-    chosen = random.Random(seed).sample(items, min(count, len(items)))  # noqa: S311
-    kept = {item.job_id for item in chosen}
-    skipped = [item.job_id for item in database.work_items if item.job_id not in kept]
-    database.set_multiple_results(skipped, WorkResult(WorkerOutcome.SKIPPED))
-    return chosen
+    return random.Random(seed).sample(items, min(count, len(items)))  # noqa: S311
 
 
 def _position(mutation: MutationSpec) -> tuple[str, tuple[int, int], str, int]:
@@ -81,23 +79,34 @@ def try_mutants(
     with tempfile.TemporaryDirectory() as name:
         copy = Path(name) / "checkout"
         shutil.copytree(ROOT, copy, ignore=_NOT_COPIED)
-        command = [sys.executable, "-m", "pytest", "-x", "-q", "-p", "no:cacheprovider", *tests]
         with chdir(copy):
-            subprocess.run(command, check=True, capture_output=True)  # noqa: S603
-            config = ConfigDict(
-                {
-                    "timeout": _PATIENCE_S,
-                    "test-command": " ".join(command),
-                    "distributor": {"name": "local"},
-                }
-            )
+            subprocess.run(command(tests), check=True, capture_output=True)  # noqa: S603
             with use_db(f"{name}/mutants.sqlite", WorkDB.Mode.create) as database:
                 init(find_modules([Path("dogbot_logtool") / room]), database, {})
-                chosen = {item.job_id: item.mutations[0] for item in choose(database, count, seed)}
-                execute(database, config)
-                results = dict(database.results)
-        for job, mutation in chosen.items():
-            yield mutation, results[job]
+                chosen = choose(database, count, seed)
+            for item in chosen:
+                own = own_tests(item.mutations[0].module_path)
+                result = mutated(item, own) if own else None
+                if result is None or not result.is_killed:
+                    result = mutated(item, tests)
+                yield item.mutations[0], result
+
+
+def mutated(item: WorkItem, tests: Sequence[str]) -> WorkResult:
+    """Run tests of a mutant."""
+    return mutate_and_test(item.mutations, shlex.join(command(tests)), _PATIENCE_S)
+
+
+def own_tests(module: Path) -> list[str]:
+    """Return the tests beside those that mirror a module of the package."""
+    folder = Path("tests") / module.parent.relative_to("dogbot_logtool")
+    return sorted(map(str, folder.glob("test_*.py")))
+
+
+def command(tests: Sequence[str]) -> list[str]:
+    """Return the call that runs tests until the first one fails."""
+    words = [sys.executable, "-m", "pytest", "-x", "-q", "-p", "no:cacheprovider"]
+    return [*words, "-m", "not slow", *tests]
 
 
 def main() -> None:

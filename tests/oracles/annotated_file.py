@@ -1,6 +1,6 @@
 """Annotations that a file has, read and decoded by the mcap library."""
 
-from collections import Counter
+from collections import defaultdict
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -38,6 +38,8 @@ class Written:
     schemas: dict[int, records.Schema] = field(default_factory=dict)
     channels: dict[int, records.Channel] = field(default_factory=dict)
     messages: list[records.Message] = field(default_factory=list)
+    rows: dict[int, list[int]] = field(default_factory=lambda: defaultdict(list))
+    """Of each channel, where its messages stand among all."""
     attachments: list[records.Attachment] = field(default_factory=list)
     metadata: list[records.Metadata] = field(default_factory=list)
     statistics: records.Statistics | None = None
@@ -69,13 +71,14 @@ class Written:
 
     def of(self, topic: str, encoding: str) -> list[tuple[records.Schema, records.Message]]:
         """Return a topic's messages of one encoding, in the order of their log times."""
-        found = [
-            (self.schemas[channel.schema_id], message)
-            for message in self.messages
-            if (channel := self.channels[message.channel_id]).topic == topic
-            and channel.message_encoding == encoding
-        ]
-        return sorted(found, key=lambda one: one[1].log_time)
+        rows = sorted(
+            row
+            for channel in self.channels.values()
+            if channel.topic == topic and channel.message_encoding == encoding
+            for row in self.rows[channel.id]
+        )
+        found = sorted((self.messages[row] for row in rows), key=lambda one: one.log_time)
+        return [(self.schemas[self.channels[one.channel_id].schema_id], one) for one in found]
 
 
 def read_written(path: Path) -> Written:
@@ -91,6 +94,7 @@ def read_written(path: Path) -> Written:
                 case records.Channel():
                     written.channels[record.id] = record
                 case records.Message():
+                    written.rows[record.channel_id].append(len(written.messages))
                     written.messages.append(record)
                 case records.Attachment():
                     written.attachments.append(record)
@@ -104,7 +108,7 @@ def read_written(path: Path) -> Written:
                     pass
     assert written.statistics is not None
     assert written.statistics.message_count == len(written.messages)
-    counts = Counter(message.channel_id for message in written.messages)
+    counts = {number: len(rows) for number, rows in written.rows.items()}
     assert written.statistics.channel_message_counts == counts
     return written
 

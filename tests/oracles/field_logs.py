@@ -1,11 +1,13 @@
 """Logs whose feet are fields of messages of types that nobody knows."""
 
 from collections.abc import Iterator, Mapping
+from functools import cache
 from pathlib import Path
 from typing import Any, Final
 
 import numpy as np
 from rosbags.typesys import get_types_from_msg
+from rosbags.typesys.store import Typestore
 
 from tests.oracles import walks
 
@@ -35,9 +37,16 @@ WEIGHT_N: Final = 30.0
 def odd_walk(ros: int = 2) -> walks.Walk:
     """Return a maker of messages that knows the odd types."""
     walk = walks.Walk(ros)
-    for name, text in DEFINITIONS.items():
-        walk.store.register(get_types_from_msg(text, name))
+    walk.store = walks.SharedStore(_known(ros))
     return walk
+
+
+@cache
+def _known(ros: int) -> Typestore:
+    store = walks.Walk(ros).store
+    for name, text in DEFINITIONS.items():
+        store.register(get_types_from_msg(text, name))
+    return store
 
 
 def is_down(time_s: float, foot: int) -> bool:

@@ -1,12 +1,16 @@
-"""Small MCAP files of ROS 1 messages, byte by byte."""
+"""Small logs: MCAP files of ROS 1 messages, byte by byte, and the beginnings of bags."""
 
 import os
 import struct
+import tempfile
 from collections.abc import Sequence
+from functools import cache
 from pathlib import Path
 
 from mcap.writer import CompressionType
 from mcap.writer import Writer as McapWriter
+from rosbags.rosbag1 import Reader as BagReader
+from rosbags.rosbag1 import Writer as BagWriter
 
 
 def string_log(path: Path, messages: Sequence[tuple[str, bytes]]) -> Path:
@@ -91,4 +95,27 @@ def odometry_log(path: Path, topic: str, *, filler: int = 0, cut: int = 0) -> Pa
             for _ in range(filler):
                 writer.add_message(other, time_ns, noise, time_ns)
         writer.finish()
+    return path
+
+
+_FOLDER = tempfile.TemporaryDirectory(prefix="small_logs")
+_CHUNK_BYTES = 250_000
+
+
+@cache
+def first_seconds(bag: Path, seconds: float = 2.0) -> Path:
+    """Write the first seconds of a bag, without compression, into a file of the same name."""
+    path = Path(_FOLDER.name) / f"{seconds:g}" / bag.name
+    path.parent.mkdir(exist_ok=True)
+    with BagReader(bag) as reader, BagWriter(path) as writer:
+        writer.chunk_threshold = _CHUNK_BYTES
+        begin = reader.start_time
+        added = {
+            (c.topic, c.msgtype): writer.add_connection(
+                c.topic, c.msgtype, msgdef=c.msgdef.data, md5sum=c.digest
+            )
+            for c in reader.connections
+        }
+        for c, time, data in reader.messages(stop=begin + round(seconds * 1e9)):
+            writer.write(added[c.topic, c.msgtype], time, data)
     return path

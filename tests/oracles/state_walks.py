@@ -1,10 +1,12 @@
 """The synthetic walk of `walks.py` in messages that tell of all feet at once."""
 
 from collections.abc import Callable, Iterator
+from functools import cache
 from typing import Any, Final
 
 import numpy as np
 from rosbags.typesys import get_types_from_msg
+from rosbags.typesys.store import Typestore
 
 from tests.oracles import walks
 from tests.oracles.walks import FORCES, LEGS, TOUCHES
@@ -132,17 +134,30 @@ def foot_position(leg: str, sample: int) -> Any:
     return np.array([base_position(down)[0] + x, y, 0.0 if TOUCHES[leg][sample] else 0.1])
 
 
+@cache
+def _known(ros: int) -> Typestore:
+    store = walks.Walk(ros).store
+    # A duration has the parts of a time.
+    theirs, ours = "builtin_interfaces/Duration", "builtin_interfaces/Time"
+    known: dict[str, Any] = {}
+    for name, text in DEFINITIONS.items():
+        known.update(get_types_from_msg(text.replace(theirs, ours), name))
+    store.register(known)
+    return store
+
+
+@cache
+def messages(kind: str) -> list[walks.Entry]:
+    """Return the walk of ROS 2 in a kind of message."""
+    return list(StateWalk(2).messages(kind))
+
+
 class StateWalk(walks.Walk):
     """Messages that tell of all feet."""
 
     def __init__(self, ros: int) -> None:
         super().__init__(ros)
-        # A duration has the parts of a time.
-        theirs, ours = "builtin_interfaces/Duration", "builtin_interfaces/Time"
-        known: dict[str, Any] = {}
-        for name, text in DEFINITIONS.items():
-            known.update(get_types_from_msg(text.replace(theirs, ours), name))
-        self.store.register(known)
+        self.store = walks.SharedStore(_known(ros))
 
     def contacts(self, kind: str, sample: int) -> Iterator[tuple[str, Any]]:
         maker = getattr(self, f"_{kind.split('/', maxsplit=1)[0]}", None)

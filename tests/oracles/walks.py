@@ -3,15 +3,18 @@
 import json
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 from typing import Any, Final
 
 import numpy as np
 from mcap.writer import Writer as McapWriter
+from rosbags.interfaces import Msgdef
 from rosbags.rosbag1 import Writer as BagWriter
 from rosbags.rosbag2 import Writer as Rosbag2Writer
 from rosbags.rosbag2.enums import StoragePlugin
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
+from rosbags.typesys.store import Typestore
 
 LEGS: Final = ("front_left", "front_right", "back_left", "back_right")
 START: Final = 1_700_000_000_000_000_000
@@ -87,6 +90,31 @@ def foot_topic(kind: str, leg: str) -> str:
     return "/feet" if kind in KINDS[3:] else f"/{leg}/contact"
 
 
+@cache
+def _known(ros: int) -> Typestore:
+    store = get_typestore(Stores.ROS1_NOETIC if ros == 1 else Stores.ROS2_HUMBLE)
+    known = {} if ros == 1 else {"tf2_msgs/msg/TFMessage"}
+    for name, text in DEFINITIONS.items():
+        if name not in known:
+            store.register(get_types_from_msg(text, name))
+    return store
+
+
+class SharedStore(Typestore):
+    """A store of one's own, with the types of another one as it has compiled them."""
+
+    def __init__(self, known: Typestore) -> None:
+        super().__init__()
+        self._known = known
+        self.fielddefs, self.types = dict(known.fielddefs), dict(known.types)
+
+    def get_msgdef(self, typename: str) -> Msgdef[object]:
+        """Compile a type only where it differs from the other store's."""
+        if self.types[typename] is self._known.types.get(typename):
+            return self._known.get_msgdef(typename)
+        return super().get_msgdef(typename)
+
+
 @dataclass(frozen=True)
 class Entry:
     topic: str
@@ -100,11 +128,7 @@ class Walk:
 
     def __init__(self, ros: int) -> None:
         self.ros = ros
-        self.store = get_typestore(Stores.ROS1_NOETIC if ros == 1 else Stores.ROS2_HUMBLE)
-        known = {} if ros == 1 else {"tf2_msgs/msg/TFMessage"}
-        for name, text in DEFINITIONS.items():
-            if name not in known:
-                self.store.register(get_types_from_msg(text, name))
+        self.store: Typestore = SharedStore(_known(ros))
 
     def make(self, kind: str, **fields: Any) -> Any:
         package, _, name = kind.partition("/")
@@ -304,11 +328,16 @@ TOUCHES: Final = {leg: touches(leg) for leg in LEGS}
 FORCES: Final = {leg: force(leg) for leg in LEGS}
 
 
+@cache
+def _messages(ros: int, kind: str) -> list[Entry]:
+    return list(Walk(ros).messages(kind))
+
+
 def write_walk(folder: Path, kind: str, container: str) -> Path:
     """Write the walk; return the file or directory."""
     path = folder / f"walk.{container}"
     walk = Walk(1 if container == "bag" else 2)
-    entries = list(walk.messages(kind))
+    entries = _messages(walk.ros, kind)
     match container:
         case "bag":
             _write_bag(path, walk, entries)

@@ -13,7 +13,7 @@ from tests.reader.mutation import CASES, Case, Kind, Mutation, floor, read_harme
 from tests.reader.reading import Reading, read_bytes, read_file, written_mcap
 
 ANY_CASE = pytest.mark.parametrize("case", CASES, ids=lambda case: case.name)
-CUT_EVERY = 3
+CUT_EVERY = [17, pytest.param(3, marks=pytest.mark.slow)]
 """Bytes; the cases differ in where their records end."""
 FLIP_EVERY = 7
 """Bits: one of each byte at least. `make fuzz` tries others."""
@@ -24,10 +24,11 @@ MUTATIONS = st.lists(
 
 
 @ANY_CASE
-def test_cut_anywhere(tmp_path: Path, case: Case) -> None:
+@pytest.mark.parametrize("every", CUT_EVERY)
+def test_cut_anywhere(tmp_path: Path, case: Case, every: int) -> None:
     path = tmp_path / "log"
     path.write_bytes(case.data)
-    for size in range(len(case.data) - 1, -1, -CUT_EVERY):
+    for size in range(len(case.data) - 1, -1, -every):
         os.truncate(path, size)
         if case.is_bag and 100 < size < 4000:
             continue  # the padding of the bag's header

@@ -123,6 +123,7 @@ def test_an_address_without_scheduler() -> None:
     assert "no scheduler answers there" in refused("tcp://127.0.0.1:9")
 
 
+@pytest.mark.slow
 def test_a_server_of_another_kind() -> None:
     words = [sys.executable, "-m", "http.server", "0", "--bind", "127.0.0.1"]
     with subprocess.Popen(  # noqa: S603
@@ -142,17 +143,20 @@ def test_a_server_of_another_kind() -> None:
             server.kill()
 
 
+@pytest.mark.slow
 def test_a_scheduler_of_another_version(tmp_path: Path) -> None:
     with scheduler(tmp_path, OLD_DASK) as address:
         assert "it has dask.distributed 1.0, and here is" in refused(address)
 
 
+@pytest.mark.slow
 def test_a_scheduler_without_workers(address: str) -> None:
     said = refused(address)
     assert "has no workers; waiting" in said
     assert f"with: dask worker {address}" in said
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("first", "what"), [(LACKS_PACKAGE, "has none"), (OLD_PACKAGE, "has 0.0.1;")]
 )
@@ -164,6 +168,7 @@ def test_workers_that_cannot_do_it(address: str, tmp_path: Path, first: str, wha
     assert "install the same there" in said
 
 
+@pytest.mark.slow
 def test_a_worker_without_the_package_that_comes_later(address: str, tmp_path: Path) -> None:
     """Items that it gets fail at once, and are not waited for."""
     with workers(address, 1, tmp_path), ClusterRunner[Any](address) as runner:
@@ -189,6 +194,7 @@ def test_the_killer_of_workers_is_named_and_nothing_else(address: str, tmp_path:
     assert 0 not in progress.lost_items
 
 
+@pytest.mark.slow
 def test_a_scheduler_that_is_lost(tmp_path: Path) -> None:
     progress = Progress()
     items = [("slow", tmp_path)] * 100
@@ -206,6 +212,7 @@ def test_a_scheduler_that_is_lost(tmp_path: Path) -> None:
     }
 
 
+@pytest.mark.slow
 def test_workers_that_are_lost_and_do_not_come_back(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -219,6 +226,7 @@ def test_workers_that_are_lost_and_do_not_come_back(
     assert last.sentence == f"was not done: {address} has no workers any more"
 
 
+@pytest.mark.slow
 def test_an_interruption_leaves_the_cluster(address: str, tmp_path: Path) -> None:
     with workers(address, 1, tmp_path):
         with ClusterRunner[Any](address) as runner:

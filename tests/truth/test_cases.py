@@ -1,6 +1,8 @@
 """Each kind of log is measured right, or its figures are null and a finding names the cause."""
 
+from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -8,8 +10,17 @@ from tests.truth.cases import all_cases
 from tests.truth.judging import Case, faults, judge
 from tests.truth.outcome import outcome
 
+VARIANTS = (", mirrored", " from mid-cycle")
+"""Ends of names of gaits that are also there as they are."""
 
-@pytest.mark.parametrize("case", all_cases(), ids=lambda case: case.name)
+
+def each_case() -> Iterator[Any]:
+    for case in all_cases():
+        marks = [pytest.mark.slow] if case.name.endswith(VARIANTS) else []
+        yield pytest.param(case, id=case.name, marks=marks)
+
+
+@pytest.mark.parametrize("case", each_case())
 def test_right_or_null_with_the_cause_named(case: Case, tmp_path: Path) -> None:
     recording = case.record()
     found = outcome(recording, tmp_path)

@@ -35,3 +35,10 @@ def test_swings_much_shorter_than_usual_are_filled() -> None:
     rule = contact_rule(replace(zero_reading(), swing_s=0.8, interval_s=0.02), WEIGHT_N)
     assert rule.debounce_s == pytest.approx(0.03)
     assert rule.fill_s == pytest.approx(0.05)
+
+
+@pytest.mark.parametrize(("loaded_n", "told"), [(20.0, ""), (19.99, "more than half")])
+def test_contact_may_need_half_of_the_usual_load_and_no_more(loaded_n: float, told: str) -> None:
+    rule = contact_rule(replace(zero_reading(), loaded_n=loaded_n), WEIGHT_N)
+    assert rule.on_n == 10.0
+    assert rule.unusable == "" if not told else told in rule.unusable

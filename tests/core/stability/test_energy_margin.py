@@ -10,8 +10,8 @@ FEET = np.array([[0.3, 0.15, 0.0], [0.3, -0.15, 0.0], [-0.3, 0.15, 0.0], [-0.3, 
 BODY = np.array([0.05, 0.02, 0.4])
 
 
-def turned(points: Floats, axis: Floats, angle: float) -> Floats:
-    """Turn points about an axis through the origin (Rodrigues)."""
+def turned(points: Floats, axis: Floats, angle: float | Floats) -> Floats:
+    """Turn points about an axis through the origin (Rodrigues), by one angle or (n, 1) of them."""
     along = np.outer(points @ axis, axis) * (1.0 - np.cos(angle))
     return np.asarray(points * np.cos(angle) + np.cross(axis, points) * np.sin(angle) + along)
 
@@ -21,8 +21,9 @@ def least_rise(corners: Floats, body: Floats) -> float:
     rises = []
     for start, end in zip(corners, np.roll(corners, -1, axis=0), strict=True):
         axis = (end - start) / np.linalg.norm(end - start)
-        height = [turned((body - start)[None], axis, a)[0, 2] for a in np.linspace(-1.6, 1.6, 3201)]
-        rises.append(float(max(height) - (body - start)[2]))
+        steps = np.linspace(-1.6, 1.6, 3201)[:, None]
+        height = turned((body - start)[None], axis, steps)[:, 2]
+        rises.append(float(height.max() - (body - start)[2]))
     return min(rises)
 
 

@@ -4,13 +4,14 @@ import tracemalloc
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, lru_cache
 from typing import Any, Final, Literal, NamedTuple
 
 import numpy as np
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
+from rosbags.interfaces.typing import Typesdict
 from rosbags.serde import SerdeError
 from rosbags.typesys import get_types_from_msg
 from rosbags.typesys.store import Typestore
@@ -118,13 +119,23 @@ class Definition:
         return compile_layout(struct, serialisation_of(wire), wanted)
 
     def store(self) -> Typestore:
-        """The definition for rosbags."""
-        store = Typestore()
-        for name in ROS1_CLOCKS:
-            store.register(get_types_from_msg(lines_of(self.messages[name]), name))
-        types = get_types_from_msg(self.text(), ROOT)
-        store.register({name: entry for name, entry in types.items() if name not in store.types})
-        return store
+        """The definition for rosbags, one for author and reader."""
+        return store_of(self.text(), *(lines_of(self.messages[name]) for name in ROS1_CLOCKS))
+
+
+@lru_cache(maxsize=1)
+def store_of(text: str, *clocks: str) -> Typestore:
+    store = Typestore()
+    types = dict(get_types_from_msg(text, ROOT))
+    for name, lines in zip(ROS1_CLOCKS, clocks, strict=True):
+        types |= clock_types(lines, name)
+    store.register(types)
+    return store
+
+
+@cache
+def clock_types(lines: str, name: str) -> Typesdict:
+    return get_types_from_msg(lines, name)
 
 
 def lines_of(fields: Sequence[Field]) -> str:

@@ -21,9 +21,11 @@ import pyarrow.parquet as pq
 import pytest
 
 from tests.forked_cli import Ended, run
+from tests.oracles.small_logs import first_seconds
 from tests.paths import ROOT, SAMPLE_LOGS
 
-TROT, TROUBLED = SAMPLE_LOGS / "dogbot_trot.bag", SAMPLE_LOGS / "dogbot_troubled.bag"
+TROT, LONG = (SAMPLE_LOGS / f"dogbot_{name}.bag" for name in ("trot", "troubled"))
+TROUBLED = first_seconds(LONG)
 
 
 def stats(folder: Path, *words: object, jobs: int = 1) -> Ended:
@@ -114,11 +116,11 @@ def server(tmp_path: Path) -> Iterator[str]:
     """Serve two logs under one path."""
     runs = tmp_path / "runs"
     runs.mkdir()
-    shutil.copy(TROUBLED, runs / "1")
+    shutil.copy(LONG, runs / "1")
     (runs / "2").write_bytes(TROT.read_bytes()[:900_000])
     handler = functools.partial(_Runs, directory=str(runs))
     with http.server.ThreadingHTTPServer(("127.0.0.1", 0), handler) as running:
-        thread = threading.Thread(target=running.serve_forever)
+        thread = threading.Thread(target=running.serve_forever, args=(0.02,))
         thread.start()
         yield f"http://127.0.0.1:{running.server_port}/log.bag"
         running.shutdown()
@@ -328,7 +330,7 @@ def test_readers_take_it_and_the_documented_queries_run(
 
 
 def test_events_are_a_table_of_their_own(tmp_path: Path) -> None:
-    shutil.copy(TROUBLED, tmp_path / "troubled.bag")
+    shutil.copy(LONG, tmp_path / "troubled.bag")
     assert stats(tmp_path, "troubled.bag").returncode == 0
     (log,) = rows(tmp_path)
     events = rows(tmp_path, "events")

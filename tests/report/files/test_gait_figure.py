@@ -42,7 +42,7 @@ def measured(path: Path) -> Measurement:
     return measure(path, StatsOptions(curves=CurveDetail()))
 
 
-def drawn(
+def draw(
     path: Path,
     form: str,
     window: Window | None = None,
@@ -54,6 +54,9 @@ def drawn(
     file = io.BytesIO()
     write_figure(gait_figure(stats, curves, window, size_mm), file, form)
     return file.getvalue()
+
+
+drawn = cache(draw)
 
 
 def svg_of(path: Path, window: Window | None = None) -> ET.Element:
@@ -175,7 +178,7 @@ def test_fonts_are_in_the_pdf() -> None:
 def test_the_same_bytes_whatever_the_user_has_set_up(form: str) -> None:
     first = drawn(WALK, form)
     with mpl.rc_context({"lines.linewidth": 9.0, "font.size": 20.0, "svg.fonttype": "path"}):
-        assert drawn(WALK, form) == first
+        assert draw(WALK, form) == first
     assert not re.search(rb"Matplotlib v|CreationDate|dc:date", first)
 
 

@@ -295,6 +295,7 @@ def _looks(window: Window, wanted: tuple[bool, bool], _: Chrome) -> bool:
     return window.brightness() == wanted
 
 
+@pytest.mark.slow
 def test_nothing_is_cut_off_and_colours_follow_the_reader(window: Window, trot_page: Path) -> None:
     """Whatever the width and the scheme, also when they change while the page is open."""
     window.open(trot_page, width=1600)
@@ -307,6 +308,7 @@ def test_nothing_is_cut_off_and_colours_follow_the_reader(window: Window, trot_p
     assert window.complaints() == []
 
 
+@pytest.mark.slow
 def test_it_prints_whole_from_a_wide_window(window: Window, trot_page: Path) -> None:
     """Every figure over time ends with its last tick, on the paper."""
     window.open(trot_page, width=1920, scheme="dark")
@@ -328,6 +330,7 @@ def test_it_prints_whole_from_a_wide_window(window: Window, trot_page: Path) -> 
     assert window.run("return document.getElementById('loads')._fullLayout.width") > 1000
 
 
+@pytest.mark.slow
 def test_no_figure_is_higher_than_the_paper(
     window: Window, trot_page: Path, tmp_path: Path
 ) -> None:
@@ -368,6 +371,7 @@ def test_data_are_saved_as_csv(window: Window, trot_page: Path, trot_json: Any) 
     assert window.complaints() == []
 
 
+@pytest.mark.slow
 def test_pages_share_a_script_and_the_index_sorts(window: Window, tmp_path: Path) -> None:
     """The page of a log with events steps from one to the next."""
     logs = [TROT, SAMPLE_LOGS / "dogbot_troubled.bag"]
@@ -410,6 +414,7 @@ class HostileWalk(walks.Walk):
         return super().header(sample, f"/{HOSTILE}{frame}")
 
 
+@pytest.mark.slow
 def test_names_in_a_log_are_never_markup(window: Window, tmp_path: Path) -> None:
     kind = "gazebo_msgs/msg/ContactsState"
     walk = HostileWalk(2)
@@ -436,6 +441,7 @@ def test_names_in_a_log_are_never_markup(window: Window, tmp_path: Path) -> None
     assert window.requests() == {target.as_uri()}
 
 
+@pytest.mark.slow
 def test_the_walk_is_replayed(window: Window, trot_page: Path, trot_json: Any) -> None:
     """Playing moves robot, slider and cursors; the view follows, turns, and steps to events."""
     window.open(trot_page, scheme="dark")

@@ -71,7 +71,7 @@ def url(tmp_path: Path) -> Iterator[str]:
     Server.folder, Server.sent, Server.faults = tmp_path, [], []
     Server.stalled = threading.Event()
     server = http.server.ThreadingHTTPServer(("127.0.0.1", 0), Server)
-    thread = threading.Thread(target=server.serve_forever)
+    thread = threading.Thread(target=server.serve_forever, args=(0.02,))
     thread.start()
     yield f"http://127.0.0.1:{server.server_port}"
     Server.stalled.set()

@@ -1,5 +1,7 @@
 """The synthetic walk in messages that tell of all feet: the same contacts, forces and arrows."""
 
+from collections.abc import Callable
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -18,12 +20,14 @@ from tests.oracles import state_walks, walks
 from tests.oracles.state_walks import StateWalk
 from tests.reader.messages.contacts.test_sources import steps
 
+Figures = Callable[[str], dict[str, Any]]
+
 
 def written(folder: Path, kind: str, walk: StateWalk | None = None) -> Path:
     """Write the walk into an MCAP file."""
-    walk = walk or StateWalk(2)
     path = folder / "walk.mcap"
-    walks.write_mcap(path, walk, list(walk.messages(kind)))
+    entries = state_walks.messages(kind) if walk is None else list(walk.messages(kind))
+    walks.write_mcap(path, walk or StateWalk(2), entries)
     return path
 
 
@@ -43,6 +47,18 @@ def figures(path: Path, topics: TopicOptions) -> dict[str, Any]:
     return stats_json(done.stats, done.facts)
 
 
+@pytest.fixture(scope="module")
+def figures_of(tmp_path_factory: pytest.TempPathFactory) -> Figures:
+    """Figures of the walk in a kind of message, measured once."""
+
+    @cache
+    def measured(kind: str) -> dict[str, Any]:
+        folder = tmp_path_factory.mktemp("walk")
+        return figures(written(folder, kind), options(folder, kind))
+
+    return measured
+
+
 def names_of(kind: str) -> dict[str, str]:
     """Name of each foot, by the leg that it walks like."""
     if kind.startswith("hrpsys"):
@@ -51,8 +67,8 @@ def names_of(kind: str) -> dict[str, str]:
 
 
 @pytest.mark.parametrize("kind", state_walks.KINDS)
-def test_contact_times_are_those_of_the_walk(tmp_path: Path, kind: str) -> None:
-    got = figures(written(tmp_path, kind), options(tmp_path, kind))
+def test_contact_times_are_those_of_the_walk(figures_of: Figures, kind: str) -> None:
+    got = figures_of(kind)
     assert set(got["feet"]) == set(names_of(kind).values())
     for leg, name in names_of(kind).items():
         touchdowns, liftoffs = steps(leg)
@@ -63,8 +79,8 @@ def test_contact_times_are_those_of_the_walk(tmp_path: Path, kind: str) -> None:
 
 
 @pytest.mark.parametrize("kind", state_walks.WITH_FORCE)
-def test_forces_are_those_of_the_walk(tmp_path: Path, kind: str) -> None:
-    got = figures(written(tmp_path, kind), options(tmp_path, kind))
+def test_forces_are_those_of_the_walk(figures_of: Figures, kind: str) -> None:
+    got = figures_of(kind)
     for leg in walks.LEGS:
         vertical = walks.FORCES[leg][:, 2]
         peak = got["feet"][leg]["peak_force_n"]
@@ -100,8 +116,8 @@ def test_arrows_start_at_the_feet(tmp_path: Path, kind: str) -> None:
 
 
 @pytest.mark.parametrize("kind", state_walks.WITH_POINTS)
-def test_stride_length_comes_from_the_feet(tmp_path: Path, kind: str) -> None:
-    got = figures(written(tmp_path, kind), options(tmp_path, kind))
+def test_stride_length_comes_from_the_feet(figures_of: Figures, kind: str) -> None:
+    got = figures_of(kind)
     for leg in walks.LEGS:
         length = got["feet"][leg]["stride_length_m"]
         assert length["median"] == pytest.approx(0.003 * walks.PERIOD, abs=1e-5)
