@@ -8,6 +8,7 @@ import numpy as np
 
 from dogbot_logtool.core.base.base_history import BaseHistory
 from dogbot_logtool.core.base.pose_jumps import without_jumps
+from dogbot_logtool.core.effort_doubts import with_sign_doubts
 from dogbot_logtool.core.gait.foot_statistics import FootStatistics
 from dogbot_logtool.core.gait.standing import typical_period_s
 from dogbot_logtool.core.geometry.aggregates import aggregate
@@ -66,6 +67,7 @@ def with_legs(stats: Stats, history: LegHistory, clocks: Sequence[ClockDifferenc
     legs = _figures(
         stats, history, feet, {each.topic: each for each in clocks if each.topic in apart}
     )
+    legs = with_sign_doubts(stats, history, legs)
     slipping = [_slip_of(stats, leg) for leg in legs.feet]
     if not any(falls is not None for falls in slipping):
         return replace(stats, legs=legs)
@@ -225,7 +227,9 @@ def _figures(
     working = [each for each in joints if each.moves and each.has_effort]
     work = no_work(count)
     if reference is not None and not unknown:
-        work = summed([joint_work(each, reference) for each in working], count)
+        work = summed(
+            [joint_work(each, reference.touchdown, reference.end) for each in working], count
+        )
     return LegFigures(
         settings=settings,
         feet=tuple(legs),
@@ -250,7 +254,7 @@ def _joint(
     curve = joint_curve(joint, strides) if strides is not None and number is not None else None
     work = no_work(0 if strides is None else len(strides.stance))
     if strides is not None and known and (joint.has_effort or not joint.moves):
-        work = joint_work(joint, strides)
+        work = joint_work(joint, strides.touchdown, strides.end)
     name = "" if number is None else stats.feet[number].name
     return LegJoint(joint, name, work, curve if timed else None)
 

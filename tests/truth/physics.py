@@ -281,6 +281,7 @@ def write_log(
     path: Path,
     *,
     by_transforms: bool,
+    points: bool | None = None,
     robot: Physics | None = None,
     every: int = EVERY,
     commands: Commands | None = None,
@@ -293,8 +294,9 @@ def write_log(
 
     Args:
         path: of the log.
-        by_transforms: legs by transforms, feet by contacts with points; else legs by joint states
-            with a robot description, feet by force sensors.
+        by_transforms: legs by transforms; else by joint states with a robot description.
+        points: feet by contacts with points and forces in the world; else by force sensors, that
+            tell the size. None: as `by_transforms`.
         robot: what it did; None: the trot on the rail.
         every: rows of it between messages.
         commands: velocity commands, without stamps; None: none are recorded.
@@ -336,7 +338,7 @@ def write_log(
             entries.append((time, "/tf", TF, data))
         for foot in range(len(FEET)):
             force, point = physics.force[row, foot], physics.point[row, foot]
-            if not by_transforms:
+            if not (by_transforms if points is None else points):
                 size = (0.0, 0.0, float(np.linalg.norm(force)))
                 data, kind = wrench[foot].filled(time, size), WRENCH
             elif np.isnan(point).any():

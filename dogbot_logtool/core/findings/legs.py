@@ -60,3 +60,6 @@ def _work(legs: "LegFigures") -> Iterator[Finding]:
         text = f"joints that move without an effort, whose work is missing: {named}"
         text += f" and {more} more" if more > 0 else ""
         yield Finding("N_NO_EFFORT", text, "legs.absolute_work_j")
+    for doubt in legs.sign_doubts:
+        text = f"{doubt.text}; positive work is null, absolute work does not depend on signs"
+        yield Finding("W_EFFORT_SIGN", text, doubt.key)

@@ -46,11 +46,25 @@ class LegJoint:
     """Over the strides of that foot, or else of the reference foot."""
     curve: JointCurve | None
     """Over the strides of that foot; None: not known."""
+    sign_known: bool = True
+    """Whether nothing contradicts the sign of its effort."""
 
     @property
     def range_of_motion(self) -> float:
         """Range of its position in the whole log, rad or m."""
         return self.history.highest - self.history.lowest
+
+
+@dataclass(frozen=True, slots=True)
+class SignDoubt:
+    """Efforts that seem to have the wrong sign."""
+
+    text: str
+    """What contradicts them."""
+    key: str
+    """Of a figure that is not known for that."""
+    joints: frozenset[str]
+    """Whose positive work is not known."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -77,6 +91,7 @@ class LegFigures:
     """Topics of joint states whose clock is too far from that of the feet."""
     velocity_ratio: float | None
     """Velocity that messages tell over that of the positions; None: none are told."""
+    sign_doubts: tuple[SignDoubt, ...] = ()
 
     @property
     def moving(self) -> tuple[LegJoint, ...]:
