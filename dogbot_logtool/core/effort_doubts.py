@@ -1,19 +1,26 @@
-"""Which efforts of joints have a sign that the log contradicts, and what is not known for that.
+"""Which efforts have a sign or a size that the log contradicts, and what is not known for that.
 
 Absolute work, and so the mechanical cost of transport, is the same with either sign.
 """
 
 from collections.abc import Mapping
 from dataclasses import replace
+from typing import Final
+
+import numpy as np
 
 from dogbot_logtool.core.base.base_history import BaseHistory
 from dogbot_logtool.core.base.pose_jumps import without_jumps
 from dogbot_logtool.core.gait.foot_statistics import FootStatistics
+from dogbot_logtool.core.geometry.order_statistics import median_of
 from dogbot_logtool.core.legs.effort_signs import LegSigns, leg_signs, shortfall
 from dogbot_logtool.core.legs.foot_path import FootPath
 from dogbot_logtool.core.legs.leg_figures import LegFigures, LegFoot, SignDoubt
 from dogbot_logtool.core.legs.leg_history import LegHistory
 from dogbot_logtool.core.statistics import Stats
+
+OTHER_UNIT: Final = 3.0
+"""Work of legs over that of the ground's forces: a larger factor, or one over it, is of units."""
 
 
 def with_sign_doubts(stats: Stats, history: LegHistory, legs: LegFigures) -> LegFigures:
@@ -32,10 +39,23 @@ def with_sign_doubts(stats: Stats, history: LegHistory, legs: LegFigures) -> Leg
     named = {
         leg.name: signs for leg, signs in zip(legs.feet, judged, strict=True) if signs is not None
     }
+    unit = _other_unit(stats, named)
+    if unit:
+        return legs.without_work(unit)
     doubts = _doubts_of_legs(named, legs)
     if not doubts and len(named) < len(legs.feet):
         doubts = _doubts_of_all(stats, legs, base)
     return _without(legs, tuple(doubts)) if doubts else legs
+
+
+def _other_unit(stats: Stats, judged: Mapping[str, LegSigns]) -> str:
+    """Say that the work of legs is of another size than that of the forces on their feet."""
+    over_weight = stats.loads.vertical_impulse_over_weight
+    newtons = over_weight is None or abs(np.log(over_weight)) < np.log(2.0)
+    scale = median_of([signs.scale for signs in judged.values()]) if judged else 1.0
+    if not newtons or 1.0 / OTHER_UNIT <= scale <= OTHER_UNIT:
+        return ""
+    return f"the work of joints is {scale:.3g} times that of the forces on the feet"
 
 
 def _leg(

@@ -51,7 +51,8 @@ def _work(legs: "LegFigures") -> Iterator[Finding]:
         )
         yield Finding("W_JOINT_CLOCK", text, topic)
     if legs.work_unknown and not legs.clocks_apart:
-        code = "W_JOINT_VALUES" if legs.work_refuted else "N_NO_EFFORT"
+        other = "N_LEGS_SLOW" if legs.joints_slow else "N_NO_EFFORT"
+        code = "W_JOINT_VALUES" if legs.work_refuted else other
         text = f"no work is known: {legs.work_unknown}"
         yield Finding(code, text, "legs.absolute_work_j")
     elif legs.without_effort and not legs.work_unknown:

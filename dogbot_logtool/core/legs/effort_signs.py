@@ -51,6 +51,8 @@ class LegSigns:
     """Whether the efforts as recorded do its work."""
     odd: tuple[str, ...]
     """Joints with which they would, if their efforts had the other sign."""
+    scale: float
+    """Size of their work, with those signs, over that of the ground's force."""
 
 
 def leg_signs(
@@ -119,15 +121,17 @@ def _judged(given: Floats, taken: Floats, names: Sequence[str]) -> LegSigns | No
     """
     turned = np.array(list(product((1.0, -1.0), repeat=len(names))))
     likeness = _cosines(given, taken, turned)
-    best = int(likeness.argmax())
-    if likeness[0] > CONTRADICTS:
-        return LegSigns(agree=True, odd=())
-    if likeness[best] < AGREES:
+    agree = bool(likeness[0] > CONTRADICTS)
+    best = 0 if agree else int(likeness.argmax())
+    if not agree and likeness[best] < AGREES:
         return None
     back = turned[best] * (1.0 - 2.0 * np.eye(len(names)))
     without = likeness[best] - _cosines(given, taken, back)
     odd = (turned[best] < 0.0) & (without >= _MATTERS)
-    return LegSigns(agree=False, odd=tuple(np.array(names)[odd].tolist())) if odd.any() else None
+    if not agree and not odd.any():
+        return None
+    sizes = np.linalg.norm(given @ turned[best]), np.linalg.norm(taken)
+    return LegSigns(agree, tuple(np.array(names)[odd].tolist()), float(sizes[0] / sizes[1]))
 
 
 def _cosines(given: Floats, taken: Floats, signs: Floats) -> Floats:

@@ -17,11 +17,15 @@ if TYPE_CHECKING:
 _JOINTS: Final = TableName.JOINTS
 NO_STRIDE: Final = "the foot makes no whole stride in which its leg is told without a silence"
 NO_WORK: Final = (
-    "the efforts of joint states are empty, constantly zero or no torques; velocities contradict "
-    "positions; clocks differ (see findings)"
+    "the efforts of joint states are empty, constant or no torques; positions are no angles in "
+    "rad; velocities contradict positions; joint states come too rarely; clocks differ (see "
+    "findings)"
 )
 NO_SIGN: Final = "the log contradicts the sign of an effort (see findings)"
-_NO_EFFORT: Final = "no message tells an effort of the joint, or all tell zero"
+_NO_EFFORT: Final = (
+    "no message tells an effort of the joint, or all tell zero, or the same while it moves"
+)
+_NO_VALUES: Final = "joint states contradict each other or the ground's forces (see findings)"
 _UNIT, _EFFORT_UNIT, _SPEED_UNIT = "rad or m", "N m or N", "rad/s or m/s"
 _CURVE: "Final[Sequence[Figure[JointCurve]]]" = (
     Figure("n", Kind.COUNT, "", lambda curve: curve.number, "number of strides"),
@@ -74,11 +78,12 @@ def _near_limit(joint: "LegJoint") -> float | None:
 
 
 def _absolute_work(joint: "LegJoint") -> float | None:
-    return joint.history.absolute_work_j if joint.history.has_effort else None
+    known = joint.history.has_effort and joint.values_known
+    return joint.history.absolute_work_j if known else None
 
 
 def _positive_work(joint: "LegJoint") -> float | None:
-    known = joint.history.has_effort and joint.sign_known
+    known = joint.history.has_effort and joint.values_known and joint.sign_known
     return joint.history.positive_work_j if known else None
 
 
@@ -171,7 +176,7 @@ JOINT: "Final[Sequence[Figure[LegJoint] | Scope]]" = (
         "positive work in the whole log: integral of effort times velocity where that is positive "
         "(trapezoid), or mean effort times the way between states where no velocity is told; "
         "silences above 0.1 s left out",
-        null=f"{_NO_EFFORT}; {NO_SIGN}",
+        null=f"{_NO_EFFORT}; {_NO_VALUES}; {NO_SIGN}",
     ),
     Figure(
         "absolute_work_j",
@@ -179,7 +184,7 @@ JOINT: "Final[Sequence[Figure[LegJoint] | Scope]]" = (
         "J",
         _absolute_work,
         "the same of the magnitude of the power",
-        null=_NO_EFFORT,
+        null=f"{_NO_EFFORT}; {_NO_VALUES}",
     ),
     Figure(
         "stride_positive_work_j",
