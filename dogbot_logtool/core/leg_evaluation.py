@@ -1,5 +1,6 @@
 """The figures of the legs, worked out from what was kept of joints and of the feet's frames."""
 
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Final
@@ -207,7 +208,7 @@ def _figures(
     settings, joints = history.settings, history.joints
     moving = [each for each in joints if each.moves]
     slow = _too_slow(stats, settings, moving)
-    missing = _work_unknown(history, clocks_apart) or slow
+    missing = _work_unknown(history, clocks_apart) or _incomplete(stats, history) or slow
     weight = stats.loads.weight_n
     refuted = "" if missing else contradiction(moving, settings.foot_of_joint, weight)
     unknown = missing or refuted
@@ -259,6 +260,27 @@ def _joint(
         work = joint_work(joint, strides.touchdown, strides.end)
     name = "" if number is None else stats.feet[number].name
     return LegJoint(joint, name, work, curve if timed else None)
+
+
+def _incomplete(stats: Stats, history: LegHistory) -> str:
+    """Say which joints of legs are missing; empty if none are known to be."""
+    settings = history.settings
+    if settings.untold:
+        return f"joint states do not tell of {', '.join(settings.untold)}"
+    count = Counter(settings.foot_of_joint.get(joint.name) for joint in history.joints)
+    for row, foot in enumerate(stats.feet):
+        for other, beside in enumerate(stats.feet):
+            alike = len(stats.feet) == 2 or (foot.place and _end(foot) == _end(beside))
+            if alike and 0 < count[row] < count[other]:
+                return (
+                    f"joint states tell of fewer joints of {foot.name} ({count[row]}) than of "
+                    f"{beside.name} ({count[other]})"
+                )
+    return ""
+
+
+def _end(foot: FootStatistics) -> str | None:
+    return foot.place[0] if foot.place else None
 
 
 def _too_slow(stats: Stats, settings: LegSettings, moving: Sequence[JointHistory]) -> str:

@@ -288,6 +288,7 @@ def write_log(
     publishers: int = 1,
     silence_s: tuple[float, float] = (9.0, 9.0),
     change: Any = None,
+    names: tuple[str, ...] = JOINTS,
     drift: float = 0.0,
 ) -> Path:
     """Write a walk as an MCAP of ROS 2 messages.
@@ -303,6 +304,7 @@ def write_log(
         publishers: topics that the joints are shared out on.
         silence_s: time in which no joint states are sent.
         change: takes and returns position, velocity and effort, (n, 12) each.
+        names: of the joints in their states.
         drift: metres by which the odometry goes astray, to the left, a metre of the way.
     """
     physics, make = robot or trot(), _Messages(2)
@@ -312,7 +314,7 @@ def write_log(
     entries: list[tuple[int, str, str, bytes]] = []
     odometry = make.odometry("world", "base_link")
     shares = np.array_split(np.arange(len(JOINTS)), publishers)
-    joints = [make.joint_states(tuple(JOINTS[j] for j in share)) for share in shares]
+    joints = [make.joint_states(tuple(names[j] for j in share)) for share in shares]
     calves = make.transforms("base_link", [f"{foot}_calf" for foot in FEET])
     wrench = [make.wrench_stamped(f"{foot}_foot") for foot in FEET]
     none = [make.no_contact(f"{foot}_calf") for foot in FEET]
