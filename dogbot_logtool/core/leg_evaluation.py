@@ -1,5 +1,6 @@
 """The figures of the legs, worked out from what was kept of joints and of the feet's frames."""
 
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Final
@@ -8,6 +9,7 @@ import numpy as np
 
 from dogbot_logtool.core.base.base_history import BaseHistory
 from dogbot_logtool.core.base.pose_jumps import without_jumps
+from dogbot_logtool.core.effort_doubts import with_sign_doubts
 from dogbot_logtool.core.gait.foot_statistics import FootStatistics
 from dogbot_logtool.core.gait.standing import typical_period_s
 from dogbot_logtool.core.geometry.aggregates import aggregate
@@ -21,6 +23,7 @@ from dogbot_logtool.core.legs.joint_cycles import (
     summed,
 )
 from dogbot_logtool.core.legs.joint_track import JointHistory
+from dogbot_logtool.core.legs.joint_values import contradiction
 from dogbot_logtool.core.legs.leg_figures import LegFigures, LegFoot, LegJoint
 from dogbot_logtool.core.legs.leg_history import LegHistory
 from dogbot_logtool.core.legs.settings import LegSettings
@@ -38,16 +41,12 @@ from dogbot_logtool.core.load.slip import slip_m
 from dogbot_logtool.core.quality.clocks import ClockDifference, too_far_apart
 from dogbot_logtool.core.statistics import SegmentFigures, Stats
 
-VELOCITIES_AGREE: Final = 0.25
-"""By so much may the velocities that messages tell differ from those of the positions."""
 IDLE: Final = 0.02
 """rad or m: joints of no leg that move by less are only counted."""
+FEWEST_STATES: Final = 16
+"""Of a joint in a stride: with fewer its work may be off by a tenth."""
 SHORTEST_WAY_M: Final = 0.1
 """m: work is not set against a shorter way."""
-WEAKEST: Final = 1e-3
-"""m: a largest effort of a leg below this much of the weight times a metre is in another unit. Also
-`STRONGEST`, above which it is."""
-STRONGEST: Final = 10.0
 
 
 def with_legs(stats: Stats, history: LegHistory, clocks: Sequence[ClockDifference]) -> Stats:
@@ -66,6 +65,7 @@ def with_legs(stats: Stats, history: LegHistory, clocks: Sequence[ClockDifferenc
     legs = _figures(
         stats, history, feet, {each.topic: each for each in clocks if each.topic in apart}
     )
+    legs = with_sign_doubts(stats, history, legs)
     slipping = [_slip_of(stats, leg) for leg in legs.feet]
     if not any(falls is not None for falls in slipping):
         return replace(stats, legs=legs)
@@ -206,13 +206,18 @@ def _figures(
     clocks_apart: Mapping[str, ClockDifference],
 ) -> LegFigures:
     settings, joints = history.settings, history.joints
-    ratio = _velocity_ratio(joints)
-    missing = _work_unknown(history, clocks_apart)
-    refuted = "" if missing else _work_refuted(stats, history, ratio)
+    moving = [each for each in joints if each.moves]
+    slow = _too_slow(stats, settings, moving)
+    missing = _work_unknown(history, clocks_apart) or _incomplete(stats, history) or slow
+    weight = stats.loads.weight_n
+    refuted = "" if missing else contradiction(moving, settings.foot_of_joint, weight)
     unknown = missing or refuted
     legs = []
     kept = [
-        _joint(stats, settings, joint, known=not unknown, timed=not clocks_apart)
+        replace(
+            _joint(stats, settings, joint, known=not unknown, timed=not clocks_apart),
+            values_known=not refuted,
+        )
         for joint in joints
         if joint.name in settings.foot_of_joint or joint.highest - joint.lowest >= IDLE
     ]
@@ -222,10 +227,12 @@ def _figures(
         legs.append(replace(leg, work=summed(own, count)))
     reference = stats.feet[stats.reference].strides if stats.feet else None
     count = 0 if reference is None else len(reference.stance)
-    working = [each for each in joints if each.moves and each.has_effort]
+    working = [each for each in moving if each.has_effort]
     work = no_work(count)
     if reference is not None and not unknown:
-        work = summed([joint_work(each, reference) for each in working], count)
+        work = summed(
+            [joint_work(each, reference.touchdown, reference.end) for each in working], count
+        )
     return LegFigures(
         settings=settings,
         feet=tuple(legs),
@@ -233,11 +240,11 @@ def _figures(
         idle=len(joints) - len(kept),
         work_unknown=unknown,
         work_refuted=bool(refuted),
-        without_effort=tuple(each.name for each in joints if each.moves and not each.has_effort),
+        joints_slow=bool(slow) and missing == slow,
+        without_effort=tuple(each.name for each in moving if not each.has_effort),
         work=work,
         cost_of_transport=_cost(stats, work),
         clocks_apart=clocks_apart,
-        velocity_ratio=ratio,
     )
 
 
@@ -250,18 +257,42 @@ def _joint(
     curve = joint_curve(joint, strides) if strides is not None and number is not None else None
     work = no_work(0 if strides is None else len(strides.stance))
     if strides is not None and known and (joint.has_effort or not joint.moves):
-        work = joint_work(joint, strides)
+        work = joint_work(joint, strides.touchdown, strides.end)
     name = "" if number is None else stats.feet[number].name
     return LegJoint(joint, name, work, curve if timed else None)
 
 
-def _velocity_ratio(joints: Sequence[JointHistory]) -> float | None:
-    """Return by what factor the velocities that messages tell exceed those of the positions."""
-    told = [joint for joint in joints if joint.velocity_told and joint.moves]
-    squared, moved = (
-        sum(getattr(joint, name) for joint in told) for name in ("told_squared", "told_moved")
-    )
-    return squared / moved if moved > 0.0 else None
+def _incomplete(stats: Stats, history: LegHistory) -> str:
+    """Say which joints of legs are missing; empty if none are known to be."""
+    settings = history.settings
+    if settings.untold:
+        return f"joint states do not tell of {', '.join(settings.untold)}"
+    count = Counter(settings.foot_of_joint.get(joint.name) for joint in history.joints)
+    for row, foot in enumerate(stats.feet):
+        for other, beside in enumerate(stats.feet):
+            alike = len(stats.feet) == 2 or (foot.place and _end(foot) == _end(beside))
+            if alike and 0 < count[row] < count[other]:
+                return (
+                    f"joint states tell of fewer joints of {foot.name} ({count[row]}) than of "
+                    f"{beside.name} ({count[other]})"
+                )
+    return ""
+
+
+def _end(foot: FootStatistics) -> str | None:
+    return foot.place[0] if foot.place else None
+
+
+def _too_slow(stats: Stats, settings: LegSettings, moving: Sequence[JointHistory]) -> str:
+    """Say that joint states of legs come too rarely for work; empty if they do not."""
+    period = typical_period_s([foot.stances for foot in stats.feet])
+    own = [joint for joint in moving if joint.name in settings.foot_of_joint] or moving
+    if period is None or not own:
+        return ""
+    rate = min(joint.messages / max(joint.known_s, 1e-9) for joint in own)
+    if rate * period >= FEWEST_STATES:
+        return ""
+    return f"joint states come {rate * period:.3g} times in a stride of {period:.2f} s"
 
 
 def _work_unknown(history: LegHistory, clocks_apart: Mapping[str, ClockDifference]) -> str:
@@ -270,8 +301,10 @@ def _work_unknown(history: LegHistory, clocks_apart: Mapping[str, ClockDifferenc
     if not moving:
         return "no joint states tell of joints that move"
     if not any(joint.has_effort for joint in moving):
-        empty = not any(np.isfinite(joint.lowest_effort) for joint in moving)
-        return f"the joint states' efforts are {'empty' if empty else 'constantly zero'}"
+        told = [joint for joint in moving if np.isfinite(joint.lowest_effort)]
+        zero = all(joint.lowest_effort == 0.0 for joint in told)
+        how = ("constantly zero" if zero else "constant") if told else "empty"
+        return f"the joint states' efforts are {how}"
     of_legs = history.settings.foot_of_joint
     lacking = [each.name for each in moving if each.name in of_legs and not each.has_effort]
     if lacking:
@@ -279,25 +312,6 @@ def _work_unknown(history: LegHistory, clocks_apart: Mapping[str, ClockDifferenc
     if clocks_apart:
         return f"the clock of {', '.join(sorted(clocks_apart))} differs from that of the feet"
     return ""
-
-
-def _work_refuted(stats: Stats, history: LegHistory, ratio: float | None) -> str:
-    """Say which numbers of joint states contradict each other or the weight; empty if none do."""
-    if ratio is not None and abs(np.log(ratio)) > np.log(1.0 + VELOCITIES_AGREE):
-        return f"velocities of joint states are {ratio:.3g} times those of their positions"
-    return _effort_implausible(stats, [joint for joint in history.joints if joint.moves])
-
-
-def _effort_implausible(stats: Stats, moving: Sequence[JointHistory]) -> str:
-    """Say why the efforts are no torques in N m; empty where they may be."""
-    strongest = max(joint.peak_effort for joint in moving if joint.has_effort)
-    weight = stats.loads.weight_n
-    if weight is None or WEAKEST <= strongest / weight <= STRONGEST:
-        return ""
-    return (
-        f"the largest effort is {strongest:.3g}, which is no torque in N m on a robot of "
-        f"{weight:.3g} N"
-    )
 
 
 def _cost(stats: Stats, work: Work) -> float | None:

@@ -4,9 +4,9 @@ The trunk slides forward on a rail and is free to go up and down; twelve positio
 follow a planned trot by inverse kinematics. Motion, contact forces and torques are the engine's.
 """
 
+import itertools
 from dataclasses import dataclass
 from functools import cache
-from itertools import product
 from pathlib import Path
 from typing import Any, Final
 
@@ -15,8 +15,8 @@ import numpy as np
 from mcap.writer import CompressionType
 from mcap.writer import Writer as McapWriter
 
-from tests.truth.messages import CONTACTS, ODOMETRY, TF, WRENCH, Messages, Template
-from tests.truth.recording import Floats
+from tests.truth.messages import CONTACTS, ODOMETRY, TF, TWIST, WRENCH, Messages, Template
+from tests.truth.recording import Floats, inverse, product, turned
 
 STEP_S: Final = 0.001
 SETTLE_S: Final = 0.5
@@ -35,13 +35,28 @@ PHASES: Final = {"FL": 0.0, "RR": 0.0, "FR": 0.5, "RL": 0.5}
 JOINT_STATE: Final = "sensor_msgs/msg/JointState"
 STRING: Final = "std_msgs/msg/String"
 ORIGIN_NS: Final = 50_000_000_000
+_TRUNK: Final = 1
+"""Number of its body; 0 is the world."""
 
 
 def _corner(foot: str) -> tuple[float, float]:
     return (1.0 if foot[0] == "F" else -1.0, 1.0 if foot[1] == "L" else -1.0)
 
 
-def _model_xml() -> str:
+RAIL: Final = (
+    '<joint name="along" type="slide" axis="1 0 0"/><joint name="up" type="slide" axis="0 0 1"/>',
+    '<position joint="along" kp="20000" kv="2000"/>',
+)
+"""Joints of a trunk that is pulled along, and their motor."""
+
+
+def model_xml(trunk: tuple[str, str] = RAIL, gravity: str = "0 0 -9.81") -> str:
+    """Return the robot's model.
+
+    Args:
+        trunk: how it is free to move, and its own motors.
+        gravity: m/s^2.
+    """
     legs, motors = [], []
     for foot in FEET:
         end, side = _corner(foot)
@@ -61,13 +76,12 @@ def _model_xml() -> str:
         )
     motors = [f'<position name="{joint}" joint="{joint}" kp="400" kv="6"/>' for joint in JOINTS]
     return (
-        f'<mujoco><option timestep="{STEP_S}" integrator="Euler"/>'
+        f'<mujoco><option timestep="{STEP_S}" integrator="Euler" gravity="{gravity}"/>'
         '<worldbody><geom name="floor" type="plane" size="50 50 1" friction="1 .01 .001"/>'
-        f'<body name="trunk" pos="0 0 {HEIGHT_M}"><joint name="along" type="slide" axis="1 0 0"/>'
-        '<joint name="up" type="slide" axis="0 0 1"/>'
+        f'<body name="trunk" pos="0 0 {HEIGHT_M}">{trunk[0]}'
         '<geom type="box" size=".2 .06 .05" mass="8" contype="0" conaffinity="0"/>'
         f"{''.join(legs)}</body></worldbody><actuator>"
-        f'<position joint="along" kp="20000" kv="2000"/>{"".join(motors)}</actuator></mujoco>'
+        f"{trunk[1]}{''.join(motors)}</actuator></mujoco>"
     )
 
 
@@ -97,13 +111,17 @@ def _planned(time_s: float) -> list[float]:
 
 @dataclass(frozen=True, slots=True)
 class Physics:
-    """What the engine did, a row a step of the physics; (n, ...) each."""
+    """What the engine did, a row a step that was kept; (n, ...) each."""
 
     mass_kg: float
     time: Floats
     """s since the log's start."""
     base: Floats
     """(n, 3) m."""
+    attitude: Floats
+    """(n, 4) quaternion x, y, z, w of the base."""
+    base_velocity: Floats
+    """(n, 6) rad/s and m/s in the world."""
     position: Floats
     """(n, 12) rad; also `velocity`, rad/s, and `torque`, N m."""
     velocity: Floats
@@ -119,63 +137,86 @@ class Physics:
     """(n, 4, 3) m, where it touches the ground; NaN in the air."""
 
 
+class Engine:
+    """The model while it runs, and what it did so far."""
+
+    def __init__(self, xml: str, angles: Floats | list[float]) -> None:
+        self._model = mujoco.MjModel.from_xml_string(xml)
+        self._data = mujoco.MjData(self._model)
+        self._data.qpos[-len(JOINTS) :] = angles
+        self._sites = [self._model.site(foot).id for foot in FEET]
+        self._calves = [self._model.body(f"{foot}_calf").id for foot in FEET]
+        self._balls = {self._model.geom(foot).id: row for row, foot in enumerate(FEET)}
+        self._rows: list[tuple[Any, ...]] = []
+
+    def step(self, targets: Floats | list[float], *, keep: bool) -> None:
+        """Advance by one step.
+
+        Args:
+            targets: of all motors.
+            keep: whether to keep the state before the step.
+        """
+        data = self._data
+        data.ctrl[:] = targets
+        state = data.qpos[-len(JOINTS) :].copy(), data.qvel[-len(JOINTS) :].copy()
+        mujoco.mj_step(self._model, data)
+        # What the engine derives, forces too, is of the state before the step.
+        if keep:
+            self._rows.append(self._row(*state))
+
+    def finish(self, step_s: float) -> Physics:
+        """Return what was kept; step_s: s between two rows."""
+        columns = [np.array(column, np.float64) for column in zip(*self._rows, strict=True)]
+        times: Floats = np.arange(len(self._rows), dtype=np.float64) * step_s
+        return Physics(float(self._model.body_subtreemass[0]), times, *columns)
+
+    def _row(self, position: Floats, velocity: Floats) -> tuple[Any, ...]:
+        data, kinds = self._data, mujoco.mjtObj
+        base, turn = data.xpos[_TRUNK].copy(), data.xmat[_TRUNK].reshape(3, 3)
+        feet = np.array([self._velocity(kinds.mjOBJ_SITE, site)[3:] for site in self._sites])
+        force, point = np.zeros((len(FEET), 3)), np.full((len(FEET), 3), np.nan)
+        for number in range(data.ncon):
+            contact, local = data.contact[number], np.zeros(6)
+            pair = contact.geom1, contact.geom2
+            foot = next(self._balls[geom] for geom in pair if geom in self._balls)
+            mujoco.mj_contactForce(self._model, data, number, local)
+            away = 1.0 if contact.geom2 in self._balls else -1.0
+            force[foot] += away * contact.frame.reshape(3, 3).T @ local[:3]
+            point[foot] = contact.pos
+        w, x, y, z = data.xquat[self._calves].T
+        attitude = np.roll(data.xquat[_TRUNK], -1)
+        turned = product(inverse(attitude[None]), np.column_stack([x, y, z, w]))
+        calf = np.column_stack([(data.xpos[self._calves] - base) @ turn, turned])
+        return (
+            base,
+            attitude,
+            self._velocity(kinds.mjOBJ_BODY, _TRUNK),
+            position,
+            velocity,
+            data.actuator_force[-len(JOINTS) :].copy(),
+            data.site_xpos[self._sites].copy(),
+            feet,
+            calf,
+            force,
+            point,
+        )
+
+    def _velocity(self, kind: Any, number: int) -> Floats:
+        """(6,) rad/s and m/s of a body or site, in the world."""
+        moving = np.zeros(6)
+        mujoco.mj_objectVelocity(self._model, self._data, kind, number, moving, 0)
+        return moving
+
+
 @cache
 def trot() -> Physics:
     """Run the engine."""
-    model = mujoco.MjModel.from_xml_string(_model_xml())
-    data = mujoco.MjData(model)
-    data.qpos[2:] = _planned(0.0)
-    sites = [model.site(foot).id for foot in FEET]
-    calves = [model.body(f"{foot}_calf").id for foot in FEET]
-    balls = {model.geom(foot).id: row for row, foot in enumerate(FEET)}
-    rows: list[tuple[Any, ...]] = []
+    engine = Engine(model_xml(), _planned(0.0))
     for step in range(round((SETTLE_S + DURATION_S) / STEP_S)):
         time = step * STEP_S
-        data.ctrl[0] = SPEED_MPS * time
-        data.ctrl[1:] = _planned(time)
-        state = data.qpos.copy(), data.qvel.copy()
-        mujoco.mj_step(model, data)
-        # What the engine derives, forces too, is of the state before the step.
-        if step >= round(SETTLE_S / STEP_S):
-            rows.append(_row(model, data, state, (sites, calves, balls)))
-    columns = [np.array(column, np.float64) for column in zip(*rows, strict=True)]
-    times: Floats = np.arange(len(rows), dtype=np.float64) * STEP_S
-    return Physics(float(model.body_subtreemass[0]), times, *columns)
-
-
-def _row(
-    model: Any,
-    data: Any,
-    state: tuple[Floats, Floats],
-    numbers: tuple[list[int], list[int], dict[int, int]],
-) -> tuple[Any, ...]:
-    position, velocity = state
-    sites, calves, balls = numbers
-    base = np.array([position[0], 0.0, HEIGHT_M + position[1]])
-    moving = np.zeros((len(FEET), 6))
-    for row, site in enumerate(sites):
-        mujoco.mj_objectVelocity(model, data, mujoco.mjtObj.mjOBJ_SITE, site, moving[row], 0)
-    force, point = np.zeros((len(FEET), 3)), np.full((len(FEET), 3), np.nan)
-    for number in range(data.ncon):
-        contact, local = data.contact[number], np.zeros(6)
-        foot = next(balls[geom] for geom in (contact.geom1, contact.geom2) if geom in balls)
-        mujoco.mj_contactForce(model, data, number, local)
-        away = 1.0 if contact.geom2 in balls else -1.0
-        force[foot] += away * contact.frame.reshape(3, 3).T @ local[:3]
-        point[foot] = contact.pos
-    w, x, y, z = data.xquat[calves].T
-    calf = np.column_stack([data.xpos[calves] - base, x, y, z, w])
-    return (
-        base,
-        position[2:],
-        velocity[2:],
-        data.actuator_force[1:].copy(),
-        data.site_xpos[sites].copy(),
-        moving[:, 3:].copy(),
-        calf,
-        force,
-        point,
-    )
+        targets = [SPEED_MPS * time, *_planned(time)]
+        engine.step(targets, keep=step >= round(SETTLE_S / STEP_S))
+    return engine.finish(STEP_S)
 
 
 def urdf() -> str:
@@ -199,7 +240,10 @@ def urdf() -> str:
             f'<joint name="{foot}_foot_fixed" type="fixed"><parent link="{foot}_calf"/>'
             f'<child link="{foot}_foot"/><origin xyz="0 0 {-LINK}"/></joint>'
         )
-    links = ["base_link", *(f"{f}_{p}" for f, p in product(FEET, ("hip", "thigh", "calf", "foot")))]
+    links = [
+        "base_link",
+        *(f"{f}_{p}" for f, p in itertools.product(FEET, ("hip", "thigh", "calf", "foot"))),
+    ]
     named = "".join(f'<link name="{name}"/>' for name in links)
     return f'<robot name="physics">{named}{"".join(parts)}</robot>'
 
@@ -223,44 +267,67 @@ class _Messages(Messages):
         return bytes(self.store.serialize_cdr(self._make(STRING, data=urdf()), STRING))
 
 
+@dataclass(frozen=True, slots=True)
+class Commands:
+    """Velocity commands: what was sent, and when."""
+
+    time: Floats
+    """(c,) s."""
+    velocity: Floats
+    """(c, 3) m/s forward and to the left, rad/s."""
+
+
 def write_log(
     path: Path,
     *,
     by_transforms: bool,
+    points: bool | None = None,
+    robot: Physics | None = None,
+    every: int = EVERY,
+    commands: Commands | None = None,
     publishers: int = 1,
     silence_s: tuple[float, float] = (9.0, 9.0),
     change: Any = None,
+    names: tuple[str, ...] = JOINTS,
     drift: float = 0.0,
 ) -> Path:
-    """Write the trot as an MCAP of ROS 2 messages.
+    """Write a walk as an MCAP of ROS 2 messages.
 
     Args:
         path: of the log.
-        by_transforms: legs by transforms, feet by contacts with points; else legs by joint states
-            with a robot description, feet by force sensors.
+        by_transforms: legs by transforms; else by joint states with a robot description.
+        points: feet by contacts with points and forces in the world; else by force sensors, that
+            tell the size. None: as `by_transforms`.
+        robot: what it did; None: the trot on the rail.
+        every: rows of it between messages.
+        commands: velocity commands, without stamps; None: none are recorded.
         publishers: topics that the joints are shared out on.
         silence_s: time in which no joint states are sent.
         change: takes and returns position, velocity and effort, (n, 12) each.
+        names: of the joints in their states.
         drift: metres by which the odometry goes astray, to the left, a metre of the way.
     """
-    physics, make = trot(), _Messages(2)
-    rows = range(0, len(physics.time), EVERY)
+    physics, make = robot or trot(), _Messages(2)
+    rows = range(0, len(physics.time), every)
     states = (physics.position, physics.velocity, physics.torque)
     told = [np.asarray(each) for each in (change(*states) if change else states)]
     entries: list[tuple[int, str, str, bytes]] = []
     odometry = make.odometry("world", "base_link")
     shares = np.array_split(np.arange(len(JOINTS)), publishers)
-    joints = [make.joint_states(tuple(JOINTS[j] for j in share)) for share in shares]
+    joints = [make.joint_states(tuple(names[j] for j in share)) for share in shares]
     calves = make.transforms("base_link", [f"{foot}_calf" for foot in FEET])
     wrench = [make.wrench_stamped(f"{foot}_foot") for foot in FEET]
     none = [make.no_contact(f"{foot}_calf") for foot in FEET]
     bump = [make.contact(f"{foot}_calf", f"robot::{foot}_calf::{foot}_collision") for foot in FEET]
+    speed = turned(inverse(physics.attitude), physics.base_velocity[:, 3:])
     if not by_transforms:
         entries.append((ORIGIN_NS, "/robot_description", STRING, make.description()))
+    if commands is not None:
+        entries += _commands(make, commands)
     for row in rows:
         time = ORIGIN_NS + round(physics.time[row] * 1e9)
         x, y, z = physics.base[row].tolist()
-        pose = (x, y + drift * x, z, 0.0, 0.0, 0.0, 1.0, SPEED_MPS, 0.0, 0.0)
+        pose = (x, y + drift * x, z, *physics.attitude[row].tolist(), *speed[row].tolist())
         entries.append((time, "/odom", ODOMETRY, odometry.filled(time, pose)))
         for number, share in enumerate(shares):
             numbers = np.concatenate([each[row, share] for each in told])
@@ -273,7 +340,7 @@ def write_log(
             entries.append((time, "/tf", TF, data))
         for foot in range(len(FEET)):
             force, point = physics.force[row, foot], physics.point[row, foot]
-            if not by_transforms:
+            if not (by_transforms if points is None else points):
                 size = (0.0, 0.0, float(np.linalg.norm(force)))
                 data, kind = wrench[foot].filled(time, size), WRENCH
             elif np.isnan(point).any():
@@ -282,8 +349,21 @@ def write_log(
                 numbers = np.concatenate([force, force, point, (0.0, 0.0, 1.0)])
                 data, kind = bump[foot].filled(time, numbers.tolist()), CONTACTS
             entries.append((time, f"/{NAMES[foot]}_foot_contact", kind, data))
-    _write(path, make, entries)
+    _write(path, make, sorted(entries, key=lambda entry: entry[0]))
     return path
+
+
+def _commands(make: Messages, commands: Commands) -> list[tuple[int, str, str, bytes]]:
+    """Return the messages of velocity commands."""
+    twist = make.twist()
+    return [
+        (time, "/cmd_vel", TWIST, twist.filled(time, value))
+        for time, value in zip(
+            (ORIGIN_NS + np.rint(commands.time * 1e9).astype(np.int64)).tolist(),
+            commands.velocity.tolist(),
+            strict=True,
+        )
+    ]
 
 
 def _write(path: Path, make: Messages, entries: list[tuple[int, str, str, bytes]]) -> None:

@@ -312,6 +312,6 @@ _KINDS: Final = (
         "the legs move as the feet step",
         _no_legs,
         _legs_not_compared,
-        frozenset({"W_JOINT_CLOCK", "W_JOINT_VALUES"}),
+        frozenset({"W_JOINT_CLOCK", "W_JOINT_VALUES", "W_EFFORT_SIGN"}),
     ),
 )

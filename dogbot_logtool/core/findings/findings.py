@@ -41,6 +41,7 @@ GRAVE: Final = (
     "W_SLIPS",
     "W_JOINT_CLOCK",
     "W_JOINT_VALUES",
+    "W_EFFORT_SIGN",
     "W_GAPS",
     "W_SPIKES",
 )

@@ -51,7 +51,8 @@ def _work(legs: "LegFigures") -> Iterator[Finding]:
         )
         yield Finding("W_JOINT_CLOCK", text, topic)
     if legs.work_unknown and not legs.clocks_apart:
-        code = "W_JOINT_VALUES" if legs.work_refuted else "N_NO_EFFORT"
+        other = "N_LEGS_SLOW" if legs.joints_slow else "N_NO_EFFORT"
+        code = "W_JOINT_VALUES" if legs.work_refuted else other
         text = f"no work is known: {legs.work_unknown}"
         yield Finding(code, text, "legs.absolute_work_j")
     elif legs.without_effort and not legs.work_unknown:
@@ -60,3 +61,6 @@ def _work(legs: "LegFigures") -> Iterator[Finding]:
         text = f"joints that move without an effort, whose work is missing: {named}"
         text += f" and {more} more" if more > 0 else ""
         yield Finding("N_NO_EFFORT", text, "legs.absolute_work_j")
+    for doubt in legs.sign_doubts:
+        text = f"{doubt.text}; positive work is null, absolute work does not depend on signs"
+        yield Finding("W_EFFORT_SIGN", text, doubt.key)

@@ -44,7 +44,8 @@ def fit_delay(
     """Find the delay at which a curve explains another best (least squares).
 
     The interval holds the delays whose sum of squares exceeds the smallest by no more than 3.84
-    over the number of independent values: the likelihood ratio's 95 %.
+    over the number of independent values: the likelihood ratio's 95 %. Between two delays that are
+    tried it ends where the parabola through the best and its neighbours says.
 
     Args:
         measured: (n,)
@@ -65,12 +66,16 @@ def fit_delay(
     if total <= 0.0 or parts.max() <= 0.0:
         return None
     best = int(parts.argmax())
-    delay = float(lags_s[best] + _vertex(parts, best) * (lags_s[1] - lags_s[0]))
+    off, bend = _vertex(parts, best)
+    step = float(lags_s[1] - lags_s[0])
+    delay = float(lags_s[best]) + off * step
     slope, part = _explained(there, delayed(delay))
     rest = np.maximum(total - parts, 0.0)
     least = max(total - max(part, parts[best]), 0.0)
-    likely = (rest <= least * (1.0 + LIKELY / independent)) | _rivals(parts, best)
-    ends = np.append(lags_s[likely], delay)
+    allowed = least * LIKELY / independent
+    likely = (rest <= least + allowed) | _rivals(parts, best)
+    near = step * min(np.sqrt(2.0 * allowed / -bend), 1.0) if bend < 0.0 else 0.0
+    ends = np.append(lags_s[likely], (delay - near, delay + near))
     gain = float(slope)
     return Delay(
         correlation=float(np.sign(gain) * np.sqrt(min(part / total, 1.0))),
@@ -100,10 +105,13 @@ def _rivals(parts: Floats, best: int) -> Flags:
     return apart
 
 
-def _vertex(values: Floats, row: int) -> float:
-    """Return where a parabola through a value and its neighbours peaks, in steps off the row."""
+def _vertex(values: Floats, row: int) -> tuple[float, float]:
+    """Return where a parabola through a value and its neighbours peaks, in steps off the row.
+
+    Also its second derivative, a step squared; both are 0 where it has no peak.
+    """
     if not 0 < row < len(values) - 1:
-        return 0.0
+        return 0.0, 0.0
     before, here, after = values[row - 1 : row + 2].tolist()
     bend = before - 2.0 * here + after
-    return 0.0 if bend >= 0.0 else 0.5 * (before - after) / bend
+    return (0.0, 0.0) if bend >= 0.0 else (0.5 * (before - after) / bend, bend)

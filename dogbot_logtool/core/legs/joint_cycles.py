@@ -4,7 +4,7 @@ import numpy as np
 
 from dogbot_logtool.core.gait.cycle_curves import CYCLE_POINTS
 from dogbot_logtool.core.gait.strides import Strides
-from dogbot_logtool.core.geometry.arrays import Flags, Floats
+from dogbot_logtool.core.geometry.arrays import Floats, Ints
 from dogbot_logtool.core.legs.joint_track import JointHistory, JointTrack
 from dogbot_logtool.core.legs.silences import silent_before, unbroken
 from dogbot_logtool.dataclass import dataclass
@@ -35,49 +35,49 @@ class Work:
     positive_j: Floats
     absolute_j: Floats
 
+    @property
+    def net_j(self) -> Floats:
+        """(strides,) positive less negative work."""
+        return 2.0 * self.positive_j - self.absolute_j
+
+    def without_signs(self) -> "Work":
+        """Return what is known where the signs of efforts are not."""
+        return Work(np.full_like(self.positive_j, np.nan), self.absolute_j)
+
 
 def no_work(count: int) -> Work:
     """Return what stands for work that is not known."""
     return Work(np.full(count, np.nan), np.full(count, np.nan))
 
 
-def joint_work(joint: JointHistory, strides: Strides) -> Work:
-    """Return the work of a joint over strides.
+def joint_work(joint: JointHistory, begin: Ints, end: Ints) -> Work:
+    """Return the work of a joint in some spans, such as strides, (n,) ns each.
 
-    A stride with a silence of the joint's states, or with an effort that is not known, has none. A
+    A span with a silence of the joint's states, or with an effort that is not known, has none. A
     joint that never moves does none.
     """
     if not joint.moves:
-        within = (strides.touchdown >= joint.start) & (strides.end <= joint.end)
+        within = (begin >= joint.start) & (end <= joint.end)
         still = np.where(within, 0.0, np.nan)
         return Work(still, still)
     track = joint.track
-    known = _known(track, strides, joint)
-    positive, absolute = _over(track, strides)
+    # Before its first motion, which is where its track begins, a joint is known to be at rest.
+    breaks = ~np.isfinite(track.positive_work)
+    known = unbroken(track.time, breaks, begin, end) & (begin >= joint.start)
+    positive, absolute = _over(track, begin, end)
     return Work(np.where(known, positive, np.nan), np.where(known, absolute, np.nan))
 
 
-def _over(track: JointTrack, strides: Strides) -> tuple[Floats, Floats]:
-    """(strides,) J each, positive and absolute work between touchdown and the next."""
-    since, end, begin = (
-        (time - track.time[0]).astype(np.float64)
-        for time in (track.time, strides.end, strides.touchdown)
+def _over(track: JointTrack, begin: Ints, end: Ints) -> tuple[Floats, Floats]:
+    """(n,) J each, positive and absolute work in some spans."""
+    since, last, first = (
+        (time - track.time[0]).astype(np.float64) for time in (track.time, end, begin)
     )
     done: list[Floats] = []
     for work in (track.positive_work, track.absolute_work):
         total = np.cumsum(np.nan_to_num(work.astype(np.float64)))
-        done.append(np.interp(end, since, total) - np.interp(begin, since, total))
+        done.append(np.interp(last, since, total) - np.interp(first, since, total))
     return done[0], done[1]
-
-
-def _known(track: JointTrack, strides: Strides, joint: JointHistory) -> Flags:
-    """(strides,) whether the work is known all the way.
-
-    Before its first motion, which is where its track begins, a joint is known to be at rest.
-    """
-    breaks = ~np.isfinite(track.positive_work)
-    told = unbroken(track.time, breaks, strides.touchdown, strides.end)
-    return told & (strides.touchdown >= joint.start)
 
 
 def joint_curve(joint: JointHistory, strides: Strides) -> JointCurve | None:

@@ -8,6 +8,7 @@ strides count.
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from copy import copy
+from dataclasses import replace
 from typing import Any, Final
 
 import numpy as np
@@ -30,6 +31,9 @@ NEAR_LIMIT: Final = 0.02
 """Of a joint's range: closer to an end than this is near a limit."""
 NEAR_FULL: Final = 0.95
 """Of the highest effort or speed that the robot description allows: more is near a limit."""
+LEAST_WRAP: Final = 1.5 * np.pi
+"""rad between two messages: no joint is so fast, so it wraps, if it is no more than a turn."""
+_TURN: Final = 2.0 * np.pi
 _BLOCK_ROWS: Final = 4096
 _AT_ONCE: Final = 4
 """Joints that are computed at once: of more, the matrices do not fit in a processor's cache."""
@@ -62,6 +66,8 @@ class JointRecorder:
         self._sums = np.zeros((len(_SUMS), count))
         self._pending = np.zeros((2, count))
         """J, positive and absolute work since the last row that was kept."""
+        self._turned = np.zeros(count)
+        """rad, whole turns by which positions wrapped so far."""
         self._moved = np.zeros(count, np.bool_)
         self._kept: list[KeptStates] = []
 
@@ -139,7 +145,8 @@ class JointRecorder:
             return
         if self._last is None:
             self._start = int(self._clock.of(samples)[0])
-        else:
+        samples = self._unwrapped(samples)
+        if self._last is not None:
             samples = concatenated([self._last, samples])
         time = self._clock.of(samples)
         step_s = np.diff(time) / 1e9
@@ -167,6 +174,18 @@ class JointRecorder:
         usable[known] = advancing(time[known], None if self._last is None else self._end)
         self._not_advancing += int((known & ~usable).sum())
         return samples if usable.all() else samples.pick(usable)
+
+    def _unwrapped(self, samples: JointSamples) -> JointSamples:
+        """Return states with positions that go on where a continuous joint's wrap at +-pi."""
+        position = samples.position + self._turned
+        before = position[:1] if self._last is None else self._last.position
+        step = np.diff(position, axis=0, prepend=before)
+        wraps = (np.abs(step) > LEAST_WRAP) & (np.abs(step) <= _TURN)
+        if not wraps.any():
+            return replace(samples, position=position) if self._turned.any() else samples
+        turned = np.cumsum(np.where(wraps, -np.sign(step) * _TURN, 0.0), axis=0)
+        self._turned = self._turned + turned[-1]
+        return replace(samples, position=position + turned)
 
     def _chosen(self, time: Ints, silent: Flags) -> Flags:
         """(n,) rows to keep: the first at each tick, and both sides of a silence.

@@ -154,10 +154,11 @@ class JointHistory:
 
     @property
     def has_effort(self) -> bool:
-        """Whether its effort is told and not constantly zero."""
-        return bool(np.isfinite(self.lowest_effort)) and (
-            self.lowest_effort != 0.0 or self.highest_effort != 0.0
-        )
+        """Whether its effort is told: not zero, and not constant while it moves."""
+        if not np.isfinite(self.lowest_effort):
+            return False
+        constant = self.lowest_effort == self.highest_effort
+        return not constant or (self.lowest_effort != 0.0 and not self.moves)
 
     @property
     def peak_effort(self) -> float:

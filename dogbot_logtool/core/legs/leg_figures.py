@@ -1,9 +1,10 @@
 """Records of the figures of a robot's legs; `core/leg_evaluation.py` works them out."""
 
 from collections.abc import Mapping
+from dataclasses import replace
 
 from dogbot_logtool.core.geometry.aggregates import Aggregate
-from dogbot_logtool.core.legs.joint_cycles import JointCurve, Work
+from dogbot_logtool.core.legs.joint_cycles import JointCurve, Work, no_work
 from dogbot_logtool.core.legs.joint_track import JointHistory
 from dogbot_logtool.core.legs.settings import JointPair, LegSettings
 from dogbot_logtool.core.legs.swings import Footfalls, Steps, Swings
@@ -46,11 +47,27 @@ class LegJoint:
     """Over the strides of that foot, or else of the reference foot."""
     curve: JointCurve | None
     """Over the strides of that foot; None: not known."""
+    sign_known: bool = True
+    """Whether nothing contradicts the sign of its effort."""
+    values_known: bool = True
+    """Whether nothing contradicts the units of its states."""
 
     @property
     def range_of_motion(self) -> float:
         """Range of its position in the whole log, rad or m."""
         return self.history.highest - self.history.lowest
+
+
+@dataclass(frozen=True, slots=True)
+class SignDoubt:
+    """Efforts that seem to have the wrong sign."""
+
+    text: str
+    """What contradicts them."""
+    key: str
+    """Of a figure that is not known for that."""
+    joints: frozenset[str]
+    """Whose positive work is not known."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -66,7 +83,9 @@ class LegFigures:
     work_unknown: str
     """Why no work is known; empty where it is."""
     work_refuted: bool
-    """The reason is that the joint states' numbers contradict each other or the weight."""
+    """The reason is that the joint states' numbers contradict each other, or other sensors."""
+    joints_slow: bool
+    """The reason is that joint states come too rarely."""
     without_effort: tuple[str, ...]
     """Joints of no leg that move and tell no effort: their work is missing in that of all."""
     work: Work
@@ -75,8 +94,23 @@ class LegFigures:
     """Absolute work over m g d; None: not known."""
     clocks_apart: Mapping[str, ClockDifference]
     """Topics of joint states whose clock is too far from that of the feet."""
-    velocity_ratio: float | None
-    """Velocity that messages tell over that of the positions; None: none are told."""
+    sign_doubts: tuple[SignDoubt, ...] = ()
+
+    def without_work(self, why: str) -> "LegFigures":
+        """Return figures without those of work, since joint states' numbers are refuted."""
+        count = len(self.work.absolute_j)
+        return replace(
+            self,
+            work_unknown=why,
+            work_refuted=True,
+            work=no_work(count),
+            cost_of_transport=None,
+            feet=tuple(replace(leg, work=no_work(len(leg.work.absolute_j))) for leg in self.feet),
+            joints=tuple(
+                replace(each, work=no_work(len(each.work.absolute_j)), values_known=False)
+                for each in self.joints
+            ),
+        )
 
     @property
     def moving(self) -> tuple[LegJoint, ...]:

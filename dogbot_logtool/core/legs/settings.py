@@ -34,6 +34,8 @@ class LegSettings:
     pairs: tuple[JointPair, ...] = ()
     limits: Mapping[str, JointLimits] = field(default_factory=dict)
     """Of the robot description, by the joint's name."""
+    untold: tuple[str, ...] = ()
+    """Joints of legs that the robot description has and joint states leave out."""
     statics: TransformBuffer = field(default_factory=TransformBuffer)
     """Transforms that hold for ever."""
 

@@ -127,6 +127,7 @@ def leg_reader(log: Log, selection: Selection, probe: Probe, clock: TimeSource) 
         foot_of_joint=foot_of_joint,
         pairs=_pairs(selection.robot.feet, foot_of_joint),
         limits=limits,
+        untold=legs.untold(seen),
         statics=probe.statics,
     )
     moving = moving_parents(by_transforms, legs.parents, probe.statics)
@@ -142,6 +143,10 @@ class _Legs:
         self.parents = {
             child: next(iter(names)) for child, names in probe.parents.items() if len(names) == 1
         }
+        self._untold: dict[int, list[str]] = {}
+        """Joints by foot that the robot description has and joint states do not name."""
+        self._described: set[str] = set()
+        """Joints of legs by the robot description."""
 
     def by_description(
         self, log: Log, told: set[str]
@@ -159,10 +164,13 @@ class _Legs:
         joints = {joint.child: joint for joint in urdf_joints(root)}
         parents = {child: joint.parent for child, joint in joints.items()}
         found = []
-        for chain in self._chains(parents):
+        for foot, chain in enumerate(self._chains(parents)):
             held = [joints[frame] for frame in chain.frames] if chain else []
-            moves = any(joint.kind != "fixed" for joint in held)
-            complete = all(joint.kind == "fixed" or joint.measured in told for joint in held)
+            moved = {joint.measured: None for joint in held if joint.kind != "fixed"}
+            untold = [name for name in moved if name not in told]
+            self._described |= moved.keys()
+            if untold:
+                self._untold[foot] = untold
             found.append(
                 chain_to(
                     parents,
@@ -172,7 +180,7 @@ class _Legs:
                     touches=chain.touches,
                     joints=joints,
                 )
-                if chain and moves and complete
+                if chain and moved and not untold
                 else None
             )
         return tuple(found), urdf_limits(root)
@@ -187,10 +195,21 @@ class _Legs:
 
     def why_not(self, foot: int) -> str:
         """Say why a foot has no chain."""
+        if foot in self._untold:
+            return f"joint states do not tell of {', '.join(self._untold[foot])}"
         link = self._selection.robot.feet[foot].frame or self._probe.links[foot]
         if link is None:
             return "no frame is known to be its own"
         return f"nothing connects its frame {link} with {self._base}"
+
+    def untold(self, told: set[str]) -> tuple[str, ...]:
+        """Return joints of legs that joint states leave out, if they name others of the legs.
+
+        Args:
+            told: joints that joint states tell of.
+        """
+        missing = [name for names in self._untold.values() for name in names]
+        return tuple(missing) if self._described & told else ()
 
     def _chains(self, parents: Mapping[str, str]) -> list[LegChain | None]:
         """Return how feet hang on the base by the parents of frames."""

@@ -93,6 +93,9 @@ def _matrices(
     for each in values:
         matrix = np.full((len(messages.channel), len(names)), np.nan)
         matrix[parent, joint] = each
+        # A name that stands twice in a message, with other numbers, tells nothing.
+        twice = (matrix[parent, joint] != each) & ~np.isnan(each)
+        matrix[parent[twice], joint[twice]] = np.nan
         found.append(matrix)
     position, velocity, effort = found
     return JointStates(

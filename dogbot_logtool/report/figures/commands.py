@@ -85,7 +85,7 @@ def _axis(unit: str, end: str) -> "Sequence[Figure[AxisTracking]]":
             "s",
             _sure(lambda delay: delay.uncertainty_s),
             "half of the interval of delays that are as likely (likelihood ratio, 95 %; a stride "
-            "counts as one value), on a grid of 0.02 s",
+            "counts as one value), on a grid of 0.02 s and by a parabola between",
             null=_NOT_SURE,
         ),
         Figure(

@@ -12,16 +12,20 @@ from dogbot_logtool.report.figures.figure import Column, Figure, Kind, Scope, Ta
 
 if TYPE_CHECKING:
     from dogbot_logtool.core.legs.joint_cycles import JointCurve
-    from dogbot_logtool.core.legs.joint_track import JointHistory
     from dogbot_logtool.core.legs.leg_figures import LegJoint
 
 _JOINTS: Final = TableName.JOINTS
 NO_STRIDE: Final = "the foot makes no whole stride in which its leg is told without a silence"
 NO_WORK: Final = (
-    "the efforts of joint states are empty, constantly zero or no torques; velocities contradict "
-    "positions; clocks differ (see findings)"
+    "the efforts of joint states are empty, constant or no torques; positions are no angles in "
+    "rad; velocities contradict positions; joint states come too rarely; clocks differ (see "
+    "findings)"
 )
-_NO_EFFORT: Final = "no message tells an effort of the joint, or all tell zero"
+NO_SIGN: Final = "the log contradicts the sign of an effort (see findings)"
+_NO_EFFORT: Final = (
+    "no message tells an effort of the joint, or all tell zero, or the same while it moves"
+)
+_NO_VALUES: Final = "joint states contradict each other or the ground's forces (see findings)"
 _UNIT, _EFFORT_UNIT, _SPEED_UNIT = "rad or m", "N m or N", "rad/s or m/s"
 _CURVE: "Final[Sequence[Figure[JointCurve]]]" = (
     Figure("n", Kind.COUNT, "", lambda curve: curve.number, "number of strides"),
@@ -73,8 +77,14 @@ def _near_limit(joint: "LegJoint") -> float | None:
     return min(history.near_limit_s / history.known_s, 1.0)
 
 
-def _done(of: "Callable[[JointHistory], float]") -> "Callable[[LegJoint], float | None]":
-    return lambda joint: of(joint.history) if joint.history.has_effort else None
+def _absolute_work(joint: "LegJoint") -> float | None:
+    known = joint.history.has_effort and joint.values_known
+    return joint.history.absolute_work_j if known else None
+
+
+def _positive_work(joint: "LegJoint") -> float | None:
+    known = joint.history.has_effort and joint.values_known and joint.sign_known
+    return joint.history.positive_work_j if known else None
 
 
 JOINT: "Final[Sequence[Figure[LegJoint] | Scope]]" = (
@@ -162,19 +172,19 @@ JOINT: "Final[Sequence[Figure[LegJoint] | Scope]]" = (
         "positive_work_j",
         Kind.AMOUNT,
         "J",
-        _done(lambda history: history.positive_work_j),
+        _positive_work,
         "positive work in the whole log: integral of effort times velocity where that is positive "
         "(trapezoid), or mean effort times the way between states where no velocity is told; "
         "silences above 0.1 s left out",
-        null=_NO_EFFORT,
+        null=f"{_NO_EFFORT}; {_NO_VALUES}; {NO_SIGN}",
     ),
     Figure(
         "absolute_work_j",
         Kind.AMOUNT,
         "J",
-        _done(lambda history: history.absolute_work_j),
+        _absolute_work,
         "the same of the magnitude of the power",
-        null=_NO_EFFORT,
+        null=f"{_NO_EFFORT}; {_NO_VALUES}",
     ),
     Figure(
         "stride_positive_work_j",
@@ -182,7 +192,7 @@ JOINT: "Final[Sequence[Figure[LegJoint] | Scope]]" = (
         "J",
         lambda joint: aggregate(joint.work.positive_j),
         "positive work in a stride of its foot, or of the reference foot",
-        null=f"{_NO_EFFORT}; {NO_WORK}; {NO_STRIDE}",
+        null=f"{_NO_EFFORT}; {NO_WORK}; {NO_SIGN}; {NO_STRIDE}",
         columns=(Column(_JOINTS, "work+ J", 2),),
     ),
     Figure(

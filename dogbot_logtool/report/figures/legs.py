@@ -10,7 +10,7 @@ from dogbot_logtool.core.geometry.aggregates import aggregate
 from dogbot_logtool.core.geometry.arrays import Floats
 from dogbot_logtool.report.figures.figure import Column, Figure, Kind, Scope, Shape, TableName
 from dogbot_logtool.report.figures.foot_source import FootSource
-from dogbot_logtool.report.figures.joints import ASYMMETRY, JOINT, NO_STRIDE, NO_WORK
+from dogbot_logtool.report.figures.joints import ASYMMETRY, JOINT, NO_SIGN, NO_STRIDE, NO_WORK
 
 if TYPE_CHECKING:
     from dogbot_logtool.core.legs.leg_figures import LegFigures, LegFoot
@@ -138,7 +138,10 @@ _OF_STRIDES: Final = (
         "positive_work_j",
         "J",
         lambda leg: leg.work.positive_j,
-        ("positive work of the leg's joints in a stride of the foot", _NO_LEG_WORK),
+        (
+            "positive work of the leg's joints in a stride of the foot",
+            f"{_NO_LEG_WORK}; {NO_SIGN}",
+        ),
         Column(_LEGS, "work+ J", 2),
     ),
     _of_stride(
@@ -223,7 +226,7 @@ LEGS: "Final[Sequence[Figure[LegFigures] | Scope]]" = (
         "J",
         lambda legs: aggregate(legs.work.positive_j),
         "positive work of all joints that tell an effort, in a stride of the reference foot",
-        null=f"{NO_WORK}; {NO_STRIDE}",
+        null=f"{NO_WORK}; {NO_SIGN}; {NO_STRIDE}",
     ),
     Figure(
         "absolute_work_j",

@@ -131,6 +131,27 @@ def test_no_velocity_means_differences() -> None:
     assert found.peak_speed == pytest.approx(3.0, rel=1e-3)
 
 
+@pytest.mark.parametrize("seed", range(3))
+def test_positions_that_wrap_go_on(seed: int) -> None:
+    """A continuous joint that swings about pi, and one that turns on and on."""
+    whole = wave(joints=2)
+    whole.position[:, 0] += 3.0
+    whole.position[:, 1] = 2.0 * STEP / 1e9 * np.arange(len(whole.stamp))
+    wrapped = samples(
+        (whole.position + np.pi) % (2.0 * np.pi) - np.pi, whole.velocity, whole.effort
+    )
+    cuts = np.sort(np.random.default_rng(seed).integers(0, len(whole.stamp), 5))
+    parts = [wrapped.pick(rows) for rows in np.split(np.arange(len(whole.stamp)), cuts)]
+    expected, found = histories(whole), histories(*parts)
+    assert np.abs(np.diff(wrapped.position, axis=0)).max() > 6.0
+    for name in NAMES[:2]:
+        moved = found[name].track.position - expected[name].track.position
+        assert moved == pytest.approx(moved[0], abs=1e-5)
+        assert found[name].told_moved == pytest.approx(expected[name].told_moved)
+        widths = (each[name].highest - each[name].lowest for each in (found, expected))
+        assert next(widths) == pytest.approx(next(widths))
+
+
 def test_a_silence_is_not_bridged() -> None:
     whole = wave(2000)
     kept = np.ones(2000, np.bool_)

@@ -1,0 +1,179 @@
+"""Whether efforts of joints have the sign that the ground's forces, or energy, ask for.
+
+While a foot stands, the motors of its leg give what the ground's force takes: the sum of their work
+is minus the force times the way of the foot in the base's frame (virtual work of a leg without
+mass; a leg's inertia blurs it, but does not turn it round). Where no forces tell, only the sum over
+all joints can be judged: over whole strides motors lift and speed up the robot and make up for
+losses, which are never negative.
+"""
+
+from collections.abc import Sequence
+from itertools import product
+from typing import Final
+
+import numpy as np
+
+from dogbot_logtool.core.base.base_history import BaseHistory
+from dogbot_logtool.core.contact.stance_curves import PARTS
+from dogbot_logtool.core.contact.stances import Stances
+from dogbot_logtool.core.gait.strides import Strides
+from dogbot_logtool.core.geometry.arrays import Floats, Ints
+from dogbot_logtool.core.geometry.rotations import from_roll_pitch_yaw, rotate
+from dogbot_logtool.core.legs.foot_path import FootPath
+from dogbot_logtool.core.legs.joint_cycles import Work, joint_work
+from dogbot_logtool.core.legs.joint_track import JointHistory
+from dogbot_logtool.core.legs.silences import silent_before, unbroken
+from dogbot_logtool.core.load.loads import GRAVITY_MPS2
+from dogbot_logtool.dataclass import dataclass
+
+CONTRADICTS: Final = 0.75
+"""Cosine of work given and taken up to which efforts as recorded are doubted, if with other signs
+it reaches `AGREES`. A quadruped in a physics engine has 0.9 to 1 with the right signs."""
+AGREES: Final = 0.9
+_MATTERS: Final = 0.1
+"""By so much a joint's sign changes that cosine, if it is to be named."""
+_SECTIONS: Final = 5
+"""Of a stance, in which work is compared."""
+_FEWEST_STANCES: Final = 3
+_MOST_JOINTS: Final = 10
+"""Of a leg: all ways to turn their signs are tried."""
+_FEWEST_STRIDES: Final = 4
+SURELY_LOST: Final = 0.1
+"""Of the absolute work: by so much its sum must fall short of what lifts and speeds up the robot.
+What joint states blur, such as a velocity that a filter delays, is less."""
+
+
+@dataclass(frozen=True, slots=True)
+class LegSigns:
+    """What the ground's force says of the efforts of a leg."""
+
+    agree: bool
+    """Whether the efforts as recorded do its work."""
+    odd: tuple[str, ...]
+    """Joints with which they would, if their efforts had the other sign."""
+    scale: float
+    """Size of their work, with those signs, over that of the ground's force."""
+
+
+def leg_signs(
+    forces: Floats,
+    stances: Stances,
+    path: FootPath,
+    base: BaseHistory,
+    joints: Sequence[JointHistory],
+) -> LegSigns | None:
+    """Compare the work of a leg's motors with that of the force at its foot.
+
+    Args:
+        forces: (stances, 3, PARTS) N, in the world; see `FootHistory.stance_forces`.
+        stances: of the foot.
+        path: of the foot in the base's frame.
+        base: poses without jumps.
+        joints: of the leg, those that move, all with efforts.
+
+    Returns:
+        None where too little is known.
+    """
+    rows = np.flatnonzero(stances.whole & np.isfinite(forces).all(axis=(1, 2)))
+    if not 0 < len(joints) <= _MOST_JOINTS or not len(rows) or not len(path.time):
+        return None
+    duration = (stances.liftoff - stances.touchdown)[rows, None]
+    shares = np.linspace(0.0, 1.0, _SECTIONS + 1)
+    edges = stances.touchdown[rows, None] + np.rint(duration * shares).astype(np.int64)
+    taken = _taken(forces[rows], edges, path, base)
+    begin, end = edges[:, :-1].ravel(), edges[:, 1:].ravel()
+    given = np.stack([joint_work(joint, begin, end).net_j for joint in joints], axis=1)
+    known = np.isfinite(taken) & np.isfinite(given).all(axis=1)
+    if known.sum() < _FEWEST_STANCES * _SECTIONS:
+        return None
+    return _judged(given[known], taken[known], [joint.name for joint in joints])
+
+
+def _taken(forces: Floats, edges: Ints, path: FootPath, base: BaseHistory) -> Floats:
+    """(stances * sections,) J, that the ground's force takes; NaN where not known.
+
+    Args:
+        forces: (stances, 3, PARTS) N.
+        edges: (stances, sections + 1) ns.
+        path: of the foot in the base's frame.
+        base: poses.
+    """
+    since = (path.time - path.time[0]).astype(np.float64)
+    at = (edges - path.time[0]).ravel()
+    place = np.stack([np.interp(at, since, along) for along in path.position.T], axis=-1)
+    way = np.diff(place.reshape(*edges.shape, 3), axis=1).reshape(-1, 3)
+    middle = (edges[:, :-1] + np.diff(edges, axis=1) // 2).ravel()
+    way = rotate(from_roll_pitch_yaw(base.angles_at(middle)), way)
+    parted = forces.reshape(len(forces), 3, _SECTIONS, PARTS // _SECTIONS)
+    force = parted.mean(axis=3).transpose(0, 2, 1).reshape(-1, 3)
+    begin, end = edges[:, :-1].ravel(), edges[:, 1:].ravel()
+    told = unbroken(path.time, silent_before(path.time), begin, end) & (begin >= path.time[0])
+    return np.where(told, -(force * way).sum(axis=1), np.nan)
+
+
+def _judged(given: Floats, taken: Floats, names: Sequence[str]) -> LegSigns | None:
+    """Compare work as recorded, and with other signs of efforts, with what is taken.
+
+    Args:
+        given: (n, joints) J.
+        taken: (n,) J.
+        names: of the joints.
+    """
+    turned = np.array(list(product((1.0, -1.0), repeat=len(names))))
+    likeness = _cosines(given, taken, turned)
+    agree = bool(likeness[0] > CONTRADICTS)
+    best = 0 if agree else int(likeness.argmax())
+    if not agree and likeness[best] < AGREES:
+        return None
+    back = turned[best] * (1.0 - 2.0 * np.eye(len(names)))
+    without = likeness[best] - _cosines(given, taken, back)
+    odd = (turned[best] < 0.0) & (without >= _MATTERS)
+    if not agree and not odd.any():
+        return None
+    sizes = np.linalg.norm(given @ turned[best]), np.linalg.norm(taken)
+    return LegSigns(agree, tuple(np.array(names)[odd].tolist()), float(sizes[0] / sizes[1]))
+
+
+def _cosines(given: Floats, taken: Floats, signs: Floats) -> Floats:
+    """(k,) cosine of what is taken and the sum over joints; signs: (k, joints) of their efforts."""
+    sums = signs @ given.T
+    lengths = np.sqrt((sums * sums).sum(axis=1) * (taken @ taken))
+    return np.asarray(sums @ taken / np.where(lengths > 0.0, lengths, np.inf))
+
+
+def shortfall(work: Work, strides: Strides, base: BaseHistory, weight_n: float) -> float | None:
+    """Return by how much the motors' work falls short of what the robot gains, J a stride.
+
+    Args:
+        work: of all joints over the strides.
+        strides: of a foot.
+        base: poses without jumps.
+        weight_n: N, of the robot.
+
+    Returns:
+        None where it does not clearly, or too little is known: losses are at least zero.
+    """
+    half = (strides.end - strides.touchdown) // 2
+    before, after = (_head_m(base, time, half) for time in (strides.touchdown, strides.end))
+    short = weight_n * (after - before) - work.net_j
+    known = np.isfinite(short)
+    short, absolute = short[known], work.absolute_j[known]
+    if len(short) < _FEWEST_STRIDES:
+        return None
+    surely = float(short.mean() - 2.0 * short.std(ddof=1) / np.sqrt(len(short)))
+    is_short = surely > 0.0 and short.sum() > SURELY_LOST * absolute.sum()
+    return float(short.mean()) if is_short else None
+
+
+def _head_m(base: BaseHistory, time: Ints, half: Ints) -> Floats:
+    """(n,) m, the base's energy over its weight: its height, and that of its mean speed.
+
+    Args:
+        base: poses without jumps.
+        time: (n,) ns.
+        half: (n,) ns, of what the speed is a mean over.
+    """
+    way = base.position_at(time + half) - base.position_at(time - half)
+    squared = (way * way).sum(axis=1) / (2.0 * half / 1e9) ** 2
+    head: Floats = base.position_at(time)[:, 2] + squared / (2.0 * GRAVITY_MPS2)
+    return head

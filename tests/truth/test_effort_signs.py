@@ -1,0 +1,127 @@
+"""Wrong signs of efforts, on a robot in a physics engine that walks on level and sloping ground."""
+
+from collections.abc import Callable
+from functools import cache
+from typing import Any, Final
+
+import numpy as np
+import pytest
+
+import dogbot_logtool as dl
+from tests.truth import free_walker, physics
+from tests.truth.recording import Floats
+
+SECONDS: Final = 5.0
+AHEAD: Final[free_walker.Steps] = ((-9.0, (0.4, 0.0, 0.0)),)
+DOWN_RAD, UP_RAD = np.radians(12.0), np.radians(-10.0)
+ALL: Final = tuple(range(12))
+LEG: Final = (3, 4, 5)
+"""Joints of front_right."""
+WAYS: Final = {
+    "transforms": {"by_transforms": True},
+    "joints": {"by_transforms": False, "points": True},
+    "force sensors": {"by_transforms": False},
+}
+
+
+def robot(slope_rad: float) -> physics.Physics:
+    return free_walker.walker(AHEAD, SECONDS, slope_rad=slope_rad)
+
+
+@pytest.fixture(scope="module")
+def measured(tmp_path_factory: pytest.TempPathFactory) -> Callable[..., dl.Walk]:
+    @cache
+    def walk(slope_rad: float, way: str, turned: tuple[int, ...] = ()) -> dl.Walk:
+        def change(position: Floats, velocity: Floats, effort: Floats) -> tuple[Floats, ...]:
+            signs = np.where(np.isin(ALL, turned), -1.0, 1.0)
+            return position, velocity, effort * signs
+
+        path = tmp_path_factory.mktemp("signs") / "walk.mcap"
+        options: dict[str, Any] = WAYS[way]
+        physics.write_log(path, robot=robot(slope_rad), every=1, change=change, **options)
+        return dl.measure(path, mass=robot(slope_rad).mass_kg)
+
+    return walk
+
+
+def doubts(walk: dl.Walk) -> list[str]:
+    return [each["text"] for each in walk.stats["findings"] if each["code"] == "W_EFFORT_SIGN"]
+
+
+def true_work(slope_rad: float) -> tuple[float, float]:
+    """J a stride, positive and net, of all joints over the middle strides."""
+    truth = robot(slope_rad)
+    rows = slice(*(round(each * physics.PERIOD_S / free_walker.KEPT_S) for each in (1, 8)))
+    power = (truth.torque * truth.velocity)[rows]
+    a_stride = physics.PERIOD_S / len(power)
+    return float(power.clip(0.0).sum() * a_stride), float(power.sum() * a_stride)
+
+
+@pytest.mark.parametrize("way", WAYS)
+@pytest.mark.parametrize("slope_rad", [0.0, DOWN_RAD, UP_RAD], ids=["level", "down", "up"])
+def test_right_signs_are_not_doubted(
+    measured: Callable[..., dl.Walk], slope_rad: float, way: str
+) -> None:
+    walk = measured(slope_rad, way)
+    positive, net = true_work(slope_rad)
+    assert (net < 0.0) == (slope_rad == DOWN_RAD)
+    assert doubts(walk) == []
+    legs = walk.stats["legs"]
+    assert legs["positive_work_j"]["mean"] == pytest.approx(positive, rel=0.03)
+    found = 2.0 * legs["positive_work_j"]["mean"] - legs["absolute_work_j"]["mean"]
+    assert found == pytest.approx(net, abs=0.03 * legs["absolute_work_j"]["mean"])
+
+
+@pytest.mark.parametrize(
+    ("slope_rad", "way"),
+    [
+        (0.0, "transforms"),
+        (0.0, "joints"),
+        (0.0, "force sensors"),
+        (DOWN_RAD, "transforms"),
+        (UP_RAD, "force sensors"),
+    ],
+)
+def test_all_signs_wrong(measured: Callable[..., dl.Walk], slope_rad: float, way: str) -> None:
+    walk, right = measured(slope_rad, way, ALL), measured(slope_rad, way)
+    assert len(doubts(walk)) == 1
+    legs, true = walk.stats["legs"], right.stats["legs"]
+    assert legs["positive_work_j"] is None
+    assert np.isnan(walk.strides["positive_work_j"]).all()
+    for joint in legs["joints"].values():
+        assert joint["positive_work_j"] is None
+        assert joint["stride_positive_work_j"] is None
+    # These are the same with either sign.
+    assert legs["absolute_work_j"] == true["absolute_work_j"]
+    assert legs["mechanical_cost_of_transport"] == true["mechanical_cost_of_transport"]
+    np.testing.assert_array_equal(walk.strides["absolute_work_j"], right.strides["absolute_work_j"])
+
+
+@pytest.mark.parametrize("way", ["transforms", "joints"])
+@pytest.mark.parametrize(
+    ("turned", "named"),
+    [
+        (LEG, "front_right: FR_calf_joint, FR_thigh_joint"),
+        (LEG[2:], "front_right: FR_calf_joint"),
+        (LEG[1:2], "front_right: FR_thigh_joint"),
+    ],
+    ids=["leg", "calf", "thigh"],
+)
+def test_a_leg_or_a_joint_with_the_wrong_sign(
+    measured: Callable[..., dl.Walk], way: str, turned: tuple[int, ...], named: str
+) -> None:
+    walk, right = measured(0.0, way, turned), measured(0.0, way)
+    (text,) = doubts(walk)
+    assert f"({named})" in text
+    assert walk.stats["legs"]["positive_work_j"] is None
+    for foot, leg in walk.stats["legs"]["feet"].items():
+        true = right.stats["legs"]["feet"][foot]
+        assert leg["positive_work_j"] == (
+            None if foot == "front_right" else true["positive_work_j"]
+        )
+        assert leg["absolute_work_j"] == true["absolute_work_j"]
+
+
+def test_what_nothing_contradicts_is_not_doubted(measured: Callable[..., dl.Walk]) -> None:
+    """Downhill motors may do any work, and force sensors tell no direction."""
+    assert doubts(measured(DOWN_RAD, "force sensors", ALL)) == []

@@ -1,0 +1,144 @@
+"""Joint states with other units, signs, names and rates, of a robot in a physics engine."""
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any, Final
+
+import numpy as np
+import pytest
+
+import dogbot_logtool as dl
+from tests.truth import free_walker, physics
+from tests.truth.recording import Floats
+
+STEPS: Final[free_walker.Steps] = ((-9.0, (0.4, 0.0, 0.0)),)
+SECONDS: Final = 4.0
+States = tuple[Floats, Floats, Floats]
+Measure = Callable[..., dl.Walk]
+CALF: Final = 2
+"""The first leg's."""
+
+
+@pytest.fixture
+def measure(tmp_path: Path) -> Measure:
+    def walk(**options: Any) -> dl.Walk:
+        robot = free_walker.walker(STEPS, SECONDS)
+        path = physics.write_log(
+            tmp_path / "walk.mcap", **{"robot": robot, "by_transforms": True, "every": 1, **options}
+        )
+        return dl.measure(path, mass=robot.mass_kg)
+
+    return walk
+
+
+def only(column: int, faulty: Floats, values: Floats) -> Floats:
+    """Return values of which one joint's are faulty."""
+    return np.where(np.arange(values.shape[1]) == column, faulty, values)
+
+
+def in_degrees(position: Floats, velocity: Floats, effort: Floats) -> States:
+    return np.degrees(position), np.degrees(velocity), effort
+
+
+def of_the_motor(position: Floats, velocity: Floats, effort: Floats) -> States:
+    return position, velocity, effort / 8.0
+
+
+def velocities_turned(position: Floats, velocity: Floats, effort: Floats) -> States:
+    return position, -velocity, effort
+
+
+def one_velocity_turned(position: Floats, velocity: Floats, effort: Floats) -> States:
+    return position, only(CALF, -velocity, velocity), effort
+
+
+def other_velocities(position: Floats, velocity: Floats, effort: Floats) -> States:
+    return position, np.random.default_rng(1).normal(size=velocity.shape), effort
+
+
+def same_efforts(position: Floats, velocity: Floats, effort: Floats) -> States:
+    return position, velocity, np.full_like(effort, 1.5)
+
+
+def one_same_effort(position: Floats, velocity: Floats, effort: Floats) -> States:
+    return position, velocity, only(CALF, np.full_like(effort, 1.5), effort)
+
+
+def no_efforts(position: Floats, velocity: Floats, effort: Floats) -> States:
+    return position, velocity, np.full_like(effort, np.nan)
+
+
+RENAMED: Final = ("knee_1", *physics.JOINTS[1:])
+TWICE: Final = (physics.JOINTS[0], physics.JOINTS[0], *physics.JOINTS[2:])
+
+
+@pytest.mark.parametrize(
+    ("options", "code", "cause"),
+    [
+        ({"change": in_degrees}, "W_JOINT_VALUES", "half of the legs' joints move by 21"),
+        ({"change": of_the_motor}, "W_JOINT_VALUES", "times that of the forces on the feet"),
+        ({"change": velocities_turned}, "W_JOINT_VALUES", "are -1 times those of their pos"),
+        ({"change": one_velocity_turned}, "W_JOINT_VALUES", "positions: FL_calf_joint (-1 t"),
+        ({"change": other_velocities}, "W_JOINT_VALUES", "times those of their positions"),
+        ({"change": same_efforts}, "N_NO_EFFORT", "efforts are constant"),
+        ({"change": one_same_effort}, "N_NO_EFFORT", "tell no effort: FL_calf_joint"),
+        ({"change": no_efforts}, "N_NO_EFFORT", "efforts are empty"),
+        ({"names": RENAMED}, "N_NO_EFFORT", "fewer joints of front_left (2) than of front_right"),
+        ({"names": TWICE}, "N_NO_EFFORT", "fewer joints of front_left (1) than of front_right"),
+        (
+            {"names": RENAMED, "by_transforms": False},
+            "N_NO_EFFORT",
+            "joint states do not tell of FL_hip_joint",
+        ),
+        ({"every": 25}, "N_LEGS_SLOW", "joint states come 10.1 times in a stride of 0.50 s"),
+    ],
+)
+def test_work_is_null_and_the_cause_is_named(
+    measure: Measure, options: dict[str, Any], code: str, cause: str
+) -> None:
+    walk = measure(**options)
+    found = [f["text"] for f in walk.stats["findings"] if f["code"] == code and cause in f["text"]]
+    assert len(found) == 1
+    assert found[0].startswith("no work is known: ")
+    legs = walk.stats["legs"]
+    for name in ("positive_work_j", "absolute_work_j", "mechanical_cost_of_transport"):
+        assert legs[name] is None
+    assert np.isnan(walk.strides["absolute_work_j"]).all()
+    if code == "W_JOINT_VALUES":
+        for joint in legs["joints"].values():
+            assert joint["absolute_work_j"] is None
+            assert joint["stride_absolute_work_j"] is None
+
+
+@pytest.mark.parametrize("told", [1.0, 0.0], ids=["velocities", "none"])
+def test_positions_that_wrap_change_nothing(measure: Measure, told: float) -> None:
+    """As of continuous joints that swing about +-pi: a turn less above the middle."""
+
+    def right(position: Floats, velocity: Floats, effort: Floats) -> States:
+        return position, told * velocity, effort
+
+    def wrapped(position: Floats, velocity: Floats, effort: Floats) -> States:
+        above = position > position.mean(axis=0)
+        return position - 2.0 * np.pi * above, told * velocity, effort
+
+    expected = measure(change=right, by_transforms=False)
+    found = measure(change=wrapped, by_transforms=False)
+    for column in ("clearance_m", "swing_length_m", "absolute_work_j", "positive_work_j"):
+        known = found.strides[column]
+        assert np.isfinite(known).any()
+        assert known == pytest.approx(expected.strides[column], rel=1e-3, nan_ok=True)
+    for name, joint in found.stats["legs"]["joints"].items():
+        true = expected.stats["legs"]["joints"][name]
+        assert joint["range_of_motion"] == pytest.approx(true["range_of_motion"])
+        assert joint["peak_speed"] == pytest.approx(true["peak_speed"])
+
+
+def test_names_of_another_robot_do_not_place_its_feet(measure: Measure) -> None:
+    names = tuple(f"robot/{joint}" for joint in physics.JOINTS)
+    walk = measure(names=names, by_transforms=False)
+    texts = [f["text"] for f in walk.stats["findings"] if f["code"] == "N_NO_SWINGS"]
+    assert len(texts) == 4
+    assert "joint states do not tell of FL_calf_joint, FL_thigh_joint, FL_hip_joint" in texts[0]
+    assert np.isnan(walk.strides["clearance_m"]).all()
+    # Which leg each is of, their names still tell.
+    assert np.isfinite(walk.strides["absolute_work_j"]).any()
