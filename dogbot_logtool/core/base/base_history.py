@@ -7,7 +7,7 @@ import numpy as np
 from dogbot_logtool.core.base.odometry import Odometry, usable_poses
 from dogbot_logtool.core.geometry import timespans
 from dogbot_logtool.core.geometry.aggregates import IntervalHistogram
-from dogbot_logtool.core.geometry.arrays import Floats, Ints
+from dogbot_logtool.core.geometry.arrays import Floats, Ints, all_finite
 from dogbot_logtool.core.geometry.blocks import BLOCK_ROWS, Blocks, GrowingTable
 from dogbot_logtool.core.geometry.clock import (
     SILENCE_NS,
@@ -236,7 +236,7 @@ def twist_fit(odometry: Odometry, clock: TimeSource) -> TwistFit:
     body = rotate(normalised(odometry.orientation), world)
     world, body = (world[1:] + world[:-1]) / 2.0, (body[1:] + body[:-1]) / 2.0
     rate = np.diff(odometry.position, axis=0) / step[:, None]
-    usable = (step * 1e9 <= SILENCE_NS) & np.isfinite(world).all(axis=1)
+    usable = (step * 1e9 <= SILENCE_NS) & all_finite(world)
     apart = (world - body)[usable]
     middle = (rate - (world + body) / 2.0)[usable]
     return TwistFit(int(usable.sum()), float((apart * apart).sum()), float((apart * middle).sum()))
