@@ -19,6 +19,8 @@ else:
 
         def decorate(cls: type[C]) -> type[C]:
             own = set(vars(cls))
+            # Without one, the standard library works out a signature for it.
+            cls.__doc__ = cls.__doc__ or cls.__name__
             made = dataclasses.dataclass(init=False, repr=False, eq=False, slots=slots)(cls)
             methods = {name: _compiled_later(made, name) for name in _SOURCES}
             methods["__repr__"] = _repr

@@ -1,6 +1,7 @@
 """What is known of a robot before its log is opened: feet, topics, frames, mass, thresholds."""
 
 from dataclasses import replace
+from functools import cache
 from pathlib import Path
 from typing import Final
 
@@ -126,11 +127,13 @@ class Robot:
         return self if mass_kg is None else replace(self, mass_kg=mass_kg)
 
 
+@cache
 def known_robots() -> tuple[str, ...]:
     """Return the names of the robots that come with the program, sorted."""
     return tuple(sorted(file.stem for file in _KNOWN.glob("*.toml")))
 
 
+@cache
 def robot_toml(name: str) -> str:
     """Return the file of a known robot, to copy and edit.
 

@@ -270,7 +270,7 @@ def _incomplete(stats: Stats, history: LegHistory) -> str:
     count = Counter(settings.foot_of_joint.get(joint.name) for joint in history.joints)
     for row, foot in enumerate(stats.feet):
         for other, beside in enumerate(stats.feet):
-            alike = len(stats.feet) == 2 or (foot.place and _end(foot) == _end(beside))
+            alike = len(stats.feet) == 2 or (foot.leg_position and _end(foot) == _end(beside))
             if alike and 0 < count[row] < count[other]:
                 return (
                     f"joint states tell of fewer joints of {foot.name} ({count[row]}) than of "
@@ -280,7 +280,7 @@ def _incomplete(stats: Stats, history: LegHistory) -> str:
 
 
 def _end(foot: FootStatistics) -> str | None:
-    return foot.place[0] if foot.place else None
+    return foot.leg_position[0] if foot.leg_position else None
 
 
 def _too_slow(stats: Stats, settings: LegSettings, moving: Sequence[JointHistory]) -> str:

@@ -18,7 +18,7 @@ from dogbot_logtool.core.contact.contact_rule import (
 )
 from dogbot_logtool.core.contact.contacts import Samples, no_samples
 from dogbot_logtool.core.contact.silent_swing import SilentFeet, learn_silences
-from dogbot_logtool.core.geometry.arrays import norms
+from dogbot_logtool.core.geometry.arrays import all_finite, norms
 from dogbot_logtool.core.geometry.blocks import concatenated
 from dogbot_logtool.core.geometry.clock import usual_interval_s
 from dogbot_logtool.core.geometry.order_statistics import median_of
@@ -154,7 +154,7 @@ def _zero_in_probe(
         return None
     sources = selection.sources_of(foot)
     samples = probe.contacts.pick(probe.contacts.foot == foot)
-    force = samples.force[np.isfinite(samples.force).all(axis=1)]
+    force = samples.force[all_finite(samples.force)]
     interval_s = usual_interval_s(samples.log_time)
     if any(source.silent_in_swing for source in sources):
         # Its samples are those in contact only, and their mean is no mean over strides.

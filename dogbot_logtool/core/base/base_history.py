@@ -7,7 +7,7 @@ import numpy as np
 from dogbot_logtool.core.base.odometry import Odometry, usable_poses
 from dogbot_logtool.core.geometry import timespans
 from dogbot_logtool.core.geometry.aggregates import IntervalHistogram
-from dogbot_logtool.core.geometry.arrays import Floats, Ints
+from dogbot_logtool.core.geometry.arrays import Floats, Ints, all_finite
 from dogbot_logtool.core.geometry.blocks import BLOCK_ROWS, Blocks, GrowingTable
 from dogbot_logtool.core.geometry.clock import (
     SILENCE_NS,
@@ -108,7 +108,9 @@ class BaseHistory:
         before = np.where(self.time[after] > time, np.maximum(after - 1, 0), after)
         since, step = time - self.time[before], self.time[after] - self.time[before]
         share = np.clip(since / np.maximum(step, 1), 0.0, 1.0)[:, None]
-        at: Floats = values[before] + share * (values[after] - values[before])
+        # `take` picks rows of vectors four times as fast as an index does.
+        first = values.take(before, axis=0)
+        at: Floats = first + share * (values.take(after, axis=0) - first)
         # Both poses around a time must be near; beyond the ends there is only one.
         away = np.maximum(np.abs(since), np.abs(self.time[after] - time))
         at[away > LOOKUP_S * 1e9] = np.nan
@@ -234,7 +236,7 @@ def twist_fit(odometry: Odometry, clock: TimeSource) -> TwistFit:
     body = rotate(normalised(odometry.orientation), world)
     world, body = (world[1:] + world[:-1]) / 2.0, (body[1:] + body[:-1]) / 2.0
     rate = np.diff(odometry.position, axis=0) / step[:, None]
-    usable = (step * 1e9 <= SILENCE_NS) & np.isfinite(world).all(axis=1)
+    usable = (step * 1e9 <= SILENCE_NS) & all_finite(world)
     apart = (world - body)[usable]
     middle = (rate - (world + body) / 2.0)[usable]
     return TwistFit(int(usable.sum()), float((apart * apart).sum()), float((apart * middle).sum()))

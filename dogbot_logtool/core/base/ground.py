@@ -8,7 +8,7 @@ import numpy as np
 from dogbot_logtool.core.base.base_history import BaseHistory
 from dogbot_logtool.core.contact.foot_history import FootHistory
 from dogbot_logtool.core.geometry import timespans
-from dogbot_logtool.core.geometry.arrays import Floats, Ints
+from dogbot_logtool.core.geometry.arrays import Floats, Ints, all_finite
 from dogbot_logtool.core.geometry.order_statistics import median_of
 from dogbot_logtool.core.geometry.rotations import along_heading
 from dogbot_logtool.core.leg_position import LegPosition
@@ -40,7 +40,7 @@ def height_over_feet(base: BaseHistory, feet: Sequence[FootHistory]) -> Floats:
         for start in range(0, len(base.time), _CHUNK)
     ]
     offset = np.concatenate(parts) if parts else np.empty((0, 4))
-    known = offset[np.isfinite(offset).all(axis=1)]
+    known = offset[all_finite(offset)]
     if len(known) == 0:
         return np.full(len(base.time), np.nan)
     aside = median_of(np.hypot(known[:, 0], known[:, 1]))
@@ -62,11 +62,12 @@ def _base_from_feet(base: BaseHistory, feet: Sequence[FootHistory], part: slice)
     at = base.time[part]
     latest = np.full((len(feet), len(at), 3), np.nan)
     for row, foot in enumerate(feet):
-        known = np.isfinite(foot.track.point).all(axis=1)
-        time, point = foot.track.time[known], foot.track.point[known]
+        known = np.flatnonzero(all_finite(foot.track.point))
+        time, point = foot.track.time[known], foot.track.point.take(known, axis=0)
         if len(time):
             newest = np.searchsorted(time, at, side="right") - 1
-            latest[row] = np.where((newest >= 0)[:, None], point[np.maximum(newest, 0)], np.nan)
+            latest[row] = point.take(np.maximum(newest, 0), axis=0)
+            latest[row, newest < 0] = np.nan
     seen = np.isfinite(latest[:, :, :1])
     number = np.maximum(seen.sum(axis=0), 1)
     centre = np.where(seen, latest, 0.0).sum(axis=0) / number
@@ -109,8 +110,8 @@ def _ground_normal(feet: Sequence[FootHistory], within: Ints | None) -> Floats |
 
 def _standing_points(foot: FootHistory, within: Ints | None) -> Floats:
     """(n, 3) m, one contact point of each stance: the one nearest to its middle."""
-    known = np.isfinite(foot.track.point).all(axis=1)
-    time, point = foot.track.time[known], foot.track.point[known]
+    known = np.flatnonzero(all_finite(foot.track.point))
+    time, point = foot.track.time[known], foot.track.point.take(known, axis=0)
     begin, end = foot.stances.touchdown, foot.stances.liftoff
     row = np.searchsorted(time, begin + (end - begin) // 2)
     inside = row < len(time)
@@ -138,11 +139,11 @@ def axis_by_legs(
     for foot, position in zip(feet, positions, strict=True):
         if position is None or position[0] not in ends:
             continue
-        known = np.isfinite(foot.track.point).all(axis=1)
+        known = all_finite(foot.track.point)
         time = foot.track.time[known]
         way = foot.track.point[known, :2] - base.position_at(time)[:, :2]
         in_body = np.stack(along_heading(way, base.angles_at(time)[:, 2]), axis=1)
-        in_body = in_body[np.isfinite(in_body).all(axis=1)]
+        in_body = in_body[all_finite(in_body)]
         if len(in_body):
             ends[position[0]].append(in_body.mean(axis=0))
     if not all(ends.values()):

@@ -8,7 +8,7 @@ import numpy as np
 from dogbot_logtool.core.base.base_history import BaseHistory
 from dogbot_logtool.core.contact.stances import Stances
 from dogbot_logtool.core.contact.track import FootTrack
-from dogbot_logtool.core.geometry.arrays import Floats
+from dogbot_logtool.core.geometry.arrays import Floats, all_finite
 from dogbot_logtool.core.geometry.rotations import along_heading
 
 FEWEST_STANCES: Final = 8
@@ -52,8 +52,8 @@ def drift_m(
 
 def _positions(track: FootTrack, stances: Stances, base: BaseHistory) -> Floats:
     """(s, 3) s, and m ahead and to the left of the base: mean positions of whole stances."""
-    known = np.isfinite(track.point[:, :2]).all(axis=1)
-    time, point = track.time[known], track.point[known, :2]
+    known = np.flatnonzero(all_finite(track.point[:, :2]))
+    time, point = track.time[known], track.point.take(known, axis=0)[:, :2]
     begin, end = stances.touchdown[stances.whole], stances.liftoff[stances.whole]
     stance = np.searchsorted(begin, time, side="right") - 1
     inside = (stance >= 0) & (time < end[np.maximum(stance, 0)]) if len(begin) else stance >= 0
@@ -61,7 +61,7 @@ def _positions(track: FootTrack, stances: Stances, base: BaseHistory) -> Floats:
     away = np.stack(
         along_heading(point - base.position_at(time)[:, :2], base.angles_at(time)[:, 2]), axis=1
     )
-    placed = np.isfinite(away).all(axis=1)
+    placed = all_finite(away)
     time, away, stance = time[placed], away[placed], stance[placed]
     count = np.bincount(stance, minlength=len(begin))
     columns = np.column_stack([(time - base.time[0]) / 1e9, away])

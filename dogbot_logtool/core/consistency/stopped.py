@@ -12,7 +12,7 @@ import numpy as np
 from dogbot_logtool.core.base.base_history import BaseHistory
 from dogbot_logtool.core.contact.foot_history import FootHistory
 from dogbot_logtool.core.geometry import timespans
-from dogbot_logtool.core.geometry.arrays import Ints
+from dogbot_logtool.core.geometry.arrays import Ints, all_finite
 from dogbot_logtool.core.geometry.order_statistics import median_of
 
 MISSED_STEPS: Final = 4
@@ -78,7 +78,7 @@ def _goes_far(base: BaseHistory, span: Ints) -> bool:
         return False
     start, end = span.tolist()
     position = base.position_at(np.linspace(start, end, _INSTANTS).astype(np.int64))[:, :2]
-    known = position[np.isfinite(position).all(axis=1)]
+    known = position[all_finite(position)]
     return len(known) > 1 and float(np.hypot(*(known - known[0]).T).max()) > FAR_M
 
 

@@ -10,7 +10,7 @@ from dogbot_logtool.core.consistency.drift import drift_m
 from dogbot_logtool.core.contact.foot_history import FootHistory
 from dogbot_logtool.core.contact.stances import Stances
 from dogbot_logtool.core.contact.track import FootTrack
-from dogbot_logtool.core.geometry.arrays import Floats
+from dogbot_logtool.core.geometry.arrays import Floats, all_finite
 from dogbot_logtool.core.geometry.order_statistics import median_of
 from dogbot_logtool.core.geometry.rotations import along_heading
 from dogbot_logtool.dataclass import dataclass
@@ -124,12 +124,12 @@ def _windows(seconds: float) -> int:
 
 def _from_base(track: FootTrack, base: BaseHistory) -> Floats:
     """(n, 3) s since the first pose, and m ahead and to the left: contact points from the base."""
-    touching = np.isfinite(track.point[:, :2]).all(axis=1)
+    touching = np.flatnonzero(all_finite(track.point[:, :2]))
     time = track.time[touching]
-    away = track.point[touching] - base.position_at(time)
+    away = track.point.take(touching, axis=0) - base.position_at(time)
     ahead, left = along_heading(away, base.angles_at(time)[:, 2])
     seen = np.column_stack([(time - base.time[0]) / 1e9, ahead, left])
-    known: Floats = seen[np.isfinite(seen).all(axis=1)]
+    known: Floats = seen[all_finite(seen)]
     return known
 
 

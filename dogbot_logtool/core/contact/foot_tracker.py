@@ -17,7 +17,7 @@ from dogbot_logtool.core.contact.contact_detection import contact_groups, schmit
 from dogbot_logtool.core.contact.contact_rule import ContactRule
 from dogbot_logtool.core.contact.contacts import Samples, no_samples
 from dogbot_logtool.core.contact.silent_swing import LONGEST_SWING_S
-from dogbot_logtool.core.geometry.arrays import Flags, Floats, Ints, norms
+from dogbot_logtool.core.geometry.arrays import Flags, Floats, Ints, all_finite, norms
 from dogbot_logtool.core.geometry.blocks import concatenated
 from dogbot_logtool.core.geometry.clock import advancing
 from dogbot_logtool.core.geometry.support_polygon import NEAR_NS
@@ -222,7 +222,7 @@ class FootTracker:
         confirming = np.concatenate([deciding, [len(rows)]])[place]
         point = rows.point[self._starts]
         chosen = (confirming >= first_new) & (confirming <= self._ends) & (confirming < len(rows))
-        chosen &= np.isfinite(point).all(axis=1)
+        chosen &= all_finite(point)
         # A lift-off that silence told became known with the message that ended the silence.
         known = confirming[chosen]
         known += rows.message_time[known] < rows.time[known]

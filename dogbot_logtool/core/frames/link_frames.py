@@ -7,7 +7,7 @@ import numpy as np
 
 from dogbot_logtool.core.contact.contacts import Samples
 from dogbot_logtool.core.frames.transform_buffer import Poses, TransformBuffer
-from dogbot_logtool.core.geometry.arrays import Flags, Floats
+from dogbot_logtool.core.geometry.arrays import Flags, Floats, all_finite
 from dogbot_logtool.core.geometry.clock import TimeSource
 from dogbot_logtool.core.geometry.rotations import rotate
 from dogbot_logtool.dataclass import dataclass
@@ -109,7 +109,7 @@ def points_from_frames(
         if point is None or not len(rows):
             continue
         if point.recorded:
-            rows = rows[np.isfinite(samples.position[rows]).all(axis=1)]
+            rows = rows[all_finite(samples.position[rows])]
         poses = _poses(samples.pick(rows), point.frame, buffer, world, clock)
         found = rows[poses.known]
         inside = samples.position[found] if point.recorded else np.array([point.offset])

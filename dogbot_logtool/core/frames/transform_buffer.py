@@ -12,7 +12,7 @@ from typing import Any, Final
 
 import numpy as np
 
-from dogbot_logtool.core.geometry.arrays import Flags, Floats, Ints
+from dogbot_logtool.core.geometry.arrays import Flags, Floats, Ints, all_finite
 from dogbot_logtool.core.geometry.clock import advancing
 from dogbot_logtool.core.geometry.rotations import multiply, normalised, rotate, slerp
 from dogbot_logtool.dataclass import dataclass
@@ -85,7 +85,7 @@ def frame_track(
         rotation: (n, 4) quaternion x, y, z, w.
         static: whether they hold at any time; the latest one does.
     """
-    sound = np.isfinite(translation).all(axis=1) & np.isfinite(rotation).all(axis=1)
+    sound = all_finite(translation) & all_finite(rotation)
     sound &= (rotation != 0.0).any(axis=1)
     if not static:
         sound[sound] = advancing(time[sound], None)

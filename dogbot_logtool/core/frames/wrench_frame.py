@@ -18,7 +18,7 @@ from typing import Final
 import numpy as np
 
 from dogbot_logtool.core.contact.contacts import Samples
-from dogbot_logtool.core.geometry.arrays import Flags, Floats, Ints, norms
+from dogbot_logtool.core.geometry.arrays import Flags, Floats, Ints, all_finite, norms
 from dogbot_logtool.core.geometry.order_statistics import distinct, median_of, percentiles_of
 from dogbot_logtool.dataclass import dataclass
 
@@ -118,7 +118,7 @@ def frame_fit(samples: Sequence[Samples], turned: Sequence[Flags] | None = None)
         return None
     magnitude = norms(force)
     heavy = magnitude >= max(LIGHT * percentiles_of(magnitude, HIGH_LOAD_PERCENT), TINY_N)
-    heavy &= np.isfinite(normal).all(axis=1)
+    heavy &= all_finite(normal)
     if int(heavy.sum()) < FEWEST_SAMPLES:
         return None
     return _fit(foot[heavy], force[heavy], normal[heavy], _vertical_sum_n(samples, summed))

@@ -8,7 +8,7 @@ from dogbot_logtool.core.base.base_history import BaseHistory
 from dogbot_logtool.core.contact.stances import LONGEST_STANCE_S, Cut, Stances
 from dogbot_logtool.core.gait.support_pattern import Support
 from dogbot_logtool.core.geometry import timespans
-from dogbot_logtool.core.geometry.arrays import Flags, Floats, Ints
+from dogbot_logtool.core.geometry.arrays import Flags, Floats, Ints, all_finite
 from dogbot_logtool.core.geometry.order_statistics import median_of
 
 STAND_S: Final = 1.0
@@ -100,7 +100,7 @@ def _moving(span: Ints, base: BaseHistory) -> Ints:
     count = max(1, int((end - start) / (_STEP_S * 1e9)))
     time = np.linspace(start, end, count + 1).astype(np.int64)
     position = np.column_stack([base.position_at(time)[:, :2], base.angles_at(time)[:, 2]])
-    known = position[np.isfinite(position).all(axis=1)]
+    known = position[all_finite(position)]
     if len(known) < 2:
         return timespans.no_spans()
     away = known - known[0]

@@ -14,8 +14,12 @@ Values = TypeVar("Values", bound=np.generic)
 
 
 def distinct(values: NDArray[Values]) -> NDArray[Values]:
-    """Return the values that occur, ascending; see `np.unique`."""
-    found: NDArray[Values] = np.unique(values, return_counts=True)[0]
+    """Return the values that occur, ascending; NaN, if at all, once; see `np.unique`."""
+    ordered = np.sort(values, axis=None)
+    before, after = ordered[:-1], ordered[1:]
+    # NaN differs from itself, too.
+    new = np.concatenate([[True], (after != before) & (before == before)])  # noqa: PLR0124
+    found: NDArray[Values] = ordered[new[: len(ordered)]]
     return found
 
 

@@ -11,7 +11,7 @@ from typing import Final, Literal
 
 import numpy as np
 
-from dogbot_logtool.core.geometry.arrays import Floats, Ints, norms
+from dogbot_logtool.core.geometry.arrays import Floats, Ints, all_finite, norms
 from dogbot_logtool.core.geometry.clock import usual_interval_s
 from dogbot_logtool.core.geometry.order_statistics import median_of, percentiles_of
 from dogbot_logtool.core.sensors.saturation import resolution_n, saturated_limit_n
@@ -143,7 +143,7 @@ def estimate_level(log_time: Ints, force: Floats) -> SensorLevel:
         log_time: (n,) ns, ascending; there may be gaps, as in a probe spread over a log.
         force: (n, 3) N, as recorded; rows that are not finite are left out.
     """
-    finite = np.isfinite(force).all(axis=1)
+    finite = all_finite(force)
     log_time, force = log_time[finite], force[finite]
     interval_s = usual_interval_s(log_time)
     if len(force) < FEWEST_SAMPLES:

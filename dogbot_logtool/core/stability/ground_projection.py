@@ -6,7 +6,7 @@ import numpy as np
 
 from dogbot_logtool.core.contact.foot_history import FootHistory
 from dogbot_logtool.core.geometry import timespans
-from dogbot_logtool.core.geometry.arrays import Floats, Ints
+from dogbot_logtool.core.geometry.arrays import Floats, Ints, all_finite
 from dogbot_logtool.core.geometry.support_polygon import centre_of_pressure
 from dogbot_logtool.core.stability.stability import feet_down
 from dogbot_logtool.dataclass import dataclass
@@ -29,7 +29,7 @@ def footprints(foot: FootHistory) -> GroundPoints:
     The times are those of touchdown.
     """
     track, stances = foot.track, foot.stances
-    known = np.flatnonzero(np.isfinite(track.point[:, :2]).all(axis=1))
+    known = np.flatnonzero(all_finite(track.point[:, :2]))
     time = track.time[known]
     first = np.searchsorted(time, stances.touchdown)
     within = np.flatnonzero(first < len(time))

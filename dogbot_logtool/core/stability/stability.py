@@ -10,7 +10,7 @@ from dogbot_logtool.core.base.base_motion import FORWARD_ANGLES
 from dogbot_logtool.core.contact.foot_history import FootHistory
 from dogbot_logtool.core.geometry import timespans
 from dogbot_logtool.core.geometry.aggregates import Aggregate, aggregate
-from dogbot_logtool.core.geometry.arrays import Flags, Floats, Ints
+from dogbot_logtool.core.geometry.arrays import Flags, Floats, Ints, all_finite
 from dogbot_logtool.core.geometry.rotations import along_heading
 from dogbot_logtool.core.geometry.support_polygon import NEAR_NS, centre_of_pressure, margin_in_hull
 from dogbot_logtool.core.stability.energy_margin import energy_margin_m
@@ -213,7 +213,7 @@ def feet_down(instants: Ints, feet: Sequence[FootHistory]) -> tuple[Floats, Floa
     for column, foot in enumerate(feet):
         track, down = foot.track, timespans.covers(foot.in_contact, instants)
         # A bounce, or the row beside a touchdown, has no point; the stance has.
-        placed = np.flatnonzero(np.isfinite(track.point[:, :2]).all(axis=1))
+        placed = np.flatnonzero(all_finite(track.point[:, :2]))
         if not len(placed):
             continue
         row, near = _nearest(track.time[placed], instants)
