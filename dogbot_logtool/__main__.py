@@ -1,20 +1,27 @@
 """``python -m dogbot_logtool`` is the command ``dogbot-logtool``."""
 
-from typing import NoReturn
+import gc
+from typing import Final, NoReturn
 
 from dogbot_logtool.run.signals import ignore_signals, raise_on_signals
+
+_NEW_OBJECTS: Final = 100_000
+"""More than are made before a log is read: nearly all that is loaded stays until the end, and to
+look through it for garbage, again and again and once more at the end, is 7 % of a short log."""
 
 
 def main() -> NoReturn:
     """Run the command line."""
     # Imports take a while, and so does the interpreter's end: Ctrl-C would print a traceback.
     raise_on_signals()
+    gc.set_threshold(_NEW_OBJECTS)
     try:
         from dogbot_logtool.cli import main as run  # noqa: PLC0415
 
         run()
     finally:
         ignore_signals()
+        gc.freeze()
 
 
 if __name__ == "__main__":

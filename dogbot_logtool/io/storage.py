@@ -37,11 +37,11 @@ ANSWER_WITHIN_S = 120.0
 """A request that takes longer has stalled."""
 _URL: Final = re.compile(r"[A-Za-z][A-Za-z0-9+.-]+://")
 """One letter is a drive of Windows."""
-_CREDENTIALS: Final = re.compile(r"(?<=://)[^/?#]*@")
-_SECRET_END: Final = re.compile(r"[?#]")
-_CREDENTIALS_WITHIN: Final = re.compile(r"(\b[A-Za-z][A-Za-z0-9+.-]+:/{1,2})[^\s/?#]*@")
+_CREDENTIALS: Final = r"(?<=://)[^/?#]*@"
+_ADDRESS_END: Final = r"[?#]"
+_CREDENTIALS_WITHIN: Final = r"(\b[A-Za-z][A-Za-z0-9+.-]+:/{1,2})[^\s/?#]*@"
 """A URL that was treated as a path has one slash."""
-_QUERY_WITHIN: Final = re.compile(
+_QUERY_WITHIN: Final = (
     r"(\b[A-Za-z][A-Za-z0-9+.-]+:/{1,2}[^\s?#]*)[?#]\S*?(?=[\]:;,.)'\"]*(?:\s|$))"
 )
 _KINDS: Final = {
@@ -120,7 +120,7 @@ def identity(path: Location) -> str:
     password. A query may hold other secrets: print `shown`, never this.
     """
     if not isinstance(path, Path):
-        return _CREDENTIALS.sub("", str(path), 1)
+        return re.sub(_CREDENTIALS, "", str(path), count=1)
     try:
         return os.path.realpath(path)
     except (OSError, ValueError):
@@ -133,12 +133,12 @@ def shown(path: Location | str) -> str:
     text = str(path)
     if not _URL.match(text):
         return valid_unicode(text)
-    return _SECRET_END.split(_CREDENTIALS.sub("", text, 1), 1)[0]
+    return re.split(_ADDRESS_END, re.sub(_CREDENTIALS, "", text, count=1), maxsplit=1)[0]
 
 
 def without_secrets(text: str) -> str:
     """Return a text whose URLs have no passwords and signatures."""
-    return _QUERY_WITHIN.sub(r"\1", _CREDENTIALS_WITHIN.sub(r"\1", text))
+    return re.sub(_QUERY_WITHIN, r"\1", re.sub(_CREDENTIALS_WITHIN, r"\1", text))
 
 
 def valid_unicode(text: str) -> str:

@@ -16,7 +16,7 @@ _HEAD: Final = 4096
 _SAMPLES: Final = 64
 """Blocks, spread over a file, that are read to see whether all of it is zero."""
 _BYTE_ORDER_MARK: Final = b"\xef\xbb\xbf"
-_BEFORE_POINTERS: Final = re.compile(rb"\A(?:\xef\xbb\xbf)?(?:\.\./)*")
+_BEFORE_POINTERS: Final = rb"\A(?:\xef\xbb\xbf)?(?:\.\./)*"
 """A byte-order mark, and the way up from a link that was written as a file."""
 _TEXT_MODE: Final = (
     "was changed by a transfer in text mode: its line ends are no longer the recorded ones, and so "
@@ -98,7 +98,7 @@ def describe(source: ByteSource) -> str:
     head = source.read(0, _HEAD)
     if not head:
         return "is empty (0 bytes): nothing was recorded or copied into it"
-    known = _BEFORE_POINTERS.sub(b"", head)
+    known = re.sub(_BEFORE_POINTERS, b"", head)
     for start, what in _STARTS.items():
         if known.startswith(start):
             return what

@@ -10,7 +10,7 @@ from typing import Final
 
 from dogbot_logtool.dataclass import dataclass
 
-_ANY_DEPTH: Final = re.compile(r"(?:^|(?<=/))\*\*(?:/+\*\*)*(?:/+|$)")
+_ANY_DEPTH: Final = r"(?:^|(?<=/))\*\*(?:/+\*\*)*(?:/+|$)"
 """``**`` as a whole part of a pattern, or several in a row."""
 
 
@@ -106,7 +106,7 @@ def _leads_up(link: Path) -> bool:
 
 
 def _matches(pattern: str, unreadable: list[UnreadableDirectory]) -> Iterator[str]:
-    depth = _ANY_DEPTH.search(pattern)
+    depth = re.search(_ANY_DEPTH, pattern)
     if depth is None:
         yield from glob.glob(pattern)  # noqa: PTH207 - takes absolute patterns, too
         return

@@ -32,11 +32,11 @@ _PARSER_FAILURES: Final = (
     RecursionError,
     ValueError,
 )
-_NESTED_PARENTHESES: Final = re.compile(r"\([^()]*\(")
+_NESTED_PARENTHESES: Final = r"\([^()]*\("
 """The IDL parser's time grows fiftyfold with every level of these."""
-_IDL_STRING: Final = re.compile(r'"(?:[^"\\]|\\.)*"')
+_IDL_STRING: Final = r'"(?:[^"\\]|\\.)*"'
 """Comments in annotations, mostly: no type needs them, and they may hold anything."""
-_IDL_SECTION: Final = re.compile(r"^(?:=+|IDL: .*|#include .*)\r?$", re.MULTILINE)
+_IDL_SECTION: Final = r"(?m)^(?:=+|IDL: .*|#include .*)\r?$"
 """What recorders write between the files of a definition, and includes: all is in the log."""
 
 _DTYPES: Final = {
@@ -163,8 +163,8 @@ def _parse_text(
 
     try:
         if schema_encoding == "ros2idl":
-            text = _IDL_SECTION.sub("", _IDL_STRING.sub('""', text))
-            if _NESTED_PARENTHESES.search(text):
+            text = re.sub(_IDL_SECTION, "", re.sub(_IDL_STRING, '""', text))
+            if re.search(_NESTED_PARENTHESES, text):
                 raise DefinitionError(f"the definition of {type_name} has nested parentheses")
             parsed = get_types_from_idl(text)
         elif schema_encoding in {"ros1msg", "ros2msg"}:

@@ -35,8 +35,8 @@ from dogbot_logtool.reader.decode.fields import (
 )
 from dogbot_logtool.reader.decode.message_layout import ELEMENT
 
-_PART: Final = re.compile(r"([A-Za-z]\w*)(?:\[([0-9]{1,6})\])?", re.ASCII)
-_MASK: Final = re.compile(r"(.+)&([0-9]{1,10}|0x[0-9a-fA-F]{1,8})", re.ASCII)
+_PART: Final = r"(?a)([A-Za-z]\w*)(?:\[([0-9]{1,6})\])?"
+_MASK: Final = r"(?a)(.+)&([0-9]{1,10}|0x[0-9a-fA-F]{1,8})"
 _COMPONENTS: Final = ("x", "y", "z")
 _MOST_LISTED: Final = 12
 _MOST_FIELDS: Final = 2000
@@ -136,14 +136,14 @@ def parse_field_path(definition: Struct, text: str) -> FieldPath:
     Raises:
         DefinitionError: it is no path, or leads to no number or vector; with the nearest that do.
     """
-    masked = _MASK.fullmatch(text)
+    masked = re.fullmatch(_MASK, text)
     text, mask = (masked[1], int(masked[2], 0)) if masked else (text, 0)
     current: FieldType = definition
     arrays: list[ArrayIndex] = []
     names: list[str] = []
     done: list[str] = []
     for part in text.split("."):
-        match = _PART.fullmatch(part)
+        match = re.fullmatch(_PART, part)
         if match is None:
             raise DefinitionError(
                 f"{text!r} is no path of a field; such are data, data[3], legs[2].force, and "

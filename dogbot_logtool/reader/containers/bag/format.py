@@ -25,7 +25,7 @@ INDEX_ENTRY_SIZE: Final = 12
 _IN_CHUNK: Final = (BagOp.MESSAGE, BagOp.CONNECTION)
 _MOST_TEMPLATES: Final = 8
 """Recorders write all their message headers alike; more kinds are decoded one by one."""
-_RECORD_START: Final = re.compile(
+_RECORD_START: Final = (
     rb"(?s)(?=[\x08-\xff].\0\0.\0\0\0"
     rb"(?:op|conn|time|topic|compression|size|ver|count|chunk_pos|chunk_count|conn_count|"
     rb"index_pos|start_time|end_time)=)"
@@ -100,7 +100,7 @@ class BagFormat:
 
     def candidates(self, window: bytes) -> Iterator[int]:
         """See `RecordFormat.candidates`."""
-        return (match.start() for match in _RECORD_START.finditer(window))
+        return (match.start() for match in re.finditer(_RECORD_START, window))
 
     def sound(self, source: Readable, offset: int, end: int) -> bool:
         """See `RecordFormat.sound`."""
@@ -119,7 +119,7 @@ class BagFormat:
         size = 4 + int(U32.unpack_from(records.data, before)[0])
         here = records[offset : min(offset + size, end)]
         alike = np.count_nonzero(here == records[before : before + len(here)])
-        return bool(2 * alike >= len(here) >= 8 or _RECORD_START.match(here.tobytes()))
+        return bool(2 * alike >= len(here) >= 8 or re.match(_RECORD_START, here.tobytes()))
 
 
 def is_sound(record: Record, op: int) -> bool:

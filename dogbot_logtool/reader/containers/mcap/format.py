@@ -44,7 +44,7 @@ LARGEST_PASSING: Final = 1 << 16
 LARGEST_OPCODE: Final = int(max(Opcode))
 _HEAD: Final = np.dtype([("opcode", "u1"), ("length", "<u8")])
 _IN_CHUNK: Final = (Opcode.SCHEMA, Opcode.CHANNEL, Opcode.MESSAGE)
-_RECORD_START: Final = re.compile(rb"(?s)(?=[\x01-\x0f].{4}\0{4})")
+_RECORD_START: Final = rb"(?s)(?=[\x01-\x0f].{4}\0{4})"
 """Every known opcode, with a length below 4 GiB."""
 _HOUR: Final = 3_600_000_000_000
 _DECODED: Final = {
@@ -140,7 +140,7 @@ class McapFormat:
 
     def candidates(self, window: bytes) -> Iterator[int]:
         """See `RecordFormat.candidates`."""
-        return (match.start() for match in _RECORD_START.finditer(window))
+        return (match.start() for match in re.finditer(_RECORD_START, window))
 
     def sound(self, source: Readable, offset: int, end: int) -> bool:
         """See `RecordFormat.sound`."""

@@ -21,8 +21,8 @@ from dogbot_logtool.reader.messages.bases.source import (
 )
 from dogbot_logtool.reader.messages.messages import DecodedMessages, check_channel
 
-_SLICE: Final = re.compile(r"([A-Za-z_][\w.]*)\[(\d{1,6}):(\d{1,6})\]")
-_PATH: Final = re.compile(r"[A-Za-z_]\w*(\.[A-Za-z_]\w*)*")
+_SLICE: Final = r"([A-Za-z_][\w.]*)\[(\d{1,6}):(\d{1,6})\]"
+_PATH: Final = r"[A-Za-z_]\w*(\.[A-Za-z_]\w*)*"
 _EULER: Final = 6
 """Numbers of a pose with roll, pitch and yaw behind the position."""
 _QUATERNION: Final = 7
@@ -40,9 +40,9 @@ def path_source(channel: Channel, path: str) -> BaseSource:
     Raises:
         DefinitionError: the path is none, or the messages have no pose there.
     """
-    if match := _SLICE.fullmatch(path):
+    if match := re.fullmatch(_SLICE, path):
         return _slice_source(channel, match[1], slice(int(match[2]), int(match[3])))
-    if not _PATH.fullmatch(path):
+    if not re.fullmatch(_PATH, path):
         raise DefinitionError(f"{path!r} is not {FORMS}")
     header = [("header.stamp", "header.frame_id"), ("", "")]
     names = [("position", "orientation"), ("translation", "rotation")]

@@ -294,7 +294,7 @@ def check_flags(values: FootValues) -> FlagCheck:
     return FlagCheck(int(known.sum()), int((touching & known).sum()), int((wrong & known).sum()))
 
 
-_PLANNED_WORDS: Final = re.compile(
+_PLANNED_WORDS: Final = (
     r"(?<![a-z])(ref|reference|des|desired|plan|planned|planner|cmd|command|commanded|control|"
     r"target|trajectory|traj|setpoint|mpc)(?![a-z])"
 )
@@ -303,7 +303,7 @@ _PLANNED_WORDS: Final = re.compile(
 
 def is_named_as_planned(topic: str) -> bool:
     """Tell whether a topic's name says that it is a plan or a command."""
-    return _PLANNED_WORDS.search(topic.lower()) is not None
+    return re.search(_PLANNED_WORDS, topic.lower()) is not None
 
 
 def always_planned(topic: str) -> bool:
