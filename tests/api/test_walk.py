@@ -65,7 +65,7 @@ def test_a_stance_with_a_gap_is_cut_and_a_dead_foot_is_unknown() -> None:
 
 
 def test_forces_of_a_link_are_turned_into_the_world() -> None:
-    trot = dl.measure(TROT, end=4.0)
+    trot = dl.measure(TROT, end=2.0)
     truth = json.loads(TROT.with_suffix(".truth.json").read_text())
     samples = {foot: trot.samples(foot) for foot in trot.feet}
     time = samples["front_left"]["time_s"]

@@ -16,6 +16,7 @@ import sys
 import tempfile
 from collections.abc import Iterator, Sequence
 from contextlib import chdir
+from functools import cache
 from pathlib import Path
 from typing import Final
 
@@ -35,10 +36,11 @@ CAUGHT: Final = 0.9
 """Share of the mutants that tests must notice."""
 
 
-def annotations(source: str) -> list[tuple[tuple[int, int], tuple[int, int]]]:
+@cache
+def annotations(module: Path) -> list[tuple[tuple[int, int], tuple[int, int]]]:
     """Return where type annotations stand, which no test can notice: (line, column) from, to."""
     found = []
-    for node in ast.walk(ast.parse(source)):
+    for node in ast.walk(ast.parse(module.read_text(encoding="utf-8"))):
         for name in ("annotation", "returns"):
             part = getattr(node, name, None)
             if isinstance(part, ast.expr) and part.end_lineno is not None:
@@ -49,7 +51,7 @@ def annotations(source: str) -> list[tuple[tuple[int, int], tuple[int, int]]]:
 
 def is_in_code(mutation: MutationSpec) -> bool:
     """Tell whether a mutation changes what runs."""
-    spans = annotations(mutation.module_path.read_text(encoding="utf-8"))
+    spans = annotations(mutation.module_path)
     return not any(start <= mutation.start_pos < end for start, end in spans)
 
 

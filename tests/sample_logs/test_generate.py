@@ -6,8 +6,6 @@ are recorded in them; nothing of the generator or of the product takes part.
 
 import json
 import re
-import subprocess
-import sys
 from collections import Counter, defaultdict
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -15,12 +13,14 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
+import generate
 import numpy as np
 import numpy.typing as npt
 import pytest
 from mcap.reader import make_reader
 from rosbags.rosbag1 import Reader as BagReader
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
+from scenario import Scenario
 
 from tests.paths import SAMPLE_LOGS
 
@@ -229,14 +229,21 @@ def stances(log: Log, foot: str) -> list[tuple[float, float]]:
     return list(zip(touchdowns_s, liftoffs_s, strict=True))
 
 
-def test_regenerating_gives_the_committed_bytes(tmp_path: Path) -> None:
-    subprocess.run([sys.executable, SAMPLE_LOGS / "generate.py", tmp_path], check=True)  # noqa: S603
-    committed = [
-        SAMPLE_LOGS / name for log in LOGS for name in (log, f"{Path(log).stem}.truth.json")
-    ]
-    assert {path.name for path in tmp_path.iterdir()} == {path.name for path in committed}
-    for path in committed:
-        fresh = tmp_path / path.name
+@pytest.mark.parametrize(
+    "scenario",
+    [
+        generate.TROUBLED,
+        pytest.param(generate.TROT, marks=pytest.mark.slow),
+        pytest.param(generate.WALK, marks=pytest.mark.slow),
+    ],
+    ids=lambda scenario: scenario.name,
+)
+def test_regenerating_gives_the_committed_bytes(tmp_path: Path, scenario: Scenario) -> None:
+    generate.write_sample(scenario, tmp_path)
+    written = sorted(tmp_path.iterdir())
+    assert [path.stem for path in written] == [scenario.name, f"{scenario.name}.truth"]
+    for fresh in written:
+        path = SAMPLE_LOGS / fresh.name
         if path.name in LOGS:
             assert read_raw(fresh) == read_raw(path), f"{path.name}: other messages"
         assert fresh.read_bytes() == path.read_bytes(), (

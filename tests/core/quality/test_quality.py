@@ -208,6 +208,15 @@ def test_a_slow_simulation_drifts() -> None:
     assert quality.offset_drift_ppm == pytest.approx(1e6, rel=1e-3)
 
 
+def test_two_messages_and_short_logs_tell_no_drift() -> None:
+    far_apart = np.array([S, 101 * S])
+    assert watched(far_apart, far_apart).offset_drift_ppm is None
+    short = steady()[:620]
+    assert watched(S + 2 * (short - S), short).offset_drift_ppm is not None
+    shorter = steady()[:480]
+    assert watched(S + 2 * (shorter - S), shorter).offset_drift_ppm is None
+
+
 @settings(max_examples=30, deadline=None)
 @given(st.lists(st.integers(0, 300), max_size=5))
 def test_batches_do_not_matter(cuts: list[int]) -> None:
