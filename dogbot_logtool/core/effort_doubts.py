@@ -21,6 +21,7 @@ from dogbot_logtool.core.statistics import Stats
 
 OTHER_UNIT: Final = 3.0
 """Work of legs over that of the ground's forces: a larger factor, or one over it, is of units."""
+_MOST_NAMED: Final = 6
 
 
 def with_sign_doubts(stats: Stats, history: LegHistory, legs: LegFigures) -> LegFigures:
@@ -77,12 +78,14 @@ def _leg(
 
 def _doubts_of_legs(judged: Mapping[str, LegSigns], legs: LegFigures) -> list[SignDoubt]:
     """Say which legs contradict the forces on their feet; judged: legs by their foot."""
-    odd = {foot: ", ".join(signs.odd) for foot, signs in judged.items() if not signs.agree}
+    odd = {foot: signs.odd for foot, signs in judged.items() if not signs.agree}
     if not odd:
         return []
+    joints = [name for names in odd.values() for name in names]
+    more = f" and {len(joints) - _MOST_NAMED} more" if len(joints) > _MOST_NAMED else ""
     text = (
         "motors do not do the work of the forces on the feet, but would with the other sign of "
-        f"some efforts ({'; '.join(f'{foot}: {joints}' for foot, joints in odd.items())})"
+        f"some efforts ({', '.join(joints[:_MOST_NAMED])}{more})"
     )
     sound = judged.keys() - odd.keys()
     names = frozenset(each.history.name for each in legs.joints if each.foot not in sound)

@@ -101,9 +101,9 @@ def test_all_signs_wrong(measured: Callable[..., dl.Walk], slope_rad: float, way
 @pytest.mark.parametrize(
     ("turned", "named"),
     [
-        (LEG, "front_right: FR_calf_joint, FR_thigh_joint"),
-        (LEG[2:], "front_right: FR_calf_joint"),
-        (LEG[1:2], "front_right: FR_thigh_joint"),
+        (LEG, "FR_calf_joint, FR_thigh_joint"),
+        (LEG[2:], "FR_calf_joint"),
+        (LEG[1:2], "FR_thigh_joint"),
     ],
     ids=["leg", "calf", "thigh"],
 )

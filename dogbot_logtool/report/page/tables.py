@@ -20,6 +20,7 @@ from dogbot_logtool.report.figures.figure import Json, TableName
 from dogbot_logtool.report.figures.foot_source import FootSource
 from dogbot_logtool.report.figures.tables import cells_of, columns_of, headers
 from dogbot_logtool.report.numbers import decimal, percent
+from dogbot_logtool.report.text.legs_text import work_words
 
 MOST_STRIDES: Final = 200
 """Rows of the stride table."""
@@ -187,9 +188,8 @@ def joint_table(document: Json) -> Table | None:
     rows = [_cells(name, *cells_of(table, document, name)) for name in legs["joints"]]
     feet = [joint["foot"] for joint in legs["joints"].values()]
     words = "rad and N m (m and N of those that slide) in the whole log; work: median of a stride."
-    cost = legs["mechanical_cost_of_transport"]
-    if cost is not None:
-        words += f" Mechanical cost of transport, |work| / (weight x way): {decimal(cost, 3)}."
+    for name, value in work_words(document):
+        words += f" {name.capitalize()}: {value}."
     coloured = [names.index(foot) for foot in feet] if all(feet) else ()
     return Table(("joint", *headers(table)), rows, words, coloured)
 

@@ -12,8 +12,9 @@ def work_words(document: Json) -> Iterator[tuple[str, str]]:
     if legs is None:
         return
     done, positive = legs["absolute_work_j"], legs["positive_work_j"]
-    if done is not None and positive is not None:
-        words = f"{decimal(done['median'], 2)} J, {decimal(positive['median'], 2)} J of it positive"
+    if done is not None:
+        known = "?" if positive is None else f"{decimal(positive['median'], 2)} J"
+        words = f"{decimal(done['median'], 2)} J, {known} of it positive"
         yield "work of all joints in a stride", words
     cost = legs["mechanical_cost_of_transport"]
     if cost is not None:

@@ -23,7 +23,8 @@ def command_lines(commands: Json) -> Iterator[tuple[str, str]]:
         words = [f"error {decimal(axis[f'rms_error_{end}'], 3)} {unit} rms"]
         words.append(f"{_signed(axis[f'mean_error_{end}'])} {unit} mean")
         if axis["delay_s"] is not None:
-            words.append(f"delay {axis['delay_s']:.2f} s, gain {axis['gain']:.2f}")
+            unsure = f"(known to {axis['delay_uncertainty_s']:.2f} s)"
+            words.append(f"delay {axis['delay_s']:.2f} s {unsure}, gain {axis['gain']:.2f}")
         yield key, ", ".join(words)
     for key, name in (("straight", "straight"), ("in_place", "in place")):
         drift = commands[key]

@@ -38,7 +38,7 @@ def tracked_commands(stats: Stats) -> Drawing | None:
     caption = (
         "Velocity of the base in its own axes (line) and as commanded (dashed), both averaged over "
         f"{track.window_ns / 1e9:.2f} s, so that the gait's own swing is left out. No line where "
-        "there is no command."
+        f"there is no command. {' '.join(words)}"
     )
     alt = f"Commanded and measured velocity over time. {' '.join(words)}"
     figure = stacked(stats, rows, track.breaks)
@@ -49,4 +49,8 @@ def _axis_words(title: str, unit: str, axis: "AxisTracking") -> str:
     text = f"{title.capitalize()}: error {axis.rms_error:.3f} {unit} (root mean square)"
     if axis.delay is None or axis.because:
         return f"{text}."
-    return f"{text}, delay {axis.delay.delay_s:.2f} s, gain {axis.delay.gain:.2f}."
+    found = axis.delay
+    return (
+        f"{text}, delay {found.delay_s:.2f} s (known to {found.uncertainty_s:.2f} s), "
+        f"gain {found.gain:.2f}."
+    )
