@@ -2,7 +2,8 @@
 # Python 3.11 or newer, and make.
 
 PYTHON ?= python3
-VENV := .venv
+# Another Python has an environment of its own: make test PYTHON=python3.13
+VENV := .venv$(if $(filter-out python3,$(PYTHON)),-$(notdir $(PYTHON)))
 BIN := $(VENV)/bin
 CONSTRAINTS := .ci/constraints.txt
 DEMO := demo_output
@@ -129,4 +130,4 @@ samples: $(VENV)/dev
 	$(BIN)/python sample_logs/generate.py
 
 clean:
-	rm -rf $(VENV) $(DEMO) build *.egg-info .mypy_cache .ruff_cache .pytest_cache .hypothesis
+	rm -rf .venv .venv-* $(DEMO) build *.egg-info .mypy_cache .ruff_cache .pytest_cache .hypothesis
