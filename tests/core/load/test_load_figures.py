@@ -1,6 +1,7 @@
 """Shares, impulses and weights of feet whose loads are known in closed form."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -152,3 +153,29 @@ def test_unknown_places_have_no_shares() -> None:
     assert grouped_shares([0.5, 0.5], [None, ("front", "left")]) == dict.fromkeys(
         ("fore", "hind", "left", "right")
     )
+
+
+@pytest.mark.parametrize(
+    ("vertical_n", "magnitude_n", "told"),
+    [
+        (200.0, 200.5, False),  # hardly leans
+        (200.0, 260.0, False),  # the vertical force is the weight
+        (154.0, 200.0, True),  # all of the force is
+        (180.0, 215.0, True),  # neither is, all of the force is nearer
+        (180.0, 240.0, False),  # neither is, the vertical force is nearer
+    ],
+)
+def test_forces_that_lean_may_be_tilted_where_the_weight_says_so(
+    vertical_n: float, magnitude_n: float, *, told: bool
+) -> None:
+    loads = replace(
+        figures(trot(3.0)),
+        mean_vertical_n=vertical_n,
+        mean_magnitude_n=magnitude_n,
+        mean_over_weight=vertical_n / WEIGHT_N,
+        weight_source=WeightSource.MASS,
+    )
+    assert loads.may_be_tilted == told
+    leans = magnitude_n > 1.01 * vertical_n
+    assert replace(loads, weight_source=WeightSource.ESTIMATED).may_be_tilted == leans
+    assert replace(loads, mean_over_weight=None).may_be_tilted == leans
