@@ -130,15 +130,15 @@ def _judged(given: Floats, taken: Floats, names: Sequence[str]) -> LegSigns | No
     odd = (turned[best] < 0.0) & (without >= _MATTERS)
     if not agree and not odd.any():
         return None
-    sizes = np.linalg.norm(given @ turned[best]), np.linalg.norm(taken)
-    return LegSigns(agree, tuple(np.array(names)[odd].tolist()), float(sizes[0] / sizes[1]))
+    scale = float(np.linalg.norm(given @ turned[best]) / np.linalg.norm(taken))
+    return LegSigns(agree, tuple(np.array(names)[odd].tolist()), scale)
 
 
 def _cosines(given: Floats, taken: Floats, signs: Floats) -> Floats:
     """(k,) cosine of what is taken and the sum over joints; signs: (k, joints) of their efforts."""
-    sums = signs @ given.T
-    lengths = np.sqrt((sums * sums).sum(axis=1) * (taken @ taken))
-    return np.asarray(sums @ taken / np.where(lengths > 0.0, lengths, np.inf))
+    squares = ((signs @ (given.T @ given)) * signs).sum(axis=1) * (taken @ taken)
+    lengths = np.sqrt(np.maximum(squares, 0.0))
+    return np.asarray(signs @ (given.T @ taken) / np.where(lengths > 0.0, lengths, np.inf))
 
 
 def shortfall(work: Work, strides: Strides, base: BaseHistory, weight_n: float) -> float | None:

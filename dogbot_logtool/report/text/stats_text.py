@@ -247,7 +247,9 @@ def _legs(console: Console, document: Json, *, verbose: bool) -> list[Renderable
             _table(console, ("joint", *headers(TableName.JOINTS)), rows),
         ]
     lines = [_line(name, words) for name, words in work_words(document)]
-    return [*parts, *lines, Text()] if parts or lines else []
+    if lines and not parts:
+        parts = [_heading("Legs", "medians over whole strides")]
+    return [*parts, *lines, Text()] if parts else []
 
 
 def _line(name: str, value: str) -> HangingIndent:

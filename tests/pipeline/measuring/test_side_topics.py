@@ -94,7 +94,11 @@ def test_commands_and_accelerometer_are_in_the_report(tmp_path: Path) -> None:
     assert re.search(r"forward: error 0\.\d+ m/s rms, [+-]0\.\d+ m/s mean, delay 0.17 s", text)
     assert "Accelerometer  /imu/data" in text
     assert "reads m/s^2" in text
-    shown = drawings(page(done.stats, done.facts, [], 0))["commands"]
+    html = page(done.stats, done.facts, [], 0)
+    # What a screen reader says stands below the figure, too.
+    words = rb"Forward: error 0\.\d+ m/s \(root mean square\), delay 0\.17 s \(known to 0\.\d+ s\)"
+    assert len(re.findall(words, html)) == 2
+    shown = drawings(html)["commands"]
     assert shown["over_time"]
     assert [each["name"] for each in shown["data"]] == ["measured", "commanded"] * 3
 

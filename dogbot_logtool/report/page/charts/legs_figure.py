@@ -13,6 +13,8 @@ from dogbot_logtool.report.page.charts.panels import Band, PanelRow, over_cycle
 _MOST_ROWS: Final = 8
 """Panels above each other."""
 _ROW_PIXELS: Final = 190
+_LEAST_RAD: Final = 0.05
+"""Span of a joint's row at least: what rests shows no noise."""
 
 
 def legs_over_cycle(stats: Stats) -> Drawing | None:
@@ -50,7 +52,7 @@ def _joints(legs: LegFigures) -> list[PanelRow]:
         name = kinds.get(joint.history.name, joint.history.name)
         band = Band(curve.percent, low, curve.position, high)
         rows.setdefault(name, {})[numbers[joint.foot]] = band
-    return [PanelRow(name, "rad", bands) for name, bands in rows.items()]
+    return [PanelRow(name, "rad", bands, least=_LEAST_RAD) for name, bands in rows.items()]
 
 
 def _kinds(legs: LegFigures) -> dict[str, str]:

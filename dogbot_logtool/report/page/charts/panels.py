@@ -39,13 +39,15 @@ class PanelRow:
     """How numbers are shown."""
     with_zero: bool = False
     """Whether 0 is shown, wherever the curves lie."""
+    least: float = 0.0
+    """Span that is shown at least."""
 
     @property
     def extent(self) -> tuple[float, float]:
         """Of the upright axis."""
         low = min(float(band.lower.min()) for band in self.bands.values())
         high = max(float(band.upper.max()) for band in self.bands.values())
-        pad = 0.06 * (high - low) or 1.0
+        pad = max(0.06 * (high - low), (self.least - (high - low)) / 2.0) or 1.0
         if self.with_zero:
             low, high = min(low, 0.0), max(high, 0.0)
         return low - pad, high + pad
@@ -76,7 +78,7 @@ def _traces(stats: Stats, foot: int, row: PanelRow, panel: int) -> Sequence[Trac
     axes = {"xaxis": f"x{end}", "yaxis": f"y{end}"}
     record, band = stats.feet[foot], row.bands[foot]
     colour, name = foot_colour(foot), label(record.name)
-    is_right = record.leg_position is not None and record.leg_position[1] == "right"
+    is_right = (record.name if record.leg_position is None else record.leg_position[1]) == "right"
     percent, lower, middle, upper = (
         each.astype(np.float32) for each in (band.percent, band.lower, band.middle, band.upper)
     )
