@@ -16,3 +16,7 @@ def test_a_way_to_a_side_is_forward(guessed: str, moves: str | None) -> None:
 
 def test_a_short_way_tells_nothing() -> None:
     assert axis_by_motion(track(circle(seconds=0.8)), "+y") is None
+
+
+def test_a_metre_to_a_side_is_enough() -> None:
+    assert axis_by_motion(track(circle(seconds=2.0)), "+y") == "+x"
