@@ -81,3 +81,11 @@ def test_the_order_of_intervals_does_not_matter(intervals: list[int]) -> None:
         second.add(np.array([interval], np.int64))
     assert first.percentile(50.0) == second.percentile(50.0)
     assert first.total == second.total == sum(intervals)
+
+
+def test_repeated_times_are_no_intervals() -> None:
+    histogram = IntervalHistogram()
+    histogram.add(np.array([0, 5_000_000, 0, 5_000_000]))
+    histogram.add(np.array([5_000_000]))
+    assert histogram.count == 3
+    assert histogram.percentile(0.0) == pytest.approx(5_000_000)

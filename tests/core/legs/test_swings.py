@@ -22,8 +22,9 @@ def places(time_s: Floats) -> Floats:
     return np.column_stack([x, 0.0 * x, SLOPE * x + 4.0 * HEIGHT_M * share * (1.0 - share)])
 
 
-def found(*, broken_s: float | None = None) -> Swings:
+def found(*, broken_s: float | None = None, lost_s: tuple[float, float] = (9.0, 9.0)) -> Swings:
     time = np.arange(round(STRIDES * RATE_HZ) + 1) / RATE_HZ
+    time = time[(time < lost_s[0]) | (time > lost_s[1])]
     broken = np.zeros(len(time), np.bool_)
     if broken_s is not None:
         broken[round(broken_s * RATE_HZ)] = True
@@ -53,3 +54,10 @@ def test_a_swing_with_a_silence_is_not_known() -> None:
     clearance = found(broken_s=1.8).clearance_m
     assert np.isnan(clearance).tolist() == [False, True, False, False]
     assert clearance[[0, 2, 3]] == pytest.approx([HEIGHT_M] * 3)
+
+
+def test_a_foot_that_is_not_told_just_before_its_touchdown_has_no_velocity() -> None:
+    """The time is too short to break the path: all else is known."""
+    swings_found = found(lost_s=(1.96, 1.999))
+    assert np.isnan(swings_found.touchdown_down_mps).tolist() == [False, True, False, False]
+    assert not np.isnan(swings_found.clearance_m).any()

@@ -140,3 +140,7 @@ def test_decisions_do_not_depend_on_batches(
     assert usable.tolist() == usable_parts.tolist()
     assert (whole.zeros, whole.ahead, whole.behind) == (parts.zeros, parts.ahead, parts.behind)
     assert whole.steps == parts.steps
+
+
+def test_clocks_that_were_never_set_have_no_spans() -> None:
+    assert set_spans([]).shape == (0, 2)

@@ -1,0 +1,49 @@
+"""A foot that follows its plan late, in closed form."""
+
+import pytest
+
+from dogbot_logtool.core.gait.foot_statistics import FootStatistics, foot_statistics
+from dogbot_logtool.core.gait.planned import follow_plan
+from dogbot_logtool.core.gait.standing import Standing
+from dogbot_logtool.core.geometry import timespans
+from tests.core.consistency.poses import base
+from tests.core.load.feet import DUTY, PERIOD_S, WEIGHT_N, foot, seconds, vertical
+
+LATE_S = 0.04
+
+
+def statistics(late_s: float, scale: float = 1.0) -> FootStatistics:
+    time = seconds(8.0)
+    force = scale * vertical(time - late_s, 0.25)
+    return foot_statistics(
+        "foot",
+        "/plan",
+        None,
+        foot(time, force),
+        base(8.0, 0.0),
+        fallen=timespans.no_spans(),
+        forward_axis="+x",
+        standing=Standing(*[timespans.no_spans()] * 3),
+        foot_rolling_m=None,
+        is_dead=False,
+    )
+
+
+def test_a_foot_that_is_late() -> None:
+    followed = follow_plan(statistics(LATE_S), statistics(0.0))
+    assert followed.delay is not None
+    assert followed.delay.median == pytest.approx(LATE_S)
+    assert (followed.early, followed.missed, followed.unplanned) == (0, 0, 0)
+    assert followed.late == followed.touchdowns > 7
+    # Twice a period, for as long as it is late, one says contact and the other does not.
+    assert followed.agreement == pytest.approx(1.0 - 2.0 * LATE_S / PERIOD_S, abs=0.01)
+
+
+def test_a_foot_that_follows() -> None:
+    followed = follow_plan(statistics(0.0), statistics(0.0, scale=0.8))
+    assert (followed.early, followed.late) == (0, 0)
+    # The lighter force may be told a sample later.
+    assert followed.agreement == pytest.approx(1.0, abs=0.01)
+    assert followed.force_error is not None
+    # The measured force is a quarter of the weight over the stance, the plan's is 80 % of it.
+    assert followed.force_error.median == pytest.approx(0.2 * WEIGHT_N / 4.0 / DUTY, rel=0.03)
