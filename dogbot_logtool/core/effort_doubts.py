@@ -7,8 +7,6 @@ from collections.abc import Mapping
 from dataclasses import replace
 from typing import Final
 
-import numpy as np
-
 from dogbot_logtool.core.base.base_history import BaseHistory
 from dogbot_logtool.core.base.pose_jumps import without_jumps
 from dogbot_logtool.core.gait.foot_statistics import FootStatistics
@@ -24,8 +22,8 @@ OTHER_UNIT: Final = 3.0
 _MOST_NAMED: Final = 6
 
 
-def with_sign_doubts(stats: Stats, history: LegHistory, legs: LegFigures) -> LegFigures:
-    """Check the signs of efforts, and leave out what rests on those that are contradicted.
+def with_effort_doubts(stats: Stats, history: LegHistory, legs: LegFigures) -> LegFigures:
+    """Check signs and size of efforts, and leave out what rests on those that are contradicted.
 
     Args:
         stats: all other figures.
@@ -52,7 +50,7 @@ def with_sign_doubts(stats: Stats, history: LegHistory, legs: LegFigures) -> Leg
 def _other_unit(stats: Stats, judged: Mapping[str, LegSigns]) -> str:
     """Say that the work of legs is of another size than that of the forces on their feet."""
     over_weight = stats.loads.vertical_impulse_over_weight
-    newtons = over_weight is None or abs(np.log(over_weight)) < np.log(2.0)
+    newtons = over_weight is None or 0.5 < over_weight < 2.0
     scale = median_of([signs.scale for signs in judged.values()]) if judged else 1.0
     if not newtons or 1.0 / OTHER_UNIT <= scale <= OTHER_UNIT:
         return ""
