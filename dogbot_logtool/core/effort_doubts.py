@@ -22,8 +22,8 @@ OTHER_UNIT: Final = 3.0
 _MOST_NAMED: Final = 6
 
 
-def with_sign_doubts(stats: Stats, history: LegHistory, legs: LegFigures) -> LegFigures:
-    """Check the signs of efforts, and leave out what rests on those that are contradicted.
+def with_effort_doubts(stats: Stats, history: LegHistory, legs: LegFigures) -> LegFigures:
+    """Check signs and size of efforts, and leave out what rests on those that are contradicted.
 
     Args:
         stats: all other figures.

@@ -9,7 +9,7 @@ import numpy as np
 
 from dogbot_logtool.core.base.base_history import BaseHistory
 from dogbot_logtool.core.base.pose_jumps import without_jumps
-from dogbot_logtool.core.effort_doubts import with_sign_doubts
+from dogbot_logtool.core.effort_doubts import with_effort_doubts
 from dogbot_logtool.core.gait.foot_statistics import FootStatistics
 from dogbot_logtool.core.gait.standing import typical_period_s
 from dogbot_logtool.core.geometry.aggregates import aggregate
@@ -65,7 +65,7 @@ def with_legs(stats: Stats, history: LegHistory, clocks: Sequence[ClockDifferenc
     legs = _figures(
         stats, history, feet, {each.topic: each for each in clocks if each.topic in apart}
     )
-    legs = with_sign_doubts(stats, history, legs)
+    legs = with_effort_doubts(stats, history, legs)
     slipping = [_slip_of(stats, leg) for leg in legs.feet]
     if not any(falls is not None for falls in slipping):
         return replace(stats, legs=legs)
