@@ -139,19 +139,21 @@ def _threaded(
     before: Future[State] = Future()
     before.set_result(first)
     with ThreadPoolExecutor(jobs, thread_name_prefix="batch") as pool:
-        waiting: deque[Future[Result]] = deque()
+        waiting: deque[tuple[Future[Result], Future[State]]] = deque()
         try:
             for item in items:
                 after: Future[State] = Future()
-                waiting.append(pool.submit(attempt, item, before, after))
+                waiting.append((pool.submit(attempt, item, before, after), after))
                 before = after
                 if len(waiting) > jobs:
-                    yield waiting.popleft().result()
+                    yield waiting.popleft()[0].result()
             while waiting:
-                yield waiting.popleft().result()
+                yield waiting.popleft()[0].result()
         finally:
-            for future in waiting:
-                future.cancel()
+            for future, after in waiting:
+                # The next item may have begun, and waits for the state of one that never does.
+                if future.cancel():
+                    after.cancel()
 
 
 def _can_fork() -> bool:
