@@ -3,9 +3,11 @@
 import pytest
 
 from dogbot_logtool.core.gait.foot_statistics import FootStatistics, foot_statistics
+from dogbot_logtool.core.gait.foot_steps import FootChecks, foot_steps
 from dogbot_logtool.core.gait.planned import follow_plan
 from dogbot_logtool.core.gait.standing import Standing
 from dogbot_logtool.core.geometry import timespans
+from dogbot_logtool.core.settings import FootSettings
 from tests.core.consistency.poses import base
 from tests.core.load.feet import DUTY, PERIOD_S, WEIGHT_N, foot, seconds, vertical
 
@@ -15,18 +17,17 @@ LATE_S = 0.04
 def statistics(late_s: float, scale: float = 1.0) -> FootStatistics:
     time = seconds(8.0)
     force = scale * vertical(time - late_s, 0.25)
-    return foot_statistics(
-        "foot",
-        "/plan",
-        None,
+    poses = base(8.0, 0.0)
+    steps = foot_steps(
+        FootSettings("foot", "/plan"),
+        FootChecks(),
         foot(time, force),
-        base(8.0, 0.0),
-        fallen=timespans.no_spans(),
+        poses,
         forward_axis="+x",
+        fallen=timespans.no_spans(),
         standing=Standing(*[timespans.no_spans()] * 3),
-        foot_rolling_m=None,
-        is_dead=False,
     )
+    return foot_statistics(steps, poses, None)
 
 
 def test_a_foot_that_is_late() -> None:
