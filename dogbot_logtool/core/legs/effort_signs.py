@@ -100,8 +100,8 @@ def _taken(forces: Floats, edges: Ints, path: FootPath, base: BaseHistory) -> Fl
     """
     since = (path.time - path.time[0]).astype(np.float64)
     at = (edges - path.time[0]).ravel()
-    place = np.stack([np.interp(at, since, along) for along in path.position.T], axis=-1)
-    way = np.diff(place.reshape(*edges.shape, 3), axis=1).reshape(-1, 3)
+    position = np.stack([np.interp(at, since, along) for along in path.position.T], axis=-1)
+    way = np.diff(position.reshape(*edges.shape, 3), axis=1).reshape(-1, 3)
     middle = (edges[:, :-1] + np.diff(edges, axis=1) // 2).ravel()
     way = rotate(from_roll_pitch_yaw(base.angles_at(middle)), way)
     parted = forces.reshape(len(forces), 3, _SECTIONS, PARTS // _SECTIONS)

@@ -107,14 +107,14 @@ class FootPathRecorder:
         poses = buffer.lookup(self._chain.frames[0], self._chain.base, rows[:, 0], rows[:, 1])
         known = poses.known
         turned = rotate(poses.rotation[known], np.array([self._chain.point]))
-        place = poses.translation[known] + turned
-        self._kept.append((rows[known, 0], place.astype(np.float32)))
+        position = poses.translation[known] + turned
+        self._kept.append((rows[known, 0], position.astype(np.float32)))
 
     def finish(self) -> FootPath:
         """End the log."""
         time = np.concatenate([np.empty(0, np.int64), *(time for time, _ in self._kept)])
-        place = np.concatenate([np.empty((0, 3), np.float32), *(place for _, place in self._kept)])
-        return FootPath(time, place)
+        position = np.concatenate([np.empty((0, 3), np.float32), *(each for _, each in self._kept)])
+        return FootPath(time, position)
 
 
 class PathRecorder:
@@ -188,10 +188,10 @@ def path_by_joints(chain: LegChain, tracks: Mapping[str, JointTrack | float]) ->
 def _placed(chain: LegChain, positions: Floats) -> Floats:
     """(n, 3) m, the point in the base's frame, joint by joint from the foot upwards."""
     poses = link_poses(chain.joints, positions)
-    place = np.tile(np.array(chain.point), (len(positions), 1))
+    point = np.tile(np.array(chain.point), (len(positions), 1))
     for column in range(len(chain.joints)):
-        place = poses.translation[:, column] + rotate(poses.rotation[:, column], place)
-    return place
+        point = poses.translation[:, column] + rotate(poses.rotation[:, column], point)
+    return point
 
 
 def chain_to(

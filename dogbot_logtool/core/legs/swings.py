@@ -52,10 +52,10 @@ class WorldPath:
         before = np.maximum(after - 1, 0)
         step = np.maximum(self.time[after] - self.time[before], 1)
         share = ((time - self.time[before]) / step)[:, None]
-        place = self.position[before] + share * (self.position[after] - self.position[before])
+        position = self.position[before] + share * (self.position[after] - self.position[before])
         outside = (time < self.time[0]) | (time > self.time[-1]) | self.broken[after]
-        place[outside] = np.nan
-        return np.asarray(place)
+        position[outside] = np.nan
+        return np.asarray(position)
 
     @property
     def is_slow(self) -> bool:
@@ -72,9 +72,9 @@ class WorldPath:
 
 def world_path(path: FootPath, base: BaseHistory) -> WorldPath:
     """Place the way of a foot in the world by the base's poses; times without one are left out."""
-    place = base.position_at(path.time)
+    origin = base.position_at(path.time)
     turn = from_roll_pitch_yaw(base.angles_at(path.time))
-    position = place + rotate(turn, path.position.astype(np.float64))
+    position = origin + rotate(turn, path.position.astype(np.float64))
     known = np.isfinite(position).all(axis=1)
     time, position = path.time[known], position[known]
     return WorldPath(time, position, silent_before(time))
@@ -87,7 +87,7 @@ class Footfalls:
     position: Floats
     """(stances, 3) m, in the middle of the stance; NaN where not known."""
     travel_m: Floats
-    """(stances,) m, distance between its places at 20 % and 80 % of the stance."""
+    """(stances,) m, distance between its positions at 20 % and 80 % of the stance."""
     slip_m: Floats
     """(stances,) m, the same on the ground only; also `largest_slip_m`, the furthest that it is
     in between from where it is at 20 %."""
@@ -99,13 +99,13 @@ def footfalls(path: WorldPath, stances: Stances) -> Footfalls:
     duration = stances.liftoff - stances.touchdown
     steps = np.linspace(*MIDDLE, 13)
     time = stances.touchdown[:, None] + np.rint(duration[:, None] * steps).astype(np.int64)
-    place = _places(path, time)
-    place[~path.unbroken(time[:, 0], time[:, -1])] = np.nan
-    place[~np.isin(stances.cut, _SEEN)] = np.nan
-    way = place - place[:, :1]
+    position = _positions(path, time)
+    position[~path.unbroken(time[:, 0], time[:, -1])] = np.nan
+    position[~np.isin(stances.cut, _SEEN)] = np.nan
+    way = position - position[:, :1]
     flat = np.hypot(way[:, :, 0], way[:, :, 1])
     return Footfalls(
-        position=place[:, len(steps) // 2],
+        position=position[:, len(steps) // 2],
         travel_m=np.sqrt((way[:, -1] ** 2).sum(axis=1)),
         slip_m=flat[:, -1],
         largest_slip_m=flat.max(axis=1, initial=0.0),
@@ -156,7 +156,7 @@ def swings(
     phase = np.linspace(0.0, 1.0, CYCLE_POINTS)
     period = (strides.end - strides.touchdown)[:, None]
     time = strides.touchdown[:, None] + np.rint(period * phase).astype(np.int64)
-    height = _above_line(_places(path, time), before[:, None], after[:, None])
+    height = _above_line(_positions(path, time), before[:, None], after[:, None])
     way = after - before
     velocity = _approach(path, strides, contact_interval_s)
     return Swings(
@@ -188,11 +188,11 @@ def _clearance(
     return clearance
 
 
-def _above_line(place: Floats, before: Floats, after: Floats) -> Floats:
+def _above_line(position: Floats, before: Floats, after: Floats) -> Floats:
     """Return how high points lie above the line between two footfalls; shapes broadcast, m."""
     way = after - before
     squared = way[..., 0] ** 2 + way[..., 1] ** 2
-    since = place - before
+    since = position - before
     along = since[..., 0] * way[..., 0] + since[..., 1] * way[..., 1]
     share = np.where(squared > 1e-6, along / np.maximum(squared, 1e-6), 0.5)
     height: Floats = since[..., 2] - np.clip(share, 0.0, 1.0) * way[..., 2]
@@ -224,8 +224,8 @@ def _approach(path: WorldPath, strides: Strides, contact_interval_s: float) -> F
     return velocity
 
 
-def _places(path: WorldPath, time: Ints) -> Floats:
-    """(n, t, 3) m, places of the foot at (n, t) times."""
+def _positions(path: WorldPath, time: Ints) -> Floats:
+    """(n, t, 3) m, positions of the foot at (n, t) times."""
     return path.at(time.ravel()).reshape(*time.shape, 3)
 
 

@@ -263,16 +263,16 @@ def _feet_of_joints(
         for joint in chain.joints if chain else ():
             if joint.kind != "fixed":
                 found.setdefault(joint.measured, number)
-    places = [foot.leg_position or _place_of(foot.name) for foot in feet]
+    legs = [foot.leg_position or _leg_of(foot.name) for foot in feet]
     for name in sorted(names - found.keys()):
-        place = _place_of(name)
-        matching = [number for number, each in enumerate(places) if _is_of(place, each)]
+        leg = _leg_of(name)
+        matching = [number for number, each in enumerate(legs) if _is_of(leg, each)]
         if len(matching) == 1 and not any(w.part is Part.NOT_A_FOOT for w in words_of(name)):
             found[name] = matching[0]
     return found
 
 
-def _place_of(name: str) -> tuple[str, str]:
+def _leg_of(name: str) -> tuple[str, str]:
     """Return the end and the side of the robot that a name tells; empty where it does not."""
     end = side = ""
     for word in words_of(name):
@@ -282,17 +282,17 @@ def _place_of(name: str) -> tuple[str, str]:
     return end, side
 
 
-def _is_of(place: tuple[str, str], foot: tuple[str, str]) -> bool:
-    """Tell whether what has a place is of a foot's leg; two feet have no ends."""
+def _is_of(leg: tuple[str, str], foot: tuple[str, str]) -> bool:
+    """Tell whether a joint's leg is that of a foot; two feet have no ends."""
     ends = foot[0] if foot[0] in {"front", "back"} else ""
-    return bool(foot[1]) and place[1] == foot[1] and (place[0] == foot[0] or not (ends or place[0]))
+    return bool(foot[1]) and leg[1] == foot[1] and (leg[0] == foot[0] or not (ends or leg[0]))
 
 
 def _pairs(feet: Sequence[Foot], foot_of: Mapping[str, int]) -> tuple[JointPair, ...]:
     """Return the joints of legs that are alike but for their side."""
     found: dict[str, dict[str, str]] = {}
     for joint, foot in sorted(foot_of.items()):
-        end, side = feet[foot].leg_position or _place_of(feet[foot].name)
+        end, side = feet[foot].leg_position or _leg_of(feet[foot].name)
         words = [w.text for w in words_of(joint) if w.text not in {*LETTERS, *ENDS, *SIDES}]
         end = end if end in {"front", "back"} or len(feet) > 2 else ""
         found.setdefault("_".join(filter(None, (end, *words))), {})[side] = joint
