@@ -20,7 +20,7 @@ def each_case() -> Iterator[Any]:
         yield pytest.param(case, id=case.name, marks=marks)
 
 
-@pytest.mark.parametrize("case", each_case())
+@pytest.mark.parametrize("case", list(each_case()))
 def test_right_or_null_with_the_cause_named(case: Case, tmp_path: Path) -> None:
     recording = case.record()
     found = outcome(recording, tmp_path)
