@@ -22,6 +22,8 @@ _BLOCK: Final = 64 << 10
 _BLOCKS: Final = 64
 _NEAR: Final = 16 << 10
 """Ranges with a smaller gap between them are fetched as one."""
+_AT_ONCE: Final = 16
+"""Requests to a web server; a bucket's store takes more."""
 
 
 class RemoteSource(ByteSource):
@@ -169,8 +171,10 @@ def _cat(url: "UPath", ranges: Sequence[tuple[int, int]]) -> list[Any]:
     starts, ends = [run[0] for run in ranges], [run[1] for run in ranges]
     fs = url.fs
     if isinstance(fs, AsyncFileSystem):
+        # A small server has no room for a hundred connections at once, and leaves some waiting.
+        options = {"batch_size": _AT_ONCE} if url.protocol in {"http", "https"} else {}
         within = storage.ANSWER_WITHIN_S
-        answers = sync(fs.loop, fs._cat_ranges, names, starts, ends, timeout=within)  # noqa: SLF001 - the only call with a timeout
+        answers = sync(fs.loop, fs._cat_ranges, names, starts, ends, timeout=within, **options)  # noqa: SLF001 - the only call with a timeout
     else:
         answers = fs.cat_ranges(names, starts, ends)
     return list(answers)
