@@ -1,6 +1,5 @@
 """Logs in a store: only what is asked for is fetched; what fails is asked for again."""
 
-import contextlib
 import dataclasses
 import http.server
 import threading
@@ -30,8 +29,6 @@ class Server(http.server.BaseHTTPRequestHandler):
     sent: ClassVar[list[int]]
     faults: ClassVar[list[str]]
     stalled: ClassVar[threading.Event]
-    waiting: ClassVar[threading.Barrier | None] = None
-    """Requests are answered when so many have come, or no more come."""
 
     def do_HEAD(self) -> None:
         if not (self.folder / self.path.lstrip("/")).exists():
@@ -54,9 +51,6 @@ class Server(http.server.BaseHTTPRequestHandler):
         if fault == "stall":
             self.stalled.wait(20)
             return
-        if self.waiting is not None:
-            with contextlib.suppress(threading.BrokenBarrierError):
-                self.waiting.wait()
         data = (self.folder / self.path.lstrip("/")).read_bytes()
         wanted = self.headers.get("Range", f"bytes=0-{len(data) - 1}").removeprefix("bytes=")
         first, _, last = wanted.partition("-")
@@ -172,21 +166,6 @@ def test_neighbours_are_fetched_as_one_and_many_at_once(tmp_path: Path, url: str
 
     assert found == [data[start : start + size] for start, size in places]
     assert sorted(Server.sent) == [2, 10, 150]
-
-
-def test_a_web_server_gets_few_requests_at_once(tmp_path: Path, url: str) -> None:
-    (tmp_path / "bytes").write_bytes(bytes(4 << 20))
-    location = storage.location(f"{url}/bytes")
-    assert isinstance(location, UPath)
-    source = RemoteSource(location, storage.facts(location))
-    crowded = threading.Event()
-    Server.waiting = threading.Barrier(17, action=crowded.set, timeout=1.0)
-    try:
-        ranges = [(start, start + 8) for start in range(0, 4 << 20, 128 << 10)]
-        assert len(source.read_many(ranges)) == 32
-        assert not crowded.is_set()
-    finally:
-        Server.waiting = None
 
 
 def test_what_is_not_there_is_a_wrong_call(url: str) -> None:
