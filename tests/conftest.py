@@ -1,4 +1,3 @@
-import gc
 import os
 from pathlib import Path
 
@@ -16,12 +15,6 @@ for name in ("COLUMNS", "LINES"):
     os.environ.pop(name, None)
 # Programs that are started compile all modules anew where they may not keep them.
 os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
-
-
-def pytest_collection_finish() -> None:
-    """Leave all that is loaded by now out of every later search for garbage."""
-    gc.collect()
-    gc.freeze()
 
 
 @pytest.fixture

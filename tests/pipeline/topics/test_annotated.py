@@ -27,7 +27,7 @@ from dogbot_logtool.reader.containers.log import Chunk
 from dogbot_logtool.reader.opening import open_log
 from dogbot_logtool.report.documents.stats_json import stats_json
 from dogbot_logtool.results import Conversion
-from dogbot_logtool.writer import annotations
+from dogbot_logtool.writer import channels as added_channels
 from dogbot_logtool.writer.encodings.registry import ENCODINGS
 from tests.oracles.small_logs import first_seconds
 from tests.paths import TROT, WALK
@@ -176,7 +176,7 @@ def test_files_without_marks_are_told_by_topics_and_definitions(
     """Until now, channels were not marked, and all that was there was taken for recorded."""
     old = LONG
     with monkeypatch.context() as before:
-        before.setattr(annotations, "ANNOTATION_MARK", {})
+        before.setattr(added_channels, "ANNOTATION_MARK", {})
         before.setattr(convert_module, "open_recorded", lambda path, _joined: open_log(path))
         # Such files had neither a robot nor labels.
         before.setattr(plan_module, "robot_description", lambda *_, **__: RobotDescription(None))

@@ -35,7 +35,7 @@ def test_bids_has_its_columns_and_says_what_is_not_known() -> None:
     assert [float(row["onset"]) for row in rows] == [0.5, 1.0, 1.25, 1.5, 2.5]
     assert rows[3] == {
         "onset": "1.5",
-        "duration": "2",
+        "duration": "2.0",
         "trial_type": "fall",
         "foot": "n/a",
         "value": "n/a",
