@@ -1,5 +1,6 @@
 """Logs in a store: only what is asked for is fetched; what fails is asked for again."""
 
+import contextlib
 import dataclasses
 import http.server
 import threading
@@ -29,6 +30,8 @@ class Server(http.server.BaseHTTPRequestHandler):
     sent: ClassVar[list[int]]
     faults: ClassVar[list[str]]
     stalled: ClassVar[threading.Event]
+    crowd: ClassVar[threading.Barrier | None] = None
+    """Requests wait until so many have come, or no more come."""
 
     def do_HEAD(self) -> None:
         if not (self.folder / self.path.lstrip("/")).exists():
@@ -51,6 +54,9 @@ class Server(http.server.BaseHTTPRequestHandler):
         if fault == "stall":
             self.stalled.wait(20)
             return
+        if self.crowd is not None:
+            with contextlib.suppress(threading.BrokenBarrierError):
+                self.crowd.wait()
         data = (self.folder / self.path.lstrip("/")).read_bytes()
         wanted = self.headers.get("Range", f"bytes=0-{len(data) - 1}").removeprefix("bytes=")
         first, _, last = wanted.partition("-")
@@ -66,11 +72,17 @@ class Server(http.server.BaseHTTPRequestHandler):
         """Say nothing."""
 
 
+class RoomyServer(http.server.ThreadingHTTPServer):
+    """Keeps many connections waiting, as a large server does."""
+
+    request_queue_size = 128
+
+
 @pytest.fixture
 def url(tmp_path: Path) -> Iterator[str]:
     Server.folder, Server.sent, Server.faults = tmp_path, [], []
     Server.stalled = threading.Event()
-    server = http.server.ThreadingHTTPServer(("127.0.0.1", 0), Server)
+    server = RoomyServer(("127.0.0.1", 0), Server)
     thread = threading.Thread(target=server.serve_forever, args=(0.02,))
     thread.start()
     yield f"http://127.0.0.1:{server.server_port}"
@@ -166,6 +178,22 @@ def test_neighbours_are_fetched_as_one_and_many_at_once(tmp_path: Path, url: str
 
     assert found == [data[start : start + size] for start, size in places]
     assert sorted(Server.sent) == [2, 10, 150]
+
+
+def test_a_web_server_gets_few_requests_at_once(tmp_path: Path, url: str) -> None:
+    size = RemoteSource.cheap_size + 1
+    (tmp_path / "x.bag").write_bytes(bytes(size))
+    path = storage.location(f"{url}/x.bag")
+    assert isinstance(path, UPath)
+    source = RemoteSource(path, storage.facts(path))
+    crowded = threading.Event()
+    Server.crowd = threading.Barrier(17, action=crowded.set, timeout=1.0)
+    try:
+        ranges = [(start, 8) for start in range(0, size - 8, size // 40)]
+        assert len(source.read_many(ranges)) == len(ranges) > 17
+    finally:
+        Server.crowd = None
+    assert not crowded.is_set()
 
 
 def test_what_is_not_there_is_a_wrong_call(url: str) -> None:
