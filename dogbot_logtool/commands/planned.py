@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 
 def options_of_plan(options: "StatsOptions", feet: tuple[Foot, ...]) -> "StatsOptions":
-    """Return the options that measure the planned feet instead of the measured ones."""
+    """Return the options that measure a plan of the feet instead of their sensors."""
     topics = replace(
         options.topics, foot_topics=None, offsets_n=None, takes_offsets=False, feet=feet
     )

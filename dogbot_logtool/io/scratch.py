@@ -1,4 +1,4 @@
-"""A place on the disk for copies that are read once."""
+"""A temporary directory for copies that are read once."""
 
 import atexit
 import shutil
@@ -12,8 +12,8 @@ from pathlib import Path
 def scratch_folder() -> Iterator[Path]:
     """Make a directory of our own that is gone when the block ends.
 
-    What is still open then has no name any more, and its bytes go when it is closed. Windows
-    removes no open file: there it goes when the process ends.
+    A file that is still open then loses its name, and its bytes when it is closed. Windows
+    does not remove open files: there the directory is removed when the process ends.
     """
     folder = Path(tempfile.mkdtemp(prefix="dogbot-logtool."))
     try:

@@ -154,7 +154,6 @@ def make_plan(
     left_out = channels_left_out(log, options)
     findings.extend(copy_findings(log, options, left_out))
     start_time, end_time = time_limits(log, options.start_s, options.end_s)
-    from_start = log.start_time if start_time is None else None
     description = robot_description(log, selection, probe, base, options.urdf, copy=options.copy)
     findings.extend(description.findings)
     return ConversionPlan(
@@ -178,9 +177,9 @@ def make_plan(
         urdf=description.urdf,
         hips=description.hips if draws_support else None,
         motion=description.motion if options.tf != "never" else None,
-        opening_time=from_start if start_time is None else start_time,
+        opening_time=log.start_time if start_time is None else start_time,
         silent=learnt.silent,
-        swings_from=from_start,
+        swings_from=log.start_time if start_time is None else None,
         start_time=start_time,
         end_time=end_time,
         findings=tuple(sorted(findings, key=by_severity)),
