@@ -1,6 +1,6 @@
 """The channels that we add to an output, and their schemas."""
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Mapping
 from collections.abc import Set as AbstractSet
 from typing import Final
 
@@ -20,9 +20,9 @@ class IdSource:
     """Unused schema or channel ids: those above the input's highest first."""
 
     def __init__(self, used: AbstractSet[int]) -> None:
+        self._used = used
         highest = max(used, default=0)
-        above = range(highest + 1, _MAX_ID + 1)
-        self._free: Iterator[int] = iter([*above, *(n for n in range(1, highest) if n not in used)])
+        self._candidates = iter(range(highest + 1, _MAX_ID + 1)), iter(range(1, highest))
 
     def take(self) -> int:
         """Return a free id.
@@ -30,10 +30,11 @@ class IdSource:
         Raises:
             LogtoolError: all are in use.
         """
-        number = next(self._free, None)
-        if number is None:
-            raise LogtoolError("the log uses all 65535 ids that an MCAP file can have")
-        return number
+        for candidates in self._candidates:
+            for number in candidates:
+                if number not in self._used:
+                    return number
+        raise LogtoolError("the log uses all 65535 ids that an MCAP file can have")
 
 
 class AddedChannels:
