@@ -1,13 +1,13 @@
 """Templates: one message is serialised by its official library, the rest are copies of it.
 
-No wire format is known here. To find the offsets of its numbers, a message is serialised several
-times, with either of two values that differ in every byte: the bytes that change belong to a
-number. The copies are a numpy structured array, and the numbers are written into its columns.
+No wire format is known here but that of single numbers. To find their offsets, a message is
+serialised twice with numbers that occur nowhere else in it. The copies are a numpy structured
+array, and the numbers are written into its columns.
 """
 
-import struct
 from collections.abc import Callable, Mapping, Sequence
 from enum import Enum
+from functools import cache
 from typing import Any, Final
 
 import numpy as np
@@ -26,21 +26,16 @@ _VARINT_SHORT: Final = 5
 
 
 class Kind(Enum):
-    """How a number is written, with two values that differ in every byte."""
+    """How a number is written: its dtype."""
 
-    FLOAT64 = ("<f8", struct.unpack("<d", b"\x11" * 8)[0], struct.unpack("<d", b"\x22" * 8)[0])
-    FLOAT32 = ("<f4", struct.unpack("<f", b"\x11" * 4)[0], struct.unpack("<f", b"\x22" * 4)[0])
-    UINT32 = ("<u4", 0x11111111, 0x22222222)
-    BOOL = ("u1", False, True)
-    TEXT6 = ("S6", "aaaaaa", "bbbbbb")
+    FLOAT64 = "<f8"
+    FLOAT32 = "<f4"
+    UINT32 = "<u4"
+    BOOL = "u1"
+    TEXT6 = "S6"
     # Protobuf writes small numbers in fewer bytes, but negative ones always in ten. A number
     # padded to ten bytes with empty groups is valid, too.
-    VARINT = (f"V{_VARINT_WIDTH}", -0x1111111, -0x2222222)
-
-    def __init__(self, dtype: str, first: Number, second: Number) -> None:
-        self.dtype = dtype
-        self.first = first
-        self.second = second
+    VARINT = f"V{_VARINT_WIDTH}"
 
 
 @dataclass(frozen=True, slots=True)
@@ -140,46 +135,82 @@ class Template:
 def learn(serialise: Serialise, fields: Mapping[str, Kind]) -> Template:
     """Return the template of a message.
 
-    The numbers are counted from 1, and the message is serialised once for every binary digit of
-    the count, with the second value for the numbers that have the digit: the digits for which a
-    byte changed give the number that it belongs to.
-
     Args:
         serialise: builds and serialises the message.
         fields: the numbers that vary.
     """
-    message = serialise({name: kind.first for name, kind in fields.items()})
-    owner = np.zeros(len(message), np.int64)
-    for digit in range(len(fields).bit_length()):
-        changed = serialise(
-            {
-                name: kind.second if count >> digit & 1 else kind.first
-                for count, (name, kind) in enumerate(fields.items(), 1)
-            }
-        )
-        if len(changed) != len(message):
-            asked = [name for count, name in enumerate(fields, 1) if count >> digit & 1]
-            raise AssertionError(f"one of {', '.join(asked)} is not written in a fixed width")
-        differs = np.frombuffer(changed, np.uint8) != np.frombuffer(message, np.uint8)
-        owner += differs.astype(np.int64) << digit
-    owners, first = np.unique(owner, return_index=True)
-    first_of = dict(zip(owners.tolist(), first.tolist(), strict=True))
-    owners, last = np.unique(owner[::-1], return_index=True)
-    last_of = dict(zip(owners.tolist(), (len(message) - 1 - last).tolist(), strict=True))
-    for count, (name, kind) in enumerate(fields.items(), 1):
-        width = np.dtype(kind.dtype).itemsize
-        if count not in first_of or last_of[count] - first_of[count] >= width:
-            raise AssertionError(f"{name} is not written in one piece")
-    offsets = [first_of[count] for count in range(1, len(fields) + 1)]
+    marks = [
+        [_mark(kind, number, other) for number, kind in enumerate(fields.values())]
+        for other in (False, True)
+    ]
+    values = [dict(zip(fields, (mark.value for mark in row), strict=True)) for row in marks]
+    message, changed = map(serialise, values)
+    expected = bytearray(message)
+    offsets = []
+    for (name, kind), first, second in zip(fields.items(), *marks, strict=True):
+        if kind is Kind.BOOL:
+            flipped = serialise({**values[0], name: True})
+            found = [i for i, (a, b) in enumerate(zip(message, flipped, strict=True)) if a != b]
+        else:
+            found = _found(message, first.written, changed, second.written)
+        if len(found) != 1:
+            raise AssertionError(f"{name} is not written once, in a fixed width")
+        offsets += found
+        expected[found[0] : found[0] + len(second.written)] = second.written
+    if expected != changed:
+        raise AssertionError(f"more changes than {', '.join(fields)}")
     dtype = np.dtype(
         {
             "names": list(fields),
-            "formats": [kind.dtype for kind in fields.values()],
+            "formats": [kind.value for kind in fields.values()],
             "offsets": offsets,
             "itemsize": len(message),
         }
     )
     return Template(message, dtype, dict(fields))
+
+
+@dataclass(frozen=True, slots=True)
+class _Mark:
+    """A number to be found in a message."""
+
+    value: Number
+    written: bytes
+
+
+@cache
+def _mark(kind: Kind, number: int, other: bool) -> _Mark:  # noqa: FBT001 - of two
+    """Return one of the two marks of a field, which differ in every byte of four at least.
+
+    Args:
+        kind: of the field.
+        number: its index among the fields of its message.
+        other: the second of the two.
+    """
+    filler = 0x50 if other else 0x20
+    digits = number % 47, number // 47 % 47, number // 47**2
+    head = bytes(filler + 1 + digit for digit in digits)
+    if kind is Kind.BOOL:
+        return _Mark(other, bytes([other]))
+    if kind is Kind.VARINT:
+        groups = enumerate((*head, filler))
+        value = sum(group << (7 * index) for index, group in groups) - (1 << 28)
+        return _Mark(value, varints(np.array([value])).tobytes())
+    dtype = np.dtype(kind.value)
+    written = head.ljust(dtype.itemsize, bytes([filler]))
+    if kind is Kind.TEXT6:
+        return _Mark(written.decode(), written)
+    return _Mark(np.frombuffer(written, dtype)[0].item(), written)
+
+
+def _found(message: bytes, first: bytes, changed: bytes, second: bytes) -> list[int]:
+    """Return the offsets where a message has the first bytes and the changed one the second."""
+    found, offset = [], message.find(first)
+    while offset >= 0:
+        if changed.startswith(second, offset):
+            found.append(offset)
+        offset = message.find(first, offset + 1)
+    return found
 
 
 def varints(values: Ints) -> NDArray[np.void]:
