@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from dogbot_logtool.pipeline.topics.selection import Selection
 
 _MOST_SAMPLES: Final = 200
-"""Contacts of a foot that are used of each batch."""
+"""Contacts of a foot that are used of each batch, evenly spread over it."""
 _FEWEST: Final = 5
 _SPREAD_M: Final = 0.05
 """m, median distance from the median beyond which points tell no sole."""
@@ -81,7 +81,8 @@ class SoleFinder:
         for each in samples:
             touching = each.in_contact & all_finite(each.position)
             for foot, link in enumerate(frames.links):
-                rows = np.flatnonzero(touching & (each.foot == foot))[:_MOST_SAMPLES]
+                rows = np.flatnonzero(touching & (each.foot == foot))
+                rows = rows[:: len(rows) // _MOST_SAMPLES + 1]
                 if link is None or not len(rows):
                     continue
                 picked = each.pick(rows)
