@@ -47,16 +47,18 @@ def _initialiser(cls: Any) -> Callable[..., None]:  # noqa: ANN401 - any data cl
     is_finished_later = hasattr(cls, "__post_init__")
 
     def __init__(self: Any, *args: object, **values: object) -> None:  # noqa: ANN401, N807
-        given = dict(zip(names, args), **values) if args else values  # noqa: B905 - counted below
-        if len(given) != len(args) + len(values):
+        count = len(args) + len(values)
+        if args:
+            values.update(zip(names, args))  # noqa: B905 - counted below
+        if len(values) < count:
             raise TypeError(f"{cls.__qualname__}: too many values, or one of them twice")
-        if len(given) < len(names):
-            made = {name: make() for name, make in factories.items() if name not in given}
-            given = {**defaults, **made, **given}
-        if given.keys() != names.keys():
-            wrong = ", ".join(sorted(given.keys() ^ names.keys()))
+        if count < len(names):
+            made = {name: make() for name, make in factories.items() if name not in values}
+            values = {**defaults, **made, **values}
+        if values.keys() != names.keys():
+            wrong = ", ".join(sorted(values.keys() ^ names.keys()))
             raise TypeError(f"{cls.__qualname__}: missing or unknown: {wrong}")
-        for name, value in given.items():
+        for name, value in values.items():
             _set(self, name, value)
         if is_finished_later:
             self.__post_init__()

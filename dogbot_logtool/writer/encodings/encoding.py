@@ -160,6 +160,10 @@ class Encoding(Protocol):
     span_type: MessageType | None
     """Of events as spans of time; None: the encoding has no message for them."""
 
+    def __hash__(self) -> int:
+        """Return a hash: templates are kept by encoding."""
+        ...
+
     def transform(self, parent: str, child: str) -> Template:
         """Return a message of one transform."""
 

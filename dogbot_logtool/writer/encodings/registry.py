@@ -5,6 +5,7 @@ message format, is imported late, so that the command line can list the encoding
 """
 
 from collections.abc import Callable, Mapping
+from functools import cache
 from typing import TYPE_CHECKING, Final
 
 from dogbot_logtool.dataclass import dataclass
@@ -25,21 +26,24 @@ class OutputEncoding:
     profile: str
     """MCAP profile of a file in which all messages have this encoding."""
     load: Callable[[], "Encoding"]
-    """Imports the encoding and returns it."""
+    """Imports the encoding and returns it, the same one to all outputs."""
 
 
+@cache
 def _foxglove() -> "Encoding":
     from dogbot_logtool.writer.encodings.foxglove import FoxgloveEncoding  # noqa: PLC0415
 
     return FoxgloveEncoding()
 
 
+@cache
 def _ros1() -> "Encoding":
     from dogbot_logtool.writer.encodings.ros1 import Ros1Encoding  # noqa: PLC0415
 
     return Ros1Encoding()
 
 
+@cache
 def _ros2() -> "Encoding":
     from dogbot_logtool.writer.encodings.ros2 import Ros2Encoding  # noqa: PLC0415
 

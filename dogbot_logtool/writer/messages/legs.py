@@ -1,6 +1,7 @@
 """Messages of `/legs`, made of columns, those of the same standing feet at a time."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -9,7 +10,7 @@ from dogbot_logtool.core.scene.foot_style import colour_parts, foot_colour
 from dogbot_logtool.core.scene.legs import LegLines
 from dogbot_logtool.writer.encodings.encoding import Encoding, SupportLook, leg_points
 from dogbot_logtool.writer.message_records import record_template, write_log_time
-from dogbot_logtool.writer.template import Stamps, Template
+from dogbot_logtool.writer.template import TEMPLATES_KEPT, Stamps, Template
 
 
 class LegsWriter:
@@ -20,7 +21,6 @@ class LegsWriter:
         self._encoding = encoding
         self._frame = frame
         self._look = look
-        self._templates: dict[tuple[int, ...], Template] = {}
 
     def records(self, legs: LegLines, stamps: Stamps) -> Iterator[NDArray[np.void]]:
         """Yield the message records of legs, those of the same standing feet at a time.
@@ -34,7 +34,9 @@ class LegsWriter:
         for number, flags in enumerate(patterns):
             feet = np.flatnonzero(flags).tolist()
             rows = np.flatnonzero(pattern.reshape(-1) == number)
-            template = self._template(tuple(feet))
+            template = _template(
+                self._encoding, tuple(feet), self._frame, self._look, self._channel
+            )
             records = template.copies(len(rows))
             template.write_stamps(records, "stamp", stamps.pick(rows))
             if feet:
@@ -43,11 +45,11 @@ class LegsWriter:
             write_log_time(records, legs.log_time[rows])
             yield records
 
-    def _template(self, feet: Sequence[int]) -> Template:
-        # Two threads may learn the same template at once, which is harmless.
-        key = tuple(feet)
-        if key not in self._templates:
-            colours = [colour_parts(foot_colour(foot)) for foot in feet]
-            message = self._encoding.legs(colours, self._frame, self._look)
-            self._templates[key] = record_template(message, self._channel)
-        return self._templates[key]
+
+@lru_cache(TEMPLATES_KEPT)
+def _template(
+    encoding: Encoding, feet: tuple[int, ...], frame: str, look: SupportLook, channel: int
+) -> Template:
+    """Return the template of messages in which these feet stand; see `Encoding.legs`."""
+    colours = [colour_parts(foot_colour(foot)) for foot in feet]
+    return record_template(encoding.legs(colours, frame, look), channel)

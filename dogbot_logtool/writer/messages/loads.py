@@ -16,10 +16,9 @@ class LoadWriter:
     """Makes the messages of loads, on one channel a foot."""
 
     def __init__(self, channels: Sequence[int], encoding: Encoding) -> None:
+        of_states = [encoding.load(state) for state in LOAD_STATES]
         self._templates = [
-            record_template(encoding.load(state), channel)
-            for channel in channels
-            for state in LOAD_STATES
+            record_template(of_state, channel) for channel in channels for of_state in of_states
         ]
 
     def records(self, loads: Loads, stamps: Stamps) -> Iterator[NDArray[np.void]]:

@@ -1,6 +1,7 @@
 """Messages of `/support`, made of columns, those of one shape at a time."""
 
 from collections.abc import Iterator, Sequence
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,7 +18,7 @@ from dogbot_logtool.writer.encodings.encoding import (
     support_points,
 )
 from dogbot_logtool.writer.message_records import record_template, write_log_time
-from dogbot_logtool.writer.template import PointArray, Stamps, Template
+from dogbot_logtool.writer.template import TEMPLATES_KEPT, PointArray, Stamps, Template
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,7 +40,6 @@ class SupportWriter:
         self._encoding = encoding
         self._frame = frame
         self._style = style
-        self._templates: dict[SupportShape, _ShapeTemplate] = {}
 
     def records(self, scene: SupportScene, stamps: Stamps) -> Iterator[NDArray[np.void]]:
         """Yield the message records of a scene, those of one size at a time.
@@ -55,7 +55,7 @@ class SupportWriter:
             scene.touchdowns,
         )
         for shape, rows in _shapes(columns):
-            of_shape = self._template(shape)
+            of_shape = _template(self._encoding, shape, self._frame, self._style, self._channel)
             template = of_shape.template
             records = template.copies(len(rows))
             picked = stamps.pick(rows)
@@ -87,19 +87,20 @@ class SupportWriter:
             for part, values in zip("rgb", of_foot.T, strict=True):
                 records[f"{name}.{part}"] = values
 
-    def _template(self, shape: SupportShape) -> _ShapeTemplate:
-        # Two threads may learn the same template at once, which is harmless.
-        if shape not in self._templates:
-            message = self._encoding.support(shape, self._frame, self._style)
-            template = record_template(message, self._channel)
-            points = support_points(shape)
-            kinds = points.line, points.pressure, points.projection, points.touchdowns
-            self._templates[shape] = _ShapeTemplate(
-                template,
-                tuple(name[: -len(".sec")] for name in template.kinds if name.endswith(".sec")),
-                tuple(template.point_array(names) if names else None for names in kinds),
-            )
-        return self._templates[shape]
+
+@lru_cache(TEMPLATES_KEPT)
+def _template(
+    encoding: Encoding, shape: SupportShape, frame: str, style: SupportLook, channel: int
+) -> _ShapeTemplate:
+    """Return how messages of a shape are made; outputs that are alike share it."""
+    template = record_template(encoding.support(shape, frame, style), channel)
+    points = support_points(shape)
+    kinds = points.line, points.pressure, points.projection, points.touchdowns
+    return _ShapeTemplate(
+        template,
+        tuple(name[: -len(".sec")] for name in template.kinds if name.endswith(".sec")),
+        tuple(template.point_array(names) if names else None for names in kinds),
+    )
 
 
 def _shapes(columns: Sequence[Floats]) -> Iterator[tuple[SupportShape, Ints]]:
