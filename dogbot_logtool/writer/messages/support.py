@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator, Sequence
 from functools import lru_cache
+from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,6 +20,9 @@ from dogbot_logtool.writer.encodings.encoding import (
 )
 from dogbot_logtool.writer.message_records import record_template, write_log_time
 from dogbot_logtool.writer.template import TEMPLATES_KEPT, PointArray, Stamps, Template
+
+_COLOURS: Final = np.array([colour_parts(foot_colour(foot)) for foot in range(len(FOOT_COLOURS))])
+"""(k, 3) red, green, blue of feet."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -81,9 +85,8 @@ class SupportWriter:
             feet: (n, k) indices; the first of each row are those of the shape's touchdowns.
             shape: of the messages.
         """
-        colours = np.array([colour_parts(foot_colour(foot)) for foot in range(len(FOOT_COLOURS))])
         for column, name in enumerate(support_points(shape).touchdowns):
-            of_foot = colours[feet[:, column] % len(colours)]
+            of_foot = _COLOURS[feet[:, column] % len(_COLOURS)]
             for part, values in zip("rgb", of_foot.T, strict=True):
                 records[f"{name}.{part}"] = values
 
