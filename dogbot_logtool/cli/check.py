@@ -64,7 +64,7 @@ def check(
     quiet: bool,
     verbose: bool,
 ) -> None:
-    """Judge logs by rules: GOOD, WARN, FAIL, or UNKNOWN where a figure is not known.
+    """Judge logs by rules: each is GOOD, WARN, FAIL or UNKNOWN.
 
     A rule names a figure of `stats --json`, a finding or an event, by a pattern, and what is
     demanded of it; `check --suggest LOG...` prints a file of rules to begin with.

@@ -93,7 +93,7 @@ def compare(
     quiet: bool,
     verbose: bool,
 ) -> None:
-    """Say whether two logs, or two `stats --json` files, mean the same, and if not, where.
+    """Compare two logs, or two `stats --json` files, with tolerances.
 
     A field is named by its path without positions: pose.position.x, feet.front_left.slip_m. A
     glob's * stands for dots and slashes, too; one that fits nothing gives a warning. Integers are

@@ -148,7 +148,11 @@ def convert(
     verbose: bool,
     **options: Any,  # noqa: ANN401 - click's words are the keywords
 ) -> None:
-    """Write an annotated MCAP: /tf, arrows and loads of the feet, /support, and the log itself."""
+    """Write an annotated MCAP: the log, arrows and loads of its feet.
+
+    The topics that are added: /tf, an arrow, a label and /load for each foot, /support, /legs,
+    /events, /gait and /robot_description.
+    """
     from dogbot_logtool.commands.tasks import Convert, conversion_tasks  # noqa: PLC0415
     from dogbot_logtool.io.storage import from_root  # noqa: PLC0415
     from dogbot_logtool.io.targets import may_be_several, output_at, targets  # noqa: PLC0415

@@ -59,7 +59,7 @@ def export(
     quiet: bool,
     verbose: bool,
 ) -> None:
-    r"""Write strides, stances, events, poses or contact samples as a table.
+    r"""Write a table of strides, stances, events, poses or samples.
 
     The tables are those of a walk in Python, behind a column with the log's name. Several logs
     make one table.

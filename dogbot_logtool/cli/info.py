@@ -59,7 +59,7 @@ def info(
     overwrite: bool,
     as_json: bool,
 ) -> None:
-    """Show what is in a log, what will be used for what, and what is wrong with it."""
+    """Show what is in a log, what is used of it, and what is wrong."""
     from dogbot_logtool.commands.tasks import Describe  # noqa: PLC0415
     from dogbot_logtool.io.output import refuse_bad_target, whole_file  # noqa: PLC0415
     from dogbot_logtool.io.targets import refuse_other_format  # noqa: PLC0415

@@ -33,7 +33,7 @@ def layout(
     *,
     overwrite: bool,
 ) -> None:
-    """Print a viewer's layout for annotated logs: the robot, its loads and its gait diagram.
+    """Print a viewer's layout: the robot, its loads, its gait diagram.
 
     The feet are those of the robot (default: dogbot), or those found in LOG.
     """

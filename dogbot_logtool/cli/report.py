@@ -67,7 +67,7 @@ def report(
     quiet: bool,
     verbose: bool,
 ) -> None:
-    """Write a page that shows what happened: the walk in 3D, gait, loads, path, what to doubt.
+    """Write a page: the walk in 3D, gait, loads, and what to doubt.
 
     One HTML file a log, which opens from disk and loads nothing. Several logs also give an
     index.html with a row each. With --against, one page says whether two runs, or two groups of

@@ -109,7 +109,7 @@ def stats(
     quiet: bool,
     verbose: bool,
 ) -> None:
-    """Measure a walk: which gait, how loaded, and can the recording be trusted."""
+    """Measure a walk: gait, loads, and whether to trust the log."""
     from dogbot_logtool.commands.tasks import Measure  # noqa: PLC0415
     from dogbot_logtool.core.contact.curves import CurveDetail  # noqa: PLC0415
     from dogbot_logtool.run.choice import runner_for  # noqa: PLC0415

@@ -60,6 +60,16 @@ def test_help(shell: Shell, words: list[str]) -> None:
     assert done.err == ""
 
 
+def test_the_list_of_commands_fits_a_terminal(
+    shell: Shell, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("COLUMNS", "80")
+    done = shell("--help")
+    listed = done.out.partition("Commands:\n")[2].splitlines()
+    assert len(listed) == len(cli.list_commands(click.Context(cli)))
+    assert [line for line in listed if "..." in line or len(line) > 80] == []
+
+
 def test_every_option_says_what_it_takes() -> None:
     """Not what a function of ours or of click is called."""
     group = click.Context(cli)
