@@ -69,6 +69,8 @@ class CheckedWalk:
     placed_base: BaseHistory
     """Poses among the contact points: with jumps, if these jump with the odometry."""
     track: BaseTrack
+    motion: BaseMotion | None
+    """Of the base in the whole log."""
     fallen: Ints
     standing: Standing
     steps: tuple[FootSteps, ...]
@@ -110,7 +112,9 @@ class CheckedWalk:
 
     def base_motion(self, within: Ints | None = None) -> BaseMotion | None:
         """Return how the base moved."""
-        motion = base_motion(self.track, self.settings.forward_axis, within)
+        motion = self.motion
+        if within is not None:
+            motion = base_motion(self.track, self.settings.forward_axis, within)
         return motion.without_way() if motion is not None and self.loses_way else motion
 
     def support(self, within: Ints | None = None) -> Support | None:
@@ -181,8 +185,12 @@ def check_walk(settings: StatsSettings, recorded: Recorded) -> CheckedWalk:
     parted = worlds is not None and not worlds.agree
     over_feet = np.full_like(height, np.nan) if parted else height
     track = BaseTrack(base, find_travel(base), over_feet, records, standing.still)
-    loses_way = _loses_way(worlds, base_motion(track, settings.forward_axis))
-    settings = with_forward_axis(settings, track)
+    guessed = settings.forward_axis
+    motion = base_motion(track, guessed)
+    loses_way = _loses_way(worlds, motion)
+    settings = with_forward_axis(settings, track, motion)
+    if settings.forward_axis != guessed:
+        motion = base_motion(track, settings.forward_axis)
     checks = _foot_checks(
         settings,
         records,
@@ -199,6 +207,7 @@ def check_walk(settings: StatsSettings, recorded: Recorded) -> CheckedWalk:
         jumps=jumps,
         placed_base=placed_base,
         track=track,
+        motion=motion,
         fallen=fallen,
         standing=standing,
         steps=tuple(

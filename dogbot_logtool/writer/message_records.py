@@ -28,8 +28,6 @@ _USED: Final = ("channel", "log_time", "publish_time")
 """Fields of the head that are read or written in copies of a template."""
 _MANY: Final = 64 << 10
 """Bytes of one channel's messages from which they get chunks of their own."""
-_PIECES: Final = (256, 16, 1)
-"""Widths, bytes, of the pieces in which payloads are copied."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -90,8 +88,6 @@ def recorded(
         end: (n,) offset after its last byte.
     """
     size = end - start
-    bounds = record_bounds(size)
-    data = np.empty(int(bounds[-1]), np.uint8)
     head = np.empty(len(size), MESSAGE_HEAD)
     head["opcode"] = MESSAGE_OPCODE
     head["length"] = size + (MESSAGE_HEAD.itemsize - _RECORD_HEAD_SIZE)
@@ -99,9 +95,13 @@ def recorded(
     head["sequence"] = sequence
     head["log_time"] = log_time
     head["publish_time"] = publish_time
-    _scatter(data, bounds[:-1], head)
-    _copy(buffer, start, data, bounds[:-1] + MESSAGE_HEAD.itemsize, size)
-    return MessageRecords(data, bounds, channel, log_time)
+    # To join slices takes two thirds of the time of gathering and scattering pieces of payloads.
+    pieces: list[bytes | memoryview] = [b""] * (2 * len(size))
+    pieces[::2] = head.view(f"V{MESSAGE_HEAD.itemsize}").tolist()
+    payloads = buffer.data
+    pieces[1::2] = [payloads[a:b] for a, b in zip(start.tolist(), end.tolist(), strict=True)]
+    data = np.frombuffer(b"".join(pieces), np.uint8)
+    return MessageRecords(data, record_bounds(size), channel, log_time)
 
 
 def record_template(message: Template, channel: int) -> Template:
@@ -231,34 +231,9 @@ def _bounds(size: Ints) -> Ints:
     return bounds
 
 
-def _copy(source: Bytes, start: Ints, target: Bytes, offset: Ints, size: Ints) -> None:
-    """Copy payloads, each in pieces of the greatest width that is not above its size.
-
-    The last piece ends with the payload, so it overlaps the one before.
-    """
-    left = size > 0
-    for width in _PIECES:
-        rows = np.flatnonzero(left & (size >= width))
-        left[rows] = False
-        if not len(rows):
-            continue
-        begin = start[rows]
-        pieces = -(-size[rows] // width)
-        last = np.cumsum(pieces) - 1
-        at = np.repeat(begin - (last + 1 - pieces) * width, pieces)
-        at += np.arange(0, len(at) * width, width)
-        at[last] = begin + size[rows] - width
-        shift = np.repeat(offset[rows] - begin, pieces)
-        _scatter(target, at + shift, _windows(source, width)[at])
-
-
 def _scatter(target: Bytes, offset: Ints, data: NDArray[np.void]) -> None:
     """Write pieces of one size at their offsets."""
     if len(offset):
         width = data.dtype.itemsize
-        _windows(target, width)[offset] = data.view(f"V{width}")
-
-
-def _windows(data: Bytes, width: int) -> NDArray[np.void]:
-    """Return a view of the pieces that begin at each byte."""
-    return np.ndarray((len(data) - width + 1,), f"V{width}", data.data, 0, (1,))
+        pieces = np.ndarray((len(target) - width + 1,), f"V{width}", target.data, 0, (1,))
+        pieces[offset] = data.view(f"V{width}")

@@ -5,7 +5,7 @@ from typing import Final
 
 import numpy as np
 
-from dogbot_logtool.core.base.base_motion import FORWARD_ANGLES, BaseTrack, base_motion
+from dogbot_logtool.core.base.base_motion import FORWARD_ANGLES, BaseMotion, BaseTrack
 from dogbot_logtool.core.base.ground import axis_by_legs, nearest_axis
 from dogbot_logtool.core.settings import StatsSettings
 
@@ -13,7 +13,9 @@ WALKED_M: Final = 0.5
 """m, way to a side from which its direction means something."""
 
 
-def with_forward_axis(settings: StatsSettings, track: BaseTrack) -> StatsSettings:
+def with_forward_axis(
+    settings: StatsSettings, track: BaseTrack, motion: BaseMotion | None
+) -> StatsSettings:
     """Let evidence correct a guessed forward axis.
 
     The fore and hind feet's contact points decide. Where these are not known, the motion does, if
@@ -21,7 +23,8 @@ def with_forward_axis(settings: StatsSettings, track: BaseTrack) -> StatsSetting
 
     Args:
         settings: with the forward axis of the robot.
-        track: the motion of its base.
+        track: the poses of its base.
+        motion: of the base along that axis; None: not known.
     """
     if not settings.forward_axis_is_assumed:
         return settings
@@ -29,16 +32,16 @@ def with_forward_axis(settings: StatsSettings, track: BaseTrack) -> StatsSetting
     measured = axis_by_legs(track.history, track.feet, positions)
     because = "the fore feet are on that side of the hind feet"
     if measured is None:
-        measured, because = axis_by_motion(track, settings.forward_axis), "the robot moves that way"
+        measured = axis_by_motion(motion, settings.forward_axis)
+        because = "the robot moves that way"
     if measured is None or measured == settings.forward_axis:
         return settings
     reason = f"{settings.forward_axis} of the guessed robot is not forward here: {because}"
     return replace(settings, forward_axis=measured, forward_axis_reason=reason)
 
 
-def axis_by_motion(track: BaseTrack, forward_axis: str) -> str | None:
+def axis_by_motion(motion: BaseMotion | None, forward_axis: str) -> str | None:
     """Return the body's axis that the motion follows, if it is to a side of the given one."""
-    motion = base_motion(track, forward_axis)
     if motion is None or motion.forward_speed_mps is None or motion.lateral_speed_mps is None:
         return None
     forward, left = motion.forward_speed_mps, motion.lateral_speed_mps

@@ -1,6 +1,6 @@
 """The way of the base, above the noise of its poses."""
 
-from math import hypot
+from math import hypot, prod
 from typing import Final
 
 import numpy as np
@@ -87,10 +87,9 @@ def pose_noise_m(base: BaseHistory) -> float:
 def _difference_weights(seconds: Floats) -> Floats:
     """(n - 3,) standard deviation of third divided differences of unit white noise, 1/s^3."""
     count = len(seconds) - 3
-    window = np.stack([seconds[first : first + count] for first in range(4)], axis=1)
-    apart = window[:, :, None] - window[:, None, :] + np.eye(4)
-    weights: Floats = np.sqrt((apart.prod(axis=2) ** -2.0).sum(axis=1))
-    return weights
+    window = [seconds[first : first + count] for first in range(4)]
+    apart = [prod(one - other for other in window if other is not one) for one in window]
+    return np.sqrt(sum(np.asarray(each) ** -2.0 for each in apart))
 
 
 def _block(base: BaseHistory, spans: Ints, noise: float) -> int:
