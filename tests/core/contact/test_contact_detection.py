@@ -5,12 +5,11 @@ from dataclasses import replace
 import numpy as np
 
 from dogbot_logtool.core.contact.contact_detection import foot_signal
-from tests.core.load.feet import RULE, samples_of
+from tests.core.load.feet import RULE, samples_of, seconds
 
 
 def test_only_a_point_that_is_no_mean_is_single() -> None:
-    time = np.arange(4) * 0.004
-    samples = replace(samples_of(time, np.full(4, 50.0)), points=np.array([0, 1, 2, 3]))
+    samples = replace(samples_of(seconds(0.012), np.full(4, 50.0)), points=np.array([0, 1, 2, 3]))
     signal = foot_signal(
         samples, samples.time, np.full(4, 50.0), RULE, force_in_world=True, previous=None
     )

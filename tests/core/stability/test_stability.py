@@ -10,8 +10,8 @@ from dogbot_logtool.core.base.odometry import Odometry
 from dogbot_logtool.core.contact.foot_history import FootHistory
 from dogbot_logtool.core.geometry.arrays import Flags, Floats
 from dogbot_logtool.core.geometry.clock import TimeSource
+from dogbot_logtool.core.geometry.support_polygon import NEAR_NS
 from dogbot_logtool.core.stability.stability import (
-    NEAR_NS,
     Stability,
     _below_zero,
     _nearest,
