@@ -8,6 +8,7 @@ import numpy as np
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
 from tests.oracles.walks import DEFINITIONS
+from tests.truth.recording import Floats, Ints
 
 ODOMETRY: Final = "nav_msgs/msg/Odometry"
 WRENCH: Final = "geometry_msgs/msg/WrenchStamped"
@@ -44,12 +45,22 @@ class Template:
 
     def filled(self, stamp: int, numbers: Sequence[float]) -> bytes:
         """Return the message with its stamp, ns, and its numbers."""
-        data = bytearray(self._data)
+        return self.all_filled(np.array([stamp]), np.array([numbers], np.float64))[0]
+
+    def all_filled(self, stamps: Ints, numbers: Floats) -> list[bytes]:
+        """Return n messages with their stamps, (n,) ns, and their numbers, (n, ...)."""
+        count, size = len(stamps), len(self._data)
+        data = np.tile(np.frombuffer(self._data, np.uint8), (count, 1))
+        seconds, rest = np.divmod(stamps, 1_000_000_000)
+        stamp = np.column_stack([seconds, rest]).astype("<u4").view(np.uint8)
         for at in self._stamps:
-            struct.pack_into("<iI", data, at, *divmod(stamp, 1_000_000_000))
-        for at, number in zip(self._numbers, numbers, strict=True):
-            struct.pack_into("<d", data, at, number)
-        return bytes(data)
+            data[:, at : at + 8] = stamp
+        filled = np.ascontiguousarray(numbers, "<f8").view(np.uint8)
+        filled = filled.reshape(count, len(self._numbers), 8)
+        for row, at in enumerate(self._numbers):
+            data[:, at : at + 8] = filled[:, row]
+        whole = data.tobytes()
+        return [whole[start : start + size] for start in range(0, len(whole), size)]
 
 
 def _blanks(count: int) -> list[float]:
