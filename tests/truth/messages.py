@@ -72,6 +72,7 @@ class Messages:
 
     def __init__(self, ros: int) -> None:
         self.ros = ros
+        self._definitions: dict[str, str] = {}
         self.store = get_typestore(Stores.ROS1_NOETIC if ros == 1 else Stores.ROS2_HUMBLE)
         for name in _NEEDED:
             if name not in self.store.types:
@@ -79,8 +80,10 @@ class Messages:
 
     def definition(self, kind: str) -> str:
         """Return a type's definition with those that it needs."""
-        text, _ = self.store.generate_msgdef(kind, ros_version=self.ros)
-        return text
+        if kind not in self._definitions:
+            text, _ = self.store.generate_msgdef(kind, ros_version=self.ros)
+            self._definitions[kind] = text
+        return self._definitions[kind]
 
     def odometry(self, frame: str, child: str) -> Template:
         """Fill with a position, a quaternion and a velocity: 10 numbers."""

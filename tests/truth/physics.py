@@ -167,36 +167,40 @@ class Engine:
     def finish(self, step_s: float) -> Physics:
         """Return what was kept; step_s: s between two rows."""
         columns = [np.array(column, np.float64) for column in zip(*self._rows, strict=True)]
-        times: Floats = np.arange(len(self._rows), dtype=np.float64) * step_s
-        return Physics(float(self._model.body_subtreemass[0]), times, *columns)
+        base, attitude, *rest, place, turn, force, point = columns
+        times: Floats = np.arange(len(base), dtype=np.float64) * step_s
+        # The engine's quaternions begin with w.
+        attitude, turn = np.roll(attitude, -1, axis=-1), np.roll(turn, -1, axis=-1)
+        back = np.repeat(inverse(attitude), len(FEET), axis=0)
+        away = (place - base[:, None]).reshape(-1, 3)
+        calf = np.concatenate([turned(back, away), product(back, turn.reshape(-1, 4))], axis=1)
+        mass_kg = float(self._model.body_subtreemass[0])
+        calves = calf.reshape(len(base), len(FEET), 7)
+        return Physics(mass_kg, times, base, attitude, *rest, calves, force, point)
 
     def _row(self, position: Floats, velocity: Floats) -> tuple[Any, ...]:
         data, kinds = self._data, mujoco.mjtObj
-        base, turn = data.xpos[_TRUNK].copy(), data.xmat[_TRUNK].reshape(3, 3)
         feet = np.array([self._velocity(kinds.mjOBJ_SITE, site)[3:] for site in self._sites])
         force, point = np.zeros((len(FEET), 3)), np.full((len(FEET), 3), np.nan)
-        for number in range(data.ncon):
-            contact, local = data.contact[number], np.zeros(6)
-            pair = contact.geom1, contact.geom2
+        contacts, local = data.contact, np.zeros(6)
+        pairs, frames, places = contacts.geom, contacts.frame, contacts.pos
+        for number, pair in enumerate(pairs.tolist()):
             foot = next(self._balls[geom] for geom in pair if geom in self._balls)
             mujoco.mj_contactForce(self._model, data, number, local)
-            away = 1.0 if contact.geom2 in self._balls else -1.0
-            force[foot] += away * contact.frame.reshape(3, 3).T @ local[:3]
-            point[foot] = contact.pos
-        w, x, y, z = data.xquat[self._calves].T
-        attitude = np.roll(data.xquat[_TRUNK], -1)
-        turned = product(inverse(attitude[None]), np.column_stack([x, y, z, w]))
-        calf = np.column_stack([(data.xpos[self._calves] - base) @ turn, turned])
+            away = 1.0 if pair[1] in self._balls else -1.0
+            force[foot] += away * frames[number].reshape(3, 3).T @ local[:3]
+            point[foot] = places[number]
         return (
-            base,
-            attitude,
+            data.xpos[_TRUNK].copy(),
+            data.xquat[_TRUNK].copy(),
             self._velocity(kinds.mjOBJ_BODY, _TRUNK),
             position,
             velocity,
             data.actuator_force[-len(JOINTS) :].copy(),
-            data.site_xpos[self._sites].copy(),
+            data.site_xpos[self._sites],
             feet,
-            calf,
+            data.xpos[self._calves],
+            data.xquat[self._calves],
             force,
             point,
         )
@@ -267,6 +271,11 @@ class _Messages(Messages):
         return bytes(self.store.serialize_cdr(self._make(STRING, data=urdf()), STRING))
 
 
+@cache
+def _messages() -> _Messages:
+    return _Messages(2)
+
+
 @dataclass(frozen=True, slots=True)
 class Commands:
     """Velocity commands: what was sent, and when."""
@@ -307,7 +316,7 @@ def write_log(
         names: of the joints in their states.
         drift: metres by which the odometry goes astray, to the left, a metre of the way.
     """
-    physics, make = robot or trot(), _Messages(2)
+    physics, make = robot or trot(), _messages()
     rows = slice(0, None, every)
     states = (physics.position, physics.velocity, physics.torque)
     told = [np.asarray(each)[rows] for each in (change(*states) if change else states)]
