@@ -1,3 +1,4 @@
+import gc
 import os
 from pathlib import Path
 
@@ -10,11 +11,18 @@ from tests.shell import Shell
 settings.register_profile("untimed", deadline=None, suppress_health_check=[HealthCheck.too_slow])
 settings.load_profile("untimed")
 
+# A fifth of the time went into looking for rings of objects among those that stay.
+gc.set_threshold(100_000, 50, 50)
+
 # pytest-xdist sets these, and programs that are started would take their output for a terminal's.
 for name in ("COLUMNS", "LINES"):
     os.environ.pop(name, None)
 # Programs that are started compile all modules anew where they may not keep them.
 os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
+
+
+def pytest_collection_finish() -> None:
+    gc.freeze()
 
 
 @pytest.fixture
