@@ -172,11 +172,9 @@ def test_a_wrong_call_stays_one(folder: Path) -> None:
 @pytest.mark.parametrize(
     ("encoding", "words"),
     [
-        ("ascii", "info *-*.bag"),
         ("ascii", "stats *-*.bag"),
         ("ascii", "stats *-*.bag --csv"),
         ("latin-1", "info --frames *-*.bag"),
-        ("utf-8", "stats *-*.bag"),
     ],
 )
 def test_any_encoding_will_do(folder: Path, encoding: str, words: str) -> None:
