@@ -9,7 +9,6 @@ from typing import Any
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from mcap.writer import Writer as McapWriter
 
 from dogbot_logtool.commands.convert import convert
 from dogbot_logtool.commands.info import describe
@@ -21,6 +20,7 @@ from dogbot_logtool.io.targets import Output
 from dogbot_logtool.pipeline.options import ConvertOptions, StatsOptions, TopicOptions
 from dogbot_logtool.report.documents.stats_json import stats_json
 from tests.oracles import walks
+from tests.oracles.mcap_file import write_mcap
 
 GAZEBO, WRENCH = "gazebo_msgs/msg/ContactsState", "geometry_msgs/msg/WrenchStamped"
 SAMPLES = 160
@@ -72,22 +72,13 @@ class Extreme(walks.Walk):
 
 
 def write(path: Path, walk: walks.Walk, kind: str, log_time: Callable[[int], int]) -> Path:
-    with path.open("wb") as stream:
-        writer = McapWriter(stream, chunk_size=40_000)
-        writer.start(profile="ros2")
-        channels: dict[str, int] = {}
-        for entry in walk.messages(kind):
-            sample = (entry.log_time - walks.START) // walks.STEP
-            if sample >= SAMPLES:
-                break
-            if entry.topic not in channels:
-                text = walks.Walk(2).definition(entry.kind).encode()
-                schema = writer.register_schema(entry.kind, "ros2msg", text)
-                channels[entry.topic] = writer.register_channel(entry.topic, "cdr", schema)
-            time = log_time(sample)
-            writer.add_message(channels[entry.topic], time, entry.data, time)
-        writer.finish()
-    return path
+    entries = []
+    for entry in walk.messages(kind):
+        sample = (entry.log_time - walks.START) // walks.STEP
+        if sample >= SAMPLES:
+            break
+        entries.append((log_time(sample), entry.topic, entry.kind, entry.data))
+    return write_mcap(path, entries, walks.Walk(2).definition, 40_000, "zstd")
 
 
 def usual(sample: int) -> int:

@@ -46,7 +46,7 @@ def write_mcap(
 
     Args:
         path: of the file.
-        entries: at least one, in the order of the file.
+        entries: in the order of the file.
         definition: returns a type's message definition.
         chunk_bytes: least size of a chunk before compression, but of the last one.
         compression: of chunks; `CODECS` has the names.
@@ -80,7 +80,7 @@ def write_mcap(
 
 def _span(entries: Sequence[Entry]) -> tuple[int, int]:
     """Return the first and the last log time."""
-    times = [entry[0] for entry in entries]
+    times = [entry[0] for entry in entries] or [0]
     return min(times), max(times)
 
 

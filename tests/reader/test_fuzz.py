@@ -45,7 +45,7 @@ def test_cut_anywhere(tmp_path: Path, case: Case, every: int) -> None:
 
 @ANY_CASE
 @settings(
-    max_examples=100, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture]
+    max_examples=50, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture]
 )
 @given(mutations=MUTATIONS)
 def test_any_harm(tmp_path: Path, case: Case, mutations: list[Mutation]) -> None:

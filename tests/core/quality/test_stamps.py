@@ -126,7 +126,7 @@ faults = st.lists(
 )
 
 
-@settings(max_examples=200, deadline=None)
+@settings(max_examples=100, deadline=None)
 @given(faults, st.integers(0, 119), st.lists(st.integers(0, 120), max_size=6))
 def test_decisions_do_not_depend_on_batches(
     found: list[tuple[int, int]], reset: int, cuts: list[int]
