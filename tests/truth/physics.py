@@ -167,16 +167,30 @@ class Engine:
     def finish(self, step_s: float) -> Physics:
         """Return what was kept; step_s: s between two rows."""
         columns = [np.array(column, np.float64) for column in zip(*self._rows, strict=True)]
-        base, attitude, *rest, place, turn, force, point = columns
+        base, attitude, base_velocity, *joints, foot, foot_velocity = columns[:8]
+        place, turn, force, point = columns[8:]
         times: Floats = np.arange(len(base), dtype=np.float64) * step_s
         # The engine's quaternions begin with w.
         attitude, turn = np.roll(attitude, -1, axis=-1), np.roll(turn, -1, axis=-1)
         back = np.repeat(inverse(attitude), len(FEET), axis=0)
         away = (place - base[:, None]).reshape(-1, 3)
         calf = np.concatenate([turned(back, away), product(back, turn.reshape(-1, 4))], axis=1)
-        mass_kg = float(self._model.body_subtreemass[0])
-        calves = calf.reshape(len(base), len(FEET), 7)
-        return Physics(mass_kg, times, base, attitude, *rest, calves, force, point)
+        position, velocity, torque = joints
+        return Physics(
+            mass_kg=float(self._model.body_subtreemass[0]),
+            time=times,
+            base=base,
+            attitude=attitude,
+            base_velocity=base_velocity,
+            position=position,
+            velocity=velocity,
+            torque=torque,
+            foot=foot,
+            foot_velocity=foot_velocity,
+            calf=calf.reshape(len(base), len(FEET), 7),
+            force=force,
+            point=point,
+        )
 
     def _row(self, position: Floats, velocity: Floats) -> tuple[Any, ...]:
         data, kinds = self._data, mujoco.mjtObj
