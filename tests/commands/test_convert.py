@@ -27,7 +27,6 @@ from mcap.data_stream import RecordBuilder
 from mcap.reader import make_reader
 from mcap.stream_reader import StreamReader
 from mcap.writer import CompressionType
-from pymcap_cli.cli import app as pymcap_cli
 
 from dogbot_logtool.commands.convert import convert
 from dogbot_logtool.core.scene.styles import ARROW_STYLES
@@ -887,6 +886,8 @@ def test_the_doctor_finds_nothing(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], kind: str
 ) -> None:
     """`pymcap-cli doctor` over all encodings and all compressions, each with both copy modes."""
+    from pymcap_cli.cli import app as pymcap_cli  # noqa: PLC0415 - takes long to load
+
     if kind == "bag":
         log = write_bag(tmp_path / "log.bag", small_walk(0.3))
     else:
