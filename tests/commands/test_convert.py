@@ -302,7 +302,7 @@ def recorded_by(log: Path) -> Counter[tuple[object, ...]]:
 COPIES: list[tuple[Path, Compression | None]] = [
     (TROUBLED, "zstd"),
     (TROUBLED, "none"),
-    (WALK, "lz4"),
+    (TROUBLED, "lz4"),
     (WALK, None),
     (TROT, None),
 ]
