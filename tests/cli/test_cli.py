@@ -555,10 +555,12 @@ def long_log(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return odometry_log(tmp_path_factory.mktemp("long") / "long.mcap", "/odom", filler=12)
 
 
-# A shell that runs the tests in the background has them, and their children, ignore Ctrl-C.
+# A shell that runs the tests in the background has them, and their children, ignore Ctrl-C; nohup
+# has them ignore that the terminal hangs up.
 INTERRUPTIBLE = """
 import signal
 signal.signal(signal.SIGINT, signal.default_int_handler)
+signal.signal(signal.SIGHUP, signal.SIG_DFL)
 from dogbot_logtool.cli import cli, main
 main()
 """
