@@ -1,3 +1,4 @@
+import gc
 import os
 from pathlib import Path
 
@@ -7,8 +8,13 @@ from hypothesis import HealthCheck, settings
 from tests.shell import Shell
 
 # How long an example takes says more of the machine than of the code.
-settings.register_profile("untimed", deadline=None, suppress_health_check=[HealthCheck.too_slow])
+settings.register_profile(
+    "untimed", deadline=None, max_examples=50, suppress_health_check=[HealthCheck.too_slow]
+)
 settings.load_profile("untimed")
+
+# A fifth of the time went into looking for rings of objects among those that stay.
+gc.set_threshold(100_000, 50, 50)
 
 # pytest-xdist sets these, and programs that are started would take their output for a terminal's.
 for name in ("COLUMNS", "LINES"):

@@ -4,6 +4,7 @@ import ast
 import sys
 from collections import defaultdict
 from collections.abc import Iterator, Mapping
+from functools import cache
 from pathlib import Path
 from typing import Final
 
@@ -44,9 +45,10 @@ def name_of(file: Path) -> str:
     return ".".join(parts[:-1] if parts[-1] == "__init__" else parts)
 
 
-def imports_of(file: Path) -> set[str]:
+@cache
+def imports_of(file: Path) -> frozenset[str]:
     """Every module that a file imports: at its top, in functions, and for types only."""
-    imported = set()
+    imported: set[str] = set()
     package = file.parent.relative_to(ROOT.parent).parts
     for node in ast.walk(ast.parse(file.read_text(encoding="utf-8"))):
         if isinstance(node, ast.Import):
@@ -56,7 +58,7 @@ def imports_of(file: Path) -> set[str]:
             module = ".".join([*above, *filter(None, [node.module])])
             # What is imported may be a module itself: `from dogbot_logtool import cli`.
             imported |= {module} | {f"{module}.{alias.name}" for alias in node.names}
-    return imported
+    return frozenset(imported)
 
 
 def is_module(name: str) -> bool:
@@ -109,30 +111,34 @@ def test_there_is_something_to_look_at() -> None:
     }
 
 
-@pytest.mark.parametrize("file", FILES, ids=name_of)
-def test_rooms_import_rooms_below_them(file: Path) -> None:
-    room = room_of(file)
-    above = {
-        name
+def test_rooms_import_rooms_below_them() -> None:
+    assert [
+        f"{name_of(file)} imports {name}"
+        for file in FILES
         for name in own_imports(file)
-        if (other := name.split(".")[0]) != room
+        if (other := name.split(".")[0]) != (room := room_of(file))
         and (room, other) not in SIDEWAYS
         and (floor_of(other) <= floor_of(room) or other not in ALONE.get(room, {other}))
-    }
-    assert above == set()
+    ] == []
 
 
-@pytest.mark.parametrize("file", sorted((ROOT / "core").rglob("*.py")), ids=name_of)
-def test_core_imports_numpy_and_the_standard_library_only(file: Path) -> None:
+def test_core_imports_numpy_and_the_standard_library_only() -> None:
     allowed = {PACKAGE, "numpy", *sys.stdlib_module_names}
-    assert {name for name in imports_of(file) if name.split(".")[0] not in allowed} == set()
+    assert [
+        f"{name_of(file)} imports {name}"
+        for file in sorted((ROOT / "core").rglob("*.py"))
+        for name in imports_of(file)
+        if name.split(".")[0] not in allowed
+    ] == []
 
 
-@pytest.mark.parametrize(
-    "file", [file for file in FILES if room_of(file) not in {"cli", "__main__"}], ids=name_of
-)
-def test_only_the_command_line_knows_click(file: Path) -> None:
-    assert not [name for name in imports_of(file) if name.split(".")[0] == "click"]
+def test_only_the_command_line_knows_click() -> None:
+    assert [
+        name_of(file)
+        for file in FILES
+        if room_of(file) not in {"cli", "__main__"}
+        and any(name.split(".")[0] == "click" for name in imports_of(file))
+    ] == []
 
 
 def test_records_are_made_by_our_own_data_class() -> None:

@@ -33,12 +33,9 @@ from tests.oracles.foot_logs import CONTACTS, write_log
 from tests.oracles.recorded import (
     BODY_WEIGHT_N,
     FEET,
-    TEXT_TYPE,
     contact_topic,
     decoded_log,
-    read_log,
 )
-from tests.oracles.ros1_logs import Entry, text, write_ros1_mcap
 from tests.paths import ROOT, TROT, TROUBLED, WALK
 
 DOGBOT = ROOT / "dogbot_logtool/robots/dogbot.toml"
@@ -275,21 +272,18 @@ def recorded(path: Path) -> tuple[list[Any], Any]:
 # --- Batches --------------------------------------------------------------------------------------
 
 
-def test_it_does_not_matter_where_batches_end(folder: Path, tmp_path: Path) -> None:
-    entries: list[Entry] = []
-    for number, one in enumerate(read_log(TROT)):
-        entries.append(Entry(one.topic, one.type_name, one.log_time, one.data))
-        if number % 500 == 77:
-            entries.append(Entry("/filler", TEXT_TYPE, one.log_time, text("-" * 6_000_000)))
-    log = write_ros1_mcap(tmp_path / "log.mcap", entries, chunk_size=1 << 20)
-    opened = open_log(log)
+def test_it_does_not_matter_where_batches_end(
+    folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    _, written = converted(folder, TROT, "foxglove")
+    monkeypatch.setattr("dogbot_logtool.reader.containers.log.BATCH_SIZE", 200_000)
+    opened = open_log(TROT)
     assert len(list(opened.spans())) > 10
     opened.close()
-    convert(log, tmp_path / "out.mcap", ConvertOptions(copy=False, jobs=2))
-    padded = read_written(tmp_path / "out.mcap").of("/support", "protobuf")
-    _, written = converted(folder, TROT, "foxglove")
-    alone = written.of("/support", "protobuf")
-    assert [m.data for _, m in padded] == [m.data for _, m in alone]
+    convert(TROT, tmp_path / "out.mcap", ConvertOptions(copy=False, jobs=2))
+    many = read_written(tmp_path / "out.mcap").of("/support", "protobuf")
+    whole = written.of("/support", "protobuf")
+    assert [m.data for _, m in many] == [m.data for _, m in whole]
 
 
 # --- When it is written ---------------------------------------------------------------------------

@@ -1,4 +1,6 @@
 from dataclasses import replace
+from functools import cache
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -7,9 +9,20 @@ from dogbot_logtool.commands.load_detail import load_curves_within, with_detail
 from dogbot_logtool.commands.stats import measure
 from dogbot_logtool.core.contact.curves import CurveDetail
 from dogbot_logtool.pipeline.options import StatsOptions
+from dogbot_logtool.results import Measurement
 from tests.paths import SAMPLE_LOGS
 
 TROT = SAMPLE_LOGS / "dogbot_trot.bag"
+
+
+def detail(bins: int) -> StatsOptions:
+    return StatsOptions(curves=CurveDetail(most_bins=bins))
+
+
+@cache
+def measured(log: Path, bins: int) -> Measurement:
+    """Measure a log, with curves of so many bins."""
+    return measure(log, detail(bins))
 
 
 def test_curves_cost_and_change_nothing_unless_asked_for() -> None:
@@ -21,8 +34,7 @@ def test_curves_cost_and_change_nothing_unless_asked_for() -> None:
 
 
 def test_the_highest_point_of_a_curve_is_the_highest_peak() -> None:
-    coarse = StatsOptions(curves=CurveDetail(most_bins=16))
-    for foot in measure(TROT, coarse).stats.feet:
+    for foot in measured(TROT, 16).stats.feet:
         curves = foot.record.curves
         assert curves is not None
         assert curves.force is not None
@@ -33,11 +45,9 @@ def test_the_highest_point_of_a_curve_is_the_highest_peak() -> None:
 
 @pytest.mark.parametrize("bins", [16, 100_000])
 def test_a_short_window_is_seen_sample_by_sample(bins: int) -> None:
-    options = StatsOptions(curves=CurveDetail(most_bins=bins))
-    measured = measure(TROT, options)
-    whole = measure(TROT, StatsOptions(curves=CurveDetail(most_bins=100_000)))
-    start, end = (measured.stats.origin + each * 1_000_000_000 for each in (2, 3))
-    closer = load_curves_within(TROT, options, measured, (2.0, 3.0))
+    seen_first, whole = measured(TROT, bins), measured(TROT, 100_000)
+    start, end = (whole.stats.origin + each * 1_000_000_000 for each in (2, 3))
+    closer = load_curves_within(TROT, detail(bins), seen_first, (2.0, 3.0))
     for seen, foot in zip(closer, whole.stats.feet, strict=True):
         every = foot.record.curves
         assert seen is not None
@@ -53,10 +63,8 @@ def test_a_short_window_is_seen_sample_by_sample(bins: int) -> None:
 @pytest.mark.parametrize("log", ["dogbot_trot.bag", "dogbot_walk.mcap", "dogbot_troubled.bag"])
 def test_a_curve_with_detail_has_every_sample_there_and_every_peak_elsewhere(log: str) -> None:
     path = TROT.with_name(log)
-    options = StatsOptions(curves=CurveDetail(most_bins=40))
-    coarse = measure(path, options)
-    fine = with_detail(path, options, coarse, (2.0, 2.6))
-    whole = measure(path, StatsOptions(curves=CurveDetail(most_bins=100_000)))
+    coarse, whole = measured(path, 40), measured(path, 100_000)
+    fine = with_detail(path, detail(40), coarse, (2.0, 2.6))
     start, end = (coarse.stats.origin + each for each in (2_000_000_000, 2_600_000_000))
     for one, seen, every in zip(coarse.stats.feet, fine.stats.feet, whole.stats.feet, strict=True):
         curves = [foot.record.curves for foot in (one, seen, every)]
@@ -73,7 +81,5 @@ def test_a_curve_with_detail_has_every_sample_there_and_every_peak_elsewhere(log
 
 
 def test_a_log_seen_whole_is_not_read_again() -> None:
-    options = StatsOptions(curves=CurveDetail(most_bins=100_000))
-    measured = measure(TROT, options)
-    gone = TROT.with_name("no_such_log.bag")
-    assert with_detail(gone, options, measured, (2.0, 2.6)) is measured
+    whole, gone = measured(TROT, 100_000), TROT.with_name("no_such_log.bag")
+    assert with_detail(gone, detail(100_000), whole, (2.0, 2.6)) is whole

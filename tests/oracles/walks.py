@@ -8,13 +8,14 @@ from pathlib import Path
 from typing import Any, Final
 
 import numpy as np
-from mcap.writer import Writer as McapWriter
 from rosbags.interfaces import Msgdef
 from rosbags.rosbag1 import Writer as BagWriter
 from rosbags.rosbag2 import Writer as Rosbag2Writer
 from rosbags.rosbag2.enums import StoragePlugin
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 from rosbags.typesys.store import Typestore
+
+from tests.oracles.mcap_file import write_mcap as write_entries
 
 LEGS: Final = ("front_left", "front_right", "back_left", "back_right")
 START: Final = 1_700_000_000_000_000_000
@@ -361,16 +362,8 @@ def _write_bag(path: Path, walk: Walk, entries: list[Entry]) -> None:
 
 def write_mcap(path: Path, walk: Walk, entries: list[Entry], chunk_size: int = 1 << 20) -> None:
     """Write messages into an MCAP file."""
-    with path.open("wb") as stream:
-        writer = McapWriter(stream, chunk_size=chunk_size)
-        writer.start(profile="ros2")
-        channels: dict[str, int] = {}
-        for topic, kind in {e.topic: e.kind for e in entries}.items():
-            schema = writer.register_schema(kind, "ros2msg", walk.definition(kind).encode())
-            channels[topic] = writer.register_channel(topic, "cdr", schema)
-        for entry in entries:
-            writer.add_message(channels[entry.topic], entry.log_time, entry.data, entry.log_time)
-        writer.finish()
+    rows = [(entry.log_time, entry.topic, entry.kind, entry.data) for entry in entries]
+    write_entries(path, rows, walk.definition, chunk_size, "zstd")
 
 
 def _write_rosbag2(path: Path, walk: Walk, entries: list[Entry], plugin: StoragePlugin) -> None:

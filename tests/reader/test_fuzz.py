@@ -13,7 +13,7 @@ from tests.reader.mutation import CASES, Case, Kind, Mutation, floor, read_harme
 from tests.reader.reading import Reading, read_bytes, read_file, written_mcap
 
 ANY_CASE = pytest.mark.parametrize("case", CASES, ids=lambda case: case.name)
-CUT_EVERY = [17, pytest.param(3, marks=pytest.mark.slow)]
+CUT_EVERY = [17, pytest.param(5, marks=pytest.mark.slow)]
 """Bytes; the cases differ in where their records end."""
 FLIP_EVERY = 7
 """Bits: one of each byte at least. `make fuzz` tries others."""
@@ -45,7 +45,7 @@ def test_cut_anywhere(tmp_path: Path, case: Case, every: int) -> None:
 
 @ANY_CASE
 @settings(
-    max_examples=100, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture]
+    max_examples=50, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture]
 )
 @given(mutations=MUTATIONS)
 def test_any_harm(tmp_path: Path, case: Case, mutations: list[Mutation]) -> None:

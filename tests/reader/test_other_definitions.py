@@ -85,7 +85,7 @@ def other_definitions(draw: st.DrawFn, type_name: str) -> str:
 
 @pytest.mark.parametrize("type_name", DECODED)
 @settings(
-    max_examples=50, deadline=None, suppress_health_check=[HealthCheck.too_slow], derandomize=True
+    max_examples=25, deadline=None, suppress_health_check=[HealthCheck.too_slow], derandomize=True
 )
 @given(st.data())
 def test_other_definitions_give_columns_or_a_sentence(type_name: str, data: st.DataObject) -> None:

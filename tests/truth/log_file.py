@@ -1,15 +1,14 @@
-"""A recording as a log file, written by the official libraries."""
+"""A recording as a log file."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from functools import cache
 from pathlib import Path
 from typing import Any, Final
 
 import numpy as np
-from mcap.writer import CompressionType
-from mcap.writer import Writer as McapWriter
 from rosbags.rosbag1 import Writer as BagWriter
 
+from tests.oracles.mcap_file import Entry, write_mcap
 from tests.truth.messages import (
     CONTACTS,
     GZ_CONTACTS,
@@ -21,21 +20,20 @@ from tests.truth.messages import (
     WRENCH,
     Messages,
 )
-from tests.truth.recording import Recording, VectorRecording
+from tests.truth.recording import Ints, Recording, VectorRecording
 
 BASE: Final = "base_link"
 WORLD: Final = "odom"
 TF_RATE_HZ: Final = 50.0
-
-Entry = tuple[int, str, str, bytes]
-"""Log time, topic, type, payload."""
 
 
 def write_log(recording: Recording, path: Path) -> Path:
     """Write a ``.mcap`` (ROS 2) or a ``.bag`` (ROS 1)."""
     messages = _messages(1 if path.suffix == ".bag" else 2)
     entries = sorted(_entries(recording, messages), key=lambda entry: entry[0])
-    (_write_bag if path.suffix == ".bag" else _write_mcap)(path, messages, entries)
+    if path.suffix != ".bag":
+        return write_mcap(path, entries, messages.definition)
+    _write_bag(path, messages, entries)
     return path
 
 
@@ -64,42 +62,41 @@ def _entries(recording: Recording, messages: Messages) -> Iterator[Entry]:
 def _base_entries(recording: Recording, messages: Messages) -> Iterator[Entry]:
     base, topic = recording.base, recording.robot.odometry_topic
     template = messages.odometry(WORLD, BASE)
-    numbers = np.concatenate([base.position, base.orientation, base.velocity], axis=1).tolist()
-    for row, log_time in enumerate(base.log_time.tolist()):
-        yield log_time, topic, ODOMETRY, template.filled(int(base.stamp[row]), numbers[row])
+    numbers = np.concatenate([base.position, base.orientation, base.velocity], axis=1)
+    data = template.all_filled(base.stamp, numbers)
+    yield from _rows(base.log_time, topic, ODOMETRY, data)
+
+
+def _rows(log_time: Ints, topic: str, kind: str, data: Sequence[bytes]) -> Iterator[Entry]:
+    for time, each in zip(log_time.tolist(), data, strict=True):
+        yield time, topic, kind, each
 
 
 def _force_entries(recording: Recording, messages: Messages, foot: int) -> Iterator[Entry]:
     sensor, topic = recording.feet[foot], recording.robot.topic(foot)
     template = messages.wrench_stamped(link_name(recording.robot.feet[foot]))
-    force = sensor.force.tolist()
-    for row, log_time in enumerate(sensor.log_time.tolist()):
-        yield log_time, topic, WRENCH, template.filled(int(sensor.stamp[row]), force[row])
+    data = template.all_filled(sensor.stamp, sensor.force)
+    yield from _rows(sensor.log_time, topic, WRENCH, data)
 
 
 def _bumper_entries(recording: Recording, messages: Messages, foot: int) -> Iterator[Entry]:
     sensor, robot = recording.feet[foot], recording.robot
     link = link_name(robot.feet[foot])
-    empty = messages.no_contact(link)
-    contact = messages.contact(link, f"{robot.name}::{link}::{robot.feet[foot]}_collision")
-    own = messages.contact(
-        link,
-        f"{robot.name}::{link}::{robot.feet[foot]}_collision",
-        f"{robot.name}::{BASE}::{BASE}_collision",
-    )
-    numbers = np.concatenate(
-        [sensor.force, sensor.force, sensor.point, sensor.normal], axis=1
-    ).tolist()
-    own_contact = (*(0.0, 0.0, 30.0) * 2, *(0.0, 0.0, 0.3), *(0.0, 0.0, 1.0))
-    for row, log_time in enumerate(sensor.log_time.tolist()):
-        stamp = int(sensor.stamp[row])
-        if sensor.touching[row]:
-            data = contact.filled(stamp, numbers[row])
-        elif recording.touches_itself:
-            data = own.filled(stamp, own_contact)
-        else:
-            data = empty.filled(stamp, ())
-        yield log_time, robot.topic(foot), CONTACTS, data
+    name = f"{robot.name}::{link}::{robot.feet[foot]}_collision"
+    contact = messages.contact(link, name)
+    numbers = np.concatenate([sensor.force, sensor.force, sensor.point, sensor.normal], axis=1)
+    data = contact.all_filled(sensor.stamp, numbers)
+    swing = np.flatnonzero(~sensor.touching)
+    if recording.touches_itself:
+        own = messages.contact(link, name, f"{robot.name}::{BASE}::{BASE}_collision")
+        of_own = np.tile([*(0.0, 0.0, 30.0) * 2, 0.0, 0.0, 0.3, 0.0, 0.0, 1.0], (len(swing), 1))
+        others = own.all_filled(sensor.stamp[swing], of_own)
+    else:
+        nothing = np.empty((len(swing), 0))
+        others = messages.no_contact(link).all_filled(sensor.stamp[swing], nothing)
+    for row, each in zip(swing.tolist(), others, strict=True):
+        data[row] = each
+    yield from _rows(sensor.log_time, robot.topic(foot), CONTACTS, data)
 
 
 def _gz_entries(recording: Recording, messages: Messages, foot: int) -> Iterator[Entry]:
@@ -108,12 +105,9 @@ def _gz_entries(recording: Recording, messages: Messages, foot: int) -> Iterator
     sensor = sensor.pick(sensor.touching)
     link = link_name(robot.feet[foot])
     contact = messages.gz_contact(link, f"{robot.name}::{link}::{robot.feet[foot]}_collision")
-    numbers = np.concatenate(
-        [sensor.force, -sensor.force, sensor.point, sensor.normal], axis=1
-    ).tolist()
-    for row, log_time in enumerate(sensor.log_time.tolist()):
-        data = contact.filled(int(sensor.stamp[row]), numbers[row])
-        yield log_time, robot.topic(foot), GZ_CONTACTS, data
+    numbers = np.concatenate([sensor.force, -sensor.force, sensor.point, sensor.normal], axis=1)
+    data = contact.all_filled(sensor.stamp, numbers)
+    yield from _rows(sensor.log_time, robot.topic(foot), GZ_CONTACTS, data)
 
 
 def _static_entries(recording: Recording, messages: Messages) -> Iterator[Entry]:
@@ -130,9 +124,8 @@ def _vector_entries(topic: VectorRecording, messages: Messages) -> Iterator[Entr
         "twist_stamped": (TWIST_STAMPED, messages.twist_stamped(topic.frame)),
         "imu": (IMU, messages.imu(topic.frame)),
     }[topic.kind]
-    numbers = topic.vector.tolist()
-    for row, log_time in enumerate(topic.log_time.tolist()):
-        yield log_time, topic.topic, name, template.filled(int(topic.stamp[row]), numbers[row])
+    data = template.all_filled(topic.stamp, topic.vector)
+    yield from _rows(topic.log_time, topic.topic, name, data)
 
 
 _SENSORS: Final = {
@@ -156,20 +149,6 @@ def _transform_entries(recording: Recording, messages: Messages) -> Iterator[Ent
             numbers += [*hip, *foot.link[at].tolist()]
         data = template.filled(int(first.stamp[row]), numbers)
         yield int(first.log_time[row]), "/tf", TF, data
-
-
-def _write_mcap(path: Path, messages: Messages, entries: list[Entry]) -> None:
-    with path.open("wb") as stream:
-        writer = McapWriter(stream, compression=CompressionType.NONE)
-        writer.start(profile="ros2")
-        channels: dict[str, int] = {}
-        for log_time, topic, kind, data in entries:
-            if topic not in channels:
-                definition = messages.definition(kind).encode()
-                schema = writer.register_schema(kind, "ros2msg", definition)
-                channels[topic] = writer.register_channel(topic, "cdr", schema)
-            writer.add_message(channels[topic], log_time, data, log_time)
-        writer.finish()
 
 
 def _write_bag(path: Path, messages: Messages, entries: list[Entry]) -> None:

@@ -1,5 +1,6 @@
 """The static margin of a walk, from where its feet are."""
 
+import math
 from collections.abc import Sequence
 
 import numpy as np
@@ -48,10 +49,12 @@ def side(start: Point, end: Point, point: Point) -> float:
 
 def margin(corners: Sequence[Point], point: Point) -> float:
     """Return how far a point is inside a convex polygon; negative outside."""
-    inside, nearest = True, np.inf
+    inside, nearest = True, math.inf
     for start, end in zip(corners, (*corners[1:], corners[0]), strict=True):
         inside &= side(start, end, point) >= 0.0
-        edge, to = np.subtract(end, start), np.subtract(point, start)
-        part = np.clip(edge @ to / (edge @ edge), 0.0, 1.0)
-        nearest = min(nearest, float(np.hypot(*(to - part * edge))))
+        edge_x, edge_y = end[0] - start[0], end[1] - start[1]
+        to_x, to_y = point[0] - start[0], point[1] - start[1]
+        part = (edge_x * to_x + edge_y * to_y) / (edge_x * edge_x + edge_y * edge_y)
+        part = min(max(part, 0.0), 1.0)
+        nearest = min(nearest, math.hypot(to_x - part * edge_x, to_y - part * edge_y))
     return nearest if inside else -nearest

@@ -8,6 +8,7 @@ import numpy as np
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
 from tests.oracles.walks import DEFINITIONS
+from tests.truth.recording import Floats, Ints
 
 ODOMETRY: Final = "nav_msgs/msg/Odometry"
 WRENCH: Final = "geometry_msgs/msg/WrenchStamped"
@@ -44,12 +45,22 @@ class Template:
 
     def filled(self, stamp: int, numbers: Sequence[float]) -> bytes:
         """Return the message with its stamp, ns, and its numbers."""
-        data = bytearray(self._data)
+        return self.all_filled(np.array([stamp]), np.array([numbers], np.float64))[0]
+
+    def all_filled(self, stamps: Ints, numbers: Floats) -> list[bytes]:
+        """Return n messages with their stamps, (n,) ns, and their numbers, (n, ...)."""
+        count, size = len(stamps), len(self._data)
+        data = np.tile(np.frombuffer(self._data, np.uint8), (count, 1))
+        seconds, rest = np.divmod(stamps, 1_000_000_000)
+        stamp = np.column_stack([seconds, rest]).astype("<u4").view(np.uint8)
         for at in self._stamps:
-            struct.pack_into("<iI", data, at, *divmod(stamp, 1_000_000_000))
-        for at, number in zip(self._numbers, numbers, strict=True):
-            struct.pack_into("<d", data, at, number)
-        return bytes(data)
+            data[:, at : at + 8] = stamp
+        filled = np.ascontiguousarray(numbers, "<f8").view(np.uint8)
+        filled = filled.reshape(count, len(self._numbers), 8)
+        for row, at in enumerate(self._numbers):
+            data[:, at : at + 8] = filled[:, row]
+        whole = data.tobytes()
+        return [whole[start : start + size] for start in range(0, len(whole), size)]
 
 
 def _blanks(count: int) -> list[float]:
@@ -61,6 +72,7 @@ class Messages:
 
     def __init__(self, ros: int) -> None:
         self.ros = ros
+        self._definitions: dict[str, str] = {}
         self.store = get_typestore(Stores.ROS1_NOETIC if ros == 1 else Stores.ROS2_HUMBLE)
         for name in _NEEDED:
             if name not in self.store.types:
@@ -68,8 +80,10 @@ class Messages:
 
     def definition(self, kind: str) -> str:
         """Return a type's definition with those that it needs."""
-        text, _ = self.store.generate_msgdef(kind, ros_version=self.ros)
-        return text
+        if kind not in self._definitions:
+            text, _ = self.store.generate_msgdef(kind, ros_version=self.ros)
+            self._definitions[kind] = text
+        return self._definitions[kind]
 
     def odometry(self, frame: str, child: str) -> Template:
         """Fill with a position, a quaternion and a velocity: 10 numbers."""

@@ -5,6 +5,7 @@ follow a planned trot by inverse kinematics. Motion, contact forces and torques 
 """
 
 import itertools
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
@@ -12,11 +13,10 @@ from typing import Any, Final
 
 import mujoco
 import numpy as np
-from mcap.writer import CompressionType
-from mcap.writer import Writer as McapWriter
 
+from tests.oracles.mcap_file import Entry, write_mcap
 from tests.truth.messages import CONTACTS, ODOMETRY, TF, TWIST, WRENCH, Messages, Template
-from tests.truth.recording import Floats, inverse, product, turned
+from tests.truth.recording import Floats, Ints, inverse, product, turned
 
 STEP_S: Final = 0.001
 SETTLE_S: Final = 0.5
@@ -167,36 +167,54 @@ class Engine:
     def finish(self, step_s: float) -> Physics:
         """Return what was kept; step_s: s between two rows."""
         columns = [np.array(column, np.float64) for column in zip(*self._rows, strict=True)]
-        times: Floats = np.arange(len(self._rows), dtype=np.float64) * step_s
-        return Physics(float(self._model.body_subtreemass[0]), times, *columns)
+        base, attitude, base_velocity, *joints, foot, foot_velocity = columns[:8]
+        place, turn, force, point = columns[8:]
+        times: Floats = np.arange(len(base), dtype=np.float64) * step_s
+        # The engine's quaternions begin with w.
+        attitude, turn = np.roll(attitude, -1, axis=-1), np.roll(turn, -1, axis=-1)
+        back = np.repeat(inverse(attitude), len(FEET), axis=0)
+        away = (place - base[:, None]).reshape(-1, 3)
+        calf = np.concatenate([turned(back, away), product(back, turn.reshape(-1, 4))], axis=1)
+        position, velocity, torque = joints
+        return Physics(
+            mass_kg=float(self._model.body_subtreemass[0]),
+            time=times,
+            base=base,
+            attitude=attitude,
+            base_velocity=base_velocity,
+            position=position,
+            velocity=velocity,
+            torque=torque,
+            foot=foot,
+            foot_velocity=foot_velocity,
+            calf=calf.reshape(len(base), len(FEET), 7),
+            force=force,
+            point=point,
+        )
 
     def _row(self, position: Floats, velocity: Floats) -> tuple[Any, ...]:
         data, kinds = self._data, mujoco.mjtObj
-        base, turn = data.xpos[_TRUNK].copy(), data.xmat[_TRUNK].reshape(3, 3)
         feet = np.array([self._velocity(kinds.mjOBJ_SITE, site)[3:] for site in self._sites])
         force, point = np.zeros((len(FEET), 3)), np.full((len(FEET), 3), np.nan)
-        for number in range(data.ncon):
-            contact, local = data.contact[number], np.zeros(6)
-            pair = contact.geom1, contact.geom2
+        contacts, local = data.contact, np.zeros(6)
+        pairs, frames, places = contacts.geom, contacts.frame, contacts.pos
+        for number, pair in enumerate(pairs.tolist()):
             foot = next(self._balls[geom] for geom in pair if geom in self._balls)
             mujoco.mj_contactForce(self._model, data, number, local)
-            away = 1.0 if contact.geom2 in self._balls else -1.0
-            force[foot] += away * contact.frame.reshape(3, 3).T @ local[:3]
-            point[foot] = contact.pos
-        w, x, y, z = data.xquat[self._calves].T
-        attitude = np.roll(data.xquat[_TRUNK], -1)
-        turned = product(inverse(attitude[None]), np.column_stack([x, y, z, w]))
-        calf = np.column_stack([(data.xpos[self._calves] - base) @ turn, turned])
+            away = 1.0 if pair[1] in self._balls else -1.0
+            force[foot] += away * frames[number].reshape(3, 3).T @ local[:3]
+            point[foot] = places[number]
         return (
-            base,
-            attitude,
+            data.xpos[_TRUNK].copy(),
+            data.xquat[_TRUNK].copy(),
             self._velocity(kinds.mjOBJ_BODY, _TRUNK),
             position,
             velocity,
             data.actuator_force[-len(JOINTS) :].copy(),
-            data.site_xpos[self._sites].copy(),
+            data.site_xpos[self._sites],
             feet,
-            calf,
+            data.xpos[self._calves],
+            data.xquat[self._calves],
             force,
             point,
         )
@@ -267,6 +285,11 @@ class _Messages(Messages):
         return bytes(self.store.serialize_cdr(self._make(STRING, data=urdf()), STRING))
 
 
+@cache
+def _messages() -> _Messages:
+    return _Messages(2)
+
+
 @dataclass(frozen=True, slots=True)
 class Commands:
     """Velocity commands: what was sent, and when."""
@@ -307,73 +330,50 @@ def write_log(
         names: of the joints in their states.
         drift: metres by which the odometry goes astray, to the left, a metre of the way.
     """
-    physics, make = robot or trot(), _Messages(2)
-    rows = range(0, len(physics.time), every)
+    physics, make = robot or trot(), _messages()
+    rows = slice(0, None, every)
     states = (physics.position, physics.velocity, physics.torque)
-    told = [np.asarray(each) for each in (change(*states) if change else states)]
-    entries: list[tuple[int, str, str, bytes]] = []
-    odometry = make.odometry("world", "base_link")
-    shares = np.array_split(np.arange(len(JOINTS)), publishers)
-    joints = [make.joint_states(tuple(names[j] for j in share)) for share in shares]
-    calves = make.transforms("base_link", [f"{foot}_calf" for foot in FEET])
-    wrench = [make.wrench_stamped(f"{foot}_foot") for foot in FEET]
-    none = [make.no_contact(f"{foot}_calf") for foot in FEET]
-    bump = [make.contact(f"{foot}_calf", f"robot::{foot}_calf::{foot}_collision") for foot in FEET]
-    speed = turned(inverse(physics.attitude), physics.base_velocity[:, 3:])
+    told = [np.asarray(each)[rows] for each in (change(*states) if change else states)]
+    seconds = physics.time[rows]
+    time = ORIGIN_NS + np.rint(seconds * 1e9).astype(np.int64)
+    entries: list[Entry] = []
+
+    def add(topic: str, kind: str, time: Ints, data: Sequence[bytes]) -> None:
+        entries.extend(
+            (at, topic, kind, each) for at, each in zip(time.tolist(), data, strict=True)
+        )
+
     if not by_transforms:
         entries.append((ORIGIN_NS, "/robot_description", STRING, make.description()))
     if commands is not None:
-        entries += _commands(make, commands)
-    for row in rows:
-        time = ORIGIN_NS + round(physics.time[row] * 1e9)
-        x, y, z = physics.base[row].tolist()
-        pose = (x, y + drift * x, z, *physics.attitude[row].tolist(), *speed[row].tolist())
-        entries.append((time, "/odom", ODOMETRY, odometry.filled(time, pose)))
-        for number, share in enumerate(shares):
-            numbers = np.concatenate([each[row, share] for each in told])
-            topic = f"/joint_states_{number}" if number else "/joint_states"
-            if not silence_s[0] <= physics.time[row] < silence_s[1]:
-                data = joints[number].filled(time, numbers.tolist())
-                entries.append((time, topic, JOINT_STATE, data))
-        if by_transforms:
-            data = calves.filled(time, physics.calf[row].ravel().tolist())
-            entries.append((time, "/tf", TF, data))
-        for foot in range(len(FEET)):
-            force, point = physics.force[row, foot], physics.point[row, foot]
-            if not (by_transforms if points is None else points):
-                size = (0.0, 0.0, float(np.linalg.norm(force)))
-                data, kind = wrench[foot].filled(time, size), WRENCH
-            elif np.isnan(point).any():
-                data, kind = none[foot].filled(time, ()), CONTACTS
-            else:
-                numbers = np.concatenate([force, force, point, (0.0, 0.0, 1.0)])
-                data, kind = bump[foot].filled(time, numbers.tolist()), CONTACTS
-            entries.append((time, f"/{NAMES[foot]}_foot_contact", kind, data))
-    _write(path, make, sorted(entries, key=lambda entry: entry[0]))
-    return path
-
-
-def _commands(make: Messages, commands: Commands) -> list[tuple[int, str, str, bytes]]:
-    """Return the messages of velocity commands."""
-    twist = make.twist()
-    return [
-        (time, "/cmd_vel", TWIST, twist.filled(time, value))
-        for time, value in zip(
-            (ORIGIN_NS + np.rint(commands.time * 1e9).astype(np.int64)).tolist(),
-            commands.velocity.tolist(),
-            strict=True,
-        )
-    ]
-
-
-def _write(path: Path, make: Messages, entries: list[tuple[int, str, str, bytes]]) -> None:
-    with path.open("wb") as stream:
-        writer = McapWriter(stream, 1 << 18, CompressionType.ZSTD)
-        writer.start(profile="ros2")
-        channels: dict[str, int] = {}
-        for time, topic, kind, data in entries:
-            if topic not in channels:
-                schema = writer.register_schema(kind, "ros2msg", make.definition(kind).encode())
-                channels[topic] = writer.register_channel(topic, "cdr", schema)
-            writer.add_message(channels[topic], time, data, time)
-        writer.finish()
+        sent = ORIGIN_NS + np.rint(commands.time * 1e9).astype(np.int64)
+        add("/cmd_vel", TWIST, sent, make.twist().all_filled(sent, commands.velocity))
+    speed = turned(inverse(physics.attitude), physics.base_velocity[:, 3:])
+    place = physics.base + drift * physics.base[:, :1] * [0.0, 1.0, 0.0]
+    poses = np.concatenate([place, physics.attitude, speed], axis=1)[rows]
+    add("/odom", ODOMETRY, time, make.odometry("world", "base_link").all_filled(time, poses))
+    heard = (seconds < silence_s[0]) | (seconds >= silence_s[1])
+    for number, share in enumerate(np.array_split(np.arange(len(JOINTS)), publishers)):
+        numbers = np.concatenate([each[heard][:, share] for each in told], axis=1)
+        joints = make.joint_states(tuple(names[joint] for joint in share))
+        topic = f"/joint_states_{number}" if number else "/joint_states"
+        add(topic, JOINT_STATE, time[heard], joints.all_filled(time[heard], numbers))
+    if by_transforms:
+        calves = make.transforms("base_link", [f"{foot}_calf" for foot in FEET])
+        add("/tf", TF, time, calves.all_filled(time, physics.calf[rows].reshape(len(time), -1)))
+    for number, foot in enumerate(FEET):
+        topic = f"/{NAMES[number]}_foot_contact"
+        force, point = physics.force[rows, number], physics.point[rows, number]
+        if not (by_transforms if points is None else points):
+            size = np.linalg.norm(force, axis=1)[:, None] * [0.0, 0.0, 1.0]
+            add(topic, WRENCH, time, make.wrench_stamped(f"{foot}_foot").all_filled(time, size))
+            continue
+        down = ~np.isnan(point).any(axis=1)
+        none, nothing = make.no_contact(f"{foot}_calf"), np.empty((int((~down).sum()), 0))
+        add(topic, CONTACTS, time[~down], none.all_filled(time[~down], nothing))
+        bump = make.contact(f"{foot}_calf", f"robot::{foot}_calf::{foot}_collision")
+        up = np.tile([0.0, 0.0, 1.0], (len(time), 1))
+        numbers = np.concatenate([force, force, point, up], axis=1)[down]
+        add(topic, CONTACTS, time[down], bump.all_filled(time[down], numbers))
+    entries.sort(key=lambda entry: entry[0])
+    return write_mcap(path, entries, make.definition, 1 << 18, "zstd")

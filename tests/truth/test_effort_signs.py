@@ -22,6 +22,13 @@ WAYS: Final = {
     "joints": {"by_transforms": False, "points": True},
     "force sensors": {"by_transforms": False},
 }
+LOGS: Final = (
+    (0.0, "transforms"),
+    (0.0, "joints"),
+    (0.0, "force sensors"),
+    (DOWN_RAD, "transforms"),
+    (UP_RAD, "force sensors"),
+)
 
 
 def robot(slope_rad: float) -> physics.Physics:
@@ -57,8 +64,7 @@ def true_work(slope_rad: float) -> tuple[float, float]:
     return float(power.clip(0.0).sum() * a_stride), float(power.sum() * a_stride)
 
 
-@pytest.mark.parametrize("way", WAYS)
-@pytest.mark.parametrize("slope_rad", [0.0, DOWN_RAD, UP_RAD], ids=["level", "down", "up"])
+@pytest.mark.parametrize(("slope_rad", "way"), LOGS)
 def test_right_signs_are_not_doubted(
     measured: Callable[..., dl.Walk], slope_rad: float, way: str
 ) -> None:
@@ -72,16 +78,7 @@ def test_right_signs_are_not_doubted(
     assert found == pytest.approx(net, abs=0.03 * legs["absolute_work_j"]["mean"])
 
 
-@pytest.mark.parametrize(
-    ("slope_rad", "way"),
-    [
-        (0.0, "transforms"),
-        (0.0, "joints"),
-        (0.0, "force sensors"),
-        (DOWN_RAD, "transforms"),
-        (UP_RAD, "force sensors"),
-    ],
-)
+@pytest.mark.parametrize(("slope_rad", "way"), LOGS)
 def test_all_signs_wrong(measured: Callable[..., dl.Walk], slope_rad: float, way: str) -> None:
     walk, right = measured(slope_rad, way, ALL), measured(slope_rad, way)
     assert len(doubts(walk)) == 1
@@ -97,13 +94,12 @@ def test_all_signs_wrong(measured: Callable[..., dl.Walk], slope_rad: float, way
     np.testing.assert_array_equal(walk.strides["absolute_work_j"], right.strides["absolute_work_j"])
 
 
-@pytest.mark.parametrize("way", ["transforms", "joints"])
 @pytest.mark.parametrize(
-    ("turned", "named"),
+    ("way", "turned", "named"),
     [
-        (LEG, "FR_calf_joint, FR_thigh_joint"),
-        (LEG[2:], "FR_calf_joint"),
-        (LEG[1:2], "FR_thigh_joint"),
+        ("transforms", LEG, "FR_calf_joint, FR_thigh_joint"),
+        ("joints", LEG[2:], "FR_calf_joint"),
+        ("transforms", LEG[1:2], "FR_thigh_joint"),
     ],
     ids=["leg", "calf", "thigh"],
 )

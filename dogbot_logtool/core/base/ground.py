@@ -95,12 +95,12 @@ def _ground_normal(feet: Sequence[FootHistory], within: Ints | None) -> Floats |
     """(3,) unit normal, upwards, of the plane through the feet's contact points."""
     points = [_standing_points(foot, within) for foot in feet]
     points = [each for each in points if len(each)]
-    if sum(len(each) for each in points) < FEWEST_POINTS or not points:
+    if sum(len(each) for each in points) < FEWEST_POINTS:
         return None
     all_points = np.concatenate(points)
     about = all_points - all_points.mean(axis=0)
-    _, extent, axes = np.linalg.svd(about, full_matrices=False)
-    rms = extent / np.sqrt(len(about))
+    _, squares, axes = np.linalg.svd(about.T @ about / len(about))
+    rms = np.sqrt(squares)
     # Two directions on the ground must be known, and hardly anything off it.
     if rms[1] < LOWEST_M or rms[2] > FLAT * rms[1]:
         return None

@@ -226,8 +226,7 @@ def feet_down(instants: Ints, feet: Sequence[FootHistory]) -> tuple[Floats, Floa
 
 def _nearest(time: Ints, instants: Ints) -> tuple[Ints, Flags]:
     """(n,) row nearest to each instant, and whether it is near enough."""
-    after = np.clip(np.searchsorted(time, instants), 1, max(len(time) - 1, 1))
-    after = np.minimum(after, len(time) - 1)
+    after = np.minimum(np.searchsorted(time, instants), len(time) - 1)
     before = np.maximum(after - 1, 0)
     later = np.abs(time[after] - instants) < np.abs(time[before] - instants)
     row = np.where(later, after, before)

@@ -16,7 +16,7 @@ INF: Final = math.inf
 UPRIGHT: Final = (0.0, 0.0, 0.0, 1.0)
 EPOCH_NS: Final = 1_600_000_000 * 1_000_000_000
 
-generated = settings(max_examples=200, deadline=None)
+generated = settings(max_examples=100, deadline=None)
 
 
 def odometry(

@@ -403,7 +403,7 @@ def states(draw: st.DrawFn) -> State:
     )
 
 
-@settings(max_examples=200, deadline=None)
+@settings(max_examples=100, deadline=None)
 @given(data=st.data(), messages=st.lists(st.lists(states(), max_size=3).map(tuple), max_size=5))
 def test_samples_equal_a_plain_reading_however_states_of_messages_mix(
     data: st.DataObject, messages: list[Message]

@@ -33,7 +33,7 @@ def signals(draw: st.DrawFn) -> tuple[Ints, Floats]:
     return first + np.cumsum(np.array(steps, np.int64)), np.array(value, np.float64)
 
 
-@settings(max_examples=150)
+@settings(max_examples=75)
 @given(signals(), st.integers(2, 40), st.data())
 def test_each_bin_keeps_its_lowest_and_its_highest_sample(
     signal: tuple[Ints, Floats], most: int, data: st.DataObject

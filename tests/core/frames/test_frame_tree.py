@@ -93,7 +93,7 @@ def test_a_ladder_of_second_parents_is_not_walked_again_and_again() -> None:
     assert len(list(walk(pairs))) == len(pairs) + 1
 
 
-@settings(max_examples=200, deadline=None)
+@settings(max_examples=100, deadline=None)
 @given(graphs)
 def test_shapes_agree_with_reachability(pairs: list[Pair]) -> None:
     closed = reachable(pairs)

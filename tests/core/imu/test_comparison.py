@@ -73,21 +73,21 @@ def dead(_: int, foot: FootRecording) -> FootRecording:
 
 
 TILT = np.deg2rad(20.0)
-CLEAN = {
-    "walk": walk(),
-    "trot": Walk(gait=TROT, seconds=12.0).recorded(200.0, 100.0),
-    "pace": Walk(gait=PACE, seconds=12.0).recorded(200.0, 100.0),
-    "uphill": walk(slope_rad=0.1),
-    "turned": walk(heading_rad=0.7, body_yaw_rad=0.4),
-    "shares": walk(shares=(0.3, 0.3, 0.2, 0.2)),
-    "accelerating": pushed(walk(), (0.6, 0.3, 0.0), 5.0),
-    "up and down": pushed(walk(), (0.0, 0.0, 0.8), 5.0),
+CLEAN: dict[str, Callable[[], Recording]] = {
+    "walk": walk,
+    "trot": lambda: Walk(gait=TROT, seconds=12.0).recorded(200.0, 100.0),
+    "pace": lambda: Walk(gait=PACE, seconds=12.0).recorded(200.0, 100.0),
+    "uphill": lambda: walk(slope_rad=0.1),
+    "turned": lambda: walk(heading_rad=0.7, body_yaw_rad=0.4),
+    "shares": lambda: walk(shares=(0.3, 0.3, 0.2, 0.2)),
+    "accelerating": lambda: pushed(walk(), (0.6, 0.3, 0.0), 5.0),
+    "up and down": lambda: pushed(walk(), (0.0, 0.0, 0.8), 5.0),
 }
 
 
 @pytest.mark.parametrize("name", CLEAN)
 def test_nothing_is_invented_in_sound_recordings(name: str) -> None:
-    stats = measured(with_imu(CLEAN[name], noise_mps2=0.2))
+    stats = measured(with_imu(CLEAN[name](), noise_mps2=0.2))
     assert codes(stats) == set()
     found, forces = compared(stats), forces_of(stats)
     assert found.mounting.reading is Reading.SOUND
@@ -197,7 +197,7 @@ def test_a_mounting_that_was_recorded_is_used() -> None:
 
 
 def test_a_mounting_that_is_turned_about_the_vertical_shows_in_accelerations() -> None:
-    moving = CLEAN["accelerating"]
+    moving = CLEAN["accelerating"]()
     seat = about_axis(2, np.array([np.pi / 2.0]))[0]
     stats = measured(with_imu(moving, mounting=seat))
     assert codes(stats) == {"W_IMU_TURNED"}
@@ -215,7 +215,7 @@ def in_frame(rotation: Floats) -> Callable[[int, FootRecording], FootRecording]:
 
 
 def test_forces_in_a_frame_that_is_turned_about_the_vertical_are_named() -> None:
-    recording = with_imu(CLEAN["accelerating"])
+    recording = with_imu(CLEAN["accelerating"]())
     yawed = recording.each_foot(in_frame(about_axis(2, np.array([np.pi / 2.0]))[0]))
     assert codes(measured(yawed)) == {"W_FORCES_ASIDE"}
 

@@ -90,7 +90,7 @@ def test_no_samples_have_no_loads() -> None:
     assert len(loads.force) == len(loads.body_weights) == 0
 
 
-@settings(max_examples=100, deadline=None)
+@settings(max_examples=50, deadline=None)
 @given(st.lists(st.tuples(*[st.floats(-1e4, 1e4)] * 3), max_size=10))
 def test_loads_equal_plain_arithmetic_to_the_bit(forces: list[Vector]) -> None:
     loads = loads_of(samples_of(*forces), 208.5)

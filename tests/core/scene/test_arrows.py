@@ -34,7 +34,7 @@ BODY_WEIGHT_N: Final = 208.5
 BOUNDS_NM: Final = (380, 440, 490, 510, 580, 645, 750)
 BLACK: Final = [0.0, 0.0, 0.0, 1.0]
 
-generated = settings(max_examples=150, deadline=None)
+generated = settings(max_examples=75, deadline=None)
 
 
 # --- the live script, message by message ------------------------------------------------------
@@ -308,7 +308,7 @@ messages_strategy: Final = st.lists(
 )
 
 
-@settings(generated, max_examples=60)
+@settings(generated, max_examples=30)
 @given(messages_strategy)
 def test_classic_equals_the_script_to_the_bit(messages: list[Message]) -> None:
     assert_as_the_script(messages)
@@ -558,7 +558,7 @@ unit_vectors: Final = st.one_of(
 )
 
 
-@settings(generated, max_examples=400)
+@settings(generated, max_examples=150)
 @given(unit_vectors)
 def test_the_rotation_turns_x_to_the_direction(direction: Vector) -> None:
     (quaternion,) = turn_x_to(vectors([direction]))
@@ -567,7 +567,7 @@ def test_the_rotation_turns_x_to_the_direction(direction: Vector) -> None:
     assert turned_x(quaternion) == pytest.approx(list(direction), abs=2e-15)
 
 
-@settings(generated, max_examples=200)
+@settings(generated, max_examples=100)
 @given(unit_vectors)
 def test_the_rotation_is_the_shortest(direction: Vector) -> None:
     (quaternion,) = turn_x_to(vectors([direction]))

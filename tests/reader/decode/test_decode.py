@@ -53,7 +53,7 @@ CLOCKS: Final = {
 }
 
 generated = settings(
-    max_examples=60,
+    max_examples=30,
     deadline=None,
     suppress_health_check=[HealthCheck.too_slow, HealthCheck.data_too_large],
 )
@@ -679,7 +679,7 @@ DAMAGES: Final[dict[str, Callable[[bytes], list[bytes]]]] = {
 
 @pytest.mark.parametrize("damage", DAMAGES)
 @pytest.mark.parametrize("wire", WIRES)
-@settings(generated, max_examples=25)
+@settings(generated, max_examples=12)
 @given(data=st.data(), seed=st.integers(0, 2**32))
 def test_a_message_is_unsound_if_and_only_if_rosbags_refuses_it(
     wire: Wire, damage: str, data: st.DataObject, seed: int
@@ -723,7 +723,7 @@ def oracle_verdict(
 
 
 @pytest.mark.parametrize("wire", WIRES)
-@settings(generated, max_examples=30)
+@settings(generated, max_examples=15)
 @given(data=st.data(), seed=st.integers(0, 2**32))
 def test_a_message_is_judged_the_same_when_it_is_alone_in_its_buffer(
     wire: Wire, data: st.DataObject, seed: int

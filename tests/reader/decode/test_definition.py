@@ -381,7 +381,7 @@ def test_a_definition_that_is_too_deep_is_refused() -> None:
     # No parentheses: rosbags' IDL parser takes 50 times longer for every level of them.
     added=st.text("\n =[]<>{};:,#/@\"'-+*_aZ09é\0", max_size=8),
 )
-@settings(max_examples=150, deadline=None)
+@settings(max_examples=75, deadline=None)
 def test_a_damaged_definition_is_parsed_or_refused_with_one_error(
     place: int, removed: int, added: str
 ) -> None:

@@ -12,10 +12,11 @@ from xml.etree import ElementTree as ET
 import matplotlib as mpl
 import numpy as np
 import pytest
+from matplotlib.figure import Figure
 from pypdf import PdfReader
 from pypdf.generic import DictionaryObject
 
-from dogbot_logtool.commands.load_detail import load_curves_within
+from dogbot_logtool.commands.load_detail import FeetCurves, load_curves_within
 from dogbot_logtool.commands.plot import write_plot
 from dogbot_logtool.commands.stats import measure
 from dogbot_logtool.core.contact.curves import CurveDetail
@@ -48,12 +49,22 @@ def draw(
     window: Window | None = None,
     size_mm: tuple[float, float | None] | None = None,
 ) -> bytes:
+    file = io.BytesIO()
+    write_figure(figure_of(path, window, size_mm), file, form)
+    return file.getvalue()
+
+
+def figure_of(
+    path: Path, window: Window | None, size_mm: tuple[float, float | None] | None
+) -> Figure:
     stats = measured(path).stats
     window = window or default_window(stats)
-    curves = load_curves_within(path, StatsOptions(), measured(path), window)
-    file = io.BytesIO()
-    write_figure(gait_figure(stats, curves, window, size_mm), file, form)
-    return file.getvalue()
+    return gait_figure(stats, load_curves(path, window), window, size_mm)
+
+
+@cache
+def load_curves(path: Path, window: Window) -> FeetCurves:
+    return load_curves_within(path, StatsOptions(), measured(path), window)
 
 
 drawn = cache(draw)
@@ -190,7 +201,8 @@ def test_the_size_is_in_millimetres() -> None:
 
     usual = size(None)
     assert usual[0] == pytest.approx(85.0)
-    assert size((85.0, None)) == pytest.approx(usual)
+    inches = figure_of(WALK, None, (85.0, None)).get_size_inches()
+    assert 25.4 * inches == pytest.approx(usual)
     assert size((180.0, 60.0)) == pytest.approx((180.0, 60.0))
     with pytest.raises(CallError, match="at least"):
         size((85.0, 30.0))

@@ -14,7 +14,7 @@ from tests.oracles.small_logs import first_seconds
 from tests.paths import SAMPLE_LOGS
 
 TROT, TROUBLED = (
-    first_seconds(SAMPLE_LOGS / f"dogbot_{name}.bag", 4.0) for name in ("trot", "troubled")
+    first_seconds(SAMPLE_LOGS / f"dogbot_{name}.bag") for name in ("trot", "troubled")
 )
 LONG = "a_log_with_a_name_that_is_longer_than_any_column_of_a_table_in_a_terminal.bag"
 TOPIC = "/a/topic/that/does/not/fit/into/a/line/of/forty/columns"
