@@ -17,13 +17,12 @@ SAMPLE := sample_logs/dogbot_trot.bag
 export PIP_DISABLE_PIP_VERSION_CHECK := 1
 export PIP_NO_PYTHON_VERSION_WARNING := 1
 
-.PHONY: help demo test test-slow test-all lint format samples golden fuzz torture mutants bench guard docs pictures validate vendor clean
+.PHONY: help demo test test-slow lint format samples golden fuzz torture mutants bench guard docs pictures validate vendor clean
 
 help:
 	@echo "make demo     convert a sample log and look at it"
 	@echo "make test     run the tests; ARGS: words for pytest"
 	@echo "make test-slow run the tests that take many seconds each"
-	@echo "make test-all run both at once, which takes less time than one after the other"
 	@echo "make lint     style and types"
 	@echo "make format   format the code"
 	@echo "make samples  write the sample logs anew"
@@ -70,15 +69,12 @@ demo: $(VENV)/runtime
 	@$(BIN)/dogbot-logtool info $(DEMO)/dogbot_trot.annotated.mcap
 
 # Tests start many processes, which need not compile all modules each time.
-test test-slow test-all: export PYTHONDONTWRITEBYTECODE :=
+test test-slow: export PYTHONDONTWRITEBYTECODE :=
 test: $(VENV)/dev
 	$(BIN)/python -m pytest --numprocesses=auto --dist=worksteal -m "not slow" $(ARGS)
 
 test-slow: $(VENV)/dev
 	$(BIN)/python -m pytest --numprocesses=auto --dist=worksteal -m slow $(ARGS)
-
-test-all: $(VENV)/dev
-	$(BIN)/python -m pytest --numprocesses=auto --dist=worksteal $(ARGS)
 
 lint: $(VENV)/dev
 	$(BIN)/ruff check
