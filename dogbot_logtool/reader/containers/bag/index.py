@@ -190,7 +190,8 @@ def _read_section(source: ByteSource, start: int, connections: Connections) -> l
         raise MalformedRecord("it is absurdly long")
     section = source.read(start, source.size - start)
     infos: list[ChunkInfo] = []
-    offset = _skip_zeros(section)
+    # Some recorders leave zero bytes before the index; a record's length begins after them.
+    offset = len(section) - len(section.lstrip(b"\0"))
     while offset < len(section):
         record = record_at(section, offset, len(section))
         op = record.fields.op()
@@ -204,11 +205,6 @@ def _read_section(source: ByteSource, start: int, connections: Connections) -> l
             raise MalformedRecord("it holds records of another kind")
         offset = record.end
     return infos
-
-
-def _skip_zeros(section: bytes) -> int:
-    """Some recorders leave zero bytes before the index; a record's length begins after them."""
-    return len(section) - len(section.lstrip(b"\0"))
 
 
 def chunk_info(record: Record, data: bytes) -> ChunkInfo:
