@@ -7,7 +7,7 @@ from dogbot_logtool.core.base.base_history import BaseHistory
 from dogbot_logtool.core.base.tipping import find_tipping
 from dogbot_logtool.core.checked_walk import CheckedWalk, Recorded, check_walk
 from dogbot_logtool.core.command_tracking import command_track
-from dogbot_logtool.core.consistency.silences import all_silent
+from dogbot_logtool.core.consistency.stopped import all_silent
 from dogbot_logtool.core.contact.foot_history import FootHistory
 from dogbot_logtool.core.gait.foot_statistics import (
     FootStatistics,

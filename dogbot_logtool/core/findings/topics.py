@@ -38,7 +38,7 @@ def _on_log_time(stats: Stats) -> bool:
     return stats.settings.clock is TimeSource.LOG
 
 
-def topic_findings(topic: TopicQuality, *, may_pause: bool = False) -> Iterator[Finding]:
+def topic_findings(topic: TopicQuality, *, may_pause: bool) -> Iterator[Finding]:
     """Yield what is odd in the timing of a topic.
 
     Args:

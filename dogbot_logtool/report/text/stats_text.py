@@ -342,7 +342,7 @@ def _first_of_each(findings: Sequence[Finding]) -> list[Finding]:
     return list({each.code: each for each in reversed(findings)}.values())[::-1]
 
 
-def _finding(finding: Finding, more: str = "") -> RenderableType:
+def _finding(finding: Finding, more: str) -> RenderableType:
     label = f"  {finding.severity.word:<7} ", _STYLES[finding.severity]
     text = printable(finding.sentence + more)
     sentence = Text.assemble(label, text, (f"  {printable(finding.code)}", "dim"))

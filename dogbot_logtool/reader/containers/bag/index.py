@@ -20,9 +20,8 @@ from dogbot_logtool.reader.containers.bag.records import (
     record_in_file,
 )
 from dogbot_logtool.reader.containers.chunks.chunk_content import ChunkDamage
-from dogbot_logtool.reader.containers.chunks.chunk_counts import SharedCounts
 from dogbot_logtool.reader.containers.chunks.records import Heads
-from dogbot_logtool.reader.containers.contents import Channel, Chunk, Contents, Schema
+from dogbot_logtool.reader.containers.contents import Channel, Chunk, Contents, Schema, SharedCounts
 from dogbot_logtool.reader.containers.loss import Loss, described_twice
 from dogbot_logtool.reader.containers.signatures import BAG_MAGIC
 from dogbot_logtool.reader.containers.sources.source import ByteSource

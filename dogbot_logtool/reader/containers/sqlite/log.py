@@ -205,7 +205,7 @@ def _ascending(numbers: Ints, last: int | None) -> int:
     return int(falls[0]) + 1 if len(falls) else len(numbers)
 
 
-def open_sqlite(source: ByteSource, distribution: str = "") -> SqliteLog:
+def open_sqlite(source: ByteSource, distribution: str) -> SqliteLog:
     """Open a .db3 file whose magic has been seen.
 
     Args:
