@@ -1,7 +1,6 @@
 """`info` for people and for scripts."""
 
 from collections.abc import Iterator
-from datetime import UTC, datetime
 from typing import Any
 
 from rich.console import Console
@@ -13,6 +12,7 @@ from dogbot_logtool.io.storage import shown
 from dogbot_logtool.pipeline.frames.frames import Frames
 from dogbot_logtool.report.documents.damage import damage_json
 from dogbot_logtool.report.figures.recording import finding_json
+from dogbot_logtool.report.numbers import date_of
 from dogbot_logtool.report.text.console import (
     human_size,
     print_damage,
@@ -23,9 +23,6 @@ from dogbot_logtool.report.text.frames_text import frame_pairs, print_frame_name
 from dogbot_logtool.report.text.text_layout import NameTable, Row
 from dogbot_logtool.results import LogInfo
 
-_SIMULATED_BEFORE_S = 1_000_000_000
-_NEVER_S = 3e10
-"""Log times before this are simulation time, not dates."""
 _MOST_TOPICS = 1000
 """Rows of the table; laying it out takes a millisecond each."""
 
@@ -89,10 +86,8 @@ def _head(info: LogInfo) -> Iterator[tuple[str, str]]:
 
 
 def _when(time_ns: int) -> str:
-    seconds = time_ns / 1e9
-    if not _SIMULATED_BEFORE_S <= seconds < _NEVER_S:
-        return f"{seconds:.3f} s (simulation time)"
-    return f"{datetime.fromtimestamp(seconds, UTC):%Y-%m-%d %H:%M:%S} UTC"
+    date = date_of(time_ns / 1e9)
+    return f"{date:%Y-%m-%d %H:%M:%S} UTC" if date else f"{time_ns / 1e9:.3f} s (simulation time)"
 
 
 def _topics(info: LogInfo, width: int) -> NameTable:

@@ -258,7 +258,11 @@ class MessageSweep:
         if kind_of(one) == kind_of(other):
             payloads = _payload(expected, row), _payload(actual, actual_row)
             findings = self._compare_payloads(topic, (one, other), payloads)
-            self._compare_publish_times(expected, row, actual, actual_row, topic, findings)
+            published = (
+                int(expected.messages.publish_time[row]),
+                int(actual.messages.publish_time[actual_row]),
+            )
+            compare_fields(*published, topic.rules, findings, "publish_time")
         elif not tally.faults:
             findings.differ("type", kind_of(one), kind_of(other))
         else:
@@ -274,19 +278,6 @@ class MessageSweep:
         tally.deviate(f"[{position}] {findings.deviation_path}", findings.deviation)
         time_s = self._time_s(expected, row)
         self._differences.take(findings, topic.name, Kind.FIELD, position, time_s)
-
-    def _compare_publish_times(
-        self,
-        expected: Block,
-        row: int,
-        actual: Block,
-        actual_row: int,
-        topic: Topic,
-        findings: Findings,
-    ) -> None:
-        one = int(expected.messages.publish_time[row])
-        other = int(actual.messages.publish_time[actual_row])
-        compare_fields(one, other, topic.rules, findings, "publish_time")
 
     def _compare_payloads(
         self, topic: Topic, channels: tuple[Channel, Channel], payloads: tuple[bytes, bytes]
