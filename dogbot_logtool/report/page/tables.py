@@ -186,7 +186,8 @@ def leg_table(document: Json) -> Table | None:
         "Medians over whole strides. Clearance above the line between footfalls, and how far the "
         "foot's frame moves in the middle of a stance (at rest), in mm; velocity at touchdown."
     )
-    return _foot_table(TableName.LEGS, document, words)
+    feet = legs["feet"]
+    return _figures(TableName.LEGS, document, "foot", feet, words, range(len(feet)))
 
 
 def joint_table(document: Json) -> Table | None:
