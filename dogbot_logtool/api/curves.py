@@ -6,8 +6,7 @@ from typing import Any, Final
 
 import numpy as np
 
-from dogbot_logtool.api.packages import with_package
-from dogbot_logtool.api.table import Table
+from dogbot_logtool.api.table import Table, with_package
 from dogbot_logtool.core.geometry.arrays import Floats
 
 POINTS: Final = 101

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, Final, Literal, TypedDict, TypeVar, cast,
 from dogbot_logtool.core.scene.styles import ARROW_STYLES, DEFAULT_STYLE
 from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.errors import CallError
-from dogbot_logtool.io.listing import listed
+from dogbot_logtool.io.printable import listed
 from dogbot_logtool.io.storage import location
 from dogbot_logtool.pipeline.options import (
     ConvertOptions,

@@ -1,14 +1,17 @@
 """A table: numpy columns of one length, with units in their names."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
-from typing import Any
+from importlib import import_module
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
-from dogbot_logtool.api.packages import with_package
+from dogbot_logtool.errors import LogtoolError
 from dogbot_logtool.report.files.table_file import arrow_table
+
+Result = TypeVar("Result")
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
@@ -84,3 +87,19 @@ def texts(values: list[str | None]) -> NDArray[np.object_]:
     column = np.empty(len(values), np.object_)
     column[:] = values
     return column
+
+
+def with_package(package: str, make: Callable[[Any], Result]) -> Result:
+    """Call a function with a package that may not be installed.
+
+    Raises:
+        LogtoolError: it is not installed.
+    """
+    try:
+        module = import_module(package)
+    except ImportError as error:
+        raise LogtoolError(
+            f"{package} is not installed; 'pip install {package}' into the environment of this "
+            "Python installs it"
+        ) from error
+    return make(module)

@@ -22,7 +22,7 @@ from dogbot_logtool.core.geometry.clock import TimeSource
 from dogbot_logtool.core.geometry.timespans import covers
 from dogbot_logtool.core.statistics import Stats
 from dogbot_logtool.errors import CallError
-from dogbot_logtool.io.listing import listed
+from dogbot_logtool.io.printable import listed
 from dogbot_logtool.io.storage import Location, location
 from dogbot_logtool.pipeline.time_span import refuse_window
 from dogbot_logtool.report.documents.stats_json import stats_json

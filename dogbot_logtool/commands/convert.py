@@ -15,9 +15,9 @@ from dogbot_logtool.errors import LogError
 from dogbot_logtool.finding import Finding, by_severity, note, warning
 from dogbot_logtool.io.output import refuse_bad_target, whole_file
 from dogbot_logtool.io.storage import Location, shown
+from dogbot_logtool.pipeline.conversion.annotating import annotations_of
 from dogbot_logtool.pipeline.conversion.batch import BatchConverter, ConvertedBatch, Counts
 from dogbot_logtool.pipeline.conversion.batch_state import BatchState
-from dogbot_logtool.pipeline.conversion.channels import annotations_of
 from dogbot_logtool.pipeline.conversion.events import WalkEvents, event_records, walk_events
 from dogbot_logtool.pipeline.conversion.plan import ConversionPlan, make_plan, without_tf
 from dogbot_logtool.pipeline.conversion.provenance_record import provenance_record
@@ -28,7 +28,11 @@ from dogbot_logtool.pipeline.time_span import refuse_empty_span
 from dogbot_logtool.pipeline.topics.annotated import open_recorded
 from dogbot_logtool.pipeline.topics.selection import select_topics
 from dogbot_logtool.reader.containers.log import Log, Loss
-from dogbot_logtool.reader.containers.mcap.extras import read_extra
+from dogbot_logtool.reader.containers.mcap.records import (
+    channel_record,
+    read_extra,
+    schema_record,
+)
 from dogbot_logtool.reader.salvage.losses import malformed_messages, wrong_statistics
 from dogbot_logtool.results import Conversion
 from dogbot_logtool.run.in_order import OnProgress, in_order_with_state
@@ -211,21 +215,9 @@ def _start(file: BinaryIO, log: Log, plan: ConversionPlan, annotations: Annotati
         copied = {n: c for n, c in log.channels.items() if n not in plan.left_out}
         schemas = {c.schema.id: c.schema for c in copied.values() if c.schema is not None}
         for _, schema in sorted(schemas.items()):
-            writer.add_schema(
-                records.Schema(
-                    id=schema.id, name=schema.name, encoding=schema.encoding, data=schema.data
-                )
-            )
+            writer.add_schema(schema_record(schema))
         for _, channel in sorted(copied.items()):
-            writer.add_channel(
-                records.Channel(
-                    id=channel.id,
-                    topic=channel.topic,
-                    message_encoding=channel.message_encoding,
-                    metadata=dict(channel.metadata),
-                    schema_id=channel.schema.id if channel.schema else 0,
-                )
-            )
+            writer.add_channel(channel_record(channel))
     for ours_schema in annotations.added.schemas:
         writer.add_schema(ours_schema)
     for ours_channel in annotations.added.channels:

@@ -6,16 +6,20 @@ from dataclasses import replace
 from typing import Any, BinaryIO, Final
 
 from dogbot_logtool.commands.load_detail import with_detail
-from dogbot_logtool.commands.replay import replay_of
 from dogbot_logtool.commands.stats import measure
 from dogbot_logtool.core.contact.curves import CurveDetail
 from dogbot_logtool.io.output import refuse_bad_target, whole_file
 from dogbot_logtool.io.storage import Location, file_name, is_folder, shown, version
 from dogbot_logtool.io.targets import Output, targets
 from dogbot_logtool.pipeline.options import StatsOptions
+from dogbot_logtool.pipeline.probe import probe_log
+from dogbot_logtool.pipeline.robot_model.limbs import read_limbs
+from dogbot_logtool.pipeline.topics.annotated import open_recorded
+from dogbot_logtool.pipeline.topics.selection import select_topics
 from dogbot_logtool.report.page.assets import page_script, shared_name
 from dogbot_logtool.report.page.index_page import IndexRow, index, index_row
 from dogbot_logtool.report.page.render import ALONE, Beside, Damage, page
+from dogbot_logtool.report.page.replay import frame_times, replay
 from dogbot_logtool.report.text.gait_diagram import default_window
 from dogbot_logtool.results import Measurement, Page
 from dogbot_logtool.run.in_order import OnProgress
@@ -119,3 +123,30 @@ def _page_of(
     damage = [Damage(loss.offset, loss.bytes, loss.what) for loss in measured.losses]
     size = 0 if is_folder(source) else version(source)[0]
     return page(measured.stats, measured.facts, damage, size, replay=replay, beside=beside)
+
+
+def replay_of(
+    source: Location, options: StatsOptions, measured: Measurement
+) -> dict[str, Any] | None:
+    """Return what the page's replay draws; None without poses of the base.
+
+    Args:
+        source: the log.
+        options: those that it was measured with.
+        measured: its figures, with load curves.
+
+    Raises:
+        LogError: the log cannot be read any more.
+    """
+    stats = measured.stats
+    if not len(stats.base_history.time):
+        return None
+    time = frame_times(stats)
+    log = open_recorded(source, options.topics.joined)
+    try:
+        selection = select_topics(log, options.topics)
+        probe, clock = probe_log(log, selection, with_soles=True), stats.settings.clock
+        limbs = read_limbs(log, selection, probe, clock, time, options.jobs)
+        return replay(stats, time, limbs)
+    finally:
+        log.close()

@@ -3,18 +3,19 @@
 from collections import Counter
 from collections.abc import Generator, Sequence
 from contextlib import closing
-from dataclasses import field
+from dataclasses import field, replace
 from functools import partial
 
-from dogbot_logtool.commands.planned import options_of_plan, with_plan
 from dogbot_logtool.core.accumulator import OnSamples, StatsAccumulator
 from dogbot_logtool.core.contact.silent_swing import SwingInserter
-from dogbot_logtool.core.geometry.clock import UnusableStamps
+from dogbot_logtool.core.gait.planned import follow_plan
+from dogbot_logtool.core.geometry.clock import TimeSource, UnusableStamps
 from dogbot_logtool.core.plausible import IMPLAUSIBLE
+from dogbot_logtool.core.statistics import Stats
 from dogbot_logtool.dataclass import dataclass
-from dogbot_logtool.finding import Finding, warning
+from dogbot_logtool.finding import Finding, note, warning
 from dogbot_logtool.io.storage import Location, shown
-from dogbot_logtool.pipeline.feet.plans import planned_feet
+from dogbot_logtool.pipeline.feet.message_feet import planned_feet
 from dogbot_logtool.pipeline.frames.world_frames import StreamedFrames
 from dogbot_logtool.pipeline.measuring.batch import BatchMeasurer, MeasuredBatch
 from dogbot_logtool.pipeline.measuring.plan import MeasuringPlan, make_plan
@@ -51,8 +52,39 @@ def measure(
     measured, plan = _measured_feet(path, options, progress, on_samples)
     if not plan:
         return measured
-    planned, _ = _measured_feet(path, options_of_plan(options, plan), progress, None)
-    return with_plan(measured, planned.stats)
+    planned, _ = _measured_feet(path, _options_of_plan(options, plan), progress, None)
+    return _with_plan(measured, planned.stats)
+
+
+def _options_of_plan(options: StatsOptions, feet: tuple[Foot, ...]) -> StatsOptions:
+    """Return the options that measure a plan of the feet instead of their sensors."""
+    topics = replace(
+        options.topics, foot_topics=None, offsets_n=None, takes_offsets=False, feet=feet
+    )
+    return replace(options, topics=topics, curves=None)
+
+
+def _with_plan(measured: Measurement, planned: Stats) -> Measurement:
+    """Add how the feet follow their plan.
+
+    Args:
+        measured: of the feet by their sensors.
+        planned: of the planned ones.
+    """
+    stats = measured.stats
+    clocks = [each.settings.time_source or TimeSource.HEADER for each in (stats, planned)]
+    plan = {foot.name: foot for foot in planned.feet}
+    topics = sorted({foot.topic for foot in planned.feet})
+    if clocks[0] is not clocks[1]:
+        text = f"{topics[0]} is a plan on another clock than the feet: they are not compared"
+        facts = replace(
+            measured.facts, findings=[*measured.facts.findings, note("PLAN_NOT_COMPARED", text)]
+        )
+        return replace(measured, facts=facts)
+    found = tuple(
+        follow_plan(foot, plan[foot.name]) if foot.name in plan else None for foot in stats.feet
+    )
+    return replace(measured, stats=replace(stats, planned=found))
 
 
 def _measured_feet(

@@ -234,7 +234,7 @@ class Comparison:
 def field_difference(
     found: FieldDifference,
     topic: str,
-    kind: Kind = Kind.FIELD,
+    kind: Kind,
     index: int | None = None,
     time_s: float | None = None,
 ) -> Difference:

@@ -99,7 +99,7 @@ class StatsAccumulator:
         for checked in self._odometry.add(odometry):
             self._base.add(checked)
 
-    def add_commands(self, commands: "VectorSamples", frames: Sequence[str] = ()) -> None:
+    def add_commands(self, commands: "VectorSamples", frames: Sequence[str]) -> None:
         """Take in velocity commands in the order of the log.
 
         Args:
@@ -110,7 +110,7 @@ class StatsAccumulator:
             self._commands = _recorder(self._settings.command_topic, averages=False)
         self._commands.add(commands, frames)
 
-    def add_accelerations(self, sensed: "VectorSamples", frames: Sequence[str] = ()) -> None:
+    def add_accelerations(self, sensed: "VectorSamples", frames: Sequence[str]) -> None:
         """Take in what an accelerometer reads, in the order of the log.
 
         Args:

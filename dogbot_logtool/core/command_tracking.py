@@ -43,7 +43,7 @@ def command_track(
     return follow_commands(commands, base, jumps.spans, forward_axis, stepping, period_s)
 
 
-def tracking_in(track: "CommandTrack | None", within: Ints | None = None) -> "Tracking | None":
+def tracking_in(track: "CommandTrack | None", within: Ints | None) -> "Tracking | None":
     """Measure how the base follows commands in some spans, (w, 2) ns, or in the whole log."""
     if track is None:
         return None

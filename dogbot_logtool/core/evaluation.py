@@ -7,16 +7,14 @@ from dogbot_logtool.core.base.base_history import BaseHistory
 from dogbot_logtool.core.base.tipping import find_tipping
 from dogbot_logtool.core.checked_walk import CheckedWalk, Recorded, check_walk
 from dogbot_logtool.core.command_tracking import command_track
-from dogbot_logtool.core.consistency.silences import all_silent
+from dogbot_logtool.core.consistency.stopped import all_silent
 from dogbot_logtool.core.contact.foot_history import FootHistory
 from dogbot_logtool.core.gait.foot_statistics import (
-    FootStatistics,
     contact_time_without_pose_s,
     overlap,
 )
 from dogbot_logtool.core.gait.reference_foot import any_strides, gait_input, reference_strides
 from dogbot_logtool.core.gait.segments import (
-    Segment,
     find_segments,
     main_segment,
     transition_strides,
@@ -67,7 +65,9 @@ def work_out(settings: StatsSettings, recorded: Recorded) -> Stats:
         segment_figures=tuple(
             _segment_figures(walk, each.spans, strides, track) for each in segments
         ),
-        transition_strides=_transition_strides(segments, feet, gait.reference),
+        transition_strides=transition_strides(segments, feet[gait.reference].strides)
+        if feet
+        else 0,
         main=main_segment(segments),
         support=supported,
         loads=walk.loads(strides.spans),
@@ -124,12 +124,6 @@ def _imu(walk: CheckedWalk, inertial: "VectorHistory | None") -> "ImuComparison 
         fallen=walk.fallen,
         strides=timespans.merge(strides),
     )
-
-
-def _transition_strides(
-    segments: Sequence[Segment], feet: Sequence[FootStatistics], reference: int
-) -> int:
-    return transition_strides(segments, feet[reference].strides) if feet else 0
 
 
 def _extent(feet: Sequence[FootHistory], base: BaseHistory) -> tuple[int, int]:

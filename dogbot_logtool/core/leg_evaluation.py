@@ -39,7 +39,7 @@ from dogbot_logtool.core.legs.swings import (
 )
 from dogbot_logtool.core.load.slip import slip_m
 from dogbot_logtool.core.quality.clocks import ClockDifference, too_far_apart
-from dogbot_logtool.core.statistics import SegmentFigures, Stats
+from dogbot_logtool.core.statistics import Stats
 
 IDLE: Final = 0.02
 """rad or m: joints of no leg that move by less are only counted."""
@@ -73,14 +73,10 @@ def with_legs(stats: Stats, history: LegHistory, clocks: Sequence[ClockDifferenc
         stats,
         legs=legs,
         feet=_slips(stats.feet, slipping),
-        segment_figures=tuple(_segment(each, slipping) for each in stats.segment_figures),
+        segment_figures=tuple(
+            replace(each, feet=_slips(each.feet, slipping)) for each in stats.segment_figures
+        ),
     )
-
-
-def _segment(
-    figures: SegmentFigures, slipping: Sequence[tuple[Floats, Floats] | None]
-) -> SegmentFigures:
-    return replace(figures, feet=_slips(figures.feet, slipping))
 
 
 def _slip_of(stats: Stats, leg: LegFoot) -> tuple[Floats, Floats] | None:

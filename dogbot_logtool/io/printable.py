@@ -1,9 +1,12 @@
-"""Texts from a log made harmless: nothing in them can upset a terminal or a report."""
+"""Texts from a log made harmless for terminals and reports, and lists of names in sentences."""
 
 import re
+from collections.abc import Sequence
 from typing import Final
 
 _LAYOUT: Final = re.compile("([\n\t])")
+
+MOST: Final = 10
 
 
 def printable(text: str) -> str:
@@ -20,3 +23,9 @@ def printable_lines(text: str) -> str:
     return "".join(
         each if each in {"\n", "\t"} else printable(each) for each in _LAYOUT.split(text)
     )
+
+
+def listed(names: Sequence[str], most: int = MOST) -> str:
+    """Return ``a, b, c and 4 more``."""
+    more = f" and {len(names) - most:,} more" if len(names) > most else ""
+    return ", ".join(names[:most]) + more

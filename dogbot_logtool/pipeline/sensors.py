@@ -40,7 +40,7 @@ from dogbot_logtool.core.sensors.weighed_levels import (
 )
 from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.errors import CallError
-from dogbot_logtool.io.listing import listed
+from dogbot_logtool.io.printable import listed
 from dogbot_logtool.pipeline.options import TopicOptions
 from dogbot_logtool.pipeline.probe import Probe
 from dogbot_logtool.pipeline.topics.selection import Selection

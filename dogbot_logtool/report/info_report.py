@@ -1,29 +1,28 @@
 """`info` for people and for scripts."""
 
 from collections.abc import Iterator
-from datetime import UTC, datetime
 from typing import Any
 
 from rich.console import Console
 
+from dogbot_logtool.core.frames.frame_edges import FrameEdge
+from dogbot_logtool.core.frames.frame_tree import loops, roots, second_parents, trees
 from dogbot_logtool.io.printable import printable
 from dogbot_logtool.io.storage import shown
+from dogbot_logtool.pipeline.frames.frames import Frames
 from dogbot_logtool.report.documents.damage import damage_json
-from dogbot_logtool.report.documents.frames_json import frames_json
 from dogbot_logtool.report.figures.recording import finding_json
+from dogbot_logtool.report.numbers import date_of
 from dogbot_logtool.report.text.console import (
     human_size,
     print_damage,
     print_findings,
     print_sentence,
 )
-from dogbot_logtool.report.text.frames_text import print_frame_names, print_frames
+from dogbot_logtool.report.text.frames_text import frame_pairs, print_frame_names, print_frames
 from dogbot_logtool.report.text.text_layout import NameTable, Row
 from dogbot_logtool.results import LogInfo
 
-_SIMULATED_BEFORE_S = 1_000_000_000
-_NEVER_S = 3e10
-"""Log times before this are simulation time, not dates."""
 _MOST_TOPICS = 1000
 """Rows of the table; laying it out takes a millisecond each."""
 
@@ -87,10 +86,8 @@ def _head(info: LogInfo) -> Iterator[tuple[str, str]]:
 
 
 def _when(time_ns: int) -> str:
-    seconds = time_ns / 1e9
-    if not _SIMULATED_BEFORE_S <= seconds < _NEVER_S:
-        return f"{seconds:.3f} s (simulation time)"
-    return f"{datetime.fromtimestamp(seconds, UTC):%Y-%m-%d %H:%M:%S} UTC"
+    date = date_of(time_ns / 1e9)
+    return f"{date:%Y-%m-%d %H:%M:%S} UTC" if date else f"{time_ns / 1e9:.3f} s (simulation time)"
 
 
 def _topics(info: LogInfo, width: int) -> NameTable:
@@ -116,3 +113,57 @@ def _topic_table(info: LogInfo, *, types_beside: bool) -> NameTable:
     headings = ("topic", *(["type"] if types_beside else []), "count", "Hz", "used as")
     left = (1, 4) if types_beside else (3,)
     return NameTable(headings, rows, left=left, margin=2, gap=3, is_ruled=True)
+
+
+def frames_json(info: LogInfo) -> dict[str, Any]:
+    """Return what is known of a log's frames as plain values; null what only all transforms tell.
+
+    `roots`, `trees` and `loops` are those of the tree with the transform that `convert` adds.
+    """
+    pairs = sorted({*frame_pairs(info)})
+    frames = info.frames
+    second = [] if frames is None else second_parents(frames.recorded.edges)
+    return {
+        "parents": {child: sorted(parents) for child, parents in info.parents.items()},
+        "added": list(info.added_transform) if info.added_transform else None,
+        "chunks_seen": info.chunks_seen,
+        "roots": roots(pairs),
+        "trees": trees(pairs),
+        "loops": loops(pairs),
+        "second_parents": None
+        if frames is None
+        else [
+            {"frame": one.child, "parents": list(one.parents), "at_once": one.at_once}
+            for one in second
+        ],
+        "edges": None
+        if frames is None
+        else [_edge(edge, frames) for edge in frames.recorded.edges],
+    }
+
+
+def _edge(edge: FrameEdge, frames: Frames) -> dict[str, Any]:
+    timing = edge.timing
+    intervals = (timing and timing.interval_s) or {}
+    return {
+        "parent": edge.parent,
+        "child": edge.child,
+        "static": edge.is_static,
+        "transforms": edge.transforms,
+        "static_transforms": edge.static,
+        "sent_by": frames.senders(edge),
+        "clock": timing and timing.clock,
+        "first_time_ns": timing.first if timing else edge.first_log_time,
+        "last_time_ns": timing.last if timing else edge.last_log_time,
+        "rate_hz": timing and timing.rate_hz,
+        "median_interval_s": intervals.get("p50"),
+        "longest_interval_s": intervals.get("max"),
+        "gaps": timing and timing.gaps,
+        "gaps_total_s": timing and timing.gaps_total_s,
+        "repeated_stamps": timing and timing.duplicate_stamps,
+        "backward_stamps": timing and timing.backward_stamps,
+        "zero_stamps": timing and timing.zero_stamps,
+        "not_finite": edge.not_finite,
+        "zero_rotations": edge.zero_rotations,
+        "not_normalised": edge.not_normalised,
+    }

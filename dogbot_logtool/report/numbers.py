@@ -1,10 +1,14 @@
 """Numbers as people read them."""
 
 from collections.abc import Sequence
+from datetime import UTC, datetime
 from typing import Final
 
 NOTHING: Final = "-"
 """Stands for a figure that is not known."""
+_SIMULATED_BEFORE_S: Final = 1_000_000_000
+"""Log times before this are simulation time, not dates."""
+_NEVER_S: Final = 3e10
 
 
 def decimal(value: float | None, decimals: int) -> str:
@@ -16,6 +20,12 @@ def decimal(value: float | None, decimals: int) -> str:
 def percent(value: float | None) -> str:
     """Write a share as a percentage."""
     return NOTHING if value is None else f"{value:.1%}"
+
+
+def date_of(time_s: float) -> datetime | None:
+    """Return the date of a log time, s since the epoch; None: it is a simulation's."""
+    is_dated = _SIMULATED_BEFORE_S <= time_s < _NEVER_S
+    return datetime.fromtimestamp(time_s, UTC) if is_dated else None
 
 
 def span_of(values: Sequence[float]) -> str:

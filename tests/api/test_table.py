@@ -6,7 +6,7 @@ import polars as pl
 import pyarrow as pa
 import pytest
 
-from dogbot_logtool.api import packages
+from dogbot_logtool.api import table
 from dogbot_logtool.api.table import Table, texts
 from dogbot_logtool.errors import LogtoolError
 
@@ -70,6 +70,6 @@ def test_a_missing_package_is_named(small: Table, monkeypatch: pytest.MonkeyPatc
     def missing(name: str) -> None:
         raise ImportError(name)
 
-    monkeypatch.setattr(packages, "import_module", missing)
+    monkeypatch.setattr(table, "import_module", missing)
     with pytest.raises(LogtoolError, match="pip install pandas"):
         small.to_pandas()

@@ -8,7 +8,7 @@ from dogbot_logtool.core.base.odometry import Odometry, usable_poses
 from dogbot_logtool.core.geometry import timespans
 from dogbot_logtool.core.geometry.aggregates import IntervalHistogram
 from dogbot_logtool.core.geometry.arrays import Floats, Ints, all_finite
-from dogbot_logtool.core.geometry.blocks import BLOCK_ROWS, Blocks, GrowingTable
+from dogbot_logtool.core.geometry.blocks import BLOCK_ROWS, Blocks, GrowingTable, concatenated
 from dogbot_logtool.core.geometry.clock import (
     SILENCE_NS,
     TimeSource,
@@ -205,18 +205,13 @@ class BaseRecorder:
 
     def _fit_twist(self, odometry: Odometry) -> None:
         if self._last is not None:
-            odometry = _joined(self._last, odometry)
+            odometry = concatenated([self._last, odometry])
         fit = twist_fit(odometry, self._clock)
         self._twist = TwistFit(
             self._twist.pairs + fit.pairs,
             self._twist.difference + fit.difference,
             self._twist.leaning + fit.leaning,
         )
-
-
-def _joined(first: Odometry, then: Odometry) -> Odometry:
-    names = Odometry.__dataclass_fields__
-    return Odometry(*(np.concatenate([getattr(first, n), getattr(then, n)]) for n in names))
 
 
 def twist_fit(odometry: Odometry, clock: TimeSource) -> TwistFit:

@@ -6,6 +6,7 @@ from typing import Final
 import numpy as np
 
 from dogbot_logtool.core.geometry.arrays import Flags, Floats, Ints, all_finite, header_time
+from dogbot_logtool.core.geometry.blocks import concatenated, picked
 from dogbot_logtool.dataclass import dataclass
 
 LARGEST_LAG_NS: Final = 100_000_000
@@ -36,14 +37,7 @@ class Odometry:
 
     def pick(self, rows: Flags | Ints) -> "Odometry":
         """Return the chosen rows (a mask or row numbers)."""
-        return Odometry(
-            self.log_time[rows],
-            self.stamp[rows],
-            self.position[rows],
-            self.orientation[rows],
-            self.linear_velocity[rows],
-            self.angular_velocity[rows],
-        )
+        return picked(self, rows)
 
 
 def concatenate_odometry(parts: Sequence[Odometry]) -> Odometry:
@@ -54,16 +48,8 @@ def concatenate_odometry(parts: Sequence[Odometry]) -> Odometry:
         times: Ints = np.empty(0, np.int64)
         vectors, quaternions = np.empty((0, 3)), np.empty((0, 4))
         return Odometry(times, times, vectors, quaternions, vectors, vectors)
-    log_time = np.concatenate([part.log_time for part in parts])
-    joined = Odometry(
-        log_time=log_time,
-        stamp=np.concatenate([part.stamp for part in parts]),
-        position=np.concatenate([part.position for part in parts]),
-        orientation=np.concatenate([part.orientation for part in parts]),
-        linear_velocity=np.concatenate([part.linear_velocity for part in parts]),
-        angular_velocity=np.concatenate([part.angular_velocity for part in parts]),
-    )
-    return joined.pick(np.argsort(log_time, kind="stable"))
+    joined = concatenated(parts)
+    return joined.pick(np.argsort(joined.log_time, kind="stable"))
 
 
 @dataclass(frozen=True, slots=True)

@@ -107,3 +107,21 @@ def _load_is_missing(foot: FootHistory, feet: Sequence[FootHistory], span: Ints)
         for those, spans in (((foot,), usual), (feet, inside), (feet, usual))
     )
     return now < before - LACKS * own
+
+
+def all_silent(feet: Sequence[FootHistory], base: BaseHistory) -> Ints:
+    """Return the spans in which all feet have a gap and the base has none.
+
+    Args:
+        feet: records of all feet; those without usable messages do not count.
+        base: poses.
+
+    Returns:
+        (s, 2) ns; none with fewer than two feet.
+    """
+    speaking = [
+        timespans.subtract(foot.gaps, foot.stopped) for foot in feet if foot.start is not None
+    ]
+    if len(speaking) < 2:
+        return timespans.no_spans()
+    return timespans.intersect([*speaking, base.known])

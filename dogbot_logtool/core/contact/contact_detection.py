@@ -14,8 +14,8 @@ after it for good. That is what makes streaming exact: samples are kept only bac
 touchdown of the stance that is not yet decided.
 """
 
-from dataclasses import fields, replace
-from typing import Any, Final
+from dataclasses import replace
+from typing import Final
 
 import numpy as np
 
@@ -25,6 +25,7 @@ from dogbot_logtool.core.contact.stance_curves import AXES, PARTS, mean_forces
 from dogbot_logtool.core.contact.stance_samples import StanceSamples
 from dogbot_logtool.core.contact.stances import LONGEST_STANCE_S, StanceFigures, reduce_stances
 from dogbot_logtool.core.geometry.arrays import Flags, Floats, Ints, dots
+from dogbot_logtool.core.geometry.blocks import concatenated, picked
 from dogbot_logtool.core.geometry.clock import SILENCE_NS
 from dogbot_logtool.dataclass import dataclass
 
@@ -60,16 +61,11 @@ class FootSignal:
 
     def rows(self, start: int, stop: int | None = None) -> "FootSignal":
         """Return a run of rows."""
-        values: list[Any] = [getattr(self, field.name)[start:stop] for field in fields(self)]
-        return FootSignal(*values)
+        return picked(self, slice(start, stop))
 
     def then(self, later: "FootSignal") -> "FootSignal":
         """Return these rows followed by later ones."""
-        values: list[Any] = [
-            np.concatenate([getattr(self, field.name), getattr(later, field.name)])
-            for field in fields(self)
-        ]
-        return FootSignal(*values)
+        return concatenated([self, later])
 
 
 def foot_signal(

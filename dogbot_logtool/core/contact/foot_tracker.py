@@ -18,7 +18,7 @@ from dogbot_logtool.core.contact.contact_rule import ContactRule
 from dogbot_logtool.core.contact.contacts import Samples, no_samples
 from dogbot_logtool.core.contact.silent_swing import LONGEST_SWING_S
 from dogbot_logtool.core.geometry.arrays import Flags, Floats, Ints, all_finite, norms
-from dogbot_logtool.core.geometry.blocks import concatenated
+from dogbot_logtool.core.geometry.blocks import concatenated, picked
 from dogbot_logtool.core.geometry.clock import advancing
 from dogbot_logtool.core.geometry.support_polygon import NEAR_NS
 from dogbot_logtool.dataclass import dataclass
@@ -64,23 +64,11 @@ class FootRows:
 
     def pick(self, rows: Ints) -> "FootRows":
         """Return copies of the chosen rows."""
-        return FootRows(
-            self.time[rows],
-            self.message_time[rows],
-            self.down[rows],
-            self.point[rows],
-            self.vertical[rows],
-        )
+        return picked(self, rows)
 
     def then(self, later: "FootRows") -> "FootRows":
         """Return these rows followed by later ones."""
-        return FootRows(
-            np.concatenate([self.time, later.time]),
-            np.concatenate([self.message_time, later.message_time]),
-            np.concatenate([self.down, later.down]),
-            np.concatenate([self.point, later.point]),
-            np.concatenate([self.vertical, later.vertical]),
-        )
+        return concatenated([self, later])
 
 
 @dataclass(frozen=True, slots=True)
@@ -233,7 +221,7 @@ def _rows(new: "_FiniteSamples", before: FootRows, sensor: ContactSensor) -> Foo
     """Return what new messages of a foot say."""
     usable = advancing(new.time, int(before.time[-1]) if len(before) else None)
     if not usable.all():
-        new = new.pick(usable)
+        new = picked(new, usable)
     down = np.zeros(len(new.time), np.bool_)
     rows, force = FootRows(new.time, new.time, down, new.point, new.vertical), new.force
     if sensor.swing_after_ns is not None:
@@ -279,16 +267,6 @@ class _FiniteSamples:
     vertical: Floats
     """(n,) N; NaN where not known."""
 
-    def pick(self, rows: Flags | Ints) -> "_FiniteSamples":
-        """Return the chosen rows."""
-        return _FiniteSamples(
-            self.foot[rows],
-            self.time[rows],
-            self.force[rows],
-            self.point[rows],
-            self.vertical[rows],
-        )
-
 
 def follow_feet(
     samples: Sequence[Samples],
@@ -311,7 +289,7 @@ def follow_feet(
     forceless = [foot for foot, sensor in enumerate(sensors) if not sensor.has_force]
     told = _finite_samples(samples, forceless, force_in_world=force_in_world)
     return tuple(
-        FootTracker(told.pick(np.flatnonzero(told.foot == foot)), memory, sensor)
+        FootTracker(picked(told, np.flatnonzero(told.foot == foot)), memory, sensor)
         for foot, (memory, sensor) in enumerate(zip(before, sensors, strict=True))
     )
 
@@ -334,6 +312,6 @@ def _finite_samples(
         np.where(known, together.force[:, 2], np.nan),
     )
     if len(samples) > 1:
-        told = told.pick(np.argsort(told.time, kind="stable"))
+        told = picked(told, np.argsort(told.time, kind="stable"))
     finite = np.isfinite(told.force)
-    return told if finite.all() else told.pick(finite)
+    return told if finite.all() else picked(told, finite)

@@ -6,11 +6,10 @@ from typing import Final
 from dogbot_logtool.core.findings.base import base_findings, fall_findings
 from dogbot_logtool.core.findings.contradictions import contradiction_findings
 from dogbot_logtool.core.findings.feet import foot_findings
-from dogbot_logtool.core.findings.gait import gait_findings
+from dogbot_logtool.core.findings.gait import gait_findings, stability_findings
 from dogbot_logtool.core.findings.legs import leg_findings
 from dogbot_logtool.core.findings.loads import load_findings
 from dogbot_logtool.core.findings.sensors import sensor_findings
-from dogbot_logtool.core.findings.stability import stability_findings
 from dogbot_logtool.core.findings.topics import clock_findings, topic_findings
 from dogbot_logtool.core.findings.wording import counted
 from dogbot_logtool.core.statistics import Stats

@@ -8,7 +8,6 @@ import numpy as np
 from dogbot_logtool.core.findings.wording import counted
 from dogbot_logtool.core.geometry.clock import TimeSource
 from dogbot_logtool.core.quality.quality import TopicQuality
-from dogbot_logtool.core.quality.stamps import ClockStep
 from dogbot_logtool.core.statistics import Stats
 from dogbot_logtool.finding import Finding
 
@@ -22,23 +21,16 @@ def clock_findings(stats: Stats) -> Iterator[Finding]:
     if settings.time_source_reason:
         text = f"{settings.time_source_reason}: everything is measured on log time"
         yield Finding("W_LOG_TIME_USED", text, "settings.time_source")
-    for step, topics in _clock_steps(stats).items():
+    on_log_time = settings.clock is TimeSource.LOG
+    steps = {step: topic.topic for topic in stats.topics for step in topic.clock_steps}
+    for step, topic in steps.items():
         back = "back" if step.by_ns < 0 else "forward"
-        at = f" at {stats.seconds(np.array([step.after]))[0]:.2f} s" if _on_log_time(stats) else ""
-        text = f"{topics}: its clock was set {back} by {abs(step.by_ns) / 1e9:.2f} s{at}"
+        at = f" at {stats.seconds(np.array([step.after]))[0]:.2f} s" if on_log_time else ""
+        text = f"{topic}: its clock was set {back} by {abs(step.by_ns) / 1e9:.2f} s{at}"
         yield Finding("W_CLOCK_SET", text, "settings.time_source")
 
 
-def _clock_steps(stats: Stats) -> dict[ClockStep, str]:
-    """Return the steps of each topic's clock, with the topic."""
-    return {step: topic.topic for topic in stats.topics for step in topic.clock_steps}
-
-
-def _on_log_time(stats: Stats) -> bool:
-    return stats.settings.clock is TimeSource.LOG
-
-
-def topic_findings(topic: TopicQuality, *, may_pause: bool = False) -> Iterator[Finding]:
+def topic_findings(topic: TopicQuality, *, may_pause: bool) -> Iterator[Finding]:
     """Yield what is odd in the timing of a topic.
 
     Args:

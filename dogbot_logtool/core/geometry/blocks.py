@@ -12,16 +12,20 @@ from typing import Any, ClassVar, Final, Generic, Protocol, Self, TypeVar
 
 import numpy as np
 
-from dogbot_logtool.core.geometry.arrays import Floats, Ints
+from dogbot_logtool.core.geometry.arrays import Flags, Floats, Ints
 
 BLOCK_ROWS: Final = 16384
 """Large enough to make the cost of a numpy call vanish; 2 MB of contact samples."""
 
 
-class ColumnTable(Protocol):
-    """A dataclass of columns, one row a message."""
+class Record(Protocol):
+    """A dataclass, all of whose fields are columns."""
 
     __dataclass_fields__: ClassVar[dict[str, Any]]
+
+
+class ColumnTable(Record, Protocol):
+    """Columns with one row a message."""
 
     @property
     def log_time(self) -> Ints:
@@ -31,13 +35,20 @@ class ColumnTable(Protocol):
         """Return copies of some rows."""
 
 
+AnyColumns = TypeVar("AnyColumns", bound=Record)
 Columns = TypeVar("Columns", bound=ColumnTable)
 _LARGE_BYTES: Final = 33 << 20
 """glibc never keeps more than 32 MiB that was freed in one piece."""
 
 
-def concatenated(parts: Sequence[Columns]) -> Columns:
-    """Stack column tables of one type."""
+def picked(columns: AnyColumns, rows: Flags | Ints | slice) -> AnyColumns:
+    """Return the chosen rows: copies, or views of a slice."""
+    values: list[Any] = [getattr(columns, field.name)[rows] for field in fields(columns)]
+    return type(columns)(*values)
+
+
+def concatenated(parts: Sequence[AnyColumns]) -> AnyColumns:
+    """Stack column tables of one type, at least one."""
     if len(parts) == 1:
         return parts[0]
     names = [field.name for field in fields(parts[0])]
@@ -68,7 +79,7 @@ class Blocks(Generic[Columns]):
             # A copy, so that the rest does not keep the whole batch alive.
             self._parts = [whole.pick(np.arange(full, full + self._rows))]
         for start in range(0, full, self._size):
-            yield run_of(whole, start, start + self._size)
+            yield picked(whole, slice(start, start + self._size))
 
     def rest(self) -> Iterator[Columns]:
         """Give the last block, at the end of the log."""
@@ -81,12 +92,6 @@ class Blocks(Generic[Columns]):
         other = copy(self)
         other._parts = [change(each) for each in self._parts]  # noqa: SLF001 - its own
         return other
-
-
-def run_of(columns: Columns, start: int, stop: int) -> Columns:
-    """Return neighbouring rows, as views."""
-    values: list[Any] = [getattr(columns, field.name)[start:stop] for field in fields(columns)]
-    return type(columns)(*values)
 
 
 class GrowingTable:

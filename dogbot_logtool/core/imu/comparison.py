@@ -19,10 +19,9 @@ from dogbot_logtool.core.contact.track import TRACK_RATE_HZ
 from dogbot_logtool.core.geometry import timespans
 from dogbot_logtool.core.geometry.arrays import Floats, Ints
 from dogbot_logtool.core.geometry.rotations import conjugate, from_roll_pitch_yaw, rotate
-from dogbot_logtool.core.imu.forces import ForceComparison, Sensed, compare_forces
+from dogbot_logtool.core.imu.forces import ForceComparison, Sensed, Turn, compare_forces, find_turn
 from dogbot_logtool.core.imu.mounting import Mounting, Reading, find_mounting
 from dogbot_logtool.core.imu.running import Running, running_accelerations
-from dogbot_logtool.core.imu.turn import Turn, find_turn
 from dogbot_logtool.core.load.loads import GRAVITY_MPS2
 from dogbot_logtool.core.recorded.vectors import VectorHistory
 from dogbot_logtool.dataclass import dataclass

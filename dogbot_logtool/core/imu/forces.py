@@ -10,12 +10,10 @@ from dogbot_logtool.core.contact.track import TRACK_RATE_HZ
 from dogbot_logtool.core.geometry import timespans
 from dogbot_logtool.core.geometry.arrays import Floats, Ints
 from dogbot_logtool.core.geometry.delay import Delay, fit_delay
-from dogbot_logtool.core.imu.foot_scales import FootScales, foot_scales
 from dogbot_logtool.core.imu.running import (
     Running,
     horizontal_impulses,
 )
-from dogbot_logtool.core.imu.turn import Turn, find_turn
 from dogbot_logtool.core.load.impulses import mean_impulses
 from dogbot_logtool.core.load.load_figures import vertical_is_known
 from dogbot_logtool.core.load.loads import GRAVITY_MPS2
@@ -30,6 +28,114 @@ eighth of a stride, since the sum over four feet repeats itself every quarter.""
 _LAGS: Final = 21
 SWINGS: Final = 0.02
 """Of g: root mean square from which a curve over a stride can be compared with another."""
+
+ODD: Final = 0.15
+"""A factor that is further from 1, and from the others, is odd."""
+_CERTAIN: Final = 0.1
+"""Error up to which a factor is told."""
+_AS_GOOD: Final = 0.02
+"""Of g: by so much may one factor for all feet explain less than one for each."""
+_SHIFTS: Final = 0.05
+"""Standard deviation of a foot's share from which the load shifts to and from it."""
+
+MOVES_MPS2: Final = 0.15
+"""m/s^2, root mean square of a horizontal acceleration that tells directions."""
+COHERENT: Final = 0.8
+"""Coherence from which a turn is told."""
+TURNED_RAD: Final = np.deg2rad(20.0)
+"""A smaller turn is as good as yaw and means over strides are."""
+
+
+@dataclass(frozen=True, slots=True)
+class Turn:
+    """One horizontal acceleration against another one."""
+
+    angle_rad: float
+    """About the vertical, to the left."""
+    coherence: float
+    """|sum a conj(b)| / sqrt(sum |a|^2 sum |b|^2): 1 where one is the other, turned and scaled."""
+
+    @property
+    def is_turned(self) -> bool:
+        """Whether they are one acceleration in two directions."""
+        return self.coherence >= COHERENT and abs(self.angle_rad) > TURNED_RAD
+
+
+def find_turn(first: Floats, second: Floats) -> Turn | None:
+    """Compare horizontal accelerations as complex numbers.
+
+    Args:
+        first: (n, 2) m/s^2.
+        second: (n, 2) m/s^2, what the first should be.
+
+    Returns:
+        None where either hardly accelerates.
+    """
+    one, other = (each[:, 0] + 1j * each[:, 1] for each in (first, second))
+    if not len(one):
+        return None
+    if min(np.sqrt((np.abs(each) ** 2).mean()) for each in (one, other)) < MOVES_MPS2:
+        return None
+    product = complex(np.vdot(other, one))
+    size = float(np.sqrt((np.abs(one) ** 2).sum() * (np.abs(other) ** 2).sum()))
+    return Turn(float(np.angle(product)), abs(product) / size)
+
+
+@dataclass(frozen=True, slots=True)
+class FootScales:
+    """Factors by which mass times acceleration exceeds the feet's forces."""
+
+    common: float
+    """One for all feet (least squares)."""
+    is_common: bool | None
+    """Whether one factor explains as much as one for each foot: the mass is wrong, or all sensors
+    alike. None: the load does not shift, so that it cannot be told."""
+    feet: tuple[float | None, ...]
+    """One for each foot; None: not certain to 0.1."""
+
+    @property
+    def odd(self) -> int | None:
+        """The one foot whose factor is not that of the others, which are right; None: none is."""
+        if self.is_common is not False or any(each is None for each in self.feet):
+            return None
+        off = [row for row, each in enumerate(self.feet) if each and abs(each - 1.0) > ODD]
+        return off[0] if len(off) == 1 else None
+
+
+def foot_scales(vertical: Floats, sensed: Floats, mass_kg: float) -> FootScales | None:
+    """Fit mass x vertical specific force = sum of factor x force.
+
+    Args:
+        vertical: (n, feet) N.
+        sensed: (n,) m/s^2, the vertical specific force at the same times.
+        mass_kg: of the robot.
+
+    Returns:
+        None without forces.
+    """
+    total, wanted = vertical.sum(axis=1), mass_kg * sensed
+    squares = float(total @ total)
+    if squares <= 0.0:
+        return None
+    common = float(total @ wanted) / squares
+    shares = vertical / np.where(total > 0.0, total, np.inf)[:, None]
+    shifts = bool((shares.std(axis=0) >= _SHIFTS).all())
+    inverse = np.linalg.pinv(vertical.T @ vertical)
+    factors = inverse @ (vertical.T @ wanted)
+    rests = wanted - common * total, wanted - vertical @ factors
+    left = [float(np.sqrt((rest * rest).mean())) / (mass_kg * GRAVITY_MPS2) for rest in rests]
+    # What is left may come back in every stride: more of them make a factor no surer.
+    spread = left[1] * mass_kg * GRAVITY_MPS2 * np.sqrt(len(total) * np.diag(inverse))
+    # Feet that always press together have no factors of their own.
+    separate = np.linalg.cond(vertical) < 1e3
+    return FootScales(
+        common=common,
+        is_common=bool(left[0] <= left[1] + _AS_GOOD) if shifts else None,
+        feet=tuple(
+            float(factor) if shifts and separate and error <= _CERTAIN else None
+            for factor, error in zip(factors.tolist(), spread.tolist(), strict=True)
+        ),
+    )
 
 
 @dataclass(frozen=True, slots=True)

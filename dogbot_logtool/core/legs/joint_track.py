@@ -5,6 +5,7 @@ from typing import Final
 import numpy as np
 
 from dogbot_logtool.core.geometry.arrays import Flags, Float32s, Floats, Ints
+from dogbot_logtool.core.geometry.blocks import picked
 from dogbot_logtool.dataclass import dataclass
 
 MOST_JOINTS: Final = 256
@@ -39,13 +40,7 @@ class JointSamples:
 
     def pick(self, rows: Ints | Flags) -> "JointSamples":
         """Return copies of some rows."""
-        return JointSamples(
-            self.log_time[rows],
-            self.stamp[rows],
-            self.position[rows],
-            self.velocity[rows],
-            self.effort[rows],
-        )
+        return picked(self, rows)
 
     def only(self, joints: Ints) -> "JointSamples":
         """Return the states of some joints, copies unless these are all."""

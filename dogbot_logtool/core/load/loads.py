@@ -1,6 +1,7 @@
 """How hard each foot presses, for plots and for the gait diagram."""
 
 from collections.abc import Collection, Sequence
+from dataclasses import replace
 from enum import IntEnum
 from typing import Final
 
@@ -9,6 +10,7 @@ import numpy as np
 from dogbot_logtool.core.contact.contacts import Samples
 from dogbot_logtool.core.contact.foot_tracker import FootTracker
 from dogbot_logtool.core.geometry.arrays import Flags, Floats, Ints, norms
+from dogbot_logtool.core.geometry.blocks import picked
 from dogbot_logtool.core.geometry.support_polygon import NEAR_NS
 from dogbot_logtool.dataclass import dataclass
 
@@ -100,12 +102,4 @@ def opening_loads(loads: Loads, opening: int, new_feet: Collection[int]) -> Load
     lag = loads.log_time[first] - opening
     rows = first[(lag > 0) & (lag <= NEAR_NS)]
     time = np.full(len(rows), opening)
-    return Loads(
-        foot=loads.foot[rows],
-        log_time=time,
-        stamp=time,
-        in_contact=loads.in_contact[rows],
-        state=loads.state[rows],
-        force=loads.force[rows],
-        body_weights=loads.body_weights[rows],
-    )
+    return replace(picked(loads, rows), log_time=time, stamp=time)

@@ -8,7 +8,7 @@ from typing import Any, Final, Generic, Self
 import numpy as np
 
 from dogbot_logtool.core.geometry.arrays import Flags, Ints
-from dogbot_logtool.core.geometry.blocks import Columns, run_of
+from dogbot_logtool.core.geometry.blocks import Columns, picked
 from dogbot_logtool.core.geometry.clock import TimeSource
 from dogbot_logtool.core.geometry.order_statistics import distinct
 from dogbot_logtool.dataclass import dataclass
@@ -245,7 +245,7 @@ class StampFilter(Generic[Columns]):
             decided = usable[:rows]
             usable = usable[rows:]
             if len(decided):
-                yield _without_bad_stamps(run_of(columns, 0, len(decided)), decided)
+                yield _without_bad_stamps(picked(columns, slice(len(decided))), decided)
             if len(decided) < rows:
                 # A copy, so that the rest does not keep the whole batch alive.
                 self._held.append(columns.pick(np.arange(len(decided), rows)))

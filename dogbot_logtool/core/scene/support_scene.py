@@ -127,7 +127,7 @@ def opening_support(
     feet: Sequence[FootTracker],
     opening: int,
     known_from: int,
-    com_offset_m: Sequence[float] = (0.0, 0.0, 0.0),
+    com_offset_m: Sequence[float],
 ) -> SupportScene:
     """Return what the robot stands on at its first pose, if near, as of the log's first time.
 

@@ -197,7 +197,7 @@ def _is_noisy(level: SensorLevel) -> bool:
     return (level.loaded_n or 0.0) < CLEAR_OF_NOISE * (level.noise_n or 0.0)
 
 
-def zero_level(force: Floats, interval_s: float | None = None) -> SensorLevel | None:
+def zero_level(force: Floats, interval_s: float | None) -> SensorLevel | None:
     """Return the level of a sensor that reads exactly zero in swing; None: it does not.
 
     Args:

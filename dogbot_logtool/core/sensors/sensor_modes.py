@@ -138,7 +138,7 @@ def two_modes(values: Floats, runs: Ints) -> Modes:
     return Modes(swing, stance, rest=_visits(_low(values, enter, leave), runs))
 
 
-def judge_modes(modes: Modes, other_width: float, *, raises: bool, step: float = 0.0) -> Modes:
+def judge_modes(modes: Modes, other_width: float, *, raises: bool, step: float) -> Modes:
     """Decide whether two modes are swing and stance, and how well they look like it.
 
     Args:

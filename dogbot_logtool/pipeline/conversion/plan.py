@@ -18,6 +18,7 @@ from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.errors import CallError, LogError
 from dogbot_logtool.finding import Finding, by_severity, note, warning
 from dogbot_logtool.pipeline.batches import BatchReader
+from dogbot_logtool.pipeline.conversion.copying import channels_left_out, copy_findings
 from dogbot_logtool.pipeline.frames.world_frames import WorldFrames, follow_frames
 from dogbot_logtool.pipeline.options import ConvertOptions
 from dogbot_logtool.pipeline.probe import Probe, frame_names, usable_clock
@@ -26,7 +27,6 @@ from dogbot_logtool.pipeline.robot_model.description import robot_description
 from dogbot_logtool.pipeline.robot_model.joint_motion import JointMotion
 from dogbot_logtool.pipeline.sensors import LearntSensors, learn_sensors
 from dogbot_logtool.pipeline.time_span import TimeLimits, time_limits
-from dogbot_logtool.pipeline.topics.copied_topics import channels_left_out, copy_findings
 from dogbot_logtool.pipeline.topics.selection import Selection, nothing_to_do
 from dogbot_logtool.reader.containers.log import Channel, Log
 from dogbot_logtool.writer.encodings.encoding import ArrowLook, SupportLook

@@ -6,7 +6,7 @@ from typing import Final
 from dogbot_logtool.core.frames import frame_tree
 from dogbot_logtool.core.frames.frame_edges import MOST_EDGES, FrameEdge
 from dogbot_logtool.finding import Finding, note, warning
-from dogbot_logtool.io.listing import listed
+from dogbot_logtool.io.printable import listed
 from dogbot_logtool.pipeline.frames.frames import Frames
 
 _NAMED: Final = 5

@@ -75,7 +75,7 @@ class _ReadBatch:
 
 
 def read_frames(
-    log: Log, ros_channels: Sequence[Channel], jobs: int, progress: OnProgress | None = None
+    log: Log, ros_channels: Sequence[Channel], jobs: int, progress: OnProgress | None
 ) -> Frames:
     """Read every transform of a log.
 

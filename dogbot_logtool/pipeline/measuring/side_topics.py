@@ -10,7 +10,7 @@ from dogbot_logtool.core.frames.transform_buffer import TransformBuffer
 from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.errors import CallError, DefinitionError, LogError
 from dogbot_logtool.finding import Finding, note
-from dogbot_logtool.io.listing import listed
+from dogbot_logtool.io.printable import listed
 from dogbot_logtool.io.storage import shown
 from dogbot_logtool.pipeline.options import StatsOptions
 from dogbot_logtool.reader.containers.log import Batch, Channel, Log

@@ -11,7 +11,7 @@ from typing import Final
 from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.errors import CallError, DefinitionError
 from dogbot_logtool.finding import Finding, note, warning
-from dogbot_logtool.io.listing import listed
+from dogbot_logtool.io.printable import listed
 from dogbot_logtool.io.storage import shown
 from dogbot_logtool.pipeline.topics.base_candidates import (
     OTHER_WORDS,
@@ -63,7 +63,7 @@ class ChosenBase:
 
 
 def choose_base(
-    log: Log, robot: Robot, findings: list[Finding], feet: Collection[str] = ()
+    log: Log, robot: Robot, findings: list[Finding], feet: Collection[str]
 ) -> ChosenBase:
     """Choose the base's poses of a log, and say which, what else there is, and what to know.
 

@@ -1,7 +1,7 @@
 """Poses that may be the base's, and which of them belong to the robot whose feet are used."""
 
 import re
-from collections.abc import Collection, Iterable, Sequence
+from collections.abc import Collection, Iterable, Iterator, Sequence
 from dataclasses import replace
 from typing import Final
 
@@ -9,12 +9,12 @@ import numpy as np
 
 from dogbot_logtool.core.geometry.arrays import all_finite
 from dogbot_logtool.dataclass import dataclass
-from dogbot_logtool.errors import LogError
+from dogbot_logtool.errors import DefinitionError, LogError
 from dogbot_logtool.io.storage import shown
 from dogbot_logtool.pipeline.chunks import spread_chunks
-from dogbot_logtool.pipeline.topics.pose_fields import pose_fields
 from dogbot_logtool.pipeline.topics.readable import why_no_poses
-from dogbot_logtool.reader.containers.log import Log
+from dogbot_logtool.reader.containers.log import Channel, Log
+from dogbot_logtool.reader.decode.definition import Primitive, Struct
 from dogbot_logtool.reader.messages.bases.numbers import path_source
 from dogbot_logtool.reader.messages.bases.registry import (
     BASE_SOURCES,
@@ -23,9 +23,14 @@ from dogbot_logtool.reader.messages.bases.registry import (
     base_type,
 )
 from dogbot_logtool.reader.messages.bases.source import BaseSource
-from dogbot_logtool.reader.messages.messages import decode_channels
-from dogbot_logtool.reader.messages.transforms import is_static
+from dogbot_logtool.reader.messages.messages import decode_channels, definition_of
+from dogbot_logtool.reader.messages.transforms import TRANSFORM_TYPES, is_static
 from dogbot_logtool.robot import Robot
+
+_FORMS: Final = (("position", "orientation"), ("translation", "rotation"))
+_DEEPEST: Final = 4
+"""Messages within messages that are looked into."""
+_MOST_TYPES: Final = 500
 
 
 def topic_words(name: str) -> frozenset[str]:
@@ -277,3 +282,46 @@ def frame_pair(pair: str) -> tuple[str, str]:
         return parent not in _WORLDS, child not in _BASES
 
     return min(splits or [(pair, "")], key=likely)
+
+
+def pose_fields(log: Log) -> Iterator[tuple[str, Channel]]:
+    """Yield the paths of single poses in messages of unknown types, with their channels."""
+    seen: set[str] = set()
+    for channel in log.channels.values():
+        name = channel.type_name
+        is_known = base_type(name) and not why_no_poses(channel)
+        if is_known or name in TRANSFORM_TYPES or channel.topic in seen:
+            continue
+        if len(seen) == _MOST_TYPES:
+            return
+        seen.add(channel.topic)
+        try:
+            definition = definition_of(channel)
+        except DefinitionError:
+            continue
+        yield from ((path, channel) for path in _poses("", definition, _DEEPEST) if path)
+
+
+def _poses(path: str, struct: Struct, depth: int) -> Iterator[str]:
+    if _is_pose(struct):
+        yield path
+        return
+    for name, kind in struct.fields:
+        if depth and isinstance(kind, Struct):
+            yield from _poses(f"{path}.{name}" if path else name, kind, depth - 1)
+
+
+def _is_pose(struct: Struct) -> bool:
+    parts = dict(struct.fields)
+    return any(
+        _numbers(parts.get(position)) == ("x", "y", "z")
+        and _numbers(parts.get(orientation)) == ("x", "y", "z", "w")
+        for position, orientation in _FORMS
+    )
+
+
+def _numbers(field: object) -> tuple[str, ...]:
+    """Return the names of a message's fields if all are numbers."""
+    if not isinstance(field, Struct) or not all(isinstance(f, Primitive) for _, f in field.fields):
+        return ()
+    return tuple(name for name, _ in field.fields)

@@ -6,7 +6,7 @@ from typing import Final
 
 from dogbot_logtool.errors import DefinitionError
 from dogbot_logtool.finding import Finding, error, note, warning
-from dogbot_logtool.io.listing import listed
+from dogbot_logtool.io.printable import listed
 from dogbot_logtool.reader.containers.log import Channel
 from dogbot_logtool.reader.messages.bases.poses import ODOMETRY_TYPE
 from dogbot_logtool.reader.messages.bases.registry import base_type, check_base

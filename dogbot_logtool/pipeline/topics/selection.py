@@ -10,11 +10,10 @@ from typing import Final
 
 from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.finding import Finding, note, warning
-from dogbot_logtool.io.listing import MOST, listed
-from dogbot_logtool.io.printable import printable
+from dogbot_logtool.io.printable import MOST, listed, printable
 from dogbot_logtool.io.storage import shown
 from dogbot_logtool.pipeline.feet.candidates import FootCandidates, find_candidates
-from dogbot_logtool.pipeline.feet.field_offer import candidates_finding
+from dogbot_logtool.pipeline.feet.field_feet import candidates_finding
 from dogbot_logtool.pipeline.feet.message_feet import (
     compare_flags,
     flag_findings,

@@ -6,7 +6,7 @@ from collections.abc import Set as AbstractSet
 from typing import Final
 
 from dogbot_logtool.errors import CallError, LogError
-from dogbot_logtool.io.listing import listed
+from dogbot_logtool.io.printable import listed
 from dogbot_logtool.io.storage import shown
 from dogbot_logtool.pipeline.topics.readable import why_unreadable
 from dogbot_logtool.reader.containers.log import Channel, Log

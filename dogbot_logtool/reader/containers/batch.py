@@ -57,13 +57,13 @@ class Batch:
             kept &= time >= start
         if end is not None:
             kept &= time <= end
-        return self._only(kept)
+        return self.only(kept)
 
     def without(self, channels: AbstractSet[int]) -> "Batch":
         """Leave out the messages of some channels."""
-        return self._only(~np.isin(self.messages.channel, list(channels)))
+        return self.only(~np.isin(self.messages.channel, list(channels)))
 
-    def _only(self, kept: Flags) -> "Batch":
+    def only(self, kept: Flags) -> "Batch":
         """Return some of the messages; chunks that lose any are not whole."""
         bounds = np.concatenate([[0], np.cumsum(kept)])
         chunks = tuple(

@@ -23,7 +23,7 @@ class ChannelIds:
         """Return the ids.
 
         Args:
-            numbers: (n,), none negative.
+            numbers: (n,).
 
         Returns:
             (n,), `UNKNOWN_CHANNEL` where nothing describes the channel.

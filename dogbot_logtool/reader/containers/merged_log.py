@@ -6,7 +6,7 @@ merged log has chunks of its own: spans of time, each with the messages of all f
 
 from bisect import bisect_right
 from collections import Counter
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import field, replace
 from typing import Final
 
@@ -175,16 +175,10 @@ def _windows(pieces: Sequence[_Piece]) -> list[_Window]:
         _Window(start, end) for start, end in zip(starts, [*starts[1:], _LATEST], strict=True)
     ]
     for piece in pieces:
-        first = bisect_right(starts, piece.start) - 1
-        for window in _from(windows, first):
-            if window.start > piece.end:
-                break
+        first, behind = bisect_right(starts, piece.start) - 1, bisect_right(starts, piece.end)
+        for window in windows[first:behind]:
             window.pieces.append(piece)
     return windows
-
-
-def _from(windows: Sequence[_Window], first: int) -> Iterator[_Window]:
-    yield from (windows[number] for number in range(first, len(windows)))
 
 
 def _within(batch: Batch, window: _Window, piece: _Piece) -> Batch:

@@ -111,7 +111,7 @@ class Layout:
 
 
 def compile_layout(
-    definition: Struct, serialisation: Serialisation, wanted: Collection[str] | None = None
+    definition: Struct, serialisation: Serialisation, wanted: Collection[str] | None
 ) -> Layout:
     """Compile a definition.
 

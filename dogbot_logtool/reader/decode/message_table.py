@@ -1,11 +1,13 @@
 """Messages as columns, with the offsets of their payloads in a buffer."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from dogbot_logtool.core.geometry.arrays import Flags, Ints
+from dogbot_logtool.core.geometry.blocks import concatenated, picked
 from dogbot_logtool.dataclass import dataclass
 
 
@@ -31,25 +33,11 @@ class Messages:
 
     def pick(self, rows: Flags | Ints | slice) -> "Messages":
         """Return the chosen rows."""
-        return Messages(
-            self.channel[rows],
-            self.log_time[rows],
-            self.publish_time[rows],
-            self.sequence[rows],
-            self.start[rows],
-            self.end[rows],
-        )
+        return picked(self, rows)
 
     def shifted(self, offset: int) -> "Messages":
         """Return the same messages for a buffer in which their bytes lie `offset` further on."""
-        return Messages(
-            self.channel,
-            self.log_time,
-            self.publish_time,
-            self.sequence,
-            self.start + offset,
-            self.end + offset,
-        )
+        return replace(self, start=self.start + offset, end=self.end + offset)
 
 
 def no_messages() -> Messages:
@@ -60,15 +48,4 @@ def no_messages() -> Messages:
 
 def concatenate_messages(parts: Sequence[Messages]) -> Messages:
     """Stack message tables."""
-    if len(parts) == 1:
-        return parts[0]
-    if not parts:
-        return no_messages()
-    return Messages(
-        np.concatenate([part.channel for part in parts]),
-        np.concatenate([part.log_time for part in parts]),
-        np.concatenate([part.publish_time for part in parts]),
-        np.concatenate([part.sequence for part in parts]),
-        np.concatenate([part.start for part in parts]),
-        np.concatenate([part.end for part in parts]),
-    )
+    return concatenated(parts) if parts else no_messages()

@@ -5,6 +5,7 @@ from typing import Final
 
 import numpy as np
 
+from dogbot_logtool.core.geometry.blocks import concatenated
 from dogbot_logtool.core.recorded.vectors import VectorSamples
 from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.reader.containers.batch import Batch
@@ -103,23 +104,14 @@ def read_vectors(
     source = sources[channels[0].type_name]
     decoded = decode_channels(batch, channels, source.fields)
     parts = [_samples(messages, source) for messages in decoded]
-    samples = VectorSamples(
-        *(
-            np.concatenate([empty, *(getattr(part, name) for part in parts)])
-            for name, empty in _EMPTY.items()
-        )
-    )
+    samples = concatenated([_NONE, *parts])
     if len(parts) > 1:
         samples = samples.pick(np.argsort(samples.log_time, kind="stable"))
     frames = {frame for messages in decoded for frame in _frames(messages, source)}
     return ReadVectors(samples, tuple(sorted(frames)), malformed_in(decoded))
 
 
-_EMPTY: Final = {
-    "log_time": np.empty(0, np.int64),
-    "stamp": np.empty(0, np.int64),
-    "vector": np.empty((0, 3)),
-}
+_NONE: Final = VectorSamples(np.empty(0, np.int64), np.empty(0, np.int64), np.empty((0, 3)))
 
 
 def _samples(messages: DecodedMessages, source: VectorSource) -> VectorSamples:

@@ -8,11 +8,9 @@ from mcap.opcode import Opcode
 
 from dogbot_logtool.core.geometry.arrays import Bytes
 from dogbot_logtool.reader.containers.chunks.chunk_content import ChunkContent, ChunkDamage
-from dogbot_logtool.reader.containers.chunks.chunk_counts import SharedCounts
-from dogbot_logtool.reader.containers.contents import Channel, Chunk, Contents, Extra
+from dogbot_logtool.reader.containers.contents import Channel, Chunk, Contents, Extra, SharedCounts
 from dogbot_logtool.reader.containers.loss import Loss, lost_messages
 from dogbot_logtool.reader.containers.mcap.chunk import check_chunk, chunk_at, parse_chunk
-from dogbot_logtool.reader.containers.mcap.data_crc import check_data
 from dogbot_logtool.reader.containers.mcap.descriptions import DESCRIBING, Descriptions, Trust
 from dogbot_logtool.reader.containers.mcap.format import FIRST_PRIVATE_OPCODE, McapFormat
 from dogbot_logtool.reader.containers.mcap.log import McapLog, with_profile
@@ -20,7 +18,7 @@ from dogbot_logtool.reader.containers.mcap.records import (
     RECORD_HEAD,
     decode_record,
 )
-from dogbot_logtool.reader.containers.mcap.summary import indexed_chunk
+from dogbot_logtool.reader.containers.mcap.summary import check_data, indexed_chunk
 from dogbot_logtool.reader.containers.signatures import MCAP_MAGIC
 from dogbot_logtool.reader.containers.sources.source import ByteSource
 from dogbot_logtool.reader.salvage.losses import Losses, differing_counts

@@ -2,21 +2,22 @@
 
 import hashlib
 import json
+import os
+import re
 import time
+from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import asdict, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Final, Self
+from typing import TYPE_CHECKING, Any, Final, Self
 
 from dogbot_logtool import __version__
 from dogbot_logtool.dataclass import dataclass
-from dogbot_logtool.errors import CallError
+from dogbot_logtool.errors import CallError, LogtoolError
 from dogbot_logtool.io import storage
 from dogbot_logtool.io.storage import Location
 from dogbot_logtool.report.dataset.files import Files
-from dogbot_logtool.report.dataset.gone import gone_logs
 from dogbot_logtool.report.dataset.labels import Labels
-from dogbot_logtool.report.dataset.log_state import LogState, state_of
 from dogbot_logtool.report.dataset.parts import NewLog, StoredLog
 from dogbot_logtool.report.dataset.rows import LogRows
 from dogbot_logtool.report.dataset.schema import SCHEMA_VERSION
@@ -31,6 +32,68 @@ _WRITTEN_AFTER_S: Final = 60.0
 _MOST_WAITING: Final = 1000
 """Logs whose rows wait to be written; they bound the memory."""
 _MOST_WAITING_ROWS: Final = 1_000_000
+
+_ESCAPED: Final = re.compile(rb"\\x([89a-f][0-9a-f])")
+"""How a byte of a name that is not UTF-8 is shown."""
+
+
+@dataclass(frozen=True, slots=True)
+class LogState:
+    """A log as it is now."""
+
+    name: str
+    """Its whole path, or URL without query; as it may be shown."""
+    key: str
+    """Names it; two logs never have the same."""
+    log_id: str
+    """Changes with the log and the settings."""
+    size: int
+    """Bytes."""
+    version: str
+    """Time of its last change, or the store's own tag; empty if unknown, or if there is no such
+    log."""
+    settings_sha256: str
+
+    @property
+    def columns(self) -> dict[str, Any]:
+        """Its columns of `logs`."""
+        return {
+            "log": self.name,
+            "log_id": self.log_id,
+            "log_key": self.key,
+            "log_size_bytes": self.size,
+            "log_version": self.version,
+            "settings_sha256": self.settings_sha256,
+        }
+
+
+def state_of(location: Location, settings_sha256: str) -> LogState:
+    """Look at a log.
+
+    Args:
+        location: of the log.
+        settings_sha256: hash of all that its figures depend on beside it.
+    """
+    try:
+        size, version = storage.version(location)
+    except (LogtoolError, OSError):
+        # Opening it reports what is wrong.
+        size, version = 0, ""
+    identity = os.fsencode(storage.identity(location))
+    text = "\n".join((str(size), version, settings_sha256)).encode()
+    return LogState(
+        name=storage.shown(storage.from_root(location)),
+        key=key_of(location),
+        log_id=hashlib.sha256(identity + b"\n" + text).hexdigest()[:32],
+        size=size,
+        version=version,
+        settings_sha256=settings_sha256,
+    )
+
+
+def key_of(location: Location) -> str:
+    """Return what names a log in the dataset: a hash of its real path or its whole URL."""
+    return hashlib.sha256(os.fsencode(storage.identity(location))).hexdigest()[:24]
 
 
 @dataclass(frozen=True, slots=True)
@@ -197,3 +260,43 @@ def _labelled(old: StoredLog | None, given: Labels) -> Labels:
 def _is_unchanged(old: StoredLog, state: LogState) -> bool:
     """Tell whether figures of a log as it is now are there; one that failed is tried again."""
     return old.error is None and old.log_id == state.log_id and bool(state.version)
+
+
+def gone_logs(logs: Sequence[StoredLog]) -> list[StoredLog]:
+    """Return the logs that are gone for certain; one that cannot be looked for is kept.
+
+    Raises:
+        StoreError: a store fails.
+    """
+    with ThreadPoolExecutor(_ASKED_AT_ONCE) as pool:
+        return [log for log, gone in zip(logs, pool.map(_is_gone, logs), strict=True) if gone]
+
+
+def _is_gone(log: StoredLog) -> bool:
+    try:
+        location = storage.location(log.name)
+    except LogtoolError:
+        return False
+    if isinstance(location, Path):
+        names = os.fsencode(log.name), _ESCAPED.sub(_byte, os.fsencode(log.name))
+        return not any(map(_may_be_there, names))
+    if key_of(location) != log.key:
+        return False  # a part of the URL is not kept, since it may hold secrets
+    try:
+        return not storage.asked(location, lambda: location.fs.exists(location.path))
+    except CallError:
+        return False
+
+
+def _byte(escaped: re.Match[bytes]) -> bytes:
+    return bytes.fromhex(escaped[1].decode())
+
+
+def _may_be_there(name: bytes) -> bool:
+    try:
+        os.stat(name)  # noqa: PTH116 - a name of any bytes
+    except (FileNotFoundError, NotADirectoryError):
+        return False
+    except (OSError, ValueError):
+        return True
+    return True

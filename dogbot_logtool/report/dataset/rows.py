@@ -1,7 +1,7 @@
 """The rows of one log, as plain values: made where the log is measured, sent to who writes them."""
 
 from collections.abc import Mapping, Sequence
-from datetime import UTC, datetime
+from datetime import datetime
 from typing import Any, Final
 from urllib.parse import quote
 
@@ -10,11 +10,9 @@ from dogbot_logtool.io.plain_json import to_json
 from dogbot_logtool.report.dataset.schema import foot_columns
 from dogbot_logtool.report.figures.figure import Json, TableName
 from dogbot_logtool.report.figures.tables import at, columns_of
+from dogbot_logtool.report.numbers import date_of
 from dogbot_logtool.results import Figures
 
-_SIMULATED_BEFORE_S: Final = 1_000_000_000
-"""Log times before this are simulation time, not dates."""
-_NEVER_S: Final = 3e10
 _NOT_KNOWN: Final = "unknown"
 
 Columns = Mapping[str, Sequence[Any]]
@@ -42,9 +40,10 @@ def log_rows(figures: Figures) -> LogRows:
     """Return the rows of a log that was measured."""
     document = figures.json
     start_s = document["log"]["start_s"]
+    start_time = None if start_s is None else date_of(start_s)
     row = {
         "error": None,
-        "start_time": _date(start_s),
+        "start_time": start_time,
         "damaged": bool(document["quality"]["losses"]),
         **{each.column.header: at(document, each.path) for each in columns_of(TableName.LOG_ROWS)},
         "warnings": sum(each["severity"] != "note" for each in document["findings"]),
@@ -55,7 +54,7 @@ def log_rows(figures: Figures) -> LogRows:
         "events": _transposed(document["events"]),
         "feet": _transposed([_foot_row(*each) for each in document["feet"].items()]),
     }
-    return LogRows(_partition(figures.robot, _date(start_s)), row, others)
+    return LogRows(_partition(figures.robot, start_time), row, others)
 
 
 def failed_rows(sentence: str) -> LogRows:
@@ -66,12 +65,6 @@ def failed_rows(sentence: str) -> LogRows:
 def _partition(robot: str, date: datetime | None) -> str:
     month = f"{date:%Y-%m}" if date else _NOT_KNOWN
     return f"robot={quote(robot, safe='')}/month={month}"
-
-
-def _date(start_s: float | None) -> datetime | None:
-    """Return when a log begins; None if its clock is not the calendar's."""
-    dated = start_s is not None and _SIMULATED_BEFORE_S <= start_s < _NEVER_S
-    return datetime.fromtimestamp(start_s, UTC) if dated and start_s is not None else None
 
 
 def _stride_columns(figures: Figures) -> Columns:

@@ -2,8 +2,8 @@
 
 from dogbot_logtool.core.statistics import Stats
 from dogbot_logtool.finding import note
-from dogbot_logtool.io.listing import listed
 from dogbot_logtool.io.plain_json import not_finite, only_finite
+from dogbot_logtool.io.printable import listed
 from dogbot_logtool.report.figures.document import DOCUMENT, log_source
 from dogbot_logtool.report.figures.figure import Json
 from dogbot_logtool.report.figures.recording import finding_json

@@ -11,8 +11,7 @@ from dogbot_logtool.report.figures.figure import Figure, Kind, Member, Scope
 if TYPE_CHECKING:
     from dogbot_logtool.core.geometry.delay import Delay
     from dogbot_logtool.core.imu.comparison import ImuComparison
-    from dogbot_logtool.core.imu.forces import ForceComparison
-    from dogbot_logtool.core.imu.turn import Turn
+    from dogbot_logtool.core.imu.forces import ForceComparison, Turn
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,6 +1,6 @@
 """The tables of the page, in text; numbers of the same kind stand under one heading."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from typing import Final
 
 import numpy as np
@@ -147,8 +147,21 @@ def step_table(document: Json) -> Table:
 
 
 def _foot_table(table: TableName, document: Json, caption: str) -> Table:
-    rows = [_cells(name, *cells_of(table, document, name)) for name in document["feet"]]
-    return Table(("foot", *headers(table)), rows, caption, range(len(rows)))
+    feet = document["feet"]
+    return _figures(table, document, "foot", feet, caption, range(len(feet)))
+
+
+def _figures(
+    table: TableName,
+    document: Json,
+    of: str,
+    names: Iterable[str],
+    caption: str,
+    feet: Sequence[int] = (),
+) -> Table:
+    """Return the figures of feet, joints or topics, a row each."""
+    rows = [_cells(name, *cells_of(table, document, name)) for name in names]
+    return Table((of, *headers(table)), rows, caption, feet)
 
 
 def symmetry_table(document: Json) -> Table | None:
@@ -156,14 +169,12 @@ def symmetry_table(document: Json) -> Table | None:
     indices = document["forces"]["symmetry_index_percent"]
     if indices is None:
         return None
-    table = TableName.SYMMETRY
-    rows = [_cells(pair, *cells_of(table, document, pair)) for pair in indices]
     words = "Right over left, percent of their mean (Robinson, Herzog and Nigg 1987): 0 is even."
     shares = document["forces"]["load_share"]
     if shares is not None:
         parts = [f"{name} {percent(shares[name])}" for name in shares if name != "feet"]
         words += f" Load: {', '.join(parts)}."
-    return Table(("pair", *headers(table)), rows, words)
+    return _figures(TableName.SYMMETRY, document, "pair", indices, words)
 
 
 def leg_table(document: Json) -> Table | None:
@@ -171,12 +182,12 @@ def leg_table(document: Json) -> Table | None:
     legs = document["legs"]
     if legs is None or not any(leg["frame"] for leg in legs["feet"].values()):
         return None
-    rows = [_cells(name, *cells_of(TableName.LEGS, document, name)) for name in legs["feet"]]
     words = (
         "Medians over whole strides. Clearance above the line between footfalls, and how far the "
         "foot's frame moves in the middle of a stance (at rest), in mm; velocity at touchdown."
     )
-    return Table(("foot", *headers(TableName.LEGS)), rows, words, range(len(rows)))
+    feet = legs["feet"]
+    return _figures(TableName.LEGS, document, "foot", feet, words, range(len(feet)))
 
 
 def joint_table(document: Json) -> Table | None:
@@ -184,22 +195,22 @@ def joint_table(document: Json) -> Table | None:
     legs = document["legs"]
     if legs is None or not legs["joints"]:
         return None
-    table, names = TableName.JOINTS, list(legs["feet"])
-    rows = [_cells(name, *cells_of(table, document, name)) for name in legs["joints"]]
+    names = list(legs["feet"])
     feet = [joint["foot"] for joint in legs["joints"].values()]
     words = "rad and N m (m and N of those that slide) in the whole log; work: median of a stride."
     for name, value in work_words(document):
         words += f" {name.capitalize()}: {value}."
     coloured = [names.index(foot) for foot in feet] if all(feet) else ()
-    return Table(("joint", *headers(table)), rows, words, coloured)
+    return _figures(TableName.JOINTS, document, "joint", legs["joints"], words, coloured)
 
 
 def topic_table(document: Json) -> Table:
     """Return the timing of each topic."""
-    table = TableName.TOPICS
-    return Table(
-        ("topic", *headers(table)),
-        [_cells(name, *cells_of(table, document, name)) for name in document["quality"]["topics"]],
+    return _figures(
+        TableName.TOPICS,
+        document,
+        "topic",
+        document["quality"]["topics"],
         f"{document['log']['messages']:,} messages. Usual: 1 over the median interval; in bursts, "
         "messages over the time without gaps. Gap: over 5 usual intervals and 50 ms.",
     )

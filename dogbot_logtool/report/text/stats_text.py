@@ -1,7 +1,7 @@
 """The figures of `stats` for people: the verdict first, then the feet, loads, and what to doubt."""
 
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from typing import Final
 
@@ -83,11 +83,11 @@ def print_report(
         Padding(Group(*diagram), (0, 0, 0, 2), expand=False),
         Text(),
         _heading("Steps", "medians over whole strides"),
-        _foot_table(console, TableName.STEPS, document),
+        _figures(console, TableName.STEPS, document, document["feet"]),
         _support(stats),
         Text(),
         _heading("Loads", _load_unit(stats)),
-        _foot_table(console, TableName.LOADS, document),
+        _figures(console, TableName.LOADS, document, document["feet"]),
         *_load_lines(stats, document),
         Text(),
         *_legs(console, document, verbose=verbose),
@@ -159,10 +159,12 @@ def _table(console: Console, headings: Sequence[str], rows: Sequence[Row]) -> Na
     return NameTable(headings, rows, margin=2, gap=gap, heading_style="dim")
 
 
-def _foot_table(console: Console, table: TableName, document: Json) -> NameTable:
-    """Return a table of figures with a row a foot."""
-    rows = [Row([printable(name)], cells_of(table, document, name)) for name in document["feet"]]
-    return _table(console, ("foot", *headers(table)), rows)
+def _figures(
+    console: Console, table: TableName, document: Json, names: Iterable[str], of: str = "foot"
+) -> NameTable:
+    """Return the figures of feet or joints, a row each."""
+    rows = [Row([printable(name)], cells_of(table, document, name)) for name in names]
+    return _table(console, (of, *headers(table)), rows)
 
 
 def _load_unit(stats: Stats) -> str:
@@ -228,23 +230,15 @@ def _legs(console: Console, document: Json, *, verbose: bool) -> list[Renderable
         return []
     parts: list[RenderableType] = []
     if any(leg["frame"] for leg in legs["feet"].values()):
-        rows = [
-            Row([printable(name)], cells_of(TableName.LEGS, document, name))
-            for name in legs["feet"]
-        ]
         parts += [
             _heading("Legs", "medians over whole strides; heights in mm"),
-            _table(console, ("foot", *headers(TableName.LEGS)), rows),
+            _figures(console, TableName.LEGS, document, legs["feet"]),
         ]
     if legs["joints"] and verbose:
         of_legs = [name for name, joint in legs["joints"].items() if joint["foot"]]
-        rows = [
-            Row([printable(name)], cells_of(TableName.JOINTS, document, name))
-            for name in of_legs or legs["joints"]
-        ]
         parts += [
             _heading("Joints", "rad and N m (m and N of those that slide); work in a stride"),
-            _table(console, ("joint", *headers(TableName.JOINTS)), rows),
+            _figures(console, TableName.JOINTS, document, of_legs or legs["joints"], "joint"),
         ]
     lines = [_line(name, words) for name, words in work_words(document)]
     if lines and not parts:
@@ -342,7 +336,7 @@ def _first_of_each(findings: Sequence[Finding]) -> list[Finding]:
     return list({each.code: each for each in reversed(findings)}.values())[::-1]
 
 
-def _finding(finding: Finding, more: str = "") -> RenderableType:
+def _finding(finding: Finding, more: str) -> RenderableType:
     label = f"  {finding.severity.word:<7} ", _STYLES[finding.severity]
     text = printable(finding.sentence + more)
     sentence = Text.assemble(label, text, (f"  {printable(finding.code)}", "dim"))

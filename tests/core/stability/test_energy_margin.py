@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from dogbot_logtool.core.geometry.arrays import Floats
-from dogbot_logtool.core.stability.energy_margin import energy_margin_m
+from dogbot_logtool.core.stability.stability import energy_margin_m
 
 FEET = np.array([[0.3, 0.15, 0.0], [0.3, -0.15, 0.0], [-0.3, 0.15, 0.0], [-0.3, -0.15, 0.0]])
 BODY = np.array([0.05, 0.02, 0.4])

@@ -7,8 +7,7 @@ import pytest
 from upath import UPath
 
 from dogbot_logtool.io import storage
-from dogbot_logtool.report.dataset.gone import gone_logs
-from dogbot_logtool.report.dataset.log_state import key_of
+from dogbot_logtool.report.dataset.dataset import gone_logs, key_of
 from dogbot_logtool.report.dataset.parts import Part, StoredLog
 
 

@@ -6,9 +6,8 @@ import pytest
 
 from dogbot_logtool.pipeline.options import StatsOptions
 from dogbot_logtool.report.dataset import dataset as module
-from dogbot_logtool.report.dataset.dataset import Dataset, Entry, dataset_at
+from dogbot_logtool.report.dataset.dataset import Dataset, Entry, dataset_at, state_of
 from dogbot_logtool.report.dataset.files import Files
-from dogbot_logtool.report.dataset.log_state import state_of
 from dogbot_logtool.report.dataset.rows import failed_rows
 
 

@@ -8,8 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from dogbot_logtool.commands.replay import replay_of
-from dogbot_logtool.commands.report import DETAIL
+from dogbot_logtool.commands.report import DETAIL, replay_of
 from dogbot_logtool.commands.stats import measure
 from dogbot_logtool.pipeline.options import StatsOptions
 from dogbot_logtool.report.page.render import page

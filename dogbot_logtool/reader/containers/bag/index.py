@@ -20,9 +20,8 @@ from dogbot_logtool.reader.containers.bag.records import (
     record_in_file,
 )
 from dogbot_logtool.reader.containers.chunks.chunk_content import ChunkDamage
-from dogbot_logtool.reader.containers.chunks.chunk_counts import SharedCounts
 from dogbot_logtool.reader.containers.chunks.records import Heads
-from dogbot_logtool.reader.containers.contents import Channel, Chunk, Contents, Schema
+from dogbot_logtool.reader.containers.contents import Channel, Chunk, Contents, Schema, SharedCounts
 from dogbot_logtool.reader.containers.loss import Loss, described_twice
 from dogbot_logtool.reader.containers.signatures import BAG_MAGIC
 from dogbot_logtool.reader.containers.sources.source import ByteSource
@@ -190,7 +189,8 @@ def _read_section(source: ByteSource, start: int, connections: Connections) -> l
         raise MalformedRecord("it is absurdly long")
     section = source.read(start, source.size - start)
     infos: list[ChunkInfo] = []
-    offset = _skip_zeros(section)
+    # Some recorders leave zero bytes before the index; a record's length begins after them.
+    offset = len(section) - len(section.lstrip(b"\0"))
     while offset < len(section):
         record = record_at(section, offset, len(section))
         op = record.fields.op()
@@ -204,11 +204,6 @@ def _read_section(source: ByteSource, start: int, connections: Connections) -> l
             raise MalformedRecord("it holds records of another kind")
         offset = record.end
     return infos
-
-
-def _skip_zeros(section: bytes) -> int:
-    """Some recorders leave zero bytes before the index; a record's length begins after them."""
-    return len(section) - len(section.lstrip(b"\0"))
 
 
 def chunk_info(record: Record, data: bytes) -> ChunkInfo:

@@ -39,17 +39,13 @@ def unpacked(batch: Batch) -> Batch:
         parts.append(data)
     sizes = np.array([len(part) for part in parts], np.int64)
     ends = np.cumsum(sizes)
-    whole = Messages(
-        messages.channel,
-        messages.log_time,
-        messages.publish_time,
-        messages.sequence,
-        ends - sizes,
-        ends,
-    )
     buffer = np.frombuffer(b"".join(parts) or b"\0", np.uint8)
-    fresh = Batch(buffer, whole, batch.chunks, batch.losses)
-    return fresh if kept.all() else _without(fresh, kept)
+    fresh = replace(batch, buffer=buffer, messages=replace(messages, start=ends - sizes, end=ends))
+    if kept.all():
+        return fresh
+    lost = int((~kept).sum())
+    loss = Loss(0, f"{lost} messages cannot be decompressed", 0, lost)
+    return replace(fresh.only(kept), losses=(*batch.losses, loss))
 
 
 def _is_packed(buffer: Bytes, messages: Messages) -> Flags:
@@ -70,20 +66,3 @@ def _decompress(data: bytes, most: int) -> bytes | None:
     except (zstandard.ZstdError, MemoryError):
         return None
     return plain if len(plain) <= most else None
-
-
-def _without(batch: Batch, kept: Flags) -> Batch:
-    lost = int((~kept).sum())
-    loss = Loss(0, f"{lost} messages cannot be decompressed", 0, lost)
-    bounds = np.concatenate([[0], np.cumsum(kept)])
-    return Batch(
-        batch.buffer,
-        batch.messages.pick(kept),
-        tuple(
-            replace(
-                loaded, rows=slice(int(bounds[loaded.rows.start]), int(bounds[loaded.rows.stop]))
-            )
-            for loaded in batch.chunks
-        ),
-        (*batch.losses, loss),
-    )

@@ -19,8 +19,10 @@ from dogbot_logtool.reader.containers.loss import Loss, described_twice
 from dogbot_logtool.reader.containers.mcap.records import (
     RECORD_HEAD,
     channel_of,
+    channel_record,
     decode_record,
     schema_of,
+    schema_record,
 )
 
 _MOST_BYTES: Final = 64 << 20
@@ -117,18 +119,10 @@ class DescriptionCheck:
     def __init__(self, channels: Mapping[int, Channel]) -> None:
         self._known: dict[_Key, _Description] = {}
         for channel in channels.values():
-            schema = channel.schema
-            self._known[Opcode.CHANNEL, channel.id] = records.Channel(
-                id=channel.id,
-                topic=channel.topic,
-                message_encoding=channel.message_encoding,
-                metadata=dict(channel.metadata),
-                schema_id=schema.id if schema else 0,
-            )
-            if schema is not None:
-                self._known[Opcode.SCHEMA, schema.id] = records.Schema(
-                    id=schema.id, name=schema.name, encoding=schema.encoding, data=schema.data
-                )
+            self._known[Opcode.CHANNEL, channel.id] = channel_record(channel)
+            if channel.schema is not None:
+                schema = schema_record(channel.schema)
+                self._known[Opcode.SCHEMA, schema.id] = schema
         self._agreed: dict[tuple[int, bytes], int] = {}
         """Hash of the last record that agreed, by opcode and id: most are repeated as they are."""
 

@@ -7,8 +7,11 @@ from typing import Final, TypeVar
 from mcap import records
 from mcap.data_stream import ReadDataStream
 from mcap.exceptions import EndOfFile, McapError
+from mcap.opcode import Opcode
+from zlib_ng.zlib_ng import crc32
 
-from dogbot_logtool.reader.containers.contents import Channel, Schema
+from dogbot_logtool.reader.containers.contents import Channel, Extra, Schema
+from dogbot_logtool.reader.containers.sources.source import ByteSource
 
 RECORD_HEAD: Final = struct.Struct("<BQ")
 """Opcode and length of the content, before every record."""
@@ -84,3 +87,40 @@ def channel_of(channel: records.Channel, schemas: dict[int, Schema]) -> Channel:
         schemas.get(channel.schema_id),
         channel.metadata,
     )
+
+
+def schema_record(schema: Schema) -> records.Schema:
+    """Return the record of a schema."""
+    return records.Schema(
+        id=schema.id, name=schema.name, encoding=schema.encoding, data=schema.data
+    )
+
+
+def channel_record(channel: Channel) -> records.Channel:
+    """Return the record of a channel."""
+    return records.Channel(
+        id=channel.id,
+        topic=channel.topic,
+        message_encoding=channel.message_encoding,
+        metadata=dict(channel.metadata),
+        schema_id=channel.schema.id if channel.schema else 0,
+    )
+
+
+def read_extra(
+    source: ByteSource, extra: Extra
+) -> tuple[bytes, records.Attachment | records.Metadata] | None:
+    """Read a record that is no message.
+
+    Returns:
+        its bytes as they stand, and decoded; None if it is damaged.
+    """
+    record = source.read(extra.offset, extra.size)
+    body = record[RECORD_HEAD.size :]
+    if extra.opcode == Opcode.METADATA:
+        metadata = decode_record(records.Metadata, body)
+        return None if metadata is None else (record, metadata)
+    attachment = decode_record(records.Attachment, body, padding=0)
+    crc = int.from_bytes(record[-4:], "little")
+    sound = crc in {0, crc32(body[:-4])}
+    return None if attachment is None or not sound else (record, attachment)

@@ -12,11 +12,9 @@ from mcap.opcode import Opcode
 from zlib_ng.zlib_ng import crc32
 
 from dogbot_logtool.dataclass import dataclass
-from dogbot_logtool.reader.containers.chunks.chunk_counts import SharedCounts
 from dogbot_logtool.reader.containers.chunks.records import Heads
-from dogbot_logtool.reader.containers.contents import Chunk, Contents, Extra, Schema
+from dogbot_logtool.reader.containers.contents import Chunk, Contents, Extra, Schema, SharedCounts
 from dogbot_logtool.reader.containers.loss import Loss
-from dogbot_logtool.reader.containers.mcap.data_crc import DATA_END_SIZE, check_data
 from dogbot_logtool.reader.containers.mcap.descriptions import DESCRIBING, DescriptionCheck
 from dogbot_logtool.reader.containers.mcap.records import (
     CHUNK_HEAD,
@@ -48,6 +46,9 @@ _BETWEEN: Final = (
     Opcode.DATA_END,
 )
 """What may stand between the chunks without the summary's naming it."""
+
+DATA_END_SIZE: Final = RECORD_HEAD.size + 4
+_PIECE: Final = 1 << 20
 
 
 def read_summary(source: ByteSource) -> tuple[Contents | None, Loss | None]:
@@ -316,3 +317,29 @@ def indexed_chunk(index: records.ChunkIndex, shared: SharedCounts) -> Chunk:
         end_time=index.message_end_time,
         counts=counts,
     )
+
+
+def check_data(source: ByteSource, data_end: int, *, thorough: bool) -> Loss | None:
+    """Verify the data section's checksum, if there is one.
+
+    It covers what chunks' checksums do not: the header, messages outside chunks, attachments and
+    metadata.
+
+    Args:
+        source: the file.
+        data_end: where the DataEnd record begins.
+        thorough: read a data section that is not cheap to read, too.
+    """
+    record = source.read(data_end, DATA_END_SIZE)
+    if len(record) < DATA_END_SIZE or (data_end > source.cheap_size and not thorough):
+        return None
+    opcode, length = RECORD_HEAD.unpack_from(record)
+    (expected,) = struct.unpack_from("<I", record, RECORD_HEAD.size)
+    if opcode != Opcode.DATA_END or length < 4 or not expected:
+        return None
+    crc = 0
+    for offset in range(0, data_end, _PIECE):
+        crc = crc32(source.read(offset, min(_PIECE, data_end - offset)), crc)
+    if crc == expected:
+        return None
+    return Loss(data_end, "the checksum over all of the log's data does not hold")

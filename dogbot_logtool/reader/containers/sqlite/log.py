@@ -13,6 +13,7 @@ from dogbot_logtool.core.geometry.arrays import Ints
 from dogbot_logtool.errors import LogError
 from dogbot_logtool.io.storage import Location
 from dogbot_logtool.reader.containers.batch import Batch, LoadedChunk
+from dogbot_logtool.reader.containers.channel_ids import UNKNOWN_CHANNEL
 from dogbot_logtool.reader.containers.chunks.packed_messages import unpacked
 from dogbot_logtool.reader.containers.contents import Chunk, Contents
 from dogbot_logtool.reader.containers.log import Log, Span
@@ -148,7 +149,7 @@ class _Rows:
         rows = self._database.rows(query, (chunk.data_offset, chunk.end), last=chunk.end)
         if _ascending(np.array([row[0] for row in rows], np.int64), None) < len(rows):
             raise PagesSharedError
-        channel = topics.channel_of(np.array([row[1] for row in rows], np.int64))
+        channel = topics.ids.of(np.array([row[1] for row in rows], np.int64))
         time = np.array([row[2] for row in rows], np.int64)
         sizes = np.array([len(row[3]) for row in rows], np.int64)
         ends = np.cumsum(sizes)
@@ -204,7 +205,7 @@ def _ascending(numbers: Ints, last: int | None) -> int:
     return int(falls[0]) + 1 if len(falls) else len(numbers)
 
 
-def open_sqlite(source: ByteSource, distribution: str = "") -> SqliteLog:
+def open_sqlite(source: ByteSource, distribution: str) -> SqliteLog:
     """Open a .db3 file whose magic has been seen.
 
     Args:
@@ -236,8 +237,8 @@ def _contents(rows: _Rows, topics: Topics, losses: list[Loss]) -> Contents:
     chunks: list[Chunk] = []
     undescribed = unsound = 0
     for table in _tables(rows, losses):
-        channel = topics.channel_of(table[:, 1])
-        undescribed += int((channel == 0).sum())
+        channel = topics.ids.of(table[:, 1])
+        undescribed += int((channel == UNKNOWN_CHANNEL).sum())
         chunks += [
             _chunk(number, table[part], channel[part])
             for number, part in enumerate(_cut(table), len(chunks))

@@ -3,13 +3,12 @@
 from collections.abc import Iterable, Mapping
 from typing import Any, Final
 
-import numpy as np
 from zlib_ng.zlib_ng import crc32
 
-from dogbot_logtool.core.geometry.arrays import Ints
 from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.errors import LogError
 from dogbot_logtool.io.storage import Location
+from dogbot_logtool.reader.containers.channel_ids import ChannelIds
 from dogbot_logtool.reader.containers.contents import Channel, Schema
 from dogbot_logtool.reader.containers.loss import Loss
 from dogbot_logtool.reader.containers.sqlite.database import Database
@@ -28,19 +27,10 @@ class Topics:
     """The topics of a database."""
 
     channels: Mapping[int, Channel]
-    ids: Ints
-    """(t,) topic ids, sorted."""
-    numbers: Ints
-    """(t,) the channel of each."""
+    ids: ChannelIds
+    """Channels by topic id."""
     losses: tuple[Loss, ...] = ()
     """What the tables say in two ways."""
-
-    def channel_of(self, topic: Ints) -> Ints:
-        """(n,) channel ids of topic ids; 0: not described."""
-        if not len(self.ids):
-            return np.zeros(len(topic), np.int64)
-        index = np.minimum(np.searchsorted(self.ids, topic), len(self.ids) - 1)
-        return np.where(self.ids[index] == topic, self.numbers[index], 0)
 
 
 def check_tables(database: Database, path: Location) -> None:
@@ -86,8 +76,8 @@ def read_topics(database: Database, distribution: str) -> Topics:
             schemas[kind] = Schema(len(schemas) + 1, kind, encoding, text.encode())
         metadata = {"offered_qos_profiles": str(profiles)} if profiles else {}
         channels[number] = Channel(number, str(name), str(serialisation), schemas[kind], metadata)
-    ids = np.array([row[0] for row in rows], np.int64)
-    return Topics(channels, ids, np.arange(1, len(rows) + 1), tuple(losses))
+    ids = ChannelIds({row[0]: number for number, row in enumerate(rows, start=1)})
+    return Topics(channels, ids, tuple(losses))
 
 
 def _each_once(rows: Iterable[tuple[Any, ...]], losses: list[Loss]) -> list[tuple[Any, ...]]:

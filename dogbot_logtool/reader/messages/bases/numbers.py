@@ -144,12 +144,10 @@ def _by_message(messages: DecodedMessages, path: str, count: int, elements: int)
     """Return the first elements of each message's array, (n, k); NaN where it has fewer than k."""
     nested = messages.table.nested(path)
     values = nested.table.numbers(ELEMENT).astype(np.float64)
-    order = np.argsort(nested.parent, kind="stable")
-    parent = nested.parent[order]
-    index = np.arange(len(parent)) - np.searchsorted(parent, parent)
+    index = nested.index
     found = np.full((count, elements), np.nan)
     kept = index < elements
-    found[parent[kept], index[kept]] = values[order][kept]
+    found[nested.parent[kept], index[kept]] = values[kept]
     found[np.isnan(found[:, -1])] = np.nan
     return found
 

@@ -45,4 +45,29 @@ SOURCES: Final = (
     ),
     # A bare pose is mostly a command.
     pose_source("geometry_msgs/Pose", stamp="", world="", on_request=True),
+    # States of whole robots, of which the base is a part.
+    pose_source(
+        "anymal_msgs/AnymalState",
+        "pose.pose",
+        world="pose.header.frame_id",
+        any_package=True,
+    ),
+    pose_source(
+        "quad_msgs/RobotState",
+        "body.pose",
+        any_package=True,
+    ),
+    # Log time is their only time: `time_from_start` counts from the start of a plan.
+    *(
+        pose_source(
+            "xpp_msgs/RobotStateCartesian",
+            f"{base}.pose",
+            stamp="",
+            world="",
+            any_package=True,
+            is_planned=True,
+        )
+        # Today's definition, and the one before it.
+        for base in ("base", "common.base")
+    ),
 )

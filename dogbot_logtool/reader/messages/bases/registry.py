@@ -14,7 +14,6 @@ from dogbot_logtool.reader.messages.bases import (
     lists,
     numbers,
     poses,
-    states,
     transforms,
     unitree,
 )
@@ -23,7 +22,6 @@ from dogbot_logtool.reader.messages.messages import check_channel, decode_channe
 
 _SOURCES: Final = (
     *poses.SOURCES,
-    *states.SOURCES,
     dwl.SOURCE,
     *unitree.SOURCES,
     *lists.SOURCES,

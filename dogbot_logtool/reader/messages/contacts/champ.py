@@ -1,5 +1,6 @@
 """champ_msgs/ContactsStamped: which feet of a CHAMP robot touch. No force."""
 
+from collections.abc import Sequence
 from typing import Final
 
 import numpy as np
@@ -7,33 +8,26 @@ import numpy as np
 from dogbot_logtool.core.frames.wrench_frame import WrenchFrame
 from dogbot_logtool.reader.decode.fields import numbers, text, time
 from dogbot_logtool.reader.decode.message_layout import ELEMENT
-from dogbot_logtool.reader.messages.contacts.source import (
-    ContactSamples,
-    ContactSource,
-    FootChannels,
-    by_element,
-    each_foot,
-    only_contact,
-)
+from dogbot_logtool.reader.messages.contacts.source import ContactSource
+from dogbot_logtool.reader.messages.contacts.whole_robot import FootValues, matrix, reader_of
 from dogbot_logtool.reader.messages.messages import DecodedMessages
+from dogbot_logtool.robot import Foot
 
-_LEGS: Final = ("front_left", "front_right", "back_left", "back_right")
 
-
-def to_contact_samples(messages: DecodedMessages, feet: FootChannels) -> ContactSamples:
-    """Reduce messages to samples; see `ContactSource.read`."""
-    flags = messages.table.nested("contacts")
-    touches = flags.table.numbers(ELEMENT).astype(np.float64)
-    values = by_element(flags, touches, len(messages.channel), len(_LEGS))
-    stamp = messages.table.nanoseconds("header.stamp")
-    return each_foot(messages, feet, stamp, values, only_contact)
+def _values(messages: DecodedMessages, feet: Sequence[Foot]) -> FootValues:
+    del feet
+    flags, rows = messages.table.nested("contacts"), len(messages.channel)
+    return FootValues(
+        stamp=messages.table.nanoseconds("header.stamp"),
+        contact=matrix(flags, flags.table.numbers(ELEMENT).astype(np.float64), rows),
+    )
 
 
 SOURCE: Final = ContactSource(
     type_name="champ_msgs/ContactsStamped",
     fields=(time("header.stamp"), text("header.frame_id"), numbers("contacts")),
-    read=to_contact_samples,
-    elements=_LEGS,
+    read=reader_of(_values),
+    elements=("front_left", "front_right", "back_left", "back_right"),
     any_package=True,
     frame=WrenchFrame.UNKNOWN,
     has_force=False,

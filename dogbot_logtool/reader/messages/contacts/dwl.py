@@ -9,10 +9,9 @@ from dogbot_logtool.reader.decode.fields import table, text, time, vector
 from dogbot_logtool.reader.messages.contacts.source import ContactSource
 from dogbot_logtool.reader.messages.contacts.whole_robot import (
     FootValues,
-    MessageFoot,
+    contact_names,
     is_named_as_planned,
     labelled_elements,
-    labels_in,
     reader_of,
     scattered,
 )
@@ -32,10 +31,6 @@ def _values(messages: DecodedMessages, feet: Sequence[Foot], *, position: str) -
     )
 
 
-def _feet_in(messages: DecodedMessages) -> tuple[MessageFoot, ...]:
-    return labels_in(messages.table.nested("contacts").table.texts("name"))
-
-
 def _source(position: str) -> ContactSource:
     values = partial(_values, position=position)
     return ContactSource(
@@ -47,7 +42,7 @@ def _source(position: str) -> ContactSource:
         ),
         read=reader_of(values, in_base=True),
         values=values,
-        feet_in=_feet_in,
+        feet_in=contact_names,
         any_package=True,
         is_planned=is_named_as_planned,
         frame=WrenchFrame.UNKNOWN,

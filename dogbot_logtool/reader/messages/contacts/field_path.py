@@ -6,10 +6,8 @@ from typing import Final
 
 import numpy as np
 
-from dogbot_logtool.core.contact.contacts import Samples
 from dogbot_logtool.core.frames.wrench_frame import WrenchFrame
 from dogbot_logtool.core.geometry.arrays import Floats
-from dogbot_logtool.core.geometry.blocks import concatenated
 from dogbot_logtool.errors import DefinitionError
 from dogbot_logtool.reader.containers.contents import Channel
 from dogbot_logtool.reader.decode.definition import Struct
@@ -19,7 +17,8 @@ from dogbot_logtool.reader.messages.contacts.source import (
     ContactSamples,
     ContactSource,
     FootChannels,
-    flat_samples,
+    foot_samples,
+    of_all_feet,
 )
 from dogbot_logtool.reader.messages.messages import DecodedMessages, check_channel, definition_of
 from dogbot_logtool.robot import Foot, FootField
@@ -80,23 +79,20 @@ def _to_contact_samples(
     is_stamped: bool,
 ) -> ContactSamples:
     """Reduce messages to samples; see `ContactSource.read`."""
-    count = len(messages.channel)
-    stamp = np.zeros(count, np.int64)
+    stamp = np.zeros(len(messages.channel), np.int64)
     if is_stamped:
         stamp = messages.table.nanoseconds("header.stamp")
-    parts: list[Samples] = [flat_samples(*(np.empty(0, np.int64),) * 3, np.empty((0, 3)))]
+    parts = []
     for index, foot in enumerate(feet.feet):
         if foot.field is None or foot.field not in paths:
             continue
         path = paths[foot.field]
-        sends = [number for number, told in feet.of_channel.items() if index in told]
         values = path.values(messages.table)
-        rows = np.flatnonzero(np.isin(messages.channel, sends) & ~np.isnan(values).any(axis=1))
+        rows = feet.sent(index, messages.channel, ~np.asarray(np.isnan(values).any(axis=1)))
         is_contact = _kind(foot.field, path) == "contact"
         force = (_contact if is_contact else _newtons)(foot, foot.field, values[rows])
-        numbers = np.full(len(rows), index)
-        parts.append(flat_samples(messages.log_time[rows], numbers, stamp[rows], force))
-    return ContactSamples(concatenated(parts))
+        parts.append(foot_samples(messages, rows, index, stamp, force))
+    return of_all_feet(parts)
 
 
 def _newtons(foot: Foot, field: FootField, values: Floats) -> Floats:

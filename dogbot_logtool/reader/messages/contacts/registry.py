@@ -1,6 +1,6 @@
 """All contact sources, and the seam through which every command reads them."""
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from functools import lru_cache
 from typing import Final
@@ -146,19 +146,15 @@ def read_contacts(
     batch: Batch, channels: Sequence[Channel], feet: FootChannels
 ) -> list[DecodedContacts]:
     """Read the contact messages of a batch; one entry a definition, nearly always one."""
-    return list(_read(batch, channels, feet))
-
-
-def _read(
-    batch: Batch, channels: Sequence[Channel], feet: FootChannels
-) -> Iterator[DecodedContacts]:
+    found = []
     for source, of_source in _by_source(channels, feet):
         fields = source.fields if feet.normals else without(source.fields, source.normals)
         for messages in decode_channels(batch, of_source, fields):
             reduced = source.read(messages, feet)
             samples, implausible = plausible_samples(reduced.samples)
             reduced = replace(reduced, samples=samples, implausible=implausible)
-            yield DecodedContacts(without_flags(source, feet), messages, reduced, feet)
+            found.append(DecodedContacts(without_flags(source, feet), messages, reduced, feet))
+    return found
 
 
 def _by_source(

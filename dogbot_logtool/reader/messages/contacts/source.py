@@ -1,16 +1,16 @@
 """What every contact source offers, and what it is given."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from dogbot_logtool.core.contact.contacts import Contacts, Samples
 from dogbot_logtool.core.frames.wrench_frame import WrenchFrame
-from dogbot_logtool.core.geometry.arrays import Floats, Ints
+from dogbot_logtool.core.geometry.arrays import Flags, Floats, Ints
 from dogbot_logtool.core.geometry.blocks import concatenated
 from dogbot_logtool.dataclass import dataclass
-from dogbot_logtool.reader.decode.columns import Nested, Table
+from dogbot_logtool.reader.decode.columns import Table
 from dogbot_logtool.reader.decode.fields import Fields
 from dogbot_logtool.reader.messages.messages import DecodedMessages
 from dogbot_logtool.robot import Foot
@@ -47,6 +47,11 @@ class FootChannels:
         feet = np.array([self.of_channel[number][0] for number in ids.tolist()], np.int64)
         return feet[np.searchsorted(ids, channel)]
 
+    def sent(self, foot: int, channel: Ints, known: Flags) -> Ints:
+        """Return the rows of messages that tell of a foot, as far as they are known, (n,)."""
+        channels = [number for number, told in self.of_channel.items() if foot in told]
+        return np.flatnonzero(np.isin(channel, channels) & known)
+
 
 @dataclass(frozen=True, slots=True)
 class ContactSamples:
@@ -63,8 +68,6 @@ class ContactSamples:
     """Samples with numbers that no robot reaches; those are NaN."""
 
 
-ToForce = Callable[[Foot, Floats], Floats]
-"""Turns what a message tells of a foot into newtons."""
 FootLinks = Mapping[int, set[str]]
 """Frames of the wrenches of each foot, by its index."""
 
@@ -201,54 +204,22 @@ def flat_samples(log_time: Ints, foot: Ints, stamp: Ints, force: Floats) -> Samp
     )
 
 
-def each_foot(
-    messages: DecodedMessages, feet: FootChannels, stamp: Ints, values: Floats, to_force: ToForce
-) -> ContactSamples:
-    """Return samples of messages that tell of all feet, foot by foot.
+def foot_samples(
+    messages: DecodedMessages, rows: Ints, foot: int, stamp: Ints, force: Floats
+) -> Samples:
+    """Return samples of one foot from rows of messages that tell of several; see `flat_samples`.
 
     Args:
         messages: n messages.
-        feet: which of their elements is which foot's is told by `Foot.element`.
+        rows: (m,).
+        foot: index of the foot.
         stamp: (n,) ns.
-        values: (n, k) what each element tells; NaN: nothing.
-        to_force: turns a foot's values into newtons.
+        force: (m, 3) N.
     """
-    parts = [flat_samples(*(np.empty(0, np.int64),) * 3, np.empty((0, 3)))]
-    for index, foot in enumerate(feet.feet):
-        speaks = [number for number, told in feet.of_channel.items() if index in told]
-        if foot.element is None or foot.element >= values.shape[1]:
-            continue
-        told = values[:, foot.element]
-        rows = np.flatnonzero(np.isin(messages.channel, speaks) & ~np.isnan(told))
-        force = np.zeros((len(rows), 3))
-        force[:, 2] = to_force(foot, told[rows])
-        numbers = np.full(len(rows), index)
-        parts.append(flat_samples(messages.log_time[rows], numbers, stamp[rows], force))
-    return ContactSamples(concatenated(parts))
+    return flat_samples(messages.log_time[rows], np.full(len(rows), foot), stamp[rows], force)
 
 
-def only_contact(foot: Foot, touches: Floats) -> Floats:
-    """Return NaN, an unknown force, where a foot touches, and 0 where not; (n,) N."""
-    del foot
-    return np.where(touches > 0.0, np.nan, 0.0)
-
-
-def by_element(nested: Nested, values: Floats, rows: int, elements: int) -> Floats:
-    """Return the first elements of every message's array.
-
-    Args:
-        nested: the array field.
-        values: (m,) a number of each element.
-        rows: n, the number of messages.
-        elements: k.
-
-    Returns:
-        (n, k); NaN where a message has fewer elements.
-    """
-    order = np.argsort(nested.parent, kind="stable")
-    parent = nested.parent[order]
-    element = np.arange(len(parent)) - np.searchsorted(parent, parent)
-    table = np.full((rows, elements), np.nan)
-    kept = element < elements
-    table[parent[kept], element[kept]] = values[order][kept]
-    return table
+def of_all_feet(parts: Iterable[Samples]) -> ContactSamples:
+    """Return the samples of all feet, of which there may be none."""
+    nothing = flat_samples(*(np.empty(0, np.int64),) * 3, np.empty((0, 3)))
+    return ContactSamples(concatenated([nothing, *parts]))

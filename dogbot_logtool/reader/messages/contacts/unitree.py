@@ -18,14 +18,14 @@ import numpy as np
 
 from dogbot_logtool.core.frames.wrench_frame import WrenchFrame
 from dogbot_logtool.core.geometry.arrays import Floats, Ints
-from dogbot_logtool.core.geometry.blocks import concatenated
 from dogbot_logtool.reader.decode.columns import Table
 from dogbot_logtool.reader.decode.fields import Field, fixed_numbers, table, vector
 from dogbot_logtool.reader.messages.contacts.source import (
     ContactSamples,
     ContactSource,
     FootChannels,
-    flat_samples,
+    foot_samples,
+    of_all_feet,
 )
 from dogbot_logtool.reader.messages.contacts.whole_robot import matrix
 from dogbot_logtool.reader.messages.messages import DecodedMessages
@@ -69,25 +69,21 @@ def raw_samples(
         stamp: (n,) ns; 0: none.
         points: (n, k, 3) m, positions of the feet in the base's frame.
     """
-    parts = [flat_samples(*(np.empty(0, np.int64),) * 3, np.empty((0, 3)))]
+    parts = []
     for index, foot in enumerate(feet.feet):
-        speaks = [number for number, told in feet.of_channel.items() if index in told]
         if foot.element is None or foot.element >= counts.shape[1]:
             continue
         if foot.newtons_per_count is None and feet.contact_on_counts is None:
             # Neither force nor contact can be known of it.
             continue
-        known = ~np.isnan(counts[:, foot.element])
-        rows = np.flatnonzero(np.isin(messages.channel, speaks) & known)
-        vertical = _newtons(foot, counts[rows, foot.element], feet.contact_on_counts)
+        rows = feet.sent(index, messages.channel, ~np.isnan(counts[:, foot.element]))
         loads = np.zeros((len(rows), 3))
-        loads[:, 2] = vertical
-        number = np.full(len(rows), index)
-        samples = flat_samples(messages.log_time[rows], number, stamp[rows], loads)
+        loads[:, 2] = _newtons(foot, counts[rows, foot.element], feet.contact_on_counts)
+        samples = foot_samples(messages, rows, index, stamp, loads)
         if points is not None and foot.element < points.shape[1]:
             samples = replace(samples, position=points[rows, foot.element])
         parts.append(samples)
-    return ContactSamples(concatenated(parts))
+    return of_all_feet(parts)
 
 
 def _newtons(foot: Foot, counts: Floats, on_counts: float | None) -> Floats:

@@ -10,7 +10,6 @@ import numpy as np
 
 from dogbot_logtool.core.contact.contacts import Samples
 from dogbot_logtool.core.geometry.arrays import Flags, Floats, Ints, all_finite
-from dogbot_logtool.core.geometry.blocks import concatenated
 from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.reader.decode.columns import Nested, Texts
 from dogbot_logtool.reader.decode.message_layout import ELEMENT
@@ -18,7 +17,8 @@ from dogbot_logtool.reader.messages.contacts.source import (
     ContactSamples,
     ContactSource,
     FootChannels,
-    flat_samples,
+    foot_samples,
+    of_all_feet,
 )
 from dogbot_logtool.reader.messages.messages import DecodedMessages
 from dogbot_logtool.robot import Foot
@@ -71,23 +71,17 @@ def _samples(
     in_base: bool,
 ) -> ContactSamples:
     found = values(messages, feet.feet)
-    parts = [flat_samples(*(np.empty(0, np.int64),) * 3, np.empty((0, 3)))]
+    parts = []
     for index, foot in enumerate(feet.feet):
-        speaks = [number for number, told in feet.of_channel.items() if index in told]
         if foot.element is None:
             continue
         of_foot = _of_foot(found, foot.element, use_flags=not feet.ignores_flags)
         if of_foot is None:
             continue
-        rows = np.flatnonzero(np.isin(messages.channel, speaks) & of_foot.known)
-        samples = flat_samples(
-            messages.log_time[rows],
-            np.full(len(rows), index),
-            found.stamp[rows],
-            of_foot.force[rows],
-        )
+        rows = feet.sent(index, messages.channel, of_foot.known)
+        samples = foot_samples(messages, rows, index, found.stamp, of_foot.force[rows])
         parts.append(_with_positions(samples, of_foot, rows, in_world=in_world, in_base=in_base))
-    return ContactSamples(concatenated(parts))
+    return of_all_feet(parts)
 
 
 @dataclass(frozen=True, slots=True)
@@ -157,10 +151,7 @@ def matrix(nested: Nested, values: Floats, rows: int) -> Floats:
         (n, k) or (n, k, 3), k the length of the longest array, `MOST_FEET` at most; NaN where a
         message has fewer elements.
     """
-    order = np.argsort(nested.parent, kind="stable")
-    parent = nested.parent[order]
-    element = np.arange(len(parent)) - np.searchsorted(parent, parent)
-    return scattered(parent, element, values[order], rows)
+    return scattered(nested.parent, nested.index, values, rows)
 
 
 def scattered(parent: Ints, element: Ints, values: Floats, rows: int) -> Floats:
@@ -183,14 +174,10 @@ def arrays_of_length(messages: DecodedMessages, path: str, length: int) -> Float
     """(n, length) an array of numbers of every message; NaN where it has another length."""
     rows = len(messages.channel)
     nested = messages.table.nested(path)
-    counts = np.bincount(nested.parent, minlength=rows)
-    order = np.argsort(nested.parent, kind="stable")
-    parent = nested.parent[order]
-    element = np.arange(len(parent)) - np.searchsorted(parent, parent)
-    kept = counts[parent] == length
+    parent = nested.parent
+    kept = np.bincount(parent, minlength=rows)[parent] == length
     values = np.full((rows, length), np.nan)
-    recorded = nested.table.numbers(ELEMENT).astype(np.float64)[order]
-    values[parent[kept], element[kept]] = recorded[kept]
+    values[parent[kept], nested.index[kept]] = nested.table.numbers(ELEMENT)[kept]
     return values
 
 
@@ -253,6 +240,11 @@ def labels_in(labels: Texts) -> tuple[MessageFoot, ...]:
     """Return the feet of all labels in messages, sorted."""
     _, names = labels.encode()
     return tuple(MessageFoot(label=name) for name in sorted(names)[:MOST_FEET] if name)
+
+
+def contact_names(messages: DecodedMessages) -> tuple[MessageFoot, ...]:
+    """Return the feet that an array `contacts` of named contacts names."""
+    return labels_in(messages.table.nested("contacts").table.texts("name"))
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,6 +1,7 @@
 """Force over the gait cycle: the median and the quartiles of each foot, left over right."""
 
 from collections.abc import Sequence
+from typing import Final
 
 from dogbot_logtool.core.gait.cycle_curves import CycleCurve
 from dogbot_logtool.core.statistics import Stats
@@ -8,6 +9,10 @@ from dogbot_logtool.report.page.charts.drawing import Drawing
 from dogbot_logtool.report.page.charts.panels import Band, PanelRow, over_cycle
 
 _ROW_PIXELS = 250
+_CAPTION: Final = (
+    "0 % is the foot's own touchdown. Line: median over whole strides, dashed for feet on the "
+    "right; band: from the lower to the upper quartile."
+)
 
 
 def force_over_cycle(stats: Stats) -> Drawing | None:
@@ -22,7 +27,7 @@ def force_over_cycle(stats: Stats) -> Drawing | None:
     rows = [PanelRow(name, "N", _bands(curves), ".1f", with_zero=True) for name, curves in known]
     chart = over_cycle(stats, rows, _ROW_PIXELS)
     return Drawing(
-        "cycle", "Force over the gait cycle", _words(stats, known[0][1]), _caption(), chart
+        "cycle", "Force over the gait cycle", _words(stats, known[0][1]), _CAPTION, chart
     )
 
 
@@ -41,10 +46,3 @@ def _words(stats: Stats, curves: Sequence[CycleCurve | None]) -> str:
         if curve
     )
     return f"The usual force of each foot over its stride. Highest median: {highest}."
-
-
-def _caption() -> str:
-    return (
-        "0 % is the foot's own touchdown. Line: median over whole strides, dashed for feet on the "
-        "right; band: from the lower to the upper quartile."
-    )

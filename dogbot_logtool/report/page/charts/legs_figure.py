@@ -15,6 +15,11 @@ _MOST_ROWS: Final = 8
 _ROW_PIXELS: Final = 190
 _LEAST_RAD: Final = 0.05
 """Span of a joint's row at least: what rests shows no noise."""
+_CAPTION: Final = (
+    "0 % is the foot's own touchdown; dashed: legs on the right. Foot: height above the line "
+    "between its footfalls, median and quartiles. Joints: position, mean and standard "
+    "deviation over whole strides."
+)
 
 
 def legs_over_cycle(stats: Stats) -> Drawing | None:
@@ -24,7 +29,7 @@ def legs_over_cycle(stats: Stats) -> Drawing | None:
     if not rows:
         return None
     chart = over_cycle(stats, rows, _ROW_PIXELS)
-    return Drawing("legs", "Legs over the gait cycle", _words(stats, legs), _caption(), chart)
+    return Drawing("legs", "Legs over the gait cycle", _words(stats, legs), _CAPTION, chart)
 
 
 def _heights(legs: LegFigures) -> list[PanelRow]:
@@ -74,11 +79,3 @@ def _words(stats: Stats, legs: LegFigures | None) -> str:
     joints = 0 if legs is None else sum(joint.curve is not None for joint in legs.joints)
     text = f"Motion of {joints} joints over the stride of their {len(stats.feet)} feet."
     return f"{text} Clearance of the feet: {clear}." if clear else text
-
-
-def _caption() -> str:
-    return (
-        "0 % is the foot's own touchdown; dashed: legs on the right. Foot: height above the line "
-        "between its footfalls, median and quartiles. Joints: position, mean and standard "
-        "deviation over whole strides."
-    )

@@ -19,7 +19,7 @@ from dogbot_logtool.commands.compare import compare
 from dogbot_logtool.errors import CallError, LogError, LogtoolError
 from dogbot_logtool.pipeline.options import CompareOptions
 from dogbot_logtool.reader.containers.log import BATCH_SIZE
-from dogbot_logtool.reader.containers.mcap.extras import read_extra
+from dogbot_logtool.reader.containers.mcap.records import read_extra
 from dogbot_logtool.reader.messages.contacts.registry import read_contacts
 from dogbot_logtool.reader.messages.contacts.source import FootChannels
 from dogbot_logtool.reader.opening import open_log

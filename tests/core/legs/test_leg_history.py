@@ -6,8 +6,8 @@ import pytest
 from dogbot_logtool.core.geometry.arrays import Floats, Ints
 from dogbot_logtool.core.geometry.clock import TimeSource
 from dogbot_logtool.core.legs.joint_track import JointHistory, JointLimits, JointSamples
+from dogbot_logtool.core.legs.leg_history import TopicRecorder
 from dogbot_logtool.core.legs.silences import silent_before
-from dogbot_logtool.core.legs.topic_recorder import TopicRecorder
 
 START = 7_000_000_000
 STEP = 2_000_000
