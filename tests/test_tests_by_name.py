@@ -92,7 +92,6 @@ TOGETHER: Final[Mapping[str, str]] = {
     "pipeline/robot_model/limbs": "report/page/test_replay",
     "pipeline/robot_model/shape": "commands/test_layout",
     "pipeline/robot_model/skeleton": "pipeline/robot_model/test_primitives",
-    "pipeline/robot_model/soles": "commands/test_convert_foot_frames",
     "pipeline/topics/": "pipeline/topics/test_selection",
     "pipeline/topics/base_candidates": "pipeline/topics/test_base",
     # Recordings, sound and damaged, byte by byte; each container in one file.
