@@ -56,7 +56,7 @@ _MODULES: Final = {
     "api.table": ("Table",),
     "api.walk": ("Walk",),
 }
-"""Where the public names are, below this package."""
+"""Modules of the public names, below this package."""
 
 
 if not TYPE_CHECKING:  # else a checker would take every name for one of ours

@@ -92,7 +92,7 @@ class Finding:
 
     @property
     def remedy(self) -> str:
-        """What to do about it; empty of a code that is not declared."""
+        """The remedy; empty for a code that is not declared."""
         kind = _kind(self.code)
         return kind.remedy if kind else ""
 

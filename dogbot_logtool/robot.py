@@ -1,4 +1,4 @@
-"""What is known of a robot before its log is opened: feet, topics, frames, mass, thresholds."""
+"""A robot, as known before its log is opened: feet, topics, frames, mass, thresholds."""
 
 from dataclasses import replace
 from functools import cache
@@ -26,7 +26,7 @@ _ALL_KEYS: Final = "'dogbot-logtool robots dogbot' shows all that are."
 NEWTONS: Final = {"N": 1.0, "kN": 1e3, "kg": 9.80665, "g": 9.80665e-3, "lbf": 4.4482216152605}
 """Newtons in units of force."""
 KINDS: Final = ("force", "contact")
-"""What a field can be read as."""
+"""Quantity that a field can be read as."""
 _AXES_OF_SENSOR: Final = ("x", "y", "z", "-x", "-y", "-z")
 _SIGNS: Final = {"+": 1, "-": -1}
 
@@ -69,7 +69,7 @@ class Foot:
     element: int | None = None
     """Place in the arrays of a message that tells of all feet; None: told by the message type."""
     label: str = ""
-    """What messages that name their feet call it; empty: found by its name and leg."""
+    """Its name in messages that name their feet; empty: found by its name and leg."""
     field: FootField | None = None
     """Which field of its messages is the foot's; None: the type of the messages tells."""
     offset: float = 0.0
@@ -77,7 +77,7 @@ class Foot:
     offset_n: tuple[float, float, float] | None = None
     """N, what its sensor reads without load; None: estimated from the log."""
     newtons_per_count: float | None = None
-    """Of a raw sensor; None: what its counts mean was never measured."""
+    """Scale of a raw sensor; None: it was never measured."""
 
 
 @dataclass(frozen=True, slots=True)

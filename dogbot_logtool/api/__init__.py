@@ -1,1 +1,1 @@
-"""What `import dogbot_logtool` offers; loaded when a name of it is used."""
+"""The public API: a module is loaded when a name of it is used."""

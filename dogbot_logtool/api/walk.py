@@ -38,7 +38,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Walk:
-    """What was measured of a log. Times in tables count in s from `start_ns`."""
+    """The measurement of a log. Times in tables count in s from `start_ns`."""
 
     path: Location
     _measured: Measurement
@@ -96,7 +96,7 @@ class Walk:
 
     @cached_property
     def events(self) -> Table:
-        """What happened, in the order of time: the columns of `stats --events`."""
+        """Events in the order of time: the columns of `stats --events`."""
         events = self.stats["events"]
         numbers = {"onset_s", "duration_s", "value"}
         return Table(

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 _FEWEST_JOINED: Final = 2
 _MEASURING: Final = MeasureKeywords.__optional_keys__ - RobotKeywords.__optional_keys__ - {"jobs"}
-"""What `stats_options` adds, beside words about the robot."""
+"""Options that `stats_options` adds, beside those of the robot."""
 
 
 def output_name(text: str) -> str:

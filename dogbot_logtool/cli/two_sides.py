@@ -1,4 +1,4 @@
-"""What is shared by commands that compare two runs, or two groups of runs."""
+"""Options and arguments of commands that compare two runs, or two groups of runs."""
 
 from collections.abc import Sequence
 from dataclasses import replace

@@ -13,7 +13,7 @@ from dogbot_logtool.errors import CallError
 
 @dataclass(frozen=True, slots=True)
 class Limits:
-    """What logs are held against."""
+    """The limits that logs are checked against."""
 
     rules: tuple[Rule, ...]
     baseline: Mapping[str, Any] | None = None

@@ -22,7 +22,7 @@ from dogbot_logtool.reader.opening import open_log
 
 @dataclass(frozen=True, slots=True)
 class Update:
-    """What `update` did."""
+    """The result of `update`."""
 
     written: bool
     lines: tuple[str, ...]

@@ -12,7 +12,7 @@ from dogbot_logtool.report.page.comparison import comparison_page
 from dogbot_logtool.results import Figures
 
 ENDING = ".against.html"
-"""Of the page's name in a directory, after that of the first log."""
+"""Ending of the page's name in a directory, after the name of the first log."""
 
 
 @dataclass(frozen=True, slots=True)

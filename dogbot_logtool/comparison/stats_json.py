@@ -16,7 +16,7 @@ _PROVENANCE: Final = ("tool.version", "log.path")
 """Keys that say where figures come from."""
 _WHOLE: Final = "(document)"
 _NOTHING: Final = object()
-"""What `_picked` leaves of a value that is not wanted."""
+"""Returned by `_picked` for a value that is not wanted."""
 _LARGEST: Final = 256 << 20
 
 

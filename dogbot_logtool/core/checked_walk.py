@@ -45,7 +45,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class Recorded:
-    """What was kept of a log while it streamed past."""
+    """Everything kept of a log while it streamed past."""
 
     feet: tuple[FootHistory, ...]
     base: BaseHistory
@@ -59,7 +59,7 @@ class Recorded:
 
 @dataclass(frozen=True, slots=True)
 class CheckedWalk:
-    """What the figures of a log, or of a part of it, are taken from, and what these rest on."""
+    """The source of the figures of a log, or of a part of it, and their assumptions."""
 
     settings: StatsSettings
     records: tuple[FootHistory, ...]
@@ -70,11 +70,11 @@ class CheckedWalk:
     """Poses among the contact points: with jumps, if these jump with the odometry."""
     track: BaseTrack
     motion: BaseMotion | None
-    """Of the base in the whole log."""
+    """Motion of the base in the whole log."""
     fallen: Ints
     standing: Standing
     steps: tuple[FootSteps, ...]
-    """Of each foot."""
+    """Steps of each foot."""
     apart: frozenset[str]
     """Topics whose clocks are too far from the others'."""
     base_delay: "Delay | None"

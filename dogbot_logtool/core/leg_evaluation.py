@@ -44,7 +44,7 @@ from dogbot_logtool.core.statistics import Stats
 IDLE: Final = 0.02
 """rad or m: joints of no leg that move by less are only counted."""
 FEWEST_STATES: Final = 16
-"""Of a joint in a stride: with fewer its work may be off by a tenth."""
+"""States of a joint in a stride; with fewer its work may be off by a tenth."""
 SHORTEST_WAY_M: Final = 0.1
 """m: work is not set against a shorter way."""
 

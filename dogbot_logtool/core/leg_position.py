@@ -1,4 +1,4 @@
-"""Where on the body a leg is: fore or hind, left or right."""
+"""The position of a leg on the body: fore or hind, left or right."""
 
 from collections.abc import Sequence
 from typing import Final

@@ -21,7 +21,7 @@ IMPLAUSIBLE: Final = (
     "poses or contacts with numbers that no robot reaches (beyond 1e9 m, m/s or N), which are "
     "not used"
 )
-"""What their number is called."""
+"""The name of their number."""
 STRONGEST_N: Final = 1e9
 """A hundred times the thrust of the largest rockets."""
 

@@ -1,4 +1,4 @@
-"""What decides the figures: thresholds, mass, frames, clock."""
+"""Settings of the figures: thresholds, mass, frames, clock."""
 
 from dataclasses import field
 
@@ -48,7 +48,7 @@ class StatsSettings:
     """m, way of the contact point in a stance without slip; None: not known."""
     thresholds: Thresholds = field(default_factory=Thresholds)
     contact_on_counts: float | None = None
-    """Of raw sensors without a scale; the reader has applied it."""
+    """Threshold of raw sensors without a scale; the reader has applied it."""
     wrench_frame: WrenchFrame = WrenchFrame.UNKNOWN
     """Frame of the forces in `Samples`; samples that are `in_world` are in the world anyway."""
     wrench_frame_is_inferred: bool = False
@@ -59,7 +59,7 @@ class StatsSettings:
     """Why `time_source` is what it is, where no option chose it."""
     odometry_topic: str = ""
     command_topic: str = ""
-    """Of velocity commands; empty: there are none. Likewise `imu_topic`."""
+    """Topic of velocity commands; empty: there are none. Likewise `imu_topic`."""
     imu_topic: str = ""
     imu_mounting: tuple[float, float, float, float] | None = None
     """x, y, z, w: the accelerometer's frame in the base's, from recorded transforms; None: not

@@ -70,7 +70,7 @@ class Stats:
     """The robot is tipping when the recording ends."""
     segments: tuple[Segment, ...]
     segment_figures: tuple[SegmentFigures, ...]
-    """Of each segment."""
+    """Figures of each segment."""
     transition_strides: int
     """Strides of the reference foot that belong to no segment."""
     main: Segment | None
@@ -94,19 +94,19 @@ class Stats:
     loses_way: bool = False
     """Whether the base drifts so far among the contact points that speeds are not known."""
     worlds: Worlds | None = None
-    """Where the base is among the feet; None where contact points do not tell."""
+    """Position of the base among the feet; None without contact points."""
     planned: tuple[PlannedFoot | None, ...] = ()
     """How each foot follows its plan; None without one; empty: the log has no plan beside."""
     all_silent: Ints = field(default_factory=timespans.no_spans)
     """(s, 2) ns, spans in which no foot's sensor sends anything, though the odometry does."""
     beside: "tuple[VectorHistory, ...]" = ()
-    """What was recorded of commands and accelerometer."""
+    """Records of commands and accelerometer."""
     command_track: "CommandTrack | None" = None
     """Commanded and measured velocity; None without commands."""
     commands: "Tracking | None" = None
     """How the base follows them."""
     imu: "ImuComparison | None" = None
-    """What the base's accelerometer says of forces and poses; None without one."""
+    """Comparison of the base's accelerometer with forces and poses; None without one."""
 
     legs: "LegFigures | None" = None
     """None where the log tells nothing of its legs."""

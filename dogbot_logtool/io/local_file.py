@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from _typeshed import ReadableBuffer
 
 _OPEN_FILES: Final = Path("/proc/self/fd")
-"""Where Linux names the open files of a process, also those that have no other name."""
+"""The directory in which Linux names open files of a process, also those without another name."""
 _SENT_AT_ONCE: Final = 8 << 20
 """Bytes."""
 _KINDS: Final = {

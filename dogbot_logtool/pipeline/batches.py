@@ -28,7 +28,7 @@ from dogbot_logtool.reader.messages.messages import DecodedMessages, malformed_i
 from dogbot_logtool.reader.messages.transforms import decode_transforms
 
 _MOST_CHUNKS_AHEAD: Final = 256
-"""Where chunks do not say when they begin, no more are looked into."""
+"""Number of chunks that are looked into if they do not say when they begin."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -51,7 +51,7 @@ class BatchColumns:
 
     @property
     def samples(self) -> tuple[Samples, ...]:
-        """Of each sort of contact messages."""
+        """Samples of each kind of contact messages."""
         return tuple(read.reduced.samples for read in self.contacts)
 
     @property

@@ -99,7 +99,7 @@ class StatsOptions:
     end_s: float | None = None
     jobs: int = 1
     command_topic: str | None = None
-    """Of velocity commands; None: found by type and name. Likewise `imu_topic`."""
+    """Topic of velocity commands; None: found by type and name. Likewise `imu_topic`."""
     imu_topic: str | None = None
     curves: "CurveDetail | None" = None
     """Keep load curves for drawing; None: none."""

@@ -56,7 +56,7 @@ _BURST: Final = 0.5
 """Messages that are logged in less than this part of the time between their stamps come in
 bursts."""
 _USUAL_INTERVAL_NS: Final = 10_000_000
-"""Of a sensor that sent hardly any message."""
+"""ns, assumed of a sensor that sent hardly any message."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -136,7 +136,7 @@ def _spread(log: Log, selection: Selection) -> list[Chunk]:
 
 @dataclass(frozen=True, slots=True)
 class _Look:
-    """What a batch shows of the frames of wrenches and feet."""
+    """Samples, poses and transforms of a batch."""
 
     samples: Sequence[Samples]
     base: Odometry

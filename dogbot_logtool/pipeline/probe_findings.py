@@ -1,4 +1,4 @@
-"""What a user should know of what the probe saw: stamps, frames, and the frame of the wrenches."""
+"""Findings of the probe: stamps, frames, and the frame of the wrenches."""
 
 from math import atan, degrees
 

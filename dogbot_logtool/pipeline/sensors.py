@@ -50,7 +50,7 @@ from dogbot_logtool.reader.messages.contacts.registry import read_contacts
 _WHOLE_BYTES: Final = 4 << 20
 """Contact channels of smaller logs are read through."""
 _SHARE: Final = 16
-"""Of larger ones, one byte in so many is."""
+"""One byte in so many of larger ones is read."""
 _STRETCH_S: Final = 15.0
 """s: long enough for several strides."""
 _MOST_STRETCHES: Final = 24

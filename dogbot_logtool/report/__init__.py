@@ -1,1 +1,1 @@
-"""What people and scripts read: tables, diagrams, JSON."""
+"""Reports for people and scripts: tables, diagrams, JSON."""

@@ -48,7 +48,7 @@ class FinishedChunk:
     index: Bytes
     """The message index records that follow it."""
     index_offsets: Mapping[int, int]
-    """Where each channel's message index record begins in `index`."""
+    """Offset of each channel's message index record in `index`."""
     counts: Mapping[int, int]
     """Messages by channel id."""
     start_time: int

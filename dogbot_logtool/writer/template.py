@@ -21,7 +21,7 @@ Serialise = Callable[[Mapping[str, Number]], bytes]
 """Builds a message from named numbers and serialises it."""
 
 TEMPLATES_KEPT: Final = 256
-"""Of each kind of message, for those that follow and for other logs of a run."""
+"""Templates of each kind of message, kept for later messages and for other logs of a run."""
 _VARINT_WIDTH: Final = 10
 _VARINT_SHORT: Final = 5
 """Seven-bit groups that hold every number below 2^35."""

@@ -32,7 +32,7 @@ NEEDED: Final[Mapping[str, str]] = {
 
 
 class Status(StrEnum):
-    """What a rule comes to; the worst first."""
+    """Verdict of a rule; the worst comes first."""
 
     FAIL = "FAIL"
     UNKNOWN = "UNKNOWN"
@@ -42,7 +42,7 @@ class Status(StrEnum):
 
 @dataclass(frozen=True, slots=True)
 class Judgement:
-    """What a rule comes to for one figure, or for the count of findings or events."""
+    """The result of a rule for one figure, or for the count of findings or events."""
 
     status: Status
     rule: Rule
@@ -50,9 +50,9 @@ class Judgement:
     """Path of the figure; of findings and events the pattern."""
     value: Value
     demand: str
-    """What was demanded, in words, with the baseline's value put in."""
+    """The demand in words, with the baseline's value put in."""
     look: str
-    """Where to look: findings that concern it, or a time; empty where nothing is known."""
+    """Findings that concern it, or a time to look at; empty where nothing is known."""
 
 
 def judge(document: Json, rules: Sequence[Rule], baseline: Json | None) -> list[Judgement]:

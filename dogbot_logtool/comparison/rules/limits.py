@@ -32,7 +32,7 @@ _OTHERS: Final = ("where", "null", "level", "name")
 
 
 class Subject(StrEnum):
-    """What a rule is about."""
+    """Subject of a rule."""
 
     FIGURE = "figure"
     FINDING = "finding"
@@ -40,7 +40,7 @@ class Subject(StrEnum):
 
 
 class Null(StrEnum):
-    """What a figure that is not known means."""
+    """Verdict on a figure that is not known."""
 
     UNKNOWN = "unknown"
     FAIL = "fail"
@@ -48,7 +48,7 @@ class Null(StrEnum):
 
 
 class Level(StrEnum):
-    """What breaking a rule means."""
+    """Consequence of a broken rule."""
 
     FAIL = "fail"
     WARN = "warn"
@@ -61,7 +61,7 @@ class Deviation:
     by: float = 0.0
     """In the figure's own unit."""
     by_percent: float = 0.0
-    """Of the baseline's value."""
+    """Percentage of the baseline's value."""
 
     def around(self, value: float) -> tuple[float, float]:
         """Return the lowest and the highest value that is near enough."""
@@ -71,7 +71,7 @@ class Deviation:
 
 @dataclass(frozen=True, slots=True)
 class Rule:
-    """What is demanded of some figures, findings or events."""
+    """A demand on figures, findings or events."""
 
     subject: Subject
     pattern: str
@@ -84,11 +84,11 @@ class Rule:
     null: Null = Null.UNKNOWN
     level: Level = Level.FAIL
     name: str = ""
-    """What a person calls it."""
+    """Its name for people."""
 
     @property
     def demand(self) -> str:
-        """What is demanded, in words."""
+        """The demand in words."""
         if self.baseline is not None:
             return f"within {_margin(self.baseline)} of the baseline"
         if self.equals is not None:

@@ -65,7 +65,7 @@ _EVENTS: Final = (
     "margin_below_zero",
     "gait_change",
 )
-"""What happens to a robot; what happens to its recording is among the findings."""
+"""Types of events of the robot; those of its recording are among the findings."""
 _SENSORS: Final = ("W_DEAD", "W_STUCK", "W_SATURATED", "W_FALL")
 
 

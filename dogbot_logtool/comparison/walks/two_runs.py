@@ -22,7 +22,7 @@ DRAWS: Final = 20_000
 BLOCK: Final = 3
 """Strides that are drawn together."""
 FEWEST_STRIDES: Final = 5
-"""Of a foot on either side; fewer tell no interval."""
+"""Strides of a foot on either side; fewer give no interval."""
 LEAST_SHARE: Final = 0.01
 """Differences below this share of the figure are of no interest, however certain."""
 _SEED: Final = 20_261_122
@@ -55,7 +55,7 @@ class FigureDifference:
     difference: float
     """The second median minus the first."""
     interval: tuple[float, float]
-    """Of the difference, at the confidence that the number of figures asks for."""
+    """Interval of the difference, at the confidence that the number of figures asks for."""
     effect: float
     """Difference over the spread of single strides (median absolute deviation, scaled)."""
     differs: bool
@@ -72,7 +72,7 @@ class GaitComparison:
     doubts: tuple[str, ...]
     """Recordings that are not to be relied on."""
     differences: tuple[FigureDifference, ...]
-    """Of every figure that both have; empty where they cannot be compared."""
+    """A difference for every figure that both have; empty where they cannot be compared."""
 
     @property
     def differing(self) -> tuple[FigureDifference, ...]:

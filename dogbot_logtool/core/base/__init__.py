@@ -1,1 +1,1 @@
-"""Where the base went."""
+"""Poses, motion and falls of the base."""

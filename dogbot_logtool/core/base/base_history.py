@@ -1,4 +1,4 @@
-"""What is kept of the base's poses while the odometry streams past."""
+"""The base's poses that are kept while the odometry streams past."""
 
 from typing import Final
 

@@ -79,7 +79,7 @@ class BaseMotion:
 
 @dataclass(frozen=True, slots=True)
 class BaseTrack:
-    """What the motion of the base is measured on."""
+    """The poses that the base's motion is measured on."""
 
     history: BaseHistory
     """Poses without jumps."""

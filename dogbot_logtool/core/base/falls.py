@@ -43,7 +43,7 @@ LOADED_S: Final = 0.5
 
 @dataclass(frozen=True, slots=True)
 class _Posture:
-    """What is known at each pose."""
+    """Columns known at each pose."""
 
     time: Ints
     """(n,) ns."""

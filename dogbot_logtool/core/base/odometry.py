@@ -1,4 +1,4 @@
-"""Where the base went, and the transforms that say so."""
+"""Poses of the base, and the transforms made of them."""
 
 from collections.abc import Sequence
 from typing import Final

@@ -41,7 +41,7 @@ SETTLED_S: Final = 1.0
 _LEAST_DRIFT_S: Final = 1.0
 _WORLD_FRAMES: Final = frozenset({"world", "odom", "map", "earth"})
 _CLEARLY: Final = 0.7
-"""Of two readings of the axes the better one's error is at most this share of the other's."""
+"""The better of two readings of the axes has at most this share of the other's error."""
 
 SPARSE_NS: Final = 1_000_000_000
 """ns; poses further apart than this tell no speed."""

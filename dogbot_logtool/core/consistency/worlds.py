@@ -38,7 +38,7 @@ otherwise from some moment on makes a step."""
 
 @dataclass(frozen=True, slots=True)
 class Worlds:
-    """Where the base is among the feet that are down, seen from above and from the base."""
+    """The base among the feet that are down, seen from above and from the base."""
 
     distance_m: float
     """m, median horizontal distance of the base from the centroid of the feet's usual positions."""

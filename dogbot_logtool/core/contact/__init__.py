@@ -1,1 +1,1 @@
-"""What feet measured, when they were on the ground, and what each stance was like."""
+"""Contact samples, stances, and the detection of contact."""

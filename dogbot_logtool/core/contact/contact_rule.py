@@ -1,4 +1,4 @@
-"""What counts as contact: thresholds relative to the robot's weight and to the sensor's noise."""
+"""The rule of contact: thresholds relative to the robot's weight and to the sensor's noise."""
 
 from typing import Final
 
@@ -20,7 +20,7 @@ ON_NOISES, OFF_NOISES = 5.0, 3.0
 ON_WOBBLES: Final = 1.25
 """Times the furthest that an unloaded sensor strays, by a leg's inertia."""
 ON_TO_OFF: Final = 0.8
-"""Where that decides, contact ends at the furthest itself, or at this share of `on` at most."""
+"""Contact then ends at the furthest itself, or at this share of `on` at most."""
 MOST_OF_LOAD: Final = 0.5
 """Largest share of the usual load that may be needed to detect contact."""
 STEPS_UNCLEAR: Final = frozenset({ALTERNATE, NOISY, WIDE})
@@ -39,7 +39,7 @@ ANY_FORCE_N: Final = 1e-9
 
 @dataclass(frozen=True, slots=True)
 class ContactRule:
-    """What counts as contact."""
+    """The thresholds of contact."""
 
     on_n: float
     """N: |F| from which a foot is in contact."""
@@ -52,7 +52,7 @@ class ContactRule:
     backdates: bool = False
     """Whether a touchdown is dated back to where the force rose above `off_n`."""
     origin: Origin = "default"
-    """Where the thresholds come from."""
+    """The origin of the thresholds."""
     by_flag: bool = False
     """Whether the message's own contact flag decides, whatever the force."""
     unusable: str = ""
@@ -66,7 +66,7 @@ class ContactRule:
 
 @dataclass(frozen=True, slots=True)
 class Thresholds:
-    """What a user or the robot's file says about contact; None: not said."""
+    """The settings of contact by a user or the robot's file; None: not given."""
 
     on_n: float | None = None
     off_n: float | None = None

@@ -137,7 +137,7 @@ def _first_extremes(values: Floats, starts: Ints, extreme: np.ufunc) -> Ints:
 
 @dataclass(frozen=True, slots=True)
 class LoadCurves:
-    """What a foot carried over time."""
+    """The load of a foot over time."""
 
     force: Curve | None
     """N, |F|; None where no force is known."""

@@ -1,4 +1,4 @@
-"""Where each foot stands, and where it last touched down, from the messages up to then.
+"""The state of each foot and its last touchdown, from the messages up to then.
 
 This looks back only: at any time, what counts is each foot's newest message up to then, by log
 time, as a viewer that plays the log has it. What must be remembered of all earlier messages is a
@@ -46,7 +46,7 @@ class ContactSensor:
 
 @dataclass(frozen=True, slots=True)
 class FootRows:
-    """What one foot said, in the order of time."""
+    """The samples of one foot, in the order of time."""
 
     time: Ints
     """(n,) ns, log time, strictly increasing."""
@@ -83,7 +83,7 @@ class Touchdowns:
 
 @dataclass(frozen=True, slots=True)
 class FootMemory:
-    """What must be known of all earlier messages of a foot."""
+    """The state of a foot that its earlier messages leave."""
 
     rows: FootRows
     """The last touchdown, the lift-off after it, and the newest, as far as there are such."""
@@ -115,7 +115,7 @@ class FootState:
 
 
 class FootTracker:
-    """What is known of one foot through a batch of its messages."""
+    """The state of one foot through a batch of its messages."""
 
     def __init__(self, new: "_FiniteSamples", before: FootMemory, sensor: ContactSensor) -> None:
         """Take in the messages of this foot; see `follow_feet`."""

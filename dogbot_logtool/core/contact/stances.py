@@ -48,7 +48,7 @@ class Cut(IntEnum):
     STANDING = 4
     FALL = 5
     OUTSIDE = 6
-    """Of a part of the log: it is not in it."""
+    """It is outside the part of the log that is measured."""
 
 
 class StanceFigures(NamedTuple):

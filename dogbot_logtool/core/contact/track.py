@@ -1,4 +1,4 @@
-"""What a foot carried over the whole log: impulses, and the contact point at 25 Hz.
+"""The load of a foot over the whole log: impulses, and the contact point at 25 Hz.
 
 Impulses are integrated over every sample; their running totals are kept at a fixed low rate, so
 that they can be asked for between any two times without keeping the samples.

@@ -1,1 +1,1 @@
-"""What happened, and when: one table of events."""
+"""One table of events."""

@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 
 class EventType(StrEnum):
-    """What happened; of events at one time the first of these comes first."""
+    """Type of an event; of events at one time the first of these comes first."""
 
     FALL = "fall"
     TIPPING = "tipping"
@@ -23,7 +23,7 @@ class EventType(StrEnum):
 
 
 STEPS = frozenset({EventType.TOUCHDOWN, EventType.LIFT_OFF})
-"""What happens in every stride: no event that calls for a look."""
+"""Events of every stride, which call for no look."""
 
 
 class Event(NamedTuple):
@@ -40,4 +40,4 @@ class Event(NamedTuple):
     """How much, in `unit`; None: nothing is measured of it."""
     unit: str = ""
     code: str = ""
-    """Of the finding about it; of a gait change both classes, ``trot>walk``."""
+    """Code of the finding about it; for a change of the gait both classes, ``trot>walk``."""

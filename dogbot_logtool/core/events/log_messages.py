@@ -1,4 +1,4 @@
-"""What a log says of itself in words and states: events as sentences, the gait as it changes."""
+"""Events as sentences, and the gait as it changes."""
 
 from itertools import zip_longest
 from typing import Final
@@ -19,7 +19,7 @@ _LEVELS: Final = {
     EventType.GAIT_CHANGE: Level.INFO,
     **dict.fromkeys(STEPS, Level.DEBUG),
 }
-"""Of events that are no warnings."""
+"""Levels of events that are no warnings."""
 
 
 def event_messages(stats: Stats) -> tuple[EventMessage, ...]:

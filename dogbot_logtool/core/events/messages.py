@@ -35,7 +35,7 @@ class EventMessage:
     is_step: bool = False
     """Whether it is a touchdown or a lift-off."""
     details: Mapping[str, str] = field(default_factory=dict)
-    """What is known of it, by name: ``type``, ``foot``, ``value``, ``unit``, ``code``."""
+    """Its details by name: ``type``, ``foot``, ``value``, ``unit``, ``code``."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,4 +1,4 @@
-"""What happens to the recording: gaps, and sensors at fault."""
+"""Events of the recording: gaps, and sensors at fault."""
 
 from collections.abc import Iterator
 

@@ -1,4 +1,4 @@
-"""What happens to the whole robot: falls, being carried, changes of the gait, lost balance."""
+"""Events of the whole robot: falls, being carried, changes of the gait, lost balance."""
 
 from collections.abc import Iterator, Sequence
 from itertools import compress, pairwise

@@ -1,4 +1,4 @@
-"""What was checked before a recording is trusted, and what could not be."""
+"""Checks of a recording before it is trusted, and those that were not possible."""
 
 from collections.abc import Callable, Iterable
 from enum import StrEnum
@@ -13,7 +13,7 @@ from dogbot_logtool.finding import Finding, Severity
 
 
 class Outcome(StrEnum):
-    """What came of a check."""
+    """Outcome of a check."""
 
     PASSED = "passed"
     FAILED = "failed"
@@ -28,7 +28,7 @@ class Check:
     """One thing that a figure rests on."""
 
     name: str
-    """What should hold, in a few words."""
+    """The condition in a few words."""
     outcome: Outcome
     reason: str = ""
     """Why it failed, could not be made or does not apply."""
@@ -42,7 +42,7 @@ Reason = Callable[[Stats], str]
 class _Kind:
     name: str
     lack: Reason
-    """What the log does not have, so that it does not apply."""
+    """Data that the log lacks, so that it does not apply."""
     obstacle: Reason
     """Why it cannot be made although it applies."""
     codes: frozenset[str]

@@ -1,4 +1,4 @@
-"""What a log's transforms say of each pair of frames, measured while they stream past."""
+"""Figures of the transforms of each pair of frames, measured while they stream past."""
 
 from collections.abc import Iterator
 from typing import Final
@@ -106,7 +106,7 @@ class _EdgeWatch:
 
 @dataclass(frozen=True, slots=True)
 class RecordedFrames:
-    """What all transforms of a log say."""
+    """Figures of all transforms of a log."""
 
     edges: tuple[FrameEdge, ...]
     """Sorted by parent, then child."""

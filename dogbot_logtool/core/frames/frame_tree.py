@@ -26,7 +26,7 @@ class TreeRow:
     again: bool
     """It stands further up already, with all that hangs below it."""
     cut: bool
-    """What hangs below it is too deep to be shown."""
+    """Frames below it are too deep to be shown."""
 
 
 def children_of(pairs: Iterable[Pair]) -> dict[str, list[str]]:

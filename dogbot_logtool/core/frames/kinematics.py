@@ -1,4 +1,4 @@
-"""Where the links of a robot are, told from the positions of its joints."""
+"""Forward kinematics: poses of links from positions of joints."""
 
 from collections.abc import Sequence
 from typing import Final, Literal
@@ -32,7 +32,7 @@ class Joint:
     source: str = ""
     """Name of the joint whose position it follows (``mimic``); empty: its own."""
     multiplier: float = 1.0
-    """Of the source's position; then `offset`, rad or m, is added."""
+    """Factor of the source's position; then `offset`, rad or m, is added."""
     offset: float = 0.0
 
     @property
@@ -53,7 +53,7 @@ class LinkPoses:
 
 @dataclass(frozen=True, slots=True)
 class LinkTransforms:
-    """Where links were at the times of some messages."""
+    """Poses of links at the times of some messages."""
 
     log_time: Ints
     """(n,) ns."""

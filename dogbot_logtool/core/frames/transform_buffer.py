@@ -1,4 +1,4 @@
-"""Where was a frame at a time? Recorded transforms, interpolated along the chain of frames.
+"""Poses of frames at any time: recorded transforms, interpolated along the chain of frames.
 
 Nothing is extrapolated, and no gap is bridged: where transforms are too far apart, the answer is
 "not known". A transform is only used for what was recorded at about the same time, so that a log
@@ -39,7 +39,7 @@ class Poses:
 
 @dataclass(frozen=True, slots=True)
 class FrameTrack:
-    """What is recorded of one child frame in its parent."""
+    """The recorded transforms of one child frame in its parent."""
 
     parent: str
     static: bool

@@ -76,7 +76,7 @@ class FrameFit:
 
 @dataclass(frozen=True, slots=True)
 class WrenchFrameEvidence:
-    """What speaks for which frame."""
+    """Evidence for the frame of the wrenches."""
 
     frame: WrenchFrame
     world: FrameFit | None = None

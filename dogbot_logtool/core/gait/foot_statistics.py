@@ -87,7 +87,7 @@ class FootStatistics:
     """m, the furthest that the foot is from where it stood at 10 % of the stance."""
     friction_use: Aggregate | None
     slip_source: str | None = None
-    """What slips are told by: ``contact_points`` or ``foot_frame``; None: not known."""
+    """The source of slips: ``contact_points`` or ``foot_frame``; None: not known."""
 
     @property
     def events(self) -> FootEvents:

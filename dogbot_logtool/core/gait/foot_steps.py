@@ -18,7 +18,7 @@ from dogbot_logtool.dataclass import dataclass
 
 @dataclass(frozen=True, slots=True)
 class FootChecks:
-    """What is known of a foot; figures that rest on something else are None."""
+    """The assumptions that hold for a foot; figures that rest on another are None."""
 
     is_dead: bool = False
     """Whether its sensor never reports a contact, and nothing says that the foot is lifted."""

@@ -23,7 +23,7 @@ class PlannedFoot:
     """A foot's measured steps against its planned ones, in the time that is known of both."""
 
     topic: str
-    """Of the plan."""
+    """Topic of the plan."""
     touchdowns: int
     """Planned ones."""
     delay: Aggregate | None

@@ -40,13 +40,13 @@ class Segment:
     strides: int
     """Reference strides in it."""
     phases: tuple[CircularMean | None, ...]
-    """Of each foot against the reference foot."""
+    """Phase of each foot against the reference foot."""
     hind_phases: tuple[CircularMean | None, ...] | None = None
     """The same against the left hind foot; None where that is not known or has no strides."""
     duty_factor: float | None = None
     """Mean of the feet's mean duty factors."""
     stride_frequency_hz: float | None = None
-    """Of the reference foot."""
+    """Hz, of the reference foot."""
     flight_fraction: float | None = None
     """Share of the time without a foot in contact."""
     moves_without_steps: bool = False
@@ -70,7 +70,7 @@ class Segment:
 
 @dataclass(frozen=True, slots=True)
 class FootEvents:
-    """What segments are made of, for one foot."""
+    """The strides of one foot that segments are made of."""
 
     strides: Strides
     touchdown: Ints
@@ -79,7 +79,7 @@ class FootEvents:
 
 @dataclass(frozen=True, slots=True)
 class GaitInput:
-    """What the gait is made of."""
+    """The strides that the gait is made of."""
 
     feet: tuple[FootEvents, ...]
     reference: int
@@ -139,7 +139,7 @@ _NONE: Final = -1
 
 
 class _StrideKinds:
-    """What kind of stride each one is: its class, and its period."""
+    """The class and the period of each stride."""
 
     def __init__(self, distances: Floats, walked: Strides) -> None:
         self._distances = np.where(np.isnan(distances), np.inf, distances)

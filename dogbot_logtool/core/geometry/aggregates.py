@@ -15,7 +15,7 @@ _EXPONENT_BIAS: Final = 1023 << _SUB_BINS
 
 @dataclass(frozen=True, slots=True)
 class Aggregate:
-    """What a report says about many values of one figure, in the figure's unit."""
+    """Summary of many values of one figure, in the figure's unit."""
 
     n: int
     mean: float

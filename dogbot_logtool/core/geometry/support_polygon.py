@@ -1,4 +1,4 @@
-"""What feet on the ground span, seen from above: polygon, margin and centre of pressure."""
+"""The polygon of feet on the ground, seen from above: margin and centre of pressure."""
 
 from typing import Final
 

@@ -39,7 +39,7 @@ _COMPARABLE: Final = frozenset({Reading.SOUND, Reading.IN_G, Reading.WITHOUT_GRA
 
 @dataclass(frozen=True, slots=True)
 class ImuComparison:
-    """What accelerometer, forces and poses say of the same acceleration."""
+    """Comparison of the acceleration by accelerometer, forces and poses."""
 
     sensed: VectorHistory
     mounting_recorded: bool
@@ -51,7 +51,7 @@ class ImuComparison:
     """Mean of g and the base's vertical acceleration, from poses."""
     mounting: Mounting
     turn: Turn | None
-    """Of the horizontal accelerations against what poses say."""
+    """Turn of the horizontal accelerations against those of poses."""
     forces: ForceComparison | None
     """None: no mass, or vertical forces are not known."""
 

@@ -1,4 +1,4 @@
-"""What the feet's forces say of the acceleration, against what an accelerometer does."""
+"""Comparison of the feet's forces with an accelerometer."""
 
 from collections.abc import Sequence
 from typing import Final
@@ -27,14 +27,14 @@ _LATEST_NS: Final = 200_000_000
 eighth of a stride, since the sum over four feet repeats itself every quarter."""
 _LAGS: Final = 21
 SWINGS: Final = 0.02
-"""Of g: root mean square from which a curve over a stride can be compared with another."""
+"""Share of g: root mean square from which a curve over a stride can be compared with another."""
 
 ODD: Final = 0.15
 """A factor that is further from 1, and from the others, is odd."""
 _CERTAIN: Final = 0.1
 """Error up to which a factor is told."""
 _AS_GOOD: Final = 0.02
-"""Of g: by so much may one factor for all feet explain less than one for each."""
+"""Share of g by which one factor for all feet may explain less than one for each."""
 _SHIFTS: Final = 0.05
 """Standard deviation of a foot's share from which the load shifts to and from it."""
 
@@ -140,7 +140,7 @@ def foot_scales(vertical: Floats, sensed: Floats, mass_kg: float) -> FootScales 
 
 @dataclass(frozen=True, slots=True)
 class Sensed:
-    """What an accelerometer and poses say."""
+    """Acceleration by accelerometer and by poses."""
 
     running: Running
     """Levelled, in m/s^2; the first three columns are in the world."""
@@ -160,7 +160,7 @@ class Sensed:
 
 @dataclass(frozen=True, slots=True)
 class ForceComparison:
-    """What the feet's forces say, over the time in which all of them are known."""
+    """Acceleration by the feet's forces, over the time in which all of them are known."""
 
     known_s: float
     vertical_mps2: float
@@ -168,13 +168,13 @@ class ForceComparison:
     magnitude_mps2: float
     """The same of the feet's |F|."""
     expected_mps2: float
-    """What the accelerometer, levelled, says over the same time."""
+    """Acceleration by the levelled accelerometer over the same time."""
     turn: Turn | None
-    """Of the horizontal forces against what poses say; None: too little acceleration."""
+    """Turn of the horizontal forces against those of poses; None: too little acceleration."""
     curve: Delay | None
-    """Of vertical forces behind the accelerometer within strides; None: either hardly varies."""
+    """Delay of vertical forces behind the accelerometer in strides; None: either hardly varies."""
     scales: FootScales | None
-    """What each foot's force must be multiplied with; None: nothing to tell it from."""
+    """Factor by which each foot's force must be multiplied; None: unknown."""
 
     @property
     def ratio(self) -> float:

@@ -13,15 +13,15 @@ from dogbot_logtool.dataclass import dataclass
 TOLERANCE: Final = 0.05
 """Share by which an accelerometer of g may read too much or too little."""
 NO_GRAVITY: Final = 0.04
-"""Of g: a mean specific force below it has no gravity in it; one in g reads 0.1 of it."""
+"""Share of g: a mean specific force below it has no gravity in it; one in g reads 0.1 of it."""
 TILTED_RAD: Final = np.deg2rad(5.0)
 """A mounting that is less off is as good as mountings are."""
 STEADY: Final = 0.1
-"""Of g, root mean square by which means over strides may leave what a mounting explains."""
+"""Share of g: root mean square of means over strides that a mounting need not explain."""
 
 
 class Reading(StrEnum):
-    """What an accelerometer reads."""
+    """The kind of readings of an accelerometer."""
 
     SOUND = "m/s^2"
     IN_G = "g"
@@ -39,7 +39,7 @@ class Mounting:
     mean_mps2: float
     """Mean specific force, as recorded, along its own direction."""
     scale: float
-    """What is read over what is expected."""
+    """Reading over expected value."""
     tilt_rad: float | None
     """Angle of its mean specific force against what is up for the base; None: not known."""
     turn: Floats

@@ -1,1 +1,1 @@
-"""What a robot's legs do: swings of the feet, and motion, torque and work of the joints."""
+"""Legs: swings of the feet, and motion, torque and work of the joints."""

@@ -33,19 +33,19 @@ AGREES: Final = 0.9
 _MATTERS: Final = 0.1
 """By so much a joint's sign changes that cosine, if it is to be named."""
 _SECTIONS: Final = 5
-"""Of a stance, in which work is compared."""
+"""Sections of a stance in which work is compared."""
 _FEWEST_STANCES: Final = 3
 _MOST_JOINTS: Final = 10
-"""Of a leg: all ways to turn their signs are tried."""
+"""Joints of a leg: all combinations of their signs are tried."""
 _FEWEST_STRIDES: Final = 4
 SURELY_LOST: Final = 0.1
-"""Of the absolute work: by so much its sum must fall short of what lifts and speeds up the robot.
-What joint states blur, such as a velocity that a filter delays, is less."""
+"""Share of the absolute work by which its sum must fall short of the work that lifts and speeds up
+the robot. Errors of joint states, such as a filter's delay of the velocity, are smaller."""
 
 
 @dataclass(frozen=True, slots=True)
 class LegSigns:
-    """What the ground's force says of the efforts of a leg."""
+    """Check of the efforts of a leg against the ground's force."""
 
     agree: bool
     """Whether the efforts as recorded do its work."""

@@ -39,7 +39,7 @@ class LegChain:
     """Whether the point is where the foot touches the ground, as contacts or the robot's file tell;
     else it is the frame's origin, perhaps the middle of a ball."""
     joints: tuple[Joint, ...] = ()
-    """Of a robot description, like `frames`; empty: transforms tell."""
+    """Joints of a robot description, like `frames`; empty: transforms tell."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -28,9 +28,9 @@ from dogbot_logtool.core.quality.stamps import StampFilter
 
 JOINT_RATE_HZ: Final = 100.0
 NEAR_LIMIT: Final = 0.02
-"""Of a joint's range: closer to an end than this is near a limit."""
+"""Share of a joint's range: closer to an end than this is near a limit."""
 NEAR_FULL: Final = 0.95
-"""Of the highest effort or speed that the robot description allows: more is near a limit."""
+"""Share of the highest effort or speed by the robot description: more is near a limit."""
 LEAST_WRAP: Final = 1.5 * np.pi
 """rad between two messages: no joint is so fast, so it wraps, if it is no more than a turn."""
 _TURN: Final = 2.0 * np.pi

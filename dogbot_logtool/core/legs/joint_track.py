@@ -14,7 +14,7 @@ MOST_JOINTS: Final = 256
 
 @dataclass(frozen=True, slots=True)
 class JointLimits:
-    """What a robot description allows a joint; infinite where it says nothing."""
+    """Limits of a joint by the robot's description; infinite where there are none."""
 
     lower: float = -np.inf
     """rad or m; also `upper`."""
@@ -52,11 +52,11 @@ class JointSamples:
 
 @dataclass(frozen=True, slots=True)
 class JointTable:
-    """What the messages of a topic say of joints, in the order of the log."""
+    """Joint states of a topic, in the order of the log."""
 
     topic: str
     names: tuple[str, ...]
-    """Of the joints in `samples`."""
+    """Names of the joints in `samples`."""
     samples: JointSamples
 
 
@@ -124,7 +124,7 @@ class JointHistory:
     """Sum of v dq, with v the velocity that messages tell; also `told_squared`, of v^2 dt."""
     told_squared: float
     number: int
-    """Of the joint in `kept`."""
+    """Index of the joint in `kept`."""
     kept: tuple[KeptStates, ...]
     """States of this joint and others, in the order of time."""
 

@@ -11,7 +11,7 @@ VELOCITIES_AGREE: Final = 1.25
 OF_A_JOINT_AGREE: Final = 2.0
 """The same of a single joint, whose velocity may be noisy."""
 _MOVES_MUCH: Final = 0.02
-"""Of the sum of squared velocities: joints with less are not judged alone."""
+"""Share of the sum of squared velocities: joints with less are not judged alone."""
 WIDEST: Final = 6.28
 """rad, range that half of a robot's leg joints do not exceed: of degrees any step does."""
 WEAKEST: Final = 1e-3

@@ -18,7 +18,7 @@ class LegFoot:
 
     name: str
     frame: str
-    """Of the foot; empty: not known."""
+    """Frame of the foot; empty: not known."""
     reason: str
     """Why its swings are not known; empty where they are."""
     moves: bool
@@ -30,10 +30,10 @@ class LegFoot:
     footfalls: Footfalls | None
     """None: not known."""
     swings: Swings
-    """Of the foot's strides; also `steps`."""
+    """Swings of the foot's strides; also `steps`."""
     steps: Steps
     work: Work
-    """Of the leg's joints over the foot's strides."""
+    """Work of the leg's joints over the foot's strides."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -63,9 +63,9 @@ class SignDoubt:
     """Efforts that seem to have the wrong sign."""
 
     text: str
-    """What contradicts them."""
+    """The contradiction in words."""
     key: str
-    """Of a figure that is not known for that."""
+    """Key of a figure that is not known because of it."""
     joints: frozenset[str]
     """Whose positive work is not known."""
 
@@ -89,7 +89,7 @@ class LegFigures:
     without_effort: tuple[str, ...]
     """Joints of no leg that move and tell no effort: their work is missing in that of all."""
     work: Work
-    """Of all joints over the strides of the reference foot."""
+    """Work of all joints over the strides of the reference foot."""
     cost_of_transport: float | None
     """Absolute work over m g d; None: not known."""
     clocks_apart: Mapping[str, ClockDifference]

@@ -100,13 +100,13 @@ def _plausible(values: Floats) -> Floats:
 
 @dataclass(frozen=True, slots=True)
 class LegHistory:
-    """What was kept of the legs."""
+    """Everything kept of the legs."""
 
     settings: LegSettings
     joints: tuple[JointHistory, ...]
     """Each once, by name."""
     paths: tuple[FootPath | None, ...]
-    """Of each foot in the base's frame; None: nothing tells."""
+    """Path of each foot in the base's frame; None: not known."""
     offsets: Mapping[str, OffsetTrack]
     """How far the stamps of joint states lie behind log time, by topic."""
 

@@ -1,4 +1,4 @@
-"""What decides the figures of the legs."""
+"""Settings of the figures of the legs."""
 
 from collections.abc import Mapping
 from dataclasses import field
@@ -21,7 +21,7 @@ class JointPair:
 
 @dataclass(frozen=True, slots=True)
 class LegSettings:
-    """Where a log tells of its legs, decided before its first message is read."""
+    """Sources of a log's legs, decided before its first message is read."""
 
     chains: tuple[LegChain | None, ...]
     """How each foot hangs on the base; None: not known."""
@@ -33,7 +33,7 @@ class LegSettings:
     """Index of the foot that a joint moves, by the joint's name."""
     pairs: tuple[JointPair, ...] = ()
     limits: Mapping[str, JointLimits] = field(default_factory=dict)
-    """Of the robot description, by the joint's name."""
+    """Limits by the robot description, by the joint's name."""
     untold: tuple[str, ...] = ()
     """Joints of legs that the robot description has and joint states leave out."""
     statics: TransformBuffer = field(default_factory=TransformBuffer)

@@ -20,7 +20,7 @@ MIDDLE: Final = (0.2, 0.8)
 APPROACH_S: Final = 0.03
 """s before a touchdown that its velocity is taken from."""
 FEWEST_ROWS: Final = 4
-"""Of the path that its velocity is taken from."""
+"""Rows of the path that its velocity is taken from."""
 SHORTEST_STEP_M: Final = 0.05
 """m: a shorter swing does not tell the direction of walking."""
 RESTING_M: Final = 0.02
@@ -82,7 +82,7 @@ def world_path(path: FootPath, base: BaseHistory) -> WorldPath:
 
 @dataclass(frozen=True, slots=True)
 class Footfalls:
-    """Where a foot stands in each of its stances."""
+    """Position of a foot in each of its stances."""
 
     position: Floats
     """(stances, 3) m, in the middle of the stance; NaN where not known."""

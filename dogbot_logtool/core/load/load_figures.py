@@ -40,7 +40,7 @@ STUCK_SAMPLES: Final = 40
 
 
 class WeightSource(StrEnum):
-    """Where the weight comes from that forces are compared with."""
+    """The origin of the weight that forces are compared with."""
 
     MASS = "mass"
     ESTIMATED = "estimated"
@@ -65,7 +65,7 @@ class LoadFigures:
     None where neither is known, or where all feet's forces miss the weight by over `REFUTED`."""
     weight_source: WeightSource | None
     share_of: str | None
-    """What the shares are of: ``vertical_impulse``, or ``force_impulse`` (the integral of |F|)
+    """The quantity that is shared: ``vertical_impulse``, or ``force_impulse`` (the integral of |F|)
     where the direction of the force is not known."""
     shares: tuple[float, ...] | None
     """(feet) share of each foot; they add up to 1. None also where the sum misses the weight: a

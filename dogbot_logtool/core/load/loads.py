@@ -19,7 +19,7 @@ GRAVITY_MPS2: Final = 9.81
 
 
 class LoadState(IntEnum):
-    """What is known of a foot."""
+    """The state of knowledge of a foot."""
 
     STANCE = 0
     SWING = 1

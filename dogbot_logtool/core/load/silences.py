@@ -1,4 +1,4 @@
-"""Where feet fall silent: the rows that say so, since viewers keep a value until the next one.
+"""Rows for feet that fall silent, since viewers keep a value until the next one.
 
 This looks back only: what is written does not depend on where batches end.
 """

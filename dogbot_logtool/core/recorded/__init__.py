@@ -1,1 +1,1 @@
-"""What is kept of a topic beside feet and base while it streams past."""
+"""Recorders of topics beside feet and base, kept while they stream past."""

@@ -1,1 +1,1 @@
-"""What is drawn: arrows, colours, support."""
+"""The scene: arrows, colours, support."""

@@ -50,7 +50,7 @@ class ArrowScale:
 
 @dataclass(frozen=True, slots=True)
 class ArrowInput:
-    """What a style computes arrows of."""
+    """Samples that a style computes arrows of."""
 
     samples: Samples
     """In the world frame as far as the log's frames are known, with swings added for sensors that

@@ -1,4 +1,4 @@
-"""What is written beside each foot: its load in newtons."""
+"""Labels beside the feet: their loads in newtons."""
 
 from collections.abc import Mapping
 from collections.abc import Set as AbstractSet

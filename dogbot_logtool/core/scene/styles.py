@@ -23,7 +23,7 @@ class ArrowStyle:
 
     name: str
     summary: str
-    """What the arrows show, for ``--help``."""
+    """Description of the arrows for ``--help``."""
     compute: Callable[["ArrowInput"], tuple["Arrows", "ArrowCounts"]]
     """Called once for each batch and contact message type."""
     needs_contact_states: bool = False

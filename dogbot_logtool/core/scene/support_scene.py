@@ -1,4 +1,4 @@
-"""What `/support` shows: support polygon, centre of pressure, ground projection, touchdowns.
+"""The scene of `/support`: support polygon, centre of pressure, ground projection, touchdowns.
 
 Definitions are those of `support_polygon.py`; the state of the feet is that of `foot_tracker.py`.
 What is not known is left out. While the contact or the contact point of some foot is unknown, there

@@ -30,7 +30,7 @@ from dogbot_logtool.core.sensors.zero_in_swing import rests_at_zero
 from dogbot_logtool.dataclass import dataclass
 
 Origin = Literal["option", "robot", "estimated", "default"]
-"""Where a setting comes from."""
+"""The origin of a setting."""
 
 FEWEST_SAMPLES: Final = 20
 CLEAR_OF_NOISE: Final = 5.0
@@ -60,7 +60,7 @@ _NORMAL_SD: Final = 1.4826
 
 @dataclass(frozen=True, slots=True)
 class SensorLevel:
-    """What one foot's sensor reads without load, and how it reads under load."""
+    """Readings of one foot's sensor without load and under load."""
 
     knots: Ints
     """(k,) ns, log times at which the offset is known, ascending; between them it is linear."""
@@ -87,7 +87,7 @@ class SensorLevel:
     zero_in_swing: bool = False
     """Whether the sensor reads exactly zero, or lists no contact, in swing."""
     origin: Origin = "default"
-    """Where the offset comes from."""
+    """The origin of the offset."""
     limit_n: float | None = None
     """N, where one of the sensor's axes is cut off; None: none is seen to be."""
     resolution_n: float = 0.0

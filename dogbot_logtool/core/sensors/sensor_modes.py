@@ -34,7 +34,7 @@ MIDDLE_SHARE: Final = _MIDDLE[1] - _MIDDLE[0]
 NOISY: Final = "swing and stance differ by little more than the noise"
 """Reason of a level that is not known since both modes are as wide as they are apart."""
 _UNCLEAR: Final = 100.0
-"""What modes that are not clear score less than any that are."""
+"""Subtracted from the score of modes that are not clear, so that clear ones win."""
 _FEWEST_ROWS: Final = 3
 """Samples in a visit; shorter ones are brushes and flicker."""
 _ROUNDED: Final = 4.0

@@ -1,4 +1,4 @@
-"""What the robot's weight and its other feet say of what a sensor reads without load."""
+"""Readings of a sensor without load, by the robot's weight and its other feet."""
 
 from collections.abc import Sequence
 from dataclasses import replace

@@ -1,1 +1,1 @@
-"""What `convert` does with a log: its plan, the way through a batch, and each step."""
+"""The plan of `convert`, the way through a batch, and each step."""

@@ -1,4 +1,4 @@
-"""What passes from one batch to the next.
+"""The state that one batch hands to the next.
 
 Batches are converted in parallel. A batch needs little of all earlier ones: it follows from their
 decoded messages alone, and is sent on before the expensive work begins.
@@ -24,7 +24,7 @@ from dogbot_logtool.pipeline.conversion.plan import ConversionPlan
 
 @dataclass(frozen=True, slots=True)
 class BatchState:
-    """What a batch needs of all earlier ones."""
+    """The state that all earlier batches leave."""
 
     last_pose_time: int | None = None
     """ns, time of the last usable odometry message."""

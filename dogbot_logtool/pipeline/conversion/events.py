@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class WalkEvents:
-    """What is written of a log's events."""
+    """Messages of a log's events."""
 
     events: tuple[EventMessage, ...]
     event_log_time: Ints

@@ -1,4 +1,4 @@
-"""What `convert` will do with a log, decided before the first message is written."""
+"""The plan of `convert` for a log, made before the first message is written."""
 
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import replace
@@ -39,7 +39,7 @@ _MOST_FEET: Final = 16
 
 @dataclass(frozen=True, slots=True)
 class ConversionPlan:
-    """What `convert` does with one log."""
+    """The plan of `convert` for one log."""
 
     selection: Selection
     options: ConvertOptions

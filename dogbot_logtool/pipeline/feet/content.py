@@ -40,14 +40,14 @@ _ON: Final = 0.2
 
 @dataclass(frozen=True, slots=True)
 class Content:
-    """What the values of feet look like."""
+    """Content of the values of feet: flags, forces, counts."""
 
     points: int
     reasons: tuple[str, ...]
     is_contact: bool
     """Whether the values only tell contact, and no force."""
     thresholds: tuple[float, ...] = ()
-    """Of each foot, above which it is on; empty: values are near zero without load."""
+    """Threshold of each foot; empty: values are near zero without load."""
 
 
 def judge_content(samples: Samples, feet: int) -> Content | None:

@@ -1,4 +1,4 @@
-"""What raw counts of foot sensors tell of contact, learnt from the log itself.
+"""Contact by raw counts of foot sensors, learnt from the log itself.
 
 In a walk each sensor's counts have two clear modes, in the air and on the ground. From which count
 on a foot touches then lies between them, although nothing says what a count is in newtons.

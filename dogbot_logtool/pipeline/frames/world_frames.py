@@ -1,4 +1,4 @@
-"""What the log's own frames tell of its feet: link-frame forces in the world, positions of sensors.
+"""The log's own frames: link-frame forces turned into the world, positions of sensors.
 
 Transforms before and after a sample are needed, so a reader of a log in parts keeps the tail of
 what came before, and looks a little ahead. What is found does not depend on where the parts end:
@@ -35,7 +35,7 @@ from dogbot_logtool.reader.messages.transforms import transform_columns
 
 
 class RecordedFrames(Protocol):
-    """What a log's transforms tell of its frames; a `Probe` is one."""
+    """Facts about frames from a log's transforms; a `Probe` is one."""
 
     @property
     def parents(self) -> Mapping[str, frozenset[str]]:
@@ -217,7 +217,7 @@ def _sensor(
 
 @dataclass(frozen=True, slots=True)
 class BatchFrames:
-    """What a batch, and what follows it, tell of the frames."""
+    """Transforms of a batch and of what follows it."""
 
     own: TransformBuffer
     ahead: TransformBuffer

@@ -1,1 +1,1 @@
-"""What `stats` reads, and how: its plan, and the columns of a batch."""
+"""The plan of `stats`, and the columns of a batch."""

@@ -1,4 +1,4 @@
-"""What `stats` does with one batch: read it and decode what figures are worked out of."""
+"""The work of `stats` on one batch: read it and decode the columns of its figures."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING
@@ -53,7 +53,7 @@ class MeasuredBatch:
     """Velocity commands; None: the log has none. Likewise `inertial`."""
     inertial: "ReadVectors | None" = None
     legs: "LegColumns | None" = None
-    """What is told of the legs; None: nothing in this log."""
+    """Columns of the legs; None: nothing in this log."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -62,7 +62,7 @@ class BatchMeasurer:
 
     reader: BatchReader
     side: "SideTopics | None" = None
-    """What is read beside feet and base; None: nothing."""
+    """Topics beside feet and base; None: nothing."""
     legs: "LegReader | None" = None
     """Reads what is told of the legs; None: nothing is."""
 

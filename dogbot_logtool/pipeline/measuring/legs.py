@@ -42,7 +42,7 @@ _SOLE: Final = frozenset({"sole", "soles", "footsole"})
 
 @dataclass(frozen=True, slots=True)
 class LegColumns:
-    """What a batch tells of the legs."""
+    """Columns of the legs in a batch."""
 
     joints: tuple[JointTable, ...]
     frames: TransformBuffer
@@ -59,7 +59,7 @@ class LegReader:
 
     settings: LegSettings
     channels: tuple[Channel, ...]
-    """Of joint states."""
+    """Channels of joint states."""
     taken: Mapping[int, frozenset[str]]
     """Joints by channel id that a better topic tells of; they are not read."""
     moving: Mapping[str, str]

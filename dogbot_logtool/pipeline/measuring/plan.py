@@ -1,4 +1,4 @@
-"""What `stats` will do with a log, decided before it is read through."""
+"""The plan of `stats` for a log, made before it is read through."""
 
 from dataclasses import replace
 from typing import TYPE_CHECKING, Final
@@ -30,7 +30,7 @@ _FRAMES: Final = {"world": WrenchFrame.WORLD, "link": WrenchFrame.LINK}
 
 @dataclass(frozen=True, slots=True)
 class MeasuringPlan:
-    """What `stats` does with one log."""
+    """The plan of `stats` for one log."""
 
     selection: Selection
     probe: Probe
@@ -38,7 +38,7 @@ class MeasuringPlan:
     silent: SilentFeet
     """The feet that are silent in swing."""
     side: "SideTopics | None"
-    """What is read beside feet and base; None: the log has nothing of the kind."""
+    """Topics beside feet and base; None: the log has nothing of the kind."""
     limits: TimeLimits
     """Log times of the messages that are taken."""
     frames: WorldFrames | None
@@ -48,7 +48,7 @@ class MeasuringPlan:
 
     @property
     def measurer(self) -> BatchMeasurer:
-        """What measures the log's batches."""
+        """The measurer of the log's batches."""
         feet = replace(self.selection.foot_channels(), left_after_ns=self.probe.left_after_ns)
         sensors = [self.settings.sensor(foot) for foot in range(len(self.settings.feet))]
         reads_transforms = self.legs is not None and bool(self.legs.moving)

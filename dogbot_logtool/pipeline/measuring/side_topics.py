@@ -58,7 +58,7 @@ class SideTopic:
 
 @dataclass(frozen=True, slots=True)
 class SideTopics:
-    """What is read beside feet and base."""
+    """Topics beside feet and base."""
 
     commands: SideTopic | None
     inertial: SideTopic | None

@@ -32,7 +32,7 @@ _LARGEST: Final = 16 << 20
 
 @dataclass(frozen=True, slots=True)
 class RobotDescription:
-    """What is written on `/robot_description`."""
+    """The content of `/robot_description`."""
 
     urdf: str | None
     """None: nothing."""
@@ -43,7 +43,7 @@ class RobotDescription:
     motion: JointMotion | None = None
     """How joint states move its links; None: they do not."""
     height_m: float = 1.0
-    """Of the base over the feet."""
+    """Height of the base above the feet."""
 
 
 def robot_description(

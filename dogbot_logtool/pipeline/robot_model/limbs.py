@@ -1,4 +1,4 @@
-"""Where the robot's joints are over time: its frames, by transforms or by joint states."""
+"""Positions of the robot's joints over time, by transforms or by joint states."""
 
 from collections.abc import Mapping, Sequence
 from typing import Final

@@ -20,14 +20,14 @@ _INSIDE: Final = 0.75
 
 @dataclass(frozen=True, slots=True)
 class RobotShape:
-    """What is known of the robot's shape."""
+    """The known shape of the robot."""
 
     forward_axis: str
     """The body axis that points forward, ``+x`` ..."""
     hips: Mapping[int, Point]
     """m, base frame: where legs are assumed to begin, by foot."""
     height_m: float
-    """Of the base above the feet."""
+    """Height of the base above the feet."""
     size_m: float
     """Length of the body, or its height above the feet if that is more."""
 

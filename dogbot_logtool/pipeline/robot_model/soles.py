@@ -1,4 +1,4 @@
-"""Where feet touch the ground in frames of the robot, and where frames were first seen."""
+"""Contact points of feet in frames of the robot, and first poses of frames."""
 
 from collections.abc import Mapping, Sequence
 from collections.abc import Set as AbstractSet

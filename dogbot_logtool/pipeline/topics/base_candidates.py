@@ -74,7 +74,7 @@ class BaseCandidate:
 
     @property
     def name(self) -> str:
-        """What ``--odom-topic`` takes."""
+        """The name as ``--odom-topic`` takes it."""
         return f"{self.topic}:{self.element}" if self.element else self.topic
 
 

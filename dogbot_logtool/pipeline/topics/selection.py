@@ -1,4 +1,4 @@
-"""What of a log is used: which topics for what.
+"""The choice of a log's topics, and the use of each.
 
 Topics are given by the robot's file or options, or found.
 """
@@ -68,7 +68,7 @@ class Selection:
     robot: Robot
     """With the feet that the log has, and their topics."""
     odometry: tuple[Channel, ...]
-    """What the base's poses are read from."""
+    """The source of the base's poses."""
     contacts: tuple[Channel, ...]
     feet_of: Mapping[int, tuple[int, ...]]
     """Indices of the feet in `robot.feet` by channel id."""
@@ -95,7 +95,7 @@ class Selection:
 
     @property
     def base_name(self) -> str | None:
-        """What names the base's poses, as ``--odom-topic`` takes it; None: there are none."""
+        """Name of the base's poses, as ``--odom-topic`` takes it; None: there are none."""
         if self.base is None or not self.odometry:
             return None
         topic, element = self.odometry[0].topic, self.base.element

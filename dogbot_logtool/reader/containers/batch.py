@@ -20,7 +20,7 @@ class LoadedChunk:
     stored: memoryview
     """Its bytes as they stand in the file, where the log copies chunks; else none."""
     base: int
-    """Where its decompressed bytes begin in the batch's buffer."""
+    """Offset of its decompressed bytes in the batch's buffer."""
     rows: slice
     """Its rows in the batch's messages."""
     whole: bool

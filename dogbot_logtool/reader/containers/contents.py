@@ -1,4 +1,4 @@
-"""What is known of a log before its messages are read: channels, chunks, counts and times."""
+"""Contents of a log, known before its messages are read: channels, chunks, counts and times."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import field
@@ -50,7 +50,7 @@ class Channel:
 
 @dataclass(frozen=True, slots=True)
 class Chunk:
-    """Where a chunk of messages lies in the file."""
+    """Position of a chunk of messages in the file."""
 
     offset: int
     """First byte of the chunk's record."""
@@ -102,7 +102,7 @@ class Extra:
 
 @dataclass(frozen=True, slots=True)
 class Contents:
-    """What opening a log found out about it, without reading its messages."""
+    """Contents found when a log is opened, without reading its messages."""
 
     channels: Mapping[int, Channel]
     chunks: Sequence[Chunk]

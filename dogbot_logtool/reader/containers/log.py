@@ -48,7 +48,7 @@ class Log(ABC):
     """An opened log. `read` may be called from several threads at once."""
 
     container: str
-    """What people call the container: ``ROS 1 bag``, ``MCAP``."""
+    """Name of the container for people: ``ROS 1 bag``, ``MCAP``."""
     joined: tuple[Location, ...] = ()
     """Further files that are merged into it."""
     copies_chunks: bool = False
@@ -72,7 +72,7 @@ class Log(ABC):
 
     @property
     def words(self) -> tuple[str, ...]:
-        """What names it on the command line."""
+        """Its name on the command line."""
         files = tuple(shown(path) for path in (self.source.path, *self.joined))
         return (*files, "--join") if self.joined else files
 

@@ -1,4 +1,4 @@
-"""What was found damaged in a log."""
+"""Damage in a log."""
 
 from collections.abc import Sequence
 from typing import Final

@@ -24,7 +24,7 @@ _MESSAGE_HEAD_SIZE: Final = 31
 
 @dataclass(frozen=True, slots=True)
 class EarlierAnnotations:
-    """What `convert` added to a log."""
+    """Annotations that `convert` added to a log."""
 
     channels: frozenset[int]
     """Ids of the channels."""

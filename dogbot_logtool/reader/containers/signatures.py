@@ -1,4 +1,4 @@
-"""What logs are recognised by: a file's first bytes, or the name of a ROS 2 bag's metadata.
+"""Signatures of logs: a file's first bytes, or the name of a ROS 2 bag's metadata.
 
 They stand apart from the code of the containers, which need not be loaded to recognise one.
 """
@@ -14,7 +14,7 @@ _ZSTD_SKIPPED: Final = b"\x2a\x4d\x18"
 """After a byte of 0x50 to 0x5f: a frame to be skipped, with which parallel compressors begin."""
 ROSBAG2_METADATA: Final = "metadata.yaml"
 ANNOTATED: Final = ".annotated.mcap"
-"""What the files that `convert` writes end with by default: they are no part of a bag."""
+"""Default ending of the files that `convert` writes: they are no part of a bag."""
 
 
 def is_zstd(start: bytes) -> bool:

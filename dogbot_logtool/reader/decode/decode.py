@@ -77,13 +77,13 @@ def _read_encapsulation(buffer: Bytes, start: Ints, end: Ints) -> tuple[Flags, b
 
 @dataclass(slots=True)
 class _Cursors:
-    """Where the walk stands in each row: messages, or one element each of some messages."""
+    """Offset reached in each row: messages, or one element each of some messages."""
 
     position: Ints
     limit: Ints
     """End of the row's message."""
     origin: Ints
-    """Where alignment counts from."""
+    """Offset that alignment counts from."""
     message: Ints
 
     def pick(self, rows: Ints) -> "_Cursors":

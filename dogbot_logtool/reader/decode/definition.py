@@ -37,7 +37,7 @@ _NESTED_PARENTHESES: Final = r"\([^()]*\("
 _IDL_STRING: Final = r'"(?:[^"\\]|\\.)*"'
 """Comments in annotations, mostly: no type needs them, and they may hold anything."""
 _IDL_SECTION: Final = r"(?m)^(?:=+|IDL: .*|#include .*)\r?$"
-"""What recorders write between the files of a definition, and includes: all is in the log."""
+"""Line that recorders write between the files of a definition."""
 
 _DTYPES: Final = {
     "bool": "u1",
@@ -64,7 +64,7 @@ class Primitive:
     dtype: str
     """numpy's name without byte order: ``f8``, ``u4`` ..."""
     name: str = field(default="", compare=False)
-    """What the definition calls it: ``float64``, ``bool`` ... Some names are one dtype."""
+    """Its name in the definition: ``float64``, ``bool`` ... Some names are one dtype."""
 
     @property
     def size(self) -> int:

@@ -48,7 +48,7 @@ class ArrayIndex:
     """One element of an array on the way to a field."""
 
     path: str
-    """Of the array, from the message or the element before."""
+    """Path of the array, from the message or the element before."""
     index: int
     holds: str
     """``table``: messages; ``fixed``: numbers, as many as the definition says; ``numbers``."""
@@ -79,7 +79,7 @@ class FieldPath:
 
     @property
     def fields(self) -> Fields:
-        """What must be decoded."""
+        """The field that must be decoded."""
         inside: Fields = vector(self.leaf) if self.number is None else (number(self.leaf),)
         for array in reversed(self.arrays):
             match array.holds:

@@ -33,7 +33,7 @@ _WIDEST_TIME_PART: Final = 4
 
 
 class Kind(Enum):
-    """What a field holds."""
+    """Content of a field."""
 
     NUMBER = "a single number"
     TEXT = "a single string"
@@ -53,7 +53,7 @@ class Field:
     length: int = 0
     """Fewest elements of a fixed array."""
     inside: tuple["Field", ...] = ()
-    """What is read of each element of a table."""
+    """Fields that are read of each element of a table."""
     optional: bool = False
     """Whether a message of protobuf or JSON may lack the number, which then is NaN."""
 

@@ -57,7 +57,7 @@ class LeafGroup:
     """Wanted numbers that stand near each other, and are fetched together."""
 
     offset: int
-    """Of the first, in its run."""
+    """Offset of the first in its run."""
     size: int
     leaves: tuple[Leaf, ...]
 
@@ -91,7 +91,7 @@ class ArrayStep:
     path: str
     wanted: bool
     alignment: int
-    """Of the count."""
+    """Alignment of the count."""
     length: int | None
     """Static number of elements; None: a 32-bit count is recorded."""
     smallest_element: int

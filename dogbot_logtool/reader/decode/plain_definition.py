@@ -32,7 +32,7 @@ _OF_ROS: Final = {
 
 
 class _Node(Enum):
-    """What a type is; named as in rosbags."""
+    """Kind of a type, named as in rosbags."""
 
     BASE = 1
     NAME = 2

@@ -1,1 +1,1 @@
-"""What the messages mean: odometry, transforms, contacts."""
+"""Meaning of messages: odometry, transforms, contacts."""

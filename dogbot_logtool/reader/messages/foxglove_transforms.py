@@ -34,7 +34,7 @@ _TRANSFORM: Final = (
     *vector("rotation", "xyzw"),
 )
 FIELDS: Final = {MANY: (table("transforms", *_TRANSFORM),), ONE: _TRANSFORM}
-"""What is read, by type."""
+"""Fields that are read, by type."""
 _PATHS: Final = TransformPaths(
     "timestamp", "parent_frame_id", "child_frame_id", "translation", "rotation"
 )

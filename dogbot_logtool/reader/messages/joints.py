@@ -37,7 +37,7 @@ _MOTORS: Final = tuple(
 
 @dataclass(frozen=True, slots=True)
 class JointStates:
-    """What n messages say of k joints, in the order of the log; NaN where a message does not."""
+    """Values of k joints in n messages, in the order of the log; NaN where a message has none."""
 
     log_time: Ints
     """(n,) ns."""

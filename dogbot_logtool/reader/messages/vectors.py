@@ -31,7 +31,7 @@ class VectorSource:
 
     @property
     def fields(self) -> Fields:
-        """What is read of each message."""
+        """Fields that are read of each message."""
         values = (
             tuple(number(path) for path in self.numbers)
             if len(self.numbers) > 1
@@ -68,7 +68,7 @@ INERTIAL_UNITS: Final = {
         VectorSource("ros2_unitree_legged_msgs/LowState", ("imu.accelerometer",)),
     )
 }
-"""What accelerometers read, m/s^2, by type; the best first."""
+"""Fields of accelerations, m/s^2, by type; the best first."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -33,7 +33,7 @@ _LARGEST_PADDING: Final = 64
 
 @dataclass(frozen=True, slots=True)
 class IndexEntry:
-    """What the index says about a chunk."""
+    """A chunk's entry in the index."""
 
     start_time: int | None
     """ns; also `end_time`."""
@@ -68,7 +68,7 @@ class RecoveryScan(ABC):
         self._searched = False
         """Damage was skipped, so that the next bare messages may belong to a damaged chunk."""
         self._kept: tuple[int, bytes] = (0, b"")
-        """What was read last outside of chunks, and where it begins."""
+        """The last record outside of chunks, and its offset."""
         self._doubtful: set[int] = set()
         """Offsets of runs of messages that may be a damaged chunk's."""
 

@@ -61,7 +61,7 @@ class NewLog:
 
 @dataclass(frozen=True, slots=True)
 class Contents:
-    """What a dataset holds."""
+    """Contents of a dataset."""
 
     logs: tuple[StoredLog, ...] = ()
     """In the order of parts."""
@@ -84,7 +84,7 @@ class Contents:
 
 @dataclass(slots=True)
 class Change:
-    """What a part is to hold."""
+    """New content of a part."""
 
     kept: dict[str, StoredLog] = field(default_factory=dict)
     """By key."""

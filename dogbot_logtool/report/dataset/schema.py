@@ -28,7 +28,7 @@ PARTITIONS: Final[Mapping[str, str]] = {
 
 
 class Type(Enum):
-    """What a column holds, by its name in Arrow."""
+    """Type of a column, by its name in Arrow."""
 
     TEXT = "string"
     INTEGER = "int64"
@@ -67,7 +67,7 @@ _TYPES: Final = {
     Kind.FLAG: Type.FLAG,
     Kind.NUMBERS: Type.NUMBERS,
 }
-"""Of columns; those of all other figures are numbers."""
+"""Types of columns; those of all other figures are numbers."""
 _FAILED: Final = "the log could not be measured"
 _LOG: Final = (
     TableColumn("log", Type.TEXT, "path of the log from the root, or URL without query"),

@@ -1,1 +1,1 @@
-"""What programs read: JSON, JUnit XML, graphs."""
+"""Reports for programs: JSON, JUnit XML, graphs."""

@@ -1,4 +1,4 @@
-"""What `check` found, as plain data."""
+"""Results of `check` as plain data."""
 
 import math
 from collections.abc import Sequence

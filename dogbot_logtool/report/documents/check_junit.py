@@ -1,4 +1,4 @@
-"""What `check` found, for continuous integration: JUnit XML, a suite a log, a test case a rule."""
+"""Results of `check` as JUnit XML: a suite a log, a test case a rule."""
 
 from collections.abc import Mapping, Sequence
 from xml.etree import ElementTree as ET

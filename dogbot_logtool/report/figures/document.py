@@ -49,12 +49,12 @@ SCHEMA_VERSION: Final = 2
 
 @dataclass(frozen=True, slots=True)
 class LogSource:
-    """What the figures of a log are taken from."""
+    """The source of a log's figures."""
 
     stats: Stats
     log: LogFacts
     findings: tuple[Finding, ...]
-    """Of the log and of its figures, the worst first."""
+    """Findings on the log and its figures, the worst first."""
 
 
 def log_source(stats: Stats, log: LogFacts) -> LogSource:
@@ -260,4 +260,4 @@ STRIDE_ROWS: Final = Scope(
     lambda source: source,
     "each whole stride: the rows of CSV and Parquet",
 )
-"""What is reported of every stride, from a `FootSource`."""
+"""Figures of every stride, from a `FootSource`."""

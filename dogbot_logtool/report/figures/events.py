@@ -1,4 +1,4 @@
-"""What is reported of every event: the rows of JSON, CSV and Parquet."""
+"""Figures of every event: the rows of JSON, CSV and Parquet."""
 
 from collections.abc import Mapping, Sequence
 from typing import Final
@@ -12,7 +12,7 @@ from dogbot_logtool.report.figures.figure import Figure, Kind
 
 @dataclass(frozen=True, slots=True)
 class EventSource:
-    """What the figures of an event are taken from."""
+    """The source of an event's figures."""
 
     event: Event
     origin: int
@@ -53,7 +53,7 @@ MEANINGS: Final[Mapping[EventType, str]] = {
     EventType.TOUCHDOWN: "a foot comes down",
     EventType.LIFT_OFF: "a foot leaves the ground",
 }
-"""What happens in an event of each type."""
+"""Descriptions of events by type."""
 EVENTS: Final[Sequence[Figure[EventSource]]] = (
     Figure(
         "onset_s",
@@ -110,5 +110,5 @@ EVENTS: Final[Sequence[Figure[EventSource]]] = (
         null="no finding is about it",
     ),
 )
-"""What is reported of an `EventSource`."""
+"""Figures of an `EventSource`."""
 EVENT_COLUMNS: Final = tuple(figure.key for figure in EVENTS)

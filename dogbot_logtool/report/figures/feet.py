@@ -262,7 +262,7 @@ FORCE_CURVES: Final = Scope(
     _curves_of,
     "usual forces over the gait cycle",
 )
-"""Of a `FootStatistics`."""
+"""Figures of a `FootStatistics`."""
 
 
 def _of_foot(source: FootSource) -> FootStatistics:

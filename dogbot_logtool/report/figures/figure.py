@@ -1,4 +1,4 @@
-"""What a row of the table of figures says, and how rows become plain data."""
+"""Rows of the table of figures, and their plain data."""
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
@@ -13,7 +13,7 @@ Json = dict[str, Any]
 
 
 class Kind(Enum):
-    """What a figure is in JSON."""
+    """Type of a figure in JSON."""
 
     NUMBER = auto()
     AMOUNT = auto()
@@ -71,7 +71,7 @@ class Column:
     scale: float = 1.0
     """Multiplies the value, for a unit that is easier to read."""
     statistic: str = "median"
-    """What is shown of an aggregate."""
+    """Member of an aggregate that is shown."""
     percent: bool = False
     """Whether a fraction is shown in percent."""
     thousands: bool = False
@@ -95,7 +95,7 @@ class Figure(Generic[S_contra]):
     of: Callable[[S_contra], Any]
     """Takes it from a record of the core."""
     definition: str
-    """What it is: formula and, where there is one, the source."""
+    """Definition: formula and, if there is one, its source."""
     null: str = ""
     """When it is not known; empty: it always is."""
     choices: tuple[str | int, ...] = ()
@@ -186,7 +186,7 @@ STATISTICS: Final[Mapping[str, str]] = {
     "min": "the lowest",
     "max": "the highest",
 }
-"""What an aggregate holds."""
+"""Members of an aggregate."""
 
 
 def scaled(value: Aggregate | None, factor: float | None) -> Aggregate | None:

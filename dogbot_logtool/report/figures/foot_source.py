@@ -1,4 +1,4 @@
-"""What the figures of a foot are taken from."""
+"""The source of a foot's figures."""
 
 from dogbot_logtool.core.gait.foot_statistics import FootStatistics
 from dogbot_logtool.core.sensors.sensor_level import SensorLevel
@@ -8,18 +8,18 @@ from dogbot_logtool.dataclass import dataclass
 
 @dataclass(frozen=True, slots=True)
 class FootSource:
-    """What the figures of a foot are taken from."""
+    """The source of a foot's figures."""
 
     stats: Stats
-    """Of the whole log."""
+    """Figures of the whole log."""
     row: int
-    """Of the foot in `stats.feet`."""
+    """Index of the foot in `stats.feet`."""
     foot: FootStatistics
     """The foot over the whole log, or in a segment of it."""
 
     @property
     def level(self) -> SensorLevel:
-        """What its unloaded sensor reads."""
+        """Reading of its unloaded sensor."""
         return self.stats.settings.sensor(self.row).level
 
     @property

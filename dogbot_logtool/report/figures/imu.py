@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class ImuSource:
-    """What the figures of the accelerometer are taken from."""
+    """The source of the accelerometer's figures."""
 
     stats: Stats
     imu: "ImuComparison"

@@ -276,7 +276,7 @@ LEGS: "Final[Sequence[Figure[LegFigures] | Scope]]" = (
         shape=Shape.BY_NAME,
     ),
 )
-"""Of a `LegFigures`."""
+"""Figures of a `LegFigures`."""
 
 
 LEG_STRIDES: Final[Sequence[Figure[FootSource]]] = tuple(rows for _, rows in _OF_STRIDES)

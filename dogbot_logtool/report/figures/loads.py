@@ -54,7 +54,7 @@ class Pair:
 
 @dataclass(frozen=True, slots=True)
 class LoadSource:
-    """What the figures of loads are taken from."""
+    """The source of figures of loads."""
 
     loads: LoadFigures
     """Over the whole log, or in a segment of it."""

@@ -1,4 +1,4 @@
-"""What is reported of the log itself: facts, settings, findings."""
+"""Figures of the log itself: facts, settings, findings."""
 
 from collections.abc import Sequence
 from typing import Final

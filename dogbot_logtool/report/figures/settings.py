@@ -203,4 +203,4 @@ SETTINGS: Final[Sequence[Figure[Stats]]] = (
         "how loading rates are measured",
     ),
 )
-"""What decided the figures."""
+"""Settings behind the figures."""

@@ -21,7 +21,7 @@ class FigureColumn:
     """A figure as a column of a table."""
 
     path: str
-    """Of the figure in the document; ``*`` stands for the name of a foot or topic."""
+    """Path of the figure in the document; ``*`` stands for the name of a foot or topic."""
     figure: Figure[Any]
     column: Column
 

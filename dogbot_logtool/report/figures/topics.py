@@ -23,7 +23,7 @@ _NO_HEADER: Final = "its messages have no header"
 
 @dataclass(frozen=True, slots=True)
 class TopicSource:
-    """What the figures of a topic are taken from."""
+    """The source of a topic's figures."""
 
     topic: TopicQuality
     origin: int

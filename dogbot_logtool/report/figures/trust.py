@@ -13,7 +13,7 @@ from dogbot_logtool.report.figures.figure import Figure, Kind
 
 @dataclass(frozen=True, slots=True)
 class ClockSource:
-    """What the figures of a topic's clock are taken from."""
+    """The source of figures of a topic's clock."""
 
     clock: ClockDifference
     is_apart: bool

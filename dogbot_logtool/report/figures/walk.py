@@ -36,7 +36,7 @@ _NO_STRIDE: Final = "no foot makes a whole stride in it"
 
 @dataclass(frozen=True, slots=True)
 class SegmentSource:
-    """What the figures of a segment are taken from."""
+    """The source of a segment's figures."""
 
     stats: Stats
     segment: Segment
@@ -59,13 +59,13 @@ class SegmentSource:
 
     @property
     def feet(self) -> Mapping[str, FootSource]:
-        """What the figures of each foot in it are taken from, by its name."""
+        """The source of each foot's figures in it, by its name."""
         feet = self.figures.feet
         return {foot.name: FootSource(self.stats, row, foot) for row, foot in enumerate(feet)}
 
     @property
     def load_source(self) -> LoadSource:
-        """What the figures of loads in it are taken from."""
+        """The source of its figures of loads."""
         return LoadSource(self.figures.loads, self.figures.feet, self.stats.corners)
 
     @property

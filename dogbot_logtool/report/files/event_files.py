@@ -12,7 +12,7 @@ from dogbot_logtool.report.figures.figure import Json
 from dogbot_logtool.report.files.stats_csv import event_cells, write_events
 
 BIDS_COLUMNS: Final = {"onset_s": "onset", "duration_s": "duration", "type": "trial_type"}
-"""What BIDS calls our columns; the others keep their names."""
+"""Names of our columns in BIDS; the others keep their names."""
 LABELLED: Final = (".tsv", ".yaml", ".yml")
 """Suffixes of formats that hold the events of one log only."""
 _UNKNOWN: Final = "n/a"

@@ -39,7 +39,7 @@ _LETTER: Final = 1.8
 _LEAST_SCALE: Final = 0.65
 """Rows come no closer than this, or their names would touch."""
 _LEAST_WIDTH: Final = 20.0
-"""Of the axes."""
+"""Least width of the axes."""
 
 _GREY: Final = "#ececec"
 """Behind the load curves while the foot is down."""

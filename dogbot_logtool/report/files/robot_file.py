@@ -18,7 +18,7 @@ _GRAVITY: Final = 9.81
 
 @dataclass(frozen=True, slots=True)
 class RobotEvidence:
-    """What a log shows of a robot."""
+    """Evidence of a robot in a log."""
 
     log: str
     """Its name."""

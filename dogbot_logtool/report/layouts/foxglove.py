@@ -25,7 +25,7 @@ _ROW, _AXIS, _TITLE, _SCREEN = 64, 30, 31, 613
 """Pixels of a row of the gait diagram, of its time axis, of a panel's title, and between the bars
 of a viewer on a screen of 1280 x 720."""
 _MOST_GAIT: Final = 0.55
-"""Of the height, for the gait diagram; what does not fit is scrolled."""
+"""Share of the height for the gait diagram; what does not fit is scrolled."""
 _EVENTS_SHARE: Final = 20.0
 """Percent of the height, below the robot."""
 

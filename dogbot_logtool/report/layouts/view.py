@@ -1,4 +1,4 @@
-"""What a view shows, in whatever viewer."""
+"""Content of a view, for any viewer."""
 
 from math import floor, log10
 from typing import Final
@@ -35,13 +35,13 @@ class View:
 
     @property
     def camera_deg(self) -> float:
-        """Where the camera stands, from the base's +x to the left: 0 to 360."""
+        """Direction of the camera from the base, from its +x to the left: 0 to 360."""
         heading = {"+x": 0.0, "+y": 90.0, "-x": 180.0, "-y": 270.0}[self.forward_axis]
         return (heading - _ASIDE_DEG) % 360.0
 
     @property
     def camera_in_world_deg(self) -> float:
-        """Where the camera stands, from the world's +x to the left: 0 to 360."""
+        """Direction of the camera from the base, from the world's +x to the left: 0 to 360."""
         return (self.camera_deg + self.turned_deg) % 360.0
 
 

@@ -19,7 +19,7 @@ class Viewer:
     name: str
     summary: str
     suffix: str
-    """Of its files."""
+    """Suffix of its files."""
     layout: Callable[["View"], bytes]
     """Returns the content of its file."""
     is_text: bool = True

@@ -20,7 +20,7 @@ from dogbot_logtool.io.printable import printable
 
 _PLOTTING: Final = "vendor/plotly-basic.min.js"
 _PARTS: Final = ("cursor.js", "figures.js", "csv.js", "replay.js", "player.js", "start.js")
-"""Of the page's script, in this order; they share one scope."""
+"""Files of the page's script, in this order; they share one scope."""
 
 
 def own(name: str) -> str:

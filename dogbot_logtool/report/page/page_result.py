@@ -1,4 +1,4 @@
-"""What was written, for people and for scripts."""
+"""Results of `report`, for people and for scripts."""
 
 from typing import Any
 

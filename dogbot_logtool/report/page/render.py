@@ -61,7 +61,7 @@ class Damage:
 
 @dataclass(frozen=True, slots=True)
 class Beside:
-    """What lies beside a page of several logs; nothing beside a page that stands alone."""
+    """Files beside a page of several logs; none beside a page that stands alone."""
 
     script: str = ""
     """File name of the script that the pages share; empty: it is in the page."""

@@ -29,7 +29,7 @@ BESIDE_NS: Final = 5_000_000_000
 LONGEST_SWING_NS: Final = 1_500_000_000
 """ns without contact points across which no foot is drawn: it is lifted, or nothing is known."""
 MOST_FOOTFALLS: Final = 1000
-"""Of a foot."""
+"""Footfalls that are kept of a foot."""
 _SMALL_M: Final = 3.2
 """m, the furthest joint from the base that 16 bits tell to 0.1 mm."""
 _UNKNOWN: Final = -32768

@@ -1,4 +1,4 @@
-"""What happened, to be read in ten seconds: the gait, a few numbers, and whether to trust them."""
+"""The summary, to be read in ten seconds: the gait, a few numbers, and whether to trust them."""
 
 from collections.abc import Iterator, Sequence
 from datetime import UTC, datetime
@@ -37,7 +37,7 @@ class FindingGroup:
     severity: str
     """``error``, ``warning`` or ``note``."""
     text: str
-    """Of the first."""
+    """Text of the first."""
     code: str
     remedy: str
     alike: tuple[str, ...] = ()
@@ -52,7 +52,7 @@ class Trust:
     """``good``, ``care`` or ``bad``."""
     text: str
     above_all: tuple[str, ...] = ()
-    """What harms the figures most, with its remedy."""
+    """The finding that harms the figures most, with its remedy."""
 
 
 @dataclass(frozen=True, slots=True)

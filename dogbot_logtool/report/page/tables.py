@@ -34,7 +34,7 @@ class Cell:
     mark: str = ""
     """``high`` or ``low`` for an outlier."""
     why: str = ""
-    """What it is compared with."""
+    """The reference that it is compared with."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,4 +1,4 @@
-"""What `check` found, for people: what is not good first, then how much is."""
+"""Results of `check` as text: rules that are not good first, then the count of good ones."""
 
 from collections import Counter
 from collections.abc import Sequence

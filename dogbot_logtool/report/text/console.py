@@ -1,4 +1,4 @@
-"""Where text goes, and how it is made safe to print."""
+"""Consoles, and text that is safe to print."""
 
 import os
 import sys

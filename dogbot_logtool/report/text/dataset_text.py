@@ -1,4 +1,4 @@
-"""What `stats --parquet` has done, for people."""
+"""Results of `stats --parquet` as text."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import field
@@ -13,7 +13,7 @@ from dogbot_logtool.io.printable import printable
 
 @dataclass(slots=True)
 class DatasetRun:
-    """What was done to a dataset."""
+    """Changes of a dataset."""
 
     unchanged: Sequence[tuple[str, int]]
     """Names and exit codes of the logs that were there already."""

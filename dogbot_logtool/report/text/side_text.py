@@ -1,4 +1,4 @@
-"""What the terminal says of velocity commands and of the base's accelerometer."""
+"""Text on velocity commands and on the base's accelerometer."""
 
 from collections.abc import Iterator
 from typing import Final

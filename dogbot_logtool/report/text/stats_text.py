@@ -38,7 +38,7 @@ from dogbot_logtool.report.verdict import evidence, fall_headline, gait_name, ho
 from dogbot_logtool.results import LogFacts
 
 _INDENT: Final = 4
-"""Of the further lines of what does not fit one."""
+"""Indent of further lines of a text that does not fit into one."""
 _STYLES: Final[Mapping[Severity, str]] = {
     Severity.ERROR: "bold red",
     Severity.WARNING: "yellow",

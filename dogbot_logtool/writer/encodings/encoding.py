@@ -1,4 +1,4 @@
-"""What an output encoding must offer, and what all have in common."""
+"""Interface of output encodings, and their common parts."""
 
 from collections.abc import Mapping, Sequence
 from typing import Final, Protocol
@@ -47,7 +47,7 @@ class ArrowLook:
 
 @dataclass(frozen=True, slots=True)
 class SupportShape:
-    """What a support message holds; messages of one shape have one size."""
+    """Content of a support message; messages of one shape have one size."""
 
     line_points: int
     """Points of the outline."""
@@ -123,7 +123,7 @@ def support_points(shape: SupportShape) -> SupportPoints:
 
 
 LEG_COLOUR: Final = (0.36, 0.39, 0.44, 1.0)
-"""Of a leg's line at the hip; at its foot it has the foot's colour."""
+"""Colour of a leg's line at the hip; at its foot it has the foot's colour."""
 
 
 def leg_points(legs: int) -> tuple[str, ...]:
@@ -158,7 +158,7 @@ class Encoding(Protocol):
     event_type: MessageType
     gait_type: MessageType
     span_type: MessageType | None
-    """Of events as spans of time; None: the encoding has no message for them."""
+    """Message of events as spans of time; None: the encoding has none."""
 
     def __hash__(self) -> int:
         """Return a hash: templates are kept by encoding."""

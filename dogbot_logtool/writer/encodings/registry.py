@@ -22,7 +22,7 @@ class OutputEncoding:
 
     name: str
     summary: str
-    """What the messages are, for ``--help``."""
+    """Description of the messages for ``--help``."""
     profile: str
     """MCAP profile of a file in which all messages have this encoding."""
     load: Callable[[], "Encoding"]

@@ -1,4 +1,4 @@
-"""What is shown beside a foot, or removed: messages of arrows and labels, foot by foot."""
+"""Messages of arrows and labels, shown or removed, foot by foot."""
 
 from collections.abc import Callable, Iterator, Sequence
 from typing import Protocol

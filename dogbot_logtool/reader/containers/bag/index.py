@@ -104,7 +104,7 @@ def _same(one: Channel, other: Channel) -> bool:
 
 @dataclass(frozen=True, slots=True)
 class ChunkInfo:
-    """What the index says of a chunk."""
+    """A chunk's entry in the index."""
 
     offset: int
     start_time: int

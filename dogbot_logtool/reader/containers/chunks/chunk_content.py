@@ -1,4 +1,4 @@
-"""What is found in a decompressed chunk, or why nothing is."""
+"""Content of a decompressed chunk, or the reason why there is none."""
 
 from dogbot_logtool.core.geometry.arrays import Ints
 from dogbot_logtool.dataclass import dataclass
@@ -23,7 +23,7 @@ class ChunkDamage(Exception):  # noqa: N818 - it never reaches a user; `Loss` do
 
 @dataclass(frozen=True, slots=True)
 class ChunkContent:
-    """What a container's own code finds in a decompressed chunk."""
+    """Messages that a container's own code finds in a decompressed chunk."""
 
     messages: Messages
     """Channels as numbered in the records, offsets relative to the chunk's first byte."""

@@ -93,7 +93,7 @@ class Records:
 
 @dataclass(frozen=True, slots=True)
 class Index:
-    """What a chunk's index says of its messages, in the order of their offsets."""
+    """A chunk's index of its messages, in the order of their offsets."""
 
     offset: Ints
     """(n,) of the record in the decompressed chunk."""

@@ -45,7 +45,7 @@ _BETWEEN: Final = (
     Opcode.METADATA,
     Opcode.DATA_END,
 )
-"""What may stand between the chunks without the summary's naming it."""
+"""Record types that may stand between the chunks without the summary's naming them."""
 
 DATA_END_SIZE: Final = RECORD_HEAD.size + 4
 _PIECE: Final = 1 << 20
@@ -262,7 +262,7 @@ class _RecordsBetween:
     source: ByteSource
     descriptions: DescriptionCheck
     extras: list[int] = field(default_factory=list)
-    """Where attachments and metadata records were found."""
+    """Offsets of attachments and metadata records."""
 
     def lead(self, offset: int, end: int) -> bool:
         """Tell whether records other than chunks and messages fill the bytes up to an offset."""

@@ -39,7 +39,7 @@ class _Bag:
     distribution: str
     losses: tuple[Loss, ...]
     metadata: Metadata | None = None
-    """What promises how many messages there are; None if it cannot be used."""
+    """Metadata that promises the number of messages; None if it cannot be used."""
 
 
 def open_rosbag2(path: Location, open_file: OpenFile, suffixes: tuple[str, ...]) -> Log:

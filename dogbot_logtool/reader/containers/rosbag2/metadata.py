@@ -27,7 +27,7 @@ class UnusableMetadata(Exception):  # noqa: N818 - it never reaches a user; `Los
 
 @dataclass(frozen=True, slots=True)
 class Metadata:
-    """What a bag's metadata promises. Types are taken from the files themselves."""
+    """Promises of a bag's metadata. Types are taken from the files themselves."""
 
     files: tuple[str, ...]
     """Names as written; old recorders name a file from the parent directory."""

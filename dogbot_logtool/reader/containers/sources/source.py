@@ -16,7 +16,7 @@ class ByteSource:
     """A file opened for reading at any offset."""
 
     path: Location
-    """What users call it."""
+    """Its name for users."""
     can_fork: bool = True
     """Whether copies of this process may read it, too."""
     has_cheap_seeks: bool = True

@@ -30,7 +30,7 @@ class Topics:
     ids: ChannelIds
     """Channels by topic id."""
     losses: tuple[Loss, ...] = ()
-    """What the tables say in two ways."""
+    """Facts that the tables hold twice."""
 
 
 def check_tables(database: Database, path: Location) -> None:

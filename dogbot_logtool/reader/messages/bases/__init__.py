@@ -1,1 +1,1 @@
-"""Where poses of the base come from: one file a kind of message."""
+"""Sources of the base's poses: one file a kind of message."""

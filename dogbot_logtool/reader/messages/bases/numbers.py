@@ -31,7 +31,7 @@ FORMS: Final = (
     "a path to a pose, such as state.pose, or to numbers: data[0:7] (x y z and quaternion "
     "x y z w) or data[0:6] (x y z roll pitch yaw)"
 )
-"""What a user may write behind the topic."""
+"""Suffix that a user may write behind the topic."""
 
 
 def path_source(channel: Channel, path: str) -> BaseSource:

@@ -57,7 +57,7 @@ def base_types(channels: Iterable[Channel]) -> frozenset[str]:
 
 @dataclass(frozen=True, slots=True)
 class Base:
-    """What the base's poses are read from."""
+    """The source of the base's poses."""
 
     source: BaseSource
     element: str = ""

@@ -1,4 +1,4 @@
-"""What every source of base poses offers."""
+"""Interface of sources of base poses."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import field
@@ -34,7 +34,7 @@ class BaseSource:
     type_name: str
     """``package/Name``; empty: any type."""
     fields: Fields
-    """What is read of each message."""
+    """Fields that are read of each message."""
     read: Callable[[DecodedMessages, str], BasePoses]
     """Returns the poses; the string is the element, such as the name of a model."""
     elements: Callable[[DecodedMessages], frozenset[str]] | None = None
@@ -54,7 +54,7 @@ class BaseSource:
     is_planned: bool = False
     """Its poses are what a planner wants, unless the topic's name says that they are current."""
     remark: str = ""
-    """What users must know of its poses."""
+    """Caveats on its poses."""
 
 
 def pose_source(

@@ -22,7 +22,7 @@ from dogbot_logtool.robot import Foot
 
 _FEET: Final = {"lfsensor": "left", "rfsensor": "right"}
 _HANDS: Final = ("lhsensor", "rhsensor", "hand", "arm", "wrist")
-"""What the names of sensors that are no feet contain."""
+"""Words in names of sensors that are no feet."""
 
 
 def _values(messages: DecodedMessages, feet: Sequence[Foot]) -> FootValues:

@@ -1,4 +1,4 @@
-"""What every contact source offers, and what it is given."""
+"""Interface of contact sources."""
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING
@@ -55,7 +55,7 @@ class FootChannels:
 
 @dataclass(frozen=True, slots=True)
 class ContactSamples:
-    """What a source makes of messages."""
+    """Contact samples that a source makes of messages."""
 
     samples: Samples
     contacts: Contacts | None = None
@@ -113,7 +113,7 @@ class ContactSource:
     type_name: str
     """``package/Name``."""
     fields: Fields
-    """What is read of each message."""
+    """Fields that are read of each message."""
     read: Callable[[DecodedMessages, FootChannels], ContactSamples]
     """Reduces decoded messages to samples."""
     normals: str = ""
@@ -126,7 +126,7 @@ class ContactSource:
     """Finds the feet in messages, where one message tells of all feet but its type does not say
     which; returns none where the messages are not about feet."""
     values: "ToValues | None" = None
-    """What `read` is made of, where messages tell of all feet with flags or positions."""
+    """Parts of `read` for messages that tell of all feet with flags or positions."""
     variants: tuple["ContactSource", ...] = ()
     """The same type by other definitions, tried in order where its fields are not the log's."""
     any_package: bool = False

@@ -56,4 +56,4 @@ SOURCE: Final = ContactSource(
     frame=WrenchFrame.UNKNOWN,
     has_points=False,
 )
-"""What frame the forces are in, its definition does not say."""
+"""Its definition does not name the frame of the forces."""

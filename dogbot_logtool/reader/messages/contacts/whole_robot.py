@@ -31,7 +31,7 @@ _LOAD_SHARE: Final = 0.2
 
 @dataclass(frozen=True, slots=True)
 class FootValues:
-    """What n messages say of k feet."""
+    """Values of k feet in n messages."""
 
     stamp: Ints
     """(n,) ns; 0: none."""
@@ -86,7 +86,7 @@ def _samples(
 
 @dataclass(frozen=True, slots=True)
 class _OneFoot:
-    """What n messages say of one foot."""
+    """Values of one foot in n messages."""
 
     known: Flags
     """(n,)."""
@@ -231,7 +231,7 @@ class MessageFoot:
     """A foot that messages tell of."""
 
     label: str = ""
-    """What the messages call it; empty: they tell it by its index in their arrays."""
+    """Its name in the messages; empty: its index in their arrays tells."""
     name: str = ""
     """Name of the leg, such as ``front_left``; empty: the label tells it."""
 

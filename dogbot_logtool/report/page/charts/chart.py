@@ -12,7 +12,7 @@ from dogbot_logtool.dataclass import dataclass
 Trace = dict[str, Any]
 """A trace of Plotly.js; arrays may be numpy's."""
 _DTYPES: Final = {"float64": "f8", "float32": "f4", "int32": "i4", "int16": "i2", "int8": "i1"}
-"""What Plotly.js calls the types of packed arrays."""
+"""Names of types of packed arrays in Plotly.js."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -14,7 +14,7 @@ from dogbot_logtool.core.geometry.order_statistics import median_of
 from dogbot_logtool.dataclass import dataclass
 
 WIDTH, HEIGHT = 300.0, 170.0
-"""Of a panel."""
+"""Size of a panel."""
 LEFT, RIGHT, TOP, BOTTOM = 46.0, 6.0, 22.0, 22.0
 """Margins of a panel."""
 _TICKS: Final = 4

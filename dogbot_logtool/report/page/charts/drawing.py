@@ -1,4 +1,4 @@
-"""What every figure of the page shares: names that stay text, margins, thinning."""
+"""Common parts of the page's figures: names that stay text, margins, thinning."""
 
 import html
 from collections.abc import Sequence
@@ -40,7 +40,7 @@ class Drawing:
     """Its id on the page."""
     title: str
     alt: str
-    """What it shows, for those who do not see it."""
+    """Description for readers who do not see it."""
     caption: str
     figure: Chart
     over_time: bool = False

@@ -14,7 +14,7 @@ from dogbot_logtool.report.page.charts.drawing import MARGIN, label, translucent
 
 _ENDS: Final = {"front": "fore feet", "middle": "middle feet", "back": "hind feet"}
 _BETWEEN: Final = 0.06
-"""Of the width, between two panels; also of the height, doubled."""
+"""Share of the width between two panels; doubled, also of the height."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,7 +44,7 @@ class PanelRow:
 
     @property
     def extent(self) -> tuple[float, float]:
-        """Of the upright axis."""
+        """Extent of the upright axis."""
         low = min(float(band.lower.min()) for band in self.bands.values())
         high = max(float(band.upper.max()) for band in self.bands.values())
         pad = max(0.06 * (high - low), (self.least - (high - low)) / 2.0) or 1.0
