@@ -6,22 +6,16 @@ leaves anything; elsewhere it has a temporary name, and is removed on any error.
 
 import contextlib
 import errno
-import io
 import os
 import stat
 from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING, BinaryIO, Final
+from typing import BinaryIO, Final
 
 from dogbot_logtool.errors import CallError, LogtoolError
 
-if TYPE_CHECKING:
-    from _typeshed import ReadableBuffer
-
 _OPEN_FILES: Final = Path("/proc/self/fd")
 """The directory in which Linux names open files of a process, also those without another name."""
-_SENT_AT_ONCE: Final = 8 << 20
-"""Bytes."""
 _KINDS: Final = {
     stat.S_IFDIR: "a directory",
     stat.S_IFCHR: "a device",
@@ -123,7 +117,7 @@ class _Part:
         if unnamed is None:
             # Known before it is there, so that an interruption in between leaves nothing.
             self.temporary = _temporary_name(folder)
-            self.file = io.BufferedWriter(_EarlyFile(self.temporary, "xb"))
+            self.file = self.temporary.open("xb")
         else:
             self.file = unnamed
         return self.file
@@ -162,23 +156,6 @@ class _Part:
         self.temporary.replace(path)
 
 
-class _EarlyFile(io.FileIO):
-    """A file that goes to the disk while it is written: little is left to wait for at its end."""
-
-    _on_its_way = 0
-
-    def write(self, data: "ReadableBuffer", /) -> int:
-        """Write bytes, and begin now and then to send those so far to the disk."""
-        written = super().write(data)
-        size = self.tell() - self._on_its_way
-        if size >= _SENT_AT_ONCE and hasattr(os, "posix_fadvise"):
-            # Linux writes what need not be cached, and keeps it in the cache while it does so.
-            with contextlib.suppress(OSError):
-                os.posix_fadvise(self.fileno(), self._on_its_way, size, os.POSIX_FADV_DONTNEED)
-            self._on_its_way += size
-        return written
-
-
 def _link(source: Path, path: Path) -> bool:
     """Give a file one more name; tell whether that was free.
 
@@ -204,11 +181,10 @@ def _open_unnamed(folder: Path) -> BinaryIO | None:
     if flag is None or not _OPEN_FILES.is_dir():
         return None
     try:
-        handle = os.open(folder, flag | os.O_WRONLY, 0o666)
+        return os.fdopen(os.open(folder, flag | os.O_WRONLY, 0o666), "wb")
     except OSError:
         # The filesystem has none; any other fault shows again when a named file is opened.
         return None
-    return io.BufferedWriter(_EarlyFile(handle, "wb"))
 
 
 def _temporary_name(folder: Path) -> Path:

@@ -95,7 +95,7 @@ def recorded(
     head["sequence"] = sequence
     head["log_time"] = log_time
     head["publish_time"] = publish_time
-    # To join slices takes two thirds of the time of gathering and scattering pieces of payloads.
+    # Slices of Python: to gather and scatter pieces with numpy takes as long, and more lines.
     pieces: list[bytes | memoryview] = [b""] * (2 * len(size))
     pieces[::2] = head.view(f"V{MESSAGE_HEAD.itemsize}").tolist()
     payloads = buffer.data

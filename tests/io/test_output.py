@@ -71,20 +71,6 @@ def write(target: Path, *pieces: bytes, overwrite: bool = False) -> None:
             file.write(piece)
 
 
-@pytest.mark.usefixtures("way")
-@pytest.mark.parametrize("system", ["sends early", "cannot", "refuses"])
-def test_a_large_file_is_whole(
-    tmp_path: Path, system: str, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    if system == "cannot":
-        monkeypatch.delattr(os, "posix_fadvise", raising=False)
-    elif system == "refuses":
-        monkeypatch.setattr(os, "POSIX_FADV_DONTNEED", -1, raising=False)
-    pieces = [os.urandom(size) for size in (3 << 20, 7 << 20, 5, 9 << 20)]
-    write(tmp_path / "x.mcap", *pieces)
-    assert (tmp_path / "x.mcap").read_bytes() == b"".join(pieces)
-
-
 def fail_midway(target: Path, error: type[BaseException], *, overwrite: bool) -> None:
     with whole_file(target, overwrite=overwrite) as file:
         file.write(b"half")
