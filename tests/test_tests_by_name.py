@@ -15,7 +15,7 @@ from tests.test_imports import MODULES, PACKAGE, ROOT, imports_of, reached_from
 TESTS: Final = Path(__file__).parent
 TOGETHER: Final[Mapping[str, str]] = {
     # The root.
-    "__main__": "cli/test_cli",
+    "__main__": "cli/test_processes",
     "errors": "cli/test_cli",
     "finding": "core/findings/test_checks",
     "provenance": "pipeline/topics/test_annotated",
@@ -129,7 +129,7 @@ TOGETHER: Final[Mapping[str, str]] = {
     "report/documents/check_json": "cli/test_check",
     "report/documents/check_junit": "cli/test_check",
     "report/documents/comparison_json": "commands/test_compare",
-    "report/documents/convert_json": "cli/test_cli",
+    "report/documents/convert_json": "cli/test_convert",
     "report/documents/damage": "commands/test_info",
     "report/documents/frames_dot": "pipeline/frames/test_frames",
     "report/documents/junit": "commands/test_compare",
