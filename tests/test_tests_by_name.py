@@ -37,6 +37,7 @@ TOGETHER: Final[Mapping[str, str]] = {
     "comparison/outcome": "comparison/test_compare_patterns",
     "comparison/stats_json": "commands/test_compare",
     "comparison/logs/": "comparison/test_compare_logs",
+    "comparison/logs/decoders": "comparison/test_compare_encodings",
     "comparison/walks/event_files": "comparison/walks/test_labelled_events",
     # Whole walks in closed form, measured.
     "core/": "core/test_statistics",
