@@ -53,7 +53,7 @@ TOGETHER: Final[Mapping[str, str]] = {
     "core/events/": "core/events/test_events",
     "core/events/gait_labels": "report/files/test_event_files",
     "core/events/messages": "core/events/test_log_messages",
-    "core/findings/": "core/test_statistics",
+    "core/findings/": "core/test_faulty_walks",
     "core/frames/recorded_transforms": "core/frames/test_frame_edges",
     "core/gait/": "core/test_statistics",
     "core/gait/gait_classes": "core/gait/test_gait",
