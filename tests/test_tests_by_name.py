@@ -71,7 +71,7 @@ TOGETHER: Final[Mapping[str, str]] = {
     "io/printable": "cli/test_hostile_names",
     "io/scratch": "reader/containers/sources/test_remote_source",
     "io/storage": "reader/containers/sources/test_remote_source",
-    "io/toml_table": "test_robot",
+    "io/toml_table": "test_robot_errors",
     # A log before it is read through, and while it is.
     "pipeline/batches": "commands/test_convert",
     "pipeline/options": "api/test_parity",
