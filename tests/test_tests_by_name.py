@@ -15,7 +15,7 @@ from tests.test_imports import MODULES, PACKAGE, ROOT, imports_of, reached_from
 TESTS: Final = Path(__file__).parent
 TOGETHER: Final[Mapping[str, str]] = {
     # The root.
-    "__main__": "cli/test_cli",
+    "__main__": "cli/test_processes",
     "errors": "cli/test_cli",
     "finding": "core/findings/test_checks",
     "provenance": "pipeline/topics/test_annotated",
@@ -37,6 +37,7 @@ TOGETHER: Final[Mapping[str, str]] = {
     "comparison/outcome": "comparison/test_compare_patterns",
     "comparison/stats_json": "commands/test_compare",
     "comparison/logs/": "comparison/test_compare_logs",
+    "comparison/logs/decoders": "comparison/test_compare_encodings",
     "comparison/walks/event_files": "comparison/walks/test_labelled_events",
     # Whole walks in closed form, measured.
     "core/": "core/test_statistics",
@@ -52,7 +53,7 @@ TOGETHER: Final[Mapping[str, str]] = {
     "core/events/": "core/events/test_events",
     "core/events/gait_labels": "report/files/test_event_files",
     "core/events/messages": "core/events/test_log_messages",
-    "core/findings/": "core/test_statistics",
+    "core/findings/": "core/test_faulty_walks",
     "core/frames/recorded_transforms": "core/frames/test_frame_edges",
     "core/gait/": "core/test_statistics",
     "core/gait/gait_classes": "core/gait/test_gait",
@@ -70,7 +71,7 @@ TOGETHER: Final[Mapping[str, str]] = {
     "io/printable": "cli/test_hostile_names",
     "io/scratch": "reader/containers/sources/test_remote_source",
     "io/storage": "reader/containers/sources/test_remote_source",
-    "io/toml_table": "test_robot",
+    "io/toml_table": "test_robot_errors",
     # A log before it is read through, and while it is.
     "pipeline/batches": "commands/test_convert",
     "pipeline/options": "api/test_parity",
@@ -129,7 +130,7 @@ TOGETHER: Final[Mapping[str, str]] = {
     "report/documents/check_json": "cli/test_check",
     "report/documents/check_junit": "cli/test_check",
     "report/documents/comparison_json": "commands/test_compare",
-    "report/documents/convert_json": "cli/test_cli",
+    "report/documents/convert_json": "cli/test_convert",
     "report/documents/damage": "commands/test_info",
     "report/documents/frames_dot": "pipeline/frames/test_frames",
     "report/documents/junit": "commands/test_compare",

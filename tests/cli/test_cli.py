@@ -1,40 +1,25 @@
-"""The command line: exit codes, what goes to stdout and stderr, signals, start-up."""
+"""The command line: help, wrong calls, exit codes, and the short commands."""
 
-import contextlib
 import json
 import os
-import resource
-import signal
 import subprocess
 import sys
-import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 
 import click
-import pyte
 import pytest
-from mcap.reader import make_reader
 
 from dogbot_logtool import __version__
 from dogbot_logtool.cli import cli
 from dogbot_logtool.extras import install_command
 from dogbot_logtool.robot import known_robots
-from tests import forked_cli
-from tests.oracles.small_logs import first_seconds, odometry_log, string_log
+from tests.oracles.small_logs import first_seconds, string_log
 from tests.paths import ROOT, TROT, TROUBLED, WALK
 from tests.shell import Outcome, Shell
-from tests.unfinished import unfinished
 
 COMMANDS = ("compare", "convert", "info", "layout", "report", "robots", "stats")
 SHORT = first_seconds(TROT)
-MAGIC = b"\x89MCAP0\r\n"
-
-
-def run(*words: object, folder: Path) -> Outcome:
-    """Run the command as a process of its own."""
-    done = forked_cli.run(*words, folder=folder)
-    return Outcome(done.returncode, done.stdout, done.stderr)
 
 
 def run_afresh(*words: object, folder: Path) -> Outcome:
@@ -47,9 +32,6 @@ def run_afresh(*words: object, folder: Path) -> Outcome:
         check=False,
     )
     return Outcome(done.returncode, done.stdout, done.stderr)
-
-
-# --- Words ----------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("words", [["--help"], ["-h"], *([name, "--help"] for name in COMMANDS)])
@@ -206,155 +188,6 @@ def test_nothing_to_annotate_exits_with_1_and_lists_topics(shell: Shell) -> None
     assert shell.files() == ["log.mcap"]
 
 
-# --- convert --------------------------------------------------------------------------------------
-
-
-def test_convert_says_what_it_did_on_stderr_only(shell: Shell) -> None:
-    done = shell("convert", TROUBLED)
-    assert (done.code, done.out) == (0, "")
-    assert shell.files() == ["dogbot_troubled.annotated.mcap"]
-    assert "dogbot_troubled.annotated.mcap: 3,659 recorded messages and 4,710 ann" in done.err
-    assert "warning" in done.err
-    assert "note" in done.err
-
-
-def test_verbose_lists_annotations(shell: Shell) -> None:
-    done = shell("convert", TROUBLED, "-v", "-o", "x.mcap")
-    assert "501  /load/front_left" in done.err
-    assert "/load" not in shell("convert", TROUBLED, "-o", "y.mcap").err
-
-
-def test_quiet_says_nothing(shell: Shell) -> None:
-    done = shell("convert", TROUBLED, "--quiet", "-o", "x.mcap")
-    assert done == Outcome(0, "", "")
-    assert shell.files() == ["x.mcap"]
-
-
-def test_convert_json(shell: Shell) -> None:
-    done = shell("convert", TROUBLED, "--json", "--quiet", "-o", "x.mcap", "--style", "force")
-    assert (done.code, done.err) == (0, "")
-    told = done.json
-    assert told["tool"] == {"name": "dogbot-logtool", "version": __version__}
-    assert (told["input"], told["output"]) == (str(TROUBLED), "x.mcap")
-    assert (told["style"], told["encoding"], told["robot"]) == ("force", "foxglove", "dogbot")
-    assert told["topics"]["odometry"] == ["/dogbot/odom"]
-    assert set(told["topics"]["feet"]) == {"front_left", "front_right", "back_left", "back_right"}
-    assert told["frames"] == {"world": "world", "base": "base_link"}
-    assert told["messages"] == {"read": 3659, "copied": 3659}
-    with (shell.folder / "x.mcap").open("rb") as stream:
-        summary = make_reader(stream).get_summary()
-    assert summary is not None
-    assert summary.statistics is not None
-    counts = {
-        summary.channels[number].topic: count
-        for number, count in summary.statistics.channel_message_counts.items()
-    }
-    assert told["annotations"] == {topic: counts[topic] for topic in told["annotations"]}
-    assert sum(counts.values()) == 3659 + sum(told["annotations"].values())
-    assert told["skipped"]["bad_poses"] == 1
-    assert {finding["code"] for finding in told["findings"]} >= {"W_ZERO_STAMPS"}
-    assert told["damage"] == {"messages": 0, "bytes": 0, "places": []}
-
-
-def test_several_logs_go_into_a_directory(shell: Shell) -> None:
-    (shell.folder / "out").mkdir()
-    (shell.folder / "bad.bag").write_text("no bag")
-    done = shell("convert", TROUBLED, "bad.bag", WALK, "-o", "out", "--json", "-q")
-    assert done.code == 1
-    first, bad, last = done.json
-    assert first["output"] == "out/dogbot_troubled.annotated.mcap"
-    assert bad["input"] == "bad.bag"
-    assert bad["error"].startswith("bad.bag: ")
-    assert last["messages"]["copied"] == 22510
-    names = sorted(file.name for file in (shell.folder / "out").iterdir())
-    assert names == ["dogbot_troubled.annotated.mcap", "dogbot_walk.annotated.mcap"]
-    assert shell("convert", TROUBLED, WALK, "-o", "nowhere.mcap").code == 2
-
-
-def test_damage_exits_with_3_or_with_1_when_strict(shell: Shell) -> None:
-    log = odometry_log(shell.folder / "log.mcap", "/odom", cut=1)
-    done = shell("convert", log, "-o", "x.mcap", "--json")
-    assert done.code == 3
-    assert done.json["damage"]["messages"] == 1
-    assert "damage" in done.err
-    assert "/odom" in done.err
-    done = shell("convert", log, "-o", "strict.mcap", "--strict")
-    assert (done.code, done.out) == (1, "")
-    assert "--strict" in done.err
-    assert shell.files() == ["log.mcap", "x.mcap"]
-
-
-@pytest.mark.parametrize("command", ["info", "convert"])
-def test_a_log_that_is_cut_off_exits_with_3(shell: Shell, command: str) -> None:
-    for log in (TROT, WALK):
-        cut = shell.folder / log.name
-        cut.write_bytes(log.read_bytes()[:-1000])
-        done = shell(command, cut, "--json")
-        assert done.code == 3
-        assert done.json["damage"]["places"]
-    assert not [name for name in shell.files() if name.endswith(".part")]
-
-
-def test_an_output_is_not_overwritten_unasked(shell: Shell) -> None:
-    target = shell.folder / "x.mcap"
-    target.write_text("precious")
-    done = shell("convert", TROUBLED, "-o", "x.mcap")
-    assert (done.code, done.out) == (2, "")
-    assert "--overwrite" in done.err
-    assert target.read_text() == "precious"
-    assert shell("convert", TROUBLED, "-o", "x.mcap", "--overwrite", "-q").code == 0
-    assert target.read_bytes().endswith(MAGIC)
-    assert shell.files() == ["x.mcap"]
-
-
-def test_the_input_is_never_the_output(shell: Shell) -> None:
-    log = shell.folder / "log.mcap"
-    log.write_bytes(WALK.read_bytes())
-    (shell.folder / "link.mcap").symlink_to(log)
-    for target in ("log.mcap", "link.mcap", "./log.mcap"):
-        done = shell("convert", "log.mcap", "-o", target, "--overwrite")
-        assert done.code == 2
-        assert "is the input itself" in done.err
-    assert log.read_bytes() == WALK.read_bytes()
-
-
-def test_targets_that_cannot_be_written(shell: Shell) -> None:
-    (shell.folder / "file").write_text("")
-    for target in ("no/such/x.mcap", "file/x.mcap", "x" * 300 + ".mcap"):
-        done = shell("convert", TROUBLED, "-o", target)
-        assert done.code in {1, 2}
-        assert done.err.startswith("error: ")
-        assert done.err.count("\n") == 1
-    assert shell.files() == ["file"]
-
-
-def test_a_long_name_that_the_disk_takes_is_taken(shell: Shell) -> None:
-    name = "x" * 250 + ".mcap"
-    (shell.folder / name).write_text("the disk takes it")
-    assert shell("convert", TROUBLED, "-o", name, "--overwrite", "-q").code == 0
-    assert shell.files() == [name]
-
-
-def test_options_reach_the_conversion(shell: Shell) -> None:
-    words = ["--start", "1", "--end", "2", "--tf-rate", "0", "--no-copy", "--compression", "none"]
-    words += ["--no-scene", "--odom-topic", "/dogbot/odom", "--robot", "generic", "--mass", "10"]
-    feet = ["--foot", "paw=/dogbot/back_left_contactsensor_state"]
-    done = shell("convert", TROT, "-o", "x.mcap", "--json", *words, *feet)
-    told = done.json
-    assert told["messages"]["copied"] == 0
-    assert told["robot"] == "generic"
-    assert told["topics"]["feet"] == {"paw": "/dogbot/back_left_contactsensor_state"}
-    # The first pose stands at the first time, too.
-    assert told["annotations"]["/tf"] == 251
-    assert set(told["annotations"]) == {
-        "/tf",
-        "/marker_basic_paw_foot",
-        "/load/paw",
-        "/label/paw",
-        "/robot_description",
-    }
-
-
 # --- info, layout, robots -------------------------------------------------------------------------
 
 
@@ -508,201 +341,3 @@ def test_robots(shell: Shell) -> None:
     assert "[feet.front_left]" in toml.out
     (shell.folder / "mine.toml").write_text(toml.out)
     assert shell("convert", TROUBLED, "--robot", "mine.toml", "-q").code == 0
-
-
-# --- Hostile names --------------------------------------------------------------------------------
-
-EVIL_TOPICS = (
-    "/\x1b[31mred",
-    "/bell\x07",
-    "/back\x08space",
-    "/two\nlines",
-    "/\u202eleft",
-    "/\x9b1m",
-)
-
-
-@pytest.mark.parametrize("topic", EVIL_TOPICS, ids=ascii)
-def test_control_characters_in_topics_are_escaped(shell: Shell, topic: str) -> None:
-    string_log(shell.folder / "log.mcap", [(topic, b"x")])
-    told = [shell("info", "log.mcap"), shell("convert", "log.mcap")]
-    odometry_log(shell.folder / "odom.mcap", topic, cut=1)
-    told += [shell("info", "odom.mcap"), shell("convert", "odom.mcap", "-v")]
-    for done in told:
-        text = done.out + done.err
-        assert topic not in text
-        assert not [c for c in text if not c.isprintable() and c != "\n"]
-    assert [done.code for done in told] == [0, 1, 0, 3]
-    escaped = topic.encode("unicode_escape").decode()
-    for done in told:
-        assert escaped in "".join((done.out + done.err).split())
-
-
-def test_a_newline_in_a_topic_starts_no_line(shell: Shell) -> None:
-    string_log(shell.folder / "log.mcap", [("/said\nerror: send money", b"x")])
-    done = shell("convert", "log.mcap")
-    assert not [line for line in done.err.split("\n") if line.startswith("error: send money")]
-
-
-def test_names_with_markup_and_odd_bytes(shell: Shell) -> None:
-    name = os.fsdecode(b"[bold]\xff.mcap")
-    odometry_log(shell.folder / name, "/[red]odom[/red]")
-    done = run("info", name, folder=shell.folder)
-    assert (done.code, done.err) == (0, "")
-    assert "/[red]odom[/red]" in done.out
-    assert "[bold]" in done.out
-    done = run("convert", name, "--json", folder=shell.folder)
-    assert done.code == 0
-    assert done.json["annotations"] == {"/tf": 10, "/robot_description": 1}
-
-
-# --- Processes ------------------------------------------------------------------------------------
-
-
-@pytest.fixture(scope="module")
-def long_log(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Return a log that takes a while: 120 MB of noise."""
-    return odometry_log(tmp_path_factory.mktemp("long") / "long.mcap", "/odom", filler=12)
-
-
-# A shell that runs the tests in the background has them, and their children, ignore Ctrl-C; nohup
-# has them ignore that the terminal hangs up.
-INTERRUPTIBLE = """
-import signal
-signal.signal(signal.SIGINT, signal.default_int_handler)
-signal.signal(signal.SIGHUP, signal.SIG_DFL)
-from dogbot_logtool.cli import cli, main
-main()
-"""
-
-
-@pytest.mark.parametrize(
-    ("number", "jobs", "twins"),
-    [(signal.SIGINT, 2, 0), (signal.SIGTERM, 1, 0), (signal.SIGHUP, 2, 1)],
-)
-def test_a_signal_amid_writing_leaves_nothing(
-    tmp_path: Path, long_log: Path, number: signal.Signals, jobs: int, twins: int
-) -> None:
-    words = ["convert", str(long_log), "-o", "x.mcap", "--compression", "lz4", "--jobs", str(jobs)]
-    if twins:
-        twin = long_log.with_name("twin.mcap")
-        twin.unlink(missing_ok=True)
-        os.link(long_log, twin)
-        words[2:4] = [str(twin), "-o", "."]
-    process = subprocess.Popen(  # noqa: S603
-        [sys.executable, "-c", INTERRUPTIBLE, *words],
-        cwd=tmp_path,
-        stdout=subprocess.PIPE,
-        stderr=subprocess.PIPE,
-        text=True,
-    )
-    with process:
-        for found in _until_written(tmp_path, process):
-            assert found.stat().st_size < long_log.stat().st_size
-        process.send_signal(number)
-        out, err = process.communicate()
-    assert process.returncode == 128 + number
-    assert out == ""
-    assert "Traceback" not in err
-    assert err.strip() == "interrupted: nothing was left behind"
-    assert list(tmp_path.iterdir()) == []
-
-
-def _until_written(folder: Path, process: "subprocess.Popen[str]") -> Iterator[Path]:
-    """Wait until part of the output is there; then yield it."""
-    while process.poll() is None:
-        for part in unfinished(folder, process.pid):
-            with contextlib.suppress(FileNotFoundError):
-                if part.stat().st_size:
-                    yield part
-                    return
-        time.sleep(0.001)
-    raise AssertionError(process.communicate()[1])
-
-
-@pytest.mark.skipif(not hasattr(os, "O_TMPFILE"), reason="there are no files without names")
-def test_a_killed_conversion_leaves_nothing(tmp_path: Path, long_log: Path) -> None:
-    folder = tmp_path / "here"
-    folder.mkdir()
-    words = ["convert", str(long_log), "-o", "out/", "--compression", "lz4", "--jobs", "2"]
-    process = subprocess.Popen(  # noqa: S603
-        [sys.executable, "-m", "dogbot_logtool", *words],
-        cwd=folder,
-        stderr=subprocess.DEVNULL,
-        text=True,
-    )
-    with process:
-        list(_until_written(folder, process))
-        process.kill()
-    assert process.returncode == -signal.SIGKILL
-    assert list(folder.iterdir()) == []
-
-
-def test_a_full_disk_leaves_nothing(tmp_path: Path) -> None:
-    """A limit on file size stands for a disk that is full: the write fails midway."""
-
-    def limit() -> None:
-        signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
-        resource.setrlimit(resource.RLIMIT_FSIZE, (200_000, 200_000))
-
-    done = subprocess.run(  # noqa: S603
-        [sys.executable, "-B", "-m", "dogbot_logtool", "convert", str(TROT), "-o", "x.mcap"],
-        cwd=tmp_path,
-        capture_output=True,
-        text=True,
-        check=False,
-        preexec_fn=limit,
-    )
-    assert (done.returncode, done.stdout) == (1, "")
-    assert done.stderr.startswith("error: x.mcap: cannot be written: ")
-    assert done.stderr.count("\n") == 1
-    assert list(tmp_path.iterdir()) == []
-
-
-def test_the_command_is_the_module(tmp_path: Path) -> None:
-    done = subprocess.run(
-        [sys.executable, "-m", "dogbot_logtool", "--version"],
-        cwd=tmp_path,
-        capture_output=True,
-        text=True,
-        check=False,
-    )
-    assert (done.returncode, done.stderr) == (0, "")
-    assert __version__ in done.stdout
-
-
-def test_no_progress_bar_where_there_is_no_terminal(tmp_path: Path) -> None:
-    done = run("convert", TROUBLED, "-o", "x.mcap", folder=tmp_path)
-    assert done.code == 0
-    assert "\x1b" not in done.err
-    assert "\r" not in done.err
-
-
-@pytest.mark.parametrize(
-    "logs", [[SHORT], [SHORT, first_seconds(TROUBLED)]], ids=["one", "several"]
-)
-@pytest.mark.parametrize("command", ["convert", "stats", "info"])
-def test_a_terminal_shows_in_the_end_what_a_pipe_gets(
-    tmp_path: Path, command: str, logs: list[Path]
-) -> None:
-    output = {"convert": ["-o", "./", "--overwrite"], "info": ["--frames"]}.get(command, [])
-    words = [command, *map(str, logs), *output]
-    size = {"COLUMNS": "160", "LINES": "200", "TERM": "xterm"}
-    done = forked_cli.run(*words, folder=tmp_path, environment=size, stderr=subprocess.STDOUT)
-    code, shown = forked_cli.run_on_terminal(*words, folder=tmp_path, environment=size)
-    assert (done.returncode, code) == (0, 0)
-
-    screen = pyte.Screen(160, 200)
-    pyte.Stream(screen).feed(shown.decode())
-    assert b"\x1b[2K" in shown, "no progress was shown"
-    assert [line.rstrip() for line in screen.display if line.strip()] == [
-        line.rstrip() for line in done.stdout.splitlines() if line.strip()
-    ]
-
-
-@pytest.mark.parametrize("command", ["info", "convert", "layout"])
-def test_a_fifo_is_refused_with_a_sentence(shell: Shell, command: str) -> None:
-    os.mkfifo(shell.folder / "fifo")
-    done = shell(command, "fifo")
-    assert done.code == 2
-    assert "not a regular file" in done.err

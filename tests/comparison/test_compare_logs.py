@@ -3,36 +3,28 @@
 import math
 import random
 import struct
-import tracemalloc
 from collections import Counter, defaultdict
 from collections.abc import Iterable
 from dataclasses import replace
-from itertools import pairwise
 from pathlib import Path
-from typing import Any
 
 import pytest
-from foxglove_schemas_protobuf.SceneUpdate_pb2 import SceneUpdate
 from mcap.writer import CompressionType, IndexType, Writer
 
 from dogbot_logtool.commands.compare import compare
-from dogbot_logtool.comparison.logs.windows import indexed_track, load, measured_track, plan_windows
-from dogbot_logtool.comparison.outcome import Comparison, Tally
 from dogbot_logtool.errors import CallError
 from dogbot_logtool.pipeline.options import CompareOptions
-from dogbot_logtool.reader.containers.log import Log
 from dogbot_logtool.reader.opening import open_log
+from tests.comparison.pairs import Pair, counts, tally
 from tests.comparison.recordings import (
     JSON,
     RAW,
     SCENE,
     START,
     WITH_NUMBER,
-    Kind,
     Message,
     Packing,
     Recording,
-    file_set,
     load_with_force,
     mixed,
     odometry,
@@ -41,55 +33,6 @@ from tests.comparison.recordings import (
     ros_kind,
     scene,
 )
-
-
-class Pair:
-    """Two recordings, written and compared."""
-
-    def __init__(self, folder: Path) -> None:
-        self.expected = folder / "expected.mcap"
-        self.actual = folder / "actual.mcap"
-
-    def write(self, expected: Recording, actual: Recording) -> None:
-        expected.write(self.expected)
-        actual.write(self.actual)
-
-    def compare(self, options: CompareOptions = CompareOptions()) -> Comparison:  # noqa: B008
-        return compare(self.expected, self.actual, options)
-
-    def lines(
-        self,
-        expected: Recording,
-        actual: Recording,
-        options: CompareOptions = CompareOptions(),  # noqa: B008 - frozen
-    ) -> list[str]:
-        self.write(expected, actual)
-        result = self.compare(options)
-        assert result.same == (not result.differences)
-        assert result.exit_code == (0 if result.same else 1)
-        return [difference.line for difference in result.differences]
-
-
-@pytest.fixture
-def pair(tmp_path: Path) -> Pair:
-    return Pair(tmp_path)
-
-
-def tally(result: Comparison, name: str) -> Tally:
-    return next(one for one in result.tallies if one.name == name)
-
-
-def counts(one: Tally) -> tuple[int, int, int, int, int, int, int]:
-    return (
-        one.expected,
-        one.actual,
-        one.equal,
-        one.within_tolerance,
-        one.different,
-        one.missing,
-        one.extra,
-    )
-
 
 PACKINGS = [
     Packing(CompressionType.NONE, 300),
@@ -219,158 +162,6 @@ def test_quaternions_of_the_other_sign_are_the_same(pair: Pair, version: int) ->
     assert not pair.lines(expected, actual)
     assert counts(tally(pair.compare(), "/a")) == (1, 1, 0, 1, 0, 0, 0)
     assert not pair.lines(one_topic(SCENE, scene()), one_topic(SCENE, scene(sign=-1.0)))
-
-
-def test_unknown_encodings_are_compared_as_bytes(pair: Pair) -> None:
-    expected = one_topic(RAW, b"abc", b"abc", b"abc")
-    assert not pair.lines(expected, expected)
-    assert not tally(pair.compare(), "/a").note
-    assert pair.lines(expected, one_topic(RAW, b"abc", b"abx", b"ab")) == [
-        "/a[1] t=0.001 s payload[2]: expected 0x63, got 0x78",
-        "/a[2] t=0.002 s payload: expected 3 bytes, got 2 bytes",
-    ]
-    assert tally(pair.compare(), "/a").note == (
-        "compared as bytes: the encoding 'cbor' is not known"
-    )
-
-
-@pytest.mark.parametrize("encoding", WITH_NUMBER)
-def test_messages_that_cannot_be_decoded_are_compared_as_bytes(pair: Pair, encoding: str) -> None:
-    kind, make, _ = WITH_NUMBER[encoding]
-    sound = make(1.0)
-    assert pair.lines(one_topic(kind, sound), one_topic(kind, sound[:-1])) == [
-        f"/a[0] t=0.000 s payload: expected {len(sound)} bytes, got {len(sound) - 1} bytes"
-    ]
-    assert tally(pair.compare(), "/a").note.startswith("compared as bytes: not ")
-
-
-@pytest.mark.parametrize("encoding", ["ros1", "cdr", "protobuf"])
-def test_broken_definitions_mean_comparing_bytes(pair: Pair, encoding: str) -> None:
-    kind, make, _ = WITH_NUMBER[encoding]
-    broken = replace(kind, schema=b"\xff( no definition")
-    expected, actual = one_topic(broken, make(1.0)), one_topic(broken, make(2.0))
-    assert not pair.lines(expected, expected)
-    assert len(pair.lines(expected, actual)) == 1
-    assert tally(pair.compare(), "/a").note.startswith("compared as bytes: the definition of ")
-
-
-def test_what_a_protobuf_message_leaves_out_is_told_from_its_default(pair: Pair) -> None:
-    def update(*, with_pose: bool) -> bytes:
-        message: Any = SceneUpdate()
-        arrow = message.entities.add().arrows.add()
-        if with_pose:
-            arrow.pose.SetInParent()
-        data: bytes = message.SerializeToString()
-        return data
-
-    lines = pair.lines(
-        one_topic(SCENE, update(with_pose=True)), one_topic(SCENE, update(with_pose=False))
-    )
-    assert lines == [
-        (
-            '/a[0] t=0.000 s entities[0].arrows[0].pose: expected {"position": null, '
-            '"orientation": null}, got null'
-        )
-    ]
-
-
-def test_protobuf_fields_that_the_definition_lacks_count_too(pair: Pair) -> None:
-    unknown = bytes([(100 << 3) & 0x7F | 0x80, (100 << 3) >> 7, 7])
-    lines = pair.lines(one_topic(SCENE, scene()), one_topic(SCENE, scene() + unknown))
-    assert lines == [
-        (
-            "/a[0] t=0.000 s (unknown fields): expected nothing, got "
-            '[{"number": 100, "wire_type": 0, "data": 7}]'
-        )
-    ]
-
-
-def test_a_protobuf_message_written_in_another_way_is_equal(pair: Pair) -> None:
-    padded = scene(entity="a").replace(b"\x1a\x01a", b"\x1a\x81\x00a", 1)
-    assert padded != scene(entity="a")
-    # The entity has become a byte longer.
-    padded = padded[:1] + bytes([len(padded) - 2]) + padded[2:]
-    assert not pair.lines(one_topic(SCENE, scene(entity="a")), one_topic(SCENE, padded))
-    assert counts(tally(pair.compare(), "/a"))[2] == 1
-
-
-def test_json_fields(pair: Pair) -> None:
-    expected = one_topic(JSON, b'{"a": [1, {"b": null}], "c": "x", "d": 1}')
-    actual = one_topic(JSON, b'{"c": "y", "a": [1.0, {"b": false}], "e": 1}')
-    assert pair.lines(expected, actual) == [
-        "/a[0] t=0.000 s a[1].b: expected null, got false",
-        '/a[0] t=0.000 s c: expected "x", got "y"',
-        "/a[0] t=0.000 s d: expected 1, got nothing",
-        "/a[0] t=0.000 s e: expected nothing, got 1",
-    ]
-
-
-def test_json_that_is_nested_too_deeply_is_compared_as_bytes(pair: Pair) -> None:
-    expected, actual = (b"[" * 700 + number + b"]" * 700 for number in (b"1", b"2"))
-    assert pair.lines(one_topic(JSON, expected), one_topic(JSON, actual)) == [
-        "/a[0] t=0.000 s payload[700]: expected 0x31, got 0x32"
-    ]
-    assert tally(pair.compare(), "/a").note.endswith("a message is nested too deeply")
-
-
-def test_definitions_are_compared_by_what_they_say(pair: Pair) -> None:
-    kind = ros_kind(1)
-    commented = replace(kind, schema=b"# a comment\n" + kind.schema.replace(b"\n", b"\r\n"))
-    expected = one_topic(kind, odometry(1))
-    assert not pair.lines(expected, one_topic(commented, odometry(1)))
-
-    turned = replace(SCENE, schema=file_set(SceneUpdate.DESCRIPTOR.file, last_first=True))
-    assert turned.schema != SCENE.schema
-    assert not pair.lines(one_topic(SCENE, scene()), one_topic(turned, scene(sign=-1.0)))
-
-    spaced = replace(JSON, schema=b'{ "type" : "object" }')
-    assert not pair.lines(one_topic(JSON, b"1"), one_topic(spaced, b"1"))
-
-
-def test_another_definition_is_named_once(pair: Pair) -> None:
-    kind = ros_kind(1)
-    renamed = replace(kind, schema=kind.schema.replace(b"child_frame_id", b"other_frame_id"))
-    expected = one_topic(kind, *[odometry(1)] * 100)
-    assert pair.lines(expected, one_topic(renamed, *[odometry(1)] * 100)) == [
-        (
-            '/a schema.nav_msgs/msg/Odometry[1]: expected "string child_frame_id", '
-            'got "string other_frame_id"'
-        )
-    ]
-    assert counts(tally(pair.compare(), "/a")) == (100, 100, 100, 0, 0, 0, 0)
-    assert tally(pair.compare(), "/a").faults == 1
-
-    other = replace(JSON, schema=b'{"type": "array"}')
-    assert pair.lines(one_topic(JSON, b"1"), one_topic(other, b"1")) == [
-        '/a schema.type: expected "object", got "array"'
-    ]
-    other = replace(RAW, schema=b"thing = bool")
-    assert pair.lines(one_topic(RAW, b"1"), one_topic(other, b"1")) == [
-        "/a schema: expected 11 bytes, got 12 bytes"
-    ]
-    without = Kind("json")
-    assert pair.lines(one_topic(without, b"1"), one_topic(without, b"1")) == []
-
-
-def test_each_side_is_decoded_by_its_own_definition(pair: Pair) -> None:
-    kind = ros_kind(1)
-    renamed = replace(kind, schema=kind.schema.replace(b"child_frame_id", b"other_frame_id"))
-    lines = pair.lines(one_topic(kind, odometry(1)), one_topic(renamed, odometry(1, frame="w")))
-    assert lines[1:] == [
-        '/a[0] t=0.000 s header.frame_id: expected "world", got "w"',
-        '/a[0] t=0.000 s child_frame_id: expected "base_link", got nothing',
-        '/a[0] t=0.000 s other_frame_id: expected nothing, got "base_link"',
-    ]
-
-
-def test_another_type_or_encoding_is_named_once(pair: Pair) -> None:
-    expected = one_topic(ros_kind(1), *[odometry(1)] * 100)
-    actual = one_topic(SCENE, *[scene()] * 100)
-    assert pair.lines(expected, actual) == [
-        "/a type: expected nav_msgs/Odometry, got foxglove.SceneUpdate",
-        "/a encoding: expected ros1, got protobuf",
-    ]
-    assert counts(tally(pair.compare(), "/a")) == (100, 100, 0, 0, 100, 0, 0)
 
 
 def test_a_topic_that_only_one_has_is_named_once(pair: Pair) -> None:
@@ -529,89 +320,6 @@ def test_an_index_with_untrue_times_does_not_hide_messages(pair: Pair) -> None:
     result = pair.compare()
     assert [d.index for d in result.differences] == [150]
     assert counts(tally(result, "/a")) == (200, 200, 199, 0, 1, 0, 0)
-
-
-def windows_of(log: Log, window_size: int, *, measured: bool) -> list[list[tuple[int, bytes]]]:
-    """Times and payloads of the messages, window by window."""
-    topic_of = {channel.id: 0 for channel in log.channels.values() if channel.topic != "/b"}
-    track = (measured_track if measured else indexed_track)(log, topic_of)
-    windows: list[list[tuple[int, bytes]]] = []
-    for window in plan_windows([track], window_size):
-        block = load(track, window)
-        messages = block.messages
-        windows.append(
-            [
-                (time, block.buffer[start:end].tobytes())
-                for time, start, end in zip(
-                    messages.log_time.tolist(),
-                    messages.start.tolist(),
-                    messages.end.tolist(),
-                    strict=True,
-                )
-            ]
-        )
-    return windows
-
-
-def test_times_may_lie_as_far_apart_as_they_can(pair: Pair) -> None:
-    times = [*range(100), 2**61, 2**62 + 1, 2**62 + 2, 2**63 - 2, 2**63 - 1]
-    whole = Recording({"/a": RAW}, [Message("/a", time, bytes(300_000)) for time in times])
-    other = replace(whole, messages=[*whole.messages[:-1], Message("/a", times[-1], b"x")])
-    whole.write(pair.expected, Packing(CompressionType.NONE, 1))
-    other.write(pair.actual)
-    result = pair.compare()
-    assert [d.index for d in result.differences] == [104]
-    assert counts(tally(result, "/a")) == (105, 105, 104, 0, 1, 0, 0)
-
-
-def test_messages_of_one_time_stay_together(pair: Pair) -> None:
-    payloads = [struct.pack("<Q", i) * 10_000 for i in range(300)]
-    messages = [Message("/a", START, data) for data in payloads]
-    whole = Recording({"/a": RAW}, messages)
-    whole.write(pair.expected, Packing(chunk_size=1))
-    replace(whole, messages=[*messages[1:], messages[0]]).write(pair.actual)
-    assert counts(tally(pair.compare(), "/a")) == (300, 300, 0, 0, 300, 0, 0)
-
-
-def shuffled(messages: Iterable[Message]) -> list[Message]:
-    mixed_up = list(messages)
-    random.Random(5).shuffle(mixed_up)  # noqa: S311 - no cryptography
-    return mixed_up
-
-
-@pytest.mark.parametrize("measured", [False, True])
-@pytest.mark.parametrize("order", [list, shuffled, reversed])
-def test_windows_hold_each_message_once_and_are_small(
-    tmp_path: Path, order: Any, *, measured: bool
-) -> None:
-    numbered = [("/b" if i % 3 == 0 else "/a", i, struct.pack("<Q", i) * 20) for i in range(1000)]
-    whole = recording({"/a": RAW, "/b": RAW}, *numbered)
-    whole = replace(whole, messages=list(order(whole.messages)))
-    packing = Packing(CompressionType.ZSTD, 1000)
-    log = open_log(whole.write(tmp_path / "log.mcap", packing))
-    windows = windows_of(log, 20_000, measured=measured)
-    log.close()
-    expected = [(m.time, m.data) for m in whole.messages if m.topic == "/a"]
-    assert sorted(one for window in windows for one in window) == sorted(expected)
-    assert len(windows) >= 8
-    for earlier, later in pairwise(windows):
-        assert max(earlier)[0] < min(later)[0]
-    # What the chunks' times tell is less where they overlap, but still bounds a window.
-    assert max(sum(len(data) for _, data in window) for window in windows) < 2 * 20_000
-
-
-def test_memory_does_not_grow_with_the_file(pair: Pair) -> None:
-    payloads = [struct.pack("<Q", i) * 12_500 for i in range(400)]
-    one_topic(RAW, *payloads).write(pair.expected)
-    payloads[399] += b"x"
-    one_topic(RAW, *payloads).write(pair.actual, Packing(CompressionType.LZ4, 300_000))
-    tracemalloc.start()
-    result = pair.compare()
-    _, peak = tracemalloc.get_traced_memory()
-    tracemalloc.stop()
-    assert [d.index for d in result.differences] == [399]
-    assert sum(len(data) for data in payloads) == 40_000_001
-    assert peak < 35_000_000
 
 
 @pytest.mark.parametrize("seed", range(20))

@@ -7,6 +7,7 @@ import numpy as np
 from dogbot_logtool.core.accumulator import StatsAccumulator
 from dogbot_logtool.core.base.odometry import Odometry
 from dogbot_logtool.core.contact.contacts import Samples
+from dogbot_logtool.core.findings.findings import findings_of
 from dogbot_logtool.core.frames.wrench_frame import WrenchFrame
 from dogbot_logtool.core.geometry.arrays import Floats
 from dogbot_logtool.core.settings import FootSettings, StatsSettings
@@ -121,3 +122,12 @@ def measure(feet: list[Samples], odometry: Odometry, settings: StatsSettings = S
         topic = settings.feet[int(samples.foot[0])].topic
         accumulator.add_message_times(topic, samples.log_time, samples.stamp)
     return accumulator.finish()
+
+
+def codes(stats: Stats) -> set[str]:
+    return {remark.code for remark in findings_of(stats)}
+
+
+def main_class(stats: Stats) -> str | None:
+    assert stats.main is not None
+    return stats.main.gait.name

@@ -1,0 +1,144 @@
+"""Conversion of logs in which something is missing or broken."""
+
+from dataclasses import replace
+from pathlib import Path
+from typing import Literal
+
+import pytest
+from mcap.writer import CompressionType
+
+from dogbot_logtool.commands.convert import convert
+from dogbot_logtool.errors import LogError
+from dogbot_logtool.pipeline.options import ConvertOptions
+from tests.commands.conversions import chunks_of, codes
+from tests.oracles.annotated_file import read_written, written_loads
+from tests.oracles.recorded import (
+    CONTACTS_TYPE,
+    DESCRIPTION,
+    FEET,
+    ODOMETRY,
+    TEXT_TYPE,
+    TF_TYPE,
+    S,
+    arrow_topic,
+    contact_topic,
+    load_topic,
+)
+from tests.oracles.ros1_logs import Entry, small_walk, text, transform, write_bag, write_ros1_mcap
+
+
+def test_a_damaged_attachment_is_left_out_and_told(tmp_path: Path) -> None:
+    log = write_ros1_mcap(tmp_path / "log.mcap", small_walk(0.1), extras=True)
+    data = log.read_bytes()
+    assert data.count(b"here be dragons") == 100
+    log.write_bytes(data.replace(b"here be dragons", b"here be unicorn", 1))
+    conversion = convert(log, tmp_path / "out.mcap", ConvertOptions())
+    written = read_written(tmp_path / "out.mcap")
+    assert [attachment.name for attachment in written.attachments] == ["empty"]
+    assert conversion.exit_code == 3
+    with pytest.raises(LogError, match="--strict"):
+        convert(log, tmp_path / "strict.mcap", ConvertOptions(strict=True))
+    assert not (tmp_path / "strict.mcap").exists()
+
+
+def test_feet_only(tmp_path: Path) -> None:
+    entries = [entry for entry in small_walk() if entry.topic != ODOMETRY]
+    log = write_bag(tmp_path / "log.bag", entries)
+    conversion = convert(log, tmp_path / "out.mcap", ConvertOptions())
+    assert "W_NO_ODOMETRY" in codes(conversion)
+    assert conversion.annotations[arrow_topic("front_left")] == 250
+    assert "/tf" not in conversion.annotations
+    missing = {f.where for f in conversion.findings if f.code == "W_FOOT_MISSING"}
+    assert missing == {contact_topic(foot) for foot in FEET[1:]}
+
+
+@pytest.mark.parametrize("tf", ["auto", "never"])
+def test_odometry_only(tmp_path: Path, tf: Literal["auto", "never"]) -> None:
+    entries = [entry for entry in small_walk() if entry.topic == ODOMETRY]
+    log = write_bag(tmp_path / "log.bag", entries)
+    conversion = convert(log, tmp_path / "out.mcap", ConvertOptions(tf=tf))
+    assert "W_NO_FEET" in codes(conversion)
+    assert conversion.annotations == {DESCRIPTION: 1} | ({"/tf": 50} if tf == "auto" else {})
+    assert len(read_written(tmp_path / "out.mcap").messages) == (301 if tf == "auto" else 251)
+
+
+def test_neither_is_an_error_that_lists_what_is_there(tmp_path: Path) -> None:
+    log = write_bag(tmp_path / "log.bag", [Entry("/said", TEXT_TYPE, S, text("hello"))])
+    with pytest.raises(LogError, match=r"/said\s+std_msgs/String"):
+        convert(log, tmp_path / "out.mcap", ConvertOptions())
+    assert not (tmp_path / "out.mcap").exists()
+
+
+def test_an_empty_log_is_an_error(tmp_path: Path) -> None:
+    log = write_bag(tmp_path / "log.bag", [])
+    with pytest.raises(LogError, match="nothing"):
+        convert(log, tmp_path / "out.mcap", ConvertOptions())
+
+
+@pytest.mark.parametrize("kind", ["bag", "mcap"])
+def test_a_malformed_message_costs_one_message(tmp_path: Path, kind: str) -> None:
+    entries = list(small_walk())
+    broken = next(i for i, e in enumerate(entries) if i > 200 and e.type_name == CONTACTS_TYPE)
+    entries[broken] = replace(entries[broken], data=entries[broken].data[:-3])
+    write = write_bag if kind == "bag" else write_ros1_mcap
+    log = write(tmp_path / f"log.{kind}", entries)
+    conversion = convert(log, tmp_path / "out.mcap", ConvertOptions())
+    written = read_written(tmp_path / "out.mcap")
+    assert conversion.exit_code == 3
+    assert conversion.copied == len(entries)
+    assert conversion.annotations[load_topic("front_left")] == 249 + 1
+    loads = written_loads(written, "front_left", "foxglove")
+    assert [load.log_time for load in loads] == [
+        entries[0].log_time,
+        *(
+            entry.log_time
+            for index, entry in enumerate(entries)
+            if entry.type_name == CONTACTS_TYPE and index != broken
+        ),
+    ]
+    (loss,) = conversion.losses
+    assert contact_topic("front_left") in loss.what
+    assert loss.messages == 1
+    provenance = written.metadata[-1].metadata
+    assert provenance["lost_messages"] == "1"
+    assert contact_topic("front_left") in provenance["damage"]
+    with pytest.raises(LogError, match="--strict"):
+        convert(log, tmp_path / "strict.mcap", ConvertOptions(strict=True))
+    assert not (tmp_path / "strict.mcap").exists()
+
+
+def test_transforms_that_cannot_be_decoded_are_told(tmp_path: Path) -> None:
+    """They might have given the base a parent."""
+    sent = [10 * S + index * 20_000_000 for index in range(50)]
+    frames = [Entry("/tf", TF_TYPE, time, transform(time, "base_link", "leg")) for time in sent]
+    frames[30] = replace(frames[30], data=frames[30].data[:-1])
+    entries = sorted([*small_walk(), *frames], key=lambda entry: entry.log_time)
+    log = write_bag(tmp_path / "log.bag", entries)
+    conversion = convert(log, tmp_path / "out.mcap", ConvertOptions())
+    assert conversion.copied == len(entries)
+    (loss,) = conversion.losses
+    assert loss.messages == 1
+    assert "/tf" in loss.what
+    unused = convert(log, tmp_path / "never.mcap", ConvertOptions(tf="never"))
+    assert not unused.losses
+
+
+def test_a_chunk_whose_checksum_fails_is_left_out(tmp_path: Path) -> None:
+    log = write_ros1_mcap(
+        tmp_path / "log.mcap", small_walk(), compression=CompressionType.NONE, chunk_size=40_000
+    )
+    count = len(chunks_of(log))
+    data = bytearray(log.read_bytes())
+    place = data.index(b"ground_plane", len(data) // 2)
+    data[place] ^= 1
+    log.write_bytes(data)
+    conversion = convert(log, tmp_path / "out.mcap", ConvertOptions(compression="none"))
+    assert conversion.exit_code == 3
+    (loss,) = conversion.losses
+    assert loss.messages
+    assert conversion.copied == 500 - loss.messages
+    assert "checksum" in loss.what
+    written = read_written(tmp_path / "out.mcap")
+    assert len(written.messages) == conversion.copied + sum(conversion.annotations.values())
+    kept = [c for c in chunks_of(tmp_path / "out.mcap") if c in chunks_of(log)]
+    assert len(kept) == count - 1

@@ -1,0 +1,255 @@
+"""`classic` arrows against the live script's formulas, message by message.
+
+They are compared, to the bit, with a plain-Python transcription of the script.
+"""
+
+import math
+from dataclasses import dataclass, replace
+from typing import Final
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from dogbot_logtool.core.scene.arrows import ArrowCounts, classic_arrows
+from tests.core.scene.arrow_samples import (
+    INF,
+    NAN,
+    Message,
+    State,
+    Vector,
+    components,
+    contacts_of,
+    generated,
+    points,
+    pressed,
+)
+from tests.oracles.conversion import light
+
+BOUNDS_NM: Final = (380, 440, 490, 510, 580, 645, 750)
+BLACK: Final = [0.0, 0.0, 0.0, 1.0]
+
+
+@dataclass(frozen=True)
+class Marker:
+    """What the script published, with float32 colours."""
+
+    position: Vector
+    orientation: tuple[float, float, float, float]
+    length: float
+    colour: tuple[float, float, float, float]
+
+
+class ScriptRaised(Exception):  # noqa: N818 - it is no error here
+    pass
+
+
+def square(component: float) -> float:
+    squared = component * component
+    if math.isinf(squared) and not math.isinf(component):
+        raise ScriptRaised  # OverflowError
+    return squared
+
+
+def script_marker(message: Message) -> Marker | None:
+    if len(message.states) == 0:
+        return None
+    state = message.states[0]
+    if len(state.points) == 0:
+        raise ScriptRaised  # IndexError
+    fx, fy, fz = state.total_force
+    p = math.sqrt(square(fx) + square(fy) + square(fz)) / 100
+    wavelength = 380 + ((p - 0.0) / (2.0 - 0.0)) * (750 - 380)
+    red, green, blue = light(wavelength)
+    return Marker(
+        position=state.points[0],
+        orientation=(0, math.sin(-0.785), 0, math.cos(-0.785)),
+        length=p,
+        colour=(float32(red), float32(green), float32(blue), 1.0),
+    )
+
+
+def float32(value: float) -> float:
+    return float(np.float32(value))
+
+
+def bits(numbers: object) -> bytes:
+    return np.asarray(numbers, np.float64).tobytes()
+
+
+def assert_as_the_script(messages: list[Message]) -> None:
+    expected: list[tuple[Message, Marker]] = []
+    raised = 0
+    for message in messages:
+        try:
+            marker = script_marker(message)
+        except ScriptRaised:
+            raised += 1
+            continue
+        if marker is not None:
+            expected.append((message, marker))
+
+    arrows, counts = classic_arrows(contacts_of(messages))
+
+    assert counts.no_position + counts.overflow == raised
+    assert (counts.not_finite, counts.no_direction) == (0, 0)
+    assert arrows.foot.tolist() == [message.foot for message, _ in expected]
+    assert arrows.log_time.tolist() == [message.log_time for message, _ in expected]
+    assert arrows.stamp.tolist() == [message.stamp or message.log_time for message, _ in expected]
+    assert arrows.shown.all()
+    markers = [marker for _, marker in expected]
+    assert bits(arrows.position) == bits([marker.position for marker in markers])
+    assert bits(arrows.orientation) == bits([marker.orientation for marker in markers])
+    assert bits(arrows.length) == bits([marker.length for marker in markers])
+    assert arrows.colour.dtype == np.float32
+    assert bits(arrows.colour) == bits([marker.colour for marker in markers])
+
+
+def neighbours(value: float, count: int) -> list[float]:
+    """The value, and so many floats on each side of it."""
+    found = [value]
+    for towards in (-INF, INF):
+        neighbour = value
+        for _ in range(count):
+            neighbour = math.nextafter(neighbour, towards)
+            found.append(neighbour)
+    return found
+
+
+def test_classic_at_every_bound_of_the_colours_and_beside_it() -> None:
+    messages = []
+    for bound in BOUNDS_NM:
+        force = 100 * 2 * (bound - 380) / (750 - 380)
+        for near in neighbours(force, 40):
+            messages.extend([pressed((0, 0, near)), pressed((near, 0, 0))])
+            messages.append(pressed((near * 0.36, near * 0.48, near * 0.8)))
+    assert_as_the_script(messages)
+
+
+def test_classic_samples_meet_every_bound_exactly() -> None:
+    # So that the test above is about the bounds themselves: a force for each wavelength.
+    for bound in BOUNDS_NM:
+        forces = neighbours(100 * 2 * (bound - 380) / (750 - 380), 40)
+        wavelengths = [380 + (force / 100 - 0.0) / (2.0 - 0.0) * (750 - 380) for force in forces]
+        assert bound in wavelengths
+
+
+def test_classic_is_black_just_past_full_scale() -> None:
+    full, past = 200.0, 200.0000000000002  # nearer ones round to 750 nm
+    arrows, _ = classic_arrows(contacts_of([pressed((0, 0, full)), pressed((0, 0, past))]))
+
+    assert arrows.length[1] > 2.0
+    assert arrows.colour[0, 0] > 0
+    assert arrows.colour[1].tolist() == BLACK
+
+
+def test_classic_writes_what_is_not_finite_as_it_is() -> None:
+    forces = [(NAN, 0, 0), (0, INF, 0), (0, 0, -INF), (INF, -INF, NAN), (-0.0, 0, 0)]
+    assert_as_the_script([pressed(force) for force in forces])
+
+    arrows, counts = classic_arrows(contacts_of([pressed(force) for force in forces[:4]]))
+    assert counts == ArrowCounts()
+    assert arrows.colour.tolist() == [BLACK] * 4
+
+
+def test_classic_copies_a_position_that_is_not_finite() -> None:
+    assert_as_the_script([Message(0, 1, 1, (State((0, 0, 50), ((NAN, INF, -INF),)),))])
+
+
+def test_classic_skips_and_counts_a_square_that_overflows() -> None:
+    largest = math.sqrt(1.7976931348623157e308)
+    forces = [(1e155, 0, 0), (0, -1e200, 0), (NAN, INF, 1.7e308), (largest * 1.001, 1, 1)]
+    messages = [pressed(force) for force in forces]
+    assert_as_the_script(messages)
+
+    arrows, counts = classic_arrows(contacts_of(messages))
+    assert counts == ArrowCounts(overflow=4)
+    assert len(arrows.foot) == 0
+
+
+def test_classic_writes_a_sum_that_overflows_in_black() -> None:
+    message = pressed((1.3e154, 1.3e154, 0))
+    assert_as_the_script([message])
+
+    arrows, counts = classic_arrows(contacts_of([message]))
+    assert counts == ArrowCounts()
+    assert arrows.length.tolist() == [INF]
+    assert arrows.colour.tolist() == [BLACK]
+
+
+def test_classic_skips_and_counts_a_first_state_without_points() -> None:
+    other = State((0, 0, 9), ((1, 2, 3),))
+    messages = [
+        Message(1, 10, 0, (State((0, 0, 5), ()),)),
+        Message(2, 20, 0, (State((0, 0, 5), ()), other)),
+    ]
+    assert_as_the_script(messages)
+
+    arrows, counts = classic_arrows(contacts_of(messages))
+    assert counts == ArrowCounts(no_position=2)
+    assert len(arrows.foot) == 0
+
+
+def test_classic_writes_nothing_without_contact() -> None:
+    arrows, counts = classic_arrows(contacts_of([Message(0, 1, 1, ()), Message(1, 2, 2, ())]))
+
+    assert counts == ArrowCounts()
+    assert len(arrows.foot) == 0
+    assert arrows.position.shape == (0, 3)
+    assert arrows.colour.shape == (0, 4)
+
+
+def test_classic_of_no_messages_is_nothing() -> None:
+    arrows, counts = classic_arrows(contacts_of([]))
+
+    assert counts == ArrowCounts()
+    assert len(arrows.foot) == 0
+
+
+def test_classic_draws_the_first_state_whatever_step_or_body_it_is_of() -> None:
+    first, second = State((0, 0, 30), ((1, 1, 1), (5, 5, 5))), State((0, 0, 70), ((2, 2, 2),))
+    messages = [Message(0, 1, 1, (first, second, second)), Message(1, 2, 2, (second, first))]
+    contacts = contacts_of(messages)
+
+    for newest in (True, False):
+        for side in (0, 1, 2):
+            states = len(contacts.newest)
+            varied = replace(
+                contacts,
+                newest=np.full(states, newest),
+                foot_side=np.full(states, side, np.int8),
+            )
+            arrows, _ = classic_arrows(varied)
+            assert arrows.length.tolist() == [0.3, 0.7]
+            assert arrows.position.tolist() == [[1, 1, 1], [2, 2, 2]]
+
+
+states: Final = st.builds(
+    State, st.tuples(components, components, components), st.lists(points, max_size=3).map(tuple)
+)
+messages_strategy: Final = st.lists(
+    st.builds(
+        Message,
+        st.integers(0, 3),
+        st.integers(1, 2**62),
+        st.just(0) | st.integers(1, 2**62),
+        st.lists(states, max_size=4).map(tuple),
+    ),
+    max_size=12,
+)
+
+
+@settings(generated, max_examples=30)
+@given(messages_strategy)
+def test_classic_equals_the_script_to_the_bit(messages: list[Message]) -> None:
+    assert_as_the_script(messages)
+
+
+@pytest.mark.parametrize("count", [5_000, pytest.param(100_000, marks=pytest.mark.slow)])
+def test_classic_equals_the_script_for_thousands_of_loads(count: int) -> None:
+    random = np.random.default_rng(20)
+    magnitude = random.uniform(0, 205, count)
+    direction = random.normal(size=(count, 3))
+    force = magnitude[:, None] * direction / np.linalg.norm(direction, axis=1)[:, None]
+    assert_as_the_script([pressed((x, y, z)) for x, y, z in force.tolist()])

@@ -1,0 +1,192 @@
+"""Whole walks in closed form, recorded with faults: they are told, and the rest is measured."""
+
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+import pytest
+
+from dogbot_logtool.core.accumulator import StatsAccumulator
+from dogbot_logtool.core.contact.contacts import Samples
+from dogbot_logtool.core.findings.findings import findings_of
+from dogbot_logtool.core.geometry.arrays import Ints
+from dogbot_logtool.core.geometry.clock import TimeSource, UnusableStamps
+from dogbot_logtool.core.statistics import Stats
+from tests.oracles.straight_walk import (
+    SETTINGS,
+    START,
+    Walk,
+    codes,
+    foot_samples,
+    main_class,
+    measure,
+)
+
+
+@cache
+def usual() -> Stats:
+    return Walk().measure()
+
+
+def test_added_up_physics_steps_show_in_the_impulse() -> None:
+    stats = Walk(load=(4.0,) * 4).measure()
+    assert stats.loads.vertical_impulse_over_weight == pytest.approx(4.0, abs=0.05)
+    texts = [each.text for each in findings_of(stats) if each.code == "W_IMPULSE_IS_NOT_WEIGHT"]
+    assert "physics steps" in texts[0]
+
+
+def test_a_dropout_is_not_a_swing() -> None:
+    walk = Walk()
+    feet = [walk.samples(foot) for foot in range(4)]
+    silent = (walk.times() > 5.0) & (walk.times() < 5.3)
+    feet[1] = feet[1].pick(~silent)
+    stats = measure(feet, walk.odometry())
+    assert stats.feet[1].discarded["gap"] >= 1
+    assert stats.feet[1].stride_frequency_hz == pytest.approx(1.25, rel=3e-3)
+    assert main_class(stats) == "trot"
+    assert "W_GAPS" in codes(stats)
+    assert stats.loads.vertical_impulse_over_weight == pytest.approx(1.0, abs=0.02)
+
+
+def with_stamps(samples: Samples, stamp: Ints) -> Samples:
+    return replace(samples, stamp=stamp)
+
+
+@pytest.mark.parametrize("fault", ["zero", "backwards"])
+def test_stamps_that_cannot_be_used_ask_for_a_pass_on_log_time(fault: str) -> None:
+    walk = Walk()
+    feet = [walk.samples(foot) for foot in range(4)]
+    stamp = feet[2].stamp.copy()
+    if fault == "zero":
+        stamp[:] = 0
+    else:
+        stamp[1000:1400] = stamp[1000:1400].reshape(-1, 2)[:, ::-1].ravel()
+    feet[2] = with_stamps(feet[2], stamp)
+    with pytest.raises(UnusableStamps, match="/back_left") as unusable:
+        measure(feet, walk.odometry())
+    log_time = replace(SETTINGS, time_source=TimeSource.LOG, time_source_reason=str(unusable.value))
+    stats = measure(feet, walk.odometry(), log_time)
+    assert main_class(stats) == "trot"
+    assert stats.feet[2].stride_frequency_hz == pytest.approx(1.25, rel=2e-3)
+    assert "W_LOG_TIME_USED" in codes(stats)
+
+
+@pytest.mark.parametrize("fault", ["zero", "swapped", "far ahead"])
+@pytest.mark.parametrize("row", [0, 1000, 2999])
+def test_one_bad_stamp_costs_one_message_and_no_clock(fault: str, row: int) -> None:
+    walk = Walk()
+    feet = [walk.samples(foot) for foot in range(4)]
+    stamp = feet[2].stamp.copy()
+    if fault == "zero":
+        stamp[row] = 0
+    elif fault == "swapped":
+        stamp[[row, row + 1]] = stamp[[row + 1, row]]
+    else:
+        stamp[row] += 500 * 10**9
+    feet[2] = with_stamps(feet[2], stamp)
+    stats = measure(feet, walk.odometry())
+    whole = usual()
+    assert stats.settings.clock is TimeSource.HEADER
+    assert stats.feet[2].record.not_advancing == 1
+    assert main_class(stats) == "trot"
+    assert stats.feet[2].duty_factor is not None
+    assert whole.feet[2].duty_factor is not None
+    assert stats.feet[2].duty_factor.n == whole.feet[2].duty_factor.n
+    assert stats.feet[2].duty_factor.mean == pytest.approx(whole.feet[2].duty_factor.mean, rel=2e-3)
+    assert stats.end - stats.origin == pytest.approx(whole.end - whole.origin, abs=10**7)
+
+
+def test_a_reset_cuts_the_stride_that_it_falls_into() -> None:
+    walk = Walk(period_s=0.8, seconds=12.0)
+
+    def reset(stamp: Ints) -> Ints:
+        return np.where(stamp >= START + 6 * 10**9, stamp - 5 * 10**9, stamp)
+
+    feet = [walk.samples(foot) for foot in range(4)]
+    feet = [with_stamps(samples, reset(samples.stamp)) for samples in feet]
+    odometry = walk.odometry()
+    teleported = odometry.position.copy()
+    teleported[odometry.stamp >= START + 6 * 10**9, 0] -= 2.5
+    odometry = replace(odometry, stamp=reset(odometry.stamp), position=teleported)
+    with pytest.raises(UnusableStamps, match=r"set back by 5\.00 s at 6\.00 s") as unusable:
+        measure(feet, odometry)
+    log_time = replace(SETTINGS, time_source=TimeSource.LOG, time_source_reason=str(unusable.value))
+    stats = measure(feet, odometry, log_time)
+    whole = walk.measure()
+    for foot, unbroken in zip(stats.feet, whole.feet, strict=True):
+        assert len(foot.strides.stance) == len(unbroken.strides.stance) - 1
+        assert foot.stride_length_m is not None
+        assert foot.stride_length_m.min == pytest.approx(0.4, abs=5e-3)
+        assert foot.stride_length_m.max == pytest.approx(0.4, abs=5e-3)
+    assert stats.base is not None
+    assert stats.base.path_length_m == pytest.approx(6.0, abs=0.05)
+
+
+def test_duplicate_stamps_are_dropped_and_said() -> None:
+    walk = Walk()
+    feet = [walk.samples(foot) for foot in range(4)]
+    twice = np.sort(np.concatenate([np.arange(len(feet[0].stamp)), [500, 501, 502]]))
+    feet[0] = feet[0].pick(twice)
+    stats = measure(feet, walk.odometry())
+    assert stats.settings.clock is TimeSource.HEADER
+    assert stats.feet[0].record.not_advancing == 3
+    assert {"W_NOT_ADVANCING", "W_DUPLICATE_STAMPS"} <= codes(stats)
+    sound = walk.measure().feet[0]
+    assert stats.feet[0].touchdown.tolist() == sound.touchdown.tolist()
+    assert stats.feet[0].vertical_impulse_ns == sound.vertical_impulse_ns
+
+
+def test_a_foot_that_never_touches_is_dead_and_leaves_the_class_open() -> None:
+    walk = Walk()
+    feet = [walk.samples(foot) for foot in range(4)]
+    nothing = np.zeros(len(walk.times()))
+    feet[2] = foot_samples(2, walk.times(), nothing, np.zeros((len(nothing), 3)))
+    stats = measure(feet, walk.odometry())
+    assert stats.feet[2].contact_fraction is None
+    assert stats.support is None
+    assert stats.loads.shares is None
+    assert main_class(stats) is None
+    assert {"W_DEAD", "N_CLASS_UNKNOWN"} <= codes(stats)
+
+
+def test_a_lifted_foot_is_not_dead_when_the_others_carry_everything() -> None:
+    walk = Walk(load=(4 / 3, 4 / 3, 4 / 3, 4 / 3))
+    feet = [walk.samples(foot) for foot in range(4)]
+    nothing = np.zeros(len(walk.times()))
+    feet[2] = foot_samples(2, walk.times(), nothing, np.zeros((len(nothing), 3)))
+    stats = measure(feet, walk.odometry())
+    assert stats.feet[2].contact_fraction == 0.0
+    assert "N_LIFTED" in codes(stats)
+
+
+def test_a_stuck_and_a_saturated_sensor_are_told() -> None:
+    walk = Walk()
+    time = walk.times()
+    feet = [walk.samples(foot) for foot in range(4)]
+    down = walk.force(0, time) > 0.0
+    points = walk.points(0, time)
+    feet[0] = foot_samples(0, time, np.where(down, 55.0, 0.0), points)
+    feet[1] = foot_samples(1, time, np.minimum(walk.force(1, time), 100.0), points)
+    found = {(each.code, each.where) for each in findings_of(measure(feet, walk.odometry()))}
+    assert ("W_STUCK", "feet.front_left") in found
+    assert ("W_SATURATED", "feet.front_right") in found
+    assert not {("W_STUCK", "feet.back_left"), ("W_SATURATED", "feet.back_left")} & found
+
+
+def test_a_log_without_odometry_or_mass_says_so_instead_of_guessing() -> None:
+    walk = Walk()
+    accumulator = StatsAccumulator(replace(SETTINGS, mass_kg=None))
+    for foot in range(4):
+        accumulator.add_contacts(walk.samples(foot))
+    stats = accumulator.finish()
+    assert stats.base is None
+    assert stats.stability is None
+    assert stats.feet[0].stride_length_m is None
+    assert stats.loads.vertical_impulse_over_weight is None
+    assert {"N_NO_ODOMETRY", "N_WEIGHT_ESTIMATED", "N_NO_STRIDE_LENGTH"} <= codes(stats)
+
+
+def test_an_empty_log_is_measured_without_complaint() -> None:
+    stats = StatsAccumulator(SETTINGS).finish()
+    assert stats.main is None
+    assert {"W_NO_MESSAGES", "N_NO_GAIT"} <= codes(stats)
