@@ -2,6 +2,7 @@
 
 import sys
 import tempfile
+from dataclasses import replace
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -14,9 +15,12 @@ from mcap_ros2.decoder import DecoderFactory as Ros2Decoder
 
 from dogbot_logtool.commands.convert import convert
 from dogbot_logtool.commands.stats import measure
+from dogbot_logtool.pipeline.conversion import plan
 from dogbot_logtool.pipeline.options import ConvertOptions, StatsOptions
 from dogbot_logtool.report.documents.stats_json import stats_json
 from dogbot_logtool.results import Measurement
+from dogbot_logtool.writer.encodings import registry
+from dogbot_logtool.writer.encodings.foxglove import FoxgloveEncoding
 from tests.paths import SAMPLE_LOGS
 
 TROUBLED = SAMPLE_LOGS / "dogbot_troubled.bag"
@@ -115,6 +119,9 @@ def test_without_spans_in_the_schemas_the_rest_is_written(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setitem(sys.modules, "foxglove_schemas_protobuf.Event_pb2", None)
+    # Made with those schemas, not the one that other conversions share.
+    older = replace(registry.ENCODINGS["foxglove"], load=FoxgloveEncoding)
+    monkeypatch.setattr(plan, "ENCODINGS", {"foxglove": older})
     target = tmp_path / "out.mcap"
     convert(TROUBLED, target, ConvertOptions(events=True, copy=False, jobs=1))
     assert messages_of(target, "/events/spans") == []
