@@ -99,8 +99,8 @@ def _ground_normal(feet: Sequence[FootHistory], within: Ints | None) -> Floats |
         return None
     all_points = np.concatenate(points)
     about = all_points - all_points.mean(axis=0)
-    _, squares, axes = np.linalg.svd(about.T @ about / len(about))
-    rms = np.sqrt(squares)
+    _, extent, axes = np.linalg.svd(about, full_matrices=False)
+    rms = extent / np.sqrt(len(about))
     # Two directions on the ground must be known, and hardly anything off it.
     if rms[1] < LOWEST_M or rms[2] > FLAT * rms[1]:
         return None
