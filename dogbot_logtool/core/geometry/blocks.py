@@ -43,8 +43,13 @@ _LARGE_BYTES: Final = 33 << 20
 
 def picked(columns: AnyColumns, rows: Flags | Ints | slice) -> AnyColumns:
     """Return the chosen rows: copies, or views of a slice."""
-    values: list[Any] = [getattr(columns, field.name)[rows] for field in fields(columns)]
-    return type(columns)(*values)
+    values: list[Any] = [getattr(columns, field.name) for field in fields(columns)]
+    if isinstance(rows, slice):
+        return type(columns)(*(column[rows] for column in values))
+    if rows.dtype == np.bool_:
+        rows = np.flatnonzero(rows)
+    # Of vectors, `take` picks rows four times as fast as an index does.
+    return type(columns)(*(column.take(rows, axis=0) for column in values))
 
 
 def concatenated(parts: Sequence[AnyColumns]) -> AnyColumns:
