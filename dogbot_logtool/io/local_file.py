@@ -80,6 +80,7 @@ def local_file(
             if not is_wanted():
                 return
             part.file.flush()
+            # A power failure leaves a whole file, the one before, or none.
             os.fsync(part.file.fileno())
             if makes_folder:
                 path.parent.mkdir(parents=True, exist_ok=True)
@@ -87,7 +88,6 @@ def local_file(
                 part.replace(path)
             elif not part.take(path):
                 raise exists_already(target)
-        _sync_folder(path.parent)
     except OSError as error:
         raise LogtoolError(f"{target}: cannot be written: {error.strerror or error}") from error
 
@@ -194,13 +194,3 @@ def _temporary_name(folder: Path) -> Path:
 def _existing(folder: Path) -> Path:
     """Return the directory itself, or the next above that is there."""
     return next((one for one in (folder, *folder.parents) if one.is_dir()), folder)
-
-
-def _sync_folder(folder: Path) -> None:
-    """Have the new name outlast a power failure, where the filesystem can promise that."""
-    with contextlib.suppress(OSError):
-        handle = os.open(folder, os.O_RDONLY)
-        try:
-            os.fsync(handle)
-        finally:
-            os.close(handle)

@@ -1,7 +1,8 @@
 """Decompressed messages of some neighbouring chunks."""
 
 from collections.abc import Set as AbstractSet
-from dataclasses import replace
+from dataclasses import field, replace
+from typing import Any
 
 import numpy as np
 
@@ -39,6 +40,12 @@ class Batch:
     messages: Messages
     chunks: tuple[LoadedChunk, ...]
     losses: tuple[Loss, ...] = ()
+    decoded: dict[object, Any] = field(init=False, repr=False, compare=False)
+    """What `decode_channels` made of it, which may be asked for again."""
+
+    def __post_init__(self) -> None:
+        """Begin with nothing decoded, also where a batch is made of another one."""
+        object.__setattr__(self, "decoded", {})
 
     @property
     def counts(self) -> dict[int, int]:

@@ -53,7 +53,7 @@ class DecodedMessages:
 def decode_channels(
     batch: Batch, channels: Sequence[Channel], fields: Fields
 ) -> list[DecodedMessages]:
-    """Decode some fields of all messages of some channels.
+    """Decode some fields of all messages of some channels, once for all who ask for them.
 
     Args:
         batch: the batch.
@@ -66,6 +66,13 @@ def decode_channels(
     Raises:
         DefinitionError: a channel's messages cannot be decoded, see `check_channel`.
     """
+    wanted = (fields, *(channel.id for channel in channels))
+    if wanted not in batch.decoded:
+        batch.decoded[wanted] = _decoded(batch, channels, fields)
+    return list(batch.decoded[wanted])
+
+
+def _decoded(batch: Batch, channels: Sequence[Channel], fields: Fields) -> list[DecodedMessages]:
     by_layout: dict[int, tuple[Layout, list[int]]] = {}
     decoded: list[DecodedMessages | None] = []
     for channel in channels:
