@@ -91,11 +91,9 @@ class ConversionPlan:
     @property
     def reader(self) -> BatchReader:
         """The reader of the log's batches."""
-        # Normals are the fallback for arrows along forces of unknown direction.
-        feet = replace(self.selection.foot_channels(), normals=self.style.needs_directions)
         return BatchReader(
             self.selection,
-            feet,
+            self.selection.foot_channels(),
             self.frames,
             self.force_sensors,
             self.limits,

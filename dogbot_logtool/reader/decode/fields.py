@@ -11,7 +11,6 @@ columns cannot fail.
 """
 
 from collections.abc import Iterator, Mapping
-from dataclasses import replace
 from enum import Enum
 from typing import Final, assert_never
 
@@ -104,17 +103,6 @@ def texts(path: str) -> Field:
 def table(path: str, *inside: Field) -> Field:
     """Declare an array of messages, of either sort."""
     return Field(path, Kind.TABLE, inside=inside)
-
-
-def without(fields: Fields, path: str) -> Fields:
-    """Leave out the field of a path, which may lead through tables."""
-    return tuple(
-        replace(field, inside=without(field.inside, path.removeprefix(f"{field.path}.")))
-        if path.startswith(f"{field.path}.")
-        else field
-        for field in fields
-        if field.path != path
-    )
 
 
 def column_paths(fields: Fields) -> tuple[str, ...]:

@@ -147,13 +147,6 @@ def test_an_unknown_style_or_encoding_is_a_wrong_call(
         trot.plan(**option)
 
 
-@pytest.mark.parametrize(("style", "normals"), [("classic", False), ("force", True)])
-def test_normals_are_read_where_the_style_needs_directions(
-    trot: Case, style: str, *, normals: bool
-) -> None:
-    assert trot.plan(style=style).reader.feet.normals is normals
-
-
 def test_weight_and_arrow_style(trot: Case) -> None:
     plan = trot.plan()
     assert plan.body_weight_n == pytest.approx(21.261 * 9.81)

@@ -69,7 +69,6 @@ def to_contact_samples(messages: DecodedMessages, feet: FootChannels) -> Contact
 SOURCE: Final = ContactSource(
     type_name="ros_gz_interfaces/Contacts",
     fields=_FIELDS,
-    normals="contacts.normals",
     read=to_contact_samples,
     frame=WrenchFrame.WORLD,
     silent_in_swing=True,

@@ -118,7 +118,6 @@ def step_timing(messages: DecodedMessages) -> StepTiming:
 SOURCE: Final = ContactSource(
     type_name="gazebo_msgs/ContactsState",
     fields=_FIELDS,
-    normals="states.contact_normals",
     read=to_contact_samples,
     links=foot_links,
     timing=step_timing,

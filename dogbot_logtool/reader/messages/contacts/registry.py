@@ -9,7 +9,6 @@ from dogbot_logtool.core.plausible import plausible_samples
 from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.errors import DefinitionError
 from dogbot_logtool.reader.containers.log import Batch, Channel
-from dogbot_logtool.reader.decode.fields import without
 from dogbot_logtool.reader.messages.contacts import (
     anymal,
     champ,
@@ -148,8 +147,7 @@ def read_contacts(
     """Read the contact messages of a batch; one entry a definition, nearly always one."""
     found = []
     for source, of_source in _by_source(channels, feet):
-        fields = source.fields if feet.normals else without(source.fields, source.normals)
-        for messages in decode_channels(batch, of_source, fields):
+        for messages in decode_channels(batch, of_source, source.fields):
             reduced = source.read(messages, feet)
             samples, implausible = plausible_samples(reduced.samples)
             reduced = replace(reduced, samples=samples, implausible=implausible)

@@ -32,8 +32,6 @@ class FootChannels:
     left_after_ns: int | None = None
     """ns: where a message's newest physics step is older than its stamp by more, the foot has left
     the ground since. None: not known, the newest step stands for the stamp."""
-    normals: bool = True
-    """Whether anybody asks for contact normals."""
     ignores_flags: bool = False
     """Whether forces decide contact although messages have flags, which forces contradict."""
 
@@ -116,8 +114,6 @@ class ContactSource:
     """Fields that are read of each message."""
     read: Callable[[DecodedMessages, FootChannels], ContactSamples]
     """Reduces decoded messages to samples."""
-    normals: str = ""
-    """Path of the field that is decoded only where contact normals are asked for."""
     links: Callable[[DecodedMessages, FootChannels], FootLinks] = no_links
     timing: Callable[[DecodedMessages], StepTiming] = no_steps
     elements: tuple[str, ...] = ()
@@ -171,12 +167,7 @@ class ContactSource:
 
 
 def vectors_inside(table: Table, path: str) -> tuple[Ints, Floats]:
-    """Return the row that each element of an array of Vector3 belongs to, (m,), and (m, 3).
-
-    None where the field was not decoded.
-    """
-    if path not in table.columns:
-        return np.empty(0, np.int64), np.empty((0, 3))
+    """Return the row that each element of an array of Vector3 belongs to, (m,), and (m, 3)."""
     nested = table.nested(path)
     return nested.parent, nested.table.vectors("", "xyz")
 
