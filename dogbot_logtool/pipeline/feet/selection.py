@@ -34,8 +34,7 @@ from dogbot_logtool.reader.messages.contacts.registry import (
     contact_types,
     source_of,
 )
-from dogbot_logtool.reader.messages.contacts.source import ContactSource
-from dogbot_logtool.reader.messages.contacts.whole_robot import is_named_as_planned
+from dogbot_logtool.reader.messages.contacts.source import ContactSource, is_named_as_planned
 from dogbot_logtool.robot import Foot, Robot
 
 _RARE: Final = 2

@@ -13,7 +13,7 @@ from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.reader.containers.batch import Batch
 from dogbot_logtool.reader.containers.contents import Channel
 from dogbot_logtool.reader.decode.columns import Table
-from dogbot_logtool.reader.decode.fields import table, text, time, vector
+from dogbot_logtool.reader.decode.fields import HEADER, table, text, vector
 from dogbot_logtool.reader.messages.messages import (
     DecodedMessages,
     check_channel,
@@ -24,8 +24,7 @@ TRANSFORM_TYPES: Final = frozenset({"tf2_msgs/TFMessage", "tf/tfMessage"})
 FIELDS: Final = (
     table(
         "transforms",
-        time("header.stamp"),
-        text("header.frame_id"),
+        *HEADER,
         text("child_frame_id"),
         *vector("transform.translation"),
         *vector("transform.rotation", "xyzw"),

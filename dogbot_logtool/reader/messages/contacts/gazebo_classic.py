@@ -13,7 +13,7 @@ from dogbot_logtool.core.contact.contacts import (
 )
 from dogbot_logtool.core.geometry.arrays import Ints
 from dogbot_logtool.core.geometry.order_statistics import distinct
-from dogbot_logtool.reader.decode.fields import table, text, time, vector
+from dogbot_logtool.reader.decode.fields import HEADER, table, text, vector
 from dogbot_logtool.reader.messages.contacts.collisions import (
     foot_sides,
     link_of_collision,
@@ -34,8 +34,7 @@ from dogbot_logtool.reader.messages.contacts.source import (
 from dogbot_logtool.reader.messages.messages import DecodedMessages
 
 _FIELDS: Final = (
-    time("header.stamp"),
-    text("header.frame_id"),
+    *HEADER,
     table(
         "states",
         text("info"),

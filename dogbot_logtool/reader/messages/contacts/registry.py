@@ -37,7 +37,7 @@ from dogbot_logtool.reader.messages.contacts.source import (
     FootLinks,
     StepTiming,
 )
-from dogbot_logtool.reader.messages.contacts.whole_robot import by_type
+from dogbot_logtool.reader.messages.contacts.whole_robot import by_type, read_messages
 from dogbot_logtool.reader.messages.messages import (
     DecodedMessages,
     check_channel,
@@ -85,7 +85,7 @@ def source_of(channel: Channel, feet: Iterable[Foot] = ()) -> ContactSource | No
 @lru_cache(maxsize=1024)
 def _source_by_type(channel: Channel) -> ContactSource | None:
     known = SOURCES.get(channel.type_name)
-    if known is not None and not known.is_about_feet(channel.topic):
+    if known is not None and not channel.topic.rstrip("/").endswith(known.topic_end):
         return None
     if known is not None:
         fitting = (one for one in (known, *known.variants) if _fits(channel, one))
@@ -124,12 +124,13 @@ class DecodedContacts:
     @property
     def links(self) -> FootLinks:
         """Frames that the forces may be in, by foot."""
-        return self.source.links(self.messages, self.feet)
+        find = self.source.links
+        return find(self.messages, self.feet) if find else {}
 
     @property
-    def timing(self) -> StepTiming:
-        """How physics steps lie to stamps."""
-        return self.source.timing(self.messages)
+    def timing(self) -> StepTiming | None:
+        """How physics steps lie to stamps; None: a message holds one moment."""
+        return self.source.timing(self.messages) if self.source.timing else None
 
 
 def check_contacts(channel: Channel) -> str:
@@ -150,7 +151,7 @@ def read_contacts(
     for source, of_source in _by_source(channels, feet):
         fields = source.fields if feet.normals else without(source.fields, source.normals)
         for messages in decode_channels(batch, of_source, fields):
-            reduced = source.read(messages, feet)
+            reduced = read_messages(source, messages, feet)
             samples, implausible = plausible_samples(reduced.samples)
             reduced = replace(reduced, samples=samples, implausible=implausible)
             found.append(DecodedContacts(without_flags(source, feet), messages, reduced, feet))
