@@ -22,10 +22,7 @@ from dogbot_logtool.reader.messages.contacts.source import (
     MessageFoot,
     is_named_as_planned,
 )
-from dogbot_logtool.reader.messages.contacts.whole_robot import (
-    FlagCheck,
-    check_flags,
-)
+from dogbot_logtool.reader.messages.contacts.whole_robot import FlagCheck, check_flags
 from dogbot_logtool.reader.messages.messages import DecodedMessages, decode_channels
 from dogbot_logtool.robot import Foot, FootField, Robot
 

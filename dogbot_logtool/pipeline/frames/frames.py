@@ -12,10 +12,7 @@ from dogbot_logtool.core.frames.recorded_transforms import (
 from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.reader.containers.log import Channel, Log, Loss, Span
 from dogbot_logtool.reader.decode.objects import OBJECT_ENCODINGS
-from dogbot_logtool.reader.messages.foxglove_transforms import (
-    FOXGLOVE_TYPES,
-    foxglove_transforms,
-)
+from dogbot_logtool.reader.messages.foxglove_transforms import FOXGLOVE_TYPES, foxglove_transforms
 from dogbot_logtool.reader.messages.messages import malformed_in
 from dogbot_logtool.reader.messages.transforms import (
     decode_transforms,

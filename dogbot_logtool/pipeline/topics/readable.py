@@ -13,10 +13,7 @@ from dogbot_logtool.reader.messages.bases.registry import base_type, check_base
 from dogbot_logtool.reader.messages.contacts.registry import check_contacts, source_of
 from dogbot_logtool.reader.messages.foxglove_transforms import FOXGLOVE_TYPES
 from dogbot_logtool.reader.messages.messages import SERIALISATIONS
-from dogbot_logtool.reader.messages.transforms import (
-    TRANSFORM_TYPES,
-    check_transforms,
-)
+from dogbot_logtool.reader.messages.transforms import TRANSFORM_TYPES, check_transforms
 
 _MOST_REASONS: Final = 3
 _NOT_USED: Final = "; not used"

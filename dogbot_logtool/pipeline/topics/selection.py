@@ -14,11 +14,7 @@ from dogbot_logtool.io.printable import MOST, listed, printable
 from dogbot_logtool.io.storage import shown
 from dogbot_logtool.pipeline.feet.candidates import FootCandidates, find_candidates
 from dogbot_logtool.pipeline.feet.field_feet import candidates_finding
-from dogbot_logtool.pipeline.feet.message_feet import (
-    compare_flags,
-    flag_findings,
-    is_planned,
-)
+from dogbot_logtool.pipeline.feet.message_feet import compare_flags, flag_findings, is_planned
 from dogbot_logtool.pipeline.feet.raw_levels import RawLevels, with_raw_levels
 from dogbot_logtool.pipeline.feet.selection import (
     FootOffer,
@@ -38,22 +34,12 @@ from dogbot_logtool.pipeline.topics.readable import (
     unreadable_findings,
 )
 from dogbot_logtool.pipeline.topics.robot_choice import choose_robot, usable_topics
-from dogbot_logtool.pipeline.topics.topics import (
-    readable_channels,
-    recorded_topics,
-    split_topic,
-)
+from dogbot_logtool.pipeline.topics.topics import readable_channels, recorded_topics, split_topic
 from dogbot_logtool.reader.containers.log import Batch, Channel, Log
 from dogbot_logtool.reader.messages.bases.registry import Base
 from dogbot_logtool.reader.messages.bases.source import BasePoses, BaseSource
-from dogbot_logtool.reader.messages.contacts.registry import (
-    source_of,
-    without_flags,
-)
-from dogbot_logtool.reader.messages.contacts.source import (
-    ContactSource,
-    FootChannels,
-)
+from dogbot_logtool.reader.messages.contacts.registry import source_of, without_flags
+from dogbot_logtool.reader.messages.contacts.source import ContactSource, FootChannels
 from dogbot_logtool.reader.messages.transforms import TRANSFORM_TYPES, is_static
 from dogbot_logtool.robot import Robot
 

@@ -16,11 +16,7 @@ from dogbot_logtool.reader.containers.batch import Batch
 from dogbot_logtool.reader.containers.contents import Channel
 from dogbot_logtool.reader.decode.fields import table, text, time, vector
 from dogbot_logtool.reader.decode.objects import table_of_rows
-from dogbot_logtool.reader.messages.messages import (
-    DecodedMessages,
-    decode_channels,
-    malformed_in,
-)
+from dogbot_logtool.reader.messages.messages import DecodedMessages, decode_channels, malformed_in
 from dogbot_logtool.reader.messages.transforms import TransformPaths, recorded_transforms
 
 MANY: Final = "foxglove.FrameTransforms"

@@ -14,11 +14,7 @@ from dogbot_logtool.reader.containers.batch import Batch
 from dogbot_logtool.reader.containers.contents import Channel
 from dogbot_logtool.reader.decode.columns import Table
 from dogbot_logtool.reader.decode.fields import HEADER, table, text, vector
-from dogbot_logtool.reader.messages.messages import (
-    DecodedMessages,
-    check_channel,
-    decode_channels,
-)
+from dogbot_logtool.reader.messages.messages import DecodedMessages, check_channel, decode_channels
 
 TRANSFORM_TYPES: Final = frozenset({"tf2_msgs/TFMessage", "tf/tfMessage"})
 FIELDS: Final = (

@@ -26,21 +26,12 @@ from dogbot_logtool.report.figures.foot_source import FootSource, foot_sources
 from dogbot_logtool.report.figures.imu import IMU, imu_source
 from dogbot_logtool.report.figures.legs import LEG_STRIDES, LEGS
 from dogbot_logtool.report.figures.loads import FORCES, STABILITY
-from dogbot_logtool.report.figures.recording import (
-    FINDING,
-    LOG,
-)
+from dogbot_logtool.report.figures.recording import FINDING, LOG
 from dogbot_logtool.report.figures.settings import SENSOR, SETTINGS, sensors_by_foot
 from dogbot_logtool.report.figures.strides import STRIDES
 from dogbot_logtool.report.figures.topics import TOPIC, topic_sources
 from dogbot_logtool.report.figures.trust import CHECK, CLOCK, WORLDS, clock_sources
-from dogbot_logtool.report.figures.walk import (
-    GAIT,
-    SEGMENT,
-    SUPPORT,
-    main_source,
-    segment_sources,
-)
+from dogbot_logtool.report.figures.walk import GAIT, SEGMENT, SUPPORT, main_source, segment_sources
 from dogbot_logtool.results import LogFacts
 
 SCHEMA_VERSION: Final = 2

@@ -4,13 +4,7 @@ from collections.abc import Sequence
 from typing import Final
 
 from dogbot_logtool.finding import Finding, Severity
-from dogbot_logtool.report.figures.figure import (
-    Column,
-    Figure,
-    Json,
-    Kind,
-    TableName,
-)
+from dogbot_logtool.report.figures.figure import Column, Figure, Json, Kind, TableName
 from dogbot_logtool.results import LogFacts
 
 _LOG_ROWS: Final = TableName.LOG_ROWS

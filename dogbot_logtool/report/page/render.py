@@ -12,13 +12,7 @@ from dogbot_logtool.core.statistics import Stats
 from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.report.figures.document import DOCUMENT, log_source
 from dogbot_logtool.report.numbers import NOTHING, span_of
-from dogbot_logtool.report.page.assets import (
-    json_in_html,
-    own,
-    page_script,
-    policy_of,
-    rendered,
-)
+from dogbot_logtool.report.page.assets import json_in_html, own, page_script, policy_of, rendered
 from dogbot_logtool.report.page.charts.chart import packed
 from dogbot_logtool.report.page.charts.commands_figure import tracked_commands
 from dogbot_logtool.report.page.charts.cycle_figure import force_over_cycle

@@ -5,10 +5,7 @@ from typing import Final
 
 from dogbot_logtool.reader.decode.fields import HEADER, number, table, text, vector
 from dogbot_logtool.reader.messages.contacts.source import ContactSource
-from dogbot_logtool.reader.messages.contacts.whole_robot import (
-    contact_names,
-    named_contacts,
-)
+from dogbot_logtool.reader.messages.contacts.whole_robot import contact_names, named_contacts
 
 _FLAGS: Final = {0: 0.0, 1: 1.0, 2: 1.0}
 """Contact by `Contact.state`: open, closed, slipping."""

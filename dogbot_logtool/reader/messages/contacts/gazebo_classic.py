@@ -14,10 +14,7 @@ from dogbot_logtool.core.contact.contacts import (
 from dogbot_logtool.core.geometry.arrays import Ints
 from dogbot_logtool.core.geometry.order_statistics import distinct
 from dogbot_logtool.reader.decode.fields import HEADER, table, text, vector
-from dogbot_logtool.reader.messages.contacts.collisions import (
-    foot_sides,
-    link_of_collision,
-)
+from dogbot_logtool.reader.messages.contacts.collisions import foot_sides, link_of_collision
 from dogbot_logtool.reader.messages.contacts.physics_steps import (
     newest_lag,
     newest_step,

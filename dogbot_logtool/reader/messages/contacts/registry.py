@@ -38,11 +38,7 @@ from dogbot_logtool.reader.messages.contacts.source import (
     StepTiming,
 )
 from dogbot_logtool.reader.messages.contacts.whole_robot import by_type, read_messages
-from dogbot_logtool.reader.messages.messages import (
-    DecodedMessages,
-    check_channel,
-    decode_channels,
-)
+from dogbot_logtool.reader.messages.messages import DecodedMessages, check_channel, decode_channels
 from dogbot_logtool.robot import Foot
 
 SOURCES: Final[Mapping[str, ContactSource]] = by_type(
