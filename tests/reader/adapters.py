@@ -23,7 +23,7 @@ from dogbot_logtool.reader.messages.contacts.registry import (
     check_contacts,
     read_contacts,
 )
-from dogbot_logtool.reader.messages.contacts.source import FootChannels
+from dogbot_logtool.reader.messages.contacts.source import FootChannels, StepTiming
 from dogbot_logtool.reader.messages.foxglove_transforms import foxglove_transforms
 from dogbot_logtool.reader.messages.messages import malformed_in
 from dogbot_logtool.reader.messages.transforms import (
@@ -231,7 +231,7 @@ def read(of: Channel, given: Batch) -> Outcome:
     found = read_contacts(given, [of], feet(of.type_name))
     for each in found:
         assert each.links is not None
-        assert each.timing is not None
+        assert isinstance(each.timing, StepTiming | None)
         if each.source.has_header:
             each.messages.table.nanoseconds("header.stamp")
     times = _times([each.reduced.samples.log_time for each in found])

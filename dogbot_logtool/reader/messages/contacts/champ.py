@@ -26,6 +26,7 @@ def _values(messages: DecodedMessages, feet: Sequence[Foot]) -> FootValues:
 SOURCE: Final = ContactSource(
     type_name="champ_msgs/ContactsStamped",
     fields=(*HEADER, numbers("contacts")),
+    values=_values,
     elements=QUADRUPED,
     any_package=True,
     frame=WrenchFrame.UNKNOWN,
