@@ -24,7 +24,6 @@ from dogbot_logtool.reader.messages.contacts.registry import (
     read_contacts,
 )
 from dogbot_logtool.reader.messages.contacts.source import FootChannels, StepTiming
-from dogbot_logtool.reader.messages.foxglove_transforms import foxglove_transforms
 from dogbot_logtool.reader.messages.messages import malformed_in
 from dogbot_logtool.reader.messages.transforms import (
     TRANSFORM_TYPES,
@@ -214,8 +213,9 @@ def check(of: Channel) -> str:
 def read(of: Channel, given: Batch) -> Outcome:
     """Decode a batch, and make all that the adapter can make of it."""
     if of.type_name in FOXGLOVE:
-        recorded, malformed = foxglove_transforms(given, [of])
-        return Outcome(recorded.log_time, malformed)
+        decoded = decode_transforms(given, [of])
+        times = _times([transform_columns(each).log_time for each in decoded])
+        return Outcome(times, malformed_in(decoded))
     if of.type_name in (*BASES, *POSES):
         base = Base(base_source(of), base_walks.ELEMENTS.get(of.type_name, ""))
         parts = base.read(given, [of])

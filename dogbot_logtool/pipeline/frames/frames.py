@@ -12,9 +12,10 @@ from dogbot_logtool.core.frames.recorded_transforms import (
 from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.reader.containers.log import Channel, Log, Loss, Span
 from dogbot_logtool.reader.decode.objects import OBJECT_ENCODINGS
-from dogbot_logtool.reader.messages.foxglove_transforms import FOXGLOVE_TYPES, foxglove_transforms
 from dogbot_logtool.reader.messages.messages import malformed_in
 from dogbot_logtool.reader.messages.transforms import (
+    FOXGLOVE_TYPES,
+    NO_TRANSFORMS,
     decode_transforms,
     is_static,
     transform_columns,
@@ -85,11 +86,12 @@ def read_frames(
     foxglove = [c for c in log.channels.values() if c.type_name in FOXGLOVE_TYPES]
     readable = [channel for channel in foxglove if channel.message_encoding in OBJECT_ENCODINGS]
     channels = {channel.id: channel for channel in (*ros_channels, *readable)}
+    senders = tuple(channels.values())
     spans = useful_spans(log, channels)
     total, done = sum(chunk.data_size for span in spans for chunk in span), 0
 
     def work(span: Span) -> _ReadBatch:
-        return _read_batch(log, span, ros_channels, readable)
+        return _read_batch(log, span, senders)
 
     recorder = FrameRecorder(frozenset(n for n, one in channels.items() if is_static(one)))
     losses: list[Loss] = []
@@ -117,16 +119,12 @@ def useful_spans(log: Log, channels: Mapping[int, Channel]) -> list[Span]:
     return [span for span in spans if span]
 
 
-def _read_batch(
-    log: Log, span: Span, ros_channels: Sequence[Channel], foxglove: Sequence[Channel]
-) -> _ReadBatch:
+def _read_batch(log: Log, span: Span, channels: Sequence[Channel]) -> _ReadBatch:
     batch = log.read(span)
-    decoded = decode_transforms(batch, ros_channels)
-    of_foxglove, malformed = foxglove_transforms(batch, foxglove)
-    parts = [transform_columns(messages) for messages in decoded]
+    decoded = decode_transforms(batch, channels)
     return _ReadBatch(
-        transforms=concatenate_transforms([of_foxglove, *parts]),
-        malformed=malformed | malformed_in(decoded),
+        transforms=concatenate_transforms([NO_TRANSFORMS, *map(transform_columns, decoded)]),
+        malformed=malformed_in(decoded),
         losses=batch.losses,
         stored_size=sum(chunk.data_size for chunk in span),
     )
