@@ -86,12 +86,11 @@ def read_frames(
     foxglove = [c for c in log.channels.values() if c.type_name in FOXGLOVE_TYPES]
     readable = [channel for channel in foxglove if channel.message_encoding in OBJECT_ENCODINGS]
     channels = {channel.id: channel for channel in (*ros_channels, *readable)}
-    senders = tuple(channels.values())
     spans = useful_spans(log, channels)
     total, done = sum(chunk.data_size for span in spans for chunk in span), 0
 
     def work(span: Span) -> _ReadBatch:
-        return _read_batch(log, span, senders)
+        return _read_batch(log, span, ros_channels, readable)
 
     recorder = FrameRecorder(frozenset(n for n, one in channels.items() if is_static(one)))
     losses: list[Loss] = []
@@ -119,12 +118,15 @@ def useful_spans(log: Log, channels: Mapping[int, Channel]) -> list[Span]:
     return [span for span in spans if span]
 
 
-def _read_batch(log: Log, span: Span, channels: Sequence[Channel]) -> _ReadBatch:
+def _read_batch(
+    log: Log, span: Span, ros_channels: Sequence[Channel], foxglove: Sequence[Channel]
+) -> _ReadBatch:
     batch = log.read(span)
-    decoded = decode_transforms(batch, channels)
+    ours, ros = (decode_transforms(batch, channels) for channels in (foxglove, ros_channels))
+    of_foxglove = concatenate_transforms([*map(transform_columns, ours)] or [NO_TRANSFORMS])
     return _ReadBatch(
-        transforms=concatenate_transforms([NO_TRANSFORMS, *map(transform_columns, decoded)]),
-        malformed=malformed_in(decoded),
+        transforms=concatenate_transforms([of_foxglove, *map(transform_columns, ros)]),
+        malformed=malformed_in([*ours, *ros]),
         losses=batch.losses,
         stored_size=sum(chunk.data_size for chunk in span),
     )
