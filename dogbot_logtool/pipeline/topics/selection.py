@@ -71,6 +71,8 @@ class Selection:
     """Whether forces decide contact, since they contradict the contact flags of the messages."""
     base: Base | None = None
     """How the base's poses are read; None: there are none."""
+    robot_is_guessed: bool = False
+    """Whether the robot was guessed from the log's topics."""
 
     @property
     def without_header(self) -> tuple[str, ...]:
@@ -90,11 +92,6 @@ class Selection:
     def read_base(self, batch: Batch) -> list[BasePoses]:
         """Read the base's poses of a batch."""
         return self.base.read(batch, self.odometry) if self.base else []
-
-    @property
-    def robot_is_guessed(self) -> bool:
-        """Whether the robot was guessed from the log's topics."""
-        return any(finding.code == "N_ROBOT_GUESSED" for finding in self.findings)
 
     @property
     def static_transforms(self) -> frozenset[int]:
@@ -207,6 +204,7 @@ def select_topics(log: Log, options: TopicOptions) -> Selection:
         tuple(possible),
         ignores_flags=check.are_useless,
         base=chosen.base,
+        robot_is_guessed=options.robot is None,
     )
 
 
