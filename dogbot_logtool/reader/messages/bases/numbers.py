@@ -2,6 +2,7 @@
 
 import re
 from collections.abc import Callable
+from functools import partial
 from typing import Final
 
 import numpy as np
@@ -100,27 +101,38 @@ def array_source(
         any_package: see `BaseSource`.
         is_planned: see `BaseSource`.
     """
-    stop = max(part.stop, fewest)
-
-    def read(messages: DecodedMessages, element: str) -> BasePoses:
-        del element
-        count = len(messages.channel)
-        if fixed:
-            values = messages.table.numbers(path).astype(np.float64)
-        else:
-            values = _by_message(messages, path, count, stop)
-        position, orientation = to_pose(values[:, part])
-        poses = poses_of(messages.log_time, np.zeros(count, np.int64), position, orientation)
-        return BasePoses(poses, messages.channel, malformed=messages.malformed)
-
+    read = partial(_read_array, path=path, part=part, to_pose=to_pose, fewest=fewest, fixed=fixed)
+    declared = fixed_numbers(path, max(part.stop, fewest)) if fixed else numbers(path)
     return BaseSource(
         type_name,
-        (fixed_numbers(path, stop) if fixed else numbers(path),),
+        (declared,),
         read,
         has_header=False,
         any_package=any_package,
         is_planned=is_planned,
     )
+
+
+def _read_array(
+    messages: DecodedMessages,
+    element: str,
+    *,
+    path: str,
+    part: slice,
+    to_pose: Callable[[Floats], tuple[Floats, Floats]],
+    fewest: int,
+    fixed: bool,
+) -> BasePoses:
+    """Read the pose in each message's array; see `array_source`."""
+    del element
+    count, stop = len(messages.channel), max(part.stop, fewest)
+    if fixed:
+        values = messages.table.numbers(path).astype(np.float64)
+    else:
+        values = _by_message(messages, path, count, stop)
+    position, orientation = to_pose(values[:, part])
+    poses = poses_of(messages.log_time, np.zeros(count, np.int64), position, orientation)
+    return BasePoses(poses, messages.channel, malformed=messages.malformed)
 
 
 def _by_message(messages: DecodedMessages, path: str, count: int, elements: int) -> Floats:

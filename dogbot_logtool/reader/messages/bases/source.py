@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Mapping
 from dataclasses import field
+from functools import partial
 
 import numpy as np
 
@@ -96,25 +97,15 @@ def pose_source(
     for path in twist or ():
         fields += vector(path)
 
-    def read(messages: DecodedMessages, element: str) -> BasePoses:
-        del element
-        table, count = messages.table, len(messages.channel)
-        linear, angular = [table.vectors(path, "xyz") for path in twist] if twist else [None, None]
-        return BasePoses(
-            poses=poses_of(
-                messages.log_time,
-                table.nanoseconds(stamp) if stamp else np.zeros(count, np.int64),
-                table.vectors(at, "xyz"),
-                table.vectors(turned, "xyzw"),
-                linear,
-                angular,
-            ),
-            channel=messages.channel,
-            worlds=table.texts(world).encode()[1] if world else (),
-            bases=table.texts(base).encode()[1] if base else (),
-            malformed=messages.malformed,
-        )
-
+    read = partial(
+        _read_pose,
+        position=at,
+        orientation=turned,
+        twist=twist,
+        stamp=stamp,
+        world=world,
+        base=base,
+    )
     return BaseSource(
         type_name=type_name,
         fields=fields,
@@ -124,6 +115,37 @@ def pose_source(
         anything=anything,
         on_request=on_request,
         is_planned=is_planned,
+    )
+
+
+def _read_pose(
+    messages: DecodedMessages,
+    element: str,
+    *,
+    position: str,
+    orientation: str,
+    twist: tuple[str, str] | None,
+    stamp: str,
+    world: str,
+    base: str,
+) -> BasePoses:
+    """Read the pose of each message at fixed paths; see `pose_source`."""
+    del element
+    table, count = messages.table, len(messages.channel)
+    linear, angular = [table.vectors(path, "xyz") for path in twist] if twist else [None, None]
+    return BasePoses(
+        poses=poses_of(
+            messages.log_time,
+            table.nanoseconds(stamp) if stamp else np.zeros(count, np.int64),
+            table.vectors(position, "xyz"),
+            table.vectors(orientation, "xyzw"),
+            linear,
+            angular,
+        ),
+        channel=messages.channel,
+        worlds=table.texts(world).encode()[1] if world else (),
+        bases=table.texts(base).encode()[1] if base else (),
+        malformed=messages.malformed,
     )
 
 
