@@ -4,7 +4,7 @@ Every code is declared once, in ``findings.toml``, with its meaning and what to 
 """
 
 import tomllib
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from enum import IntEnum
 from functools import cache
 from pathlib import Path
@@ -43,6 +43,8 @@ class FindingKind:
     """A sentence."""
     remedy: str = ""
     """A sentence on what to do about it; empty: nothing."""
+    fails: Sequence[str] | None = None
+    """Names of the checks of a recording that fail with it; None: it is not about figures."""
 
 
 @cache
@@ -95,6 +97,12 @@ class Finding:
         """The remedy; empty for a code that is not declared."""
         kind = _kind(self.code)
         return kind.remedy if kind else ""
+
+    @property
+    def fails(self) -> Sequence[str]:
+        """Names of the checks of a recording that fail with it."""
+        kind = _kind(self.code)
+        return (kind.fails or ()) if kind else ()
 
     @property
     def sentence(self) -> str:

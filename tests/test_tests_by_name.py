@@ -119,7 +119,6 @@ TOGETHER: Final[Mapping[str, str]] = {
     "reader/messages/bases/": "pipeline/topics/test_base",
     "reader/messages/contacts/": "reader/messages/contacts/test_sources",
     "reader/messages/contacts/collisions": "reader/messages/contacts/test_gazebo_classic",
-    "reader/messages/contacts/physics_steps": "reader/messages/contacts/test_gazebo_classic",
     # What people and scripts read: made of one walk in closed form, or drawn and looked at.
     "report/event_matches": "comparison/walks/test_labelled_events",
     "report/gait_comparison": "commands/test_compare_gait",

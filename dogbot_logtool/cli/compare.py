@@ -210,10 +210,7 @@ def _compare_events(
     from dogbot_logtool.comparison.walks.labelled_events import WITHIN_S  # noqa: PLC0415
     from dogbot_logtool.io.plain_json import to_json  # noqa: PLC0415
     from dogbot_logtool.pipeline.options import StatsOptions  # noqa: PLC0415
-    from dogbot_logtool.report.event_matches import (  # noqa: PLC0415
-        event_matches_json,
-        print_event_matches,
-    )
+    from dogbot_logtool.report.event_matches import event_matches_json, print_event_matches  # noqa: PLC0415
     from dogbot_logtool.report.text.console import results  # noqa: PLC0415
 
     within_s = WITHIN_S if atol is None else atol
@@ -240,10 +237,7 @@ def _compare_gait(
     from dogbot_logtool.commands.compare_gait import compare_gait  # noqa: PLC0415
     from dogbot_logtool.io.plain_json import to_json  # noqa: PLC0415
     from dogbot_logtool.pipeline.options import StatsOptions  # noqa: PLC0415
-    from dogbot_logtool.report.gait_comparison import (  # noqa: PLC0415
-        gait_comparison_json,
-        print_gait_comparison,
-    )
+    from dogbot_logtool.report.gait_comparison import gait_comparison_json, print_gait_comparison  # noqa: PLC0415
     from dogbot_logtool.report.text.console import results  # noqa: PLC0415
     from dogbot_logtool.run.inputs import find_logs  # noqa: PLC0415
 

@@ -106,92 +106,93 @@ wrench_frame_option: Final = click.option(
 )
 
 
-def quietness(command: Command) -> Command:
-    """Add --quiet and --verbose."""
-    quiet = click.option("-q", "--quiet", is_flag=True, help="Print results and errors only.")
-    verbose = click.option("-v", "--verbose", is_flag=True, help="Print more.")
-    return quiet(verbose(command))
+def together(*options: Callable[[Command], Command]) -> Callable[[Command], Command]:
+    """Return what adds several options, in this order."""
+
+    def add(command: Command) -> Command:
+        for option in reversed(options):
+            command = option(command)
+        return command
+
+    return add
 
 
-def time_range(command: Command) -> Command:
-    """Add --start and --end."""
-    start = click.option(
-        "--start",
-        type=number("start"),
-        metavar="S",
-        help="From here on; s since the log's start, not negative.",
-    )
-    end = click.option(
-        "--end", type=number("end"), metavar="S", help="Up to here; s since the log's start."
-    )
-    return start(end(command))
+def number_option(name: str, metavar: str, words: str) -> Callable[[Command], Command]:
+    """Return an option whose keyword is a number; see `number`."""
+    keyword = name.removeprefix("--").replace("-", "_")
+    return click.option(name, type=number(keyword), metavar=metavar, help=words)
 
 
-def _measuring_options(command: Command) -> Command:
-    """Add what decides the figures: --forward-axis, --contact-on and so on."""
-    axis = click.option(
+quietness: Final = together(
+    click.option("-q", "--quiet", is_flag=True, help="Print results and errors only."),
+    click.option("-v", "--verbose", is_flag=True, help="Print more."),
+)
+time_range: Final = together(
+    number_option("--start", "S", "From here on; s since the log's start, not negative."),
+    number_option("--end", "S", "Up to here; s since the log's start."),
+)
+_measuring_options: Final = together(
+    click.option(
         "--forward-axis",
         type=click.Choice(CHOICES["forward_axis"]),
         help="Body axis that points forward; default: the robot's.",
-    )
-    contact_on = click.option(
+    ),
+    number_option(
         "--contact-on",
-        type=number("contact_on"),
-        metavar="N",
-        help="Force from which a foot is in contact; default: a share of the weight.",
-    )
-    contact_off = click.option(
-        "--contact-off",
-        type=number("contact_off"),
-        metavar="N",
-        help="Force below which contact ends; default: a share of the weight.",
-    )
-    debounce = click.option(
+        "N",
+        "Force from which a foot is in contact; default: a share of the weight.",
+    ),
+    number_option(
+        "--contact-off", "N", "Force below which contact ends; default: a share of the weight."
+    ),
+    number_option(
         "--debounce",
-        type=number("debounce"),
-        metavar="S",
-        help="Shorter swings are filled, then shorter stances dropped; default: 0.020.",
-    )
-    clock = click.option(
+        "S",
+        "Shorter swings are filled, then shorter stances dropped; default: 0.020.",
+    ),
+    click.option(
         "--time-source",
         type=click.Choice(CHOICES["time_source"]),
         help="Clock to measure on; default: header stamps, log time where those cannot be used.",
-    )
-    twist = click.option(
+    ),
+    click.option(
         "--command",
         metavar="TOPIC",
         help="Topic of the velocity commands, instead of the one found.",
-    )
-    imu = click.option(
+    ),
+    click.option(
         "--imu",
         metavar="TOPIC",
         help="Topic of the base's inertial unit, instead of the one found.",
-    )
-    return axis(contact_on(contact_off(debounce(clock(twist(imu(command)))))))
+    ),
+)
+"""What decides the figures."""
 
 
 def topic_options(command: Command) -> Command:
     """Add --robot, --odom-topic, --foot and --mass; the command gets `TopicOptions` as `topics`."""
-    robot = click.option(
-        "--robot",
-        metavar="NAME|FILE.toml",
-        help="Known robot or a robot's file; default: guessed from the log's topics.",
+    options = together(
+        click.option(
+            "--robot",
+            metavar="NAME|FILE.toml",
+            help="Known robot or a robot's file; default: guessed from the log's topics.",
+        ),
+        click.option(
+            "--odom-topic",
+            metavar="TOPIC[:WHICH]",
+            help="Topic of the base's poses, instead of the one found: odometry, poses, robot "
+            "states; also /tf:odom/base_link, /gazebo/model_states:MODEL, or TOPIC:FIELD.",
+        ),
+        click.option(
+            "--foot",
+            multiple=True,
+            metavar="NAME=TOPIC[:FIELD]",
+            help="Contact topic of a foot, or a field of any message (/feet:data[3]); may be given "
+            "several times.",
+        ),
+        number_option("--mass", "KG", "Mass of the robot."),
     )
-    odometry = click.option(
-        "--odom-topic",
-        metavar="TOPIC[:WHICH]",
-        help="Topic of the base's poses, instead of the one found: odometry, poses, robot states; "
-        "also /tf:odom/base_link, /gazebo/model_states:MODEL, or TOPIC:FIELD.",
-    )
-    feet = click.option(
-        "--foot",
-        multiple=True,
-        metavar="NAME=TOPIC[:FIELD]",
-        help="Contact topic of a foot, or a field of any message (/feet:data[3]); may be given "
-        "several times.",
-    )
-    mass = click.option("--mass", type=number("mass"), metavar="KG", help="Mass of the robot.")
-    return robot(odometry(feet(mass(_with_topics(command)))))
+    return options(_with_topics(command))
 
 
 def tared_topic_options(command: Command) -> Command:

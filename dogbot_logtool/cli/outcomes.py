@@ -136,11 +136,7 @@ def say_error(error: LogtoolError) -> None:
 
 def say(sentence: str) -> None:
     """Print the sentence of an error on stderr; what it lists stands in indented lines below."""
-    from dogbot_logtool.report.text.console import (  # noqa: PLC0415
-        diagnostics,
-        print_command,
-        print_sentence,
-    )
+    from dogbot_logtool.report.text.console import diagnostics, print_command, print_sentence  # noqa: PLC0415
 
     first, *others = map(printable, without_secrets(sentence).split(_NEW_LINE))
     print_sentence(diagnostics(), ("error: ", "red"), first, indent=7)

@@ -120,18 +120,11 @@ def _report_against(
 ) -> NoReturn:
     """Write a page that compares two sides; exit."""
     from dogbot_logtool.cli.two_sides import exit_code_of, measured_side  # noqa: PLC0415
-    from dogbot_logtool.commands.report_against import (  # noqa: PLC0415
-        ENDING,
-        comparison_target,
-        report_against,
-    )
+    from dogbot_logtool.commands.report_against import ENDING, comparison_target, report_against  # noqa: PLC0415
     from dogbot_logtool.io.plain_json import to_json  # noqa: PLC0415
     from dogbot_logtool.io.storage import shown  # noqa: PLC0415
     from dogbot_logtool.io.targets import output_at  # noqa: PLC0415
-    from dogbot_logtool.report.gait_comparison import (  # noqa: PLC0415
-        gait_comparison_json,
-        print_comparison_page,
-    )
+    from dogbot_logtool.report.gait_comparison import gait_comparison_json, print_comparison_page  # noqa: PLC0415
     from dogbot_logtool.report.text.console import diagnostics  # noqa: PLC0415
     from dogbot_logtool.run.inputs import find_logs  # noqa: PLC0415
 

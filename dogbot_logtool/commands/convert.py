@@ -28,11 +28,7 @@ from dogbot_logtool.pipeline.time_span import refuse_empty_span
 from dogbot_logtool.pipeline.topics.annotated import open_recorded
 from dogbot_logtool.pipeline.topics.selection import select_topics
 from dogbot_logtool.reader.containers.log import Log, Loss
-from dogbot_logtool.reader.containers.mcap.records import (
-    channel_record,
-    read_extra,
-    schema_record,
-)
+from dogbot_logtool.reader.containers.mcap.records import channel_record, read_extra, schema_record
 from dogbot_logtool.reader.salvage.losses import malformed_messages, wrong_statistics
 from dogbot_logtool.results import Conversion
 from dogbot_logtool.run.in_order import OnProgress, in_order_with_state

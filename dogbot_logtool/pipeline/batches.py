@@ -19,10 +19,7 @@ from dogbot_logtool.pipeline.topics.selection import Selection
 from dogbot_logtool.reader.containers.log import Batch, Chunk, Log, Span
 from dogbot_logtool.reader.messages.bases.registry import joined_poses
 from dogbot_logtool.reader.messages.bases.source import BasePoses
-from dogbot_logtool.reader.messages.contacts.registry import (
-    DecodedContacts,
-    read_contacts,
-)
+from dogbot_logtool.reader.messages.contacts.registry import DecodedContacts, read_contacts
 from dogbot_logtool.reader.messages.contacts.source import FootChannels
 from dogbot_logtool.reader.messages.messages import DecodedMessages, malformed_in
 from dogbot_logtool.reader.messages.transforms import decode_transforms

@@ -173,7 +173,8 @@ class _Prober:
         for read in contacts:
             samples = read.reduced.samples
             self._contacts.append(samples)
-            self._timings.append(read.timing)
+            if (timing := read.timing) is not None:
+                self._timings.append(timing)
             self._touching.update(distinct(samples.foot[samples.in_contact]).tolist())
             for foot, names in read.links.items():
                 self._links.setdefault(foot, set()).update(names)

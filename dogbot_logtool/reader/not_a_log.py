@@ -4,11 +4,7 @@ import json
 import re
 from typing import Final
 
-from dogbot_logtool.reader.containers.signatures import (
-    MCAP_MAGIC,
-    ROSBAG2_METADATA,
-    ZSTD_MAGIC,
-)
+from dogbot_logtool.reader.containers.signatures import MCAP_MAGIC, ROSBAG2_METADATA, ZSTD_MAGIC
 from dogbot_logtool.reader.containers.sources.source import ByteSource
 from dogbot_logtool.reader.registry import CONTAINERS
 

@@ -13,7 +13,7 @@ import pytest
 
 import dogbot_logtool as dl
 from dogbot_logtool import cli
-from dogbot_logtool.api.keywords import convert_options, stats_options
+from dogbot_logtool.api.keywords import CHOICES, ConvertKeywords, convert_options, stats_options
 from tests.forked_cli import run
 from tests.paths import ROOT, TROT, WALK
 
@@ -199,6 +199,11 @@ def test_a_figure_for_a_paper(tmp_path: Path) -> None:
 def test_bad_values_are_refused(options: dict[str, Any], sentence: str) -> None:
     with pytest.raises(dl.CallError, match=re.escape(sentence)):
         dl.measure(TROT, **options)
+
+
+@pytest.mark.parametrize("name", ["style", "encoding"])
+def test_hints_for_type_checkers_name_the_whole_registry(name: str) -> None:
+    assert get_args(ConvertKeywords.__annotations__[name]) == CHOICES[name]
 
 
 def test_an_option_that_does_not_exist_is_refused() -> None:

@@ -23,8 +23,7 @@ from dogbot_logtool.reader.messages.contacts.registry import (
     check_contacts,
     read_contacts,
 )
-from dogbot_logtool.reader.messages.contacts.source import FootChannels
-from dogbot_logtool.reader.messages.foxglove_transforms import foxglove_transforms
+from dogbot_logtool.reader.messages.contacts.source import FootChannels, StepTiming
 from dogbot_logtool.reader.messages.messages import malformed_in
 from dogbot_logtool.reader.messages.transforms import (
     TRANSFORM_TYPES,
@@ -214,8 +213,9 @@ def check(of: Channel) -> str:
 def read(of: Channel, given: Batch) -> Outcome:
     """Decode a batch, and make all that the adapter can make of it."""
     if of.type_name in FOXGLOVE:
-        recorded, malformed = foxglove_transforms(given, [of])
-        return Outcome(recorded.log_time, malformed)
+        decoded = decode_transforms(given, [of])
+        times = _times([transform_columns(each).log_time for each in decoded])
+        return Outcome(times, malformed_in(decoded))
     if of.type_name in (*BASES, *POSES):
         base = Base(base_source(of), base_walks.ELEMENTS.get(of.type_name, ""))
         parts = base.read(given, [of])
@@ -231,7 +231,7 @@ def read(of: Channel, given: Batch) -> Outcome:
     found = read_contacts(given, [of], feet(of.type_name))
     for each in found:
         assert each.links is not None
-        assert each.timing is not None
+        assert isinstance(each.timing, StepTiming | None)
         if each.source.has_header:
             each.messages.table.nanoseconds("header.stamp")
     times = _times([each.reduced.samples.log_time for each in found])

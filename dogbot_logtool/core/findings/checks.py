@@ -1,4 +1,7 @@
-"""Checks of a recording before it is trusted, and those that were not possible."""
+"""Checks of a recording before it is trusted, and those that were not possible.
+
+Which findings a check fails with stands in ``findings.toml``.
+"""
 
 from collections.abc import Callable, Iterable
 from enum import StrEnum
@@ -39,14 +42,15 @@ Reason = Callable[[Stats], str]
 
 
 @dataclass(frozen=True, slots=True)
-class _Kind:
+class CheckKind:
+    """A check, and when it cannot be made."""
+
     name: str
+    """As findings name it."""
     lack: Reason
     """Data that the log lacks, so that it does not apply."""
     obstacle: Reason
     """Why it cannot be made although it applies."""
-    codes: frozenset[str]
-    """Findings with which it fails."""
 
 
 def checks_of(stats: Stats, findings: Iterable[Finding]) -> tuple[Check, ...]:
@@ -57,16 +61,11 @@ def checks_of(stats: Stats, findings: Iterable[Finding]) -> tuple[Check, ...]:
         findings: about the figures, and about the log.
     """
     said = [each for each in findings if each.severity is not Severity.NOTE]
-    return tuple(_check(kind, stats, said) for kind in _KINDS)
+    return tuple(_check(kind, stats, said) for kind in KINDS)
 
 
-def codes_of_checks() -> frozenset[str]:
-    """Return the codes of all findings with which a check fails."""
-    return frozenset().union(*(kind.codes for kind in _KINDS))
-
-
-def _check(kind: _Kind, stats: Stats, said: list[Finding]) -> Check:
-    against = [each.text for each in said if each.code in kind.codes]
+def _check(kind: CheckKind, stats: Stats, said: list[Finding]) -> Check:
+    against = [each.text for each in said if kind.name in each.fails]
     if against:
         return Check(kind.name, Outcome.FAILED, against[0])
     if lack := kind.lack(stats):
@@ -177,141 +176,16 @@ def _imu_not_compared(stats: Stats) -> str:
     return unsure if stats.imu.mounting.reading is None else ""
 
 
-EVENTS: Final = frozenset(
-    {
-        "W_FALL",
-        "W_TIPPING",
-        "W_LOST",
-        "W_ROBOT_ABSENT",
-        "W_FEET_POSSIBLE",
-        "W_NO_SUCH_TOPICS",
-        "W_COMMANDS_REFUSED",
-        "W_COMMAND_AXES",
-        "W_COMMAND_OPPOSED",
-    }
-)
-"""Warnings that no check fails with: what the robot does and is told to do, what reading lost,
-which robot it is, and what is of other commands."""
-_KINDS: Final = (
-    _Kind(
-        "every foot's sensor works",
-        _no_feet,
-        _nothing,
-        frozenset(
-            {
-                "W_NO_MESSAGES",
-                "W_NOTHING_USABLE",
-                "W_FOOT_MISSING",
-                "W_DEAD",
-                "W_STUCK",
-                "W_STOPPED",
-                "W_SATURATED",
-                "W_CHATTER",
-                "W_CONTACT_UNKNOWN",
-                "W_FLAGS_IGNORED",
-                "W_FLAGS_CONTRADICTED",
-                "W_SPIKES",
-                "W_NOT_CALIBRATED",
-                "W_NOT_FINITE",
-                "W_IMPLAUSIBLE",
-                "W_FEET_UNSURE",
-                "W_NO_FEET",
-                "W_UNREADABLE",
-                "W_ELEMENT_UNKNOWN",
-            }
-        ),
-    ),
-    _Kind(
-        "what sensors read without load is known",
-        _no_forces,
-        _unloaded_not_seen,
-        frozenset({"W_CONTACT_UNKNOWN"}),
-    ),
-    _Kind(
-        "the base's poses are sound",
-        _no_poses,
-        _nothing,
-        frozenset({"W_BAD_POSES", "W_POSE_JUMP", "W_NO_ODOMETRY", "W_BASE_PLANNED"}),
-    ),
-    _Kind(
-        "header stamps are sound",
-        _no_stamps,
-        _nothing,
-        frozenset(
-            {
-                "W_LOG_TIME_USED",
-                "W_ZERO_STAMPS",
-                "W_STAMPS_AHEAD",
-                "W_BACKWARD_STAMPS",
-                "W_DUPLICATE_STAMPS",
-                "W_CLOCK_SET",
-                "W_NOT_ADVANCING",
-                "W_BACKWARD_LOG_TIMES",
-            }
-        ),
-    ),
-    _Kind(
-        "all topics have one clock",
-        _no_two_clocks,
-        _clocks_not_compared,
-        frozenset({"W_CLOCK_OFFSET"}),
-    ),
-    _Kind(
-        "no topic is silent for long",
-        _nothing,
-        _nothing,
-        frozenset({"W_GAPS", "W_ALL_FEET_SILENT", "W_CONTACT_WITHOUT_ODOMETRY"}),
-    ),
-    _Kind(
-        "contacts are where the base is",
-        _no_two_worlds,
-        _worlds_not_compared,
-        frozenset({"W_WORLDS_DIFFER"}),
-    ),
-    _Kind(
-        "the base moves as the feet step",
-        _no_feet_or_poses,
-        _nothing,
-        frozenset({"W_MOVES_WITHOUT_STEPS", "W_FORWARD_AXIS", "W_MOVES_SIDEWAYS", "W_SLIPS"}),
-    ),
-    _Kind(
-        "the feet carry the weight",
-        _no_forces,
-        _weight_not_compared,
-        frozenset(
-            {
-                "W_IMPULSE_IS_NOT_WEIGHT",
-                "W_WRENCH_FRAME_UNKNOWN",
-                "W_DIRECTION_UNKNOWN",
-                "W_FORCES_TURNED",
-            }
-        ),
-    ),
-    _Kind(
-        "nothing contradicts the accelerometer",
-        _no_imu,
-        _imu_not_compared,
-        frozenset(
-            {
-                "W_IMU_IN_G",
-                "W_IMU_NO_GRAVITY",
-                "W_IMU_SCALE",
-                "W_IMU_TILTED",
-                "W_IMU_TURNED",
-                "W_IMU_REFUSED",
-                "W_FORCES_LACK_A_FOOT",
-                "W_FORCES_LEAN",
-                "W_FOOT_SCALE",
-                "W_MASS_ODD",
-                "W_FORCES_DISAGREE",
-                "W_FORCES_ASIDE",
-            }
-        ),
-    ),
-    _Kind(
-        "the legs move as the feet step",
-        _no_legs,
-        _legs_not_compared,
-        frozenset({"W_JOINT_CLOCK", "W_JOINT_VALUES", "W_EFFORT_SIGN"}),
-    ),
+KINDS: Final = (
+    CheckKind("every foot's sensor works", _no_feet, _nothing),
+    CheckKind("what sensors read without load is known", _no_forces, _unloaded_not_seen),
+    CheckKind("the base's poses are sound", _no_poses, _nothing),
+    CheckKind("header stamps are sound", _no_stamps, _nothing),
+    CheckKind("all topics have one clock", _no_two_clocks, _clocks_not_compared),
+    CheckKind("no topic is silent for long", _nothing, _nothing),
+    CheckKind("contacts are where the base is", _no_two_worlds, _worlds_not_compared),
+    CheckKind("the base moves as the feet step", _no_feet_or_poses, _nothing),
+    CheckKind("the feet carry the weight", _no_forces, _weight_not_compared),
+    CheckKind("nothing contradicts the accelerometer", _no_imu, _imu_not_compared),
+    CheckKind("the legs move as the feet step", _no_legs, _legs_not_compared),
 )

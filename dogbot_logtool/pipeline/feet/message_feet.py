@@ -17,13 +17,12 @@ from dogbot_logtool.pipeline.topics.topics import most_frequent
 from dogbot_logtool.reader.containers.log import Channel, Log
 from dogbot_logtool.reader.messages.contacts import joint_foot
 from dogbot_logtool.reader.messages.contacts.registry import source_of
-from dogbot_logtool.reader.messages.contacts.source import ContactSource
-from dogbot_logtool.reader.messages.contacts.whole_robot import (
-    FlagCheck,
+from dogbot_logtool.reader.messages.contacts.source import (
+    ContactSource,
     MessageFoot,
-    check_flags,
     is_named_as_planned,
 )
+from dogbot_logtool.reader.messages.contacts.whole_robot import FlagCheck, check_flags
 from dogbot_logtool.reader.messages.messages import DecodedMessages, decode_channels
 from dogbot_logtool.robot import Foot, FootField, Robot
 

@@ -21,6 +21,7 @@ from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Final
 
+from dogbot_logtool.core.leg_position import LegPosition
 from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.pipeline.feet.readings import (
     Reading,
@@ -41,7 +42,6 @@ from dogbot_logtool.pipeline.feet.words import (
     NEUTRAL,
     SIDES,
     USABLE,
-    LegPosition,
     Part,
     Word,
     words_of,

@@ -20,6 +20,7 @@ from dogbot_logtool.pipeline.feet.message_feet import sampled_messages
 from dogbot_logtool.reader.containers.log import Channel, Log
 from dogbot_logtool.reader.messages.contacts.registry import source_of
 from dogbot_logtool.reader.messages.contacts.source import FootChannels
+from dogbot_logtool.reader.messages.contacts.whole_robot import read_messages
 from dogbot_logtool.robot import Robot
 
 _LOOKS: Final = 24
@@ -105,6 +106,6 @@ def _counts(
         source = source_of(channel)
         if source is not None:
             messages = sampled_messages(log, channel, source, _LOOKS)
-            found.extend(source.read(each, feet).samples for each in messages)
+            found.extend(read_messages(source, each, feet).samples for each in messages)
     samples = concatenated(found)
     return samples.pick(np.argsort(samples.log_time, kind="stable"))

@@ -4,6 +4,7 @@ from collections.abc import Iterator, Sequence
 from itertools import pairwise, product
 from typing import Final
 
+from dogbot_logtool.core.leg_position import LegPosition
 from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.pipeline.feet.words import (
     END_FIRST,
@@ -14,7 +15,6 @@ from dogbot_logtool.pipeline.feet.words import (
     ROWS,
     SIDE_FIRST,
     SIDES,
-    LegPosition,
     Part,
     Word,
 )

@@ -29,13 +29,8 @@ from dogbot_logtool.pipeline.topics.topics import (
     topics_of_type,
 )
 from dogbot_logtool.reader.containers.log import Channel, Log
-from dogbot_logtool.reader.messages.contacts.registry import (
-    SOURCES,
-    contact_types,
-    source_of,
-)
-from dogbot_logtool.reader.messages.contacts.source import ContactSource
-from dogbot_logtool.reader.messages.contacts.whole_robot import is_named_as_planned
+from dogbot_logtool.reader.messages.contacts.registry import SOURCES, contact_types, source_of
+from dogbot_logtool.reader.messages.contacts.source import ContactSource, is_named_as_planned
 from dogbot_logtool.robot import Foot, Robot
 
 _RARE: Final = 2

@@ -12,10 +12,8 @@ from enum import IntEnum
 from functools import lru_cache
 from typing import Final
 
+from dogbot_logtool.core.leg_position import LegPosition
 from dogbot_logtool.dataclass import dataclass
-
-LegPosition = tuple[str, str]
-"""("front" | "middle" | "back", "left" | "right")."""
 
 ENDS: Final[Mapping[str, str]] = {
     **dict.fromkeys(("front", "fore", "anterior"), "front"),

@@ -12,12 +12,10 @@ from dogbot_logtool.core.frames.recorded_transforms import (
 from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.reader.containers.log import Channel, Log, Loss, Span
 from dogbot_logtool.reader.decode.objects import OBJECT_ENCODINGS
-from dogbot_logtool.reader.messages.foxglove_transforms import (
-    FOXGLOVE_TYPES,
-    foxglove_transforms,
-)
 from dogbot_logtool.reader.messages.messages import malformed_in
 from dogbot_logtool.reader.messages.transforms import (
+    FOXGLOVE_TYPES,
+    NO_TRANSFORMS,
     decode_transforms,
     is_static,
     transform_columns,
@@ -124,12 +122,11 @@ def _read_batch(
     log: Log, span: Span, ros_channels: Sequence[Channel], foxglove: Sequence[Channel]
 ) -> _ReadBatch:
     batch = log.read(span)
-    decoded = decode_transforms(batch, ros_channels)
-    of_foxglove, malformed = foxglove_transforms(batch, foxglove)
-    parts = [transform_columns(messages) for messages in decoded]
+    ours, ros = (decode_transforms(batch, channels) for channels in (foxglove, ros_channels))
+    of_foxglove = concatenate_transforms([*map(transform_columns, ours)] or [NO_TRANSFORMS])
     return _ReadBatch(
-        transforms=concatenate_transforms([of_foxglove, *parts]),
-        malformed=malformed | malformed_in(decoded),
+        transforms=concatenate_transforms([of_foxglove, *map(transform_columns, ros)]),
+        malformed=malformed_in([*ours, *ros]),
         losses=batch.losses,
         stored_size=sum(chunk.data_size for chunk in span),
     )

@@ -10,12 +10,7 @@ from dogbot_logtool.core.frames.transform_buffer import TransformBuffer
 from dogbot_logtool.core.geometry.arrays import header_time
 from dogbot_logtool.core.geometry.clock import TimeSource
 from dogbot_logtool.core.legs.foot_path import LegChain, chain_to, moving_parents
-from dogbot_logtool.core.legs.joint_track import (
-    MOST_JOINTS,
-    JointLimits,
-    JointSamples,
-    JointTable,
-)
+from dogbot_logtool.core.legs.joint_track import MOST_JOINTS, JointLimits, JointSamples, JointTable
 from dogbot_logtool.core.legs.settings import JointPair, LegSettings
 from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.pipeline.feet.names import name_feet

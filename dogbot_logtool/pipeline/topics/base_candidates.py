@@ -16,12 +16,7 @@ from dogbot_logtool.pipeline.topics.readable import why_no_poses
 from dogbot_logtool.reader.containers.log import Channel, Log
 from dogbot_logtool.reader.decode.definition import Primitive, Struct
 from dogbot_logtool.reader.messages.bases.numbers import path_source
-from dogbot_logtool.reader.messages.bases.registry import (
-    BASE_SOURCES,
-    Base,
-    base_source,
-    base_type,
-)
+from dogbot_logtool.reader.messages.bases.registry import BASE_SOURCES, Base, base_source, base_type
 from dogbot_logtool.reader.messages.bases.source import BaseSource
 from dogbot_logtool.reader.messages.messages import decode_channels, definition_of
 from dogbot_logtool.reader.messages.transforms import TRANSFORM_TYPES, is_static

@@ -11,9 +11,9 @@ from dogbot_logtool.reader.containers.log import Channel
 from dogbot_logtool.reader.messages.bases.poses import ODOMETRY_TYPE
 from dogbot_logtool.reader.messages.bases.registry import base_type, check_base
 from dogbot_logtool.reader.messages.contacts.registry import check_contacts, source_of
-from dogbot_logtool.reader.messages.foxglove_transforms import FOXGLOVE_TYPES
 from dogbot_logtool.reader.messages.messages import SERIALISATIONS
 from dogbot_logtool.reader.messages.transforms import (
+    FOXGLOVE_TYPES,
     TRANSFORM_TYPES,
     check_transforms,
 )

@@ -14,11 +14,7 @@ from dogbot_logtool.io.printable import MOST, listed, printable
 from dogbot_logtool.io.storage import shown
 from dogbot_logtool.pipeline.feet.candidates import FootCandidates, find_candidates
 from dogbot_logtool.pipeline.feet.field_feet import candidates_finding
-from dogbot_logtool.pipeline.feet.message_feet import (
-    compare_flags,
-    flag_findings,
-    is_planned,
-)
+from dogbot_logtool.pipeline.feet.message_feet import compare_flags, flag_findings, is_planned
 from dogbot_logtool.pipeline.feet.raw_levels import RawLevels, with_raw_levels
 from dogbot_logtool.pipeline.feet.selection import (
     FootOffer,
@@ -38,22 +34,12 @@ from dogbot_logtool.pipeline.topics.readable import (
     unreadable_findings,
 )
 from dogbot_logtool.pipeline.topics.robot_choice import choose_robot, usable_topics
-from dogbot_logtool.pipeline.topics.topics import (
-    readable_channels,
-    recorded_topics,
-    split_topic,
-)
+from dogbot_logtool.pipeline.topics.topics import readable_channels, recorded_topics, split_topic
 from dogbot_logtool.reader.containers.log import Batch, Channel, Log
 from dogbot_logtool.reader.messages.bases.registry import Base
 from dogbot_logtool.reader.messages.bases.source import BasePoses, BaseSource
-from dogbot_logtool.reader.messages.contacts.registry import (
-    source_of,
-    without_flags,
-)
-from dogbot_logtool.reader.messages.contacts.source import (
-    ContactSource,
-    FootChannels,
-)
+from dogbot_logtool.reader.messages.contacts.registry import source_of, without_flags
+from dogbot_logtool.reader.messages.contacts.source import ContactSource, FootChannels
 from dogbot_logtool.reader.messages.transforms import TRANSFORM_TYPES, is_static
 from dogbot_logtool.robot import Robot
 
@@ -85,6 +71,8 @@ class Selection:
     """Whether forces decide contact, since they contradict the contact flags of the messages."""
     base: Base | None = None
     """How the base's poses are read; None: there are none."""
+    robot_is_guessed: bool = False
+    """Whether the robot was guessed from the log's topics."""
 
     @property
     def without_header(self) -> tuple[str, ...]:
@@ -104,11 +92,6 @@ class Selection:
     def read_base(self, batch: Batch) -> list[BasePoses]:
         """Read the base's poses of a batch."""
         return self.base.read(batch, self.odometry) if self.base else []
-
-    @property
-    def robot_is_guessed(self) -> bool:
-        """Whether the robot was guessed from the log's topics."""
-        return any(finding.code == "N_ROBOT_GUESSED" for finding in self.findings)
 
     @property
     def static_transforms(self) -> frozenset[int]:
@@ -221,6 +204,7 @@ def select_topics(log: Log, options: TopicOptions) -> Selection:
         tuple(possible),
         ignores_flags=check.are_useless,
         base=chosen.base,
+        robot_is_guessed=options.robot is None,
     )
 
 

@@ -82,7 +82,3 @@ class Batch:
             for loaded in self.chunks
         )
         return replace(self, messages=self.messages.pick(kept), chunks=chunks)
-
-
-Span = tuple[Chunk, ...]
-"""Neighbouring chunks that make a batch."""

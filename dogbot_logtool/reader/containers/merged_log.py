@@ -16,16 +16,15 @@ from dogbot_logtool.core.geometry.arrays import Flags
 from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.reader.containers.batch import Batch, LoadedChunk
 from dogbot_logtool.reader.containers.chunks.packed_messages import unpacked
-from dogbot_logtool.reader.containers.contents import Chunk, Contents, Extra
+from dogbot_logtool.reader.containers.contents import Chunk, Contents
 from dogbot_logtool.reader.containers.log import BATCH_SIZE, Log, Span
 from dogbot_logtool.reader.containers.loss import Loss
 from dogbot_logtool.reader.containers.rosbag2.joined_log import (
-    Folder,
     JointChannels,
+    SeveralLogs,
     joint_contents,
     loss_in_file,
 )
-from dogbot_logtool.reader.containers.sources.source import ByteSource
 from dogbot_logtool.reader.decode.message_table import concatenate_messages
 
 _EARLIEST: Final = -(1 << 62)
@@ -65,7 +64,7 @@ class _Window:
         return self.start <= piece.start < self.end
 
 
-class MergedLog(Log):
+class MergedLog(SeveralLogs):
     """Logs of one recording. Channels that are alike in all are one."""
 
     def __init__(self, logs: Sequence[Log]) -> None:
@@ -77,7 +76,6 @@ class MergedLog(Log):
         first, *others = (log.source.path for log in logs)
         self.joined = tuple(others)
         joint = JointChannels()
-        self._logs = logs
         self._channels = [joint.take(log.channels) for log in logs]
         pieces = [_Piece(file, chunk) for file, log in enumerate(logs) for chunk in log.chunks]
         self._windows = _windows(sorted(pieces, key=lambda piece: (piece.start, piece.file)))
@@ -86,8 +84,7 @@ class MergedLog(Log):
         over several windows."""
         contents: Contents = joint_contents(joint.channels, logs, self._channels)
         chunks = [self._chunk(number) for number in range(len(self._windows))]
-        size = sum(log.source.size for log in logs)
-        super().__init__(Folder(first, size), replace(contents, chunks=chunks))
+        super().__init__(first, logs, replace(contents, chunks=chunks))
         kinds = sorted({log.container for log in logs})
         self.container = f"{len(logs)} joined logs ({', '.join(kinds)})"
 
@@ -118,15 +115,6 @@ class MergedLog(Log):
                 counts[int(self._channels[piece.file][number])] += count
         return dict(counts)
 
-    @property
-    def can_fork(self) -> bool:
-        """See `Log.can_fork`."""
-        return all(log.can_fork for log in self._logs)
-
-    def source_of(self, extra: Extra) -> ByteSource:
-        """See `Log.source_of`."""
-        return self._logs[extra.file].source
-
     def read(self, span: Span) -> Batch:
         """See `Log.read`."""
         parts: list[Batch] = []
@@ -137,7 +125,7 @@ class MergedLog(Log):
                 batch = self._batch(piece)
                 parts.append(_within(batch, window, piece))
                 if window.begins(piece):
-                    losses += [loss_in_file(loss, self._logs[piece.file]) for loss in batch.losses]
+                    losses += [loss_in_file(loss, self.logs[piece.file]) for loss in batch.losses]
         return _merged(parts, span, tuple(losses))
 
     def _batch(self, piece: _Piece) -> Batch:
@@ -145,7 +133,7 @@ class MergedLog(Log):
         last = self._last.get(piece.file)
         if last is not None and last[0] == piece.chunk.offset:
             return last[1]
-        batch = unpacked(self._logs[piece.file].read((piece.chunk,)))
+        batch = unpacked(self.logs[piece.file].read((piece.chunk,)))
         channel = self._channels[piece.file][batch.messages.channel]
         batch = replace(batch, messages=replace(batch.messages, channel=channel))
         self._last[piece.file] = piece.chunk.offset, batch
@@ -154,8 +142,7 @@ class MergedLog(Log):
     def close(self) -> None:
         """Close all files."""
         self._last.clear()
-        for log in self._logs:
-            log.close()
+        super().close()
 
 
 def _windows(pieces: Sequence[_Piece]) -> list[_Window]:

@@ -14,21 +14,8 @@ from numpy.typing import NDArray
 
 from dogbot_logtool.core.geometry.arrays import Bytes, Flags, Ints
 from dogbot_logtool.dataclass import dataclass
-from dogbot_logtool.reader.decode.columns import (
-    Nested,
-    Rows,
-    Table,
-    Texts,
-    concatenate,
-    gather,
-)
-from dogbot_logtool.reader.decode.message_layout import (
-    ArrayStep,
-    Layout,
-    Run,
-    Step,
-    TextStep,
-)
+from dogbot_logtool.reader.decode.columns import Nested, Rows, Table, Texts, concatenate, gather
+from dogbot_logtool.reader.decode.message_layout import ArrayStep, Layout, Run, Step, TextStep
 
 MAX_VARIABLE_ELEMENTS: Final = 20_000
 """A message with a longer array of elements of varying size counts as malformed: each position

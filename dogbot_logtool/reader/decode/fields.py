@@ -85,6 +85,10 @@ def time(path: str) -> Field:
     return Field(path, Kind.TIME)
 
 
+HEADER: Final[Fields] = (time("header.stamp"), text("header.frame_id"))
+"""What most messages of ROS begin with."""
+
+
 def fixed_numbers(path: str, at_least: int) -> Field:
     """Declare an array whose definition gives its length."""
     return Field(path, Kind.FIXED_NUMBERS, at_least)

@@ -23,11 +23,7 @@ from dogbot_logtool.reader.decode.fields import (
     time,
 )
 from dogbot_logtool.reader.decode.message_layout import ELEMENT
-from dogbot_logtool.reader.messages.messages import (
-    DecodedMessages,
-    check_channel,
-    decode_channels,
-)
+from dogbot_logtool.reader.messages.messages import DecodedMessages, check_channel, decode_channels
 
 _MOTORS: Final = tuple(
     f"{leg}_{joint}_joint" for leg in ("FR", "FL", "RR", "RL") for joint in ("hip", "thigh", "calf")

@@ -13,18 +13,10 @@ from dogbot_logtool.reader.containers.batch import Batch
 from dogbot_logtool.reader.containers.contents import Channel
 from dogbot_logtool.reader.decode.columns import Table
 from dogbot_logtool.reader.decode.decode import decode
-from dogbot_logtool.reader.decode.definition import (
-    Struct,
-    parse_definition,
-    short_type_name,
-)
+from dogbot_logtool.reader.decode.definition import Struct, parse_definition, short_type_name
 from dogbot_logtool.reader.decode.fields import Fields, check_fields, column_paths
 from dogbot_logtool.reader.decode.known_definitions import known_definition
-from dogbot_logtool.reader.decode.message_layout import (
-    Layout,
-    Serialisation,
-    compile_layout,
-)
+from dogbot_logtool.reader.decode.message_layout import Layout, Serialisation, compile_layout
 from dogbot_logtool.reader.decode.objects import (
     OBJECT_ENCODINGS,
     check_object_type,

@@ -14,10 +14,7 @@ from dogbot_logtool.reader.containers.mcap.chunk import check_chunk, chunk_at, p
 from dogbot_logtool.reader.containers.mcap.descriptions import DESCRIBING, Descriptions, Trust
 from dogbot_logtool.reader.containers.mcap.format import FIRST_PRIVATE_OPCODE, McapFormat
 from dogbot_logtool.reader.containers.mcap.log import McapLog, with_profile
-from dogbot_logtool.reader.containers.mcap.records import (
-    RECORD_HEAD,
-    decode_record,
-)
+from dogbot_logtool.reader.containers.mcap.records import RECORD_HEAD, decode_record
 from dogbot_logtool.reader.containers.mcap.summary import check_data, indexed_chunk
 from dogbot_logtool.reader.containers.signatures import MCAP_MAGIC
 from dogbot_logtool.reader.containers.sources.source import ByteSource

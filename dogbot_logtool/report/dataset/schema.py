@@ -6,7 +6,7 @@ from functools import cache
 from typing import Any, Final
 
 from dogbot_logtool.dataclass import dataclass
-from dogbot_logtool.report.figures.document import DOCUMENT
+from dogbot_logtool.report.figures.document import DOCUMENT, STRIDE_FIGURES
 from dogbot_logtool.report.figures.events import EVENTS
 from dogbot_logtool.report.figures.figure import (
     BY_NAME,
@@ -125,11 +125,6 @@ def _of_figure(name: str, figure: Figure[Any], null: str = "") -> TableColumn:
     return TableColumn(name, kind, figure.definition, figure.unit, causes)
 
 
-def _figures(table: TableName, null: str = "") -> Iterator[TableColumn]:
-    for each in columns_of(table):
-        yield _of_figure(each.column.header, each.figure, null)
-
-
 @cache
 def foot_columns() -> tuple[FootColumn, ...]:
     """Return the columns of the figures of a foot."""
@@ -161,10 +156,15 @@ def tables() -> Mapping[str, Sequence[TableColumn]]:
 
     A name means the same in all tables. They are in the order in which they are written.
     """
-    events = [_of_figure(figure.key, figure) for figure in EVENTS]
+    strides = (_of_figure(figure.key, figure) for figure in STRIDE_FIGURES)
+    events = (_of_figure(figure.key, figure) for figure in EVENTS)
+    logs = (
+        _of_figure(each.column.header, each.figure, _FAILED)
+        for each in columns_of(TableName.LOG_ROWS)
+    )
     return {
-        "strides": (*_LOG, *_LEG, *_figures(TableName.STRIDE_ROWS)),
+        "strides": (*_LOG, *_LEG, *strides),
         "events": (*_LOG, *events),
         "feet": (*_LOG, *_LEG, *(each.column for each in foot_columns())),
-        "logs": (*_LOG, *_STATE, *_figures(TableName.LOG_ROWS, _FAILED), *_ORIGIN),
+        "logs": (*_LOG, *_STATE, *logs, *_ORIGIN),
     }

@@ -12,16 +12,11 @@ _LOST: Final = "the base drifts among the contact points by more than 2 % of its
 
 BASE: Final[Sequence[Figure[BaseMotion]]] = (
     Figure(
-        "duration_s",
-        Kind.NUMBER,
-        "s",
-        lambda base: base.duration_s,
-        "first to last pose, gaps left out",
+        "duration_s", Kind.NUMBER, lambda base: base.duration_s, "first to last pose, gaps left out"
     ),
     Figure(
         "path_length_m",
         Kind.NUMBER,
-        "m",
         lambda base: base.path_length_m,
         "horizontal way of the base above the noise of its poses, without gaps, jumps and stands",
         null=_LOST,
@@ -33,7 +28,6 @@ BASE: Final[Sequence[Figure[BaseMotion]]] = (
     Figure(
         "net_displacement_m",
         Kind.NUMBER,
-        "m",
         lambda base: base.net_displacement_m,
         "horizontal distance of the last pose from the first",
         null=_LOST,
@@ -41,7 +35,6 @@ BASE: Final[Sequence[Figure[BaseMotion]]] = (
     Figure(
         "mean_speed_mps",
         Kind.NUMBER,
-        "m/s",
         lambda base: base.mean_speed_mps,
         "path length / duration",
         null=f"{_NO_TIME}; {_LOST}",
@@ -49,7 +42,6 @@ BASE: Final[Sequence[Figure[BaseMotion]]] = (
     Figure(
         "forward_speed_mps",
         Kind.NUMBER,
-        "m/s",
         lambda base: base.forward_speed_mps,
         "mean rate of displacement along the body's forward axis, turned by yaw only",
         null=f"{_NO_TIME}; {_LOST}",
@@ -62,7 +54,6 @@ BASE: Final[Sequence[Figure[BaseMotion]]] = (
     Figure(
         "lateral_speed_mps",
         Kind.NUMBER,
-        "m/s",
         lambda base: base.lateral_speed_mps,
         "the same to the left of the forward axis",
         null=f"{_NO_TIME}; {_LOST}",
@@ -70,14 +61,12 @@ BASE: Final[Sequence[Figure[BaseMotion]]] = (
     Figure(
         "yaw_change_rad",
         Kind.NUMBER,
-        "rad",
         lambda base: base.yaw_change_rad,
         "last yaw minus first, unwrapped",
     ),
     Figure(
         "yaw_rate_radps",
         Kind.NUMBER,
-        "rad/s",
         lambda base: base.yaw_rate_radps,
         "mean rate of turning to the left",
         null=f"{_NO_TIME}; {_LOST}",
@@ -85,22 +74,16 @@ BASE: Final[Sequence[Figure[BaseMotion]]] = (
     Figure(
         "height_m",
         Kind.AGGREGATE,
-        "m",
         lambda base: base.height_m,
         "height of the base over the latest contact points of the feet",
         null="no contact points in the world of the odometry",
     ),
     Figure(
-        "climb_m",
-        Kind.NUMBER,
-        "m",
-        lambda base: base.climb_m,
-        "z of the last pose minus z of the first",
+        "climb_m", Kind.NUMBER, lambda base: base.climb_m, "z of the last pose minus z of the first"
     ),
     Figure(
         "slope_rad",
         Kind.NUMBER,
-        "rad",
         lambda base: base.slope_rad,
         "angle between the plane through the contact points and the horizontal",
         null="too few contact points, or they lie on a line",
@@ -108,7 +91,6 @@ BASE: Final[Sequence[Figure[BaseMotion]]] = (
     Figure(
         "roll_rad",
         Kind.AGGREGATE,
-        "rad",
         lambda base: base.roll_rad,
         "roll of the base about its forward axis",
         null="no pose is finite",
@@ -116,7 +98,6 @@ BASE: Final[Sequence[Figure[BaseMotion]]] = (
     Figure(
         "pitch_rad",
         Kind.AGGREGATE,
-        "rad",
         lambda base: base.pitch_rad,
         "pitch of the base about the axis to the left of its forward axis",
         null="no pose is finite",
@@ -124,7 +105,6 @@ BASE: Final[Sequence[Figure[BaseMotion]]] = (
     Figure(
         "froude",
         Kind.NUMBER,
-        "",
         lambda base: base.froude,
         "v^2 / (g h), v the mean forward speed, h the mean height over the feet (Alexander 1984)",
         null=f"{_NO_TIME}; the height is not known or below 1 mm",
@@ -132,7 +112,6 @@ BASE: Final[Sequence[Figure[BaseMotion]]] = (
     Figure(
         "twist_frame",
         Kind.TEXT,
-        "",
         lambda base: base.twist_frame,
         "frame of the recorded velocities, by which reading fits the poses",
         null="fewer than 20 velocities beside poses",

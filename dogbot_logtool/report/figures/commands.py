@@ -36,35 +36,34 @@ def _axis(unit: str, end: str) -> "Sequence[Figure[AxisTracking]]":
         Figure(
             f"commanded_{end}",
             Kind.NUMBER,
-            unit,
             lambda axis: axis.commanded_mean,
             "mean command, each held until the next, averaged over a stride like the measured",
+            unit=unit,
         ),
         Figure(
             f"measured_{end}",
             Kind.NUMBER,
-            unit,
             lambda axis: axis.measured_mean,
             "mean velocity of the base in its own axes (yaw only), from poses, over the same time",
+            unit=unit,
         ),
         Figure(
             f"mean_error_{end}",
             Kind.NUMBER,
-            unit,
             lambda axis: axis.mean_error,
             "mean of measured minus commanded velocity, both means over a stride, delays and all",
+            unit=unit,
         ),
         Figure(
             f"rms_error_{end}",
             Kind.AMOUNT,
-            unit,
             lambda axis: axis.rms_error,
             "root mean square of the same",
+            unit=unit,
         ),
         Figure(
             "correlation",
             Kind.NUMBER,
-            "",
             lambda axis: axis.delay.correlation if axis.delay else None,
             "largest correlation of measured and delayed command, over delays from -0.2 to 1 s; "
             "below 0: the base does the opposite",
@@ -73,7 +72,6 @@ def _axis(unit: str, end: str) -> "Sequence[Figure[AxisTracking]]":
         Figure(
             "delay_s",
             Kind.NUMBER,
-            "s",
             _sure(lambda delay: delay.delay_s),
             "delay at which a straight line through the command explains the measured velocity "
             "best (least squares; the largest cross-correlation)",
@@ -82,7 +80,6 @@ def _axis(unit: str, end: str) -> "Sequence[Figure[AxisTracking]]":
         Figure(
             "delay_uncertainty_s",
             Kind.AMOUNT,
-            "s",
             _sure(lambda delay: delay.uncertainty_s),
             "half of the interval of delays that are as likely (likelihood ratio, 95 %; a stride "
             "counts as one value), on a grid of 0.02 s and by a parabola between",
@@ -91,7 +88,6 @@ def _axis(unit: str, end: str) -> "Sequence[Figure[AxisTracking]]":
         Figure(
             "gain",
             Kind.NUMBER,
-            "",
             _sure(lambda delay: delay.gain),
             "slope of that line: measured over commanded changes",
             null=_NOT_SURE,
@@ -100,27 +96,13 @@ def _axis(unit: str, end: str) -> "Sequence[Figure[AxisTracking]]":
 
 
 _DRIFT: "Final[Sequence[Figure[Drift]]]" = (
-    Figure("duration_s", Kind.AMOUNT, "s", lambda drift: drift.duration_s, "time that it is over"),
+    Figure("duration_s", Kind.AMOUNT, lambda drift: drift.duration_s, "time that it is over"),
+    Figure("forward_speed_mps", Kind.NUMBER, lambda drift: drift.forward, "mean velocity forward"),
     Figure(
-        "forward_speed_mps",
-        Kind.NUMBER,
-        "m/s",
-        lambda drift: drift.forward,
-        "mean velocity forward",
+        "lateral_speed_mps", Kind.NUMBER, lambda drift: drift.lateral, "mean velocity to the left"
     ),
     Figure(
-        "lateral_speed_mps",
-        Kind.NUMBER,
-        "m/s",
-        lambda drift: drift.lateral,
-        "mean velocity to the left",
-    ),
-    Figure(
-        "yaw_rate_radps",
-        Kind.NUMBER,
-        "rad/s",
-        lambda drift: drift.yaw_rate,
-        "mean yaw rate, to the left",
+        "yaw_rate_radps", Kind.NUMBER, lambda drift: drift.yaw_rate, "mean yaw rate, to the left"
     ),
 )
 _LASTING: Final = "has held for 1 s and a window, for 1 s in all"
@@ -129,14 +111,12 @@ COMMANDS_OF_SEGMENT: Final[Sequence[Member]] = (
     Figure(
         "commanded_s",
         Kind.AMOUNT,
-        "s",
         lambda tracking: tracking.commanded_s,
         "time with a command, of that known of the base",
     ),
     Figure(
         "no_command_s",
         Kind.AMOUNT,
-        "s",
         lambda tracking: tracking.no_command_s,
         "time without: before the first, and where commands are silent for longer than the "
         "time-out",
@@ -181,17 +161,10 @@ COMMANDS_OF_SEGMENT: Final[Sequence[Member]] = (
 
 
 _TRACK: "Final[Sequence[Figure[CommandTrack]]]" = (
-    Figure(
-        "topic",
-        Kind.TEXT,
-        "",
-        lambda track: track.history.topic,
-        "topic of the commands",
-    ),
+    Figure("topic", Kind.TEXT, lambda track: track.history.topic, "topic of the commands"),
     Figure(
         "axes",
         Kind.TEXT,
-        "",
         lambda track: track.axes,
         "what a command's x is: the robot's forward direction, or x of the base's frame; of two "
         "readings that with the smaller error",
@@ -201,28 +174,24 @@ _TRACK: "Final[Sequence[Figure[CommandTrack]]]" = (
     Figure(
         "window_s",
         Kind.AMOUNT,
-        "s",
         lambda track: track.window_ns / 1e9,
         "what velocities are averaged over: the usual stride period, 0.5 s without strides",
     ),
     Figure(
         "timeout_s",
         Kind.AMOUNT,
-        "s",
         lambda track: track.held.timeout_ns / 1e9,
         "a command holds for so long without another: 0.5 s, or five usual intervals",
     ),
     Figure(
         "on_log_time",
         Kind.FLAG,
-        "",
         lambda track: track.history.on_log_time,
         "whether times of commands are log times, so that delays are also the recorder's",
     ),
     Figure(
         "refused",
         Kind.COUNT,
-        "",
         lambda track: track.history.refused,
         "commands with a number that is not finite or beyond 1e6, left out",
     ),

@@ -22,25 +22,16 @@ from dogbot_logtool.report.figures.figure import (
     TableName,
     inside,
 )
-from dogbot_logtool.report.figures.foot_source import foot_sources
+from dogbot_logtool.report.figures.foot_source import FootSource, foot_sources
 from dogbot_logtool.report.figures.imu import IMU, imu_source
 from dogbot_logtool.report.figures.legs import LEG_STRIDES, LEGS
 from dogbot_logtool.report.figures.loads import FORCES, STABILITY
-from dogbot_logtool.report.figures.recording import (
-    FINDING,
-    LOG,
-)
+from dogbot_logtool.report.figures.recording import FINDING, LOG
 from dogbot_logtool.report.figures.settings import SENSOR, SETTINGS, sensors_by_foot
 from dogbot_logtool.report.figures.strides import STRIDES
 from dogbot_logtool.report.figures.topics import TOPIC, topic_sources
 from dogbot_logtool.report.figures.trust import CHECK, CLOCK, WORLDS, clock_sources
-from dogbot_logtool.report.figures.walk import (
-    GAIT,
-    SEGMENT,
-    SUPPORT,
-    main_source,
-    segment_sources,
-)
+from dogbot_logtool.report.figures.walk import GAIT, SEGMENT, SUPPORT, main_source, segment_sources
 from dogbot_logtool.results import LogFacts
 
 SCHEMA_VERSION: Final = 2
@@ -71,8 +62,8 @@ def _loss(log: LogFacts) -> Iterator[Finding]:
 
 
 _TOOL: Final[Sequence[Figure[LogSource]]] = (
-    Figure("name", Kind.TEXT, "", lambda _: "dogbot-logtool", "name of this program"),
-    Figure("version", Kind.TEXT, "", lambda _: __version__, "its version"),
+    Figure("name", Kind.TEXT, lambda _: "dogbot-logtool", "name of this program"),
+    Figure("version", Kind.TEXT, lambda _: __version__, "its version"),
 )
 _QUALITY: Final = (
     Scope(
@@ -85,7 +76,6 @@ _QUALITY: Final = (
     Figure[LogSource](
         "overlap_s",
         Kind.AMOUNT,
-        "s",
         lambda source: source.stats.overlap_s,
         "time known to all feet that have messages, and to the base",
     ),
@@ -113,7 +103,6 @@ _QUALITY: Final = (
     Figure[LogSource](
         "lost_messages",
         Kind.COUNT,
-        "",
         lambda source: source.log.lost_messages,
         "messages that could not be read",
         null="some could not, and it is not known how many",
@@ -122,7 +111,6 @@ _QUALITY: Final = (
     Figure[LogSource](
         "lost_bytes",
         Kind.COUNT,
-        "bytes",
         lambda source: source.log.lost_bytes,
         "bytes that could not be read",
         columns=(Column(TableName.LOG_ROWS, "lost_bytes", rank=20),),
@@ -130,7 +118,6 @@ _QUALITY: Final = (
     Figure[LogSource](
         "losses",
         Kind.TEXTS,
-        "",
         lambda source: list(source.log.losses),
         "what could not be read, and where: a sentence each",
     ),
@@ -141,7 +128,6 @@ DOCUMENT: Final = Scope(
         Figure[LogSource](
             "schema_version",
             Kind.INTEGER,
-            "",
             lambda _: SCHEMA_VERSION,
             "grows with every change of meaning",
             choices=(SCHEMA_VERSION,),
@@ -200,7 +186,6 @@ DOCUMENT: Final = Scope(
                 Figure[Stats](
                     "transition_strides",
                     Kind.COUNT,
-                    "",
                     lambda stats: stats.transition_strides,
                     "strides of the reference foot between segments, which belong to none",
                 ),
@@ -254,9 +239,11 @@ DOCUMENT: Final = Scope(
 )
 """Everything that `stats --json` reports, from a `LogSource`."""
 
+STRIDE_FIGURES: Final[Sequence[Figure[FootSource]]] = (*STRIDES, *LEG_STRIDES)
+"""The columns of CSV and Parquet, after log and foot; a row is a stride."""
 STRIDE_ROWS: Final = Scope(
     "stride",
-    (*STRIDES, *LEG_STRIDES),
+    STRIDE_FIGURES,
     lambda source: source,
     "each whole stride: the rows of CSV and Parquet",
 )

@@ -58,21 +58,18 @@ EVENTS: Final[Sequence[Figure[EventSource]]] = (
     Figure(
         "onset_s",
         Kind.NUMBER,
-        "s",
         lambda source: (source.event.onset - source.origin) / 1e9,
         "when it begins, since the log's start",
     ),
     Figure(
         "duration_s",
         Kind.AMOUNT,
-        "s",
         lambda source: source.event.duration / 1e9,
         "how long it lasts; 0 for an instant",
     ),
     Figure(
         "type",
         Kind.TEXT,
-        "",
         lambda source: source.event.type.value,
         "; ".join(f"`{kind}`: {words}" for kind, words in MEANINGS.items()),
         choices=tuple(each.value for each in EventType),
@@ -80,7 +77,6 @@ EVENTS: Final[Sequence[Figure[EventSource]]] = (
     Figure(
         "foot",
         Kind.TEXT,
-        "",
         lambda source: source.foot,
         "name of the foot",
         null="it happened to the whole robot, or to the odometry",
@@ -88,7 +84,6 @@ EVENTS: Final[Sequence[Figure[EventSource]]] = (
     Figure(
         "value",
         Kind.NUMBER,
-        "",
         lambda source: source.event.value,
         "how much, in the unit beside it",
         null="nothing is measured of it",
@@ -96,7 +91,6 @@ EVENTS: Final[Sequence[Figure[EventSource]]] = (
     Figure(
         "unit",
         Kind.TEXT,
-        "",
         lambda source: source.event.unit or None,
         "unit of the value; `swing` is the share of a swing",
         null="there is no value",
@@ -104,7 +98,6 @@ EVENTS: Final[Sequence[Figure[EventSource]]] = (
     Figure(
         "code",
         Kind.TEXT,
-        "",
         lambda source: source.event.code or None,
         "code of the finding about it; of a change of the gait both classes, `trot>walk`",
         null="no finding is about it",

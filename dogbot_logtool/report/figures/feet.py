@@ -6,7 +6,6 @@ from typing import Final
 from dogbot_logtool.core.gait.cycle_curves import CycleCurve, ForceCurves
 from dogbot_logtool.core.gait.foot_statistics import FootStatistics
 from dogbot_logtool.core.gait.planned import PlannedFoot
-from dogbot_logtool.core.geometry.arrays import Floats
 from dogbot_logtool.report.figures.figure import (
     Column,
     Figure,
@@ -15,6 +14,7 @@ from dogbot_logtool.report.figures.figure import (
     Scope,
     TableName,
     inside,
+    points,
 )
 from dogbot_logtool.report.figures.foot_loads import FOOT_FORCES, FOOT_LOADING
 from dogbot_logtool.report.figures.foot_source import FootSource
@@ -25,20 +25,18 @@ _NO_STANCE: Final = "no stance is seen from touchdown to lift-off"
 _NO_STRIDE: Final = "no whole stride"
 
 _SENSOR: Final[Sequence[Figure[FootStatistics]]] = (
-    Figure("topic", Kind.TEXT, "", lambda foot: foot.topic, "topic of its contact sensor"),
+    Figure("topic", Kind.TEXT, lambda foot: foot.topic, "topic of its contact sensor"),
     Figure(
         "place",
         Kind.TEXTS,
-        "",
         lambda foot: None if foot.leg_position is None else list(foot.leg_position),
         "where the leg is: front, middle or back, then left, right or centre",
         null="the robot's file does not say",
     ),
-    Figure("messages", Kind.COUNT, "", lambda foot: foot.record.messages, "messages of the sensor"),
+    Figure("messages", Kind.COUNT, lambda foot: foot.record.messages, "messages of the sensor"),
     Figure(
         "sampling_interval_s",
         Kind.AMOUNT,
-        "s",
         lambda foot: foot.record.median_interval_s,
         "median interval of its samples: no time figure is finer",
         null="fewer than two usable messages",
@@ -46,14 +44,12 @@ _SENSOR: Final[Sequence[Figure[FootStatistics]]] = (
     Figure(
         "not_finite",
         Kind.COUNT,
-        "",
         lambda foot: foot.record.not_finite,
         "messages whose force is not finite; left out",
     ),
     Figure(
         "not_advancing",
         Kind.COUNT,
-        "",
         lambda foot: foot.record.not_advancing,
         "messages that repeat a time or step back; left out",
     ),
@@ -62,7 +58,6 @@ _LEVEL: Final[Sequence[Figure[FootSource]]] = (
     Figure(
         "force_offset_n",
         Kind.NUMBERS,
-        "N",
         lambda source: None if source.level.reason else source.level.offset_n.tolist(),
         "what the unloaded sensor reads, x, y and z, taken off all forces",
         null="the log does not show it, and neither an option nor the robot's file says",
@@ -70,7 +65,6 @@ _LEVEL: Final[Sequence[Figure[FootSource]]] = (
     Figure(
         "force_noise_n",
         Kind.AMOUNT,
-        "N",
         lambda source: source.level.noise_n,
         "standard deviation of the unloaded sensor's noisiest component",
         null="the log does not show the unloaded sensor",
@@ -78,9 +72,9 @@ _LEVEL: Final[Sequence[Figure[FootSource]]] = (
     Figure(
         "force_drift_n_per_min",
         Kind.NUMBER,
-        "N/min",
         lambda source: source.level.drift_n_per_min,
         "drift of the unloaded level along the direction of the load",
+        unit="N/min",
         null="the log does not show the unloaded sensor for long enough",
     ),
 )
@@ -88,7 +82,6 @@ _CONTACT: Final[Sequence[Figure[FootStatistics]]] = (
     Figure(
         "contact_fraction",
         Kind.FRACTION,
-        "",
         lambda foot: foot.contact_fraction,
         "time in contact / time in which contact is known",
         null="no usable messages; the sensor seems dead",
@@ -97,7 +90,6 @@ _CONTACT: Final[Sequence[Figure[FootStatistics]]] = (
     Figure(
         "strides",
         Kind.COUNT,
-        "",
         lambda foot: len(foot.strides.stance),
         "whole strides: touchdown to next touchdown, both seen",
         columns=(Column(_STEPS, "strides", rank=20),),
@@ -107,7 +99,6 @@ _DISCARDED: Final[Sequence[Figure[FootStatistics]]] = (
     Figure(
         "discarded_strides",
         Kind.COUNTS_BY_NAME,
-        "",
         lambda foot: dict(foot.discarded),
         "stances that begin no whole stride, by reason: log_start, log_end, gap, standing, fall",
     ),
@@ -116,14 +107,12 @@ _CHATTER: Final[Sequence[Figure[FootStatistics]]] = (
     Figure(
         "filled_swings",
         Kind.COUNT,
-        "",
         lambda foot: foot.record.filled_swings,
         "swings shorter than the debouncing time, counted as contact",
     ),
     Figure(
         "dropped_stances",
         Kind.COUNT,
-        "",
         lambda foot: foot.record.dropped_stances,
         "contacts shorter than the debouncing time, counted as swing",
     ),
@@ -132,7 +121,6 @@ _TIMING: Final[Sequence[Figure[FootStatistics]]] = (
     Figure(
         "stance_s",
         Kind.AGGREGATE,
-        "s",
         lambda foot: foot.stance_s,
         "lift-off minus touchdown of whole stances",
         null=_NO_STANCE,
@@ -141,7 +129,6 @@ _TIMING: Final[Sequence[Figure[FootStatistics]]] = (
     Figure(
         "swing_s",
         Kind.AGGREGATE,
-        "s",
         lambda foot: foot.swing_s,
         "next touchdown minus lift-off of whole strides",
         null=_NO_STRIDE,
@@ -150,7 +137,6 @@ _TIMING: Final[Sequence[Figure[FootStatistics]]] = (
     Figure(
         "stride_period_s",
         Kind.AGGREGATE,
-        "s",
         lambda foot: foot.stride_period_s,
         "next touchdown minus touchdown",
         null=_NO_STRIDE,
@@ -158,7 +144,6 @@ _TIMING: Final[Sequence[Figure[FootStatistics]]] = (
     Figure(
         "stride_frequency_hz",
         Kind.NUMBER,
-        "1/s",
         lambda foot: foot.stride_frequency_hz,
         "whole strides / sum of their periods",
         null=_NO_STRIDE,
@@ -166,7 +151,6 @@ _TIMING: Final[Sequence[Figure[FootStatistics]]] = (
     Figure(
         "duty_factor",
         Kind.AGGREGATE,
-        "",
         lambda foot: foot.duty_factor,
         "stance / stride period (Hildebrand 1965; Alexander 1984)",
         null=_NO_STRIDE,
@@ -175,7 +159,6 @@ _TIMING: Final[Sequence[Figure[FootStatistics]]] = (
     Figure(
         "stride_length_m",
         Kind.AGGREGATE,
-        "m",
         lambda foot: foot.stride_length_m,
         "horizontal distance of the base between touchdown and next touchdown",
         null=f"{_NO_STRIDE}; no odometry around the touchdowns",
@@ -186,21 +169,18 @@ _EVENTS: Final[Sequence[Figure[FootSource]]] = (
     Figure(
         "contact_without_odometry_s",
         Kind.AMOUNT,
-        "s",
         lambda source: source.stats.contact_without_pose_s[source.row],
         "time in contact further than 0.1 s from any pose of the base",
     ),
     Figure(
         "touchdown_s",
         Kind.NUMBERS,
-        "s",
         lambda source: source.stats.seconds(source.foot.touchdown),
         "times of the touchdowns that were seen, since the log's start",
     ),
     Figure(
         "liftoff_s",
         Kind.NUMBERS,
-        "s",
         lambda source: source.stats.seconds(source.foot.liftoff),
         "times of the lift-offs that were seen, since the log's start",
     ),
@@ -212,19 +192,18 @@ _UNKNOWN: Final = (
 )
 
 
-def _points(
-    key: str, unit: str, of: Callable[[CycleCurve], Floats], definition: str
-) -> Figure[CycleCurve]:
-    return Figure(key, Kind.NUMBERS, unit, lambda curve: of(curve).tolist(), definition)
+def cycle_figures(cycles: str, cycle: str, unit: str) -> Sequence[Figure[CycleCurve]]:
+    """Return the figures of a quantity over stances or strides."""
+    return (
+        Figure("n", Kind.COUNT, lambda curve: curve.number, f"number of {cycles}"),
+        points("percent", lambda curve: curve.percent, f"of the {cycle}", "%"),
+        points("median", lambda curve: curve.median, f"median over {cycles}", unit),
+        points("lower_quartile", lambda curve: curve.lower, "a quarter lies below", unit),
+        points("upper_quartile", lambda curve: curve.upper, "a quarter lies above", unit),
+    )
 
 
-_CURVE: Final[Sequence[Figure[CycleCurve]]] = (
-    Figure("n", Kind.COUNT, "", lambda curve: curve.number, "number of stances or strides"),
-    _points("percent", "%", lambda curve: curve.percent, "of the stance or stride"),
-    _points("median", "N", lambda curve: curve.median, "median over stances or strides"),
-    _points("lower_quartile", "N", lambda curve: curve.lower, "a quarter lies below"),
-    _points("upper_quartile", "N", lambda curve: curve.upper, "a quarter lies above"),
-)
+_CURVE: Final = cycle_figures("stances or strides", "stance or stride", "N")
 
 
 def _curve(key: str, of: Callable[[ForceCurves], CycleCurve | None], definition: str) -> Scope:

@@ -6,8 +6,29 @@ from enum import Enum, auto
 from typing import Any, Final, Generic, TypeVar
 
 from dogbot_logtool.core.geometry.aggregates import Aggregate
+from dogbot_logtool.core.geometry.arrays import Floats
 from dogbot_logtool.dataclass import dataclass
 
+UNITS: Final[Mapping[str, str]] = {
+    "bw": "body weights",
+    "bytes": "bytes",
+    "counts": "counts",
+    "hz": "1/s",
+    "j": "J",
+    "kg": "kg",
+    "m": "m",
+    "mps": "m/s",
+    "mps2": "m/s^2",
+    "n": "N",
+    "nps": "N/s",
+    "ns": "N s",
+    "percent": "%",
+    "ppm": "1e-6",
+    "rad": "rad",
+    "radps": "rad/s",
+    "s": "s",
+}
+"""Units by the ends of keys, such as ``stance_s``."""
 S_contra = TypeVar("S_contra", contravariant=True)
 Json = dict[str, Any]
 
@@ -55,7 +76,6 @@ class TableName(Enum):
     SUMMARY = "several logs in the terminal"
     INDEX = "several logs on the page"
     LOG_ROWS = "logs in Parquet"
-    STRIDE_ROWS = "strides in CSV and Parquet"
 
 
 @dataclass(frozen=True, slots=True)
@@ -88,10 +108,8 @@ class Figure(Generic[S_contra]):
     """One figure: a row of the table."""
 
     key: str
-    """Its key in JSON, or its name as a column of CSV and Parquet."""
+    """Its key in JSON, or its name as a column of CSV and Parquet; `unit_of` it is its unit."""
     kind: Kind
-    unit: str
-    """Empty: none."""
     of: Callable[[S_contra], Any]
     """Takes it from a record of the core."""
     definition: str
@@ -102,11 +120,23 @@ class Figure(Generic[S_contra]):
     """All values that it may have; empty: any."""
     columns: tuple[Column, ...] = ()
     """The tables that show it."""
+    unit: str = ""
+    """Only where the key does not end in it; empty otherwise, and for figures without one."""
+
+    def __post_init__(self) -> None:
+        """Take the unit from the key."""
+        object.__setattr__(self, "unit", self.unit or unit_of(self.key))
 
     def plain(self, source: S_contra) -> Any:  # noqa: ANN401 - JSON
         """Return the value as plain data."""
         value = self.of(source)
         return aggregate_json(value) if isinstance(value, Aggregate) else value
+
+
+def unit_of(key: str) -> str:
+    """Return the unit that a key ends in; empty: none."""
+    _, underscore, end = key.rpartition("_")
+    return UNITS.get(end, "") if underscore else ""
 
 
 class Shape(Enum):
@@ -151,6 +181,18 @@ class Scope:
 
 
 Member = Figure[Any] | Scope
+
+
+def points(
+    key: str, of: Callable[[S_contra], Floats | None], definition: str, unit: str, null: str = ""
+) -> Figure[S_contra]:
+    """Return a figure of the points of a curve."""
+
+    def plain(source: S_contra) -> list[float] | None:
+        found = of(source)
+        return None if found is None else found.tolist()
+
+    return Figure(key, Kind.NUMBERS, plain, definition, null, unit=unit)
 
 
 def inside(

@@ -53,7 +53,6 @@ _TURN: "Final[Sequence[Figure[Turn]]]" = (
     Figure(
         "turn_rad",
         Kind.NUMBER,
-        "rad",
         lambda turn: turn.angle_rad,
         "argument of the sum of a conj(b), with horizontal means over a stride as complex numbers: "
         "b of the poses; to the left",
@@ -61,7 +60,6 @@ _TURN: "Final[Sequence[Figure[Turn]]]" = (
     Figure(
         "coherence",
         Kind.FRACTION,
-        "",
         lambda turn: min(turn.coherence, 1.0),
         "|sum a conj(b)| / sqrt(sum |a|^2 sum |b|^2): 1 where one is the other, turned and scaled",
     ),
@@ -70,7 +68,6 @@ _CURVE: "Final[Sequence[Figure[Delay]]]" = (
     Figure(
         "correlation",
         Kind.NUMBER,
-        "",
         lambda delay: delay.correlation,
         "largest correlation of both, over delays of up to an eighth of a stride either way, 0.2 s "
         "at most",
@@ -78,7 +75,6 @@ _CURVE: "Final[Sequence[Figure[Delay]]]" = (
     Figure(
         "delay_s",
         Kind.NUMBER,
-        "s",
         lambda delay: delay.delay_s,
         "delay of the forces behind the accelerometer at that correlation",
     ),
@@ -87,7 +83,6 @@ _FORCES: Final[Sequence[Member]] = (
     Figure[_ForceSource](
         "known_s",
         Kind.AMOUNT,
-        "s",
         lambda source: source.forces.known_s,
         "time that it is over: windows inside of whole strides in which all feet, accelerometer "
         "and poses are known",
@@ -95,21 +90,18 @@ _FORCES: Final[Sequence[Member]] = (
     Figure[_ForceSource](
         "over_mass_mps2",
         Kind.NUMBER,
-        "m/s^2",
         lambda source: source.forces.vertical_mps2,
         "mean sum of the feet's vertical forces over the mass",
     ),
     Figure[_ForceSource](
         "over_accelerometer",
         Kind.NUMBER,
-        "",
         lambda source: source.forces.ratio,
         "the same over the vertical specific force, levelled and in m/s^2: 1 in a sound recording",
     ),
     Figure[_ForceSource](
         "foot_factors",
         Kind.NUMBERS_BY_NAME,
-        "",
         lambda source: source.scales,
         "what each foot's force must be multiplied with so that their sum is mass times vertical "
         "specific force, 25 times a second (least squares)",
@@ -134,23 +126,17 @@ _FORCES: Final[Sequence[Member]] = (
 )
 IMU: Final[Sequence[Member]] = (
     Figure[ImuSource](
-        "topic",
-        Kind.TEXT,
-        "",
-        lambda source: source.imu.sensed.topic,
-        "topic of the accelerometer",
+        "topic", Kind.TEXT, lambda source: source.imu.sensed.topic, "topic of the accelerometer"
     ),
     Figure[ImuSource](
         "frames",
         Kind.TEXTS,
-        "",
         lambda source: list(source.imu.sensed.frames),
         "frames of its messages' headers",
     ),
     Figure[ImuSource](
         "mounting",
         Kind.TEXT,
-        "",
         lambda source: "recorded" if source.imu.mounting_recorded else "assumed",
         "whether how it sits on the base was recorded as a static transform, or its frame is taken "
         "to be the base's",
@@ -159,7 +145,6 @@ IMU: Final[Sequence[Member]] = (
     Figure[ImuSource](
         "known_s",
         Kind.AMOUNT,
-        "s",
         lambda source: source.imu.known_s,
         "time with accelerometer and poses: all means are over a stride (0.5 s without strides) "
         "about 25 instants a second in it",
@@ -167,7 +152,6 @@ IMU: Final[Sequence[Member]] = (
     Figure[ImuSource](
         "reads",
         Kind.TEXT,
-        "",
         lambda source: source.imu.mounting.reading and source.imu.mounting.reading.value,
         "what it reads, by its mean specific force: m/s^2 within 5 % of what is expected, g within "
         "5 % of 1, without gravity below 4 % of g",
@@ -178,7 +162,6 @@ IMU: Final[Sequence[Member]] = (
     Figure[ImuSource](
         "accelerometer_mps2",
         Kind.AMOUNT,
-        "m/s^2",
         lambda source: source.imu.imu_mps2,
         "length of its mean specific force in the base's frame, as recorded: g, whatever the robot "
         "weighs",
@@ -186,14 +169,12 @@ IMU: Final[Sequence[Member]] = (
     Figure[ImuSource](
         "poses_mps2",
         Kind.NUMBER,
-        "m/s^2",
         lambda source: source.imu.base_mps2,
         "9.81 and the base's mean vertical acceleration, from the change of its speed over strides",
     ),
     Figure[ImuSource](
         "tilt_rad",
         Kind.AMOUNT,
-        "rad",
         lambda source: source.imu.mounting.tilt_rad,
         "angle of its mean specific force against what attitude, gravity and poses expect",
         null="it reads no gravity, or `reads` is null",

@@ -8,7 +8,7 @@ import numpy as np
 from dogbot_logtool.core.geometry.aggregates import aggregate
 from dogbot_logtool.core.geometry.arrays import Floats
 from dogbot_logtool.core.load.load_figures import symmetry_index_percent
-from dogbot_logtool.report.figures.figure import Column, Figure, Kind, Scope, TableName
+from dogbot_logtool.report.figures.figure import Column, Figure, Kind, Scope, TableName, points
 
 if TYPE_CHECKING:
     from dogbot_logtool.core.legs.joint_cycles import JointCurve
@@ -27,35 +27,14 @@ _NO_EFFORT: Final = (
 )
 _NO_VALUES: Final = "joint states contradict each other or the ground's forces (see findings)"
 _UNIT, _EFFORT_UNIT, _SPEED_UNIT = "rad or m", "N m or N", "rad/s or m/s"
+_SPREAD: Final = "standard deviation over strides (divisor n)"
 _CURVE: "Final[Sequence[Figure[JointCurve]]]" = (
-    Figure("n", Kind.COUNT, "", lambda curve: curve.number, "number of strides"),
-    Figure("percent", Kind.NUMBERS, "%", lambda curve: curve.percent.tolist(), "of the stride"),
-    Figure(
-        "position", Kind.NUMBERS, _UNIT, lambda curve: curve.position.tolist(), "mean over strides"
-    ),
-    Figure(
-        "position_sd",
-        Kind.NUMBERS,
-        _UNIT,
-        lambda curve: curve.position_sd.tolist(),
-        "standard deviation over strides (divisor n)",
-    ),
-    Figure(
-        "effort",
-        Kind.NUMBERS,
-        _EFFORT_UNIT,
-        lambda curve: None if curve.effort is None else curve.effort.tolist(),
-        "mean over strides",
-        null=_NO_EFFORT,
-    ),
-    Figure(
-        "effort_sd",
-        Kind.NUMBERS,
-        _EFFORT_UNIT,
-        lambda curve: None if curve.effort_sd is None else curve.effort_sd.tolist(),
-        "standard deviation over strides (divisor n)",
-        null=_NO_EFFORT,
-    ),
+    Figure("n", Kind.COUNT, lambda curve: curve.number, "number of strides"),
+    points("percent", lambda curve: curve.percent, "of the stride", "%"),
+    points("position", lambda curve: curve.position, "mean over strides", _UNIT),
+    points("position_sd", lambda curve: curve.position_sd, _SPREAD, _UNIT),
+    points("effort", lambda curve: curve.effort, "mean over strides", _EFFORT_UNIT, _NO_EFFORT),
+    points("effort_sd", lambda curve: curve.effort_sd, _SPREAD, _EFFORT_UNIT, _NO_EFFORT),
 )
 
 
@@ -91,61 +70,57 @@ JOINT: "Final[Sequence[Figure[LegJoint] | Scope]]" = (
     Figure(
         "foot",
         Kind.TEXT,
-        "",
         lambda joint: joint.foot or None,
         "foot that it moves: by the robot description, else by names",
         null="it is of no leg, or nothing tells of which",
     ),
-    Figure("topic", Kind.TEXT, "", lambda joint: joint.history.topic, "of its states"),
-    Figure(
-        "messages", Kind.COUNT, "", lambda joint: joint.history.messages, "that tell its position"
-    ),
+    Figure("topic", Kind.TEXT, lambda joint: joint.history.topic, "of its states"),
+    Figure("messages", Kind.COUNT, lambda joint: joint.history.messages, "that tell its position"),
     Figure(
         "lowest_position",
         Kind.NUMBER,
-        _UNIT,
         lambda joint: joint.history.lowest,
         "in the log",
+        unit=_UNIT,
         columns=(Column(_JOINTS, "lowest", 3),),
     ),
     Figure(
         "highest_position",
         Kind.NUMBER,
-        _UNIT,
         lambda joint: joint.history.highest,
         "in the log",
+        unit=_UNIT,
         columns=(Column(_JOINTS, "highest", 3),),
     ),
     Figure(
         "range_of_motion",
         Kind.AMOUNT,
-        _UNIT,
         lambda joint: joint.range_of_motion,
         "`highest_position` - `lowest_position`",
+        unit=_UNIT,
         columns=(Column(_JOINTS, "range", 3),),
     ),
     Figure(
         "stride_range_of_motion",
         Kind.AGGREGATE,
-        _UNIT,
         lambda joint: None if joint.curve is None else aggregate(joint.curve.ranges),
         "range of its position in a stride of its foot",
+        unit=_UNIT,
         null=f"nothing tells which foot it moves; {NO_STRIDE}",
         columns=(Column(_JOINTS, "range/stride", 3),),
     ),
     Figure(
         "peak_speed",
         Kind.AMOUNT,
-        _SPEED_UNIT,
         lambda joint: joint.history.peak_speed,
         "highest speed, as messages tell it or by the differences of positions: see "
         "`velocity_source`",
+        unit=_SPEED_UNIT,
         columns=(Column(_JOINTS, "peak speed", 2),),
     ),
     Figure(
         "velocity_source",
         Kind.TEXT,
-        "",
         lambda joint: "messages" if joint.history.velocity_told else "differences",
         "whether messages tell velocities that are not all zero, or positions are differenced",
         choices=("messages", "differences"),
@@ -153,25 +128,24 @@ JOINT: "Final[Sequence[Figure[LegJoint] | Scope]]" = (
     Figure(
         "peak_effort",
         Kind.AMOUNT,
-        _EFFORT_UNIT,
         _effort,
         "largest magnitude of its effort, as recorded",
+        unit=_EFFORT_UNIT,
         null=_NO_EFFORT,
         columns=(Column(_JOINTS, "peak N m", 2),),
     ),
     Figure(
         "rms_effort",
         Kind.AMOUNT,
-        _EFFORT_UNIT,
         _rms,
         "square root of the mean squared effort over all time known (trapezoid)",
+        unit=_EFFORT_UNIT,
         null=_NO_EFFORT,
         columns=(Column(_JOINTS, "RMS N m", 2),),
     ),
     Figure(
         "positive_work_j",
         Kind.AMOUNT,
-        "J",
         _positive_work,
         "positive work in the whole log: integral of effort times velocity where that is positive "
         "(trapezoid), or mean effort times the way between states where no velocity is told; "
@@ -181,7 +155,6 @@ JOINT: "Final[Sequence[Figure[LegJoint] | Scope]]" = (
     Figure(
         "absolute_work_j",
         Kind.AMOUNT,
-        "J",
         _absolute_work,
         "the same of the magnitude of the power",
         null=f"{_NO_EFFORT}; {_NO_VALUES}",
@@ -189,7 +162,6 @@ JOINT: "Final[Sequence[Figure[LegJoint] | Scope]]" = (
     Figure(
         "stride_positive_work_j",
         Kind.AGGREGATE,
-        "J",
         lambda joint: aggregate(joint.work.positive_j),
         "positive work in a stride of its foot, or of the reference foot",
         null=f"{_NO_EFFORT}; {NO_WORK}; {NO_SIGN}; {NO_STRIDE}",
@@ -198,7 +170,6 @@ JOINT: "Final[Sequence[Figure[LegJoint] | Scope]]" = (
     Figure(
         "stride_absolute_work_j",
         Kind.AGGREGATE,
-        "J",
         lambda joint: aggregate(joint.work.absolute_j),
         "absolute work in the same",
         null=f"{_NO_EFFORT}; {NO_WORK}; {NO_STRIDE}",
@@ -207,7 +178,6 @@ JOINT: "Final[Sequence[Figure[LegJoint] | Scope]]" = (
     Figure(
         "near_limit_fraction",
         Kind.FRACTION,
-        "",
         _near_limit,
         "share of the time within 2 % of the range from an end, or above 95 % of the effort or "
         "speed that the robot description allows",
@@ -241,26 +211,31 @@ def _median(values: Floats) -> float | None:
 
 _NO_INDEX: Final = "not known of both joints; both are 0"
 ASYMMETRY: "Final[Sequence[Figure[_Pair]]]" = (
-    Figure("left", Kind.TEXT, "", lambda pair: pair[1].history.name, "joint on the left"),
-    Figure("right", Kind.TEXT, "", lambda pair: pair[2].history.name, "joint on the right"),
+    Figure("left", Kind.TEXT, lambda pair: pair[1].history.name, "joint on the left"),
+    Figure("right", Kind.TEXT, lambda pair: pair[2].history.name, "joint on the right"),
     Figure(
         "range_of_motion",
         Kind.NUMBER,
-        "%",
         _index(lambda joint: None if joint.curve is None else _median(joint.curve.ranges)),
         "symmetry index of the median `stride_range_of_motion`: 100 (right - left) / their mean "
         "(Robinson, Herzog, Nigg 1987)",
+        unit="%",
         null=_NO_INDEX,
     ),
     Figure(
-        "rms_effort", Kind.NUMBER, "%", _index(_rms), "the same of `rms_effort`", null=_NO_INDEX
+        "rms_effort",
+        Kind.NUMBER,
+        _index(_rms),
+        "the same of `rms_effort`",
+        unit="%",
+        null=_NO_INDEX,
     ),
     Figure(
         "absolute_work",
         Kind.NUMBER,
-        "%",
         _index(lambda joint: _median(joint.work.absolute_j)),
         "the same of the median `stride_absolute_work_j`",
+        unit="%",
         null=_NO_INDEX,
     ),
 )

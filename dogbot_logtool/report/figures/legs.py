@@ -5,9 +5,9 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
-from dogbot_logtool.core.gait.cycle_curves import CycleCurve
 from dogbot_logtool.core.geometry.aggregates import aggregate
 from dogbot_logtool.core.geometry.arrays import Floats
+from dogbot_logtool.report.figures.feet import cycle_figures
 from dogbot_logtool.report.figures.figure import Column, Figure, Kind, Scope, Shape, TableName
 from dogbot_logtool.report.figures.foot_source import FootSource
 from dogbot_logtool.report.figures.joints import ASYMMETRY, JOINT, NO_SIGN, NO_STRIDE, NO_WORK
@@ -15,7 +15,7 @@ from dogbot_logtool.report.figures.joints import ASYMMETRY, JOINT, NO_SIGN, NO_S
 if TYPE_CHECKING:
     from dogbot_logtool.core.legs.leg_figures import LegFigures, LegFoot
 
-_LEGS, _ROWS = TableName.LEGS, TableName.STRIDE_ROWS
+_LEGS: Final = TableName.LEGS
 _NO_PATH: Final = (
     "nothing tells of the foot's leg, or its frame is not at rest in stances (see findings)"
 )
@@ -29,7 +29,6 @@ _NO_LEG_WORK: Final = f"no joint is known to be of this leg; {NO_WORK}"
 
 def _of_stride(
     key: str,
-    unit: str,
     of: "Callable[[LegFoot], Floats]",
     texts: tuple[str, str],
     column: Column,
@@ -38,7 +37,6 @@ def _of_stride(
 
     Args:
         key: of both.
-        unit: of both.
         of: takes the values of all strides.
         texts: the definition, and when it is not known.
         column: shows the aggregate.
@@ -47,7 +45,6 @@ def _of_stride(
     aggregated: Figure[LegFoot] = Figure(
         key,
         Kind.AGGREGATE,
-        unit,
         lambda leg: aggregate(of(leg)),
         definition,
         f"{null}; {NO_STRIDE}",
@@ -56,11 +53,9 @@ def _of_stride(
     rows = Figure(
         key,
         Kind.COLUMN,
-        unit,
         _stride_values(of),
         definition,
         f"{null}; the leg is silent in the stride",
-        columns=(Column(_ROWS, key),),
     )
     return aggregated, rows
 
@@ -94,49 +89,42 @@ _WIDTH: Final = "the same across it"
 _OF_STRIDES: Final = (
     _of_stride(
         "clearance_m",
-        "m",
         lambda leg: leg.swings.clearance_m,
         (_CLEARANCE, _NO_PATH),
         Column(_LEGS, "clearance", 1, scale=1e3),
     ),
     _of_stride(
         "swing_length_m",
-        "m",
         lambda leg: leg.swings.length_m,
         (_LENGTH, _NO_PATH),
         Column(_LEGS, "swing m", 3),
     ),
     _of_stride(
         "step_length_m",
-        "m",
         lambda leg: leg.steps.length_m,
         (_STEP, _NO_STEP),
         Column(_LEGS, "step m", 3),
     ),
     _of_stride(
         "step_width_m",
-        "m",
         lambda leg: leg.steps.width_m,
         (_WIDTH, _NO_STEP),
         Column(_LEGS, "width m", 3),
     ),
     _of_stride(
         "touchdown_down_mps",
-        "m/s",
         lambda leg: leg.swings.touchdown_down_mps,
         (_DOWN, _NO_VELOCITY),
         Column(_LEGS, "down m/s", 3),
     ),
     _of_stride(
         "touchdown_along_mps",
-        "m/s",
         lambda leg: leg.swings.touchdown_along_mps,
         (_ALONG, _NO_VELOCITY),
         Column(_LEGS, "along m/s", 3),
     ),
     _of_stride(
         "positive_work_j",
-        "J",
         lambda leg: leg.work.positive_j,
         (
             "positive work of the leg's joints in a stride of the foot",
@@ -146,29 +134,17 @@ _OF_STRIDES: Final = (
     ),
     _of_stride(
         "absolute_work_j",
-        "J",
         lambda leg: leg.work.absolute_j,
         ("absolute work of the leg's joints in a stride of the foot", _NO_LEG_WORK),
         Column(_LEGS, "|work| J", 2),
     ),
 )
 
-_HEIGHT: Final[Sequence[Figure[CycleCurve]]] = (
-    Figure("n", Kind.COUNT, "", lambda curve: curve.number, "number of strides"),
-    Figure("percent", Kind.NUMBERS, "%", lambda curve: curve.percent.tolist(), "of the stride"),
-    Figure("median", Kind.NUMBERS, "m", lambda curve: curve.median.tolist(), "median"),
-    Figure(
-        "lower_quartile", Kind.NUMBERS, "m", lambda curve: curve.lower.tolist(), "a quarter below"
-    ),
-    Figure(
-        "upper_quartile", Kind.NUMBERS, "m", lambda curve: curve.upper.tolist(), "a quarter above"
-    ),
-)
+_HEIGHT: Final = cycle_figures("strides", "stride", "m")
 _FOOT: "Final[Sequence[Figure[LegFoot] | Scope]]" = (
     Figure(
         "frame",
         Kind.TEXT,
-        "",
         lambda leg: leg.frame or None,
         "frame that is followed",
         null="nothing connects a frame of the foot with the base",
@@ -176,7 +152,6 @@ _FOOT: "Final[Sequence[Figure[LegFoot] | Scope]]" = (
     Figure(
         "point",
         Kind.TEXT,
-        "",
         lambda leg: ("contact_point" if leg.touches else "origin") if leg.frame else None,
         "point of that frame: where contacts or the robot's file say that the foot touches the "
         "ground, or the frame's origin (the middle of a ball rolls with it)",
@@ -186,7 +161,6 @@ _FOOT: "Final[Sequence[Figure[LegFoot] | Scope]]" = (
     Figure(
         "frame_travel_m",
         Kind.AGGREGATE,
-        "m",
         lambda leg: leg.travel_m,
         "distance of the point from itself at 20 % and at 80 % of a stance: near 0 where the frame "
         "is the foot's and the odometry does not drift",
@@ -214,7 +188,6 @@ LEGS: "Final[Sequence[Figure[LegFigures] | Scope]]" = (
     Figure(
         "kinematics",
         Kind.TEXT,
-        "",
         _kinematics,
         "what places the feet: joint states with the log's robot description, or its transforms",
         null="nothing connects the feet with the base",
@@ -223,7 +196,6 @@ LEGS: "Final[Sequence[Figure[LegFigures] | Scope]]" = (
     Figure(
         "positive_work_j",
         Kind.AGGREGATE,
-        "J",
         lambda legs: aggregate(legs.work.positive_j),
         "positive work of all joints that tell an effort, in a stride of the reference foot",
         null=f"{NO_WORK}; {NO_SIGN}; {NO_STRIDE}",
@@ -231,7 +203,6 @@ LEGS: "Final[Sequence[Figure[LegFigures] | Scope]]" = (
     Figure(
         "absolute_work_j",
         Kind.AGGREGATE,
-        "J",
         lambda legs: aggregate(legs.work.absolute_j),
         "absolute work of them in the same",
         null=f"{NO_WORK}; {NO_STRIDE}",
@@ -239,7 +210,6 @@ LEGS: "Final[Sequence[Figure[LegFigures] | Scope]]" = (
     Figure(
         "mechanical_cost_of_transport",
         Kind.AMOUNT,
-        "",
         lambda legs: legs.cost_of_transport,
         "absolute mechanical work of the joints / (m g d), summed over strides of the reference "
         "foot; d: their length. It is no electrical cost: no losses of motors and electronics",
@@ -250,7 +220,6 @@ LEGS: "Final[Sequence[Figure[LegFigures] | Scope]]" = (
     Figure(
         "idle_joints",
         Kind.COUNT,
-        "",
         lambda legs: legs.idle,
         "joints of no leg that move by less than 0.02 rad or m; they are not listed",
     ),

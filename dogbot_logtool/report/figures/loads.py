@@ -91,27 +91,27 @@ _INDICES: Final[Sequence[Figure[Pair]]] = (
     Figure(
         "stance_s",
         Kind.NUMBER,
-        "%",
         lambda pair: pair.index_percent(pair.left.stance_s, pair.right.stance_s),
         "of the mean stance durations",
+        unit="%",
         null=_NO_SIDE,
         columns=(Column(_SYMMETRY, "stance %", 1, signed=True),),
     ),
     Figure(
         "duty_factor",
         Kind.NUMBER,
-        "%",
         lambda pair: pair.index_percent(pair.left.duty_factor, pair.right.duty_factor),
         "of the mean duty factors",
+        unit="%",
         null=_NO_SIDE,
         columns=(Column(_SYMMETRY, "duty factor %", 1, signed=True),),
     ),
     Figure(
         "peak_force_n",
         Kind.NUMBER,
-        "%",
         lambda pair: pair.index_percent(pair.left.peak_force_n, pair.right.peak_force_n),
         "of the mean peak forces",
+        unit="%",
         null=_NO_SIDE,
         columns=(Column(_SYMMETRY, "peak force %", 1, signed=True),),
     ),
@@ -122,7 +122,6 @@ def _share_of(group: str) -> Figure[LoadShares]:
     return Figure(
         group,
         Kind.NUMBER,
-        "",
         lambda shares: shares.groups[group],
         f"sum of the {group} feet",
         null=_NO_POSITION,
@@ -133,7 +132,6 @@ _SHARES: Final[Sequence[Figure[LoadShares]]] = (
     Figure(
         "feet",
         Kind.NUMBERS_BY_NAME,
-        "",
         lambda shares: dict(shares.feet),
         "share of each foot; they add up to 1",
         columns=(
@@ -147,7 +145,6 @@ FORCES_OF_SEGMENT: Final[Sequence[Member]] = (
     Figure[LoadSource](
         "vertical_impulse_over_weight",
         Kind.NUMBER,
-        "",
         lambda source: source.loads.vertical_impulse_over_weight,
         "sum over the feet of the integral of the vertical force / (m g t), over the time t of "
         "`known_s`: 1 for a sound recording",
@@ -163,7 +160,6 @@ FORCES_OF_SEGMENT: Final[Sequence[Member]] = (
     Figure[LoadSource](
         "known_s",
         Kind.AMOUNT,
-        "s",
         lambda source: source.loads.known_s,
         "time that these figures are over: whole strides of one foot in which all feet are known, "
         "or all time known to all feet where there are no such strides",
@@ -171,14 +167,12 @@ FORCES_OF_SEGMENT: Final[Sequence[Member]] = (
     Figure[LoadSource](
         "over_strides",
         Kind.FLAG,
-        "",
         lambda source: source.loads.over_strides,
         "whether `known_s` is whole strides",
     ),
     Figure[LoadSource](
         "mean_vertical_n",
         Kind.NUMBER,
-        "N",
         lambda source: source.loads.mean_vertical_n,
         "mean of the feet's summed vertical force over `known_s`",
         null="a sensor gives no force; wrenches are not known in the world frame; no contact",
@@ -186,7 +180,6 @@ FORCES_OF_SEGMENT: Final[Sequence[Member]] = (
     Figure[LoadSource](
         "weight_n",
         Kind.NUMBER,
-        "N",
         lambda source: source.loads.weight_n,
         "weight that figures in body weights rest on: m g, else `mean_vertical_n` over strides",
         null="neither is known; the feet's forces miss m g by more than 20 %",
@@ -194,7 +187,6 @@ FORCES_OF_SEGMENT: Final[Sequence[Member]] = (
     Figure[LoadSource](
         "weight_source",
         Kind.TEXT,
-        "",
         lambda source: source.loads.weight_source,
         "where `weight_n` comes from",
         null="there is none",
@@ -203,7 +195,6 @@ FORCES_OF_SEGMENT: Final[Sequence[Member]] = (
     Figure[LoadSource](
         "load_share_of",
         Kind.TEXT,
-        "",
         lambda source: source.loads.share_of,
         "what the shares are of: the vertical impulse, or the integral of |F| where the direction "
         "of the force is not known",
@@ -235,7 +226,6 @@ FORCES: Final[Sequence[Member]] = (
     Figure[Stats](
         "wrench_frame",
         Kind.TEXT,
-        "",
         lambda stats: str(stats.settings.wrench_frame),
         "as in `settings`",
         choices=WRENCH_FRAMES,
@@ -248,7 +238,6 @@ STABILITY: Final[Sequence[Figure[Stability]]] = (
     Figure(
         "static_margin_m",
         Kind.AGGREGATE,
-        "m",
         lambda found: found.static_margin_m,
         "signed distance of the ground projection of the base, or of the centre of mass that "
         "`settings.com_offset_m` gives, to the edge of the support polygon, positive inside "
@@ -258,7 +247,6 @@ STABILITY: Final[Sequence[Figure[Stability]]] = (
     Figure(
         "energy_margin_m",
         Kind.AGGREGATE,
-        "m",
         lambda found: found.energy_margin_m,
         "by how much the same point must rise to tip over an edge of the support polygon, on a "
         "slope, too, where it is inside: the energy stability margin over the weight (Messuri and "
@@ -269,7 +257,6 @@ STABILITY: Final[Sequence[Figure[Stability]]] = (
     Figure(
         "unknown_fraction",
         Kind.FRACTION,
-        "",
         lambda found: found.unknown_fraction,
         "share of the log's time in which the base, or whether and where a foot stands, is not "
         "known; the other figures leave it out",
@@ -277,7 +264,6 @@ STABILITY: Final[Sequence[Figure[Stability]]] = (
     Figure(
         "undefined_fraction",
         Kind.FRACTION,
-        "",
         lambda found: found.undefined_fraction,
         "share of the instants with fewer than three feet down: no polygon",
         null="there are no instants",
@@ -285,7 +271,6 @@ STABILITY: Final[Sequence[Figure[Stability]]] = (
     Figure(
         "unstable_fraction",
         Kind.FRACTION,
-        "",
         lambda found: found.unstable_fraction,
         "share of the instants with a polygon whose margin is negative",
         null="there is no instant with a polygon",
@@ -293,7 +278,6 @@ STABILITY: Final[Sequence[Figure[Stability]]] = (
     Figure(
         "centre_of_pressure_forward_m",
         Kind.AGGREGATE,
-        "m",
         lambda found: found.pressure_forward_m,
         "centre of pressure ahead of the base: mean of the contact points, weighted by vertical "
         "force",
@@ -302,7 +286,6 @@ STABILITY: Final[Sequence[Figure[Stability]]] = (
     Figure(
         "centre_of_pressure_left_m",
         Kind.AGGREGATE,
-        "m",
         lambda found: found.pressure_left_m,
         "the same to the left of the base",
         null=_NO_PRESSURE,

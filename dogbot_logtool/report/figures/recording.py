@@ -4,32 +4,24 @@ from collections.abc import Sequence
 from typing import Final
 
 from dogbot_logtool.finding import Finding, Severity
-from dogbot_logtool.report.figures.figure import (
-    Column,
-    Figure,
-    Json,
-    Kind,
-    TableName,
-)
+from dogbot_logtool.report.figures.figure import Column, Figure, Json, Kind, TableName
 from dogbot_logtool.results import LogFacts
 
 _LOG_ROWS: Final = TableName.LOG_ROWS
 
 LOG: Final[Sequence[Figure[LogFacts]]] = (
-    Figure("path", Kind.TEXT, "", lambda log: log.path, "the log, as it was named"),
+    Figure("path", Kind.TEXT, lambda log: log.path, "the log, as it was named"),
     Figure(
         "container",
         Kind.TEXT,
-        "",
         lambda log: log.container,
         "kind of file",
         columns=(Column(_LOG_ROWS, "container", rank=10),),
     ),
-    Figure("profile", Kind.TEXT, "", lambda log: log.profile, "profile of the file: ros1, ros2"),
+    Figure("profile", Kind.TEXT, lambda log: log.profile, "profile of the file: ros1, ros2"),
     Figure(
         "start_s",
         Kind.NUMBER,
-        "s",
         lambda log: log.start_s,
         "log time of the first message, since the epoch",
         null="the log holds no message",
@@ -38,7 +30,6 @@ LOG: Final[Sequence[Figure[LogFacts]]] = (
     Figure(
         "duration_s",
         Kind.NUMBER,
-        "s",
         lambda log: log.duration_s,
         "log time of the last message minus that of the first",
         null="the log holds no message",
@@ -50,7 +41,6 @@ LOG: Final[Sequence[Figure[LogFacts]]] = (
     Figure(
         "messages",
         Kind.COUNT,
-        "",
         lambda log: log.messages,
         "messages in the log",
         columns=(Column(_LOG_ROWS, "messages", rank=10),),
@@ -59,20 +49,18 @@ LOG: Final[Sequence[Figure[LogFacts]]] = (
 """Facts about the log."""
 
 FINDING: Final[Sequence[Figure[Finding]]] = (
-    Figure("code", Kind.TEXT, "", lambda each: each.code, "what it is: see findings.md"),
+    Figure("code", Kind.TEXT, lambda each: each.code, "what it is: see findings.md"),
     Figure(
         "severity",
         Kind.TEXT,
-        "",
         lambda each: each.severity.word,
         "how much it matters",
         choices=tuple(each.word for each in Severity),
     ),
-    Figure("text", Kind.TEXT, "", lambda each: each.text, "a sentence about this log"),
+    Figure("text", Kind.TEXT, lambda each: each.text, "a sentence about this log"),
     Figure(
         "remedy",
         Kind.TEXT,
-        "",
         lambda each: each.remedy or None,
         "what to do about it",
         null="nothing is to be done",
@@ -80,7 +68,6 @@ FINDING: Final[Sequence[Figure[Finding]]] = (
     Figure(
         "where",
         Kind.TEXT,
-        "",
         lambda each: each.where or None,
         "the figure or topic that it is about",
         null="it is about the whole log",

@@ -30,28 +30,24 @@ SENSOR: Final[Sequence[Figure[FootSensor]]] = (
     Figure(
         "contact_on_n",
         Kind.AMOUNT,
-        "N",
         lambda sensor: sensor.rule.on_n,
         "|F| above the unloaded level from which the foot is in contact",
     ),
     Figure(
         "contact_off_n",
         Kind.AMOUNT,
-        "N",
         lambda sensor: sensor.rule.off_n,
         "|F| above the unloaded level below which contact ends",
     ),
     Figure(
         "debounce_s",
         Kind.AMOUNT,
-        "s",
         lambda sensor: sensor.rule.debounce_s,
         "max(20 ms, 1.5 sampling intervals): shorter swings are filled, shorter stances dropped",
     ),
     Figure(
         "thresholds_from",
         Kind.TEXT,
-        "",
         lambda sensor: sensor.rule.origin,
         "where the thresholds come from",
         choices=_ORIGINS,
@@ -59,7 +55,6 @@ SENSOR: Final[Sequence[Figure[FootSensor]]] = (
     Figure(
         "offset_from",
         Kind.TEXT,
-        "",
         lambda sensor: sensor.level.origin,
         "where the unloaded level comes from",
         choices=_ORIGINS,
@@ -67,7 +62,6 @@ SENSOR: Final[Sequence[Figure[FootSensor]]] = (
     Figure(
         "zero_in_swing",
         Kind.FLAG,
-        "",
         lambda sensor: sensor.level.zero_in_swing,
         "whether it reads exactly zero in swing",
     ),
@@ -76,7 +70,6 @@ SETTINGS: Final[Sequence[Figure[Stats]]] = (
     Figure(
         "time_source",
         Kind.TEXT,
-        "",
         lambda stats: str(stats.settings.clock),
         "clock of all figures: header stamps or log time",
         choices=CLOCKS,
@@ -84,7 +77,6 @@ SETTINGS: Final[Sequence[Figure[Stats]]] = (
     Figure(
         "time_source_forced",
         Kind.FLAG,
-        "",
         lambda stats: (
             stats.settings.time_source is not None and not stats.settings.time_source_reason
         ),
@@ -93,15 +85,14 @@ SETTINGS: Final[Sequence[Figure[Stats]]] = (
     Figure(
         "time_origin_ns",
         Kind.INTEGER,
-        "ns",
         lambda stats: stats.origin,
         "earliest time of any used message on that clock: the log's start, from which times are "
         "counted",
+        unit="ns",
     ),
     Figure(
         "mass_kg",
         Kind.NUMBER,
-        "kg",
         lambda stats: stats.settings.mass_kg,
         "mass m of the robot",
         null="neither an option nor the robot's file says",
@@ -110,7 +101,6 @@ SETTINGS: Final[Sequence[Figure[Stats]]] = (
     Figure(
         "body_weight_n",
         Kind.NUMBER,
-        "N",
         lambda stats: stats.settings.body_weight_n,
         "m g, g = 9.81 m/s^2",
         null="the mass is not known",
@@ -118,7 +108,6 @@ SETTINGS: Final[Sequence[Figure[Stats]]] = (
     Figure(
         "forward_axis",
         Kind.TEXT,
-        "",
         lambda stats: stats.settings.forward_axis,
         "axis of the body that points forward",
         choices=("+x", "-x", "+y", "-y"),
@@ -126,7 +115,6 @@ SETTINGS: Final[Sequence[Figure[Stats]]] = (
     Figure(
         "wrench_frame",
         Kind.TEXT,
-        "",
         lambda stats: str(stats.settings.wrench_frame),
         "frame in which wrenches were recorded",
         choices=WRENCH_FRAMES,
@@ -134,7 +122,6 @@ SETTINGS: Final[Sequence[Figure[Stats]]] = (
     Figure(
         "contact_on_n",
         Kind.NUMBER,
-        "N",
         lambda stats: _of_all(stats, lambda sensor: sensor.rule.on_n),
         "|F| from which a foot is in contact",
         null="it differs from foot to foot: see `sensors`",
@@ -142,7 +129,6 @@ SETTINGS: Final[Sequence[Figure[Stats]]] = (
     Figure(
         "contact_off_n",
         Kind.NUMBER,
-        "N",
         lambda stats: _of_all(stats, lambda sensor: sensor.rule.off_n),
         "|F| below which contact ends; 0: where the sensor reports none",
         null="it differs from foot to foot: see `sensors`",
@@ -150,7 +136,6 @@ SETTINGS: Final[Sequence[Figure[Stats]]] = (
     Figure(
         "contact_on_counts",
         Kind.NUMBER,
-        "counts",
         lambda stats: stats.settings.contact_on_counts,
         "counts above a foot's offset from which a raw sensor without a scale is in contact",
         null="the robot's file does not say",
@@ -158,7 +143,6 @@ SETTINGS: Final[Sequence[Figure[Stats]]] = (
     Figure(
         "debounce_s",
         Kind.NUMBER,
-        "s",
         lambda stats: _of_all(stats, lambda sensor: sensor.rule.debounce_s),
         "shorter contacts and swings are no stances and swings",
         null="it differs from foot to foot: see `sensors`",
@@ -166,7 +150,6 @@ SETTINGS: Final[Sequence[Figure[Stats]]] = (
     Figure(
         "com_offset_m",
         Kind.NUMBERS,
-        "m",
         lambda stats: None if (at := stats.settings.com_offset_m) is None else list(at),
         "centre of mass from the base's frame, in its axes",
         null="the robot's file does not say: it is taken to be at the base",
@@ -174,7 +157,6 @@ SETTINGS: Final[Sequence[Figure[Stats]]] = (
     Figure(
         "foot_rolling_m",
         Kind.NUMBER,
-        "m",
         lambda stats: stats.settings.foot_rolling_m,
         "travel of the contact point of a foot that rolls without slipping",
         null="the robot's file does not say",
@@ -182,7 +164,6 @@ SETTINGS: Final[Sequence[Figure[Stats]]] = (
     Figure(
         "reference_foot",
         Kind.TEXT,
-        "",
         lambda stats: stats.feet[stats.reference].name if stats.feet else None,
         "foot that phases are measured against: the first that has strides",
         null="the robot has no feet",
@@ -190,7 +171,6 @@ SETTINGS: Final[Sequence[Figure[Stats]]] = (
     Figure(
         "odometry_topic",
         Kind.TEXT,
-        "",
         lambda stats: stats.settings.odometry_topic or None,
         "topic of the poses of the base",
         null="there is none",
@@ -198,7 +178,6 @@ SETTINGS: Final[Sequence[Figure[Stats]]] = (
     Figure(
         "loading_rate_method",
         Kind.TEXT,
-        "",
         lambda _: "slope from 20 % to 80 % of the rise to the first peak",
         "how loading rates are measured",
     ),

@@ -6,13 +6,7 @@ from typing import Any
 
 from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.report.figures.document import DOCUMENT, STRIDE_ROWS
-from dogbot_logtool.report.figures.figure import (
-    Column,
-    Figure,
-    Json,
-    TableName,
-    all_figures,
-)
+from dogbot_logtool.report.figures.figure import Column, Figure, Json, TableName, all_figures
 from dogbot_logtool.report.numbers import NOTHING, decimal, percent
 
 

@@ -48,7 +48,7 @@ def topic_sources(stats: Stats) -> dict[str, TopicSource]:
 
 
 def _percentile(key: str, words: str) -> Figure[Mapping[str, float]]:
-    return Figure(key, Kind.NUMBER, "s", lambda intervals: intervals[key], words)
+    return Figure(key, Kind.NUMBER, lambda intervals: intervals[key], words, unit="s")
 
 
 @dataclass(frozen=True, slots=True)
@@ -65,14 +65,12 @@ _GAP: Final[Sequence[Figure[_GapSource]]] = (
     Figure(
         "start_s",
         Kind.NUMBER,
-        "s",
         lambda source: source.topic.seconds(source.gap.start),
         "the last message before it, since the log's start",
     ),
     Figure(
         "length_s",
         Kind.NUMBER,
-        "s",
         lambda source: source.gap.length_s,
         "how long it lasts",
         columns=(Column(_TOPICS, "longest s", 2, rank=60, first=True),),
@@ -82,7 +80,6 @@ _GAPS: Final[Sequence[Member]] = (
     Figure[TopicSource](
         "count",
         Kind.COUNT,
-        "",
         lambda source: source.topic.gaps,
         "number of gaps",
         columns=(Column(_TOPICS, "gaps", rank=40),),
@@ -90,7 +87,6 @@ _GAPS: Final[Sequence[Member]] = (
     Figure[TopicSource](
         "total_s",
         Kind.NUMBER,
-        "s",
         lambda source: source.topic.gaps_total_s,
         "sum of their lengths",
         columns=(Column(_TOPICS, "gaps s", 2, rank=50),),
@@ -101,7 +97,6 @@ TOPIC: Final[Sequence[Member]] = (
     Figure[TopicSource](
         "messages",
         Kind.COUNT,
-        "",
         lambda source: source.topic.messages,
         "messages of the topic",
         columns=(Column(_TOPICS, "messages", rank=10, thousands=True),),
@@ -109,7 +104,6 @@ TOPIC: Final[Sequence[Member]] = (
     Figure[TopicSource](
         "clock",
         Kind.TEXT,
-        "",
         lambda source: str(source.topic.clock),
         "clock of first, last, rates, intervals and gaps",
         choices=CLOCKS,
@@ -117,21 +111,18 @@ TOPIC: Final[Sequence[Member]] = (
     Figure[TopicSource](
         "first_s",
         Kind.NUMBER,
-        "s",
         lambda source: source.seconds(source.topic.first),
         "earliest time on that clock, since the log's start",
     ),
     Figure[TopicSource](
         "last_s",
         Kind.NUMBER,
-        "s",
         lambda source: source.seconds(source.topic.last),
         "latest time on that clock, since the log's start",
     ),
     Figure[TopicSource](
         "rate_hz",
         Kind.NUMBER,
-        "1/s",
         lambda source: source.topic.rate_hz,
         "(messages - 1) / (last - first)",
         null="fewer than 10 messages; all of them within 50 ms",
@@ -140,7 +131,6 @@ TOPIC: Final[Sequence[Member]] = (
     Figure[TopicSource](
         "median_rate_hz",
         Kind.NUMBER,
-        "1/s",
         lambda source: source.topic.median_rate_hz,
         "1 / median interval; in bursts, messages / the time without gaps",
         null="no interval is usual",
@@ -170,7 +160,6 @@ TOPIC: Final[Sequence[Member]] = (
     Figure[TopicSource](
         "duplicate_stamps",
         Kind.COUNT,
-        "",
         lambda source: source.topic.duplicate_stamps,
         "header stamps equal to the one before",
         null=_NO_HEADER,
@@ -178,7 +167,6 @@ TOPIC: Final[Sequence[Member]] = (
     Figure[TopicSource](
         "backward_stamps",
         Kind.COUNT,
-        "",
         lambda source: source.topic.backward_stamps,
         "header stamps earlier than the one before",
         null=_NO_HEADER,
@@ -186,7 +174,6 @@ TOPIC: Final[Sequence[Member]] = (
     Figure[TopicSource](
         "zero_stamps",
         Kind.COUNT,
-        "",
         lambda source: source.topic.zero_stamps,
         "header stamps of zero",
         null=_NO_HEADER,
@@ -194,7 +181,6 @@ TOPIC: Final[Sequence[Member]] = (
     Figure[TopicSource](
         "stamps_ahead",
         Kind.COUNT,
-        "",
         lambda source: source.topic.stamps_ahead,
         "header stamps ahead of those that follow",
         null=_NO_HEADER,
@@ -202,28 +188,24 @@ TOPIC: Final[Sequence[Member]] = (
     Figure[TopicSource](
         "clock_steps",
         Kind.COUNT,
-        "",
         lambda source: len(source.topic.clock_steps),
         "times at which the clock of its stamps is set to another time",
     ),
     Figure[TopicSource](
         "duplicate_log_times",
         Kind.COUNT,
-        "",
         lambda source: source.topic.duplicate_log_times,
         "log times equal to the one before",
     ),
     Figure[TopicSource](
         "backward_log_times",
         Kind.COUNT,
-        "",
         lambda source: source.topic.backward_log_times,
         "log times earlier than the one before",
     ),
     Figure[TopicSource](
         "header_to_log_offset_s",
         Kind.NUMBER,
-        "s",
         lambda source: source.topic.offset_median_s,
         "median of log time minus header stamp",
         null=_NO_HEADER,
@@ -232,7 +214,6 @@ TOPIC: Final[Sequence[Member]] = (
     Figure[TopicSource](
         "header_to_log_drift_ppm",
         Kind.NUMBER,
-        "1e-6",
         lambda source: source.topic.offset_drift_ppm,
         "millionths by which log time runs faster than the stamps",
         null=f"{_NO_HEADER}; less than 5 s",
@@ -240,7 +221,6 @@ TOPIC: Final[Sequence[Member]] = (
     Figure[TopicSource](
         "frame_ids",
         Kind.TEXTS,
-        "",
         lambda source: list(source.topic.frame_ids),
         "frame ids of its headers",
     ),

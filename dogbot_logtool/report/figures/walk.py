@@ -113,16 +113,15 @@ _PHASE: Final[Sequence[Figure[CircularMean]]] = (
     Figure(
         "mean",
         Kind.FRACTION,
-        "cycles",
         lambda phase: phase.mean,
         "touchdown of the foot after that of the reference foot / stride period of the reference "
         "foot (Hildebrand 1965), mean on the circle (Batschelet 1981), in [0, 1)",
+        unit="cycles",
         columns=(Column(_STEPS, "phase", 3, rank=60),),
     ),
     Figure(
         "consistency",
         Kind.FRACTION,
-        "",
         lambda phase: phase.consistency,
         "length R of the mean on the circle: 1 where all phases are equal, near 0 where they are "
         "spread evenly (Batschelet 1981)",
@@ -134,7 +133,6 @@ GAIT: Final[Sequence[Member]] = (
     Figure[SegmentSource](
         "class",
         Kind.TEXT,
-        "",
         lambda source: source.segment.gait.name,
         "class of the gait by its phases: the nearest class, if the phases deviate by at most 0.1 "
         "cycles and every R exceeds 0.8; else irregular. stand: all feet are down for longer than "
@@ -146,7 +144,6 @@ GAIT: Final[Sequence[Member]] = (
     Figure[SegmentSource](
         "sequence",
         Kind.TEXT,
-        "",
         lambda source: source.segment.gait.sequence,
         "order of the feet, where the class leaves it open: lateral or diagonal in a walk, rotary "
         "or transverse in a gallop",
@@ -157,7 +154,6 @@ GAIT: Final[Sequence[Member]] = (
     Figure[SegmentSource](
         "nearest_class",
         Kind.TEXT,
-        "",
         lambda source: source.segment.gait.nearest,
         "class whose phases are nearest, whether it fits or not",
         null="not four feet whose leg positions are known; a foot has no touchdowns in it",
@@ -165,15 +161,14 @@ GAIT: Final[Sequence[Member]] = (
     Figure[SegmentSource](
         "class_distance",
         Kind.NUMBER,
-        "cycles",
         lambda source: source.segment.gait.distance,
         "largest deviation of the phases from what defines the nearest class",
+        unit="cycles",
         null="as `nearest_class`",
     ),
     Figure[SegmentSource](
         "duty_below_half",
         Kind.FLAG,
-        "",
         lambda source: source.segment.duty_below_half,
         "whether the duty factor is below 0.5; not a definition of running (Biknevicius and Reilly "
         "2006)",
@@ -182,7 +177,6 @@ GAIT: Final[Sequence[Member]] = (
     Figure[SegmentSource](
         "duty_factor",
         Kind.FRACTION,
-        "",
         lambda source: source.segment.duty_factor,
         "mean of the feet's mean duty factors",
         null=_NO_STRIDE,
@@ -195,7 +189,6 @@ GAIT: Final[Sequence[Member]] = (
     Figure[SegmentSource](
         "stride_frequency_hz",
         Kind.NUMBER,
-        "1/s",
         lambda source: source.segment.stride_frequency_hz,
         "stride frequency of the reference foot",
         null="the reference foot makes no whole stride in it",
@@ -208,24 +201,23 @@ GAIT: Final[Sequence[Member]] = (
     Figure[SegmentSource](
         "diagonality",
         Kind.FRACTION,
-        "cycles",
         _diagonality,
         "share of the stride by which a hind footfall precedes the fore one of its side, mean of "
         "both sides on the circle (Cartmill, Lemelin and Schmitt 2002)",
+        unit="cycles",
         null="not four feet whose leg positions are known; a foot has no touchdowns in it",
     ),
     Figure[SegmentSource](
         "limb_phase",
         Kind.FRACTIONS_BY_NAME,
-        "cycles",
         _limb_phase,
         "share of the stride by which the hind footfall precedes the fore one, left and right",
+        unit="cycles",
         null="not four feet whose leg positions are known; a foot has no touchdowns in it",
     ),
     Figure[SegmentSource](
         "moves_without_steps",
         Kind.FLAG,
-        "",
         lambda source: source.segment.moves_without_steps,
         "whether all feet stay down while the base moves: no gait is claimed",
     ),
@@ -253,21 +245,18 @@ SEGMENT: Final[Sequence[Member]] = (
     Figure[SegmentSource](
         "start_s",
         Kind.NUMBER,
-        "s",
         lambda source: source.seconds(source.segment.start),
         "its start, since the log's start",
     ),
     Figure[SegmentSource](
         "end_s",
         Kind.NUMBER,
-        "s",
         lambda source: source.seconds(source.segment.end),
         "its end, since the log's start",
     ),
     Figure[SegmentSource](
         "strides",
         Kind.COUNT,
-        "",
         lambda source: source.segment.strides,
         "whole strides of the reference foot",
     ),
@@ -275,7 +264,6 @@ SEGMENT: Final[Sequence[Member]] = (
     Figure[SegmentSource](
         "flight_fraction",
         Kind.FRACTION,
-        "",
         lambda source: source.segment.flight_fraction,
         "share of the time with no foot down",
         null=_NO_SUPPORT,
@@ -283,7 +271,6 @@ SEGMENT: Final[Sequence[Member]] = (
     Figure[SegmentSource](
         "double_support_fraction",
         Kind.FRACTION,
-        "",
         lambda source: _double_support(source.figures.support),
         "share of the time with both of two feet down",
         null=f"not two feet; {_NO_SUPPORT}",
@@ -343,8 +330,8 @@ def _feet_down(support: Support) -> dict[str, float]:
 
 
 _SETS: Final[Sequence[Figure[SupportSet]]] = (
-    Figure("feet", Kind.TEXTS, "", lambda each: each.feet, "the feet that are down"),
-    Figure("fraction", Kind.FRACTION, "", lambda each: each.fraction, "share of the time"),
+    Figure("feet", Kind.TEXTS, lambda each: each.feet, "the feet that are down"),
+    Figure("fraction", Kind.FRACTION, lambda each: each.fraction, "share of the time"),
 )
 
 
@@ -358,7 +345,6 @@ SUPPORT: Final[Sequence[Member]] = (
             Figure(
                 "support",
                 Kind.FRACTIONS_BY_NAME,
-                "",
                 _feet_down,
                 "share of the time with 0, 1, 2 ... feet down, of the time known to all feet",
             ),
@@ -379,14 +365,12 @@ SUPPORT: Final[Sequence[Member]] = (
             Figure(
                 "flight_fraction",
                 Kind.FRACTION,
-                "",
                 lambda support: support.flight_fraction,
                 "share of the time with no foot down, of the time known to all feet",
             ),
             Figure(
                 "double_support_fraction",
                 Kind.FRACTION,
-                "",
                 lambda support: support.double_support_fraction,
                 "share of the time with both of two feet down",
                 null="not two feet",

@@ -7,9 +7,9 @@ from typing import Final, TextIO
 import numpy as np
 
 from dogbot_logtool.io.printable import printable
+from dogbot_logtool.report.figures.document import STRIDE_FIGURES
 from dogbot_logtool.report.figures.events import EVENT_COLUMNS
-from dogbot_logtool.report.figures.figure import Json, TableName
-from dogbot_logtool.report.figures.tables import headers
+from dogbot_logtool.report.figures.figure import Json
 from dogbot_logtool.results import StrideTable
 
 _FORMULA: Final = ("=", "+", "-", "@", "\t", "\r")
@@ -17,7 +17,7 @@ _FORMULA: Final = ("=", "+", "-", "@", "\t", "\r")
 
 def write_strides(file: TextIO, results: Iterable[tuple[str, StrideTable]]) -> None:
     """Write a row for each stride, given logs' names and strides; what is not known is empty."""
-    figures = headers(TableName.STRIDE_ROWS)
+    figures = [figure.key for figure in STRIDE_FIGURES]
     writer = csv.writer(file, lineterminator="\n")
     writer.writerow(["log", "foot", *figures])
     for path, strides in results:

@@ -3,9 +3,8 @@
 import numpy as np
 
 from dogbot_logtool.core.statistics import Stats
-from dogbot_logtool.report.figures.figure import TableName
+from dogbot_logtool.report.figures.document import STRIDE_FIGURES
 from dogbot_logtool.report.figures.foot_source import foot_sources
-from dogbot_logtool.report.figures.tables import columns_of
 from dogbot_logtool.results import StrideTable
 
 
@@ -14,9 +13,7 @@ def stride_table(stats: Stats) -> StrideTable:
     feet = foot_sources(stats)
     names = [name for name, foot in feet.items() for _ in foot.foot.strides.stance]
     columns = {
-        each.column.header: np.concatenate(
-            [np.empty(0), *(each.figure.of(foot) for foot in feet.values())]
-        )
-        for each in columns_of(TableName.STRIDE_ROWS)
+        figure.key: np.concatenate([np.empty(0), *map(figure.of, feet.values())])
+        for figure in STRIDE_FIGURES
     }
     return StrideTable(tuple(names), columns)

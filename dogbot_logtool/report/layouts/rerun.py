@@ -77,10 +77,7 @@ def _eye(rrb: Any, view: "View") -> Any:  # noqa: ANN401 - of a library without 
 def _load(rrb: Any, view: "View", row: int) -> Any:  # noqa: ANN401 - of a library without types
     """Return the load curve of a foot."""
     import rerun  # noqa: PLC0415 - an extra
-    from rerun.blueprint.encodings import (  # noqa: PLC0415
-        ComponentSourceKind,
-        VisualizerComponentMapping,
-    )
+    from rerun.blueprint.encodings import ComponentSourceKind, VisualizerComponentMapping  # noqa: PLC0415
 
     foot = view.feet[row]
     force = VisualizerComponentMapping(

@@ -1,6 +1,6 @@
 """The page itself: figures and tables set in a template, with all that it needs."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any, Final
 
@@ -12,13 +12,7 @@ from dogbot_logtool.core.statistics import Stats
 from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.report.figures.document import DOCUMENT, log_source
 from dogbot_logtool.report.numbers import NOTHING, span_of
-from dogbot_logtool.report.page.assets import (
-    json_in_html,
-    own,
-    page_script,
-    policy_of,
-    rendered,
-)
+from dogbot_logtool.report.page.assets import json_in_html, own, page_script, policy_of, rendered
 from dogbot_logtool.report.page.charts.chart import packed
 from dogbot_logtool.report.page.charts.commands_figure import tracked_commands
 from dogbot_logtool.report.page.charts.cycle_figure import force_over_cycle
@@ -43,10 +37,18 @@ from dogbot_logtool.report.page.tables import (
 from dogbot_logtool.report.text.gait_diagram import default_window
 from dogbot_logtool.results import LogFacts
 
-FIGURES: Final = (
-    *("gait", "loads", "motion", "commands", "cycle", "legs", "ground", "clock", "recording"),
-)
-"""Names of all figures; a log may lack some."""
+FIGURES: Final[Mapping[str, Callable[[Stats], Drawing | None]]] = {
+    "gait": gait_diagram,
+    "loads": load_curves,
+    "motion": motion,
+    "commands": tracked_commands,
+    "cycle": force_over_cycle,
+    "legs": legs_over_cycle,
+    "ground": walk_from_above,
+    "clock": phase_clock,
+    "recording": recording,
+}
+"""What draws each figure, by the name that the template knows it by; a log may lack some."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -94,7 +96,8 @@ def page(
     source = log_source(stats, log)
     document = DOCUMENT.plain(source)
     events = event_list(stats)
-    drawings = {each.name: each for each in _drawings(stats)}
+    drawn = {name: draw(stats) for name, draw in FIGURES.items()}
+    drawings = {name: drawing for name, drawing in drawn.items() if drawing is not None}
     for drawing in drawings.values():
         if drawing.over_time:
             drawing.figure.layout["shapes"] = marks(events, drawing)
@@ -110,7 +113,7 @@ def page(
         css=Markup(own("page.css")),  # noqa: S704 - our own file
         script=Markup(script),  # noqa: S704 - Plotly's and ours
         policy=Markup(policy_of(script) if script else "'self' file:"),  # noqa: S704 - a hash
-        drawings={name: drawings.get(name) for name in FIGURES},
+        drawings=drawn,
         drawings_json=json_in_html([_plain(each) for each in drawings.values()]),
         times_json=json_in_html(_times(stats)),
         replay=replay,
@@ -132,22 +135,6 @@ def page(
         },
         settings=_settings(stats),
     )
-
-
-def _drawings(stats: Stats) -> Iterator[Drawing]:
-    """Yield the figures that the log allows."""
-    makers = (
-        gait_diagram,
-        load_curves,
-        motion,
-        tracked_commands,
-        force_over_cycle,
-        legs_over_cycle,
-        walk_from_above,
-        phase_clock,
-        recording,
-    )
-    yield from (drawing for make in makers if (drawing := make(stats)) is not None)
 
 
 def _plain(drawing: Drawing) -> dict[str, Any]:

@@ -1,7 +1,6 @@
 """The summary, to be read in ten seconds: the gait, a few numbers, and whether to trust them."""
 
 from collections.abc import Iterator, Sequence
-from datetime import UTC, datetime
 from typing import Final
 
 from dogbot_logtool.core.findings.checks import Check, Outcome, checks_of
@@ -11,7 +10,7 @@ from dogbot_logtool.core.statistics import Stats
 from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.finding import Finding, Severity
 from dogbot_logtool.report.figures.document import log_source
-from dogbot_logtool.report.numbers import decimal
+from dogbot_logtool.report.numbers import date_of, decimal
 from dogbot_logtool.report.verdict import (
     evidence,
     fall_headline,
@@ -21,9 +20,6 @@ from dogbot_logtool.report.verdict import (
 )
 from dogbot_logtool.results import LogFacts
 
-_FIRST_ROS_S: Final = 1_100_000_000.0
-"""s since the epoch, in 2004: before any robot's log was recorded. Also `_LAST_DATE_S`, in 2100."""
-_LAST_DATE_S: Final = 4_102_444_800.0
 _DOUBTFUL: Final = frozenset(GRAVE[: GRAVE.index("W_FORWARD_AXIS")]) - {"W_FALL"}
 """Findings that make all figures doubtful."""
 _LONGEST: Final = 110
@@ -104,9 +100,8 @@ def recorded_at(start_s: float | None) -> str:
     """Say when a recording began, in UTC; clocks of simulators begin in 1970."""
     if start_s is None:
         return "not known"
-    if not _FIRST_ROS_S < start_s < _LAST_DATE_S:
-        return f"{start_s:.0f} s (no date)"
-    return datetime.fromtimestamp(start_s, UTC).strftime("%Y-%m-%d %H:%M:%S UTC")
+    date = date_of(start_s)
+    return f"{date:%Y-%m-%d %H:%M:%S} UTC" if date else f"{start_s:.0f} s (no date)"
 
 
 def _doubt(stats: Stats, log: LogFacts) -> str:

@@ -8,12 +8,7 @@ import numpy as np
 from dogbot_logtool.core.gait.foot_statistics import FootStatistics
 from dogbot_logtool.core.geometry.arrays import Floats, Ints
 from dogbot_logtool.core.geometry.order_statistics import distinct
-from dogbot_logtool.core.quality.outliers import (
-    LEAST_SHARE,
-    MOST_DEVIATIONS,
-    Outliers,
-    outliers,
-)
+from dogbot_logtool.core.quality.outliers import LEAST_SHARE, MOST_DEVIATIONS, Outliers, outliers
 from dogbot_logtool.core.statistics import Stats
 from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.report.figures.figure import Json, TableName

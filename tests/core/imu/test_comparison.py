@@ -7,13 +7,13 @@ import numpy as np
 import pytest
 
 from dogbot_logtool.core.accumulator import StatsAccumulator
-from dogbot_logtool.core.findings.checks import codes_of_checks
 from dogbot_logtool.core.findings.findings import findings_of
 from dogbot_logtool.core.imu.comparison import ImuComparison
 from dogbot_logtool.core.imu.forces import ForceComparison
 from dogbot_logtool.core.imu.mounting import Reading
 from dogbot_logtool.core.recorded.vectors import VectorSamples
 from dogbot_logtool.core.statistics import Stats
+from dogbot_logtool.finding import finding_kinds
 from tests.truth.core_columns import foot_samples, odometry, stats_settings
 from tests.truth.gaits import PACE, TROT, WALK
 from tests.truth.recording import Floats, FootRecording, Recording, about_axis, product, turned
@@ -21,7 +21,7 @@ from tests.truth.sensed import G, pushed, with_imu
 from tests.truth.walking import Walk
 
 IMU_CODES = frozenset(
-    code for code in codes_of_checks() if "_IMU_" in code or code.startswith("W_FORCES")
+    code for code in finding_kinds() if "_IMU_" in code or code.startswith("W_FORCES")
 ) | {"W_FOOT_SCALE", "W_MASS_ODD", "N_IMU_UNDECIDED", "N_IMU_NOTHING"}
 
 

@@ -44,7 +44,29 @@ class _Part:
     """Number of its first chunk among all."""
 
 
-class JoinedLog(Log):
+class SeveralLogs(Log):
+    """Several files that are read as one log; they are closed with it."""
+
+    def __init__(self, path: Location, logs: Sequence[Log], contents: Contents) -> None:
+        super().__init__(Folder(path, sum(log.source.size for log in logs)), contents)
+        self.logs = logs
+
+    @property
+    def can_fork(self) -> bool:
+        """See `Log.can_fork`."""
+        return all(log.can_fork for log in self.logs)
+
+    def source_of(self, extra: Extra) -> ByteSource:
+        """See `Log.source_of`."""
+        return self.logs[extra.file].source
+
+    def close(self) -> None:
+        """Close all files."""
+        for log in self.logs:
+            log.close()
+
+
+class JoinedLog(SeveralLogs):
     """Logs, one after the other. Channels that are alike in all are one."""
 
     container = "ROS 2 bag"
@@ -66,18 +88,9 @@ class JoinedLog(Log):
             chunks.extend(_renumbered(chunk, part, row) for row, chunk in enumerate(log.chunks))
         contents = joint_contents(joint.channels, logs, [part.channel for part in self._parts])
         contents = replace(contents, chunks=chunks, losses=(*losses, *contents.losses))
-        super().__init__(Folder(path, sum(log.source.size for log in logs)), contents)
+        super().__init__(path, logs, contents)
         storage = logs[0].container
         self.container = storage if "ROS 2 bag" in storage else f"ROS 2 bag ({storage})"
-
-    @property
-    def can_fork(self) -> bool:
-        """See `Log.can_fork`."""
-        return all(part.log.can_fork for part in self._parts)
-
-    def source_of(self, extra: Extra) -> ByteSource:
-        """See `Log.source_of`."""
-        return self._parts[extra.file].log.source
 
     def grouped(self, chunks: Iterable[Chunk]) -> Iterator[Span]:
         """See `Log.grouped`; a batch never reaches over two files."""
@@ -106,11 +119,6 @@ class JoinedLog(Log):
 
     def _part(self, chunk: Chunk) -> _Part:
         return next(part for part in reversed(self._parts) if part.first <= chunk.offset)
-
-    def close(self) -> None:
-        """Close all files."""
-        for part in self._parts:
-            part.log.close()
 
 
 class JointChannels:

@@ -5,7 +5,7 @@ from typing import Final
 import numpy as np
 
 from dogbot_logtool.core.geometry.rotations import from_roll_pitch_yaw
-from dogbot_logtool.reader.decode.fields import number, table, text, time
+from dogbot_logtool.reader.decode.fields import HEADER, number, table
 from dogbot_logtool.reader.messages.bases.source import BasePoses, BaseSource, poses_of
 from dogbot_logtool.reader.messages.messages import DecodedMessages
 
@@ -38,8 +38,7 @@ def _read(messages: DecodedMessages, element: str) -> BasePoses:
 SOURCE: Final = BaseSource(
     "dwl_msgs/WholeBodyState",
     (
-        time("header.stamp"),
-        text("header.frame_id"),
+        *HEADER,
         table("base", number("id"), number("position")),
     ),
     _read,

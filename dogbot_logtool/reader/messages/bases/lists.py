@@ -6,7 +6,7 @@ import numpy as np
 
 from dogbot_logtool.core.geometry.arrays import Ints
 from dogbot_logtool.reader.decode.columns import Nested
-from dogbot_logtool.reader.decode.fields import table, text, texts, time, vector
+from dogbot_logtool.reader.decode.fields import HEADER, table, texts, vector
 from dogbot_logtool.reader.decode.message_layout import ELEMENT
 from dogbot_logtool.reader.messages.bases.source import BasePoses, BaseSource, poses_of
 from dogbot_logtool.reader.messages.messages import DecodedMessages
@@ -93,8 +93,7 @@ SOURCES: Final = (
     BaseSource(
         "nav_msgs/Path",
         (
-            time("header.stamp"),
-            text("header.frame_id"),
+            *HEADER,
             table("poses", *vector("pose.position"), *vector("pose.orientation", "xyzw")),
         ),
         _last_poses,

@@ -13,12 +13,7 @@ from dogbot_logtool.errors import DefinitionError
 from dogbot_logtool.reader.containers.contents import Channel
 from dogbot_logtool.reader.decode.fields import fixed_numbers, numbers
 from dogbot_logtool.reader.decode.message_layout import ELEMENT
-from dogbot_logtool.reader.messages.bases.source import (
-    BasePoses,
-    BaseSource,
-    pose_source,
-    poses_of,
-)
+from dogbot_logtool.reader.messages.bases.source import BasePoses, BaseSource, pose_source, poses_of
 from dogbot_logtool.reader.messages.messages import DecodedMessages, check_channel
 
 _SLICE: Final = r"([A-Za-z_][\w.]*)\[(\d{1,6}):(\d{1,6})\]"

@@ -9,14 +9,7 @@ from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.errors import DefinitionError
 from dogbot_logtool.reader.containers.batch import Batch
 from dogbot_logtool.reader.containers.contents import Channel
-from dogbot_logtool.reader.messages.bases import (
-    dwl,
-    lists,
-    numbers,
-    poses,
-    transforms,
-    unitree,
-)
+from dogbot_logtool.reader.messages.bases import dwl, lists, numbers, poses, transforms, unitree
 from dogbot_logtool.reader.messages.bases.source import BasePoses, BaseSource
 from dogbot_logtool.reader.messages.messages import check_channel, decode_channels
 

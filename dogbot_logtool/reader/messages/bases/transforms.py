@@ -1,19 +1,14 @@
 """The base from the log's own transforms: a pair of frames, such as ``odom/base_link``."""
 
-from collections.abc import Callable
-from functools import partial
 from typing import Final
 
 import numpy as np
 
 from dogbot_logtool.core.frames.recorded_transforms import RecordedTransforms
 from dogbot_logtool.core.geometry.order_statistics import distinct
-from dogbot_logtool.reader.decode.fields import Fields
-from dogbot_logtool.reader.messages import foxglove_transforms, transforms
 from dogbot_logtool.reader.messages.bases.source import BasePoses, BaseSource, poses_of
 from dogbot_logtool.reader.messages.messages import DecodedMessages
-
-ToTransforms = Callable[[DecodedMessages], RecordedTransforms]
+from dogbot_logtool.reader.messages.transforms import FIELDS, transform_columns
 
 
 def pair_name(parent: str, child: str) -> str:
@@ -21,18 +16,18 @@ def pair_name(parent: str, child: str) -> str:
     return f"{parent.lstrip('/')}/{child.lstrip('/')}"
 
 
-def _elements(messages: DecodedMessages, *, columns: ToTransforms) -> frozenset[str]:
+def _elements(messages: DecodedMessages) -> frozenset[str]:
     """Return the names of the pairs of frames that messages hold."""
-    recorded = columns(messages)
+    recorded = transform_columns(messages)
     return frozenset(
         pair_name(recorded.parents[parent], recorded.children[child])
         for parent, child in _pairs(recorded)
     )
 
 
-def _read(messages: DecodedMessages, element: str, *, columns: ToTransforms) -> BasePoses:
+def _read(messages: DecodedMessages, element: str) -> BasePoses:
     """Read the transforms of one pair of frames."""
-    recorded = columns(messages)
+    recorded = transform_columns(messages)
     found = [
         (parent, child)
         for parent, child in _pairs(recorded)
@@ -55,17 +50,6 @@ def _read(messages: DecodedMessages, element: str, *, columns: ToTransforms) -> 
     )
 
 
-def _source(type_name: str, fields: Fields, columns: ToTransforms) -> BaseSource:
-    return BaseSource(
-        type_name,
-        fields,
-        partial(_read, columns=columns),
-        partial(_elements, columns=columns),
-        has_one_pose=False,
-        is_transform=True,
-    )
-
-
 def _pairs(recorded: RecordedTransforms) -> list[tuple[int, int]]:
     """Return the different pairs of codes of parents and children."""
     width = max(len(recorded.children), 1)
@@ -73,13 +57,7 @@ def _pairs(recorded: RecordedTransforms) -> list[tuple[int, int]]:
     return [divmod(pair, width) for pair in pairs]
 
 
-SOURCES: Final = (
-    *(
-        _source(type_name, transforms.FIELDS, transforms.transform_columns)
-        for type_name in sorted(transforms.TRANSFORM_TYPES)
-    ),
-    *(
-        _source(type_name, fields, foxglove_transforms.foxglove_columns)
-        for type_name, fields in foxglove_transforms.FIELDS.items()
-    ),
+SOURCES: Final = tuple(
+    BaseSource(type_name, fields, _read, _elements, has_one_pose=False, is_transform=True)
+    for type_name, fields in FIELDS.items()
 )

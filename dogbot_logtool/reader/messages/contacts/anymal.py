@@ -3,13 +3,9 @@
 from functools import partial
 from typing import Final
 
-from dogbot_logtool.reader.decode.fields import number, table, text, time, vector
+from dogbot_logtool.reader.decode.fields import HEADER, number, table, text, vector
 from dogbot_logtool.reader.messages.contacts.source import ContactSource
-from dogbot_logtool.reader.messages.contacts.whole_robot import (
-    contact_names,
-    named_contacts,
-    reader_of,
-)
+from dogbot_logtool.reader.messages.contacts.whole_robot import contact_names, named_contacts
 
 _FLAGS: Final = {0: 0.0, 1: 1.0, 2: 1.0}
 """Contact by `Contact.state`: open, closed, slipping."""
@@ -20,8 +16,7 @@ _values: Final = partial(
 SOURCE: Final = ContactSource(
     type_name="anymal_msgs/AnymalState",
     fields=(
-        time("header.stamp"),
-        text("header.frame_id"),
+        *HEADER,
         table(
             "contacts",
             text("name"),
@@ -31,7 +26,6 @@ SOURCE: Final = ContactSource(
             *vector("normal"),
         ),
     ),
-    read=reader_of(_values),
     values=_values,
     feet_in=contact_names,
     any_package=True,

@@ -6,10 +6,10 @@ from typing import Final
 import numpy as np
 
 from dogbot_logtool.core.frames.wrench_frame import WrenchFrame
-from dogbot_logtool.reader.decode.fields import numbers, text, time
+from dogbot_logtool.reader.decode.fields import HEADER, numbers
 from dogbot_logtool.reader.decode.message_layout import ELEMENT
-from dogbot_logtool.reader.messages.contacts.source import ContactSource
-from dogbot_logtool.reader.messages.contacts.whole_robot import FootValues, matrix, reader_of
+from dogbot_logtool.reader.messages.contacts.source import ContactSource, FootValues
+from dogbot_logtool.reader.messages.contacts.whole_robot import QUADRUPED, matrix
 from dogbot_logtool.reader.messages.messages import DecodedMessages
 from dogbot_logtool.robot import Foot
 
@@ -25,9 +25,9 @@ def _values(messages: DecodedMessages, feet: Sequence[Foot]) -> FootValues:
 
 SOURCE: Final = ContactSource(
     type_name="champ_msgs/ContactsStamped",
-    fields=(time("header.stamp"), text("header.frame_id"), numbers("contacts")),
-    read=reader_of(_values),
-    elements=("front_left", "front_right", "back_left", "back_right"),
+    fields=(*HEADER, numbers("contacts")),
+    values=_values,
+    elements=QUADRUPED,
     any_package=True,
     frame=WrenchFrame.UNKNOWN,
     has_force=False,

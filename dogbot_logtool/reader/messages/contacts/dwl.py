@@ -5,14 +5,11 @@ from functools import partial
 from typing import Final
 
 from dogbot_logtool.core.frames.wrench_frame import WrenchFrame
-from dogbot_logtool.reader.decode.fields import table, text, time, vector
-from dogbot_logtool.reader.messages.contacts.source import ContactSource
+from dogbot_logtool.reader.decode.fields import HEADER, table, text, vector
+from dogbot_logtool.reader.messages.contacts.source import ContactSource, FootValues
 from dogbot_logtool.reader.messages.contacts.whole_robot import (
-    FootValues,
     contact_names,
-    is_named_as_planned,
     labelled_elements,
-    reader_of,
     scattered,
 )
 from dogbot_logtool.reader.messages.messages import DecodedMessages
@@ -36,15 +33,13 @@ def _source(position: str) -> ContactSource:
     return ContactSource(
         type_name="dwl_msgs/WholeBodyState",
         fields=(
-            time("header.stamp"),
-            text("header.frame_id"),
+            *HEADER,
             table("contacts", text("name"), *vector(position), *vector("wrench.force")),
         ),
-        read=reader_of(values, in_base=True),
         values=values,
         feet_in=contact_names,
         any_package=True,
-        is_planned=is_named_as_planned,
+        plans="by_name",
         frame=WrenchFrame.UNKNOWN,
         in_base=True,
     )

@@ -12,7 +12,7 @@ from dogbot_logtool.errors import DefinitionError
 from dogbot_logtool.reader.containers.contents import Channel
 from dogbot_logtool.reader.decode.definition import Struct
 from dogbot_logtool.reader.decode.field_path import FieldPath, has_header, parse_field_path
-from dogbot_logtool.reader.decode.fields import Fields, text, time
+from dogbot_logtool.reader.decode.fields import HEADER, Fields
 from dogbot_logtool.reader.messages.contacts.source import (
     ContactSamples,
     ContactSource,
@@ -46,7 +46,7 @@ def _field_source(
     if len(kinds) > 1:
         raise DefinitionError("some of its feet are forces and others contacts; `kind` says which")
     is_stamped = has_header(definition)
-    read: Fields = (time("header.stamp"), text("header.frame_id")) if is_stamped else ()
+    read: Fields = HEADER if is_stamped else ()
     read = (*read, *(each for path in paths.values() for each in path.fields))
     return ContactSource(
         type_name=type_name,

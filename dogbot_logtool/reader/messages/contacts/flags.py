@@ -8,13 +8,12 @@ import numpy as np
 
 from dogbot_logtool.core.frames.wrench_frame import WrenchFrame
 from dogbot_logtool.core.geometry.arrays import Flags, Floats
-from dogbot_logtool.reader.decode.fields import number, text, time
-from dogbot_logtool.reader.messages.contacts.source import ContactSource
-from dogbot_logtool.reader.messages.contacts.whole_robot import FootValues, reader_of
+from dogbot_logtool.reader.decode.fields import HEADER, number
+from dogbot_logtool.reader.messages.contacts.source import ContactSource, FootValues
+from dogbot_logtool.reader.messages.contacts.whole_robot import QUADRUPED
 from dogbot_logtool.reader.messages.messages import DecodedMessages
 from dogbot_logtool.robot import Foot
 
-_LEGS: Final = ("front_left", "front_right", "back_left", "back_right")
 _LETTERS: Final = ("lf", "rf", "lh", "rh")
 _NOTHING: Final = 0.01
 """Pronto writes a number of its own for each foot in contact, for plots: none is a probability."""
@@ -48,10 +47,9 @@ def _source(
     values = partial(_values, paths=tuple(paths), touches=touches)
     return ContactSource(
         type_name=type_name,
-        fields=(time("header.stamp"), text("header.frame_id"), *map(number, paths)),
-        read=reader_of(values),
+        fields=(*HEADER, *map(number, paths)),
         values=values,
-        elements=_LEGS,
+        elements=QUADRUPED,
         any_package=True,
         frame=WrenchFrame.UNKNOWN,
         has_force=False,

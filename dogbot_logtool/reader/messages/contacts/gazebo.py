@@ -12,7 +12,7 @@ import numpy as np
 from dogbot_logtool.core.contact.contacts import NOT_THIS_FOOT, Contacts, contact_samples
 from dogbot_logtool.core.frames.wrench_frame import WrenchFrame
 from dogbot_logtool.core.geometry.arrays import sum_by_group
-from dogbot_logtool.reader.decode.fields import table, text, time, vector
+from dogbot_logtool.reader.decode.fields import HEADER, table, text, vector
 from dogbot_logtool.reader.messages.contacts.collisions import foot_sides
 from dogbot_logtool.reader.messages.contacts.source import (
     ContactSamples,
@@ -23,8 +23,7 @@ from dogbot_logtool.reader.messages.contacts.source import (
 from dogbot_logtool.reader.messages.messages import DecodedMessages
 
 _FIELDS: Final = (
-    time("header.stamp"),
-    text("header.frame_id"),
+    *HEADER,
     table(
         "contacts",
         text("collision1.name"),

@@ -1,4 +1,8 @@
-"""gazebo_msgs/ContactsState: the bumpers of Gazebo classic."""
+"""gazebo_msgs/ContactsState: the bumpers of Gazebo classic.
+
+A sensor that is slower than the simulation puts the states of several physics steps into one
+message. Which of them a contact state belongs to is told by its text `info` alone.
+"""
 
 from typing import Final
 
@@ -11,18 +15,11 @@ from dogbot_logtool.core.contact.contacts import (
     Contacts,
     contact_samples,
 )
-from dogbot_logtool.core.geometry.arrays import Ints
+from dogbot_logtool.core.geometry.arrays import Bytes, Flags, Ints
 from dogbot_logtool.core.geometry.order_statistics import distinct
-from dogbot_logtool.reader.decode.fields import table, text, time, vector
-from dogbot_logtool.reader.messages.contacts.collisions import (
-    foot_sides,
-    link_of_collision,
-)
-from dogbot_logtool.reader.messages.contacts.physics_steps import (
-    newest_lag,
-    newest_step,
-    steps_of_messages,
-)
+from dogbot_logtool.reader.decode.columns import Texts, gather_bytes
+from dogbot_logtool.reader.decode.fields import HEADER, table, text, vector
+from dogbot_logtool.reader.messages.contacts.collisions import foot_sides, link_of_collision
 from dogbot_logtool.reader.messages.contacts.source import (
     ContactSamples,
     ContactSource,
@@ -33,9 +30,11 @@ from dogbot_logtool.reader.messages.contacts.source import (
 )
 from dogbot_logtool.reader.messages.messages import DecodedMessages
 
+_INFO_TAIL: Final = 48
+"""Bytes at the end of `info` that hold the time of the physics step, and more."""
+_TIME: Final = np.frombuffer(b"time:", np.uint8)
 _FIELDS: Final = (
-    time("header.stamp"),
-    text("header.frame_id"),
+    *HEADER,
     table(
         "states",
         text("info"),
@@ -113,6 +112,125 @@ def step_timing(messages: DecodedMessages) -> StepTiming:
     return steps_of_messages(
         states.table.texts("info"), states.parent, messages.table.nanoseconds("header.stamp")
     )
+
+
+def newest_step(info: Texts, message: Ints, messages: int) -> tuple[Flags, int]:
+    """Tell which states belong to their message's newest physics step.
+
+    The step's time is only in the text `info`: ``time:12.345000000`` in ROS 1, ``time: [12.345]``
+    in ROS 2. States come in the order of the steps, so those whose time reads like the last
+    state's are the newest. Where any state of a message tells no time, all count as one step.
+
+    Args:
+        info: (s,) texts.
+        message: (s,) the message of each state; states of one message stand in order.
+        messages: number of messages.
+
+    Returns:
+        (s,) flags, and how many messages of several states tell no time.
+    """
+    if not len(message):
+        return np.ones(0, np.bool_), 0
+    last_state = np.zeros(messages, np.int64)
+    last_state[message] = np.arange(len(message))
+    states_of = np.bincount(message, minlength=messages)
+    if states_of.max() == 1:
+        return np.ones(len(message), np.bool_), 0
+    time, timed = _step_times(info)
+    newest: Flags = time == time[last_state[message]]
+    if timed.all():
+        return newest, 0
+    untimed = np.bincount(message[~timed], minlength=messages) > 0
+    newest |= untimed[message]
+    return newest, int((untimed & (states_of > 1)).sum())
+
+
+def _step_times(info: Texts) -> tuple[NDArray[np.void], Flags]:
+    """(s,) the text after the last ``time:`` in a form that compares, and (s,) if there is one."""
+    end = info.end
+    alike = _times_at_same_offset(info, end)
+    if alike is not None:
+        return alike, np.ones(len(end), np.bool_)
+    size = min(_INFO_TAIL, len(info.buffer))
+    first = np.maximum(end - size, 0)
+    tail = np.zeros((len(end), _INFO_TAIL), np.uint8)
+    tail[:, :size] = gather_bytes(info.buffer, first, size)
+    column = np.arange(_INFO_TAIL)
+    begins_at = (info.start - first)[:, None]
+    inside = (column >= begins_at) & (column < (end - first)[:, None])
+    colons = (tail == ord(":")) & inside
+    colon = _INFO_TAIL - 1 - colons[:, ::-1].argmax(axis=1)
+    rows = np.arange(len(end))
+    timed = colons[rows, colon] & (colon >= 4)
+    for back, letter in enumerate(b"emit", start=1):
+        timed &= tail[rows, colon - back] == letter
+    tail[column <= colon[:, None]] = 0
+    tail[~inside] = 0
+    return tail.view(f"V{_INFO_TAIL}")[:, 0], timed
+
+
+def _times_at_same_offset(info: Texts, end: Ints) -> NDArray[np.void] | None:
+    """(s,) what `_step_times` seeks if it is as long in all texts, as is usual; else None."""
+    text = info.text(0)
+    size = len(text) - text.rfind("time:") if text.isascii() and "time:" in text else 0
+    if not len(_TIME) < size <= _INFO_TAIL or int(info.length.min()) < size:
+        return None
+    tail = gather_bytes(info.buffer, end - size, size)
+    if (tail[:, : len(_TIME)] != _TIME).any() or (tail[:, len(_TIME) :] == ord(":")).any():
+        return None
+    return tail.view(f"V{size}")[:, 0]
+
+
+def newest_lag(info: Texts, message: Ints, stamp: Ints) -> Ints:
+    """Return by how much the newest step of each message is older than its stamp.
+
+    Args:
+        info: (s,) texts.
+        message: (s,) the message of each state; states of one message stand in order.
+        stamp: (n,) ns.
+
+    Returns:
+        (n,) ns; 0 where a message has no state, or one that tells no time.
+    """
+    last_state = np.full(len(stamp), -1, np.int64)
+    last_state[message] = np.arange(len(message))
+    known = np.flatnonzero(last_state >= 0)
+    time, timed = _nanoseconds(info, last_state[known])
+    lag = np.zeros(len(stamp), np.int64)
+    lag[known[timed]] = stamp[known[timed]] - time[timed]
+    return lag
+
+
+def steps_of_messages(info: Texts, message: Ints, stamp: Ints) -> StepTiming:
+    """Look at the messages that hold several steps; arguments as for `newest_lag`."""
+    time, timed = _nanoseconds(info, np.arange(len(message)))
+    time, message = time[timed], message[timed]
+    order = np.lexsort((time, message))
+    time, message = time[order], message[order]
+    step = np.diff(time)
+    later = (message[1:] == message[:-1]) & (step > 0)
+    several = distinct(message[1:][later])
+    newest = time[np.searchsorted(message, several, side="right") - 1]
+    return StepTiming(stamp[several] - newest, step[later])
+
+
+def _nanoseconds(info: Texts, rows: Ints) -> tuple[Ints, Flags]:
+    """(k,) ns, the time that some texts tell, and (k,) if they do.
+
+    Behind the point stand nanoseconds, which ROS 1 fills up with zeros and ROS 2 does not.
+    """
+    if not len(rows):
+        return rows, np.ones(0, np.bool_)
+    time, timed = _step_times(Texts(info.buffer, info.start[rows], info.length[rows]))
+    characters: Bytes = time.view(np.uint8).reshape(len(time), -1)
+    seconds, nanoseconds = np.zeros((2, len(time)), np.int64)
+    behind_point = np.zeros(len(time), np.bool_)
+    for column in characters.T:
+        digit = (column >= ord("0")) & (column <= ord("9"))
+        for number, here in ((seconds, digit & ~behind_point), (nanoseconds, digit & behind_point)):
+            number[here] = 10 * number[here] + column[here] - ord("0")
+        behind_point |= column == ord(".")
+    return seconds * 1_000_000_000 + nanoseconds, timed
 
 
 SOURCE: Final = ContactSource(

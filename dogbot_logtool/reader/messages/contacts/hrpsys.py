@@ -6,15 +6,11 @@ from typing import Final
 import numpy as np
 
 from dogbot_logtool.core.frames.wrench_frame import WrenchFrame
-from dogbot_logtool.reader.decode.fields import number, table, text, time
-from dogbot_logtool.reader.messages.contacts.source import ContactSource
+from dogbot_logtool.reader.decode.fields import HEADER, number, table, text
+from dogbot_logtool.reader.messages.contacts.source import ContactSource, FootValues, MessageFoot
 from dogbot_logtool.reader.messages.contacts.whole_robot import (
-    FootValues,
-    MessageFoot,
-    is_named_as_planned,
     labelled_elements,
     labels_in,
-    reader_of,
     scattered,
 )
 from dogbot_logtool.reader.messages.messages import DecodedMessages
@@ -47,15 +43,13 @@ def _feet_in(messages: DecodedMessages) -> tuple[MessageFoot, ...]:
 SOURCE: Final = ContactSource(
     type_name="hrpsys_ros_bridge/ContactStatesStamped",
     fields=(
-        time("header.stamp"),
-        text("header.frame_id"),
+        *HEADER,
         table("states", text("header.frame_id"), number("state.state")),
     ),
-    read=reader_of(_values),
     values=_values,
     feet_in=_feet_in,
     any_package=True,
-    is_planned=is_named_as_planned,
+    plans="by_name",
     frame=WrenchFrame.UNKNOWN,
     has_force=False,
     has_points=False,

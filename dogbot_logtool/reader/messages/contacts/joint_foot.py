@@ -8,23 +8,22 @@ from typing import Final
 
 from dogbot_logtool.core.frames.wrench_frame import WrenchFrame
 from dogbot_logtool.core.geometry.arrays import Floats
-from dogbot_logtool.reader.decode.fields import numbers, text, time
+from dogbot_logtool.reader.decode.fields import HEADER, numbers
 from dogbot_logtool.reader.messages.contacts.source import (
     ContactSamples,
     ContactSource,
     FootChannels,
 )
 from dogbot_logtool.reader.messages.contacts.unitree import raw_samples
-from dogbot_logtool.reader.messages.contacts.whole_robot import arrays_of_length
+from dogbot_logtool.reader.messages.contacts.whole_robot import QUADRUPED, arrays_of_length
 from dogbot_logtool.reader.messages.messages import DecodedMessages
 
-_LEGS: Final = ("front_left", "front_right", "back_left", "back_right")
 JOINTS: Final = 12
 
 
 def _counts(messages: DecodedMessages) -> Floats:
     """(n, 4) counts; NaN in messages of another number of joints."""
-    return arrays_of_length(messages, "effort", JOINTS + len(_LEGS))[:, JOINTS:]
+    return arrays_of_length(messages, "effort", JOINTS + len(QUADRUPED))[:, JOINTS:]
 
 
 def to_contact_samples(messages: DecodedMessages, feet: FootChannels) -> ContactSamples:
@@ -33,16 +32,12 @@ def to_contact_samples(messages: DecodedMessages, feet: FootChannels) -> Contact
     return raw_samples(messages, feet, _counts(messages), stamp=stamp)
 
 
-def _is_about_feet(topic: str) -> bool:
-    return topic.rstrip("/").endswith("joint_foot")
-
-
 SOURCE: Final = ContactSource(
     type_name="sensor_msgs/JointState",
-    fields=(time("header.stamp"), text("header.frame_id"), numbers("effort")),
+    fields=(*HEADER, numbers("effort")),
     read=to_contact_samples,
-    elements=_LEGS,
-    is_about_feet=_is_about_feet,
+    elements=QUADRUPED,
+    topic_end="joint_foot",
     frame=WrenchFrame.UNKNOWN,
     has_points=False,
     is_raw=True,

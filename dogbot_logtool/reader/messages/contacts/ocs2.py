@@ -11,18 +11,11 @@ import numpy as np
 
 from dogbot_logtool.core.frames.wrench_frame import WrenchFrame
 from dogbot_logtool.reader.decode.fields import number, numbers
-from dogbot_logtool.reader.messages.contacts.source import ContactSource
-from dogbot_logtool.reader.messages.contacts.whole_robot import (
-    FootValues,
-    MessageFoot,
-    always_planned,
-    arrays_of_length,
-    reader_of,
-)
+from dogbot_logtool.reader.messages.contacts.source import ContactSource, FootValues, MessageFoot
+from dogbot_logtool.reader.messages.contacts.whole_robot import QUADRUPED, arrays_of_length
 from dogbot_logtool.reader.messages.messages import DecodedMessages
 from dogbot_logtool.robot import Foot
 
-_LEGS: Final = ("front_left", "front_right", "back_left", "back_right")
 _BITS: Final = (8, 4, 2, 1)
 _STATE: Final = 24
 """Momentum, base pose, twelve joints."""
@@ -33,13 +26,13 @@ _INPUT: Final = 24
 def _values(messages: DecodedMessages, feet: Sequence[Foot]) -> FootValues:
     del feet
     rows = len(messages.channel)
-    forces = arrays_of_length(messages, "input.value", _INPUT)[:, : 3 * len(_LEGS)]
+    forces = arrays_of_length(messages, "input.value", _INPUT)[:, : 3 * len(QUADRUPED)]
     mode = messages.table.numbers("mode").astype(np.int64)
     flags = np.stack([(mode & bit) > 0 for bit in _BITS], axis=1).astype(np.float64)
     return FootValues(
         stamp=np.zeros(rows, np.int64),
         contact=flags,
-        force=forces.reshape(rows, len(_LEGS), 3),
+        force=forces.reshape(rows, len(QUADRUPED), 3),
     )
 
 
@@ -49,17 +42,16 @@ def _feet_in(messages: DecodedMessages) -> tuple[MessageFoot, ...]:
     whole &= np.isfinite(arrays_of_length(messages, "input.value", _INPUT)).all(axis=1)
     if not whole.any():
         return ()
-    return tuple(MessageFoot(name=name) for name in _LEGS)
+    return tuple(MessageFoot(name=name) for name in QUADRUPED)
 
 
 SOURCE: Final = ContactSource(
     type_name="ocs2_msgs/mpc_observation",
     fields=(number("mode"), numbers("state.value"), numbers("input.value")),
-    read=reader_of(_values, in_world=True),
     values=_values,
     feet_in=_feet_in,
     any_package=True,
-    is_planned=always_planned,
+    plans="always",
     frame=WrenchFrame.WORLD,
     has_header=False,
     has_points=False,

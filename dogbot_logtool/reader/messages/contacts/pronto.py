@@ -6,9 +6,8 @@ from typing import Final
 import numpy as np
 
 from dogbot_logtool.core.frames.wrench_frame import WrenchFrame
-from dogbot_logtool.reader.decode.fields import text, time, vector
-from dogbot_logtool.reader.messages.contacts.source import ContactSource
-from dogbot_logtool.reader.messages.contacts.whole_robot import FootValues, reader_of
+from dogbot_logtool.reader.decode.fields import HEADER, vector
+from dogbot_logtool.reader.messages.contacts.source import ContactSource, FootValues
 from dogbot_logtool.reader.messages.messages import DecodedMessages
 from dogbot_logtool.robot import Foot
 
@@ -31,11 +30,9 @@ def _values(messages: DecodedMessages, feet: Sequence[Foot]) -> FootValues:
 SOURCE: Final = ContactSource(
     type_name="pronto_msgs/QuadrupedForceTorqueSensors",
     fields=(
-        time("header.stamp"),
-        text("header.frame_id"),
+        *HEADER,
         *(field for path in _LEGS.values() for field in vector(f"{path}.force")),
     ),
-    read=reader_of(_values),
     values=_values,
     elements=tuple(_LEGS),
     any_package=True,

@@ -6,15 +6,10 @@ from typing import Final
 import numpy as np
 
 from dogbot_logtool.core.frames.wrench_frame import WrenchFrame
-from dogbot_logtool.reader.decode.fields import numbers, table, text, time, vector
+from dogbot_logtool.reader.decode.fields import HEADER, numbers, table, vector
 from dogbot_logtool.reader.decode.message_layout import ELEMENT
-from dogbot_logtool.reader.messages.contacts.source import ContactSource
-from dogbot_logtool.reader.messages.contacts.whole_robot import (
-    FootValues,
-    is_named_as_planned,
-    matrix,
-    reader_of,
-)
+from dogbot_logtool.reader.messages.contacts.source import ContactSource, FootValues
+from dogbot_logtool.reader.messages.contacts.whole_robot import matrix
 from dogbot_logtool.reader.messages.messages import DecodedMessages
 from dogbot_logtool.robot import Foot
 
@@ -38,17 +33,15 @@ def _values(messages: DecodedMessages, feet: Sequence[Foot]) -> FootValues:
 SOURCE: Final = ContactSource(
     type_name="quad_msgs/GRFArray",
     fields=(
-        time("header.stamp"),
-        text("header.frame_id"),
+        *HEADER,
         table("vectors", *vector("")),
         table("points", *vector("")),
         numbers("contact_states"),
     ),
-    read=reader_of(_values, in_world=True),
     values=_values,
     elements=_LEGS,
     any_package=True,
-    is_planned=is_named_as_planned,
+    plans="by_name",
     frame=WrenchFrame.WORLD,
     has_flags=True,
 )

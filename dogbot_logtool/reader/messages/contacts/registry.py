@@ -36,12 +36,8 @@ from dogbot_logtool.reader.messages.contacts.source import (
     FootLinks,
     StepTiming,
 )
-from dogbot_logtool.reader.messages.contacts.whole_robot import by_type
-from dogbot_logtool.reader.messages.messages import (
-    DecodedMessages,
-    check_channel,
-    decode_channels,
-)
+from dogbot_logtool.reader.messages.contacts.whole_robot import by_type, read_messages
+from dogbot_logtool.reader.messages.messages import DecodedMessages, check_channel, decode_channels
 from dogbot_logtool.robot import Foot
 
 SOURCES: Final[Mapping[str, ContactSource]] = by_type(
@@ -84,7 +80,7 @@ def source_of(channel: Channel, feet: Iterable[Foot] = ()) -> ContactSource | No
 @lru_cache(maxsize=1024)
 def _source_by_type(channel: Channel) -> ContactSource | None:
     known = SOURCES.get(channel.type_name)
-    if known is not None and not known.is_about_feet(channel.topic):
+    if known is not None and not channel.topic.rstrip("/").endswith(known.topic_end):
         return None
     if known is not None:
         fitting = (one for one in (known, *known.variants) if _fits(channel, one))
@@ -123,12 +119,13 @@ class DecodedContacts:
     @property
     def links(self) -> FootLinks:
         """Frames that the forces may be in, by foot."""
-        return self.source.links(self.messages, self.feet)
+        find = self.source.links
+        return find(self.messages, self.feet) if find else {}
 
     @property
-    def timing(self) -> StepTiming:
-        """How physics steps lie to stamps."""
-        return self.source.timing(self.messages)
+    def timing(self) -> StepTiming | None:
+        """How physics steps lie to stamps; None: a message holds one moment."""
+        return self.source.timing(self.messages) if self.source.timing else None
 
 
 def check_contacts(channel: Channel) -> str:
@@ -148,7 +145,7 @@ def read_contacts(
     found = []
     for source, of_source in _by_source(channels, feet):
         for messages in decode_channels(batch, of_source, source.fields):
-            reduced = source.read(messages, feet)
+            reduced = read_messages(source, messages, feet)
             samples, implausible = plausible_samples(reduced.samples)
             reduced = replace(reduced, samples=samples, implausible=implausible)
             found.append(DecodedContacts(without_flags(source, feet), messages, reduced, feet))

@@ -1,7 +1,8 @@
 """Interface of contact sources."""
 
+import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from typing import TYPE_CHECKING
+from typing import Final, Literal
 
 import numpy as np
 
@@ -14,9 +15,6 @@ from dogbot_logtool.reader.decode.columns import Table
 from dogbot_logtool.reader.decode.fields import Fields
 from dogbot_logtool.reader.messages.messages import DecodedMessages
 from dogbot_logtool.robot import Foot
-
-if TYPE_CHECKING:
-    from dogbot_logtool.reader.messages.contacts.whole_robot import MessageFoot, ToValues
 
 
 @dataclass(frozen=True, slots=True)
@@ -80,28 +78,46 @@ class StepTiming:
     """(k,) ns between neighbouring steps of a message."""
 
 
-def no_steps(messages: DecodedMessages) -> StepTiming:
-    """Return nothing: for sources whose messages hold one moment each."""
-    del messages
-    return StepTiming(np.empty(0, np.int64), np.empty(0, np.int64))
+@dataclass(frozen=True, slots=True)
+class FootValues:
+    """Values of k feet in n messages."""
+
+    stamp: Ints
+    """(n,) ns; 0: none."""
+    contact: Floats | None = None
+    """(n, k) 1 in contact, 0 not, NaN not known; None: messages have no contact flags."""
+    force: Floats | None = None
+    """(n, k, 3) N on the foot, NaN where a message lacks it; None: messages have no forces."""
+    position: Floats | None = None
+    """(n, k, 3) m, in the world or in the base's frame; None: messages have no positions."""
+    normal: Floats | None = None
+    """(n, k, 3) normal of the ground, into the foot; None: messages have none."""
 
 
-def no_links(messages: DecodedMessages, feet: FootChannels) -> FootLinks:
-    """Return nothing: for sources whose forces are in no link's frame."""
-    del messages, feet
-    return {}
+ToValues = Callable[[DecodedMessages, Sequence[Foot]], FootValues]
+"""Takes the values out of decoded messages; the feet say which label is which element's."""
 
 
-def any_topic(topic: str) -> bool:
-    """Return True: for messages that are about contacts whatever their topic."""
-    del topic
-    return True
+@dataclass(frozen=True, slots=True)
+class MessageFoot:
+    """A foot that messages tell of."""
+
+    label: str = ""
+    """Its name in the messages; empty: its index in their arrays tells."""
+    name: str = ""
+    """Name of the leg, such as ``front_left``; empty: the label tells it."""
 
 
-def never_planned(topic: str) -> bool:
-    """Return False: for messages that sensors write."""
-    del topic
-    return False
+_PLANNED_WORDS: Final = (
+    r"(?<![a-z])(ref|reference|des|desired|plan|planned|planner|cmd|command|commanded|control|"
+    r"target|trajectory|traj|setpoint|mpc)(?![a-z])"
+)
+"""Words in the names of topics that tell what shall be."""
+
+
+def is_named_as_planned(topic: str) -> bool:
+    """Tell whether a topic's name says that it is a plan or a command."""
+    return re.search(_PLANNED_WORDS, topic.lower()) is not None
 
 
 @dataclass(frozen=True, slots=True)
@@ -112,25 +128,27 @@ class ContactSource:
     """``package/Name``."""
     fields: Fields
     """Fields that are read of each message."""
-    read: Callable[[DecodedMessages, FootChannels], ContactSamples]
-    """Reduces decoded messages to samples."""
-    links: Callable[[DecodedMessages, FootChannels], FootLinks] = no_links
-    timing: Callable[[DecodedMessages], StepTiming] = no_steps
+    read: Callable[[DecodedMessages, FootChannels], ContactSamples] | None = None
+    """Reduces decoded messages to samples; None: `values` are reduced."""
+    links: Callable[[DecodedMessages, FootChannels], FootLinks] | None = None
+    """Finds the links in whose frames the forces are; None: they are in no link's."""
+    timing: Callable[[DecodedMessages], StepTiming] | None = None
+    """Finds the physics steps in messages; None: a message holds one moment."""
     elements: tuple[str, ...] = ()
     """Names of the feet in the order of the message, where one message tells of all feet."""
-    feet_in: "Callable[[DecodedMessages], Sequence[MessageFoot]] | None" = None
+    feet_in: Callable[[DecodedMessages], Sequence[MessageFoot]] | None = None
     """Finds the feet in messages, where one message tells of all feet but its type does not say
     which; returns none where the messages are not about feet."""
-    values: "ToValues | None" = None
-    """Parts of `read` for messages that tell of all feet with flags or positions."""
+    values: ToValues | None = None
+    """Takes flags, forces and positions of all feet out of messages that tell of all feet."""
     variants: tuple["ContactSource", ...] = ()
     """The same type by other definitions, tried in order where its fields are not the log's."""
     any_package: bool = False
     """Whether messages of this name and fields are taken from any package."""
-    is_about_feet: Callable[[str], bool] = any_topic
-    """Whether a topic of this type, by its name, is about feet; others are none of its own."""
-    is_planned: Callable[[str], bool] = never_planned
-    """Whether a topic of this type, by its name, tells what is planned and not what was."""
+    topic_end: str = ""
+    """End of the names of topics that are about feet, where others of this type are not."""
+    plans: Literal["never", "by_name", "always"] = "never"
+    """Whether it tells what is planned and not what was; by name: where the topic's name does."""
     frame: WrenchFrame | None = None
     """Frame of the forces; None: to be decided by evidence."""
     has_header: bool = True
@@ -159,6 +177,10 @@ class ContactSource:
             return True
         # Where the feet are is told of those in the air, too.
         return self.has_points and self.values is None and not self.is_raw
+
+    def is_planned(self, topic: str) -> bool:
+        """Tell whether a topic of this type tells what is planned and not what was."""
+        return self.plans == "always" or (self.plans == "by_name" and is_named_as_planned(topic))
 
     @property
     def tells_all_feet(self) -> bool:

@@ -8,12 +8,11 @@ import numpy as np
 
 from dogbot_logtool.core.frames.wrench_frame import WrenchFrame
 from dogbot_logtool.reader.decode.fields import number, table, vector
-from dogbot_logtool.reader.messages.contacts.source import ContactSource
-from dogbot_logtool.reader.messages.contacts.whole_robot import FootValues, matrix, reader_of
+from dogbot_logtool.reader.messages.contacts.source import ContactSource, FootValues
+from dogbot_logtool.reader.messages.contacts.whole_robot import QUADRUPED, matrix
 from dogbot_logtool.reader.messages.messages import DecodedMessages
 from dogbot_logtool.robot import Foot
 
-_LEGS: Final = ("front_left", "front_right", "back_left", "back_right")
 _MADE, _LOST = 1, 2
 """Values of FootState.contact; any other means that Spot does not know."""
 _POSITION: Final = "foot_position_rt_body"
@@ -41,9 +40,8 @@ def _source(position: str) -> ContactSource:
     return ContactSource(
         type_name="spot_msgs/FootStateArray",
         fields=(table("states", number("contact"), *placed),),
-        read=reader_of(values, in_base=bool(position)),
         values=values,
-        elements=_LEGS,
+        elements=QUADRUPED,
         any_package=True,
         frame=WrenchFrame.UNKNOWN,
         has_header=False,

@@ -6,16 +6,13 @@ from typing import Final
 import numpy as np
 
 from dogbot_logtool.core.frames.wrench_frame import WrenchFrame
-from dogbot_logtool.reader.decode.fields import table, text, texts, time, vector
+from dogbot_logtool.reader.decode.fields import HEADER, table, texts, vector
 from dogbot_logtool.reader.decode.message_layout import ELEMENT
-from dogbot_logtool.reader.messages.contacts.source import ContactSource
+from dogbot_logtool.reader.messages.contacts.source import ContactSource, FootValues, MessageFoot
 from dogbot_logtool.reader.messages.contacts.whole_robot import (
-    FootValues,
-    MessageFoot,
     labelled_elements,
     labels_in,
     matrix,
-    reader_of,
     scattered,
 )
 from dogbot_logtool.reader.messages.messages import DecodedMessages
@@ -44,12 +41,10 @@ def _feet_in(messages: DecodedMessages) -> tuple[MessageFoot, ...]:
 SOURCE: Final = ContactSource(
     type_name="syropod_highlevel_controller/TipState",
     fields=(
-        time("header.stamp"),
-        text("header.frame_id"),
+        *HEADER,
         texts("name"),
         table("wrench", *vector("force")),
     ),
-    read=reader_of(_values),
     values=_values,
     feet_in=_feet_in,
     any_package=True,

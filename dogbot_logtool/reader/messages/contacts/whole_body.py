@@ -7,15 +7,9 @@ import numpy as np
 
 from dogbot_logtool.core.frames.wrench_frame import WrenchFrame
 from dogbot_logtool.reader.decode.columns import Texts
-from dogbot_logtool.reader.decode.fields import number, table, text, time, vector
-from dogbot_logtool.reader.messages.contacts.source import ContactSource
-from dogbot_logtool.reader.messages.contacts.whole_robot import (
-    MessageFoot,
-    is_named_as_planned,
-    labels_in,
-    named_contacts,
-    reader_of,
-)
+from dogbot_logtool.reader.decode.fields import HEADER, number, table, text, vector
+from dogbot_logtool.reader.messages.contacts.source import ContactSource, MessageFoot
+from dogbot_logtool.reader.messages.contacts.whole_robot import labels_in, named_contacts
 from dogbot_logtool.reader.messages.messages import DecodedMessages
 
 _LOCOMOTION: Final = 0
@@ -40,8 +34,7 @@ def _source(field: str, flags: dict[int, float]) -> ContactSource:
     return ContactSource(
         type_name="whole_body_state_msgs/WholeBodyState",
         fields=(
-            time("header.stamp"),
-            text("header.frame_id"),
+            *HEADER,
             table(
                 "contacts",
                 text("name"),
@@ -52,11 +45,10 @@ def _source(field: str, flags: dict[int, float]) -> ContactSource:
                 *vector("surface_normal"),
             ),
         ),
-        read=reader_of(values, in_world=True),
         values=values,
         feet_in=_feet_in,
         any_package=True,
-        is_planned=is_named_as_planned,
+        plans="by_name",
         frame=WrenchFrame.WORLD,
         has_flags=True,
     )

@@ -1,14 +1,13 @@
 """Messages that tell of all feet at once: contact flags, forces and positions, foot by foot."""
 
-import re
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from functools import partial
 from typing import Final
 
 import numpy as np
 
 from dogbot_logtool.core.contact.contacts import Samples
+from dogbot_logtool.core.frames.wrench_frame import WrenchFrame
 from dogbot_logtool.core.geometry.arrays import Flags, Floats, Ints, all_finite
 from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.reader.decode.columns import Nested, Texts
@@ -17,60 +16,31 @@ from dogbot_logtool.reader.messages.contacts.source import (
     ContactSamples,
     ContactSource,
     FootChannels,
+    FootValues,
+    MessageFoot,
     foot_samples,
     of_all_feet,
 )
 from dogbot_logtool.reader.messages.messages import DecodedMessages
 from dogbot_logtool.robot import Foot
 
+QUADRUPED: Final = ("front_left", "front_right", "back_left", "back_right")
+"""Feet in the order that most messages have."""
 MOST_FEET: Final = 16
 """Elements of a message's arrays that are read as feet."""
 _LOAD_SHARE: Final = 0.2
 """Share of all feet's load from which a foot cannot be in the air."""
 
 
-@dataclass(frozen=True, slots=True)
-class FootValues:
-    """Values of k feet in n messages."""
-
-    stamp: Ints
-    """(n,) ns; 0: none."""
-    contact: Floats | None = None
-    """(n, k) 1 in contact, 0 not, NaN not known; None: messages have no contact flags."""
-    force: Floats | None = None
-    """(n, k, 3) N on the foot, NaN where a message lacks it; None: messages have no forces."""
-    position: Floats | None = None
-    """(n, k, 3) m, in the world or in the base's frame; None: messages have no positions."""
-    normal: Floats | None = None
-    """(n, k, 3) normal of the ground, into the foot; None: messages have none."""
-
-
-ToValues = Callable[[DecodedMessages, Sequence[Foot]], FootValues]
-"""Takes the values out of decoded messages; the feet say which label is which element's."""
-
-
-def reader_of(
-    values: ToValues, *, in_world: bool = False, in_base: bool = False
-) -> Callable[[DecodedMessages, FootChannels], ContactSamples]:
-    """Return what reduces messages to samples; see `ContactSource.read`.
-
-    Args:
-        values: takes the values out of messages.
-        in_world: whether forces are along the world's axes.
-        in_base: whether positions are in the base's frame.
-    """
-    return partial(_samples, values=values, in_world=in_world, in_base=in_base)
-
-
-def _samples(
-    messages: DecodedMessages,
-    feet: FootChannels,
-    *,
-    values: ToValues,
-    in_world: bool,
-    in_base: bool,
+def read_messages(
+    source: ContactSource, messages: DecodedMessages, feet: FootChannels
 ) -> ContactSamples:
-    found = values(messages, feet.feet)
+    """Reduce messages of a type to samples, by its `read` or its `values`."""
+    if source.read is not None:
+        return source.read(messages, feet)
+    if source.values is None:
+        raise ValueError(f"{source.type_name}: neither `read` nor `values`")
+    found = source.values(messages, feet.feet)
     parts = []
     for index, foot in enumerate(feet.feet):
         if foot.element is None:
@@ -80,7 +50,7 @@ def _samples(
             continue
         rows = feet.sent(index, messages.channel, of_foot.known)
         samples = foot_samples(messages, rows, index, found.stamp, of_foot.force[rows])
-        parts.append(_with_positions(samples, of_foot, rows, in_world=in_world, in_base=in_base))
+        parts.append(_with_positions(samples, of_foot, rows, source))
     return of_all_feet(parts)
 
 
@@ -123,17 +93,15 @@ def _of_foot(values: FootValues, element: int, *, use_flags: bool) -> _OneFoot |
     )
 
 
-def _with_positions(
-    samples: Samples, foot: _OneFoot, rows: Ints, *, in_world: bool, in_base: bool
-) -> Samples:
+def _with_positions(samples: Samples, foot: _OneFoot, rows: Ints, source: ContactSource) -> Samples:
     touches, position = foot.touches[rows], foot.position[rows]
     placed = touches & all_finite(position)
     return replace(
         samples,
         in_contact=touches,
-        in_world=np.full(len(rows), in_world),
+        in_world=np.full(len(rows), source.frame is WrenchFrame.WORLD),
         # A position in the base's frame is no contact point in the world yet.
-        points=(placed & (not in_base)).astype(np.int64),
+        points=(placed & (not source.in_base)).astype(np.int64),
         position=np.where(placed[:, None], position, np.nan),
         normal=np.where(touches[:, None], foot.normal[rows], np.nan),
     )
@@ -226,16 +194,6 @@ def labelled_elements(labels: Texts, feet: Sequence[Foot]) -> Ints:
     return of_code[code] if len(of_code) else code
 
 
-@dataclass(frozen=True, slots=True)
-class MessageFoot:
-    """A foot that messages tell of."""
-
-    label: str = ""
-    """Its name in the messages; empty: its index in their arrays tells."""
-    name: str = ""
-    """Name of the leg, such as ``front_left``; empty: the label tells it."""
-
-
 def labels_in(labels: Texts) -> tuple[MessageFoot, ...]:
     """Return the feet of all labels in messages, sorted."""
     _, names = labels.encode()
@@ -284,24 +242,6 @@ def check_flags(values: FootValues) -> FlagCheck:
     # Without any load, as before a simulation begins, forces tell nothing.
     wrong = wrong & (total > 0.0)
     return FlagCheck(int(known.sum()), int((touching & known).sum()), int((wrong & known).sum()))
-
-
-_PLANNED_WORDS: Final = (
-    r"(?<![a-z])(ref|reference|des|desired|plan|planned|planner|cmd|command|commanded|control|"
-    r"target|trajectory|traj|setpoint|mpc)(?![a-z])"
-)
-"""Words in the names of topics that tell what shall be."""
-
-
-def is_named_as_planned(topic: str) -> bool:
-    """Tell whether a topic's name says that it is a plan or a command."""
-    return re.search(_PLANNED_WORDS, topic.lower()) is not None
-
-
-def always_planned(topic: str) -> bool:
-    """Return True: for messages that only planners write."""
-    del topic
-    return True
 
 
 def by_type(sources: Sequence[ContactSource]) -> Mapping[str, ContactSource]:

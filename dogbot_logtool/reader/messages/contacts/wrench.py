@@ -4,7 +4,7 @@ from typing import Final
 
 from dogbot_logtool.core.frames.wrench_frame import WrenchFrame
 from dogbot_logtool.core.geometry.order_statistics import distinct
-from dogbot_logtool.reader.decode.fields import text, time, vector
+from dogbot_logtool.reader.decode.fields import HEADER, vector
 from dogbot_logtool.reader.messages.contacts.source import (
     ContactSamples,
     ContactSource,
@@ -14,7 +14,7 @@ from dogbot_logtool.reader.messages.contacts.source import (
 )
 from dogbot_logtool.reader.messages.messages import DecodedMessages
 
-_FIELDS: Final = (time("header.stamp"), text("header.frame_id"), *vector("wrench.force"))
+_FIELDS: Final = (*HEADER, *vector("wrench.force"))
 
 
 def to_contact_samples(messages: DecodedMessages, feet: FootChannels) -> ContactSamples:

@@ -17,15 +17,8 @@ from dogbot_logtool.core.geometry.rotations import conjugate, normalised, rotate
 from dogbot_logtool.core.leg_position import leg_names
 from dogbot_logtool.reader.decode.fields import numbers, table, vector
 from dogbot_logtool.reader.decode.message_layout import ELEMENT
-from dogbot_logtool.reader.messages.contacts.source import ContactSource
-from dogbot_logtool.reader.messages.contacts.whole_robot import (
-    MOST_FEET,
-    FootValues,
-    MessageFoot,
-    always_planned,
-    matrix,
-    reader_of,
-)
+from dogbot_logtool.reader.messages.contacts.source import ContactSource, FootValues, MessageFoot
+from dogbot_logtool.reader.messages.contacts.whole_robot import MOST_FEET, matrix
 from dogbot_logtool.reader.messages.messages import DecodedMessages
 from dogbot_logtool.robot import Foot
 
@@ -82,11 +75,10 @@ def _source(motion: str, contact: str, base: str) -> ContactSource:
             table("ee_forces", *vector("")),
             numbers(contact),
         ),
-        read=reader_of(values, in_world=True),
         values=values,
         feet_in=partial(_feet_in, motion=motion, base=base),
         any_package=True,
-        is_planned=always_planned,
+        plans="always",
         frame=WrenchFrame.WORLD,
         has_header=False,
         has_flags=True,

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from dogbot_logtool.reader.decode.columns import Texts
 from dogbot_logtool.reader.messages.contacts.collisions import link_of_collision
-from dogbot_logtool.reader.messages.contacts.physics_steps import (
+from dogbot_logtool.reader.messages.contacts.gazebo_classic import (
     newest_lag,
     newest_step,
     steps_of_messages,
