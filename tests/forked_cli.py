@@ -33,6 +33,8 @@ _NOT_FLUSHED: Final = 120
 """Exit code of an interpreter that cannot write what its streams still hold."""
 _SLOW: Final = ("dogbot_logtool.run.cluster",)
 """Modules that few calls need, and that take long to load."""
+_ALSO: Final = ("pandas",)
+"""What the libraries load that write a dataset, where it is installed: as much as a call takes."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -229,6 +231,8 @@ def _load_program() -> None:
     for module in pkgutil.walk_packages(dogbot_logtool.__path__, "dogbot_logtool."):
         if module.name not in _SLOW:
             importlib.import_module(module.name)
+    for name in _ALSO:
+        importlib.import_module(name)
     # What is loaded stays as it is, and its memory is not copied.
     gc.collect()
     gc.freeze()
