@@ -18,18 +18,23 @@ import socket
 import subprocess
 import sys
 import tempfile
+import threading
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
-from typing import IO, Any, Final
+from typing import IO, Any, Final, NoReturn
 
 from tests.paths import ROOT
 
 CLOSED: Final = -100
 """Stands for a stream that is not open, beside the constants of `subprocess`."""
+_NOT_FLUSHED: Final = 120
+"""Exit code of an interpreter that cannot write what its streams still hold."""
 _SLOW: Final = ("dogbot_logtool.run.cluster",)
 """Modules that few calls need, and that take long to load."""
+_ALSO: Final = ("pandas",)
+"""What the libraries load that write a dataset, where it is installed: as much as a call takes."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -189,9 +194,7 @@ def _serve(connection: socket.socket) -> None:
             requests.close()
             connection.close()
             _become(json.loads(line), streams)
-            from dogbot_logtool.__main__ import main  # noqa: PLC0415
-
-            main()
+            _run_to_its_end()
         for stream in streams:
             os.close(stream)
         connection.sendall(b"%d\n" % child)
@@ -200,12 +203,36 @@ def _serve(connection: socket.socket) -> None:
         connection.sendall(json.dumps(answer).encode() + b"\n")
 
 
+def _run_to_its_end() -> NoReturn:
+    """Run the program, and end as the interpreter does, but for taking all modules apart.
+
+    That would be most of what a short call costs. Calls that end in any other way end in full.
+    """
+    from dogbot_logtool.__main__ import main  # noqa: PLC0415 - loaded by the server
+
+    try:
+        main()
+    except SystemExit as ended:
+        code = ended.code
+    threading._shutdown()  # type: ignore[attr-defined]
+    atexit._run_exitfuncs()
+    try:
+        for stream in (sys.stdout, sys.stderr):
+            if stream is not None:
+                stream.flush()
+    except OSError:
+        code = _NOT_FLUSHED
+    os._exit(code if isinstance(code, int) else int(code is not None))
+
+
 def _load_program() -> None:
     import dogbot_logtool  # noqa: PLC0415 - those who only send requests do not need it
 
     for module in pkgutil.walk_packages(dogbot_logtool.__path__, "dogbot_logtool."):
         if module.name not in _SLOW:
             importlib.import_module(module.name)
+    for name in _ALSO:
+        importlib.import_module(name)
     # What is loaded stays as it is, and its memory is not copied.
     gc.collect()
     gc.freeze()

@@ -6,6 +6,7 @@ import pytest
 import dogbot_logtool as dl
 from dogbot_logtool.api.curves import curves_of
 from dogbot_logtool.api.table import Table
+from tests.measured import walk_of
 from tests.oracles.conversion import sample_of
 from tests.oracles.recorded import contact_topic, decoded_log
 from tests.paths import TROUBLED, WALK
@@ -15,7 +16,7 @@ FOOT = "front_left"
 
 @pytest.fixture(scope="module")
 def walk() -> dl.Walk:
-    return dl.measure(WALK)
+    return walk_of(WALK)
 
 
 def test_curves_pass_through_what_was_recorded(walk: dl.Walk) -> None:
@@ -43,7 +44,7 @@ def test_the_usual_curve_is_that_of_the_figures(walk: dl.Walk) -> None:
 
 
 def test_a_foot_without_strides_has_no_curves() -> None:
-    curves = dl.measure(TROUBLED).curves("back_left")
+    curves = walk_of(TROUBLED).curves("back_left")
     assert curves["force_n"].shape == (0, 101)
 
 

@@ -15,6 +15,7 @@ import dogbot_logtool as dl
 from dogbot_logtool import cli
 from dogbot_logtool.api.keywords import CHOICES, ConvertKeywords, convert_options, stats_options
 from tests.forked_cli import run
+from tests.measured import walk_of
 from tests.paths import ROOT, TROT, WALK
 
 FUNCTIONS: dict[str, tuple[Callable[..., Any], ...]] = {
@@ -148,7 +149,7 @@ def test_files_of_one_recording(tmp_path: Path) -> None:
         "stats", tmp_path / "feet.mcap", tmp_path / "base.mcap", "--join", "--json"
     ).stdout
     assert json.loads(json.dumps(joined.stats)) == json.loads(printed)
-    assert joined.base["x_m"].tolist() == dl.measure(WALK).base["x_m"].tolist()
+    assert joined.base["x_m"].tolist() == walk_of(WALK).base["x_m"].tolist()
 
 
 def test_frames_gaits_events_and_pages(tmp_path: Path) -> None:
@@ -164,12 +165,12 @@ def test_frames_gaits_events_and_pages(tmp_path: Path) -> None:
     assert matches
     assert not any(each.missed_s or each.invented_s for each in matches)
     run("report", TROT, "--no-replay", "-o", tmp_path / "words.html")
-    dl.measure(TROT).report(tmp_path / "keywords.html", replay=False)
+    walk_of(TROT).report(tmp_path / "keywords.html", replay=False)
     assert (tmp_path / "keywords.html").read_bytes() == (tmp_path / "words.html").read_bytes()
 
 
 def test_a_figure_for_a_paper(tmp_path: Path) -> None:
-    walk = dl.measure(TROT)
+    walk = walk_of(TROT)
     words = ("--plot", tmp_path / "words.svg", "--plot-size", 120, "--window", "2:3.5", "-q")
     assert run("stats", TROT, *words).returncode == 0
     drawn = walk.plot(tmp_path / "keywords.svg", size=(120.0, None), window=(2.0, 3.5))

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 import dogbot_logtool as dl
+from tests.measured import walk_of
 from tests.oracles.conversion import sample_of
 from tests.oracles.recorded import ODOMETRY, contact_topic, decoded_log
 from tests.paths import TROT, TROUBLED, WALK
@@ -14,7 +15,7 @@ from tests.paths import TROT, TROUBLED, WALK
 
 @pytest.fixture(scope="module")
 def walk() -> dl.Walk:
-    return dl.measure(WALK)
+    return walk_of(WALK)
 
 
 def stamp_s(message: Any, origin: int) -> float:
@@ -53,7 +54,7 @@ def test_states_of_samples_follow_the_stances(walk: dl.Walk) -> None:
 
 
 def test_a_stance_with_a_gap_is_cut_and_a_dead_foot_is_unknown() -> None:
-    troubled = dl.measure(TROUBLED)
+    troubled = walk_of(TROUBLED)
     time = troubled.samples("front_right")["time_s"]
     gap = int(np.diff(time).argmax())
     stances = troubled.stances

@@ -7,9 +7,10 @@ from xml.etree import ElementTree as ET
 import pytest
 
 from tests.forked_cli import Ended, run
+from tests.oracles.small_logs import first_seconds
 from tests.paths import SAMPLE_LOGS
 
-TROT = SAMPLE_LOGS / "dogbot_trot.bag"
+TROT = first_seconds(SAMPLE_LOGS / "dogbot_trot.bag", 4.0)
 WALK = SAMPLE_LOGS / "dogbot_walk.mcap"
 TROUBLED = SAMPLE_LOGS / "dogbot_troubled.bag"
 

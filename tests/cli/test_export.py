@@ -11,12 +11,13 @@ import pytest
 
 import dogbot_logtool as dl
 from tests.forked_cli import run
+from tests.measured import walk_of
 from tests.paths import TROT, WALK
 
 
 @pytest.fixture(scope="module")
 def walk() -> dl.Walk:
-    return dl.measure(WALK)
+    return walk_of(WALK)
 
 
 def test_strides_go_to_stdout_with_all_their_digits(walk: dl.Walk) -> None:

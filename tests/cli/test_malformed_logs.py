@@ -29,7 +29,7 @@ def spoiled_walk(folder: Path, kind: str, bad: Callable[[Entry], bool], batch: i
         store.types["std_msgs/msg/String"](data=" " * (8 << 20)), "std_msgs/msg/String"
     )
     entries: list[Entry] = []
-    for third, messages in groupby(walk.messages(kind), _third):
+    for third, messages in groupby(walks.messages(2, kind), _third):
         for entry in messages:
             cut = replace(entry, data=entry.data[:11])
             entries.append(cut if third == batch and bad(entry) else entry)
@@ -72,7 +72,7 @@ def test_stats_and_convert_use_what_is_left(
     tmp_path: Path, kind: str, bad: Callable[[Entry], bool]
 ) -> None:
     path = spoiled_walk(tmp_path, kind, bad, batch=1)
-    lost = sum(bad(entry) and _third(entry) == 1 for entry in walks.Walk(2).messages(kind))
+    lost = sum(bad(entry) and _third(entry) == 1 for entry in walks.messages(2, kind))
     topics = TopicOptions(robot=str(walks.robot_file(tmp_path, kind)))
     measured = measure(path, StatsOptions(topics))
     assert measured.exit_code == 3

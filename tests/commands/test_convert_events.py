@@ -14,13 +14,12 @@ from mcap_ros1.decoder import DecoderFactory as Ros1Decoder
 from mcap_ros2.decoder import DecoderFactory as Ros2Decoder
 
 from dogbot_logtool.commands.convert import convert
-from dogbot_logtool.commands.stats import measure
 from dogbot_logtool.pipeline.conversion import plan
-from dogbot_logtool.pipeline.options import ConvertOptions, StatsOptions
+from dogbot_logtool.pipeline.options import ConvertOptions
 from dogbot_logtool.report.documents.stats_json import stats_json
-from dogbot_logtool.results import Measurement
 from dogbot_logtool.writer.encodings import registry
 from dogbot_logtool.writer.encodings.foxglove import FoxgloveEncoding
+from tests.measured import measured
 from tests.paths import SAMPLE_LOGS
 
 TROUBLED = SAMPLE_LOGS / "dogbot_troubled.bag"
@@ -33,11 +32,6 @@ def messages_of(path: Path, topic: str) -> list[tuple[int, Any]]:
         reader = make_reader(stream, validate_crcs=True, decoder_factories=factories)
         found = reader.iter_decoded_messages(topics=[topic])
         return [(message.log_time, decoded) for _, _, message, decoded in found]
-
-
-@cache
-def measured(source: Path) -> Measurement:
-    return measure(source, StatsOptions())
 
 
 _FOLDER = tempfile.TemporaryDirectory(prefix="events")

@@ -330,7 +330,8 @@ FORCES: Final = {leg: force(leg) for leg in LEGS}
 
 
 @cache
-def _messages(ros: int, kind: str) -> list[Entry]:
+def messages(ros: int, kind: str) -> list[Entry]:
+    """Return the walk in a kind of message, made once."""
     return list(Walk(ros).messages(kind))
 
 
@@ -338,7 +339,7 @@ def write_walk(folder: Path, kind: str, container: str) -> Path:
     """Write the walk; return the file or directory."""
     path = folder / f"walk.{container}"
     walk = Walk(1 if container == "bag" else 2)
-    entries = _messages(walk.ros, kind)
+    entries = messages(walk.ros, kind)
     match container:
         case "bag":
             _write_bag(path, walk, entries)

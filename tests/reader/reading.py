@@ -108,3 +108,12 @@ def written_mcap(mcap: mcap_bytes.McapBytes) -> list[Read]:
     return [
         Read(mcap.topics[m.channel], m.log_time, m.payload) for chunk in mcap.chunks for m in chunk
     ]
+
+
+def read_built(folder: Path, bag: bag_bytes.BagBytes) -> Reading:
+    return read_bytes(folder, bag.build())
+
+
+def assert_all_there(reading: Reading, bag: bag_bytes.BagBytes) -> None:
+    assert list(reading.messages) == written_bag(bag)
+    assert sum(reading.counts.values()) == len(reading.messages)

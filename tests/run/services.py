@@ -11,9 +11,6 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Final
 
-import s3fs
-from distributed import Client
-
 from tests.oracles.walks import START, Walk, write_mcap
 from tests.paths import ROOT
 from tests.shell import Outcome
@@ -62,6 +59,8 @@ class Store:
 
     @property
     def client(self) -> Any:
+        import s3fs  # noqa: PLC0415 - takes long to load
+
         return s3fs.S3FileSystem(
             key="x",
             secret="x",  # noqa: S106
@@ -133,6 +132,8 @@ def dask_workers(
     address: str, environment: Mapping[str, str], *, folder: Path, count: int = 2
 ) -> Iterator[list[int]]:
     """Run workers of one thread each; yields their process ids."""
+    from distributed import Client  # noqa: PLC0415 - takes long to load
+
     words = ["distributed.cli.dask_worker", address, "--nthreads", 1, "--no-nanny"]
     words += ["--no-dashboard", "--local-directory", folder, "--host", "127.0.0.1"]
     environment = {**environment, "PYTHONPATH": str(ROOT)}

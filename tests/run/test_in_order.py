@@ -30,7 +30,7 @@ every_way = pytest.mark.parametrize("forks", FORKS)
 
 
 @every_way
-@settings(max_examples=30)
+@settings(max_examples=15)
 @given(items=st.lists(st.integers()), jobs=st.integers(1, 5))
 def test_results_come_in_the_order_of_the_items(
     *, forks: bool, items: list[int], jobs: int
@@ -48,7 +48,7 @@ def running_sum(item: int, exchange: StateExchange[int]) -> tuple[int, int]:
 
 
 @every_way
-@settings(max_examples=30)
+@settings(max_examples=15)
 @given(items=st.lists(st.integers()), jobs=st.integers(1, 5), first=st.integers())
 def test_states_pass_from_each_item_to_the_next(
     *, forks: bool, items: list[int], jobs: int, first: int

@@ -39,3 +39,9 @@ def test_feet_in_a_row_have_no_plane() -> None:
     """Less than 1 mm apart, root mean square."""
     assert slope_rad(walking_on(0.1, left_m=0.0009)) is None
     assert slope_rad(walking_on(0.1, left_m=0.0011)) == pytest.approx(0.1, abs=1e-6)
+
+
+def test_three_points_are_enough_and_two_are_not() -> None:
+    feet, one_stride = walking_on(0.2), np.array([[1_000_000_000, 1_800_000_000]])
+    assert slope_rad(feet[:3], one_stride) == pytest.approx(0.2, abs=1e-6)
+    assert slope_rad(feet[:2], one_stride) is None

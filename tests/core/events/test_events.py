@@ -1,6 +1,6 @@
 """Planted events are found where they were planted, and none where none was."""
 
-from collections.abc import Iterator
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -70,20 +70,21 @@ def test_every_touchdown_and_lift_off_is_an_event(of: dict[str, object]) -> None
             assert found == pytest.approx(list(getattr(truth, key)), abs=SAMPLE_S)
 
 
-def clean() -> Iterator[Recording]:
-    yield walk()
-    yield walk(gait=gaits.WALK, period_s=1.1)
-    yield walk(gait=gaits.ROTARY_GALLOP, period_s=0.5, speed_mps=2.0)
-    yield walk(gait=gaits.BIPED_WALK, robot=biped(80.0), period_s=1.2)
-    yield walk(slope_rad=0.3)
-    yield walk(world_faults.pose_noise(0.002))
-    yield walk(slip_m=0.004)
-    yield walk(planted.rolling(0.06))
+CLEAN: dict[str, Callable[[], Recording]] = {
+    "trot": walk,
+    "walk": lambda: walk(gait=gaits.WALK, period_s=1.1),
+    "gallop": lambda: walk(gait=gaits.ROTARY_GALLOP, period_s=0.5, speed_mps=2.0),
+    "biped": lambda: walk(gait=gaits.BIPED_WALK, robot=biped(80.0), period_s=1.2),
+    "slope": lambda: walk(slope_rad=0.3),
+    "noisy poses": lambda: walk(world_faults.pose_noise(0.002)),
+    "slip": lambda: walk(slip_m=0.004),
+    "rolling": lambda: walk(planted.rolling(0.06)),
+}
 
 
-@pytest.mark.parametrize("recording", list(clean()))
-def test_clean_walks_have_no_odd_events(recording: Recording) -> None:
-    assert odd_events(recording) == []
+@pytest.mark.parametrize("name", CLEAN)
+def test_clean_walks_have_no_odd_events(name: str) -> None:
+    assert odd_events(CLEAN[name]()) == []
 
 
 @pytest.mark.parametrize(

@@ -1,6 +1,8 @@
 """Files of one recording, merged: the same results as of the recording in one file."""
 
+import tempfile
 from collections.abc import Callable
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -38,7 +40,7 @@ def write(folder: Path, ros: int, part: Callable[[walks.Entry], str]) -> list[Pa
     """Write the walk into several files, with many small chunks."""
     walk = walks.Walk(ros)
     parts: dict[str, list[walks.Entry]] = {}
-    for entry in walk.messages(KIND):
+    for entry in walks.messages(ros, KIND):
         parts.setdefault(part(entry), []).append(entry)
     for name, entries in parts.items():
         if ros == 1:
@@ -56,6 +58,13 @@ def figures(paths: list[Path]) -> dict[str, Any]:
     return found
 
 
+@cache
+def figures_of_whole(ros: int) -> dict[str, Any]:
+    """Figures of the walk in one file, measured once."""
+    with tempfile.TemporaryDirectory() as folder:
+        return figures(write(Path(folder), ros, lambda _: "whole"))
+
+
 def recorded(path: Path) -> list[tuple[int, str, bytes]]:
     with path.open("rb") as file:
         messages = make_reader(file).iter_messages(log_time_order=False)
@@ -71,11 +80,9 @@ def test_joined_files_give_the_figures_of_the_whole(
     part: Callable[[walks.Entry], str],
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    (tmp_path / "whole").mkdir()
-    whole = figures(write(tmp_path / "whole", ros, lambda _: "whole"))
+    whole = figures_of_whole(ros)
     assert whole["gait"]["class"] == "trot"
-    (tmp_path / "parts").mkdir()
-    paths = write(tmp_path / "parts", ros, part)
+    paths = write(tmp_path, ros, part)
     assert figures(paths) == whole
     # Many windows of time, over which long chunks reach.
     monkeypatch.setattr(merged_log, "BATCH_SIZE", 30_000)

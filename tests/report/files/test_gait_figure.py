@@ -25,7 +25,7 @@ from dogbot_logtool.pipeline.options import PlotOptions, StatsOptions, TopicOpti
 from dogbot_logtool.report.documents.stats_json import stats_json
 from dogbot_logtool.report.files.gait_figure import FORMATS, gait_figure, write_figure
 from dogbot_logtool.report.text.gait_diagram import default_window
-from dogbot_logtool.results import Measurement
+from tests.measured import measured
 from tests.oracles import walks
 from tests.paths import SAMPLE_LOGS
 
@@ -38,9 +38,7 @@ MM_PER_POINT = 25.4 / 72.0
 Window = tuple[float, float]
 
 
-@cache
-def measured(path: Path) -> Measurement:
-    return measure(path, StatsOptions(curves=CurveDetail()))
+CURVES = StatsOptions(curves=CurveDetail())
 
 
 def draw(
@@ -57,14 +55,14 @@ def draw(
 def figure_of(
     path: Path, window: Window | None, size_mm: tuple[float, float | None] | None
 ) -> Figure:
-    stats = measured(path).stats
+    stats = measured(path, CURVES).stats
     window = window or default_window(stats)
     return gait_figure(stats, load_curves(path, window), window, size_mm)
 
 
 @cache
 def load_curves(path: Path, window: Window) -> FeetCurves:
-    return load_curves_within(path, StatsOptions(), measured(path), window)
+    return load_curves_within(path, StatsOptions(), measured(path, CURVES), window)
 
 
 drawn = cache(draw)
@@ -103,7 +101,7 @@ def bars(svg: ET.Element, foot: str) -> list[Window]:
 
 @pytest.mark.parametrize("path", [TROT, WALK], ids=["trot", "walk"])
 def test_bars_go_from_touchdown_to_liftoff(path: Path) -> None:
-    told: dict[str, Any] = stats_json(measured(path).stats, measured(path).facts)
+    told: dict[str, Any] = stats_json(measured(path, CURVES).stats, measured(path, CURVES).facts)
     truth: dict[str, Any] = json.loads(path.with_suffix(".truth.json").read_text(encoding="utf-8"))
     window = 0.0, 4.0
     svg = svg_of(path, window)
@@ -136,7 +134,7 @@ def test_only_the_window_is_drawn() -> None:
 
 @pytest.mark.parametrize("path", [TROT, WALK], ids=["trot", "walk"])
 def test_the_highest_load_is_the_highest_peak(path: Path) -> None:
-    stats = measured(path).stats
+    stats = measured(path, CURVES).stats
     window = 0.0, (stats.end - stats.origin) / 1e9
     curves = [foot.record.curves for foot in stats.feet]
     lines = {
@@ -144,14 +142,14 @@ def test_the_highest_load_is_the_highest_peak(path: Path) -> None:
         for axes in gait_figure(stats, curves, window).axes
         for line in axes.lines
     }
-    told = stats_json(stats, measured(path).facts)
+    told = stats_json(stats, measured(path, CURVES).facts)
     for foot in FEET:
         peak = told["feet"][foot]["peak_force_bw"]["max"]
         assert np.nanmax(lines[f"load-{foot}"]) == pytest.approx(peak, rel=1e-9)
 
 
 def test_a_gap_parts_the_line_and_a_dead_foot_has_no_bars() -> None:
-    stats = measured(TROUBLED).stats
+    stats = measured(TROUBLED, CURVES).stats
     curves = [foot.record.curves for foot in stats.feet]
     figure = gait_figure(stats, curves, (0.0, 5.0))
     lines = {line.get_gid(): line for axes in figure.axes for line in axes.lines}
@@ -236,7 +234,7 @@ def test_no_mass_means_newtons(tmp_path: Path) -> None:
 
 
 def test_what_cannot_be_drawn() -> None:
-    stats = measured(TROT).stats
+    stats = measured(TROT, CURVES).stats
     curves = [foot.record.curves for foot in stats.feet]
     with pytest.raises(CallError, match="the log has no time there, it lasts from 0 to 8"):
         gait_figure(stats, curves, (8.5, 9.0))

@@ -9,7 +9,6 @@ import numpy as np
 import pytest
 
 from dogbot_logtool.commands.report import DETAIL
-from dogbot_logtool.commands.stats import measure
 from dogbot_logtool.core.accumulator import StatsAccumulator
 from dogbot_logtool.core.base.odometry import Odometry
 from dogbot_logtool.core.contact.contacts import Samples
@@ -25,6 +24,7 @@ from dogbot_logtool.report.page.assets import own
 from dogbot_logtool.report.page.index_page import IndexRow, index, index_row
 from dogbot_logtool.report.page.render import Beside, Damage, page
 from dogbot_logtool.results import LogFacts
+from tests.measured import measured
 from tests.paths import SAMPLE_LOGS
 from tests.report.page.page_data import drawings, numbers, trace
 
@@ -37,8 +37,8 @@ PLACES = (("front", "left"), ("front", "right"), ("back", "left"), ("back", "rig
 
 @cache
 def trot() -> tuple[Stats, LogFacts]:
-    measured = measure(TROT, StatsOptions(curves=CurveDetail()))
-    return measured.stats, measured.facts
+    found = measured(TROT, StatsOptions(curves=CurveDetail()))
+    return found.stats, found.facts
 
 
 class Tags(HTMLParser):

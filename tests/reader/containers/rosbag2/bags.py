@@ -2,6 +2,7 @@
 
 import shutil
 import sqlite3
+from itertools import islice
 from pathlib import Path
 
 from rosbags.rosbag2 import Writer as Rosbag2Writer
@@ -14,7 +15,7 @@ PLUGINS = tuple(StoragePlugin)
 MODES = (CompressionMode.NONE, CompressionMode.FILE, CompressionMode.MESSAGE)
 KIND = "gazebo_msgs/msg/ContactsState"
 WALK = Walk(2)
-ENTRIES = list(WALK.messages(KIND))[:400]
+ENTRIES = list(islice(WALK.messages(KIND), 400))
 
 
 def write(

@@ -1,5 +1,7 @@
 """One walk in every type of contact message: the same contact times, and the same forces."""
 
+import tempfile
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -42,10 +44,14 @@ def options_for(folder: Path, kind: str) -> TopicOptions:
     return TopicOptions(robot=str(walks.robot_file(folder, kind)))
 
 
-def figures(folder: Path, kind: str, container: str = "mcap") -> dict[str, Any]:
-    path = walks.write_walk(folder, kind, container)
-    done = measure(path, StatsOptions(options_for(folder, kind)))
-    return stats_json(done.stats, done.facts)
+@cache
+def figures(kind: str, container: str = "mcap") -> dict[str, Any]:
+    """Figures of the walk, measured once."""
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        path = walks.write_walk(folder, kind, container)
+        done = measure(path, StatsOptions(options_for(folder, kind)))
+        return stats_json(done.stats, done.facts)
 
 
 def steps(leg: str) -> tuple[list[float], list[float]]:
@@ -56,8 +62,8 @@ def steps(leg: str) -> tuple[list[float], list[float]]:
 
 
 @pytest.mark.parametrize("kind", walks.KINDS)
-def test_the_gait_is_that_of_the_walk(tmp_path: Path, kind: str) -> None:
-    got = figures(tmp_path, kind)
+def test_the_gait_is_that_of_the_walk(kind: str) -> None:
+    got = figures(kind)
     for leg in walks.LEGS:
         assert got["feet"][leg]["contact_fraction"] == pytest.approx(
             walks.TOUCHES[leg].mean(), abs=0.01
@@ -68,8 +74,8 @@ def test_the_gait_is_that_of_the_walk(tmp_path: Path, kind: str) -> None:
 
 @pytest.mark.parametrize("container", walks.CONTAINERS)
 @pytest.mark.parametrize("kind", walks.KINDS)
-def test_every_container_gives_the_same(tmp_path: Path, kind: str, container: str) -> None:
-    got = figures(tmp_path, kind, container)
+def test_every_container_gives_the_same(kind: str, container: str) -> None:
+    got = figures(kind, container)
     for leg in walks.LEGS:
         touchdowns, liftoffs = steps(leg)
         assert got["feet"][leg]["touchdown_s"] == pytest.approx(touchdowns, abs=1e-6)
@@ -80,8 +86,8 @@ def test_every_container_gives_the_same(tmp_path: Path, kind: str, container: st
 
 
 @pytest.mark.parametrize("kind", WITH_FORCE)
-def test_forces_are_those_of_the_walk(tmp_path: Path, kind: str) -> None:
-    got = figures(tmp_path, kind)
+def test_forces_are_those_of_the_walk(kind: str) -> None:
+    got = figures(kind)
     for leg in walks.LEGS:
         newtons = np.linalg.norm(walks.FORCES[leg], axis=1)
         # The sensor's offset in swing, 0.6 N across, is taken off in stance, too.
@@ -96,8 +102,8 @@ def test_forces_are_those_of_the_walk(tmp_path: Path, kind: str) -> None:
 
 
 @pytest.mark.parametrize("kind", FLAGS_ONLY)
-def test_flags_give_no_force_figures_and_say_so(tmp_path: Path, kind: str) -> None:
-    got = figures(tmp_path, kind)
+def test_flags_give_no_force_figures_and_say_so(kind: str) -> None:
+    got = figures(kind)
     codes = {note["code"] for note in got["findings"]}
     assert "N_NO_FORCE" in codes
     assert "W_STUCK" not in codes
@@ -109,8 +115,8 @@ def test_flags_give_no_force_figures_and_say_so(tmp_path: Path, kind: str) -> No
 
 
 @pytest.mark.parametrize("kind", [k for k in walks.KINDS if k in RAW or "spot" in k])
-def test_without_a_header_log_time_is_used_and_said(tmp_path: Path, kind: str) -> None:
-    got = figures(tmp_path, kind)
+def test_without_a_header_log_time_is_used_and_said(kind: str) -> None:
+    got = figures(kind)
     assert got["settings"]["time_source"] == "log"
     assert any("no header" in note["text"] for note in got["findings"])
 
