@@ -202,12 +202,12 @@ def _level(selection: Selection, samples: Samples, foot: int, topics: TopicOptio
 def _thresholds(selection: Selection, given: Thresholds) -> Thresholds:
     """Complete thresholds from the robot's file."""
     robot = selection.robot
-    debounce_s = robot.debounce_s if given.debounce_s is None else given.debounce_s
-    return Thresholds(
-        given.on_n or robot.contact_on_n,
-        given.off_n or robot.contact_off_n,
-        debounce_s,
-        "option" if given.on_n else "robot",
+    return replace(
+        given,
+        on_n=given.on_n or robot.contact_on_n,
+        off_n=given.off_n or robot.contact_off_n,
+        debounce_s=robot.debounce_s if given.debounce_s is None else given.debounce_s,
+        origin="option" if given.on_n else "robot",
     )
 
 
