@@ -108,7 +108,18 @@ def _show_fault(error: Exception) -> None:
     if isinstance(error, MemoryError):
         # Modules that print other sentences may not be loaded yet, and would take some.
         click.echo("error: there is not enough memory; with --jobs 1 the least is needed", err=True)
+    elif isinstance(error, FileNotFoundError) and _has_no_directory():
+        click.echo("error: the current directory was removed; change to another one", err=True)
     else:
         import traceback  # noqa: PLC0415 - a fault of ours is rare
 
         traceback.print_exception(error)
+
+
+def _has_no_directory() -> bool:
+    """Tell whether the current directory was removed, so that relative paths lead nowhere."""
+    try:
+        os.getcwd()  # noqa: PTH109 - the same as Path.cwd(), without its import
+    except FileNotFoundError:
+        return True
+    return False

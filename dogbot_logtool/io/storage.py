@@ -57,6 +57,11 @@ _ABSENT: Final = (404, 410)
 """HTTP's codes for what is not there."""
 _LATER: Final = (408, 425, 429)
 """HTTP's codes for what may be asked for again later."""
+_REDIRECTS: Final = {
+    "TooManyRedirects": "other addresses without end",
+    "NonHttpUrlRedirectClientError": "",
+}
+"""Errors of aiohttp whose own texts say little: what to say instead; empty: the address."""
 _HOPELESS: Final = (FileNotFoundError, PermissionError, IsADirectoryError, FileExistsError)
 
 
@@ -336,7 +341,7 @@ def _answer(request: Callable[[], Result]) -> Result:
         is_web = isinstance(cause, TimeoutError) or _family(cause) == "aiohttp"
         if cause is None or not is_web or getattr(cause, "status", 0) in _ABSENT:
             raise
-        raise cause from None
+        raise cause from cause.__cause__
 
 
 def _family(error: BaseException | None) -> str:
@@ -347,7 +352,12 @@ def _family(error: BaseException | None) -> str:
 def _is_refused(error: BaseException) -> bool:
     """Tell whether a web server says that the request will not do, however often it is made."""
     status = getattr(error, "status", 0) if _family(error) == "aiohttp" else 0
-    return 400 <= status < 500 and status not in _LATER
+    return 400 <= status < 500 and status not in _LATER and not _is_garbled(error)
+
+
+def _is_garbled(error: BaseException) -> bool:
+    """Tell whether an answer was no HTTP, for which aiohttp makes up a status."""
+    return _family(error.__cause__) == "aiohttp"
 
 
 def _say_again(path: Location, state: "RetryCallState") -> None:
@@ -368,10 +378,14 @@ def _may_pass(error: BaseException) -> bool:
 
 
 def _first_line(error: Exception) -> str:
-    status, message = getattr(error, "status", None), getattr(error, "message", None)
+    status, message = getattr(error, "status", None), str(getattr(error, "message", None) or "")
+    if _is_garbled(error):
+        return f"its answer is not HTTP: {message.partition(':')[0]}"
     if status and message:
         # Its own text has the URL, and in that perhaps a signature.
-        return f"{status} {message}"
+        return f"{status} {message.splitlines()[0]}"
+    if type(error).__name__ in _REDIRECTS:
+        return f"it redirects to {_REDIRECTS[type(error).__name__] or error}"
     reason = getattr(error, "os_error", None)
     if isinstance(reason, OSError) and reason.errno:
         # Names are not found with codes of their own, below zero.

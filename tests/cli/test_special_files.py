@@ -1,7 +1,10 @@
 """Files that are no regular ones, and small ones that take their parser's time or memory."""
 
 import os
+import re
 import socket
+import subprocess
+import sys
 from collections.abc import Callable
 from pathlib import Path
 
@@ -12,7 +15,7 @@ from dogbot_logtool.errors import CallError
 from dogbot_logtool.robot import load_robot
 from tests import forked_cli
 from tests.forked_cli import Ended
-from tests.paths import SAMPLE_LOGS, TROT
+from tests.paths import ROOT, SAMPLE_LOGS, TROT
 from tests.reader.mcap_bytes import small_mcap
 
 MOST_SECONDS = 30
@@ -181,3 +184,22 @@ def test_a_name_that_no_disk_takes_is_told(tmp_path: Path, words: str) -> None:
     assert "File name too long" in done.stderr
     assert "Traceback" not in done.stderr
     assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize(
+    "words", ["convert log.mcap", "info .", "stats log.mcap --parquet runs", "info log.mcap"]
+)
+def test_a_current_directory_that_was_removed_is_told(tmp_path: Path, words: str) -> None:
+    folder = tmp_path / "folder"
+    folder.mkdir()
+    script = f'cd {folder} && rmdir {folder} && exec "$@"'
+    done = subprocess.run(  # noqa: S603 - our own interpreter
+        ["/bin/sh", "-c", script, "sh", sys.executable, "-m", "dogbot_logtool", *words.split()],
+        capture_output=True,
+        text=True,
+        check=False,
+        env={**os.environ, "PYTHONPATH": str(ROOT)},
+    )
+    assert done.returncode in {1, 2}, done.stderr
+    assert re.search("current directory was removed|no such file", done.stderr)
+    assert "Traceback" not in done.stderr

@@ -167,9 +167,16 @@ def bag_header_of_many_fields() -> bytes:
     return bag_of(U32.pack(len(fields)) + fields + U32.pack(0))[:SIZE]
 
 
+def zstd_file_of_equal_bytes() -> bytes:
+    """Return a frame whose four-byte blocks are 128 kB each."""
+    block = (128 << 10 << 3 | 1 << 1).to_bytes(3, "little") + b"x"
+    return b"\x28\xb5\x2f\xfd\x00\x38" + block * (SIZE // 8)
+
+
 FILES: dict[str, Callable[[], bytes]] = {
     "zstd bomb": lambda: bomb_of_messages("zstd"),
     "lz4 bomb": lambda: bomb_of_messages("lz4"),
+    "zstd file of equal bytes": zstd_file_of_equal_bytes,
     "zstd bomb beyond the limit": bomb_beyond_the_limit,
     "chunks that claim 2 GB": lambda: chunk_that_claims(2 << 30),
     "chunks that claim 30 MB": lambda: chunk_that_claims(30 << 20),

@@ -355,3 +355,47 @@ def test_a_file_with_hardly_anything_in_it(tmp_path: Path, size: int) -> None:
     reading = read_bytes(tmp_path, small_mcap().build()[:size])
     assert not reading.messages
     assert reading.losses
+
+
+def unchunked(*records: bytes) -> bytes:
+    """Return a file without chunks and summary, whose recording was closed."""
+    ending = record(mcap_bytes.DATA_END, bytes(4)) + record(mcap_bytes.FOOTER, bytes(20))
+    described = mcap_bytes.schema(1) + mcap_bytes.channel(1, "/left")
+    return b"".join([MAGIC, mcap_bytes.file_header(), described, *records, ending, MAGIC])
+
+
+@pytest.mark.parametrize("opcode", [0x10, 0x7F, 0x80])
+def test_a_record_of_an_unknown_kind_costs_no_message(tmp_path: Path, opcode: int) -> None:
+    messages = [Message(1, 10**9 + number, b"x" * number) for number in range(10)]
+    records = [message.record() for message in messages]
+    records.insert(5, record(opcode, b"\xff" * 30))
+    reading = read_bytes(tmp_path, unchunked(*records))
+    assert list(reading.messages) == [Read("/left", m.log_time, m.payload) for m in messages]
+    # One of an application is passed over; one that no version of MCAP has may be damage.
+    assert bool(reading.losses) == (opcode < 0x80)
+
+
+@pytest.mark.parametrize("described", [True, False])
+def test_messages_in_front_of_their_channels_description(
+    tmp_path: Path, *, described: bool
+) -> None:
+    left, right = (
+        [Message(number, 10**9 + row, b"x" * row) for row in range(10)] for number in (1, 2)
+    )
+    records = [message.record() for message in left]
+    records += [mcap_bytes.metadata("between", {}), *(message.record() for message in right)]
+    records += [mcap_bytes.channel(2, "/right")] if described else []
+    reading = read_bytes(tmp_path, unchunked(*records))
+    expected = [Read("/left", m.log_time, m.payload) for m in left]
+    expected += [Read("/right", m.log_time, m.payload) for m in right] if described else []
+    assert list(reading.messages) == expected
+    assert reading.lost == 20 - len(expected)
+    assert ("10 messages of channels that are nowhere described" in reading.sentences) != described
+
+
+def test_a_schema_that_is_nowhere_described_is_said(tmp_path: Path) -> None:
+    message = Message(2, 5, b"a")
+    reading = read_bytes(tmp_path, unchunked(mcap_bytes.channel(2, "/right", 7), message.record()))
+    assert list(reading.messages) == [Read("/right", 5, b"a")]
+    assert reading.sentences.startswith("schema 7 of /right is nowhere described")
+    assert reading.lost == 0

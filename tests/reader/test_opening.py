@@ -4,6 +4,7 @@ import bz2
 import gzip
 import io
 import lzma
+import re
 import sqlite3
 import tarfile
 import zipfile
@@ -69,6 +70,7 @@ def test_other_files_are_refused_in_a_sentence(tmp_path: Path) -> None:
 
 
 BAG, MCAP = small_bag().build(), small_mcap().build()
+CHECKED = zstandard.ZstdCompressor(write_checksum=True).compress(MCAP)
 
 
 def tarred(data: bytes) -> bytes:
@@ -159,6 +161,36 @@ def test_all_frames_of_a_compressed_log_are_read(tmp_path: Path, packed: bytes) 
     reading = read_bytes(tmp_path, packed)
     assert list(reading.messages) == written_mcap(small_mcap())
     assert reading.losses == ()
+
+
+@pytest.mark.parametrize(
+    ("packed", "says"),
+    [
+        (CHECKED[:-1], "its zstd data is cut off after"),
+        (zstandard.compress(MCAP) + zstandard.compress(b"more")[:-2], "its zstd data is cut off"),
+        (zstandard.compress(MCAP) + b"more", "the 4 bytes behind its zstd data were left out"),
+        (zstandard.compress(MCAP) + bytes(5000) + b"more", "bytes behind its zstd data were left"),
+        (CHECKED[:-1] + b"?", "its zstd data is damaged at byte .*checksum"),
+        (
+            zstandard.compress(MCAP) + b"\x28\xb5\x2f\xfd" + b"\xff" * 40,
+            "its zstd data is damaged at",
+        ),
+    ],
+)
+def test_what_stands_before_damage_in_a_compressed_log_is_read(
+    tmp_path: Path, packed: bytes, says: str
+) -> None:
+    reading = read_bytes(tmp_path, packed)
+    assert list(reading.messages) == written_mcap(small_mcap())
+    assert re.search(says, reading.losses[0].what), reading.sentences
+    assert reading.lost is None
+
+
+@pytest.mark.parametrize("size", [4, 9])
+def test_a_compressed_log_of_which_nothing_is_left(tmp_path: Path, size: int) -> None:
+    (tmp_path / "log").write_bytes(zstandard.compress(MCAP)[:size])
+    with pytest.raises(LogError, match=f"its zstd data is cut off after {size} bytes"):
+        open_log(tmp_path / "log")
 
 
 def test_no_file_is_a_wrong_call(tmp_path: Path) -> None:

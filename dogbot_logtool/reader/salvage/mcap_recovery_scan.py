@@ -40,7 +40,7 @@ class McapRecoveryScan(RecoveryScan):
         """Walk the file."""
         contents = self._contents(len(MCAP_MAGIC), problem)
         channels = self._descriptions.channels_by_id()
-        for loss in self._descriptions.contradictions():
+        for loss in (*self._descriptions.contradictions(), *self._descriptions.without_schema()):
             self._losses.add(loss)
         self._compare_statistics(contents.counts, channels)
         self._check_data()
@@ -66,8 +66,10 @@ class McapRecoveryScan(RecoveryScan):
             # One bit makes a private record of a chunk, but not the other way round.
             is_chunk = self._mcap_format.is_chunk(self._source, content, length)
             return self._chunk_record(offset) if is_chunk else end
-        sound = end <= size and self._mcap_format.has_sound_content(
-            self._source, content, opcode, length
+        sound = end <= size and (
+            self._mcap_format.has_sound_content(self._source, content, opcode, length)
+            # Their channel may be described later, or in the summary.
+            or (opcode == Opcode.MESSAGE and self._begins_run(offset, end))
         )
         if not sound or (opcode == Opcode.MESSAGE and self._is_no_message(content, length)):
             return None

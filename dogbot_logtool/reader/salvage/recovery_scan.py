@@ -25,6 +25,7 @@ _REGION_SIZE: Final = 1 << 20
 """Messages outside chunks are read in runs of about this many bytes."""
 _REGION_RECORDS: Final = 1 << 16
 _FIRST_RECORDS: Final = 16
+_NO_ACCIDENT: Final = 4
 _READ_AT_ONCE: Final = 4 << 20
 _SHORTEST_HEAD: Final = 12
 """Fewer bytes at the end of the file are taken for a record that is cut off."""
@@ -186,6 +187,16 @@ class RecoveryScan(ABC):
             run = Chunk(offset, offset, stop, offset + stop, offset + stop, "", stop)
             self._chunks.append(run)
         return self._search(offset + stop) if following is None else following
+
+    def _begins_run(self, offset: int, end: int) -> bool:
+        """Tell whether so many messages follow each other that they are no accident.
+
+        Args:
+            offset: where the first begins.
+            end: where it ends.
+        """
+        window = self._window(offset, max(_REGION_SIZE, end - offset))
+        return self._messages_in(window)[0] >= _NO_ACCIDENT
 
     def _window(self, offset: int, size: int) -> Bytes:
         """Return bytes of the file; runs that follow each other share what was read."""

@@ -15,7 +15,7 @@ from zlib_ng.zlib_ng import crc32
 from dogbot_logtool.core.geometry.arrays import Bytes, Ints
 from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.reader.containers.contents import Channel
-from dogbot_logtool.reader.containers.loss import Loss, described_twice
+from dogbot_logtool.reader.containers.loss import LONGEST_NAME, Loss, described_twice
 from dogbot_logtool.reader.containers.mcap.records import (
     RECORD_HEAD,
     channel_of,
@@ -106,6 +106,17 @@ class Descriptions:
             if isinstance(each.record, records.Schema)
         }
         return {c.id: channel_of(c, schemas) for c in self.channels.values()}
+
+    def without_schema(self) -> Iterator[Loss]:
+        """Yield what to say of channels whose schema is nowhere described."""
+        for each in self._chosen.values():
+            channel = each.record
+            if not isinstance(channel, records.Channel) or not channel.schema_id:
+                continue
+            if (Opcode.SCHEMA, channel.schema_id) not in self._chosen:
+                what = f"schema {channel.schema_id} of {channel.topic[:LONGEST_NAME]}"
+                what += " is nowhere described: its messages can be copied, but not read"
+                yield Loss(each.offset, what)
 
     def contradictions(self) -> Iterator[Loss]:
         """Yield what to say of ids that are described in two ways."""

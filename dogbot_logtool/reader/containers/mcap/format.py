@@ -156,14 +156,20 @@ class McapFormat:
         if opcode == Opcode.CHUNK:
             return _is_chunk(head[RECORD_HEAD.size :], length)
         following = offset + RECORD_HEAD.size + length
-        if following > end or opcode not in _SHORTEST:
+        is_known = opcode in _SHORTEST
+        may_be_later = opcode > LARGEST_OPCODE and following < end
+        if following > end or not (is_known or may_be_later):
             # A following record that the end cuts off says nothing against those before it.
-            return opcode in _SHORTEST and more < _MOST_FOLLOWING
+            return is_known and more < _MOST_FOLLOWING
         if opcode == Opcode.FOOTER:
             return source.read(following, len(MCAP_MAGIC)) == MCAP_MAGIC
-        if not self.has_sound_content(source, offset + RECORD_HEAD.size, opcode, length):
+        content = offset + RECORD_HEAD.size
+        if is_known and not self.has_sound_content(source, content, opcode, length):
             return False
-        return following == end or not more or self._sound(source, following, end, more - 1)
+        # Of a kind that only later versions have, what follows is all that can be looked at.
+        return (is_known and (following == end or not more)) or (
+            more > 0 and self._sound(source, following, end, more - 1)
+        )
 
     def has_sound_content(self, source: Readable, content: int, opcode: int, length: int) -> bool:
         """Tell whether a record's content is what its opcode says.

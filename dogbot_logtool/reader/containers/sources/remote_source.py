@@ -147,6 +147,11 @@ class RemoteSource(ByteSource):
             left = [run for run in ranges if run[0] not in found]
             answers = _cat(self._url, left)
             for (start, end), answer in zip(left, answers, strict=True):
+                if not isinstance(answer, BaseException) and len(answer) > end - start:
+                    raise LogError(
+                        f"{storage.shown(self.path)}: its server sends more than the parts that "
+                        "are asked for; download it first"
+                    )
                 if not isinstance(answer, BaseException) and len(answer) == end - start:
                     found[start] = answer
             failed = [answer for answer in answers if isinstance(answer, BaseException)]

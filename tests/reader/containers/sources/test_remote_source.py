@@ -13,7 +13,7 @@ from upath import UPath
 
 from dogbot_logtool.commands.convert import convert
 from dogbot_logtool.commands.info import describe
-from dogbot_logtool.errors import CallError, StoreError
+from dogbot_logtool.errors import CallError, LogError, StoreError
 from dogbot_logtool.io import storage
 from dogbot_logtool.pipeline.options import ConvertOptions, TopicOptions
 from dogbot_logtool.reader.containers.sources.remote_source import RemoteSource
@@ -196,6 +196,22 @@ def test_a_web_server_gets_few_requests_at_once(tmp_path: Path, url: str) -> Non
     assert not crowded.is_set()
 
 
+def test_a_server_that_sends_whole_files_is_said(
+    tmp_path: Path, url: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "x.bag").write_bytes(b"#ROSBAG V2.0\n" + bytes(2 << 20))
+    monkeypatch.setattr(Server, "parse_request", _without_range)
+    with pytest.raises(LogError, match="sends more than the parts that are asked for"):
+        open_log(storage.location(f"{url}/x.bag"))
+
+
+def _without_range(request: Server) -> bool:
+    """Parse a request, but for the range that it asks for."""
+    is_sound = http.server.BaseHTTPRequestHandler.parse_request(request)
+    del request.headers["Range"]
+    return is_sound
+
+
 def test_what_is_not_there_is_a_wrong_call(url: str) -> None:
     with pytest.raises(CallError, match="no such file"):
         open_log(storage.location(f"{url}/absent.bag"))
@@ -209,11 +225,14 @@ def test_a_size_must_be_known() -> None:
 
 
 class Refusing(http.server.BaseHTTPRequestHandler):
-    """Answers with the status that the path begins with."""
+    """Answers with the status that the path begins with; redirects lead nowhere."""
 
     def do_GET(self) -> None:
-        self.send_response(int(self.path.split("/")[1]))
-        self.send_header("Content-Length", "0")
+        status = int(self.path.split("/")[1])
+        self.send_response(status)
+        if status // 100 == 3:
+            self.send_header("Location", self.path if status == 302 else "file:///x")
+        self.send_header("Content-Length", "?" if status == 299 else "0")
         self.end_headers()
 
     do_HEAD = do_GET  # noqa: N815 - http.server's name
@@ -231,6 +250,17 @@ class Refusing(http.server.BaseHTTPRequestHandler):
         (410, CallError, "no such file"),
         (400, CallError, "the server refuses the request (400 Bad Request)"),
         (500, StoreError, "the store fails: 500 Internal Server Error"),
+        (302, StoreError, "the store fails: it redirects to other addresses without end"),
+        (
+            301,
+            StoreError,
+            "the store fails: it redirects to file:///x",
+        ),
+        (
+            299,
+            StoreError,
+            "the store fails: its answer is not HTTP: Invalid character in Content-Length",
+        ),
     ],
 )
 def test_what_a_server_answers_is_said(
