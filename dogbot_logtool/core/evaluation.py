@@ -1,10 +1,12 @@
 """All figures of a walk, worked out from what was kept of its log."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from dogbot_logtool.core.base.base_history import BaseHistory
 from dogbot_logtool.core.base.tipping import find_tipping
+from dogbot_logtool.core.base.up_axis import leaning_walk_rad
 from dogbot_logtool.core.checked_walk import CheckedWalk, Recorded, check_walk
 from dogbot_logtool.core.command_tracking import command_track
 from dogbot_logtool.core.consistency.stopped import all_silent
@@ -39,6 +41,9 @@ def work_out(settings: StatsSettings, recorded: Recorded) -> Stats:
         settings: what decides the figures.
         recorded: what was kept of the log.
     """
+    leaning = leaning_walk_rad(recorded.base, recorded.feet)
+    if leaning is not None:
+        recorded = replace(recorded, base=recorded.base.without_poses())
     walk = check_walk(settings, recorded)
     settings, records = walk.settings, walk.records
     feet = walk.feet()
@@ -59,6 +64,7 @@ def work_out(settings: StatsSettings, recorded: Recorded) -> Stats:
         corners=quadruped([foot.leg_position for foot in settings.feet]),
         base_history=recorded.base,
         base=walk.base_motion(),
+        leaning_rad=leaning,
         jumps=walk.jumps,
         tipping=find_tipping(recorded.base, settings.forward_axis),
         segments=segments,

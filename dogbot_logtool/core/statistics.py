@@ -91,6 +91,9 @@ class Stats:
     """Topics whose clocks are too far from the others' for figures of both."""
     base_delay: "Delay | None" = None
     """By how much the base comes after the forces that drive it; None: not known, or little."""
+    leaning_rad: float | None = None
+    """rad, how far the base seems to lean while the robot walks: its poses are left out; None: it
+    does not."""
     loses_way: bool = False
     """Whether the base drifts so far among the contact points that speeds are not known."""
     worlds: Worlds | None = None

@@ -5,7 +5,15 @@ from dataclasses import replace
 
 import numpy as np
 
-from tests.truth.recording import Disturbance, Floats, Recording
+from tests.truth.recording import (
+    Disturbance,
+    Floats,
+    Recording,
+    about_axis,
+    inverse,
+    product,
+    turned,
+)
 from tests.truth.robots import GRAVITY_MPS2
 
 
@@ -84,5 +92,27 @@ def restamped(seconds: float) -> Disturbance:
         return replace(
             recording, base=replace(base, stamp=base.stamp + late, log_time=base.log_time + late)
         )
+
+    return change
+
+
+def y_up(*, body: bool) -> Disturbance:
+    """Let motion capture count in a world whose y is up, and x forward.
+
+    Args:
+        body: whether the body's y is up, too, as that of a rigid body that was defined in it.
+    """
+
+    def change(recording: Recording) -> Recording:
+        base = recording.base
+        turn = about_axis(0, np.full(len(base.time), -np.pi / 2.0))
+        orientation = product(turn, base.orientation)
+        moved = replace(
+            base,
+            position=turned(turn, base.position),
+            orientation=product(orientation, inverse(turn)) if body else orientation,
+            velocity=turned(turn, base.velocity),
+        )
+        return replace(recording, base=moved)
 
     return change

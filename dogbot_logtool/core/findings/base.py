@@ -2,6 +2,8 @@
 
 from collections.abc import Iterator
 
+import numpy as np
+
 from dogbot_logtool.core.base.base_motion import BaseMotion
 from dogbot_logtool.core.base.forward_axis import WALKED_M
 from dogbot_logtool.core.findings.wording import counted
@@ -34,13 +36,8 @@ def fall_findings(stats: Stats) -> Iterator[Finding]:
 def base_findings(stats: Stats) -> Iterator[Finding]:
     """Yield what is missing or doubtful in the figures of the base."""
     record, base = stats.base_history, stats.base
-    if record.messages and record.not_usable == record.messages:
-        poses = counted(record.messages, "pose")
-        text = f"the odometry is useless: {poses}, all with NaN, infinity or a zero quaternion"
-        yield Finding("W_BAD_POSES", f"{text}; no base figures", "base")
-        return
     if base is None:
-        yield Finding("N_NO_ODOMETRY", "fewer than two poses of the base: no base figures", "base")
+        yield _without_base(stats)
         return
     if record.not_usable:
         poses = counted(record.not_usable, "pose")
@@ -69,6 +66,23 @@ def base_findings(stats: Stats) -> Iterator[Finding]:
         yield Finding("N_NO_FROUDE", "no speed of the base: no Froude number", "base.froude")
     yield from _heading(stats, base)
     yield from _jumps(stats)
+
+
+def _without_base(stats: Stats) -> Finding:
+    """Return why there are no figures of the base."""
+    record = stats.base_history
+    if record.messages and record.not_usable == record.messages:
+        poses = counted(record.messages, "pose")
+        text = f"the odometry is useless: {poses}, all with NaN, infinity or a zero quaternion"
+        return Finding("W_BAD_POSES", f"{text}; no base figures", "base")
+    if stats.leaning_rad is not None:
+        text = (
+            f"the base leans by up to {np.degrees(stats.leaning_rad):.0f} degrees while the robot "
+            "walks on: the z axis of the poses' world or body is not up, as with motion capture "
+            "whose y is up; no base figures"
+        )
+        return Finding("W_UP_AXIS", text, "base")
+    return Finding("N_NO_ODOMETRY", "fewer than two poses of the base: no base figures", "base")
 
 
 def _heading(stats: Stats, base: BaseMotion) -> Iterator[Finding]:

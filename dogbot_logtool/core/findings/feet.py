@@ -21,7 +21,8 @@ def foot_findings(stats: Stats, foot: FootStatistics) -> Iterator[Finding]:
     """Yield what is missing or doubtful in the figures of a foot."""
     record, name, where = foot.record, foot.name, f"feet.{foot.name}"
     if record.messages == 0:
-        yield Finding("W_NO_MESSAGES", f"no message on {foot.topic} tells of {name}", where)
+        topic = f" on {foot.topic}" if foot.topic else ""
+        yield Finding("W_NO_MESSAGES", f"no message{topic} tells of {name}", where)
         return
     if stats.settings.sensor(stats.feet.index(foot)).rule.unusable:
         return

@@ -1,0 +1,51 @@
+"""Logs as laboratories record them: other axes, some feet only, several kinds of sensors."""
+
+from collections.abc import Iterator
+from dataclasses import replace
+from math import radians
+
+from tests.truth import gaits
+from tests.truth import sensor_faults as sensor
+from tests.truth import world_faults as world
+from tests.truth.judging import Case
+from tests.truth.recorders import FORCE, recorder
+from tests.truth.recording import Disturbance, Recording
+from tests.truth.robots import hexapod
+from tests.truth.walking import Walk
+
+UNKNOWN_MASS = sensor.wrong_mass(None)
+
+
+def some_feet() -> Iterator[Case]:
+    """Feet of which not all are recorded, or not in one type of messages."""
+    yield Case(
+        "force sensors on the fore feet, bumpers on the hind feet",
+        recorder(Walk(), _fore_feet_feel_forces),
+        skip=("slip", "margin"),
+    )
+    wave = Walk(gait=gaits.WAVE, robot=hexapod(), period_s=2.0, speed_mps=0.05, seconds=16.0)
+    for name, walk, feet in (
+        ("no topic of one foot", Walk(), ("back_right",)),
+        ("no topics of the fore feet", Walk(), ("front_left", "front_right")),
+        ("six feet, no topic of a middle one", wave, ("middle_left",)),
+    ):
+        missing = "FOOT_MISSING|NO_MESSAGES"
+        yield Case(name, recorder(walk, _without(*feet), UNKNOWN_MASS), missing, missing)
+
+
+def axes() -> Iterator[Case]:
+    """Poses whose z axis is not up."""
+    walk = Walk(heading_rad=radians(90.0))
+    for name, body in (("", False), (" and of its body", True)):
+        yield Case(
+            f"motion capture, y up of the world{name}",
+            recorder(walk, world.y_up(body=body), FORCE), "UP_AXIS", "UP_AXIS",
+        )  # fmt: skip
+
+
+def _fore_feet_feel_forces(recording: Recording) -> Recording:
+    return replace(recording, kinds=("wrench", "wrench", "contacts", "contacts"))
+
+
+def _without(*feet: str) -> Disturbance:
+    return lambda recording: replace(recording, unrecorded=feet)
