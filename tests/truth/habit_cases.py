@@ -33,6 +33,26 @@ def some_feet() -> Iterator[Case]:
         yield Case(name, recorder(walk, _without(*feet), UNKNOWN_MASS), missing, missing)
 
 
+def moving_levels() -> Iterator[Case]:
+    """Sensors of which the level without load moves in the course of the log."""
+    walk = Walk(seconds=20.0)
+    noise = sensor.noise(1.0)
+    for newtons in (-25.0, 40.0):
+        yield Case(
+            f"force sensors re-zeroed in mid-log, {newtons:+g} N before",
+            recorder(walk, FORCE, noise, sensor.rezeroed(10.03, newtons)), "", "SENSOR_MOVES",
+        )  # fmt: skip
+    yield Case(
+        "one force sensor re-zeroed in mid-log, 30 N before",
+        recorder(walk, FORCE, noise, sensor.rezeroed(10.03, 30.0, "back_left")), "", "SENSOR_MOVES",
+    )  # fmt: skip
+    yield Case(
+        "force sensors warm up by 40 N",
+        recorder(replace(walk, seconds=40.0), FORCE, noise, sensor.warming(40.0, 20.0)),
+        "", "SENSOR_MOVES",
+    )  # fmt: skip
+
+
 def axes() -> Iterator[Case]:
     """Poses whose z axis is not up."""
     walk = Walk(heading_rad=radians(90.0))
