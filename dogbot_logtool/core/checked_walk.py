@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
@@ -18,7 +18,7 @@ from dogbot_logtool.core.consistency.stopped import without_stopped
 from dogbot_logtool.core.consistency.worlds import Worlds, placed_poses
 from dogbot_logtool.core.contact.foot_history import FootHistory
 from dogbot_logtool.core.gait.foot_statistics import FootStatistics, foot_statistics
-from dogbot_logtool.core.gait.foot_steps import FootChecks, FootSteps, foot_steps
+from dogbot_logtool.core.gait.foot_steps import FootChecks, FootSteps, foot_steps, net_push
 from dogbot_logtool.core.gait.reference_foot import any_strides
 from dogbot_logtool.core.gait.standing import Standing, standing_in, typical_period_s
 from dogbot_logtool.core.gait.support_pattern import Support, support
@@ -31,6 +31,7 @@ from dogbot_logtool.core.load.load_figures import (
     is_stuck,
     load_figures,
 )
+from dogbot_logtool.core.load.loads import GRAVITY_MPS2
 from dogbot_logtool.core.quality.clocks import ClockDifference, too_far_apart
 from dogbot_logtool.core.quality.quality import TopicQuality
 from dogbot_logtool.core.settings import StatsSettings
@@ -41,6 +42,10 @@ if TYPE_CHECKING:
     from dogbot_logtool.core.commands.tracking import CommandTrack, Tracking
     from dogbot_logtool.core.geometry.delay import Delay
     from dogbot_logtool.core.recorded.vectors import VectorHistory
+
+
+MOST_PUSH: Final = 0.05
+"""Share of the weight that feet may push a robot on, over whole stances, that does not speed up."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -80,6 +85,9 @@ class CheckedWalk:
     base_delay: "Delay | None"
     """By how much the base comes after the forces that drive it; None: not known, or little."""
     worlds: Worlds | None
+    push: float | None
+    """Share of the weight by which the feet seem to push the robot on, which its motion refutes;
+    None: they do not."""
     loses_way: bool
     """Whether the base drifts so far among the contact points that speeds are not known."""
     vertical_known: bool
@@ -184,7 +192,7 @@ def check_walk(settings: StatsSettings, recorded: Recorded) -> CheckedWalk:
     apart = apart | {settings.odometry_topic} if delay else apart
     parted = worlds is not None and not worlds.agree
     over_feet = np.full_like(height, np.nan) if parted else height
-    track = BaseTrack(base, find_travel(base), over_feet, records, standing.still)
+    track = BaseTrack(base, find_travel(base), over_feet, records, standing.still, jumps)
     guessed = settings.forward_axis
     motion = base_motion(track, guessed)
     loses_way = _loses_way(worlds, motion)
@@ -200,6 +208,13 @@ def check_walk(settings: StatsSettings, recorded: Recorded) -> CheckedWalk:
         steps_missing=len(standing.moving) > 0,
         lost=loses_way,
     )
+    steps = tuple(
+        foot_steps(
+            *foot, base, forward_axis=settings.forward_axis, fallen=fallen, standing=standing
+        )
+        for foot in zip(settings.feet, checks, records, strict=True)
+    )
+    push = _refuted_push(steps, motion)
     return CheckedWalk(
         settings=settings,
         records=records,
@@ -210,12 +225,8 @@ def check_walk(settings: StatsSettings, recorded: Recorded) -> CheckedWalk:
         motion=motion,
         fallen=fallen,
         standing=standing,
-        steps=tuple(
-            foot_steps(
-                *foot, base, forward_axis=settings.forward_axis, fallen=fallen, standing=standing
-            )
-            for foot in zip(settings.feet, checks, records, strict=True)
-        ),
+        steps=steps if push is None else tuple(foot.without_direction() for foot in steps),
+        push=push,
         apart=apart,
         base_delay=delay,
         worlds=worlds,
@@ -267,6 +278,15 @@ def _long_delay(
     from dogbot_logtool.core.consistency.heave import long_delay  # noqa: PLC0415
 
     return long_delay(records, base, period_s, strides)
+
+
+def _refuted_push(steps: Sequence[FootSteps], motion: BaseMotion | None) -> float | None:
+    """Return the share of the weight that the feet push on; None: no more than motion explains."""
+    push = net_push(steps)
+    if push is None or motion is None or not motion.duration_s:
+        return None
+    speeds = abs(motion.forward_speed_mps or 0.0) / (GRAVITY_MPS2 * motion.duration_s)
+    return push if abs(push) > MOST_PUSH + 2.0 * speeds else None
 
 
 def _loses_way(worlds: Worlds | None, motion: BaseMotion | None) -> bool:

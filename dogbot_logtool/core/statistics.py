@@ -91,6 +91,9 @@ class Stats:
     """Topics whose clocks are too far from the others' for figures of both."""
     base_delay: "Delay | None" = None
     """By how much the base comes after the forces that drive it; None: not known, or little."""
+    push: float | None = None
+    """Share of the weight by which the feet seem to push the robot on, which its motion refutes;
+    None: they do not."""
     leaning_rad: float | None = None
     """rad, how far the base seems to lean while the robot walks: its poses are left out; None: it
     does not."""

@@ -53,6 +53,17 @@ def moving_levels() -> Iterator[Case]:
     )  # fmt: skip
 
 
+def transforms() -> Iterator[Case]:
+    """Transforms that are not those of the legs."""
+    # Legs that lean forward on average: their links' forces seem to push the robot on.
+    lean = Walk(link_swing_rad=0.3, link_lean_rad=0.2)
+    yield Case(
+        "link forces, /tf of legs that never move",
+        recorder(lean, FORCE, sensor.in_link_frame, sensor.stiff_legs, UNKNOWN_MASS),
+        "DIRECTION_UNKNOWN", "DIRECTION_UNKNOWN",
+    )  # fmt: skip
+
+
 def axes() -> Iterator[Case]:
     """Poses whose z axis is not up."""
     walk = Walk(heading_rad=radians(90.0))

@@ -165,6 +165,14 @@ def in_link_frame(recording: Recording) -> Recording:
     return replace(recording.each_foot(change), has_tf=True)
 
 
+def stiff_legs(recording: Recording) -> Recording:
+    """Let the transforms of the links be those of legs that never move."""
+    straight = np.array([0.0, 0.0, 0.0, 1.0])
+    return recording.each_foot(
+        lambda _, foot: replace(foot, link=np.tile(straight, (len(foot.time), 1)))
+    )
+
+
 def without_tf(recording: Recording) -> Recording:
     """Leave out the transforms."""
     return replace(recording, has_tf=False)

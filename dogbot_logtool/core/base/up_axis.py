@@ -6,7 +6,7 @@ from typing import Final
 import numpy as np
 
 from dogbot_logtool.core.base.base_history import BaseHistory
-from dogbot_logtool.core.base.falls import tilt_rad
+from dogbot_logtool.core.base.falls import TILT_RAD, UPRIGHT_RAD, tilt_rad
 from dogbot_logtool.core.contact.foot_history import FootHistory
 from dogbot_logtool.core.geometry.arrays import Floats
 from dogbot_logtool.core.geometry.order_statistics import median_of
@@ -15,6 +15,8 @@ STEEP_RAD: Final = np.radians(45.0)
 """No legged robot walks with its back so steep."""
 FEWEST_STRIDES: Final = 3
 """Of a foot, while the base leans so far."""
+TOPPLES_NS: Final = 1_000_000_000
+"""From upright to lying, a robot falls in less."""
 ALIKE: Final = 0.8
 """Least ratio of periods, and of duty factors, of strides that are the same walk."""
 
@@ -35,12 +37,19 @@ def leaning_walk_rad(base: BaseHistory, feet: Sequence[FootHistory]) -> float | 
     if not len(base.time):
         return None
     tilt = tilt_rad(base.angles)
-    if not (tilt > STEEP_RAD).any():
+    if not (tilt > STEEP_RAD).any() or _topples(base, tilt):
         return None
     leaning = [_walks_on(foot, base, tilt) for foot in feet if len(foot.stances.touchdown)]
     if not leaning or 2 * sum(leaning) <= len(leaning):
         return None
     return float(tilt.max())
+
+
+def _topples(base: BaseHistory, tilt: Floats) -> bool:
+    """Tell whether the base leans all at once, as it does in a fall; a turn on the spot is slower."""
+    lies = np.flatnonzero(tilt > TILT_RAD)
+    stood = np.flatnonzero(tilt[: lies[0]] < UPRIGHT_RAD) if len(lies) else lies
+    return len(stood) > 0 and bool(base.time[lies[0]] - base.time[stood[-1]] < TOPPLES_NS)
 
 
 def _walks_on(foot: FootHistory, base: BaseHistory, tilt: Floats) -> bool:

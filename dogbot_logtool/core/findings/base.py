@@ -111,6 +111,7 @@ def _jumps(stats: Stats) -> Iterator[Finding]:
     at = stats.seconds(jumps.spans[:, 1])[int(size.argmax())]
     text = (
         f"the base's pose has {counted(len(jumps.spans), 'jump')}, the largest of "
-        f"{size.max():.2f} m at {at:.2f} s; path, speeds and stride lengths leave them out"
+        f"{size.max():.2f} m at {at:.2f} s; path, speeds, turns and stride lengths leave them "
+        "out"
     )
     yield Finding("W_POSE_JUMP", text, "base.path_length_m")

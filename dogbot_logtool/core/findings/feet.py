@@ -148,7 +148,7 @@ def _stance_reasons(stats: Stats, foot: FootStatistics, where: str) -> Iterator[
         yield Finding("N_NO_CONTACT_POINTS", text, f"{where}.contact_travel_m")
     elif stats.settings.foot_rolling_m is None and foot.slip_source is None:
         yield from _unknown_slip(foot, where)
-    if foot.friction_use is None and vertical_is_known(foot.record):
+    if not np.isfinite(foot.stances.figures.friction_use).any() and vertical_is_known(foot.record):
         text = f"no contact normals of {name}: its friction use is not known"
         yield Finding("N_NO_NORMALS", text, f"{where}.friction_use")
 

@@ -72,7 +72,7 @@ BASE: Final[Sequence[Figure[BaseMotion]]] = (
         Kind.NUMBER,
         "rad",
         lambda base: base.yaw_change_rad,
-        "last yaw minus first, unwrapped",
+        "last yaw minus first, unwrapped, jumps left out",
     ),
     Figure(
         "yaw_rate_radps",
