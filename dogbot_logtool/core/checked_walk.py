@@ -10,7 +10,7 @@ from dogbot_logtool.core.base.base_history import BaseHistory
 from dogbot_logtool.core.base.base_motion import BaseMotion, BaseTrack, base_motion
 from dogbot_logtool.core.base.falls import fallen_spans
 from dogbot_logtool.core.base.forward_axis import with_forward_axis
-from dogbot_logtool.core.base.ground import height_over_feet
+from dogbot_logtool.core.base.ground import height_drift_m, height_over_feet
 from dogbot_logtool.core.base.pose_jumps import PoseJumps, find_jumps, without_jumps
 from dogbot_logtool.core.base.travel import find_travel
 from dogbot_logtool.core.command_tracking import tracking_in
@@ -23,7 +23,7 @@ from dogbot_logtool.core.gait.reference_foot import any_strides
 from dogbot_logtool.core.gait.standing import Standing, standing_in, typical_period_s
 from dogbot_logtool.core.gait.support_pattern import Support, support
 from dogbot_logtool.core.geometry import timespans
-from dogbot_logtool.core.geometry.arrays import Ints
+from dogbot_logtool.core.geometry.arrays import Floats, Ints
 from dogbot_logtool.core.load.load_figures import (
     LoadFigures,
     dead_feet,
@@ -88,6 +88,8 @@ class CheckedWalk:
     push: float | None
     """Share of the weight by which the feet seem to push the robot on, which its motion refutes;
     None: they do not."""
+    rise_m: float
+    """m, how far the base rises steadily over its feet while it walks: z of one of them drifts."""
     loses_way: bool
     """Whether the base drifts so far among the contact points that speeds are not known."""
     vertical_known: bool
@@ -123,6 +125,8 @@ class CheckedWalk:
         motion = self.motion
         if within is not None:
             motion = base_motion(self.track, self.settings.forward_axis, within)
+        if motion is not None and self.rise_m:
+            motion = replace(motion, climb_m=None)
         return motion.without_way() if motion is not None and self.loses_way else motion
 
     def support(self, within: Ints | None = None) -> Support | None:
@@ -174,7 +178,7 @@ def check_walk(settings: StatsSettings, recorded: Recorded) -> CheckedWalk:
     base = without_jumps(recorded.base, jumps)
     records = without_stopped(_without_stuck(recorded.feet), base)
     placed_base, worlds = placed_poses(records, recorded.base, base)
-    height = height_over_feet(placed_base, records)
+    height = _steadiest_height(records, placed_base, base)
     fallen = fallen_spans(recorded.base, records, height, jumps.spans)
     weighed = load_figures(
         records, settings.body_weight_n, any_strides(records, fallen, timespans.no_spans())
@@ -191,7 +195,8 @@ def check_walk(settings: StatsSettings, recorded: Recorded) -> CheckedWalk:
     delay = None if apart else _long_delay(records, base, period_s, strides)
     apart = apart | {settings.odometry_topic} if delay else apart
     parted = worlds is not None and not worlds.agree
-    over_feet = np.full_like(height, np.nan) if parted else height
+    rise_m = height_drift_m(base, height, strides)
+    over_feet = np.full_like(height, np.nan) if parted or rise_m else height
     track = BaseTrack(base, find_travel(base), over_feet, records, standing.still, jumps)
     guessed = settings.forward_axis
     motion = base_motion(track, guessed)
@@ -227,12 +232,31 @@ def check_walk(settings: StatsSettings, recorded: Recorded) -> CheckedWalk:
         standing=standing,
         steps=steps if push is None else tuple(foot.without_direction() for foot in steps),
         push=push,
+        rise_m=rise_m,
         apart=apart,
         base_delay=delay,
         worlds=worlds,
         loses_way=loses_way,
         vertical_known=weighed.share_of == "vertical_impulse",
     )
+
+
+def _steadiest_height(
+    records: Sequence[FootHistory], placed: BaseHistory, without: BaseHistory
+) -> Floats:
+    """(n,) m, over the feet: z may be reset in poses of which x and y jump with the feet, or not.
+
+    Args:
+        records: of all feet.
+        placed: poses among the contact points.
+        without: poses without jumps.
+    """
+    height = height_over_feet(placed, records)
+    if placed is without:
+        return height
+    other = height_over_feet(without, records)
+    known = np.isfinite(height) & np.isfinite(other)
+    return other if known.any() and np.std(other[known]) < np.std(height[known]) else height
 
 
 def _without_stuck(feet: Sequence[FootHistory]) -> tuple[FootHistory, ...]:

@@ -89,6 +89,7 @@ def work_out(settings: StatsSettings, recorded: Recorded) -> Stats:
         base_delay=walk.base_delay,
         worlds=walk.worlds,
         push=walk.push,
+        rise_m=walk.rise_m,
         loses_way=walk.loses_way,
         all_silent=all_silent(records, walk.base),
         beside=tuple(each for each in (recorded.commands, recorded.inertial) if each),

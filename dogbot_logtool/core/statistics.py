@@ -94,6 +94,8 @@ class Stats:
     push: float | None = None
     """Share of the weight by which the feet seem to push the robot on, which its motion refutes;
     None: they do not."""
+    rise_m: float = 0.0
+    """m, how far the base rises steadily over its feet while it walks: z of one of them drifts."""
     leaning_rad: float | None = None
     """rad, how far the base seems to lean while the robot walks: its poses are left out; None: it
     does not."""

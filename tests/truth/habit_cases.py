@@ -74,6 +74,19 @@ def axes() -> Iterator[Case]:
         )  # fmt: skip
 
 
+def drifting_height() -> Iterator[Case]:
+    """State estimators of which z drifts, beside contact points in the true world."""
+    for speed in (0.02, -0.02):
+        yield Case(
+            f"odometry drifts by {speed:+g} m/s in z",
+            recorder(Walk(seconds=12.0), world.rising(speed)), "HEIGHT_DRIFTS", "HEIGHT_DRIFTS",
+        )  # fmt: skip
+    yield Case(
+        "odometry counts z anew from mid-log on",
+        recorder(Walk(seconds=12.0), world.reset_height(6.0)), "", "POSE_JUMP",
+    )  # fmt: skip
+
+
 def _fore_feet_feel_forces(recording: Recording) -> Recording:
     return replace(recording, kinds=("wrench", "wrench", "contacts", "contacts"))
 

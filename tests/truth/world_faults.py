@@ -43,6 +43,13 @@ def drifting(metres_per_metre: float) -> Disturbance:
     return change
 
 
+def rising(metres_per_second: float) -> Disturbance:
+    """Let z of the odometry drift."""
+    return lambda recording: _moved(
+        recording, np.outer(recording.base.time * metres_per_second, (0.0, 0.0, 1.0))
+    )
+
+
 def leaning(at_s: float, metres: Sequence[float]) -> Disturbance:
     """Let the body lean elsewhere over its feet from some moment on, within a second."""
 
@@ -58,6 +65,13 @@ def jump(at_s: float, metres: Sequence[float]) -> Disturbance:
     return lambda recording: _moved(
         recording,
         np.outer(np.where(recording.base.time >= at_s, 1.0, 0.0), np.array(metres, np.float64)),
+    )
+
+
+def reset_height(at_s: float) -> Disturbance:
+    """Let the odometry count z from the base's height on."""
+    return lambda recording: jump(at_s, (0.0, 0.0, -float(recording.base.position[0, 2])))(
+        recording
     )
 
 

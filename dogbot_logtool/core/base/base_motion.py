@@ -52,8 +52,8 @@ class BaseMotion:
     """rad/s, mean: turns within the known time over the duration."""
     height_m: Aggregate | None
     """m, base over the feet's latest contact points; None where these do not tell."""
-    climb_m: float
-    """m, z of the last pose less that of the first, jumps left out."""
+    climb_m: float | None
+    """m, z of the last pose less that of the first, jumps left out; None where z drifts."""
     slope_rad: float | None
     """rad, angle of the plane through the contact points against the horizontal."""
     roll_rad: Aggregate | None

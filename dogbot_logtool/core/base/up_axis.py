@@ -46,7 +46,7 @@ def leaning_walk_rad(base: BaseHistory, feet: Sequence[FootHistory]) -> float | 
 
 
 def _topples(base: BaseHistory, tilt: Floats) -> bool:
-    """Tell whether the base leans all at once, as it does in a fall; a turn on the spot is slower."""
+    """Tell whether the base leans all at once, as in a fall; a turn on the spot is slower."""
     lies = np.flatnonzero(tilt > TILT_RAD)
     stood = np.flatnonzero(tilt[: lies[0]] < UPRIGHT_RAD) if len(lies) else lies
     return len(stood) > 0 and bool(base.time[lies[0]] - base.time[stood[-1]] < TOPPLES_NS)

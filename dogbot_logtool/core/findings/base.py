@@ -56,7 +56,14 @@ def base_findings(stats: Stats) -> Iterator[Finding]:
     if base.twist_frame is None:
         text = "too few finite velocities between poses to tell the twist's frame"
         yield Finding("N_TWIST_UNKNOWN", text, "base.twist_frame")
-    if base.height_m is None:
+    if stats.rise_m:
+        text = (
+            f"the base {'rises' if stats.rise_m > 0.0 else 'sinks'} steadily by "
+            f"{abs(stats.rise_m):.2f} m against the contact points while it walks: z of the "
+            "odometry or of the contact points drifts; no height, climb and Froude number"
+        )
+        yield Finding("W_HEIGHT_DRIFTS", text, "base.height_m")
+    elif base.height_m is None:
         text = (
             "the base's height over its feet is not known: no contact points, or these lie in "
             "another world than the base"

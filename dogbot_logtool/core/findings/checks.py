@@ -231,7 +231,16 @@ _KINDS: Final = (
         "the base's poses are sound",
         _no_poses,
         _nothing,
-        frozenset({"W_BAD_POSES", "W_UP_AXIS", "W_POSE_JUMP", "W_NO_ODOMETRY", "W_BASE_PLANNED"}),
+        frozenset(
+            {
+                "W_BAD_POSES",
+                "W_UP_AXIS",
+                "W_HEIGHT_DRIFTS",
+                "W_POSE_JUMP",
+                "W_NO_ODOMETRY",
+                "W_BASE_PLANNED",
+            }
+        ),
     ),
     _Kind(
         "header stamps are sound",

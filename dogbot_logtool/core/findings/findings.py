@@ -31,6 +31,7 @@ GRAVE: Final = (
     "W_STOPPED",
     "W_WORLDS_DIFFER",
     "W_UP_AXIS",
+    "W_HEIGHT_DRIFTS",
     "W_POSE_JUMP",
     "W_IMPULSE_IS_NOT_WEIGHT",
     "W_WRENCH_FRAME_UNKNOWN",

@@ -88,7 +88,7 @@ BASE: Final[Sequence[Figure[BaseMotion]]] = (
         "m",
         lambda base: base.height_m,
         "height of the base over the latest contact points of the feet",
-        null="no contact points in the world of the odometry",
+        null="no contact points in the world of the odometry, or z of one drifts",
     ),
     Figure(
         "climb_m",
@@ -96,6 +96,7 @@ BASE: Final[Sequence[Figure[BaseMotion]]] = (
         "m",
         lambda base: base.climb_m,
         "z of the last pose minus z of the first",
+        null="the base rises or sinks steadily against the contact points: z drifts",
     ),
     Figure(
         "slope_rad",
