@@ -5,6 +5,8 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from dogbot_logtool.core.base.base_history import BaseHistory
+from dogbot_logtool.core.base.base_motion import FORWARD_ANGLES
+from dogbot_logtool.core.base.ground import swapped_pairs
 from dogbot_logtool.core.base.tipping import find_tipping
 from dogbot_logtool.core.base.up_axis import leaning_walk_rad
 from dogbot_logtool.core.checked_walk import CheckedWalk, Recorded, check_walk
@@ -52,6 +54,9 @@ def work_out(settings: StatsSettings, recorded: Recorded) -> Stats:
     segments = find_segments(gait) if feet and not walk.feet_apart else ()
     strides = reference_strides(feet)
     origin, end = _extent(records, walk.base)
+    positions = [foot.leg_position for foot in settings.feet]
+    forward_rad = FORWARD_ANGLES[settings.forward_axis]
+    swapped, pairs = swapped_pairs(walk.placed_base, records, positions, forward_rad)
     track = command_track(
         recorded.commands, walk.base, walk.jumps, settings.forward_axis, segments, walk.period_s
     )
@@ -61,7 +66,9 @@ def work_out(settings: StatsSettings, recorded: Recorded) -> Stats:
         end=end,
         feet=feet,
         reference=gait.reference,
-        corners=quadruped([foot.leg_position for foot in settings.feet]),
+        corners=quadruped(positions),
+        swapped=swapped,
+        pairs=pairs,
         base_history=recorded.base,
         base=walk.base_motion(),
         leaning_rad=leaning,

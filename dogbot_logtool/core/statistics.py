@@ -96,6 +96,9 @@ class Stats:
     None: they do not."""
     rise_m: float = 0.0
     """m, how far the base rises steadily over its feet while it walks: z of one of them drifts."""
+    swapped: tuple[tuple[int, int], ...] = ()
+    """Left and right feet of the pairs that touch on the other side each; `pairs` of how many."""
+    pairs: int = 0
     leaning_rad: float | None = None
     """rad, how far the base seems to lean while the robot walks: its poses are left out; None: it
     does not."""

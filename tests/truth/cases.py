@@ -41,7 +41,7 @@ def groups() -> dict[str, tuple[Case, ...]]:
         "Some feet only": tuple(habit_cases.some_feet()),
         "Levels that move": tuple(habit_cases.moving_levels()),
         "Transforms of other legs": tuple(habit_cases.transforms()),
-        "Other axes": (*habit_cases.axes(), *habit_cases.drifting_height()),
+        "Other axes": (*habit_cases.axes(), *habit_cases.sides(), *habit_cases.drifting_height()),
         "No foot on the ground": tuple(attack_cases.in_the_air()),
         "A walk, and then": tuple(other_cases.sequences()),
     }

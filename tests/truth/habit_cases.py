@@ -74,6 +74,21 @@ def axes() -> Iterator[Case]:
         )  # fmt: skip
 
 
+def sides() -> Iterator[Case]:
+    """Left and right the other way round."""
+    walk = Walk(gait=gaits.WALK, period_s=1.0)
+    said = "SIDES_SWAPPED"
+    yield Case(
+        "all in a world with z down and y to the right",
+        recorder(walk, world.z_down, UNKNOWN_MASS), f"{said}|IMPULSE", said,
+    )  # fmt: skip
+    yield Case(
+        "topics of the fore feet swapped",
+        recorder(walk, world.swapped("front_left", "front_right")), said, said,
+        skip=("sequence", "touchdowns", "lift-offs", "phase"),
+    )  # fmt: skip
+
+
 def drifting_height() -> Iterator[Case]:
     """State estimators of which z drifts, beside contact points in the true world."""
     for speed in (0.02, -0.02):

@@ -110,6 +110,35 @@ def restamped(seconds: float) -> Disturbance:
     return change
 
 
+def z_down(recording: Recording) -> Recording:
+    """Let base, contact points and forces be in a world with z down and y to the right."""
+    flip, turn = np.array([1.0, -1.0, -1.0]), np.array([1.0, -1.0, -1.0, 1.0])
+    base = recording.base
+    turned_base = replace(
+        base,
+        position=base.position * flip,
+        orientation=base.orientation * turn,
+        velocity=base.velocity * flip,
+    )
+    return replace(recording, base=turned_base).each_foot(
+        lambda _, foot: replace(
+            foot, force=foot.force * flip, point=foot.point * flip, normal=foot.normal * flip
+        )
+    )
+
+
+def swapped(first: str, second: str) -> Disturbance:
+    """Let two feet's sensors speak on each other's topics."""
+
+    def change(recording: Recording) -> Recording:
+        rows = [recording.robot.feet.index(name) for name in (first, second)]
+        feet = list(recording.feet)
+        feet[rows[0]], feet[rows[1]] = feet[rows[1]], feet[rows[0]]
+        return replace(recording, feet=tuple(feet))
+
+    return change
+
+
 def y_up(*, body: bool) -> Disturbance:
     """Let motion capture count in a world whose y is up, and x forward.
 

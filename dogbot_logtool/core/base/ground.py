@@ -22,6 +22,8 @@ FURTHEST: Final = 1.5
 FLAT: Final = 0.1
 """Share of their extent by which points may deviate from a plane."""
 FEWEST_POINTS: Final = 3
+SIDES_APART_M: Final = 0.02
+"""m by which a left foot must be to the right of the right one for that to be said."""
 RISES: Final = 0.2
 """Share of its height by which a base that rises steadily over its feet does not do it itself."""
 STEADY: Final = 0.9
@@ -167,17 +169,55 @@ def axis_by_legs(
     for foot, position in zip(feet, positions, strict=True):
         if position is None or position[0] not in ends:
             continue
-        known = all_finite(foot.track.point)
-        time = foot.track.time[known]
-        way = foot.track.point[known, :2] - base.position_at(time)[:, :2]
-        in_body = np.stack(along_heading(way, base.angles_at(time)[:, 2]), axis=1)
-        in_body = in_body[all_finite(in_body)]
-        if len(in_body):
-            ends[position[0]].append(in_body.mean(axis=0))
+        usual = _usual_place(base, foot)
+        if usual is not None:
+            ends[position[0]].append(usual)
     if not all(ends.values()):
         return None
     ahead = np.mean(ends["front"], axis=0) - np.mean(ends["back"], axis=0)
     return nearest_axis(ahead)
+
+
+def swapped_pairs(
+    base: BaseHistory,
+    feet: Sequence[FootHistory],
+    positions: Sequence[LegPosition | None],
+    forward_rad: float,
+) -> tuple[tuple[tuple[int, int], ...], int]:
+    """Return the pairs of which the left foot touches to the right of the right one.
+
+    Args:
+        base: poses.
+        feet: histories of all feet.
+        positions: of each foot on the body.
+        forward_rad: from the body's x axis to the axis that points forward.
+
+    Returns:
+        left and right foot of those pairs, and how many pairs contact points tell of.
+    """
+    places = {
+        position: (row, usual)
+        for row, (foot, position) in enumerate(zip(feet, positions, strict=True))
+        if position is not None and (usual := _usual_place(base, foot)) is not None
+    }
+    left_axis = np.array([-np.sin(forward_rad), np.cos(forward_rad)])
+    pairs = [
+        (row, places[end, "right"][0], float((usual - places[end, "right"][1]) @ left_axis))
+        for (end, side), (row, usual) in places.items()
+        if side == "left" and (end, "right") in places
+    ]
+    swapped = tuple((left, right) for left, right, apart in pairs if apart < -SIDES_APART_M)
+    return swapped, len(pairs)
+
+
+def _usual_place(base: BaseHistory, foot: FootHistory) -> Floats | None:
+    """(2,) m, along the body's x and y: the mean of a foot's contact points from the base."""
+    known = all_finite(foot.track.point)
+    time = foot.track.time[known]
+    way = foot.track.point[known, :2] - base.position_at(time)[:, :2]
+    in_body = np.stack(along_heading(way, base.angles_at(time)[:, 2]), axis=1)
+    in_body = in_body[all_finite(in_body)]
+    return in_body.mean(axis=0) if len(in_body) else None
 
 
 def nearest_axis(direction: Floats) -> str | None:

@@ -71,6 +71,7 @@ def base_findings(stats: Stats) -> Iterator[Finding]:
         yield Finding("N_NO_HEIGHT", text, "base.height_m")
     if base.froude is None and base.height_m is not None:
         yield Finding("N_NO_FROUDE", "no speed of the base: no Froude number", "base.froude")
+    yield from _sides(stats)
     yield from _heading(stats, base)
     yield from _jumps(stats)
 
@@ -90,6 +91,27 @@ def _without_base(stats: Stats) -> Finding:
         )
         return Finding("W_UP_AXIS", text, "base")
     return Finding("N_NO_ODOMETRY", "fewer than two poses of the base: no base figures", "base")
+
+
+def _sides(stats: Stats) -> Iterator[Finding]:
+    """Yield where left feet touch on the right."""
+    if not stats.swapped:
+        return
+    if len(stats.swapped) == stats.pairs:
+        text = (
+            "all left feet touch to the right of the right ones: the base's y axis points to the "
+            "right, as in NED and in left-handed frames, or all sides are swapped; turns, the "
+            "speed to the left and the centre of pressure may have the wrong sign"
+        )
+        yield Finding("W_SIDES_SWAPPED", text, "base.yaw_change_rad")
+        return
+    for left, right in stats.swapped:
+        names = stats.feet[left].name, stats.feet[right].name
+        text = (
+            f"{names[0]} touches to the right of {names[1]}: their topics seem to be swapped; "
+            "phases, the gait's sequence and sums over sides are those of the wrong feet"
+        )
+        yield Finding("W_SIDES_SWAPPED", text, f"feet.{names[0]}.topic")
 
 
 def _heading(stats: Stats, base: BaseMotion) -> Iterator[Finding]:

@@ -281,7 +281,15 @@ _KINDS: Final = (
         "the base moves as the feet step",
         _no_feet_or_poses,
         _nothing,
-        frozenset({"W_MOVES_WITHOUT_STEPS", "W_FORWARD_AXIS", "W_MOVES_SIDEWAYS", "W_SLIPS"}),
+        frozenset(
+            {
+                "W_MOVES_WITHOUT_STEPS",
+                "W_SIDES_SWAPPED",
+                "W_FORWARD_AXIS",
+                "W_MOVES_SIDEWAYS",
+                "W_SLIPS",
+            }
+        ),
     ),
     _Kind(
         "the feet carry the weight",
