@@ -256,7 +256,9 @@ def _steadiest_height(
         return height
     other = height_over_feet(without, records)
     known = np.isfinite(height) & np.isfinite(other)
-    return other if known.any() and np.std(other[known]) < np.std(height[known]) else height
+    if not known.any():
+        return height if np.isfinite(height).any() else other
+    return other if np.std(other[known]) < np.std(height[known]) else height
 
 
 def _without_stuck(feet: Sequence[FootHistory]) -> tuple[FootHistory, ...]:
