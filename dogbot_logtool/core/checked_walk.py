@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
@@ -10,7 +10,7 @@ from dogbot_logtool.core.base.base_history import BaseHistory
 from dogbot_logtool.core.base.base_motion import BaseMotion, BaseTrack, base_motion
 from dogbot_logtool.core.base.falls import fallen_spans
 from dogbot_logtool.core.base.forward_axis import with_forward_axis
-from dogbot_logtool.core.base.ground import height_over_feet
+from dogbot_logtool.core.base.ground import height_drift_m, height_over_feet
 from dogbot_logtool.core.base.pose_jumps import PoseJumps, find_jumps, without_jumps
 from dogbot_logtool.core.base.travel import find_travel
 from dogbot_logtool.core.command_tracking import tracking_in
@@ -18,12 +18,12 @@ from dogbot_logtool.core.consistency.stopped import without_stopped
 from dogbot_logtool.core.consistency.worlds import Worlds, placed_poses
 from dogbot_logtool.core.contact.foot_history import FootHistory
 from dogbot_logtool.core.gait.foot_statistics import FootStatistics, foot_statistics
-from dogbot_logtool.core.gait.foot_steps import FootChecks, FootSteps, foot_steps
+from dogbot_logtool.core.gait.foot_steps import FootChecks, FootSteps, foot_steps, net_push
 from dogbot_logtool.core.gait.reference_foot import any_strides
 from dogbot_logtool.core.gait.standing import Standing, standing_in, typical_period_s
 from dogbot_logtool.core.gait.support_pattern import Support, support
 from dogbot_logtool.core.geometry import timespans
-from dogbot_logtool.core.geometry.arrays import Ints
+from dogbot_logtool.core.geometry.arrays import Floats, Ints
 from dogbot_logtool.core.load.load_figures import (
     LoadFigures,
     dead_feet,
@@ -31,6 +31,7 @@ from dogbot_logtool.core.load.load_figures import (
     is_stuck,
     load_figures,
 )
+from dogbot_logtool.core.load.loads import GRAVITY_MPS2
 from dogbot_logtool.core.quality.clocks import ClockDifference, too_far_apart
 from dogbot_logtool.core.quality.quality import TopicQuality
 from dogbot_logtool.core.settings import StatsSettings
@@ -41,6 +42,10 @@ if TYPE_CHECKING:
     from dogbot_logtool.core.commands.tracking import CommandTrack, Tracking
     from dogbot_logtool.core.geometry.delay import Delay
     from dogbot_logtool.core.recorded.vectors import VectorHistory
+
+
+MOST_PUSH: Final = 0.05
+"""Share of the weight that feet may push a robot on, over whole stances, that does not speed up."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -80,6 +85,11 @@ class CheckedWalk:
     base_delay: "Delay | None"
     """By how much the base comes after the forces that drive it; None: not known, or little."""
     worlds: Worlds | None
+    push: float | None
+    """Share of the weight by which the feet seem to push the robot on, which its motion refutes;
+    None: they do not."""
+    rise_m: float
+    """m, how far the base rises steadily over its feet while it walks: z of one of them drifts."""
     loses_way: bool
     """Whether the base drifts so far among the contact points that speeds are not known."""
     vertical_known: bool
@@ -115,6 +125,8 @@ class CheckedWalk:
         motion = self.motion
         if within is not None:
             motion = base_motion(self.track, self.settings.forward_axis, within)
+        if motion is not None and self.rise_m:
+            motion = replace(motion, climb_m=None)
         return motion.without_way() if motion is not None and self.loses_way else motion
 
     def support(self, within: Ints | None = None) -> Support | None:
@@ -166,7 +178,7 @@ def check_walk(settings: StatsSettings, recorded: Recorded) -> CheckedWalk:
     base = without_jumps(recorded.base, jumps)
     records = without_stopped(_without_stuck(recorded.feet), base)
     placed_base, worlds = placed_poses(records, recorded.base, base)
-    height = height_over_feet(placed_base, records)
+    height = _steadiest_height(records, placed_base, base)
     fallen = fallen_spans(recorded.base, records, height, jumps.spans)
     weighed = load_figures(
         records, settings.body_weight_n, any_strides(records, fallen, timespans.no_spans())
@@ -183,8 +195,9 @@ def check_walk(settings: StatsSettings, recorded: Recorded) -> CheckedWalk:
     delay = None if apart else _long_delay(records, base, period_s, strides)
     apart = apart | {settings.odometry_topic} if delay else apart
     parted = worlds is not None and not worlds.agree
-    over_feet = np.full_like(height, np.nan) if parted else height
-    track = BaseTrack(base, find_travel(base), over_feet, records, standing.still)
+    rise_m = height_drift_m(base, height, strides)
+    over_feet = np.full_like(height, np.nan) if parted or rise_m else height
+    track = BaseTrack(base, find_travel(base), over_feet, records, standing.still, jumps)
     guessed = settings.forward_axis
     motion = base_motion(track, guessed)
     loses_way = _loses_way(worlds, motion)
@@ -200,6 +213,13 @@ def check_walk(settings: StatsSettings, recorded: Recorded) -> CheckedWalk:
         steps_missing=len(standing.moving) > 0,
         lost=loses_way,
     )
+    steps = tuple(
+        foot_steps(
+            *foot, base, forward_axis=settings.forward_axis, fallen=fallen, standing=standing
+        )
+        for foot in zip(settings.feet, checks, records, strict=True)
+    )
+    push = _refuted_push(steps, motion)
     return CheckedWalk(
         settings=settings,
         records=records,
@@ -210,18 +230,35 @@ def check_walk(settings: StatsSettings, recorded: Recorded) -> CheckedWalk:
         motion=motion,
         fallen=fallen,
         standing=standing,
-        steps=tuple(
-            foot_steps(
-                *foot, base, forward_axis=settings.forward_axis, fallen=fallen, standing=standing
-            )
-            for foot in zip(settings.feet, checks, records, strict=True)
-        ),
+        steps=steps if push is None else tuple(foot.without_direction() for foot in steps),
+        push=push,
+        rise_m=rise_m,
         apart=apart,
         base_delay=delay,
         worlds=worlds,
         loses_way=loses_way,
         vertical_known=weighed.share_of == "vertical_impulse",
     )
+
+
+def _steadiest_height(
+    records: Sequence[FootHistory], placed: BaseHistory, without: BaseHistory
+) -> Floats:
+    """(n,) m, over the feet: z may be reset in poses of which x and y jump with the feet, or not.
+
+    Args:
+        records: of all feet.
+        placed: poses among the contact points.
+        without: poses without jumps.
+    """
+    height = height_over_feet(placed, records)
+    if placed is without:
+        return height
+    other = height_over_feet(without, records)
+    known = np.isfinite(height) & np.isfinite(other)
+    if not known.any():
+        return height if np.isfinite(height).any() else other
+    return other if np.std(other[known]) < np.std(height[known]) else height
 
 
 def _without_stuck(feet: Sequence[FootHistory]) -> tuple[FootHistory, ...]:
@@ -267,6 +304,15 @@ def _long_delay(
     from dogbot_logtool.core.consistency.heave import long_delay  # noqa: PLC0415
 
     return long_delay(records, base, period_s, strides)
+
+
+def _refuted_push(steps: Sequence[FootSteps], motion: BaseMotion | None) -> float | None:
+    """Return the share of the weight that the feet push on; None: no more than motion explains."""
+    push = net_push(steps)
+    if push is None or motion is None or not motion.duration_s:
+        return None
+    speeds = abs(motion.forward_speed_mps or 0.0) / (GRAVITY_MPS2 * motion.duration_s)
+    return push if abs(push) > MOST_PUSH + 2.0 * speeds else None
 
 
 def _loses_way(worlds: Worlds | None, motion: BaseMotion | None) -> bool:

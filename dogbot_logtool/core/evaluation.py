@@ -1,10 +1,14 @@
 """All figures of a walk, worked out from what was kept of its log."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from dogbot_logtool.core.base.base_history import BaseHistory
+from dogbot_logtool.core.base.base_motion import FORWARD_ANGLES
+from dogbot_logtool.core.base.ground import swapped_pairs
 from dogbot_logtool.core.base.tipping import find_tipping
+from dogbot_logtool.core.base.up_axis import leaning_walk_rad
 from dogbot_logtool.core.checked_walk import CheckedWalk, Recorded, check_walk
 from dogbot_logtool.core.command_tracking import command_track
 from dogbot_logtool.core.consistency.stopped import all_silent
@@ -39,6 +43,9 @@ def work_out(settings: StatsSettings, recorded: Recorded) -> Stats:
         settings: what decides the figures.
         recorded: what was kept of the log.
     """
+    leaning = leaning_walk_rad(recorded.base, recorded.feet)
+    if leaning is not None:
+        recorded = replace(recorded, base=recorded.base.without_poses())
     walk = check_walk(settings, recorded)
     settings, records = walk.settings, walk.records
     feet = walk.feet()
@@ -47,6 +54,9 @@ def work_out(settings: StatsSettings, recorded: Recorded) -> Stats:
     segments = find_segments(gait) if feet and not walk.feet_apart else ()
     strides = reference_strides(feet)
     origin, end = _extent(records, walk.base)
+    positions = [foot.leg_position for foot in settings.feet]
+    forward_rad = FORWARD_ANGLES[settings.forward_axis]
+    swapped, pairs = swapped_pairs(walk.placed_base, records, positions, forward_rad)
     track = command_track(
         recorded.commands, walk.base, walk.jumps, settings.forward_axis, segments, walk.period_s
     )
@@ -56,9 +66,12 @@ def work_out(settings: StatsSettings, recorded: Recorded) -> Stats:
         end=end,
         feet=feet,
         reference=gait.reference,
-        corners=quadruped([foot.leg_position for foot in settings.feet]),
+        corners=quadruped(positions),
+        swapped=swapped,
+        pairs=pairs,
         base_history=recorded.base,
         base=walk.base_motion(),
+        leaning_rad=leaning,
         jumps=walk.jumps,
         tipping=find_tipping(recorded.base, settings.forward_axis),
         segments=segments,
@@ -82,6 +95,8 @@ def work_out(settings: StatsSettings, recorded: Recorded) -> Stats:
         clocks_apart=walk.apart,
         base_delay=walk.base_delay,
         worlds=walk.worlds,
+        push=walk.push,
+        rise_m=walk.rise_m,
         loses_way=walk.loses_way,
         all_silent=all_silent(records, walk.base),
         beside=tuple(each for each in (recorded.commands, recorded.inertial) if each),

@@ -91,6 +91,17 @@ class Stats:
     """Topics whose clocks are too far from the others' for figures of both."""
     base_delay: "Delay | None" = None
     """By how much the base comes after the forces that drive it; None: not known, or little."""
+    push: float | None = None
+    """Share of the weight by which the feet seem to push the robot on, which its motion refutes;
+    None: they do not."""
+    rise_m: float = 0.0
+    """m, how far the base rises steadily over its feet while it walks: z of one of them drifts."""
+    swapped: tuple[tuple[int, int], ...] = ()
+    """Left and right feet of the pairs that touch on the other side each; `pairs` of how many."""
+    pairs: int = 0
+    leaning_rad: float | None = None
+    """rad, how far the base seems to lean while the robot walks: its poses are left out; None: it
+    does not."""
     loses_way: bool = False
     """Whether the base drifts so far among the contact points that speeds are not known."""
     worlds: Worlds | None = None

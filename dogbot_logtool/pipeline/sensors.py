@@ -32,6 +32,7 @@ from dogbot_logtool.core.sensors.sensor_level import (
     zero_reading,
 )
 from dogbot_logtool.core.sensors.sensor_modes import CONSTANT
+from dogbot_logtool.core.sensors.swing_levels import follow_level
 from dogbot_logtool.core.sensors.weighed_levels import (
     checked_levels,
     turned_levels,
@@ -44,11 +45,13 @@ from dogbot_logtool.io.printable import listed
 from dogbot_logtool.pipeline.options import TopicOptions
 from dogbot_logtool.pipeline.probe import Probe
 from dogbot_logtool.pipeline.topics.selection import Selection
-from dogbot_logtool.reader.containers.log import Chunk, Log
+from dogbot_logtool.reader.containers.log import Channel, Chunk, Log
 from dogbot_logtool.reader.messages.contacts.registry import read_contacts
 
 _WHOLE_BYTES: Final = 4 << 20
 """Contact channels of smaller logs are read through."""
+_MORE_BYTES: Final = 32 << 20
+"""So are those of larger ones where a sensor's level does not show."""
 _SHARE: Final = 16
 """One byte in so many of larger ones is read."""
 _STRETCH_S: Final = 15.0
@@ -101,8 +104,15 @@ def learn_sensors(
     }
     noisy = [foot for foot in feet if found[foot] is None]
     closer = sorted({*noisy, *probe.intervals})
-    samples = _stretches(log, selection, closer) if closer else no_samples()
+    chunks = _spread(log, selection, closer, _WHOLE_BYTES)
+    samples = _read(log, selection, closer, chunks)
     levels = tuple(found[foot] or _level(selection, samples, foot, topics) for foot in feet)
+    if any(levels[foot].reason for foot in noisy):
+        # A robot that stands for most of a log may have walked where nothing was read.
+        more = _spread(log, selection, closer, _MORE_BYTES)
+        if len(more) > len(chunks):
+            samples = _read(log, selection, closer, more)
+            levels = tuple(found[foot] or _level(selection, samples, foot, topics) for foot in feet)
     if not selection.robot_is_guessed or topics.mass_kg is not None:
         levels = checked_levels(weighed_levels(turned_levels(levels, weight), weight), weight)
     else:
@@ -193,7 +203,8 @@ def _level(selection: Selection, samples: Samples, foot: int, topics: TopicOptio
     if known is None and topics.takes_offsets:
         known, origin = selection.robot.feet[foot].offset_n, "robot"
     if known is None and topics.takes_offsets:
-        return estimate_level(rows.log_time, rows.force)
+        level = estimate_level(rows.log_time, rows.force)
+        return follow_level(rows.log_time, rows.force, level)
     offset = np.array([known or (0.0, 0.0, 0.0)])
     rest = estimate_level(rows.log_time, rows.force - offset)
     return replace(rest, knots=no_offset()[0], offset=offset, origin=origin, reason="")
@@ -211,15 +222,20 @@ def _thresholds(selection: Selection, given: Thresholds) -> Thresholds:
     )
 
 
-def _stretches(log: Log, selection: Selection, feet: Sequence[int]) -> Samples:
-    """Read the contact samples of some feet from stretches spread over the log."""
-    channels = [
+def _channels_of(selection: Selection, feet: Sequence[int]) -> list[Channel]:
+    """Return the channels of some feet."""
+    return [
         channel
         for channel in selection.contacts
         if not set(selection.feet_of[channel.id]).isdisjoint(feet)
     ]
+
+
+def _read(log: Log, selection: Selection, feet: Sequence[int], chunks: Sequence[Chunk]) -> Samples:
+    """Read the contact samples of some feet from some chunks."""
+    channels = _channels_of(selection, feet)
     found = [no_samples()]
-    for span in log.grouped(_spread(log, {channel.id for channel in channels})):
+    for span in log.grouped(chunks):
         batch = log.read(span)
         decoded = read_contacts(batch, channels, selection.foot_channels())
         found.extend(read.reduced.samples for read in decoded)
@@ -227,11 +243,16 @@ def _stretches(log: Log, selection: Selection, feet: Sequence[int]) -> Samples:
     return samples.pick(np.argsort(samples.log_time, kind="stable"))
 
 
-def _spread(log: Log, channels: set[int]) -> list[Chunk]:
-    """Choose chunks that hold some channels: all of a short log, stretches of a long one."""
+def _spread(
+    log: Log, selection: Selection, feet: Sequence[int], least_bytes: int
+) -> Sequence[Chunk]:
+    """Choose chunks with messages of some feet: all of a short log, stretches of a long one."""
+    channels = {channel.id for channel in _channels_of(selection, feet)}
+    if not channels:
+        return ()
     useful = [c for c in log.chunks if c.counts is None or not channels.isdisjoint(c.counts)]
     behind = np.cumsum([0, *(chunk.data_size for chunk in useful)])
-    budget = max(_WHOLE_BYTES, int(behind[-1]) // _SHARE)
+    budget = max(least_bytes, int(behind[-1]) // _SHARE)
     if behind[-1] <= budget:
         return useful
     duration_s = 0.0

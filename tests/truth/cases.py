@@ -2,7 +2,14 @@
 
 from itertools import chain
 
-from tests.truth import attack_cases, combined_cases, fault_cases, gait_cases, other_cases
+from tests.truth import (
+    attack_cases,
+    combined_cases,
+    fault_cases,
+    gait_cases,
+    habit_cases,
+    other_cases,
+)
 from tests.truth.judging import Case
 
 
@@ -31,6 +38,10 @@ def groups() -> dict[str, tuple[Case, ...]]:
         "Sensors that stop": tuple(combined_cases.stopped()),
         "Noise that looks like steps": tuple(combined_cases.noisy()),
         "Found by trying at random": tuple(combined_cases.combined()),
+        "Some feet only": tuple(habit_cases.some_feet()),
+        "Levels that move": tuple(habit_cases.moving_levels()),
+        "Transforms of other legs": tuple(habit_cases.transforms()),
+        "Other axes": (*habit_cases.axes(), *habit_cases.sides(), *habit_cases.drifting_height()),
         "No foot on the ground": tuple(attack_cases.in_the_air()),
         "A walk, and then": tuple(other_cases.sequences()),
     }

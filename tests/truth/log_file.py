@@ -49,8 +49,9 @@ def link_name(foot: str) -> str:
 
 def _entries(recording: Recording, messages: Messages) -> Iterator[Entry]:
     yield from _base_entries(recording, messages)
-    for foot in range(len(recording.feet)):
-        yield from _SENSORS[recording.kind](recording, messages, foot)
+    for foot, name in enumerate(recording.robot.feet):
+        if name not in recording.unrecorded:
+            yield from _SENSORS[recording.kind_of(foot)](recording, messages, foot)
     if recording.has_tf:
         yield from _transform_entries(recording, messages)
     if recording.statics:

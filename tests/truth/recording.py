@@ -153,6 +153,10 @@ class Recording:
     truth: Truth
     seconds: float
     kind: SensorKind = "contacts"
+    kinds: tuple[SensorKind, ...] = ()
+    """Kind of each foot's sensor, where they differ."""
+    unrecorded: tuple[str, ...] = ()
+    """Feet without a topic."""
     has_tf: bool = False
     """Whether the log holds the transforms of the links."""
     touches_itself: bool = False
@@ -163,6 +167,10 @@ class Recording:
     """Frames that sit on the base: name, translation and quaternion, as one static transform."""
     given: dict[str, Any] = field(default_factory=dict)
     """What the user says of it, where that is not the truth: ``mass_kg``."""
+
+    def kind_of(self, foot: int) -> SensorKind:
+        """Return the kind of a foot's sensor."""
+        return self.kinds[foot] if self.kinds else self.kind
 
     def each_foot(
         self, change: Callable[[int, FootRecording], FootRecording], *only: str

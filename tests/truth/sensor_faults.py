@@ -32,6 +32,26 @@ def offset(newtons: Sequence[float] | float, *only: str) -> Disturbance:
     )
 
 
+def rezeroed(at_s: float, newtons: float, *only: str) -> Disturbance:
+    """Add a constant along z until the sensors are zeroed."""
+
+    def change(_: int, foot: FootRecording) -> FootRecording:
+        before = np.outer(foot.time < at_s, (0.0, 0.0, newtons))
+        return replace(foot, force=foot.force + before)
+
+    return lambda recording: recording.each_foot(change, *only)
+
+
+def warming(newtons: float, within_s: float) -> Disturbance:
+    """Add what comes near a limit along z as a sensor warms up."""
+
+    def change(_: int, foot: FootRecording) -> FootRecording:
+        part = 1.0 - np.exp(-foot.time / within_s)
+        return replace(foot, force=foot.force + np.outer(part, (0.0, 0.0, newtons)))
+
+    return lambda recording: recording.each_foot(change)
+
+
 def drift(newtons_per_minute: float, *only: str) -> Disturbance:
     """Add a ramp along z that starts at zero."""
 
@@ -143,6 +163,14 @@ def in_link_frame(recording: Recording) -> Recording:
         return replace(foot, force=turned(inverse(world), foot.force))
 
     return replace(recording.each_foot(change), has_tf=True)
+
+
+def stiff_legs(recording: Recording) -> Recording:
+    """Let the transforms of the links be those of legs that never move."""
+    straight = np.array([0.0, 0.0, 0.0, 1.0])
+    return recording.each_foot(
+        lambda _, foot: replace(foot, link=np.tile(straight, (len(foot.time), 1)))
+    )
 
 
 def without_tf(recording: Recording) -> Recording:

@@ -58,6 +58,8 @@ class Walk:
     """B over the mean vertical force of a stance."""
     link_swing_rad: float = 0.4
     """How far a foot's link tilts forward and back against the base in a stride."""
+    link_lean_rad: float = 0.0
+    """How far it leans on average."""
     begin: float = 0.137
     """Phase of the reference foot at time 0: events lie off the grid of samples."""
 
@@ -153,7 +155,9 @@ class Walk:
 
     def link(self, foot: int, time: Floats) -> Floats:
         """(n, 4) orientation of the foot's link in the base."""
-        angle = self.link_swing_rad * np.cos(2.0 * np.pi * self.cycles(foot, time))
+        angle = self.link_lean_rad + self.link_swing_rad * np.cos(
+            2.0 * np.pi * self.cycles(foot, time)
+        )
         return about_axis(1, angle)
 
     def recorded(self, rate_hz: float = 250.0, odometry_hz: float | None = None) -> Recording:

@@ -5,7 +5,15 @@ from dataclasses import replace
 
 import numpy as np
 
-from tests.truth.recording import Disturbance, Floats, Recording
+from tests.truth.recording import (
+    Disturbance,
+    Floats,
+    Recording,
+    about_axis,
+    inverse,
+    product,
+    turned,
+)
 from tests.truth.robots import GRAVITY_MPS2
 
 
@@ -35,6 +43,13 @@ def drifting(metres_per_metre: float) -> Disturbance:
     return change
 
 
+def rising(metres_per_second: float) -> Disturbance:
+    """Let z of the odometry drift."""
+    return lambda recording: _moved(
+        recording, np.outer(recording.base.time * metres_per_second, (0.0, 0.0, 1.0))
+    )
+
+
 def leaning(at_s: float, metres: Sequence[float]) -> Disturbance:
     """Let the body lean elsewhere over its feet from some moment on, within a second."""
 
@@ -50,6 +65,13 @@ def jump(at_s: float, metres: Sequence[float]) -> Disturbance:
     return lambda recording: _moved(
         recording,
         np.outer(np.where(recording.base.time >= at_s, 1.0, 0.0), np.array(metres, np.float64)),
+    )
+
+
+def reset_height(at_s: float) -> Disturbance:
+    """Let the odometry count z from the base's height on."""
+    return lambda recording: jump(at_s, (0.0, 0.0, -float(recording.base.position[0, 2])))(
+        recording
     )
 
 
@@ -84,5 +106,56 @@ def restamped(seconds: float) -> Disturbance:
         return replace(
             recording, base=replace(base, stamp=base.stamp + late, log_time=base.log_time + late)
         )
+
+    return change
+
+
+def z_down(recording: Recording) -> Recording:
+    """Let base, contact points and forces be in a world with z down and y to the right."""
+    flip, turn = np.array([1.0, -1.0, -1.0]), np.array([1.0, -1.0, -1.0, 1.0])
+    base = recording.base
+    turned_base = replace(
+        base,
+        position=base.position * flip,
+        orientation=base.orientation * turn,
+        velocity=base.velocity * flip,
+    )
+    return replace(recording, base=turned_base).each_foot(
+        lambda _, foot: replace(
+            foot, force=foot.force * flip, point=foot.point * flip, normal=foot.normal * flip
+        )
+    )
+
+
+def swapped(first: str, second: str) -> Disturbance:
+    """Let two feet's sensors speak on each other's topics."""
+
+    def change(recording: Recording) -> Recording:
+        rows = [recording.robot.feet.index(name) for name in (first, second)]
+        feet = list(recording.feet)
+        feet[rows[0]], feet[rows[1]] = feet[rows[1]], feet[rows[0]]
+        return replace(recording, feet=tuple(feet))
+
+    return change
+
+
+def y_up(*, body: bool) -> Disturbance:
+    """Let motion capture count in a world whose y is up, and x forward.
+
+    Args:
+        body: whether the body's y is up, too, as that of a rigid body that was defined in it.
+    """
+
+    def change(recording: Recording) -> Recording:
+        base = recording.base
+        turn = about_axis(0, np.full(len(base.time), -np.pi / 2.0))
+        orientation = product(turn, base.orientation)
+        moved = replace(
+            base,
+            position=turned(turn, base.position),
+            orientation=product(orientation, inverse(turn)) if body else orientation,
+            velocity=turned(turn, base.velocity),
+        )
+        return replace(recording, base=moved)
 
     return change

@@ -1,5 +1,6 @@
 """The base's poses that are kept while the odometry streams past."""
 
+from dataclasses import replace
 from typing import Final
 
 import numpy as np
@@ -71,6 +72,11 @@ class BaseHistory:
         if len(self.time) == 0:
             return timespans.no_spans()
         return timespans.subtract(self.time[[0, -1]][None, :], self.gaps)
+
+    def without_poses(self) -> "BaseHistory":
+        """Return the history of poses of which none can be used."""
+        none = np.empty((0, 3))
+        return replace(self, time=self.time[:0], position=none, angles=none, gaps=self.gaps[:0])
 
     def position_at(self, time: Ints) -> Floats:
         """Interpolate the position linearly between poses.

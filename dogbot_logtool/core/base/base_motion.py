@@ -8,6 +8,7 @@ import numpy as np
 
 from dogbot_logtool.core.base.base_history import BaseHistory, TwistFit
 from dogbot_logtool.core.base.ground import LOWEST_M, slope_rad
+from dogbot_logtool.core.base.pose_jumps import PoseJumps
 from dogbot_logtool.core.base.travel import Travel, path_length_m
 from dogbot_logtool.core.contact.foot_history import FootHistory
 from dogbot_logtool.core.geometry import timespans
@@ -46,13 +47,13 @@ class BaseMotion:
     lateral_speed_mps: float | None
     """m/s, the same to the left of it."""
     yaw_change_rad: float
-    """rad, last minus first yaw, unwrapped."""
+    """rad, last minus first yaw, unwrapped, jumps left out."""
     yaw_rate_radps: float | None
     """rad/s, mean: turns within the known time over the duration."""
     height_m: Aggregate | None
     """m, base over the feet's latest contact points; None where these do not tell."""
-    climb_m: float
-    """m, z of the last pose less that of the first, jumps left out."""
+    climb_m: float | None
+    """m, z of the last pose less that of the first, jumps left out; None where z drifts."""
     slope_rad: float | None
     """rad, angle of the plane through the contact points against the horizontal."""
     roll_rad: Aggregate | None
@@ -89,6 +90,8 @@ class BaseTrack:
     feet: Sequence[FootHistory]
     standing: Ints
     """(s, 2) ns, time in which the robot stands."""
+    jumps: PoseJumps
+    """Jumps that are taken out of the poses' places, but not out of their yaw."""
 
 
 def base_motion(
@@ -115,6 +118,7 @@ def base_motion(
     path = path_length_m(base, track.travel, walked)
     height = aggregate(track.height_m[rows])
     roll, pitch = roll_and_pitch(base.angles[rows], forward_axis)
+    jumped = track.jumps.turned_rad(int(base.time[first]), int(base.time[last]))
     net = base.position[last] - base.position[first]
     forward_speed = forward / duration if duration > 0.0 else None
     return BaseMotion(
@@ -124,8 +128,8 @@ def base_motion(
         mean_speed_mps=path / duration if duration > 0.0 else None,
         forward_speed_mps=forward_speed,
         lateral_speed_mps=left / duration if duration > 0.0 else None,
-        yaw_change_rad=float(base.angles[last, 2] - base.angles[first, 2]),
-        yaw_rate_radps=turned / duration if duration > 0.0 else None,
+        yaw_change_rad=float(base.angles[last, 2] - base.angles[first, 2]) - jumped,
+        yaw_rate_radps=(turned - jumped) / duration if duration > 0.0 else None,
         height_m=height,
         climb_m=float(net[2]),
         slope_rad=slope_rad(track.feet, within),

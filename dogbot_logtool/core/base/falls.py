@@ -79,14 +79,14 @@ def fallen_spans(
     posture = _posture(base, feet, height_m)
     lying = timespans.spans_where(base.time, posture.lies[:-1])
     lying = lying[lying[:, 1] - lying[:, 0] >= LASTING_S * 1e9]
-    tilt = _tilt(base.angles)
+    tilt = tilt_rad(base.angles)
     onsets = [_fell_since(int(start), posture, feet, jumps, tilt) for start in lying[:, 0]]
     falls = [(since, end) for since, end in zip(onsets, lying[:, 1], strict=True) if since]
     return timespans.merge(np.array(falls, np.int64).reshape(-1, 2))
 
 
 def _posture(base: BaseHistory, feet: Sequence[FootHistory], height_m: Floats) -> _Posture:
-    tilt = _tilt(base.angles)
+    tilt = tilt_rad(base.angles)
     usual = _standing_height_m(base, feet, height_m)
     lies, stands = tilt > TILT_RAD, tilt < UPRIGHT_RAD
     as_usual = tilt < median_of(tilt[stands]) + SWAYS_RAD if stands.any() else stands
@@ -98,7 +98,7 @@ def _posture(base: BaseHistory, feet: Sequence[FootHistory], height_m: Floats) -
     return _Posture(base.time, lies, stands, as_usual, usual)
 
 
-def _tilt(angles: Floats) -> Floats:
+def tilt_rad(angles: Floats) -> Floats:
     """(n,) rad, angle of the body's z axis against the vertical."""
     up = np.cos(angles[:, 0]) * np.cos(angles[:, 1])
     return np.asarray(np.arccos(np.clip(up, -1.0, 1.0)))

@@ -22,6 +22,13 @@ FURTHEST: Final = 1.5
 FLAT: Final = 0.1
 """Share of their extent by which points may deviate from a plane."""
 FEWEST_POINTS: Final = 3
+SIDES_APART_M: Final = 0.02
+"""m by which a left foot must be to the right of the right one for that to be said."""
+RISES: Final = 0.2
+"""Share of its height by which a base that rises steadily over its feet does not do it itself."""
+STEADY: Final = 0.9
+"""Share of the variance of the height that a straight line explains."""
+FEWEST_STRIDES: Final = 4
 STEEPEST: Final = 0.5
 """Cosine of the steepest plane that is taken for ground."""
 CLEARLY: Final = 2.0
@@ -55,6 +62,29 @@ def height_over_feet(base: BaseHistory, feet: Sequence[FootHistory]) -> Floats:
     if median_of(over_ground[~np.isnan(over_ground)]) < LOWEST_M:
         return np.full(len(base.time), np.nan)
     return np.asarray(over_ground)
+
+
+def height_drift_m(base: BaseHistory, height_m: Floats, strides: Ints) -> float:
+    """Return how far the base rises steadily over its feet while it walks, m; 0: it does not.
+
+    A robot that crouches or stretches its legs does so at once, and not further than they reach.
+
+    Args:
+        base: poses.
+        height_m: (n,) over the feet, at each pose; NaN where not known.
+        strides: (s, 2) ns, time in which it walks.
+    """
+    walks = timespans.covers(timespans.merge(strides), base.time) & np.isfinite(height_m)
+    if len(strides) < FEWEST_STRIDES or walks.sum() < 2 * FEWEST_STRIDES:
+        return 0.0
+    height = height_m[walks] - height_m[walks].mean()
+    time = (base.time[walks] - base.time[walks][0]).astype(np.float64)
+    time -= time.mean()
+    slope = float((time @ height) / (time @ time))
+    unexplained, total = float(((height - slope * time) ** 2).sum()), float(height @ height)
+    rise = slope * float(np.ptp(time))
+    steady = unexplained <= (1.0 - STEADY) * total
+    return rise if steady and abs(rise) > RISES * median_of(height_m[walks]) else 0.0
 
 
 def _base_from_feet(base: BaseHistory, feet: Sequence[FootHistory], part: slice) -> Floats:
@@ -139,17 +169,55 @@ def axis_by_legs(
     for foot, position in zip(feet, positions, strict=True):
         if position is None or position[0] not in ends:
             continue
-        known = all_finite(foot.track.point)
-        time = foot.track.time[known]
-        way = foot.track.point[known, :2] - base.position_at(time)[:, :2]
-        in_body = np.stack(along_heading(way, base.angles_at(time)[:, 2]), axis=1)
-        in_body = in_body[all_finite(in_body)]
-        if len(in_body):
-            ends[position[0]].append(in_body.mean(axis=0))
+        usual = _usual_place(base, foot)
+        if usual is not None:
+            ends[position[0]].append(usual)
     if not all(ends.values()):
         return None
     ahead = np.mean(ends["front"], axis=0) - np.mean(ends["back"], axis=0)
     return nearest_axis(ahead)
+
+
+def swapped_pairs(
+    base: BaseHistory,
+    feet: Sequence[FootHistory],
+    positions: Sequence[LegPosition | None],
+    forward_rad: float,
+) -> tuple[tuple[tuple[int, int], ...], int]:
+    """Return the pairs of which the left foot touches to the right of the right one.
+
+    Args:
+        base: poses.
+        feet: histories of all feet.
+        positions: of each foot on the body.
+        forward_rad: from the body's x axis to the axis that points forward.
+
+    Returns:
+        left and right foot of those pairs, and how many pairs contact points tell of.
+    """
+    places = {
+        position: (row, usual)
+        for row, (foot, position) in enumerate(zip(feet, positions, strict=True))
+        if position is not None and (usual := _usual_place(base, foot)) is not None
+    }
+    left_axis = np.array([-np.sin(forward_rad), np.cos(forward_rad)])
+    pairs = [
+        (row, places[end, "right"][0], float((usual - places[end, "right"][1]) @ left_axis))
+        for (end, side), (row, usual) in places.items()
+        if side == "left" and (end, "right") in places
+    ]
+    swapped = tuple((left, right) for left, right, apart in pairs if apart < -SIDES_APART_M)
+    return swapped, len(pairs)
+
+
+def _usual_place(base: BaseHistory, foot: FootHistory) -> Floats | None:
+    """(2,) m, along the body's x and y: the mean of a foot's contact points from the base."""
+    known = all_finite(foot.track.point)
+    time = foot.track.time[known]
+    way = foot.track.point[known, :2] - base.position_at(time)[:, :2]
+    in_body = np.stack(along_heading(way, base.angles_at(time)[:, 2]), axis=1)
+    in_body = in_body[all_finite(in_body)]
+    return in_body.mean(axis=0) if len(in_body) else None
 
 
 def nearest_axis(direction: Floats) -> str | None:

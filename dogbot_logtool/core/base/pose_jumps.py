@@ -7,10 +7,13 @@ import numpy as np
 
 from dogbot_logtool.core.base.base_history import BaseHistory
 from dogbot_logtool.core.geometry.arrays import Flags, Floats, Ints, norms
+from dogbot_logtool.core.geometry.order_statistics import median_of
 from dogbot_logtool.dataclass import dataclass
 
 SMALLEST_JUMP_M: Final = 0.05
 """m, what is smaller may be noise."""
+SMALLEST_TURN_RAD: Final = 0.02
+"""rad, the same."""
 GRAVITY_MPS2: Final = 9.81
 FALLS_AT_MPS: Final = 3.0
 """m/s, a falling base is not faster."""
@@ -32,6 +35,13 @@ class PoseJumps:
     """(j, 2) ns, the pose before and the one after each jump."""
     size_m: Floats
     """(j, 3) m, the step less what the base's own speed explains."""
+    turn_rad: Floats
+    """(j,) rad, by how much the yaw jumps, too."""
+
+    def turned_rad(self, start: int, end: int) -> float:
+        """Return how far all jumps between two times, ns, turn the base."""
+        inside = (self.spans[:, 0] >= start) & (self.spans[:, 1] <= end)
+        return float(self.turn_rad[inside].sum())
 
 
 def find_jumps(base: BaseHistory) -> PoseJumps:
@@ -50,7 +60,15 @@ def find_jumps(base: BaseHistory) -> PoseJumps:
     size = np.concatenate(parts) if parts else np.empty((0, 3))
     jumps = np.isfinite(size[:, 0])
     rows = candidates[jumps]
-    return PoseJumps(np.stack([base.time[rows], base.time[rows + 1]], axis=1), size[jumps])
+    spans = np.stack([base.time[rows], base.time[rows + 1]], axis=1)
+    return PoseJumps(spans, size[jumps], _turns(np.diff(base.angles[:, 2]), rows))
+
+
+def _turns(turn: Floats, rows: Ints) -> Floats:
+    """(j,) rad, the turns of some steps less the usual one of those around, where that is much."""
+    around = np.clip(rows[:, None] + _AROUND, 0, max(len(turn) - 1, 0))
+    unexplained: Floats = turn[rows] - median_of(turn[around], axis=1) if len(rows) else turn[:0]
+    return np.where(np.abs(unexplained) > SMALLEST_TURN_RAD, unexplained, 0.0)
 
 
 def _unexplained(time: Ints, step: Floats, in_gap: Flags, rows: Ints) -> Floats:

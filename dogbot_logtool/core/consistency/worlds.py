@@ -22,6 +22,9 @@ FEWEST_POINTS: Final = 25
 FEWEST_FEET: Final = 2
 MOST_BEYOND: Final = 0.05
 """Share of the time in which the base may be further from the feet than they are spread."""
+PART_OF_FEET: Final = 4.0
+"""So many times further the base may be from some feet of a robot whose other feet tell no contact
+points: from the hind pair, say. Few robots are so many times longer than wide."""
 MOST_CHANGE: Final = 0.5
 """Change of the base's position among the feet, against their spread, that no gait explains."""
 MOST_DRIFT: Final = 0.05
@@ -47,7 +50,8 @@ class Worlds:
     spread_m: float
     """m, distance of the outermost foot's usual position from that centroid."""
     beyond_fraction: float
-    """Share of the time in which the base is further from it than the outermost foot."""
+    """Share of the time in which the base is further from it than the outermost foot, or
+    `PART_OF_FEET` times as far where not all feet tell contact points."""
     change_m: float
     """m, change of the base's position among the feet from the log's first third to its last."""
 
@@ -93,13 +97,14 @@ def compare_worlds(
     known = np.isfinite(shift[:, :, 0]).any(axis=0)
     away = centroid + np.nanmean(shift[:, known], axis=0)
     distance = np.hypot(away[:, 0], away[:, 1])
+    farthest = spread if len(feet) == len(tracks) else PART_OF_FEET * spread
     third = max(len(away) // 3, 1)
     change = median_of(away[-third:], axis=0) - median_of(away[:third], axis=0)
     return Worlds(
         distance_m=float(median_of(distance)),
         largest_m=float(distance.max()),
         spread_m=spread,
-        beyond_fraction=float((distance > spread).mean()),
+        beyond_fraction=float((distance > farthest).mean()),
         change_m=float(np.hypot(*change)),
         drift_m=0.0 if stances is None else drift_m(tracks, stances, base) or 0.0,
     )

@@ -2,6 +2,8 @@
 
 from collections.abc import Iterator
 
+import numpy as np
+
 from dogbot_logtool.core.base.base_motion import BaseMotion
 from dogbot_logtool.core.base.forward_axis import WALKED_M
 from dogbot_logtool.core.findings.wording import counted
@@ -34,13 +36,8 @@ def fall_findings(stats: Stats) -> Iterator[Finding]:
 def base_findings(stats: Stats) -> Iterator[Finding]:
     """Yield what is missing or doubtful in the figures of the base."""
     record, base = stats.base_history, stats.base
-    if record.messages and record.not_usable == record.messages:
-        poses = counted(record.messages, "pose")
-        text = f"the odometry is useless: {poses}, all with NaN, infinity or a zero quaternion"
-        yield Finding("W_BAD_POSES", f"{text}; no base figures", "base")
-        return
     if base is None:
-        yield Finding("N_NO_ODOMETRY", "fewer than two poses of the base: no base figures", "base")
+        yield _without_base(stats)
         return
     if record.not_usable:
         poses = counted(record.not_usable, "pose")
@@ -59,7 +56,14 @@ def base_findings(stats: Stats) -> Iterator[Finding]:
     if base.twist_frame is None:
         text = "too few finite velocities between poses to tell the twist's frame"
         yield Finding("N_TWIST_UNKNOWN", text, "base.twist_frame")
-    if base.height_m is None:
+    if stats.rise_m:
+        text = (
+            f"the base {'rises' if stats.rise_m > 0.0 else 'sinks'} steadily by "
+            f"{abs(stats.rise_m):.2f} m against the contact points while it walks: z of the "
+            "odometry or of the contact points drifts; no height, climb and Froude number"
+        )
+        yield Finding("W_HEIGHT_DRIFTS", text, "base.height_m")
+    elif base.height_m is None:
         text = (
             "the base's height over its feet is not known: no contact points, or these lie in "
             "another world than the base"
@@ -67,8 +71,47 @@ def base_findings(stats: Stats) -> Iterator[Finding]:
         yield Finding("N_NO_HEIGHT", text, "base.height_m")
     if base.froude is None and base.height_m is not None:
         yield Finding("N_NO_FROUDE", "no speed of the base: no Froude number", "base.froude")
+    yield from _sides(stats)
     yield from _heading(stats, base)
     yield from _jumps(stats)
+
+
+def _without_base(stats: Stats) -> Finding:
+    """Return why there are no figures of the base."""
+    record = stats.base_history
+    if record.messages and record.not_usable == record.messages:
+        poses = counted(record.messages, "pose")
+        text = f"the odometry is useless: {poses}, all with NaN, infinity or a zero quaternion"
+        return Finding("W_BAD_POSES", f"{text}; no base figures", "base")
+    if stats.leaning_rad is not None:
+        text = (
+            f"the base leans by up to {np.degrees(stats.leaning_rad):.0f} degrees while the robot "
+            "walks on: the z axis of the poses' world or body is not up, as with motion capture "
+            "whose y is up; no base figures"
+        )
+        return Finding("W_UP_AXIS", text, "base")
+    return Finding("N_NO_ODOMETRY", "fewer than two poses of the base: no base figures", "base")
+
+
+def _sides(stats: Stats) -> Iterator[Finding]:
+    """Yield where left feet touch on the right."""
+    if not stats.swapped:
+        return
+    if len(stats.swapped) == stats.pairs:
+        text = (
+            "all left feet touch to the right of the right ones: the base's y axis points to the "
+            "right, as in NED and in left-handed frames, or all sides are swapped; turns, the "
+            "speed to the left and the centre of pressure may have the wrong sign"
+        )
+        yield Finding("W_SIDES_SWAPPED", text, "base.yaw_change_rad")
+        return
+    for left, right in stats.swapped:
+        names = stats.feet[left].name, stats.feet[right].name
+        text = (
+            f"{names[0]} touches to the right of {names[1]}: their topics seem to be swapped; "
+            "phases, the gait's sequence and sums over sides are those of the wrong feet"
+        )
+        yield Finding("W_SIDES_SWAPPED", text, f"feet.{names[0]}.topic")
 
 
 def _heading(stats: Stats, base: BaseMotion) -> Iterator[Finding]:
@@ -97,6 +140,7 @@ def _jumps(stats: Stats) -> Iterator[Finding]:
     at = stats.seconds(jumps.spans[:, 1])[int(size.argmax())]
     text = (
         f"the base's pose has {counted(len(jumps.spans), 'jump')}, the largest of "
-        f"{size.max():.2f} m at {at:.2f} s; path, speeds and stride lengths leave them out"
+        f"{size.max():.2f} m at {at:.2f} s; path, speeds, turns and stride lengths leave them "
+        "out"
     )
     yield Finding("W_POSE_JUMP", text, "base.path_length_m")

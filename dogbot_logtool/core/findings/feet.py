@@ -21,7 +21,8 @@ def foot_findings(stats: Stats, foot: FootStatistics) -> Iterator[Finding]:
     """Yield what is missing or doubtful in the figures of a foot."""
     record, name, where = foot.record, foot.name, f"feet.{foot.name}"
     if record.messages == 0:
-        yield Finding("W_NO_MESSAGES", f"no message on {foot.topic} tells of {name}", where)
+        topic = f" on {foot.topic}" if foot.topic else ""
+        yield Finding("W_NO_MESSAGES", f"no message{topic} tells of {name}", where)
         return
     if stats.settings.sensor(stats.feet.index(foot)).rule.unusable:
         return
@@ -147,7 +148,7 @@ def _stance_reasons(stats: Stats, foot: FootStatistics, where: str) -> Iterator[
         yield Finding("N_NO_CONTACT_POINTS", text, f"{where}.contact_travel_m")
     elif stats.settings.foot_rolling_m is None and foot.slip_source is None:
         yield from _unknown_slip(foot, where)
-    if foot.friction_use is None and vertical_is_known(foot.record):
+    if not np.isfinite(foot.stances.figures.friction_use).any() and vertical_is_known(foot.record):
         text = f"no contact normals of {name}: its friction use is not known"
         yield Finding("N_NO_NORMALS", text, f"{where}.friction_use")
 

@@ -19,6 +19,8 @@ def load_findings(stats: Stats) -> Iterator[Finding]:
     """Yield what is missing or doubtful in the figures of loads."""
     loads = stats.loads
     yield from _weight_findings(stats)
+    if stats.push is not None:
+        yield _push_finding(stats.push)
     if loads.share_of == "force_impulse" and loads.shares is not None:
         text = (
             "load shares are of the integral of |F|, since vertical forces are not known; "
@@ -65,6 +67,17 @@ def _tilt_finding(magnitude_n: float | None, vertical_n: float | None) -> Findin
         f"the sum of |F| is {magnitude_n:.4g} N, that of vertical forces {vertical_n:.4g} N: these "
         "lean, and nothing tells a push along the ground from wrenches in the frames of swinging "
         "legs; no braking and propulsive impulses, no friction"
+    )
+    return Finding("W_DIRECTION_UNKNOWN", text, "feet")
+
+
+def _push_finding(push: float) -> Finding:
+    """Return that the forces along the ground do not add up to nothing; a share of the weight."""
+    text = (
+        f"over whole stances, the feet push the robot {'on' if push > 0.0 else 'back'} with "
+        f"{abs(push):.0%} of its weight, and it does not change its speed so: the wrenches are in "
+        "another frame than transforms or evidence say, or something pulls at the robot; no "
+        "braking and propulsive impulses, no friction"
     )
     return Finding("W_DIRECTION_UNKNOWN", text, "feet")
 

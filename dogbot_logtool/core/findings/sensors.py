@@ -39,6 +39,12 @@ def _of_foot(
         return
     offset = float(np.linalg.norm(level.offset_n))
     scale = weight_n or level.loaded_n
+    if level.moved_n:
+        text = (
+            f"what the sensor of {name} reads without load moves by {level.moved_n:.3g} N in the "
+            "log: it was re-zeroed, or it drifts; that is taken off swing by swing"
+        )
+        yield note("SENSOR_MOVES", text, where)
     if scale and offset > PLAIN * scale:
         of_what = "weight" if weight_n else "usual load"
         text = (

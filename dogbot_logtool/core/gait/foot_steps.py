@@ -1,6 +1,8 @@
 """A foot's steps over a whole log, and what is known of the sensor that tells of them."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from typing import Final
 
 import numpy as np
 
@@ -14,6 +16,9 @@ from dogbot_logtool.core.geometry.arrays import Flags, Floats, Ints
 from dogbot_logtool.core.load.spikes import has_lone_spikes, without_spikes
 from dogbot_logtool.core.settings import FootSettings
 from dogbot_logtool.dataclass import dataclass
+
+FEWEST_STANCES: Final = 8
+"""Stances of all feet from which it is told how far they push the robot on."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -60,6 +65,40 @@ class FootSteps:
     """(stances, PARTS) N, mean vertical force in each part of each stance; NaN: not known."""
     forward: Floats
     """(stances, PARTS) N, the same along the base's forward axis."""
+
+    def without_direction(self) -> "FootSteps":
+        """Return the steps for a force whose direction is not what it seems."""
+        return replace(
+            self,
+            checks=replace(self.checks, direction_known=False),
+            forward=np.full_like(self.forward, np.nan),
+        )
+
+
+def net_push(feet: Sequence[FootSteps]) -> float | None:
+    """Return how far the feet push the robot on over whole stances, as a share of the weight.
+
+    Braking and propulsion cancel out unless the robot speeds up, or something pulls at it.
+
+    Args:
+        feet: steps of all feet.
+
+    Returns:
+        None where the direction of forces is not known, or few stances tell.
+    """
+    parts = [_impulses(foot) for foot in feet]
+    pushed, carried = np.concatenate([np.empty((2, 0)), *parts], axis=1)
+    if len(carried) < FEWEST_STANCES or carried.sum() <= 0.0:
+        return None
+    return float(pushed.sum() / carried.sum())
+
+
+def _impulses(foot: FootSteps) -> Floats:
+    """(2, k) N s, along the forward axis and upwards, of the whole stances that tell both."""
+    duration = foot.stances.duration_s
+    both = np.stack([each.mean(axis=1) * duration for each in (foot.forward, foot.vertical)])
+    known: Floats = both[:, foot.stances.whole & np.isfinite(both).all(axis=0)]
+    return known
 
 
 def foot_steps(

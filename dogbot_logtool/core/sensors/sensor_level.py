@@ -54,7 +54,7 @@ _KNOT_S: Final = 15.0
 """A knot of the drift needs so many visits over so long a time."""
 _DRIFT_S: Final = 30.0
 """Shortest time from the first to the last swing over which a drift is stated."""
-_NORMAL_SD: Final = 1.4826
+NORMAL_SD: Final = 1.4826
 """Standard deviation over median absolute deviation, of a normal distribution."""
 
 
@@ -73,6 +73,8 @@ class SensorLevel:
     """N, how far the unloaded sensor strays from the offset: the inertia of a leg that swings."""
     drift_n_per_min: float | None = None
     """N a minute, towards the load; None: the swings span too short a time."""
+    moved_n: float = 0.0
+    """N, how far the offset moves in the log, where it does not stay and was followed."""
     loaded_n: float | None = None
     """N, median force above the offset while loaded; None: not known."""
     mean_n: float | None = None
@@ -115,6 +117,8 @@ class SensorLevel:
     def offset_n(self) -> Floats:
         """(3,) N, the offset in the middle of the log."""
         middle: Floats = median_of(self.offset, axis=0)
+        if self.moved_n:
+            middle = self.offset_at((self.knots[:1] + self.knots[-1:]) // 2)[0]
         return middle
 
     def offset_at(self, log_time: Ints) -> Floats:
@@ -151,9 +155,9 @@ def estimate_level(log_time: Ints, force: Floats) -> SensorLevel:
     zero = zero_level(force, interval_s)
     if zero is not None:
         return zero
-    axis = _load_axis(force)
-    along = _without_spikes(force @ axis)
-    runs = _run_numbers(log_time)
+    axis = load_axis(force)
+    along = without_spikes(force @ axis)
+    runs = run_numbers(log_time)
     modes = [two_modes(along, runs), two_modes(-along, runs)]
     step = resolution_n(force)
     judged = (
@@ -237,9 +241,9 @@ def _unknown(reason: str, interval_s: float | None, force: Floats) -> SensorLeve
     usual = float(percentiles_of(norms(force), _LOADED)) if len(force) else None
     noise = lightest = heaviest = None
     if len(force) >= FEWEST_SAMPLES:
-        lightest, heaviest = percentiles_of(_without_spikes(norms(force)), _RANGE).tolist()
+        lightest, heaviest = percentiles_of(without_spikes(norms(force)), _RANGE).tolist()
         steps = np.abs(np.diff(force, axis=0))
-        noise = _NORMAL_SD * float(median_of(steps, axis=0).max()) / np.sqrt(2.0)
+        noise = NORMAL_SD * float(median_of(steps, axis=0).max()) / np.sqrt(2.0)
     return SensorLevel(
         *no_offset(),
         noise_n=noise,
@@ -252,7 +256,7 @@ def _unknown(reason: str, interval_s: float | None, force: Floats) -> SensorLeve
     )
 
 
-def _load_axis(force: Floats) -> Floats:
+def load_axis(force: Floats) -> Floats:
     """(3,) unit vector along which the force varies most; lone spikes do not count."""
     low, high = percentiles_of(force, [1.0, 99.0], axis=0)
     _, vectors = np.linalg.eigh(np.cov(np.clip(force, low, high).T))
@@ -260,14 +264,14 @@ def _load_axis(force: Floats) -> Floats:
     return axis if axis[np.abs(axis).argmax()] > 0.0 else -axis
 
 
-def _without_spikes(values: Floats) -> Floats:
+def without_spikes(values: Floats) -> Floats:
     """(n,): the median of each value and its two neighbours."""
     padded = np.concatenate([values[:1], values, values[-1:]])
     smooth: Floats = median_of(np.stack([padded[:-2], padded[1:-1], padded[2:]]), axis=0)
     return smooth
 
 
-def _run_numbers(log_time: Ints) -> Ints:
+def run_numbers(log_time: Ints) -> Ints:
     """(n,): samples with the same number have no silence between them."""
     steps = np.diff(log_time, prepend=log_time[:1])
     usual = median_of(steps[1:])
@@ -292,11 +296,11 @@ def _level_of(
     middle = log_time[(visits.start + visits.end - 1) // 2]
     rows = visits.rows()
     residual = force[rows] - np.repeat(levels, visits.end - visits.start, axis=0)
-    noise = _NORMAL_SD * float(median_of(np.abs(residual), axis=0).max())
+    noise = NORMAL_SD * float(median_of(np.abs(residual), axis=0).max())
     inside = np.diff(rows) == 1
     steps = np.abs(np.diff(residual, axis=0))[inside]
     if len(steps):
-        noise = min(noise, _NORMAL_SD * float(median_of(steps, axis=0).max()) / np.sqrt(2.0))
+        noise = min(noise, NORMAL_SD * float(median_of(steps, axis=0).max()) / np.sqrt(2.0))
     knots, offset = _knots(middle, levels)
     level = SensorLevel(
         knots,
@@ -305,7 +309,7 @@ def _level_of(
         wobble_n=_wobble_n(modes.rest, force),
         drift_n_per_min=_drift(middle, levels @ axis),
         interval_s=interval_s,
-        swing_s=_visit_s(visits, log_time),
+        swing_s=visit_s(visits, log_time),
         origin="estimated",
         raises=modes.raises,
     )
@@ -337,7 +341,7 @@ def _wobble_n(swings: Visits, force: Floats) -> float:
     return float(percentiles_of(norms(strays), _STRAYS))
 
 
-def _visit_s(visits: Visits, log_time: Ints) -> float:
+def visit_s(visits: Visits, log_time: Ints) -> float:
     """Return how long a usual visit lasts, s; its ends were cut off."""
     length = (log_time[visits.end - 1] - log_time[visits.start]) / 1e9
     return float(median_of(length)) / MIDDLE_SHARE

@@ -108,6 +108,11 @@ class Modes:
     """The part of the fit that rests on how much narrower swing is than stance."""
 
     @property
+    def distance(self) -> float:
+        """How far stance is from swing, N."""
+        return self.stance.level - self.swing.level
+
+    @property
     def score(self) -> float:
         """The fit, less for modes that are not clear.
 
@@ -121,7 +126,7 @@ def two_modes(values: Floats, runs: Ints) -> Modes:
 
     Args:
         values: (n,) N.
-        runs: (n,) see `_run_numbers`.
+        runs: (n,) see `run_numbers`.
     """
     low, peak, high = percentiles_of(values, [1.0, 95.0, 99.0])
     none = Mode(Visits(np.empty(0, np.int64), np.empty(0, np.int64)), 0.0, 0.0)

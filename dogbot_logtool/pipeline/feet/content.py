@@ -12,6 +12,10 @@ from dogbot_logtool.dataclass import dataclass
 
 FEWEST: Final = 20
 """Samples of a foot from which its values mean something."""
+FEWEST_CHANGES: Final = 8
+"""The same where each tells that a contact begins or ends."""
+_MOSTLY: Final = 0.9
+"""Share of a foot's messages that tell another state than the one before, if all shall."""
 _FEWEST_CHANGES: Final = 2
 _LARGEST_STATE: Final = 3.0
 """Whole numbers up to this are states of a contact: open, closed, slipping."""
@@ -57,7 +61,9 @@ def judge_content(samples: Samples, feet: int) -> Content | None:
         samples: of all feet.
         feet: how many there are.
     """
-    signed = _side_by_side(samples, feet)
+    own = [samples.pick(samples.foot == foot) for foot in range(feet)]
+    on_change = bool(own) and all(map(_always_changes, own))
+    signed = _side_by_side(own, on_change=on_change)
     if signed is None:
         return None
     values = np.abs(signed)
@@ -66,6 +72,8 @@ def judge_content(samples: Samples, feet: int) -> Content | None:
     down = values > 0.0 if is_contact else values > low + _ON * (high - low)
     changes = np.count_nonzero(np.diff(down, axis=0), axis=0)
     found = [_on_and_off(changes), _in_turns(down)]
+    if on_change:
+        found.append((2, "each message tells another state: they are published on change"))
     if not is_contact:
         found += [_together(values), _one_way(signed)]
     thresholds: tuple[float, ...] = ()
@@ -82,15 +90,28 @@ def judge_content(samples: Samples, feet: int) -> Content | None:
     )
 
 
-def _side_by_side(samples: Samples, feet: int) -> Floats | None:
-    """Return (n, feet) at the samples of the first foot; None: too few.
+def _always_changes(foot: Samples) -> bool:
+    """Tell whether a foot's messages come when its contact changes, and only then."""
+    states = norms(foot.force)[np.argsort(foot.log_time, kind="stable")]
+    if len(states) < FEWEST_CHANGES or not np.isin(states, (0.0, 1.0)).all():
+        return False
+    return float((np.diff(states) != 0.0).mean()) >= _MOSTLY
+
+
+def _side_by_side(own: Sequence[Samples], *, on_change: bool) -> Floats | None:
+    """Return (n, feet) at the samples of the first foot, or of all; None: too few.
 
     A number keeps its sign; of vectors, their magnitudes.
+
+    Args:
+        own: samples of each foot.
+        on_change: whether a foot's samples only tell when its contact changes.
     """
-    own = [samples.pick(samples.foot == foot) for foot in range(feet)]
-    if min((len(each.log_time) for each in own), default=0) < FEWEST:
+    fewest = FEWEST_CHANGES if on_change else FEWEST
+    if min((len(each.log_time) for each in own), default=0) < fewest:
         return None
-    time = np.sort(own[0].log_time)
+    told = own if on_change else own[:1]
+    time = np.sort(np.concatenate([each.log_time for each in told]))
     columns = []
     for each in own:
         order = np.argsort(each.log_time, kind="stable")

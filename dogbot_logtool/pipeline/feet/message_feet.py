@@ -96,13 +96,13 @@ def _feet(found: Sequence[MessageFoot], topic: str) -> tuple[Foot, ...]:
         )
         for element, (foot, name, position) in enumerate(zip(found, names, positions, strict=True))
     ]
-    return tuple(sorted(feet, key=_front_to_back))
+    return tuple(sorted(feet, key=front_to_back))
 
 
 _ORDER: Final = ("front", "middle", "back", "left", "right")
 
 
-def _front_to_back(foot: Foot) -> tuple[int, int, str]:
+def front_to_back(foot: Foot) -> tuple[int, int, str]:
     """Sort feet front to back, left before right."""
     if foot.leg_position is None:
         return len(_ORDER), 0, foot.name

@@ -96,6 +96,11 @@ class FootSet:
         pairs = [(end, side) for end in ends for side in ("left", "right")]
         return tuple("_".join(pair) for pair in pairs if pair not in there)
 
+    def completes(self, other: "FootSet") -> bool:
+        """Tell whether these are the very feet that another set lacks, as other messages tell."""
+        usable = self.merit >= USABLE and self.part >= Part.UNKNOWN and not self.doubtful
+        return usable and sorted(foot.name for foot in self.feet) == sorted(other.missing)
+
     @property
     def merit(self) -> int:
         """How good what it tells is for telling a foot's contact."""

@@ -17,7 +17,11 @@ from dogbot_logtool.pipeline.feet.field_feet import (
     require_field_topic,
     with_topic,
 )
-from dogbot_logtool.pipeline.feet.message_feet import feet_of_messages, is_planned
+from dogbot_logtool.pipeline.feet.message_feet import (
+    feet_of_messages,
+    front_to_back,
+    is_planned,
+)
 from dogbot_logtool.pipeline.feet.names import FootSet, leg_position, name_feet
 from dogbot_logtool.pipeline.topics.readable import why_unreadable
 from dogbot_logtool.pipeline.topics.topics import (
@@ -175,23 +179,56 @@ def find_feet(log: Log, robot: Robot, findings: list[Finding]) -> tuple[Robot, F
                 text = f"foot {foot.name} has no messages: there is no topic {foot.topic}"
                 findings.append(warning("FOOT_MISSING", text, foot.topic))
         return replace(robot, feet=feet), None
+    found, offered = _feet_by_names(log, findings)
+    if not found and not offered:
+        findings.append(warning("NO_FEET", _without_feet(topics, recorded)))
+    return replace(robot, feet=found), _offer(offered) if offered and not found else None
+
+
+def _feet_by_names(log: Log, findings: list[Finding]) -> tuple[tuple[Foot, ...], Sequence[FootSet]]:
+    """Return the feet that types and names of topics tell, and topics that may be feet."""
     offered: list[FootSet] = []
+    parts: list[tuple[FootSet, tuple[FootSet, ...]]] = []
     for source, of_source in _candidates(log):
+        if parts and _is_plan(log, of_source):
+            break
         if source.tells_all_feet:
             feet = feet_of_messages(log, most_frequent(log, of_source))
             if feet:
                 findings.append(_found(feet))
-                return replace(robot, feet=feet), None
+                return feet, ()
             continue
         names = name_feet(of_source, contacts_only=not source.anything)
-        if names.chosen is not None:
+        if names.chosen is not None and not names.chosen.missing:
             feet = _feet_of(names.chosen)
-            findings.append(_found(feet, names.chosen.missing, names.offered))
-            return replace(robot, feet=feet), None
+            findings.append(_found(feet, names.offered))
+            return feet, ()
+        if names.chosen is not None:
+            parts.append((names.chosen, names.offered))
         offered.extend(names.offered[:_MOST_OFFERED])
-    if not offered:
-        findings.append(warning("NO_FEET", _without_feet(topics, recorded)))
-    return replace(robot, feet=()), _offer(offered) if offered else None
+    return (_of_part(*parts[0], offered, findings) if parts else ()), offered
+
+
+def _of_part(
+    part: FootSet,
+    others: Sequence[FootSet],
+    offered: Sequence[FootSet],
+    findings: list[Finding],
+) -> tuple[Foot, ...]:
+    """Return the feet of a robot of which one type of messages tells some feet only.
+
+    Another type may tell of the rest. A foot that none tells of stays a foot of the robot: what
+    all feet carry is not known without it.
+    """
+    found = list(_feet_of(part))
+    rest = next((one for one in offered if one.completes(part)), None)
+    found += _feet_of(rest) if rest is not None else ()
+    findings.append(_found(found, [one for one in others if one is not rest]))
+    for name in part.missing if rest is None else ():
+        text = f"foot {name} has no messages: there is no topic like those of the other feet"
+        findings.append(warning("FOOT_MISSING", text, name))
+        found.append(Foot(name, "", leg_position=leg_position(name)))
+    return tuple(sorted(found, key=front_to_back))
 
 
 def _candidates(log: Log) -> list[tuple[ContactSource, list[str]]]:
@@ -228,6 +265,12 @@ def _planning(channel: Channel, source: ContactSource) -> int:
     return int(is_planned(channel)) + int(named)
 
 
+def _is_plan(log: Log, topics: Sequence[str]) -> bool:
+    """Tell whether a plan is among topics."""
+    channels = [channel for topic in topics for channel in log.channels_by_topic.get(topic, ())]
+    return any((source := source_of(c)) and _planning(c, source) for c in channels)
+
+
 def _check_elements_differ(feet: Sequence[Foot]) -> None:
     seen: dict[tuple[str, int], str] = {}
     for foot in feet:
@@ -243,12 +286,8 @@ def _feet_of(found: FootSet) -> tuple[Foot, ...]:
     return tuple(Foot(foot.name, foot.topic, leg_position=foot.position) for foot in found.feet)
 
 
-def _found(
-    feet: Sequence[Foot], missing: Sequence[str] = (), others: Sequence[FootSet] = ()
-) -> Finding:
+def _found(feet: Sequence[Foot], others: Sequence[FootSet] = ()) -> Finding:
     text = f"feet are found by type and name: {', '.join(f'{f.name} = {f.topic}' for f in feet)}"
-    if missing:
-        text += f"; there is no such topic for {', '.join(missing)}"
     if others:
         text += f"; not chosen, but possible: {' or '.join(map(foot_options, _few(others)))}"
     return note("FEET_FOUND", text)

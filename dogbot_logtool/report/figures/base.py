@@ -62,7 +62,7 @@ BASE: Final[Sequence[Figure[BaseMotion]]] = (
         "yaw_change_rad",
         Kind.NUMBER,
         lambda base: base.yaw_change_rad,
-        "last yaw minus first, unwrapped",
+        "last yaw minus first, unwrapped, jumps left out",
     ),
     Figure(
         "yaw_rate_radps",
@@ -76,10 +76,14 @@ BASE: Final[Sequence[Figure[BaseMotion]]] = (
         Kind.AGGREGATE,
         lambda base: base.height_m,
         "height of the base over the latest contact points of the feet",
-        null="no contact points in the world of the odometry",
+        null="no contact points in the world of the odometry, or z of one drifts",
     ),
     Figure(
-        "climb_m", Kind.NUMBER, lambda base: base.climb_m, "z of the last pose minus z of the first"
+        "climb_m",
+        Kind.NUMBER,
+        lambda base: base.climb_m,
+        "z of the last pose minus z of the first",
+        null="the base rises or sinks steadily against the contact points: z drifts",
     ),
     Figure(
         "slope_rad",

@@ -61,6 +61,9 @@ def robot_file(robot: Robot, evidence: RobotEvidence) -> str:
     if robot.feet:
         lines += ["", *_comment("Reference foot first. " + " ".join(evidence.feet_because))]
     for foot in robot.feet:
+        if not foot.topic:
+            lines += ["", f"# [feet.{foot.name}]", "# topic =                # the log has none"]
+            continue
         lines += ["", *_foot(foot, evidence.figures.get("feet", {}).get(foot.name, {}))]
     return "\n".join(lines) + "\n"
 

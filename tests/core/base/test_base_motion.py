@@ -1,3 +1,5 @@
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -12,6 +14,7 @@ from dogbot_logtool.core.base.base_motion import (
     stride_lengths,
 )
 from dogbot_logtool.core.base.odometry import Odometry
+from dogbot_logtool.core.base.pose_jumps import find_jumps
 from dogbot_logtool.core.base.travel import find_travel
 from dogbot_logtool.core.geometry import timespans
 from dogbot_logtool.core.geometry.arrays import Floats, Ints
@@ -49,7 +52,7 @@ def record(odometry: Odometry, *, cuts: Ints | None = None, block_rows: int = 64
 def track(odometry: Odometry, height_m: float = 0.3) -> BaseTrack:
     base = record(odometry)
     height = np.full(len(base.time), height_m)
-    return BaseTrack(base, find_travel(base), height, (), timespans.no_spans())
+    return BaseTrack(base, find_travel(base), height, (), timespans.no_spans(), find_jumps(base))
 
 
 def motion(odometry: Odometry, forward_axis: str = "+x") -> BaseMotion:
@@ -221,3 +224,18 @@ def test_time_far_from_any_pose_is_told() -> None:
     base = record(circle())
     spans = START + np.array([[-500_000_000, 0], [1_000_000_000, 2_000_000_000]], np.int64)
     assert base.unplaced(spans) == 400_000_000
+
+
+def test_a_jump_of_the_yaw_is_no_turn() -> None:
+    turning = circle()
+    late = turning.stamp > START + 2_000_000_000
+    position, orientation = turning.position.copy(), turning.orientation.copy()
+    position[late] += (3.0, 0.0, 0.0)
+    turn = np.tile([0.0, 0.0, np.sin(0.3), np.cos(0.3)], (int(late.sum()), 1))
+    x, y, z, w = orientation[late].T
+    orientation[late] = np.stack(
+        [x, y, z * turn[:, 3] + w * turn[:, 2], w * turn[:, 3] - z * turn[:, 2]], axis=1
+    )
+    jumped = motion(replace(turning, position=position, orientation=orientation))
+    assert jumped.yaw_change_rad == pytest.approx(1.0, abs=0.01)
+    assert jumped.yaw_rate_radps == pytest.approx(0.25, abs=0.01)

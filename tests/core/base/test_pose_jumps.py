@@ -73,3 +73,18 @@ def test_noise_is_measured_at_uneven_intervals_too() -> None:
     rows = np.flatnonzero(np.arange(len(base.time)) % 5 % 3 == 0)
     uneven = history((base.time[rows] - base.time[0]) / 1e9, base.position[rows])
     assert pose_noise_m(uneven) < 1e-4
+
+
+@pytest.mark.parametrize("turn_rad", [0.3, -0.5, 0.0])
+def test_a_jump_turns_the_base_too(turn_rad: float) -> None:
+    """The robot's own turning is no part of it."""
+    base = walk(50.0)
+    late = base.time >= base.time[0] + 9_000_000_000
+    base.angles[:, 2] = 0.2 * (base.time - base.time[0]) / 1e9
+    base.position[late] += (0.6, 0.8, 0.0)
+    base.angles[late, 2] += turn_rad
+    jumps = find_jumps(base)
+    assert jumps.turn_rad == pytest.approx([turn_rad], abs=1e-6)
+    start, end = base.time[[0, -1]].tolist()
+    assert jumps.turned_rad(start, end) == pytest.approx(turn_rad, abs=1e-6)
+    assert jumps.turned_rad(start, start + 8_000_000_000) == 0.0

@@ -1,6 +1,7 @@
 """Where the base is among its feet, of walks whose places are known in closed form."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -117,3 +118,14 @@ def test_without_contact_points_or_poses_nothing_is_known() -> None:
     elsewhere = base(20.0)
     elsewhere.time[:] += 10**12
     assert compare_worlds(feet(), elsewhere) is None
+
+
+@pytest.mark.parametrize(("shift", "agree"), [((0.0, 0.0), True), ((3.0, 0.0), False)])
+def test_some_feet_only_tell_contact_points(shift: tuple[float, float], agree: bool) -> None:  # noqa: FBT001
+    """The base is far from the hind pair, but in its world."""
+    tracks = feet(12.0)
+    silent = [replace(each, point=np.full_like(each.point, np.nan)) for each in tracks[:2]]
+    worlds = compare_worlds([*silent, *tracks[2:]], base(12.0, shift=shift))
+    assert worlds is not None
+    assert worlds.distance_m == pytest.approx(np.hypot(0.3 + shift[0], shift[1]), abs=0.05)
+    assert worlds.agree == agree

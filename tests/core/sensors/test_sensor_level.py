@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from dogbot_logtool.core.geometry.arrays import Floats
-from dogbot_logtool.core.sensors.sensor_level import SensorLevel, _visit_s, estimate_level
+from dogbot_logtool.core.sensors.sensor_level import SensorLevel, estimate_level, visit_s
 from dogbot_logtool.core.sensors.sensor_modes import ALTERNATE, Visits
 from tests.core.contact.feet_forces import FootForces, walking_foot
 
@@ -191,4 +191,4 @@ def test_a_usual_swing_lasts_longer_than_its_middle() -> None:
     """Visits are 20 to 80 % of swings: 0.5, 0.6 and 0.7 s here, from first to last sample."""
     time = 10**15 + np.arange(300, dtype=np.int64) * 10_000_000
     visits = Visits(np.array([10, 100, 200]), np.array([61, 161, 271]))
-    assert _visit_s(visits, time) == pytest.approx(1.0, rel=1e-12)
+    assert visit_s(visits, time) == pytest.approx(1.0, rel=1e-12)

@@ -63,3 +63,25 @@ def test_what_is_no_feet(name: str) -> None:
 
 def test_too_few_samples_say_nothing() -> None:
     assert judge_content(samples(trot()[:10] * 1.0), 4) is None
+
+
+def changes(foot: int, down: NDArray[np.bool_]) -> Samples:
+    """A foot's contact when it begins and when it ends."""
+    rows = np.flatnonzero(np.diff(down.astype(np.int8), prepend=-1))
+    force = np.outer(down[rows], (0.0, 0.0, 1.0))
+    return flat_samples(TIME[rows], np.full(len(rows), foot), TIME[rows] * 0, force)
+
+
+def test_contacts_that_are_published_on_change_are_recognised() -> None:
+    found = judge_content(
+        concatenated([changes(foot, down) for foot, down in enumerate(trot().T)]), 4
+    )
+    assert found is not None
+    assert found.is_contact
+    assert found.points >= 6
+    assert "published on change" in "; ".join(found.reasons)
+
+
+def test_few_changes_say_nothing() -> None:
+    few = [changes(foot, down[:300]) for foot, down in enumerate(trot().T)]
+    assert judge_content(concatenated(few), 4) is None

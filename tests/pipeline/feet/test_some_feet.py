@@ -1,0 +1,55 @@
+"""Feet of which one type of messages tells some only, or of which some were not recorded."""
+
+from pathlib import Path
+
+import pytest
+
+import dogbot_logtool as dl
+from tests import forked_cli
+from tests.oracles.foot_logs import CONTACTS, WRENCH, write_log
+
+CORNERS = ("front_left", "front_right", "back_left", "back_right")
+
+
+def feet_of(path: Path) -> dict[str, str]:
+    return {name: foot["topic"] for name, foot in dl.measure(path).stats["feet"].items()}
+
+
+def logged(folder: Path, kinds: dict[str, str]) -> Path:
+    topics = {f"/{name}/contact": kind for name, kind in kinds.items()}
+    return write_log(folder / "log.mcap", topics, odometry=["/odom"], samples=200)
+
+
+@pytest.mark.parametrize("fore", [WRENCH, CONTACTS])
+def test_two_types_tell_of_two_pairs(fore: str, tmp_path: Path) -> None:
+    hind = CONTACTS if fore == WRENCH else WRENCH
+    path = logged(tmp_path, dict(zip(CORNERS, (fore, fore, hind, hind), strict=True)))
+    assert feet_of(path) == {name: f"/{name}/contact" for name in CORNERS}
+
+
+def test_a_type_that_tells_of_all_feet_comes_first(tmp_path: Path) -> None:
+    topics = {f"/{name}/contact": CONTACTS for name in CORNERS[:2]}
+    topics |= {f"/{name}_foot/wrench": WRENCH for name in CORNERS}
+    path = write_log(tmp_path / "log.mcap", topics, odometry=["/odom"], samples=200)
+    assert feet_of(path) == {name: f"/{name}_foot/wrench" for name in CORNERS}
+
+
+def test_a_foot_that_was_not_recorded_is_one_of_the_robot(tmp_path: Path) -> None:
+    path = logged(tmp_path, dict.fromkeys(CORNERS[:3], CONTACTS))
+    found = dl.measure(path).stats
+    assert list(found["feet"]) == list(CORNERS)
+    assert found["feet"]["back_right"]["topic"] == ""
+    assert found["gait"]["support"] is None
+    assert found["forces"]["load_share"] is None
+    assert {"W_FOOT_MISSING", "W_NO_MESSAGES"} <= {each["code"] for each in found["findings"]}
+
+
+def test_a_drafted_robot_file_leaves_its_topic_out(tmp_path: Path) -> None:
+    path = logged(tmp_path, dict.fromkeys(CORNERS[:3], CONTACTS))
+    done = forked_cli.run("robots", "new", path)
+    assert done.returncode == 0, done.stderr
+    assert "# [feet.back_right]\n# topic =" in done.stdout
+    (tmp_path / "robot.toml").write_text(done.stdout)
+    assert list(dl.measure(path, robot=str(tmp_path / "robot.toml")).stats["feet"]) == list(
+        CORNERS[:3]
+    )
