@@ -32,7 +32,6 @@ from dogbot_logtool.core.sensors.sensor_level import (
     zero_reading,
 )
 from dogbot_logtool.core.sensors.sensor_modes import CONSTANT
-from dogbot_logtool.core.sensors.swing_levels import follow_level
 from dogbot_logtool.core.sensors.weighed_levels import (
     checked_levels,
     turned_levels,
@@ -204,6 +203,10 @@ def _level(selection: Selection, samples: Samples, foot: int, topics: TopicOptio
         known, origin = selection.robot.feet[foot].offset_n, "robot"
     if known is None and topics.takes_offsets:
         level = estimate_level(rows.log_time, rows.force)
+        if level.zero_in_swing or level.reason:
+            return level
+        from dogbot_logtool.core.sensors.swing_levels import follow_level  # noqa: PLC0415
+
         return follow_level(rows.log_time, rows.force, level)
     offset = np.array([known or (0.0, 0.0, 0.0)])
     rest = estimate_level(rows.log_time, rows.force - offset)

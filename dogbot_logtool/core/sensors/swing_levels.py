@@ -65,10 +65,8 @@ def follow_level(log_time: Ints, force: Floats, level: SensorLevel) -> SensorLev
     Args:
         log_time: (n,) ns, ascending.
         force: (n, 3) N, as recorded; rows that are not finite are left out.
-        level: what all samples together show.
+        level: what all samples together show; it is known, and not zero.
     """
-    if level.zero_in_swing or level.reason:
-        return level
     finite = all_finite(force)
     log_time, force = log_time[finite], force[finite]
     swing_s = level.swing_s or _SWING_S
