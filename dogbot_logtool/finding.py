@@ -113,18 +113,3 @@ class Finding:
 def by_severity(finding: Finding) -> tuple[int, str, str, str]:
     """Return the key that sorts findings: the worst first, then by code."""
     return finding.severity, finding.code, finding.text, finding.where
-
-
-def error(code: str, text: str, where: str = "") -> Finding:
-    """Return an error; the code is given without its letter."""
-    return Finding(f"E_{code}", text, where)
-
-
-def warning(code: str, text: str, where: str = "") -> Finding:
-    """Return a warning; the code is given without its letter."""
-    return Finding(f"W_{code}", text, where)
-
-
-def note(code: str, text: str, where: str = "") -> Finding:
-    """Return a note; the code is given without its letter."""
-    return Finding(f"N_{code}", text, where)

@@ -12,7 +12,7 @@ from dogbot_logtool.core.plausible import IMPLAUSIBLE
 from dogbot_logtool.core.scene.arrows import ArrowCounts
 from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.errors import LogError
-from dogbot_logtool.finding import Finding, by_severity, note, warning
+from dogbot_logtool.finding import Finding, by_severity
 from dogbot_logtool.io.output import refuse_bad_target, whole_file
 from dogbot_logtool.io.storage import Location, shown
 from dogbot_logtool.pipeline.conversion.annotating import annotations_of
@@ -293,29 +293,32 @@ def _findings(plan: ConversionPlan, tally: _Tally) -> Iterator[Finding]:
         yield from frame_findings(plan.frames, tally.counts.frames)
     for topic, name in tally.moved_topics.items():
         text = f"the log has a topic {topic} of another type: ours is {name}"
-        yield note("TOPIC_MOVED", text, name)
+        yield Finding("N_TOPIC_MOVED", text, name)
     counts = tally.counts
     untimed = 0 if plan.style.needs_contact_states else counts.untimed_messages
     for count, finding in (
-        (counts.bad_poses, warning("BAD_POSES", "poses with NaN or a zero quaternion (no /tf)")),
-        (counts.implausible, warning("IMPLAUSIBLE", IMPLAUSIBLE)),
-        (untimed, warning("UNTIMED_STATES", "contacts without a physics step (taken as one step)")),
+        (counts.bad_poses, Finding("W_BAD_POSES", "poses with NaN or a zero quaternion (no /tf)")),
+        (counts.implausible, Finding("W_IMPLAUSIBLE", IMPLAUSIBLE)),
+        (
+            untimed,
+            Finding("W_UNTIMED_STATES", "contacts without a physics step (taken as one step)"),
+        ),
         (
             counts.foreign_states,
-            note("FOREIGN_STATES", "contact states between other bodies (ignored)"),
+            Finding("N_FOREIGN_STATES", "contact states between other bodies (ignored)"),
         ),
         *_arrow_findings(counts.arrows),
         (
             counts.support_unknown,
-            note(
-                "SUPPORT_UNKNOWN",
+            Finding(
+                "N_SUPPORT_UNKNOWN",
                 "/support messages without a polygon (contact of some foot unknown)",
             ),
         ),
         (
             counts.support_unweighed,
-            note(
-                "NO_PRESSURE",
+            Finding(
+                "N_NO_PRESSURE",
                 "/support messages without a centre of pressure (vertical forces unknown)",
             ),
         ),
@@ -328,11 +331,11 @@ def _arrow_findings(skipped: ArrowCounts) -> Iterator[tuple[int, Finding]]:
     """Yield the contacts without an arrow by reason, with their finding."""
     yield (
         skipped.not_finite,
-        warning("NOT_FINITE", "contacts with NaN or infinity (not drawn)"),
+        Finding("W_NOT_FINITE", "contacts with NaN or infinity (not drawn)"),
     )
-    yield skipped.no_position, warning("NO_POSITION", "contacts without a point (not drawn)")
-    yield skipped.no_direction, warning("NO_DIRECTION", "contacts without a normal (not drawn)")
+    yield skipped.no_position, Finding("W_NO_POSITION", "contacts without a point (not drawn)")
+    yield skipped.no_direction, Finding("W_NO_DIRECTION", "contacts without a normal (not drawn)")
     yield (
         skipped.overflow,
-        warning("OVERFLOW", "contacts whose force squared overflows (not drawn, as live)"),
+        Finding("W_OVERFLOW", "contacts whose force squared overflows (not drawn, as live)"),
     )

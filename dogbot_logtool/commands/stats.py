@@ -13,7 +13,7 @@ from dogbot_logtool.core.geometry.clock import TimeSource, UnusableStamps
 from dogbot_logtool.core.plausible import IMPLAUSIBLE
 from dogbot_logtool.core.statistics import Stats
 from dogbot_logtool.dataclass import dataclass
-from dogbot_logtool.finding import Finding, note, warning
+from dogbot_logtool.finding import Finding
 from dogbot_logtool.io.storage import Location, shown
 from dogbot_logtool.pipeline.feet.message_feet import planned_feet
 from dogbot_logtool.pipeline.frames.world_frames import StreamedFrames
@@ -78,7 +78,8 @@ def _with_plan(measured: Measurement, planned: Stats) -> Measurement:
     if clocks[0] is not clocks[1]:
         text = f"{topics[0]} is a plan on another clock than the feet: they are not compared"
         facts = replace(
-            measured.facts, findings=[*measured.facts.findings, note("PLAN_NOT_COMPARED", text)]
+            measured.facts,
+            findings=[*measured.facts.findings, Finding("N_PLAN_NOT_COMPARED", text)],
         )
         return replace(measured, facts=facts)
     found = tuple(
@@ -190,7 +191,7 @@ class _Feed:
         findings = [*plan.selection.findings, *(f for f in seen if f.code != "W_ZERO_STAMPS")]
         findings.extend(plan.side.findings if plan.side else ())
         if self.implausible:
-            findings.append(warning("IMPLAUSIBLE", f"{self.implausible:,} {IMPLAUSIBLE}"))
+            findings.append(Finding("W_IMPLAUSIBLE", f"{self.implausible:,} {IMPLAUSIBLE}"))
         if self.forces is not None:
             findings.extend(self.forces.findings())
         robot = plan.selection.robot.name

@@ -3,7 +3,7 @@
 from math import atan, degrees
 
 from dogbot_logtool.core.frames.wrench_frame import FrameFit, WrenchFrame, WrenchFrameEvidence
-from dogbot_logtool.finding import Finding, note, warning
+from dogbot_logtool.finding import Finding
 from dogbot_logtool.pipeline.probe import Probe
 from dogbot_logtool.pipeline.topics.selection import Selection
 
@@ -16,17 +16,17 @@ def probe_findings(selection: Selection, probe: Probe) -> list[Finding]:
         everywhere = probe.zero_stamps >= used
         topics = "everywhere" if everywhere else "on " + ", ".join(sorted(probe.zero_stamps))
         text = f"header stamps are zero {topics}: log time is used instead"
-        findings.append(warning("ZERO_STAMPS", text))
+        findings.append(Finding("W_ZERO_STAMPS", text))
     if probe.slashed_frames:
         frames = ", ".join(probe.slashed_frames)
         text = f"frame ids begin with a slash, which viewers of today do not accept: {frames}"
-        findings.append(warning("SLASHED_FRAMES", text))
+        findings.append(Finding("W_SLASHED_FRAMES", text))
     feet = range(len(selection.robot.feet))
     if any(selection.sources_of(foot) and selection.knows_force(foot) for foot in feet):
         findings.append(_wrench_frame_finding(probe))
     if len(probe.world_frames) > 1 or len(probe.base_frames) > 1:
         frames = ", ".join((*probe.world_frames, *probe.base_frames))
-        findings.append(warning("FRAMES_CHANGE", f"the odometry names several frames: {frames}"))
+        findings.append(Finding("W_FRAMES_CHANGE", f"the odometry names several frames: {frames}"))
     return findings
 
 
@@ -37,11 +37,13 @@ def _wrench_frame_finding(probe: Probe) -> Finding:
             f"the frame of the wrenches is not known ({_evidence(seen)}): only magnitudes are "
             "used; --wrench-frame says which"
         )
-        return warning("WRENCH_FRAME_UNKNOWN", text)
+        return Finding("W_WRENCH_FRAME_UNKNOWN", text)
     if seen.frame is WrenchFrame.WORLD:
-        return note("WRENCH_FRAME_WORLD", f"wrenches are in the world frame ({_evidence(seen)})")
-    return note(
-        "WRENCH_FRAME_LINK",
+        return Finding(
+            "N_WRENCH_FRAME_WORLD", f"wrenches are in the world frame ({_evidence(seen)})"
+        )
+    return Finding(
+        "N_WRENCH_FRAME_LINK",
         f"wrenches are not in the world frame but in a link's ({_evidence(seen)})",
     )
 

@@ -6,7 +6,7 @@ from typing import Final
 import numpy as np
 
 from dogbot_logtool.core.contact.contact_rule import FootSensor
-from dogbot_logtool.finding import Finding, note, warning
+from dogbot_logtool.finding import Finding
 
 PLAIN: Final = 0.02
 """Share of the weight from which an offset is worth a finding."""
@@ -32,10 +32,10 @@ def _of_foot(
     level = sensor.level
     if sensor.rule.unusable:
         text = f"contact of {name} is not known: {sensor.rule.unusable}"
-        yield warning("CONTACT_UNKNOWN", text, f"feet.{name}.contact_fraction")
+        yield Finding("W_CONTACT_UNKNOWN", text, f"feet.{name}.contact_fraction")
     if level.reason:
         text = f"what the sensor of {name} reads without load is not known, zero is assumed: "
-        yield note("OFFSET_UNKNOWN", text + level.reason, where)
+        yield Finding("N_OFFSET_UNKNOWN", text + level.reason, where)
         return
     offset = float(np.linalg.norm(level.offset_n))
     scale = weight_n or level.loaded_n
@@ -44,11 +44,11 @@ def _of_foot(
             f"what the sensor of {name} reads without load moves by {level.moved_n:.3g} N in the "
             "log: it was re-zeroed, or it drifts; that is taken off swing by swing"
         )
-        yield note("SENSOR_MOVES", text, where)
+        yield Finding("N_SENSOR_MOVES", text, where)
     if scale and offset > PLAIN * scale:
         of_what = "weight" if weight_n else "usual load"
         text = (
             f"the sensor of {name} reads {offset:.3g} N without load, {offset / scale:.0%} of the "
             f"{of_what} ({level.origin}); it is taken off all forces (--tare changes that)"
         )
-        yield note("SENSOR_OFFSET", text, where)
+        yield Finding("N_SENSOR_OFFSET", text, where)

@@ -6,7 +6,7 @@ from fnmatch import fnmatchcase
 import numpy as np
 
 from dogbot_logtool.errors import CallError
-from dogbot_logtool.finding import Finding, note, warning
+from dogbot_logtool.finding import Finding
 from dogbot_logtool.io.printable import listed
 from dogbot_logtool.pipeline.options import ConvertOptions
 from dogbot_logtool.reader.containers.log import Batch, LoadedChunk, Log, Messages
@@ -105,12 +105,12 @@ def copy_findings(log: Log, options: ConvertOptions, left_out: frozenset[int]) -
     ):
         for glob in globs:
             if not any(fnmatchcase(topic, glob) for topic in topics):
-                yield warning("NO_SUCH_TOPICS", f"{option} {glob} fits no topic of the log")
+                yield Finding("W_NO_SUCH_TOPICS", f"{option} {glob} fits no topic of the log")
     if left_out:
         names = sorted({log.channels[number].topic for number in left_out})
         messages = sum(log.counts.get(number, 0) for number in left_out)
         text = f"{messages:,} messages of topics left out of the copy: {listed(names)}"
-        yield note("TOPICS_LEFT_OUT", text)
+        yield Finding("N_TOPICS_LEFT_OUT", text)
 
 
 def _fits(topic: str, globs: Sequence[str]) -> bool:

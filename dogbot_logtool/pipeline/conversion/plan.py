@@ -16,7 +16,7 @@ from dogbot_logtool.core.scene.arrows import ArrowScale, arrow_scale
 from dogbot_logtool.core.scene.styles import ARROW_STYLES, LIFETIME_S, ArrowStyle
 from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.errors import CallError, LogError
-from dogbot_logtool.finding import Finding, by_severity, note, warning
+from dogbot_logtool.finding import Finding, by_severity
 from dogbot_logtool.pipeline.batches import BatchReader
 from dogbot_logtool.pipeline.conversion.copying import channels_left_out, copy_findings
 from dogbot_logtool.pipeline.frames.world_frames import WorldFrames, follow_frames
@@ -206,7 +206,7 @@ def _arrow_findings(
         yield from _magnitude_only(selection, frames)
     if style.coloured_by_weight and not weight_n:
         text = "the robot's mass is unknown: arrows are coloured by newtons (give it with --mass)"
-        yield note("NO_MASS", text)
+        yield Finding("N_NO_MASS", text)
     if style.needs_contact_states:
         yield from _without_states(selection, style)
 
@@ -254,13 +254,13 @@ def _without_points(selection: Selection, frames: WorldFrames | None) -> Iterato
             nowhere.append(foot.name)
     if at_frames:
         text = f"sensors without contact points: arrows start at frames, {', '.join(at_frames)}"
-        yield note("FEET_AT_FRAMES", text)
+        yield Finding("N_FEET_AT_FRAMES", text)
     if nowhere:
         text = (
             f"no contact point and no frame known for {', '.join(nowhere)}: loads are written, "
             "but no arrows (set `frame` in the robot's file)"
         )
-        yield note("NO_POINTS", text)
+        yield Finding("N_NO_POINTS", text)
 
 
 def _magnitude_only(selection: Selection, frames: WorldFrames | None) -> Iterator[Finding]:
@@ -273,12 +273,12 @@ def _magnitude_only(selection: Selection, frames: WorldFrames | None) -> Iterato
         text = (
             f"only the magnitude of forces{whose} is known: arrows point along the contact normals"
         )
-        yield warning("MAGNITUDE_ONLY", text)
+        yield Finding("W_MAGNITUDE_ONLY", text)
 
 
 def _without_states(selection: Selection, style: ArrowStyle) -> list[Finding]:
     return [
-        warning("NO_CLASSIC", f"{source.type_name} has no contact states: no {style.name} arrows")
+        Finding("W_NO_CLASSIC", f"{source.type_name} has no contact states: no {style.name} arrows")
         for source in selection.sources
         if source.has_force and not source.has_points
     ]
@@ -299,7 +299,7 @@ def _write_tf(
     from_transforms = selection.base is not None and selection.base.source.is_transform
     if from_transforms and not may_repeat and _copies(selection.odometry, options, left_out):
         text = f"the log's own transforms place {base} in {world}: /tf is not written again"
-        findings.append(note("TF_IS_RECORDED", text))
+        findings.append(Finding("N_TF_IS_RECORDED", text))
         return False
     # The same transform twice is harmless; only another parent breaks the tree.
     others = probe.parents.get(base, frozenset()) - {world}
@@ -319,7 +319,7 @@ def _second_parent(base: str, parents: list[str]) -> Finding:
         f"the log's own transforms already give {base} a parent ({', '.join(parents)}): /tf is not "
         "written, since a second one would break the tree (--tf always writes it)"
     )
-    return warning("TF_HAS_PARENT", text)
+    return Finding("W_TF_HAS_PARENT", text)
 
 
 def _arrow_look(style: ArrowStyle, shaft_diameter_m: float) -> ArrowLook:
@@ -347,12 +347,12 @@ def _can_draw_support(selection: Selection, probe: Probe, findings: list[Finding
     elif len(robot.feet) > _MOST_FEET:
         why_not = f"the robot has {len(robot.feet)} feet, more than {_MOST_FEET}"
     if why_not:
-        findings.append(note("NO_SUPPORT", f"/support is not written: {why_not}"))
+        findings.append(Finding("N_NO_SUPPORT", f"/support is not written: {why_not}"))
         return False
     idle = [foot.name for number, foot in enumerate(robot.feet) if number not in probe.touching]
     if idle:
         text = f"no contact seen yet, no /support polygon until the first one: {', '.join(idle)}"
-        findings.append(note("NOT_SEEN_TOUCHING", text))
+        findings.append(Finding("N_NOT_SEEN_TOUCHING", text))
     return True
 
 

@@ -8,7 +8,7 @@ from pathlib import PurePath
 from typing import Final
 
 from dogbot_logtool.errors import CallError, DefinitionError
-from dogbot_logtool.finding import Finding, warning
+from dogbot_logtool.finding import Finding
 from dogbot_logtool.io.printable import listed
 from dogbot_logtool.io.storage import shown
 from dogbot_logtool.pipeline.feet.candidates import FootCandidates, word_of
@@ -123,11 +123,11 @@ def candidates_finding(log: Log, found: Sequence[FootCandidates], call: str, bas
     if any(foot.field and foot.field.kind for foot in first.feet):
         # What the fields are can only be said in a robot's file.
         text += f"; they are not used unasked. This writes a robot's file with them: {draft}"
-        return replace(warning("FEET_POSSIBLE", text), command=draft)
+        return Finding("W_FEET_POSSIBLE", text, command=draft)
     words = " ".join(f"--foot {foot.name}={shlex.quote(word_of(foot))}" for foot in first.feet)
     command = f"{call} {words}"
     text += (
         f"; they are not used unasked. `{draft}` writes a robot's file with them; this measures "
         f"with them: {command}"
     )
-    return replace(warning("FEET_POSSIBLE", text), command=command)
+    return Finding("W_FEET_POSSIBLE", text, command=command)

@@ -8,7 +8,7 @@ import numpy as np
 
 from dogbot_logtool.core.geometry.order_statistics import distinct
 from dogbot_logtool.dataclass import dataclass
-from dogbot_logtool.finding import Finding, warning
+from dogbot_logtool.finding import Finding
 from dogbot_logtool.io.printable import listed
 from dogbot_logtool.pipeline.feet.names import label_names, leg_position
 from dogbot_logtool.pipeline.feet.words import Part, words_of
@@ -160,9 +160,11 @@ def flag_findings(use: FlagUse) -> Iterator[Finding]:
     share = f"{use.contradicted:.0%} of the contact flags of {listed(use.topics)}"
     if use.are_useless:
         text = f"{share} contradict the forces, and no flag ever changes: forces decide contact"
-        yield warning("FLAGS_IGNORED", text)
+        yield Finding("W_FLAGS_IGNORED", text)
     elif use.contradicted > _DOUBTFUL:
-        yield warning("FLAGS_CONTRADICTED", f"{share} contradict the forces; flags decide contact")
+        yield Finding(
+            "W_FLAGS_CONTRADICTED", f"{share} contradict the forces; flags decide contact"
+        )
 
 
 def planned_feet(log: Log, robot: Robot, contacts: Sequence[Channel]) -> tuple[Foot, ...]:

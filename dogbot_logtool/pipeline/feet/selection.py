@@ -8,7 +8,7 @@ from typing import Final
 
 from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.errors import CallError
-from dogbot_logtool.finding import Finding, note, warning
+from dogbot_logtool.finding import Finding
 from dogbot_logtool.io.printable import listed
 from dogbot_logtool.io.storage import shown
 from dogbot_logtool.pipeline.feet.field_feet import (
@@ -177,11 +177,11 @@ def find_feet(log: Log, robot: Robot, findings: list[Finding]) -> tuple[Robot, F
         for foot in feet:
             if foot.topic not in recorded:
                 text = f"foot {foot.name} has no messages: there is no topic {foot.topic}"
-                findings.append(warning("FOOT_MISSING", text, foot.topic))
+                findings.append(Finding("W_FOOT_MISSING", text, foot.topic))
         return replace(robot, feet=feet), None
     found, offered = _feet_by_names(log, findings)
     if not found and not offered:
-        findings.append(warning("NO_FEET", _without_feet(topics, recorded)))
+        findings.append(Finding("W_NO_FEET", _without_feet(topics, recorded)))
     return replace(robot, feet=found), _offer(offered) if offered and not found else None
 
 
@@ -226,7 +226,7 @@ def _of_part(
     findings.append(_found(found, [one for one in others if one is not rest]))
     for name in part.missing if rest is None else ():
         text = f"foot {name} has no messages: there is no topic like those of the other feet"
-        findings.append(warning("FOOT_MISSING", text, name))
+        findings.append(Finding("W_FOOT_MISSING", text, name))
         found.append(Foot(name, "", leg_position=leg_position(name)))
     return tuple(sorted(found, key=front_to_back))
 
@@ -290,7 +290,7 @@ def _found(feet: Sequence[Foot], others: Sequence[FootSet] = ()) -> Finding:
     text = f"feet are found by type and name: {', '.join(f'{f.name} = {f.topic}' for f in feet)}"
     if others:
         text += f"; not chosen, but possible: {' or '.join(map(foot_options, _few(others)))}"
-    return note("FEET_FOUND", text)
+    return Finding("N_FEET_FOUND", text)
 
 
 def _few(sets: Sequence[FootSet]) -> Sequence[FootSet]:
@@ -339,5 +339,5 @@ def _with_element(log: Log, foot: Foot, findings: list[Finding]) -> Foot:
     if foot.element is not None:
         return foot
     text = f"which element of {foot.topic} is {foot.name} is not known; the robot's file can tell"
-    findings.append(warning("ELEMENT_UNKNOWN", text, foot.topic))
+    findings.append(Finding("W_ELEMENT_UNKNOWN", text, foot.topic))
     return foot

@@ -5,7 +5,7 @@ from typing import Final
 
 from dogbot_logtool.core.frames import frame_tree
 from dogbot_logtool.core.frames.frame_edges import MOST_EDGES, FrameEdge
-from dogbot_logtool.finding import Finding, note, warning
+from dogbot_logtool.finding import Finding
 from dogbot_logtool.io.printable import listed
 from dogbot_logtool.pipeline.frames.frames import Frames
 
@@ -36,24 +36,24 @@ def _shape_findings(
     for loop in frame_tree.loops(pairs):
         more = ["..."] if len(loop) > _NAMED else []
         path = " -> ".join([*loop[:_NAMED], *more, loop[0]])
-        yield warning("FRAME_LOOP", f"frames form a loop, so none of them has a place: {path}")
+        yield Finding("W_FRAME_LOOP", f"frames form a loop, so none of them has a place: {path}")
     for second in frame_tree.second_parents(edges):
         parents = listed(second.parents, _NAMED)
         if second.at_once:
             text = f"{second.child} has several parents at once, which break the tree: {parents}"
-            yield warning("SECOND_PARENT", text)
+            yield Finding("W_SECOND_PARENT", text)
         else:
-            yield note("NEW_PARENT", f"{second.child} has one parent after another: {parents}")
+            yield Finding("N_NEW_PARENT", f"{second.child} has one parent after another: {parents}")
     trees = frame_tree.trees(pairs)
     if len(trees) > 1:
         tops = [next(iter(_roots_in(tree, pairs)), tree[0]) for tree in trees]
         below = listed(tops, _NAMED)
         text = f"the frames are in {len(trees)} trees that nothing connects, below {below}"
-        yield warning("SEVERAL_TREES", text)
+        yield Finding("W_SEVERAL_TREES", text)
     both = [edge for edge in edges if 0 < edge.static < edge.transforms]
     if both:
         text = f"sent as static and as moving: {_edges(both)}"
-        yield warning("STATIC_AND_MOVING", text)
+        yield Finding("W_STATIC_AND_MOVING", text)
 
 
 def _roots_in(tree: Sequence[str], pairs: Iterable[frame_tree.Pair]) -> list[str]:
@@ -64,10 +64,10 @@ def _roots_in(tree: Sequence[str], pairs: Iterable[frame_tree.Pair]) -> list[str
 
 def _rotation_findings(edges: Sequence[FrameEdge]) -> Iterable[Finding]:
     for code, what, counts in (
-        ("NOT_FINITE", "have numbers that are not finite", [edge.not_finite for edge in edges]),
-        ("ZERO_ROTATION", "have a quaternion of zeros", [edge.zero_rotations for edge in edges]),
+        ("W_NOT_FINITE", "have numbers that are not finite", [edge.not_finite for edge in edges]),
+        ("W_ZERO_ROTATION", "have a quaternion of zeros", [edge.zero_rotations for edge in edges]),
         (
-            "NOT_NORMALISED",
+            "W_NOT_NORMALISED",
             "have a quaternion that is not normalised",
             [edge.not_normalised for edge in edges],
         ),
@@ -75,45 +75,45 @@ def _rotation_findings(edges: Sequence[FrameEdge]) -> Iterable[Finding]:
         affected = [edge for edge, count in zip(edges, counts, strict=True) if count]
         if affected:
             text = f"{sum(counts):,} transforms {what}, and tf2 ignores them: {_edges(affected)}"
-            yield warning(code, text)
+            yield Finding(code, text)
 
 
 def _timing_findings(edges: Sequence[FrameEdge]) -> Iterable[Finding]:
     moving = [(edge, edge.timing) for edge in edges if edge.timing is not None]
     backward = [edge for edge, timing in moving if timing.backward_stamps]
     if backward:
-        yield warning("FRAME_STAMPS_BACKWARD", f"stamps go backwards: {_edges(backward)}")
+        yield Finding("W_FRAME_STAMPS_BACKWARD", f"stamps go backwards: {_edges(backward)}")
     zero = [edge for edge, timing in moving if timing.zero_stamps]
     if zero:
         text = f"transforms have stamps of zero, their log time is used: {_edges(zero)}"
-        yield warning("FRAME_STAMPS_ZERO", text)
+        yield Finding("W_FRAME_STAMPS_ZERO", text)
     repeated = [
         edge for edge, timing in moving if timing.duplicate_stamps and not timing.zero_stamps
     ]
     if repeated:
         text = f"stamps are repeated, of which tf2 keeps the first: {_edges(repeated)}"
-        yield note("FRAME_STAMPS_REPEATED", text)
+        yield Finding("N_FRAME_STAMPS_REPEATED", text)
     gaps = [(edge, timing) for edge, timing in moving if timing.gaps]
     if gaps:
         worst = max(gaps, key=lambda pair: pair[1].longest_gaps[0].length_s)
         longest = worst[1].longest_gaps[0].length_s
         text = f"transforms have gaps, the longest {longest:.3g} s: {_edges([g[0] for g in gaps])}"
-        yield warning("FRAME_GAPS", text)
+        yield Finding("W_FRAME_GAPS", text)
 
 
 def _unread_findings(frames: Frames) -> Iterable[Finding]:
     recorded = frames.recorded
     if recorded.unnamed:
         text = f"{recorded.unnamed:,} transforms do not name a parent or a child"
-        yield warning("UNNAMED_FRAMES", text)
+        yield Finding("W_UNNAMED_FRAMES", text)
     if recorded.left_out:
         text = (
             f"{recorded.left_out:,} transforms were left out: there are over {MOST_EDGES:,} pairs"
         )
-        yield warning("TOO_MANY_FRAMES", f"{text} of frames")
+        yield Finding("W_TOO_MANY_FRAMES", f"{text} of frames")
     for channel in frames.unread:
         text = f"transforms on {channel.topic} are encoded as {channel.message_encoding!r}"
-        yield warning("UNREADABLE", f"{text}, which is not read", channel.topic)
+        yield Finding("W_UNREADABLE", f"{text}, which is not read", channel.topic)
 
 
 def _edges(edges: Sequence[FrameEdge]) -> str:

@@ -25,7 +25,7 @@ from dogbot_logtool.core.frames.transform_buffer import (
 from dogbot_logtool.core.geometry.clock import TimeSource
 from dogbot_logtool.core.leg_position import LegPosition
 from dogbot_logtool.dataclass import dataclass
-from dogbot_logtool.finding import Finding, note, warning
+from dogbot_logtool.finding import Finding
 from dogbot_logtool.pipeline.feet.names import name_feet
 from dogbot_logtool.pipeline.feet.words import Part
 from dogbot_logtool.pipeline.topics.selection import Selection
@@ -280,6 +280,6 @@ def frame_findings(frames: WorldFrames, counts: FrameCounts) -> Iterator[Finding
         ),
     ):
         if wanted and left:
-            yield warning(code, f"{text}: {done:,}; transforms were missing for {left:,}")
+            yield Finding(f"W_{code}", f"{text}: {done:,}; transforms were missing for {left:,}")
         elif wanted:
-            yield note(code, f"{text}: {done:,}")
+            yield Finding(f"N_{code}", f"{text}: {done:,}")

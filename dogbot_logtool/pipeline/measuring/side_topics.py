@@ -9,7 +9,7 @@ import numpy as np
 from dogbot_logtool.core.frames.transform_buffer import TransformBuffer
 from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.errors import CallError, DefinitionError, LogError
-from dogbot_logtool.finding import Finding, note
+from dogbot_logtool.finding import Finding
 from dogbot_logtool.io.printable import listed
 from dogbot_logtool.io.storage import shown
 from dogbot_logtool.pipeline.options import StatsOptions
@@ -77,11 +77,11 @@ def side_topics(log: Log, options: StatsOptions) -> SideTopics:
     commands = _named(log, options.command_topic, COMMANDS, "--command")
     if commands is None:
         ranked = _ranked(log, COMMANDS, _command_rank)
-        commands = _first(ranked, "velocity commands", "COMMAND_FOUND", "--command", findings)
+        commands = _first(ranked, "velocity commands", "N_COMMAND_FOUND", "--command", findings)
     inertial = _named(log, options.imu_topic, INERTIAL_UNITS, "--imu")
     if inertial is None:
         ranked = _ranked(log, INERTIAL_UNITS, _inertial_rank)
-        inertial = _first(ranked, "the base's accelerations", "IMU_FOUND", "--imu", findings)
+        inertial = _first(ranked, "the base's accelerations", "N_IMU_FOUND", "--imu", findings)
     return SideTopics(commands, inertial, tuple(findings))
 
 
@@ -184,7 +184,7 @@ def _first(
     best, others = ranked[0], [each.topic for each in ranked[1:]]
     text = f"{what} are taken from {best.topic}, found by type and name"
     text += f"; there are also {listed(others)} ({option} chooses)" if others else ""
-    findings.append(note(code, text, best.topic))
+    findings.append(Finding(code, text, best.topic))
     return best
 
 

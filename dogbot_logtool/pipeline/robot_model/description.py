@@ -10,7 +10,7 @@ from dogbot_logtool.core.geometry.arrays import Floats
 from dogbot_logtool.core.scene.foot_style import foot_colour
 from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.errors import CallError
-from dogbot_logtool.finding import Finding, note, warning
+from dogbot_logtool.finding import Finding
 from dogbot_logtool.io.storage import content
 from dogbot_logtool.pipeline.probe import Probe
 from dogbot_logtool.pipeline.robot_model.joint_motion import (
@@ -72,8 +72,8 @@ def robot_description(
     moved = tuple(_moved(motion, base_frame)) if motion else ()
     if own:
         text = f"the log has its own robot description ({', '.join(own)}): none is written"
-        make = note if given is None else warning
-        found = (make("OWN_ROBOT_DESCRIPTION", text), *moved)
+        code = "N_OWN_ROBOT_DESCRIPTION" if given is None else "W_OWN_ROBOT_DESCRIPTION"
+        found = (Finding(code, text), *moved)
         return RobotDescription(None, found, hips, motion, shape.height_m)
     if given is None:
         given = primitive_urdf(
@@ -91,15 +91,15 @@ def _moved(motion: JointMotion, base_frame: str) -> Iterator[Finding]:
     """Yield findings about links that joint states move."""
     moving = sum(joint.kind != "fixed" for joint in motion.joints)
     topic = motion.channel.topic
-    yield note(
-        "LINKS_BY_JOINTS",
+    yield Finding(
+        "N_LINKS_BY_JOINTS",
         f"the log has no transforms of the links: they are computed from {topic}, joints: {moving}",
         topic,
     )
     links = {link for pair in motion.pairs for link in pair}
     if base_frame not in links:
-        yield warning(
-            "URDF_WITHOUT_BASE",
+        yield Finding(
+            "W_URDF_WITHOUT_BASE",
             f"the robot description has no link {base_frame}: its robot does not go along",
         )
 

@@ -10,7 +10,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import Final
 
 from dogbot_logtool.errors import LogError
-from dogbot_logtool.finding import Finding, note
+from dogbot_logtool.finding import Finding
 from dogbot_logtool.io.storage import Location, shown
 from dogbot_logtool.provenance import PROVENANCE, is_marked
 from dogbot_logtool.reader.containers.log import Channel, Extra, Log
@@ -76,7 +76,7 @@ def annotation_findings(log: Log) -> Iterator[Finding]:
         text = (
             f"the log is annotated already: its {annotations.messages:,} annotations are left out"
         )
-        yield note("ANNOTATED", text)
+        yield Finding("N_ANNOTATED", text)
 
 
 def _provenance(log: Log) -> Iterator[tuple[Extra, Mapping[str, str]]]:

@@ -1,11 +1,10 @@
 """Which channels of a log can be decoded, and what users should know of those that cannot."""
 
 from collections.abc import Collection, Iterable, Iterator, Mapping
-from functools import partial
 from typing import Final
 
 from dogbot_logtool.errors import DefinitionError
-from dogbot_logtool.finding import Finding, error, note, warning
+from dogbot_logtool.finding import Finding
 from dogbot_logtool.io.printable import listed
 from dogbot_logtool.reader.containers.log import Channel
 from dogbot_logtool.reader.messages.bases.poses import ODOMETRY_TYPE
@@ -69,8 +68,8 @@ def unreadable_findings(
             key = _is_lost(channel, odometry, contacts), reason
             lost.setdefault(key, set()).add(channel.topic)
     for (is_error, reason), topics in sorted(lost.items()):
-        say = error if is_error else warning
-        yield _about(topics, reason + _NOT_USED, partial(say, "UNREADABLE"))
+        code = "E_UNREADABLE" if is_error else "W_UNREADABLE"
+        yield _about(topics, reason + _NOT_USED, code)
 
 
 def _is_lost(
@@ -92,7 +91,7 @@ def own_definition_findings(used: Iterable[Channel]) -> Iterator[Finding]:
             found.setdefault(because, set()).add(channel.topic)
     for because, topics in sorted(found.items()):
         text = f"{because}; the one that comes with dogbot-logtool is used"
-        yield _about(topics, text, partial(note, "OWN_DEFINITION"))
+        yield _about(topics, text, "N_OWN_DEFINITION")
 
 
 def _own_definition_because(channel: Channel) -> str:
@@ -106,9 +105,9 @@ def _own_definition_because(channel: Channel) -> str:
     return ""
 
 
-def _about(topics: Collection[str], text: str, say: "partial[Finding]") -> Finding:
+def _about(topics: Collection[str], text: str, code: str) -> Finding:
     named = sorted(topics)
-    return say(f"{listed(named)}: {text}", named[0] if len(named) == 1 else "")
+    return Finding(code, f"{listed(named)}: {text}", named[0] if len(named) == 1 else "")
 
 
 def other_encodings(channels: Mapping[int, Channel]) -> str:

@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 
 from dogbot_logtool.errors import DefinitionError
-from dogbot_logtool.finding import Finding, note
+from dogbot_logtool.finding import Finding
 from dogbot_logtool.pipeline.options import TopicOptions
 from dogbot_logtool.pipeline.topics.topics import topics_of_type
 from dogbot_logtool.reader.containers.log import Log
@@ -22,7 +22,7 @@ def choose_robot(log: Log, options: TopicOptions, findings: list[Finding]) -> Ro
         topics = usable_topics(log) | _field_topics(log, known)
         robot = max(known, key=lambda one: (len(one.topics & topics), one.name == GENERIC))
         text = f"robot: {robot.name} (guessed from the topics; change with --robot)"
-        findings.append(note("ROBOT_GUESSED", text))
+        findings.append(Finding("N_ROBOT_GUESSED", text))
     return robot.with_mass(options.mass_kg)
 
 

@@ -9,7 +9,7 @@ from dataclasses import replace
 from typing import Final
 
 from dogbot_logtool.dataclass import dataclass
-from dogbot_logtool.finding import Finding, note, warning
+from dogbot_logtool.finding import Finding
 from dogbot_logtool.io.printable import MOST, listed, printable
 from dogbot_logtool.io.storage import shown
 from dogbot_logtool.pipeline.feet.candidates import FootCandidates, find_candidates
@@ -133,7 +133,7 @@ class Selection:
             return self
         names = [self.robot.feet[foot].name for foot in sorted(forceless)]
         text = f"all wrenches of {listed(names)} are zero: contacts without forces"
-        findings = (*self.findings, note("ZERO_WRENCHES", text))
+        findings = (*self.findings, Finding("N_ZERO_WRENCHES", text))
         return replace(self, forceless=forceless, findings=findings)
 
     def foot_channels(self) -> FootChannels:
@@ -190,7 +190,7 @@ def select_topics(log: Log, options: TopicOptions) -> Selection:
     ]
     unreadable = list(unreadable_findings(log.channels.values(), odometry, contacts))
     if not (contacts or unreadable) and (others := other_encodings(log.channels)):
-        unreadable.append(note("UNREADABLE", others))
+        unreadable.append(Finding("N_UNREADABLE", others))
     findings.extend(unreadable)
     findings.extend(own_definition_findings([*odometry, *contacts, *transforms]))
     return Selection(
@@ -262,7 +262,7 @@ def _without_topics(robot: Robot) -> Iterator[Finding]:
             f"the log has none of the topics of the robot {robot.name!r}: feet and odometry are "
             "looked for by type and name, but its mass, axes and frames are used; check --robot"
         )
-        yield warning("ROBOT_ABSENT", text)
+        yield Finding("W_ROBOT_ABSENT", text)
 
 
 def _apply_options(log: Log, robot: Robot, options: TopicOptions) -> Robot:
@@ -305,7 +305,7 @@ def _offered(call: str, offer: FootOffer) -> Finding:
         f"feet may be among the topics, but their names do not tell surely: {offer.text}; "
         f"no arrows, no gait, until --foot says which they are: {command}"
     )
-    return replace(warning("FEET_UNSURE", text), command=command)
+    return Finding("W_FEET_UNSURE", text, command=command)
 
 
 def _source_findings(contacts: Sequence[Channel], levels: RawLevels) -> list[Finding]:
@@ -317,14 +317,16 @@ def _source_findings(contacts: Sequence[Channel], levels: RawLevels) -> list[Fin
             continue
         if not source.has_force:
             text = f"{name} tells contact, not force: gait figures only, no arrows, no loads"
-            findings.append(note("NO_FORCE", text))
+            findings.append(Finding("N_NO_FORCE", text))
         if source.is_raw:
             findings.extend(_not_calibrated(name, levels))
         if not source.has_header:
-            findings.append(note("NO_HEADER", f"{name} has no header: log time is used for it"))
+            findings.append(
+                Finding("N_NO_HEADER", f"{name} has no header: log time is used for it")
+            )
         if source.silent_in_swing:
             text = f"{name} is published only in contact: silence is taken for swing"
-            findings.append(note("SILENT_SWING", text))
+            findings.append(Finding("N_SILENT_SWING", text))
     findings.extend(_planned(contacts))
     return list(dict.fromkeys(findings))
 
@@ -337,7 +339,7 @@ def _planned(contacts: Sequence[Channel]) -> Iterator[Finding]:
                 f"{channel.topic} is a plan, not a measurement: contacts, forces and figures are "
                 "the planned ones"
             )
-            yield note("PLANNED", text, channel.topic)
+            yield Finding("N_PLANNED", text, channel.topic)
 
 
 def _not_calibrated(name: str, levels: RawLevels) -> Iterator[Finding]:
@@ -354,4 +356,4 @@ def _not_calibrated(name: str, levels: RawLevels) -> Iterator[Finding]:
     else:
         text += f"; contact from {robot.contact_on_counts:g} counts above a foot's offset on"
         text += " (both estimated from the log)" if levels.estimated else ""
-    yield warning("NOT_CALIBRATED", text)
+    yield Finding("W_NOT_CALIBRATED", text)

@@ -1,7 +1,7 @@
 """All figures of `stats` as plain data: the shape that `stats.schema.json` describes."""
 
 from dogbot_logtool.core.statistics import Stats
-from dogbot_logtool.finding import note
+from dogbot_logtool.finding import Finding
 from dogbot_logtool.io.plain_json import not_finite, only_finite
 from dogbot_logtool.io.printable import listed
 from dogbot_logtool.report.figures.document import DOCUMENT, log_source
@@ -17,5 +17,5 @@ def stats_json(stats: Stats, log: LogFacts) -> Json:
     # Comparing is far quicker than looking for paths, of which there are nearly never any.
     if finite != document and (overflowed := list(not_finite(document))):
         text = f"figures that are too large for a number are null: {listed(overflowed)}"
-        finite["findings"].append(finding_json(note("OVERFLOW", text)))
+        finite["findings"].append(finding_json(Finding("N_OVERFLOW", text)))
     return finite

@@ -8,7 +8,7 @@ from dogbot_logtool.core.findings.checks import checks_of
 from dogbot_logtool.core.findings.findings import findings_of
 from dogbot_logtool.core.statistics import Stats
 from dogbot_logtool.dataclass import dataclass
-from dogbot_logtool.finding import Finding, warning
+from dogbot_logtool.finding import Finding
 from dogbot_logtool.report.figures.base import BASE
 from dogbot_logtool.report.figures.commands import COMMANDS, with_commands
 from dogbot_logtool.report.figures.events import EVENTS, event_sources
@@ -58,7 +58,7 @@ def _loss(log: LogFacts) -> Iterator[Finding]:
     if log.lost_messages != 0 or log.lost_bytes:
         lost = "an unknown number of" if log.lost_messages is None else str(log.lost_messages)
         text = f"{lost} messages and {log.lost_bytes} bytes of the log could not be read"
-        yield warning("LOST", text)
+        yield Finding("W_LOST", text)
 
 
 _TOOL: Final[Sequence[Figure[LogSource]]] = (

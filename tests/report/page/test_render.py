@@ -17,7 +17,7 @@ from dogbot_logtool.core.frames.wrench_frame import WrenchFrame
 from dogbot_logtool.core.geometry.arrays import Floats
 from dogbot_logtool.core.settings import FootSettings, StatsSettings
 from dogbot_logtool.core.statistics import Stats
-from dogbot_logtool.finding import warning
+from dogbot_logtool.finding import Finding
 from dogbot_logtool.pipeline.options import StatsOptions
 from dogbot_logtool.report.documents.stats_json import stats_json
 from dogbot_logtool.report.page.assets import own
@@ -82,7 +82,7 @@ def test_texts_of_a_log_stay_texts() -> None:
         facts,
         path=f"a/{HOSTILE.replace('/', '')}",
         losses=[HOSTILE],
-        findings=[warning(HOSTILE, HOSTILE)],
+        findings=[Finding(f"W_{HOSTILE}", HOSTILE)],
     )
     html = page(replace(stats, feet=feet, topics=topics), facts, [Damage(1, 2, HOSTILE)], 100)
     plain = Tags(page(*trot(), [], 0))
