@@ -54,9 +54,14 @@ def message_rate(log_time: Ints, longest_swing_ns: int | None = None) -> Message
     step = step[step > 0]
     if len(step) < FEWEST_INTERVALS:
         return MessageRate(SILENCE_NS, longest_swing_ns or 20 * SILENCE_NS)
-    usual = float(percentiles_of(step, _USUAL_PERCENT))
-    gap = longest_swing_ns or max(SILENCE_NS, GAP_INTERVALS * usual)
-    return MessageRate(round(float(median_of(step))), round(gap))
+    usual = _two_digits(percentiles_of(step, _USUAL_PERCENT))
+    gap = longest_swing_ns or max(SILENCE_NS, round(GAP_INTERVALS * usual))
+    return MessageRate(_two_digits(median_of(step)), gap)
+
+
+def _two_digits(interval: float) -> int:
+    """Round to two significant digits: other parts of the log tell the same, but for jitter."""
+    return round(float(f"{interval:.1e}"))
 
 
 def follow_silences(

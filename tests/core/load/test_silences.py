@@ -5,6 +5,7 @@ from itertools import pairwise
 from typing import Final
 
 import numpy as np
+import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -99,3 +100,10 @@ def test_a_slow_sensor_is_not_silent() -> None:
 
 def test_silence_may_be_a_swing() -> None:
     assert message_rate(np.arange(20) * 2 * MS, 3000 * MS).gap_ns == 3000 * MS
+
+
+@pytest.mark.parametrize("seed", [1, 2])
+def test_the_rate_is_the_same_whichever_part_of_the_log_tells_it(seed: int) -> None:
+    jitter_ns = np.random.default_rng(seed).integers(-20_000, 20_000, 200)
+    times = 2_000_000 * np.arange(200) + jitter_ns
+    assert message_rate(times).due_ns == 2_000_000
