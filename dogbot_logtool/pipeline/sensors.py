@@ -103,15 +103,19 @@ def learn_sensors(
     }
     noisy = [foot for foot in feet if found[foot] is None]
     closer = sorted({*noisy, *probe.intervals})
+
+    def levels_in(samples: Samples) -> tuple[SensorLevel, ...]:
+        return tuple(found[foot] or _level(selection, samples, foot, topics) for foot in feet)
+
     chunks = _spread(log, selection, closer, _WHOLE_BYTES)
     samples = _read(log, selection, closer, chunks)
-    levels = tuple(found[foot] or _level(selection, samples, foot, topics) for foot in feet)
+    levels = levels_in(samples)
     if any(levels[foot].reason for foot in noisy):
         # A robot that stands for most of a log may have walked where nothing was read.
         more = _spread(log, selection, closer, _MORE_BYTES)
         if len(more) > len(chunks):
             samples = _read(log, selection, closer, more)
-            levels = tuple(found[foot] or _level(selection, samples, foot, topics) for foot in feet)
+            levels = levels_in(samples)
     if not selection.robot_is_guessed or topics.mass_kg is not None:
         levels = checked_levels(weighed_levels(turned_levels(levels, weight), weight), weight)
     else:

@@ -1,4 +1,4 @@
-"""Whether poses tell the base's attitude as they should: z is up, of the world and of the body."""
+"""Poses whose z axis is not up, of the world or of the body, told by a walk that goes on."""
 
 from collections.abc import Sequence
 from typing import Final
@@ -14,7 +14,7 @@ from dogbot_logtool.core.geometry.order_statistics import median_of
 STEEP_RAD: Final = np.radians(45.0)
 """No legged robot walks with its back so steep."""
 FEWEST_STRIDES: Final = 3
-"""Of a foot, while the base leans so far."""
+"""Strides of a foot, while the base leans so far."""
 TOPPLES_NS: Final = 1_000_000_000
 """From upright to lying, a robot falls in less."""
 ALIKE: Final = 0.8

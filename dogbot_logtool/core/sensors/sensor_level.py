@@ -54,7 +54,7 @@ _KNOT_S: Final = 15.0
 """A knot of the drift needs so many visits over so long a time."""
 _DRIFT_S: Final = 30.0
 """Shortest time from the first to the last swing over which a drift is stated."""
-NORMAL_SD: Final = 1.4826
+_NORMAL_SD: Final = 1.4826
 """Standard deviation over median absolute deviation, of a normal distribution."""
 
 
@@ -243,7 +243,7 @@ def _unknown(reason: str, interval_s: float | None, force: Floats) -> SensorLeve
     if len(force) >= FEWEST_SAMPLES:
         lightest, heaviest = percentiles_of(without_spikes(norms(force)), _RANGE).tolist()
         steps = np.abs(np.diff(force, axis=0))
-        noise = NORMAL_SD * float(median_of(steps, axis=0).max()) / np.sqrt(2.0)
+        noise = _NORMAL_SD * float(median_of(steps, axis=0).max()) / np.sqrt(2.0)
     return SensorLevel(
         *no_offset(),
         noise_n=noise,
@@ -293,14 +293,13 @@ def _level_of(
     """
     visits = modes.swing.visits
     levels = visits.medians(force)
-    middle = log_time[(visits.start + visits.end - 1) // 2]
-    rows = visits.rows()
-    residual = force[rows] - np.repeat(levels, visits.end - visits.start, axis=0)
-    noise = NORMAL_SD * float(median_of(np.abs(residual), axis=0).max())
-    inside = np.diff(rows) == 1
+    middle = visits.middle(log_time)
+    residual = visits.strays(force)
+    noise = noisiest_sd(residual)
+    inside = np.diff(visits.rows()) == 1
     steps = np.abs(np.diff(residual, axis=0))[inside]
     if len(steps):
-        noise = min(noise, NORMAL_SD * float(median_of(steps, axis=0).max()) / np.sqrt(2.0))
+        noise = min(noise, _NORMAL_SD * float(median_of(steps, axis=0).max()) / np.sqrt(2.0))
     knots, offset = _knots(middle, levels)
     level = SensorLevel(
         knots,
@@ -313,14 +312,37 @@ def _level_of(
         origin="estimated",
         raises=modes.raises,
     )
-    load = (force - level.offset_at(log_time)) @ axis
-    loaded = float(median_of(modes.stance.visits.quantiles(load, 0.5)))
+    level = with_loads(level, log_time, force, axis, modes.stance.visits)
+    loaded = level.loaded_n or 0.0
     return replace(
         level,
-        loaded_n=loaded,
         limit_n=saturated_limit_n(force, level.offset_n, loaded),
         resolution_n=resolution_n(force),
         drops_out=_drops_out(force, loaded),
+    )
+
+
+def noisiest_sd(residual: Floats) -> float:
+    """Return the standard deviation of the noisiest component, N, of (m, 3) N; robust."""
+    return _NORMAL_SD * float(median_of(np.abs(residual), axis=0).max())
+
+
+def with_loads(
+    level: SensorLevel, log_time: Ints, force: Floats, axis: Floats, stances: Visits
+) -> SensorLevel:
+    """Return a level with the loads above it.
+
+    Args:
+        level: of the unloaded sensor.
+        log_time: (n,) ns.
+        force: (n, 3) N.
+        axis: (3,) unit vector towards the load.
+        stances: of the foot.
+    """
+    load = (force - level.offset_at(log_time)) @ axis
+    return replace(
+        level,
+        loaded_n=float(median_of(stances.quantiles(load, 0.5))),
         mean_n=float(load.mean()),
         mean_recorded_n=float(np.linalg.norm(force.mean(axis=0))),
     )
@@ -337,8 +359,7 @@ def _wobble_n(swings: Visits, force: Floats) -> float:
     long = Visits(swings.start[length >= _LONG_ROWS], swings.end[length >= _LONG_ROWS])
     if not len(long):
         return 0.0
-    strays = force[long.rows()] - np.repeat(long.medians(force), long.end - long.start, axis=0)
-    return float(percentiles_of(norms(strays), _STRAYS))
+    return float(percentiles_of(norms(long.strays(force)), _STRAYS))
 
 
 def visit_s(visits: Visits, log_time: Ints) -> float:

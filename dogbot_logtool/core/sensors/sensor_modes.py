@@ -65,6 +65,16 @@ class Visits:
         rows: Ints = np.arange(len(first)) + first
         return rows
 
+    def middle(self, log_time: Ints) -> Ints:
+        """(v,) ns, the time in the middle of each visit, of the samples' (n,) times."""
+        found: Ints = log_time[(self.start + self.end - 1) // 2]
+        return found
+
+    def strays(self, values: Floats) -> Floats:
+        """(m, k): how far each sample, of (n, k), is from the median of its visit."""
+        usual = np.repeat(self.medians(values), self.end - self.start, axis=0)
+        return np.asarray(values[self.rows()] - usual)
+
     def quantiles(self, values: Floats, *shares: float) -> Floats:
         """(v, len(shares)): quantiles of each visit's values, (n,); the nearest sample."""
         length = self.end - self.start

@@ -12,11 +12,12 @@ import numpy as np
 from dogbot_logtool.core.geometry.arrays import Floats, Ints, all_finite
 from dogbot_logtool.core.geometry.order_statistics import median_of, percentiles_of
 from dogbot_logtool.core.sensors.sensor_level import (
-    NORMAL_SD,
     SensorLevel,
     load_axis,
+    noisiest_sd,
     run_numbers,
     visit_s,
+    with_loads,
     without_spikes,
 )
 from dogbot_logtool.core.sensors.sensor_modes import (
@@ -82,7 +83,7 @@ def follow_level(log_time: Ints, force: Floats, level: SensorLevel) -> SensorLev
     )
     if found is None:
         return level
-    time, levels = found.of(log_time, force)
+    time, levels = found.swing.middle(log_time), found.swing.medians(force)
     limit_n = max(MOVED_NOISES * (level.noise_n or 0.0), MOVED * found.interval)
     off = np.abs((levels - level.offset_at(time)) @ axis) > limit_n
     if np.convolve(off, np.ones(FEWEST_MOVED)).max() < FEWEST_MOVED:
@@ -109,8 +110,8 @@ def _followed(
     log_time: Ints, force: Floats, axis: Floats, found: "SwingLevels", level: SensorLevel
 ) -> SensorLevel:
     """Return a level with knots where its swings are, and the loads above it."""
-    time, levels = found.of(log_time, force)
-    noise_n = found.noise_n(force)
+    time, levels = found.swing.middle(log_time), found.swing.medians(force)
+    noise_n = noisiest_sd(found.swing.strays(force))
     limit_n = STAYS * max(MOVED_NOISES * noise_n, MOVED * found.interval)
     knots, offset = knots_of(time, levels, axis, limit_n)
     level = replace(
@@ -121,13 +122,7 @@ def _followed(
         swing_s=visit_s(found.swing, log_time),
         moved_n=float(np.ptp(offset @ axis)),
     )
-    load = (force - level.offset_at(log_time)) @ axis
-    return replace(
-        level,
-        loaded_n=float(median_of(found.stance.quantiles(load, 0.5))),
-        mean_n=float(load.mean()),
-        mean_recorded_n=float(np.linalg.norm(force.mean(axis=0))),
-    )
+    return with_loads(level, log_time, force, axis, found.stance)
 
 
 def _at_steps(knots: Ints, level: Floats, log_time: Ints, values: Floats, noise_n: float) -> Ints:
@@ -168,16 +163,6 @@ class SwingLevels:
     interval: float
     """N, usual distance of both modes."""
 
-    def of(self, log_time: Ints, force: Floats) -> tuple[Ints, Floats]:
-        """Return when each swing was, (v,) ns, and what the sensor read, (v, 3) N."""
-        return log_time[(self.swing.start + self.swing.end - 1) // 2], self.swing.medians(force)
-
-    def noise_n(self, force: Floats) -> float:
-        """Return the standard deviation of the noisiest axis in swings, N."""
-        rows = self.swing.rows()
-        usual = np.repeat(self.swing.medians(force), self.swing.end - self.swing.start, axis=0)
-        return NORMAL_SD * float(median_of(np.abs(force[rows] - usual), axis=0).max())
-
 
 def swing_levels(
     log_time: Ints,
@@ -217,11 +202,8 @@ def swing_levels(
     if not found:
         return None
     usual = float(median_of(np.array([modes.distance for _, modes in found])))
-    chosen = sorted(
-        ((first, modes) for first, modes in (*found, *unclear)
-         if abs(modes.distance - usual) <= ALIKE * usual),
-        key=lambda each: each[0],
-    )  # fmt: skip
+    windows = sorted((*found, *unclear), key=lambda each: each[0])
+    chosen = [each for each in windows if abs(each[1].distance - usual) <= ALIKE * usual]
     swing = _joined([(first, modes.swing.visits) for first, modes in chosen])
     stance = _joined([(first, modes.stance.visits) for first, modes in chosen])
     return SwingLevels(swing, stance, usual) if len(swing) >= FEWEST_SWINGS else None
@@ -253,9 +235,7 @@ def knots_of(time: Ints, levels: Floats, axis: Floats, tolerance_n: float) -> tu
     Returns:
         (k,) ns and (k, 3) N; between levels the way is straight.
     """
-    along = levels @ axis
-    around = np.concatenate([along[:1], along, along[-1:]])
-    along = median_of(np.stack([around[:-2], along, around[2:]]), axis=0)
+    along = without_spikes(levels @ axis)
     groups: list[list[int]] = [[0]]
     for row in range(1, len(time)):
         usual = float(median_of(along[groups[-1]]))

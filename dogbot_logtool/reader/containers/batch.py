@@ -41,7 +41,7 @@ class Batch:
     chunks: tuple[LoadedChunk, ...]
     losses: tuple[Loss, ...] = ()
     decoded: dict[object, Any] = field(init=False, repr=False, compare=False)
-    """What `decode_channels` made of it, which may be asked for again."""
+    """Columns that `decode_channels` made of it, which may be asked for again."""
 
     def __post_init__(self) -> None:
         """Begin with nothing decoded, also where a batch is made of another one."""

@@ -86,7 +86,7 @@ def time(path: str) -> Field:
 
 
 HEADER: Final[Fields] = (time("header.stamp"), text("header.frame_id"))
-"""What most messages of ROS begin with."""
+"""Fields that most messages of ROS begin with."""
 
 
 def fixed_numbers(path: str, at_least: int) -> Field:

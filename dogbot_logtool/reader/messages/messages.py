@@ -45,7 +45,7 @@ class DecodedMessages:
 def decode_channels(
     batch: Batch, channels: Sequence[Channel], fields: Fields
 ) -> list[DecodedMessages]:
-    """Decode some fields of all messages of some channels, once for all who ask for them.
+    """Decode some fields of all messages of some channels; a batch keeps them for the next call.
 
     Args:
         batch: the batch.
