@@ -46,7 +46,7 @@ def _initialiser(cls: Any) -> Callable[..., None]:  # noqa: ANN401 - any data cl
     }
     is_finished_later = hasattr(cls, "__post_init__")
 
-    def __init__(self: Any, *args: object, **values: object) -> None:  # noqa: ANN401, N807
+    def complete(args: tuple[object, ...], values: dict[str, object]) -> dict[str, object]:
         count = len(args) + len(values)
         if args:
             values.update(zip(names, args))  # noqa: B905 - counted below
@@ -58,7 +58,12 @@ def _initialiser(cls: Any) -> Callable[..., None]:  # noqa: ANN401 - any data cl
         if values.keys() != names.keys():
             wrong = ", ".join(sorted(values.keys() ^ names.keys()))
             raise TypeError(f"{cls.__qualname__}: missing or unknown: {wrong}")
-        for name, value in values.items():
+        return values
+
+    def __init__(self: Any, *args: object, **values: object) -> None:  # noqa: ANN401, N807
+        by_position = len(args) == len(names) and not values
+        given = zip(names, args) if by_position else complete(args, values).items()  # noqa: B905
+        for name, value in given:
             _set(self, name, value)
         if is_finished_later:
             self.__post_init__()

@@ -155,8 +155,13 @@ def load_robot(name_or_file: str) -> Robot:
         CallError: there is no such robot or file, or the file is not a robot's.
     """
     if not name_or_file.endswith(".toml"):
-        return parse_robot(robot_toml(name_or_file), name_or_file)
+        return _known_robot(name_or_file)
     return parse_robot(read_toml(Path(name_or_file), "a robot's file"), name_or_file)
+
+
+@cache
+def _known_robot(name: str) -> Robot:
+    return parse_robot(robot_toml(name), name)
 
 
 def parse_robot(text: str, source: str) -> Robot:

@@ -21,7 +21,12 @@ from dogbot_logtool.writer.encodings.encoding import (
     MessageType,
     SupportLook,
 )
-from dogbot_logtool.writer.message_records import MessageRecords, by_channel, recorded
+from dogbot_logtool.writer.message_records import (
+    MessageRecords,
+    by_channel,
+    kept_template,
+    recorded,
+)
 from dogbot_logtool.writer.messages.arrows import ArrowWriter
 from dogbot_logtool.writer.messages.labels import LabelWriter
 from dogbot_logtool.writer.messages.legs import LegsWriter
@@ -102,7 +107,7 @@ class Annotations:
         """
         self.encoding, self.added, frame = encoding, added, wanted.world_frame
         # All messages of an encoding have times in the same form.
-        self._timed = encoding.load(LOAD_STATES[0])
+        self._timed = kept_template(encoding.load, 0, LOAD_STATES[0])
         self._base: BaseTransformWriter | None = None
         self._links: LinkTransformWriter | None = None
         if wanted.base_transform or wanted.links:

@@ -1,6 +1,7 @@
 """MCAP message records of the output, many at a time."""
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping, Sequence
+from functools import lru_cache
 from itertools import groupby
 from typing import Any, Final
 
@@ -9,7 +10,7 @@ from numpy.typing import NDArray
 
 from dogbot_logtool.core.geometry.arrays import Bytes, Floats, Ints
 from dogbot_logtool.dataclass import dataclass
-from dogbot_logtool.writer.template import Stamps, Template
+from dogbot_logtool.writer.template import TEMPLATES_KEPT, Stamps, Template
 
 MESSAGE_OPCODE: Final = 0x05
 MESSAGE_HEAD: Final = np.dtype(
@@ -102,6 +103,24 @@ def recorded(
     pieces[1::2] = [payloads[a:b] for a, b in zip(start.tolist(), end.tolist(), strict=True)]
     data = np.frombuffer(b"".join(pieces), np.uint8)
     return MessageRecords(data, record_bounds(size), channel, log_time)
+
+
+@lru_cache(TEMPLATES_KEPT)
+def kept_template(make: Callable[..., Template], channel: int, *of: Hashable) -> Template:
+    """Return a template of records, which outputs that are alike share; see `record_template`.
+
+    Args:
+        make: method of an encoding that makes the template of the payload.
+        channel: id of the channel.
+        of: what the method takes.
+    """
+    return record_template(_learnt(make, *of), channel)
+
+
+@lru_cache(TEMPLATES_KEPT)
+def _learnt(make: Callable[..., Template], *of: Hashable) -> Template:
+    """Return the template of a payload, which is the same on every channel."""
+    return make(*of)
 
 
 def record_template(message: Template, channel: int) -> Template:

@@ -20,8 +20,8 @@ Number = float | int | bool | str
 Serialise = Callable[[Mapping[str, Number]], bytes]
 """Builds a message from named numbers and serialises it."""
 
-TEMPLATES_KEPT: Final = 256
-"""Templates of each kind of message, kept for later messages and for other logs of a run."""
+TEMPLATES_KEPT: Final = 1024
+"""Templates that are kept for later messages and for other logs of a run."""
 _VARINT_WIDTH: Final = 10
 _VARINT_SHORT: Final = 5
 """Seven-bit groups that hold every number below 2^35."""

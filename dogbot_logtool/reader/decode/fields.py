@@ -34,6 +34,9 @@ _WIDEST_TIME_PART: Final = 4
 class Kind(Enum):
     """Content of a field."""
 
+    # Fields are keys of caches, and the hash of an enumeration's member is Python code.
+    __hash__ = object.__hash__
+
     NUMBER = "a single number"
     TEXT = "a single string"
     TIME = "a single time"

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from dogbot_logtool.core.geometry.arrays import Ints
 from dogbot_logtool.core.scene.arrows import Arrows
 from dogbot_logtool.writer.encodings.encoding import SHAFT_SHARE, ArrowLook, Encoding
-from dogbot_logtool.writer.message_records import record_template, write_pose
+from dogbot_logtool.writer.message_records import kept_template, write_pose
 from dogbot_logtool.writer.messages.shown import ShownTemplates, shown_records
 from dogbot_logtool.writer.template import Stamps
 
@@ -22,8 +22,8 @@ class ArrowWriter:
     ) -> None:
         self._templates = [
             ShownTemplates(
-                record_template(encoding.arrow(foot, frame, look), channel),
-                record_template(encoding.removal(foot, frame), channel),
+                kept_template(encoding.arrow, channel, foot, frame, look),
+                kept_template(encoding.removal, channel, foot, frame),
             )
             for foot, channel in channels.items()
         ]

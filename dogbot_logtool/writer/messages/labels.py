@@ -12,7 +12,7 @@ from dogbot_logtool.core.scene.foot_style import short_names
 from dogbot_logtool.core.scene.labels import Labels
 from dogbot_logtool.core.scene.styles import LIFETIME_S
 from dogbot_logtool.writer.encodings.encoding import LABEL_WIDTH, Encoding
-from dogbot_logtool.writer.message_records import record_template
+from dogbot_logtool.writer.message_records import kept_template
 from dogbot_logtool.writer.messages.shown import ShownTemplates, shown_records
 from dogbot_logtool.writer.template import Stamps
 
@@ -27,8 +27,8 @@ class LabelWriter:
         names = short_names(tuple(channels))
         self._templates = [
             ShownTemplates(
-                record_template(encoding.label(foot, frame, name, LIFETIME_S), channel),
-                record_template(encoding.removal(foot, frame), channel),
+                kept_template(encoding.label, channel, foot, frame, name, LIFETIME_S),
+                kept_template(encoding.removal, channel, foot, frame),
             )
             for (foot, channel), name in zip(channels.items(), names, strict=True)
         ]

@@ -1,7 +1,6 @@
 """Messages of `/legs`, made of columns, those of the same standing feet at a time."""
 
 from collections.abc import Iterator
-from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -9,8 +8,8 @@ from numpy.typing import NDArray
 from dogbot_logtool.core.scene.foot_style import colour_parts, foot_colour
 from dogbot_logtool.core.scene.legs import LegLines
 from dogbot_logtool.writer.encodings.encoding import Encoding, SupportLook, leg_points
-from dogbot_logtool.writer.message_records import record_template, write_log_time
-from dogbot_logtool.writer.template import TEMPLATES_KEPT, Stamps, Template
+from dogbot_logtool.writer.message_records import kept_template, write_log_time
+from dogbot_logtool.writer.template import Stamps
 
 
 class LegsWriter:
@@ -34,8 +33,9 @@ class LegsWriter:
         for number, flags in enumerate(patterns):
             feet = np.flatnonzero(flags).tolist()
             rows = np.flatnonzero(pattern.reshape(-1) == number)
-            template = _template(
-                self._encoding, tuple(feet), self._frame, self._look, self._channel
+            colours = tuple(colour_parts(foot_colour(foot)) for foot in feet)
+            template = kept_template(
+                self._encoding.legs, self._channel, colours, self._frame, self._look
             )
             records = template.copies(len(rows))
             template.write_stamps(records, "stamp", stamps.pick(rows))
@@ -44,12 +44,3 @@ class LegsWriter:
                 template.point_array(leg_points(len(feet))).view(records)[:] = ends
             write_log_time(records, legs.log_time[rows])
             yield records
-
-
-@lru_cache(TEMPLATES_KEPT)
-def _template(
-    encoding: Encoding, feet: tuple[int, ...], frame: str, look: SupportLook, channel: int
-) -> Template:
-    """Return the template of messages in which these feet stand; see `Encoding.legs`."""
-    colours = [colour_parts(foot_colour(foot)) for foot in feet]
-    return record_template(encoding.legs(colours, frame, look), channel)

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from dogbot_logtool.core.geometry.arrays import rows_by_group
 from dogbot_logtool.core.load.loads import Loads
 from dogbot_logtool.writer.encodings.encoding import LOAD_STATES, Encoding
-from dogbot_logtool.writer.message_records import record_template, timed_records
+from dogbot_logtool.writer.message_records import kept_template, timed_records
 from dogbot_logtool.writer.template import Stamps
 
 
@@ -16,9 +16,10 @@ class LoadWriter:
     """Makes the messages of loads, on one channel a foot."""
 
     def __init__(self, channels: Sequence[int], encoding: Encoding) -> None:
-        of_states = [encoding.load(state) for state in LOAD_STATES]
         self._templates = [
-            record_template(of_state, channel) for channel in channels for of_state in of_states
+            kept_template(encoding.load, channel, state)
+            for channel in channels
+            for state in LOAD_STATES
         ]
 
     def records(self, loads: Loads, stamps: Stamps) -> Iterator[NDArray[np.void]]:

@@ -18,7 +18,7 @@ from dogbot_logtool.writer.encodings.encoding import (
     SupportShape,
     support_points,
 )
-from dogbot_logtool.writer.message_records import record_template, write_log_time
+from dogbot_logtool.writer.message_records import kept_template, write_log_time
 from dogbot_logtool.writer.template import TEMPLATES_KEPT, PointArray, Stamps, Template
 
 _COLOURS: Final = np.array([colour_parts(foot_colour(foot)) for foot in range(len(FOOT_COLOURS))])
@@ -96,7 +96,7 @@ def _template(
     encoding: Encoding, shape: SupportShape, frame: str, style: SupportLook, channel: int
 ) -> _ShapeTemplate:
     """Return how messages of a shape are made; outputs that are alike share it."""
-    template = record_template(encoding.support(shape, frame, style), channel)
+    template = kept_template(encoding.support, channel, shape, frame, style)
     points = support_points(shape)
     kinds = points.line, points.pressure, points.projection, points.touchdowns
     return _ShapeTemplate(

@@ -8,14 +8,14 @@ from numpy.typing import NDArray
 from dogbot_logtool.core.base.odometry import Transforms
 from dogbot_logtool.core.frames.kinematics import LinkTransforms
 from dogbot_logtool.writer.encodings.encoding import Encoding
-from dogbot_logtool.writer.message_records import record_template, write_log_time, write_pose
+from dogbot_logtool.writer.message_records import kept_template, write_log_time, write_pose
 
 
 class BaseTransformWriter:
     """Makes transforms of the base."""
 
     def __init__(self, channel: int, encoding: Encoding, world: str, base: str) -> None:
-        self._template = record_template(encoding.transform(world, base), channel)
+        self._template = kept_template(encoding.transform, channel, world, base)
 
     def records(self, transforms: Transforms) -> NDArray[np.void]:
         """Return the message records of transforms."""
@@ -30,7 +30,7 @@ class LinkTransformWriter:
     """Makes messages with a transform of each link."""
 
     def __init__(self, channel: int, encoding: Encoding, links: Sequence[tuple[str, str]]) -> None:
-        self._template = record_template(encoding.transforms(links), channel)
+        self._template = kept_template(encoding.transforms, channel, tuple(links))
 
     def records(self, links: LinkTransforms) -> NDArray[np.void]:
         """Return the message records of links."""
