@@ -7,7 +7,7 @@ import numpy as np
 
 from dogbot_logtool.core.base.base_history import BaseHistory
 from dogbot_logtool.core.geometry.arrays import Flags, Floats, Ints, norms
-from dogbot_logtool.core.geometry.order_statistics import median_of
+from dogbot_logtool.core.geometry.order_statistics import median_of, median_of_known
 from dogbot_logtool.dataclass import dataclass
 
 SMALLEST_JUMP_M: Final = 0.05
@@ -81,7 +81,7 @@ def _unexplained(time: Ints, step: Floats, in_gap: Flags, rows: Ints) -> Floats:
     velocity[~inside | in_gap[around]] = np.nan
     enough = np.isfinite(velocity[:, :, 0]).sum(axis=1) >= _FEWEST
     velocity[~enough] = 0.0
-    usual = np.nanmedian(velocity, axis=1)
+    usual = median_of_known(velocity, axis=1)
     duration = seconds[rows][:, None]
     size: Floats = step[rows] - usual * duration
     deviation = np.nan_to_num(np.linalg.norm(velocity - usual[:, None, :], axis=2)) * duration

@@ -37,6 +37,14 @@ def median_of(values: ArrayLike, axis: int | None = None) -> Any:  # noqa: ANN40
     return _nan_if_any(ordered, ordered[ranks].mean(axis=0))
 
 
+def median_of_known(values: ArrayLike, axis: int) -> Any:  # noqa: ANN401 - as numpy has it
+    """Return the median of the values that are not NaN, NaN where all are; see `np.nanmedian`."""
+    ordered = np.sort(_rows(values, axis), axis=0)
+    last = (~np.isnan(ordered)).sum(axis=0, keepdims=True) - 1
+    middle = [np.take_along_axis(ordered, rank, axis=0) for rank in (last // 2, (last + 1) // 2)]
+    return np.concatenate(middle).mean(axis=0)
+
+
 def percentiles_of(
     values: ArrayLike, percents: float | Sequence[float], axis: int | None = None
 ) -> Any:  # noqa: ANN401 - as numpy has it

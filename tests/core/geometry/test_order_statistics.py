@@ -7,7 +7,12 @@ from hypothesis import strategies as st
 from hypothesis.extra import numpy as arrays
 from numpy.typing import NDArray
 
-from dogbot_logtool.core.geometry.order_statistics import distinct, median_of, percentiles_of
+from dogbot_logtool.core.geometry.order_statistics import (
+    distinct,
+    median_of,
+    median_of_known,
+    percentiles_of,
+)
 
 TABLES = st.one_of(
     arrays.arrays(np.float64, arrays.array_shapes(min_dims=2, max_dims=2, max_side=9)),
@@ -27,6 +32,15 @@ def same(ours: Any, numpys: Any) -> bool:
 @given(TABLES, st.sampled_from([None, 0, 1]))
 def test_median_is_numpys(values: NDArray[Any], axis: int | None) -> None:
     assert same(median_of(values, axis=axis), np.median(values, axis=axis))
+
+
+@pytest.mark.filterwarnings("ignore::RuntimeWarning")
+@given(
+    arrays.arrays(np.float64, arrays.array_shapes(min_dims=2, max_dims=3, max_side=9)),
+    st.sampled_from([0, 1]),
+)
+def test_median_of_what_is_known_is_numpys(values: NDArray[Any], axis: int) -> None:
+    assert same(median_of_known(values, axis), np.nanmedian(values, axis=axis))
 
 
 @pytest.mark.filterwarnings("ignore::RuntimeWarning")
