@@ -1,6 +1,9 @@
 """The errors that reach a user: each is a sentence and knows its exit code."""
 
-from typing import ClassVar
+from typing import ClassVar, Final
+
+DAMAGED: Final = 3
+"""Exit code of what was done, though some of the input could not be read."""
 
 
 class LogtoolError(Exception):

@@ -5,6 +5,7 @@ from dataclasses import field
 from typing import TYPE_CHECKING, Any
 
 from dogbot_logtool.dataclass import dataclass
+from dogbot_logtool.errors import DAMAGED
 
 # A command needs not load what only other commands' records are made of.
 if TYPE_CHECKING:
@@ -67,7 +68,7 @@ class LogInfo:
     @property
     def exit_code(self) -> int:
         """0: sound; 3: damaged."""
-        return 3 if self.losses else 0
+        return DAMAGED if self.losses else 0
 
 
 @dataclass(frozen=True, slots=True)
@@ -91,7 +92,7 @@ class Conversion:
     @property
     def exit_code(self) -> int:
         """0: done; 3: done, but the input was damaged."""
-        return 3 if self.losses else 0
+        return DAMAGED if self.losses else 0
 
 
 @dataclass(frozen=True, slots=True)
@@ -127,7 +128,7 @@ class Measurement:
     @property
     def exit_code(self) -> int:
         """0: done; 3: done, but the log was damaged."""
-        return 3 if self.losses else 0
+        return DAMAGED if self.losses else 0
 
 
 @dataclass(frozen=True, slots=True)

@@ -14,6 +14,7 @@ from dogbot_logtool.cli.options import (
     logs_argument,
     output_file,
     overwrite_option,
+    quiet_option,
     scheduler_option,
     topic_options,
 )
@@ -46,6 +47,7 @@ if TYPE_CHECKING:
 @jobs_option
 @scheduler_option
 @json_option
+@quiet_option
 def info(
     words: tuple[str, ...],
     topics: "TopicOptions",
@@ -58,6 +60,7 @@ def info(
     dot: bool,
     overwrite: bool,
     as_json: bool,
+    quiet: bool,
 ) -> None:
     """Show what is in a log, what is used of it, and what is wrong."""
     from dogbot_logtool.commands.tasks import Describe  # noqa: PLC0415
@@ -81,7 +84,7 @@ def info(
             refuse_bad_target(output, source, overwrite=overwrite)
     runner = runner_for(len(log_set.logs), jobs_or_cores(jobs), scheduler)
     describe = Describe(topics, all_frames=all_frames or dot, jobs=runner.jobs)
-    outcomes = Outcomes()
+    outcomes = Outcomes(quiet=quiet)
     outcomes.mention_left_out(log_set)
     graphs: list[str] = []
     for found in outcomes.of(runner, describe, log_set.paths, log_set.names):

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from dogbot_logtool.cli.options import output_file, overwrite_option, topic_options
+from dogbot_logtool.cli.options import output_file, overwrite_option, quiet_option, topic_options
 from dogbot_logtool.errors import CallError
 from dogbot_logtool.report.layouts.viewers import DEFAULT_VIEWER, VIEWERS
 
@@ -25,6 +25,7 @@ if TYPE_CHECKING:
 )
 @overwrite_option
 @topic_options
+@quiet_option
 def layout(
     log: Path | None,
     output: Path | None,
@@ -32,6 +33,7 @@ def layout(
     topics: "TopicOptions",
     *,
     overwrite: bool,
+    quiet: bool,
 ) -> None:
     """Print a viewer's layout: the robot, its loads, its gait diagram.
 
@@ -41,6 +43,7 @@ def layout(
     from dogbot_logtool.io.output import refuse_bad_target, whole_file  # noqa: PLC0415
     from dogbot_logtool.io.targets import refuse_other_format  # noqa: PLC0415
 
+    del quiet  # nothing but the result is printed
     chosen = VIEWERS[viewer]
     if output is None and not chosen.is_text:
         raise CallError(f"--viewer {viewer}: is not text; name a file with -o, VIEW{chosen.suffix}")

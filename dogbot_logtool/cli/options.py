@@ -123,8 +123,11 @@ def number_option(name: str, metavar: str, words: str) -> Callable[[Command], Co
     return click.option(name, type=number(keyword), metavar=metavar, help=words)
 
 
+quiet_option: Final = click.option(
+    "-q", "--quiet", is_flag=True, help="Print results and errors only."
+)
 quietness: Final = together(
-    click.option("-q", "--quiet", is_flag=True, help="Print results and errors only."),
+    quiet_option,
     click.option("-v", "--verbose", is_flag=True, help="Print more."),
 )
 time_range: Final = together(

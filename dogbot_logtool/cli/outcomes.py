@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any, Final, NoReturn, TypeVar
 
 import click
 
-from dogbot_logtool.errors import LogtoolError
+from dogbot_logtool.errors import DAMAGED, LogtoolError
 from dogbot_logtool.io.plain_json import to_json
 from dogbot_logtool.io.printable import printable
 from dogbot_logtool.io.storage import valid_unicode, without_secrets
@@ -115,7 +115,10 @@ class Outcomes:
             say(self._failed[0][1])
         elif self._failed:
             self._print_failures()
-        sys.exit(next((code for code in (1, 2, 3) if code in self._codes), 0))
+        elif self._quiet and not as_json and (damaged := self._codes.count(DAMAGED)):
+            logs = "log is" if damaged == 1 else "logs are"
+            say(f"{damaged} {logs} damaged; without --quiet, what was lost is said", "damage: ")
+        sys.exit(next((code for code in (1, 2, DAMAGED) if code in self._codes), 0))
 
     def _print_failures(self) -> None:
         """Print a table of what could not be done."""
@@ -134,12 +137,12 @@ def say_error(error: LogtoolError) -> None:
     say(str(error))
 
 
-def say(sentence: str) -> None:
+def say(sentence: str, label: str = "error: ") -> None:
     """Print the sentence of an error on stderr; what it lists stands in indented lines below."""
     from dogbot_logtool.report.text.console import diagnostics, print_command, print_sentence  # noqa: PLC0415
 
     first, *others = map(printable, without_secrets(sentence).split(_NEW_LINE))
-    print_sentence(diagnostics(), ("error: ", "red"), first, indent=7)
+    print_sentence(diagnostics(), (label, "red"), first, indent=len(label))
     for line in others:
         if line.startswith("dogbot-logtool "):
             print_command(diagnostics(), line, 2)

@@ -13,6 +13,7 @@ from dogbot_logtool.cli.options import (
     json_option,
     output_file,
     overwrite_option,
+    quiet_option,
     topic_options,
 )
 from dogbot_logtool.errors import CallError
@@ -32,6 +33,7 @@ if TYPE_CHECKING:
 @overwrite_option
 @topic_options
 @json_option
+@quiet_option
 def robots(
     name: str | None,
     logs: tuple[Path, ...],
@@ -41,6 +43,7 @@ def robots(
     join: bool,
     overwrite: bool,
     as_json: bool,
+    quiet: bool,
 ) -> None:
     """List the known robots, or print one's file to copy and edit.
 
@@ -53,7 +56,8 @@ def robots(
         log, *others = logs
         if others and not join:
             raise CallError("robots new: name one log; with --join, several files of one recording")
-        _new(log, output, replace(topics, joined=tuple(others)), overwrite=overwrite)
+        joined = replace(topics, joined=tuple(others))
+        _new(log, output, joined, overwrite=overwrite, quiet=quiet)
         return
     if name == "new":
         raise CallError("robots new: name the log, as in 'dogbot-logtool robots new walk.mcap'")
@@ -71,7 +75,9 @@ def robots(
         click.echo(f"{each:<{width}}{description}")
 
 
-def _new(log: Path, output: Path | None, options: "TopicOptions", *, overwrite: bool) -> None:
+def _new(
+    log: Path, output: Path | None, options: "TopicOptions", *, overwrite: bool, quiet: bool
+) -> None:
     from dogbot_logtool.commands.new_robot import new_robot  # noqa: PLC0415
     from dogbot_logtool.io.output import refuse_bad_target, whole_file  # noqa: PLC0415
     from dogbot_logtool.io.targets import refuse_other_format  # noqa: PLC0415
@@ -87,6 +93,8 @@ def _new(log: Path, output: Path | None, options: "TopicOptions", *, overwrite: 
     else:
         with whole_file(output, overwrite=overwrite) as file:
             file.write(found.text.encode())
+    if quiet:
+        return
     for other in found.runners_up[:3]:
         click.echo(f"not chosen: {other.fields} ({'; '.join(other.reasons)})", err=True)
     file_name = str(output or "robot.toml")

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 from dogbot_logtool.cli.outcomes import Outcomes, say
 from dogbot_logtool.dataclass import dataclass
+from dogbot_logtool.errors import DAMAGED
 
 if TYPE_CHECKING:
     from dogbot_logtool.io.storage import Location
@@ -54,4 +55,4 @@ def measured_side(log_set: "LogSet", options: "StatsOptions", *, quiet: bool) ->
 def exit_code_of(sides: Sequence[Side]) -> int:
     """Return what measuring all sides comes to: a failure outranks damage."""
     codes = {side.exit_code for side in sides}
-    return next((code for code in (1, 3) if code in codes), 0)
+    return next((code for code in (1, DAMAGED) if code in codes), 0)

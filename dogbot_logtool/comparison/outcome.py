@@ -7,14 +7,13 @@ from typing import Final, Literal
 
 from dogbot_logtool.comparison.fields import FieldDifference, Findings
 from dogbot_logtool.dataclass import dataclass
+from dogbot_logtool.errors import DAMAGED
 from dogbot_logtool.io.printable import printable
 from dogbot_logtool.io.storage import Location
 from dogbot_logtool.reader.containers.log import Loss
 
 SAME: Final = 0
 DIFFERENT: Final = 1
-DAMAGED: Final = 3
-"""Nothing differs in what could be read, but not all could: the exit code of damaged input."""
 RECORDS: Final = "(records)"
 """Stands for a topic in differences of profile, metadata and attachments."""
 

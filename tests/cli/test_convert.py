@@ -1,5 +1,7 @@
 """`convert` on the command line: what it says, where it writes, and how it exits."""
 
+from pathlib import Path
+
 import pytest
 from mcap.reader import make_reader
 
@@ -30,6 +32,18 @@ def test_quiet_says_nothing(shell: Shell) -> None:
     done = shell("convert", TROUBLED, "--quiet", "-o", "x.mcap")
     assert done == Outcome(0, "", "")
     assert shell.files() == ["x.mcap"]
+
+
+def test_quiet_says_that_something_was_lost(shell: Shell, tmp_path: Path) -> None:
+    cut = tmp_path / "cut.bag"
+    cut.write_bytes(TROUBLED.read_bytes()[:-20_000])
+    done = shell("convert", cut, "--quiet", "-o", "x.mcap")
+    assert done == Outcome(
+        3, "", "damage: 1 log is damaged; without --quiet, what was lost is said\n"
+    )
+    told = shell("convert", cut, "--quiet", "--json", "-o", "y.mcap")
+    assert (told.code, told.err) == (3, "")
+    assert told.json["damage"]
 
 
 def test_convert_json(shell: Shell) -> None:

@@ -281,7 +281,7 @@ def test_a_wrong_message_index_is_said_and_not_believed(tmp_path: Path) -> None:
     reading = read_bytes(tmp_path, bytes(data))
     assert_all_there(reading, mcap)
     assert reading.sentences == (
-        f"the index of the chunk at byte {mcap.chunk_starts[1]} is wrong; it was read without"
+        f"the index of the chunk at byte {mcap.chunk_starts[1]} is wrong; it was read without it"
     )
     assert [chunk.whole for chunk in reading.chunks] == [True, False, True]
 
@@ -294,7 +294,7 @@ def test_a_message_index_that_points_out_of_its_chunk(tmp_path: Path, offset: in
     struct.pack_into("<Q", data, mcap.chunk_ends[1] + 9 + 6 + 8, offset)
     reading = read_bytes(tmp_path, bytes(data))
     assert_all_there(reading, mcap)
-    assert "is wrong; it was read without" in reading.sentences
+    assert "is wrong; it was read without it" in reading.sentences
 
 
 def test_messages_of_channels_that_are_nowhere_described(tmp_path: Path) -> None:

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any, Final, Self
 
 from dogbot_logtool import __version__
 from dogbot_logtool.dataclass import dataclass
-from dogbot_logtool.errors import CallError, LogtoolError
+from dogbot_logtool.errors import DAMAGED, CallError, LogtoolError
 from dogbot_logtool.io import storage
 from dogbot_logtool.io.storage import Location
 from dogbot_logtool.report.dataset.files import Files
@@ -154,7 +154,7 @@ class Dataset:
             old = stored.get(state.key)
             labels = _labelled(old, self.labels)
             if old is not None and _is_unchanged(old, state):
-                unchanged.append((storage.shown(log.path), 3 if old.damaged else 0))
+                unchanged.append((storage.shown(log.path), DAMAGED if old.damaged else 0))
                 if labels != old.labels:
                     relabelled[state.key] = labels
             else:

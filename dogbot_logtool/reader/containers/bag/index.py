@@ -127,7 +127,7 @@ def read_index(source: ByteSource, connections: Connections) -> tuple[Contents |
             raise MalformedRecord("the bag's header is missing")
         index_start = header.fields.u64("index_pos")
         if index_start == 0:
-            what = "the bag has no index (its recording was not closed); it was read without"
+            what = "the bag has no index (its recording was not closed); it was read without it"
             return None, Loss(len(BAG_MAGIC), what)
         infos = _read_section(source, index_start, connections)
         if len(infos) != header.fields.u32("chunk_count"):
@@ -138,7 +138,7 @@ def read_index(source: ByteSource, connections: Connections) -> tuple[Contents |
         if not _times_hold(source, chunks):
             raise MalformedRecord("it tells wrong times")
     except (MalformedRecord, ChunkDamage) as fault:
-        what = f"the bag's index is damaged ({fault}); the bag was read without"
+        what = f"the bag's index is damaged ({fault}); the bag was read without it"
         return None, Loss(len(BAG_MAGIC), what)
     return _contents(connections, chunks), None
 

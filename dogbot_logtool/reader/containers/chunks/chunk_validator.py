@@ -102,7 +102,7 @@ class _Validator:
         )
         # One that merely names fewer messages was cut off, or never meant to be complete.
         if not self.found.skipped.count and (differs.any() or not same_offset.all()):
-            what = f"the index of {self._name} is wrong; it was read without"
+            what = f"the index of {self._name} is wrong; it was read without it"
             self.losses.append(Loss(self.chunk.offset, what))
         if verified:
             return

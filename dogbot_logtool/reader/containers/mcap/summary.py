@@ -33,7 +33,7 @@ _UNSUSPICIOUS_SIZE: Final = 64 << 20
 _LARGEST_SHARE: Final = 4
 """A larger summary than `_UNSUSPICIOUS_SIZE` must not be more than this part of the file."""
 SUMMARY_CONTRADICTS: Final = (
-    "the summary contradicts itself or the chunks; the log was read without"
+    "the summary contradicts itself or the chunks; the log was read without it"
 )
 _MOST_RECORDS_BETWEEN: Final = 100_000
 _BETWEEN: Final = (
@@ -94,7 +94,7 @@ def _read_section(source: ByteSource) -> tuple[_Summary | None, Loss | None]:
     footer = decode_record(records.Footer, tail[RECORD_HEAD.size : _FOOTER_SIZE])
     if opcode != Opcode.FOOTER or length != _FOOTER_SIZE - RECORD_HEAD.size or footer is None:
         return None, Loss(footer_offset, "the footer is damaged")
-    damaged = Loss(footer.summary_start, "the summary is damaged; the log was read without")
+    damaged = Loss(footer.summary_start, "the summary is damaged; the log was read without it")
     size = footer_offset - footer.summary_start if footer.summary_start else 0
     if size < 0 or size > max(_UNSUSPICIOUS_SIZE, source.size // _LARGEST_SHARE):
         return None, damaged

@@ -144,7 +144,7 @@ def open_database(source: ByteSource) -> tuple[Database, list[Loss]]:
             database = _connect(copy)
         except sqlite3.Error as error:
             names = " and ".join(path.name + suffix for suffix in journals)
-            what = f"{names} beside it cannot be used ({error}); it was read without"
+            what = f"{names} beside it cannot be used ({error}); it was read without it"
             return _connect(path), [Loss(0, what, 0, None)]
         except OSError as error:
             names = " and ".join(path.name + suffix for suffix in journals)
