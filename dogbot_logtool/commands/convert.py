@@ -24,6 +24,7 @@ from dogbot_logtool.pipeline.conversion.provenance_record import provenance_reco
 from dogbot_logtool.pipeline.frames.world_frames import frame_findings
 from dogbot_logtool.pipeline.options import ConvertOptions, StatsOptions
 from dogbot_logtool.pipeline.probe import probe_log
+from dogbot_logtool.pipeline.probe_findings import order_findings
 from dogbot_logtool.pipeline.time_span import refuse_empty_span
 from dogbot_logtool.pipeline.topics.annotated import open_recorded
 from dogbot_logtool.pipeline.topics.selection import select_topics
@@ -272,7 +273,8 @@ def _conversion(
     topics = annotations.added.topics()
     ours = {topic: tally.by_channel.get(channel, 0) for channel, topic in topics.items()}
     copied = sum(n for channel, n in tally.by_channel.items() if channel not in topics)
-    findings = (*plan.findings, *_findings(plan, tally))
+    ordered = order_findings(log, tally.counts.out_of_order)
+    findings = (*plan.findings, *ordered, *_findings(plan, tally))
     return Conversion(
         source=log.source.path,
         target=target,

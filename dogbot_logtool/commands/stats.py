@@ -20,7 +20,7 @@ from dogbot_logtool.pipeline.frames.world_frames import StreamedFrames
 from dogbot_logtool.pipeline.measuring.batch import BatchMeasurer, MeasuredBatch
 from dogbot_logtool.pipeline.measuring.plan import MeasuringPlan, make_plan
 from dogbot_logtool.pipeline.options import StatsOptions
-from dogbot_logtool.pipeline.probe_findings import probe_findings
+from dogbot_logtool.pipeline.probe_findings import order_findings, probe_findings
 from dogbot_logtool.pipeline.time_span import refuse_empty_span
 from dogbot_logtool.pipeline.topics.annotated import open_recorded
 from dogbot_logtool.reader.containers.log import Log, Loss, lost_messages
@@ -155,6 +155,7 @@ class _Feed:
     malformed: Counter[int] = field(default_factory=Counter)
     counts: Counter[int] = field(default_factory=Counter)
     implausible: int = 0
+    out_of_order: int = 0
 
     def take(self, batch: MeasuredBatch) -> None:
         """Take the next batch."""
@@ -180,6 +181,7 @@ class _Feed:
         self.malformed.update(batch.malformed)
         self.counts.update(batch.counts)
         self.implausible += batch.implausible
+        self.out_of_order += batch.out_of_order
 
     def finish(self, log: Log, plan: MeasuringPlan) -> Measurement:
         """End the log."""
@@ -190,6 +192,7 @@ class _Feed:
         seen = probe_findings(plan.selection, plan.probe)
         findings = [*plan.selection.findings, *(f for f in seen if f.code != "W_ZERO_STAMPS")]
         findings.extend(plan.side.findings if plan.side else ())
+        findings.extend(order_findings(log, self.out_of_order))
         if self.implausible:
             findings.append(Finding("W_IMPLAUSIBLE", f"{self.implausible:,} {IMPLAUSIBLE}"))
         if self.forces is not None:

@@ -32,7 +32,10 @@ _MOST_CHUNKS_AHEAD: Final = 256
 class BatchColumns:
     """A batch and its columns. It knows nothing of other batches, but for the frames ahead."""
 
+    recorded: Batch
+    """As it stands in the file."""
     batch: Batch
+    """The same in the order of its log times."""
     base: tuple[BasePoses, ...]
     odometry: Odometry
     """The same as columns, also poses that cannot be used."""
@@ -85,7 +88,8 @@ class BatchReader:
     def read(self, log: Log, span: Span) -> BatchColumns:
         """Read and decode one batch."""
         selection = self.selection
-        batch = log.read(span).cropped(*self.limits)
+        recorded = log.read(span).cropped(*self.limits)
+        batch = recorded.in_time_order()
         base = selection.read_base(batch)
         odometry, implausible = plausible_odometry(joined_poses(base))
         contacts = [
@@ -105,6 +109,7 @@ class BatchReader:
             log_time = batch.messages.log_time
             frames = BatchFrames(own, ahead, int(log_time.max()) if len(log_time) else None)
         return BatchColumns(
+            recorded=recorded,
             batch=batch,
             base=tuple(base),
             odometry=odometry,

@@ -120,7 +120,7 @@ def probe_log(log: Log, selection: Selection, *, with_soles: bool = False) -> Pr
     look = _Prober(selection)
     chosen = _spread(log, selection)
     for span in log.grouped(chosen):
-        look.take(log.read(span))
+        look.take(log.read(span).in_time_order())
     probe = look.probe(len(chosen), len(log.chunks))
     return look.with_soles(probe) if with_soles else probe
 

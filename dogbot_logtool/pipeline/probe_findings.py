@@ -1,11 +1,13 @@
 """Findings of the probe: stamps, frames, and the frame of the wrenches."""
 
+from collections.abc import Iterator
 from math import atan, degrees
 
 from dogbot_logtool.core.frames.wrench_frame import FrameFit, WrenchFrame, WrenchFrameEvidence
 from dogbot_logtool.finding import Finding
 from dogbot_logtool.pipeline.probe import Probe
 from dogbot_logtool.pipeline.topics.selection import Selection
+from dogbot_logtool.reader.containers.log import Log
 
 
 def probe_findings(selection: Selection, probe: Probe) -> list[Finding]:
@@ -28,6 +30,19 @@ def probe_findings(selection: Selection, probe: Probe) -> list[Finding]:
         frames = ", ".join((*probe.world_frames, *probe.base_frames))
         findings.append(Finding("W_FRAMES_CHANGE", f"the odometry names several frames: {frames}"))
     return findings
+
+
+def order_findings(log: Log, out_of_order: int) -> Iterator[Finding]:
+    """Say that messages were sorted.
+
+    Args:
+        log: the log.
+        out_of_order: messages that stood behind later ones of their channel, in a batch.
+    """
+    if log.is_reordered or out_of_order:
+        count = f": {out_of_order:,} go back" if out_of_order else ""
+        text = f"messages stand out of order in the file{count}; they are read by their log times"
+        yield Finding("N_OUT_OF_ORDER", text)
 
 
 def _wrench_frame_finding(probe: Probe) -> Finding:

@@ -8,7 +8,7 @@ from dogbot_logtool.errors import LogError
 from dogbot_logtool.io import storage
 from dogbot_logtool.io.storage import Location
 from dogbot_logtool.reader import not_a_log
-from dogbot_logtool.reader.containers.log import Log, Loss
+from dogbot_logtool.reader.containers.log import BATCH_SIZE, Log, Loss
 from dogbot_logtool.reader.containers.signatures import is_zstd
 from dogbot_logtool.reader.containers.sources.source import ByteSource
 from dogbot_logtool.reader.registry import CONTAINERS, ROSBAG2_SUFFIXES, Container
@@ -17,6 +17,8 @@ if TYPE_CHECKING:
     from upath import UPath
 
 _MAGIC_SIZE: Final = 16
+_MOST_AT_ONCE: Final = 8 * BATCH_SIZE
+"""Bytes that are read at once of a log whose chunks overlap; with more, file order is kept."""
 _MOST_DAMAGED_BYTES: Final = 2
 
 
@@ -38,7 +40,7 @@ def open_log(path: Location) -> Log:
 
 
 def open_joined(paths: Sequence[Location]) -> Log:
-    """Open files of one recording as one log, merged by time; one file as it is.
+    """Open files of one recording as one log, merged by time.
 
     Raises:
         CallError: there is no such file.
@@ -46,7 +48,7 @@ def open_joined(paths: Sequence[Location]) -> Log:
         StoreError: the store fails.
     """
     if len(paths) == 1:
-        return open_log(paths[0])
+        return _by_time(open_log(paths[0]))
     from dogbot_logtool.reader.containers.merged_log import MergedLog  # noqa: PLC0415
 
     logs: list[Log] = []
@@ -58,6 +60,16 @@ def open_joined(paths: Sequence[Location]) -> Log:
         for log in logs:
             log.close()
         raise
+
+
+def _by_time(log: Log) -> Log:
+    """Return a log merged by time if its chunks are out of order and few of them overlap."""
+    if log.is_in_order():
+        return log
+    from dogbot_logtool.reader.containers.merged_log import MergedLog  # noqa: PLC0415
+
+    merged = MergedLog([log])
+    return merged if merged.largest <= _MOST_AT_ONCE else log
 
 
 def _open_folder(path: Location) -> Log:

@@ -17,7 +17,7 @@ def test_convert_says_what_it_did_on_stderr_only(shell: Shell) -> None:
     done = shell("convert", TROUBLED)
     assert (done.code, done.out) == (0, "")
     assert shell.files() == ["dogbot_troubled.annotated.mcap"]
-    assert "dogbot_troubled.annotated.mcap: 3,659 recorded messages and 4,710 ann" in done.err
+    assert "dogbot_troubled.annotated.mcap: 3,659 recorded messages and 4,708 ann" in done.err
     assert "warning" in done.err
     assert "note" in done.err
 

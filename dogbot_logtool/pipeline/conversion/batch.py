@@ -40,6 +40,8 @@ class Counts:
     """Support messages without a polygon: contact or contact point of some foot unknown."""
     support_unweighed: int = 0
     """Support messages with a polygon, but a vertical force unknown."""
+    out_of_order: int = 0
+    """Messages that were logged earlier than the one before on their channel."""
 
     def __add__(self, other: "Counts") -> "Counts":
         return Counts(
@@ -51,6 +53,7 @@ class Counts:
             self.frames + other.frames,
             self.support_unknown + other.support_unknown,
             self.support_unweighed + other.support_unweighed,
+            self.out_of_order + other.out_of_order,
         )
 
 
@@ -88,7 +91,7 @@ class BatchConverter:
     def _annotated(
         self, span: Span, exchange: StateExchange[BatchState]
     ) -> tuple[Batch, ConvertedBatch]:
-        """Return a batch, and its annotations in finished chunks."""
+        """Return a batch as recorded, and its annotations in finished chunks."""
         plan = self._plan
         columns = plan.reader.read(self._log, span)
         poses = columns.odometry.pick(usable_poses(columns.odometry))
@@ -107,7 +110,7 @@ class BatchConverter:
         )
         written = replace(written, links=links_at_ticks(links, state, plan))
         contacts, support = columns.contacts, written.support
-        return columns.batch, ConvertedBatch(
+        return columns.recorded, ConvertedBatch(
             chunks=tuple(self._finished(written)),
             counts=Counts(
                 arrows=skipped,
@@ -118,6 +121,7 @@ class BatchConverter:
                 frames=placed.counts,
                 support_unknown=sum(scene.unknown for scene in support),
                 support_unweighed=sum(scene.unweighed for scene in support),
+                out_of_order=columns.batch.out_of_order,
             ),
             malformed=columns.malformed,
             recorded=columns.batch.counts,

@@ -45,6 +45,8 @@ class MeasuredBatch:
     malformed: Mapping[int, int]
     implausible: int
     """Poses and contact samples with numbers that no robot reaches."""
+    out_of_order: int
+    """Messages that were logged earlier than the one before on their channel."""
     losses: Sequence[Loss]
     counts: Mapping[int, int]
     """Messages by channel id."""
@@ -90,6 +92,7 @@ class BatchMeasurer:
             times=list((_log_times(log, columns.batch) | stamped).values()),
             malformed=malformed,
             implausible=columns.implausible,
+            out_of_order=columns.batch.out_of_order,
             losses=columns.batch.losses,
             counts=columns.batch.counts,
             stored_size=columns.stored_size,

@@ -1,7 +1,8 @@
-"""Several files of one recording, merged by time: a split series, or one bag a sensor.
+"""Logs merged by time: files of one recording, or one file whose chunks are out of order.
 
-Their chunks may overlap in time, and those of a slow topic span much of the recording. So the
-merged log has chunks of its own: spans of time, each with the messages of all files, by log time.
+Files are those of a split series, or one bag a sensor. Their chunks may overlap in time, and those
+of a slow topic span much of the recording. So the merged log has chunks of its own: spans of time,
+each with the messages of all files, by log time.
 """
 
 from bisect import bisect_right
@@ -71,7 +72,7 @@ class MergedLog(SeveralLogs):
         """Merge logs; they are closed with this one. The first one's name stands for all.
 
         Args:
-            logs: at least two.
+            logs: at least one.
         """
         first, *others = (log.source.path for log in logs)
         self.joined = tuple(others)
@@ -85,8 +86,15 @@ class MergedLog(SeveralLogs):
         contents: Contents = joint_contents(joint.channels, logs, self._channels)
         chunks = [self._chunk(number) for number in range(len(self._windows))]
         super().__init__(first, logs, replace(contents, chunks=chunks))
-        kinds = sorted({log.container for log in logs})
-        self.container = f"{len(logs)} joined logs ({', '.join(kinds)})"
+        kinds = ", ".join(sorted({log.container for log in logs}))
+        self.container = f"{len(logs)} joined logs ({kinds})" if others else kinds
+        self.is_reordered = not others
+
+    @property
+    def largest(self) -> int:
+        """Bytes of the chunks that must be read at once, at most."""
+        sizes = (sum(piece.chunk.size for piece in each.pieces) for each in self._windows)
+        return max(sizes, default=0)
 
     def _chunk(self, number: int) -> Chunk:
         window = self._windows[number]
@@ -183,12 +191,8 @@ def _merged(parts: Sequence[Batch], span: Span, losses: tuple[Loss, ...]) -> Bat
     messages = concatenate_messages(
         [part.messages.shifted(offset) for part, offset in zip(parts, offsets, strict=False)]
     )
-    messages = messages.pick(np.argsort(messages.log_time, kind="stable"))
     buffers = [part.buffer for part in parts] or [np.zeros(1, np.uint8)]
-    # All rows are the first chunk's: sorted by time, those of a chunk are not side by side.
-    rows = [slice(0, len(messages)), *[slice(len(messages), len(messages))] * (len(span) - 1)]
     chunks = tuple(
-        LoadedChunk(chunk, memoryview(b""), 0, own, whole=False)
-        for chunk, own in zip(span, rows, strict=True)
+        LoadedChunk(chunk, memoryview(b""), 0, slice(0, 0), whole=False) for chunk in span
     )
-    return Batch(np.concatenate(buffers), messages, chunks, losses)
+    return Batch(np.concatenate(buffers), messages, chunks, losses).by_time()

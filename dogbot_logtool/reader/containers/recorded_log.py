@@ -57,6 +57,7 @@ class RecordedLog(Log):
         )
         self.container = log.container
         self.joined = log.joined
+        self.is_reordered = log.is_reordered
         self.copies_chunks = log.copies_chunks
         self.annotations = annotations
         self._log = log

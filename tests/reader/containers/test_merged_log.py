@@ -1,7 +1,9 @@
 """Files of one recording, merged: the same results as of the recording in one file."""
 
+import random
 import tempfile
 from collections.abc import Callable
+from contextlib import closing
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -13,7 +15,8 @@ from dogbot_logtool.commands.convert import convert
 from dogbot_logtool.commands.stats import measure
 from dogbot_logtool.errors import CallError
 from dogbot_logtool.pipeline.options import ConvertOptions, StatsOptions, TopicOptions
-from dogbot_logtool.reader.containers import merged_log
+from dogbot_logtool.reader import opening
+from dogbot_logtool.reader.containers import log, merged_log
 from dogbot_logtool.report.documents.stats_json import stats_json
 from tests import forked_cli
 from tests.oracles import walks
@@ -38,16 +41,19 @@ def by_sensor_late_first(entry: walks.Entry) -> str:
 
 def write(folder: Path, ros: int, part: Callable[[walks.Entry], str]) -> list[Path]:
     """Write the walk into several files, with many small chunks."""
-    walk = walks.Walk(ros)
     parts: dict[str, list[walks.Entry]] = {}
     for entry in walks.messages(ros, KIND):
         parts.setdefault(part(entry), []).append(entry)
-    for name, entries in parts.items():
-        if ros == 1:
-            walks._write_bag(folder / f"{name}.bag", walk, entries)
-        else:
-            walks.write_mcap(folder / f"{name}.mcap", walk, entries, chunk_size=20_000)
-    return sorted(folder.iterdir())
+    return sorted(write_file(folder, ros, name, entries) for name, entries in parts.items())
+
+
+def write_file(folder: Path, ros: int, name: str, entries: list[walks.Entry]) -> Path:
+    walk = walks.Walk(ros)
+    if ros == 1:
+        walks._write_bag(folder / f"{name}.bag", walk, entries)
+        return folder / f"{name}.bag"
+    walks.write_mcap(folder / f"{name}.mcap", walk, entries, chunk_size=20_000)
+    return folder / f"{name}.mcap"
 
 
 def figures(paths: list[Path]) -> dict[str, Any]:
@@ -87,6 +93,65 @@ def test_joined_files_give_the_figures_of_the_whole(
     # Many windows of time, over which long chunks reach.
     monkeypatch.setattr(merged_log, "BATCH_SIZE", 30_000)
     assert figures(paths) == whole
+
+
+def later_half_first(entries: list[walks.Entry]) -> list[walks.Entry]:
+    return entries[len(entries) // 2 :] + entries[: len(entries) // 2]
+
+
+def backwards(entries: list[walks.Entry]) -> list[walks.Entry]:
+    return entries[::-1]
+
+
+def late_by_chance(entries: list[walks.Entry]) -> list[walks.Entry]:
+    """Each is written up to 0.2 s after it was received."""
+    chance = random.Random(1)  # noqa: S311 - no secret
+    return sorted(entries, key=lambda entry: entry.log_time + chance.uniform(0.0, 2e8))
+
+
+@pytest.mark.parametrize("order", [later_half_first, backwards, late_by_chance])
+@pytest.mark.parametrize("ros", [1, 2])
+@pytest.mark.parametrize("batch_size", [None, 50_000])
+def test_a_file_out_of_order_gives_the_figures_of_one_in_order(
+    tmp_path: Path,
+    ros: int,
+    order: Callable[[list[walks.Entry]], list[walks.Entry]],
+    batch_size: int | None,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    if batch_size is not None:
+        for module in (log, merged_log):
+            monkeypatch.setattr(module, "BATCH_SIZE", batch_size)
+    entries = order(list(walks.messages(ros, KIND)))
+    found = figures([write_file(tmp_path, ros, "mixed", entries)])
+    notes = [each for each in found["findings"] if each["code"] == "N_OUT_OF_ORDER"]
+    assert len(notes) == 1
+    found["findings"].remove(notes[0])
+    assert found == figures_of_whole(ros)
+
+
+def test_few_messages_out_of_order_are_copied_where_they_stand(tmp_path: Path) -> None:
+    entries = list(walks.messages(2, KIND))
+    entries[50:60] = entries[59:49:-1]
+    path = write_file(tmp_path, 2, "mixed", entries)
+    done = convert(path, tmp_path / "out.mcap", ConvertOptions())
+    assert [f.code for f in done.findings].count("N_OUT_OF_ORDER") == 1
+    with (tmp_path / "out.mcap").open("rb") as file:
+        copied = make_reader(file).iter_messages(log_time_order=False)
+        assert [m.data for _, c, m in copied if not c.metadata] == [e.data for e in entries]
+
+
+def test_chunks_that_all_overlap_are_read_as_they_stand(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Messages from first and last, second and last but one ...: memory would grow with the log."""
+    monkeypatch.setattr(opening, "_MOST_AT_ONCE", 100_000)
+    entries = list(walks.messages(2, KIND))
+    mixed = [e for pair in zip(entries, entries[::-1], strict=True) for e in pair][: len(entries)]
+    path = write_file(tmp_path, 2, "mixed", mixed)
+    with closing(opening.open_joined([path])) as opened:
+        assert not opened.is_in_order()
+        assert not opened.is_reordered
 
 
 def test_the_joined_output_has_every_message_once(
