@@ -37,12 +37,15 @@ CAUGHT: Final = 0.9
 
 
 @cache
-def annotations(module: Path) -> list[tuple[tuple[int, int], tuple[int, int]]]:
-    """Return where type annotations stand, which no test can notice: (line, column) from, to."""
+def unnoticeable(module: Path) -> list[tuple[tuple[int, int], tuple[int, int]]]:
+    """Return what no test of behaviour can notice: (line, column) from, to.
+
+    These are type annotations, and whether records are frozen.
+    """
     found = []
     for node in ast.walk(ast.parse(module.read_text(encoding="utf-8"))):
-        for name in ("annotation", "returns"):
-            part = getattr(node, name, None)
+        parts = [getattr(node, name, None) for name in ("annotation", "returns")]
+        for part in (*parts, *getattr(node, "decorator_list", ())):
             if isinstance(part, ast.expr) and part.end_lineno is not None:
                 end = (part.end_lineno, part.end_col_offset or 0)
                 found.append(((part.lineno, part.col_offset), end))
@@ -51,7 +54,7 @@ def annotations(module: Path) -> list[tuple[tuple[int, int], tuple[int, int]]]:
 
 def is_in_code(mutation: MutationSpec) -> bool:
     """Tell whether a mutation changes what runs."""
-    spans = annotations(mutation.module_path)
+    spans = unnoticeable(mutation.module_path)
     return not any(start <= mutation.start_pos < end for start, end in spans)
 
 

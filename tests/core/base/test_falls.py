@@ -112,6 +112,7 @@ def test_the_second_fall_counts_too() -> None:
             [(1.9, 200.0), (2.0, 0.0), (5.4, 0.0), (5.5, 200.0)],
         ),
         ("is localised anew", [(4.0, 0.45), (4.005, 0.05)], [(0.0, 0.0)], LOADED),
+        ("leans by 50 degrees", STANDS, [(3.0, 0.0), (4.0, np.radians(50.0))], LOADED),
         ("climbs down", [(2.0, 1.45), (8.0, 0.45)], [(0.0, 0.0)], LOADED),
     ],
 )

@@ -8,6 +8,7 @@ import pytest
 
 from dogbot_logtool.core.events.event import STEPS, Event, EventType
 from dogbot_logtool.core.events.events import find_events
+from dogbot_logtool.core.events.steps import early_touchdowns
 from dogbot_logtool.core.statistics import Stats
 from tests.truth import gaits, planted, scenes, time_faults, world_faults
 from tests.truth import sensor_faults as sensor
@@ -22,6 +23,7 @@ RATE_HZ = 250.0
 SAMPLE_S = 1.0 / RATE_HZ
 WITHIN_S = 0.02
 FRONT_RIGHT = 1
+S = 1_000_000_000
 
 
 def walk(*changes: Disturbance, **of: object) -> Recording:
@@ -204,6 +206,32 @@ def test_a_change_of_the_gait_is_found_within_a_stride(
     assert change.type is EventType.GAIT_CHANGE
     assert change.code == code
     assert onset == pytest.approx(first.seconds, abs=0.8)
+
+
+def test_a_gait_that_lasts_between_two_alike_is_two_changes() -> None:
+    recording = TROT.recorded(RATE_HZ)
+    for part in (SLOW, TROT):
+        recording = then(recording, part.recorded(RATE_HZ))
+    changes = [
+        (at, each) for at, each in odd_events(recording) if each.type is EventType.GAIT_CHANGE
+    ]
+    assert [each.code for _, each in changes] == ["trot>walk", "walk>trot"]
+    begins = [TROT.seconds, TROT.seconds + SLOW.seconds]
+    assert [at for at, _ in changes] == pytest.approx(begins, abs=1.0)
+
+
+def test_a_stumble_outside_a_walk_is_none() -> None:
+    leaves, lands = swing_of(FRONT_RIGHT, 6)
+    stumbles = walk(
+        planted.contact("front_right", (leaves + lands) / 2, (leaves + lands) / 2 + 0.05)
+    )
+    stats = measure(stumbles)
+    (segment,) = stats.segments
+    at = stats.origin + round(leaves * 1e9)
+    figures = stats.feet[FRONT_RIGHT]
+    before, after = replace(segment, end=at), replace(segment, start=at + S)
+    assert len(list(early_touchdowns(FRONT_RIGHT, figures, [segment]))) == 1
+    assert list(early_touchdowns(FRONT_RIGHT, figures, [before, after])) == []
 
 
 def test_a_jump_of_the_pose_is_found() -> None:

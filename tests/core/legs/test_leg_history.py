@@ -195,6 +195,25 @@ def test_time_near_limits() -> None:
     assert recorded(whole).near_limit_s == 0.0
 
 
+@pytest.mark.parametrize(
+    ("limits", "of", "most"),
+    [
+        (JointLimits(velocity=3.0), "velocity", 3.0),
+        (JointLimits(effort=5.0), "effort", 5.0),
+    ],
+)
+def test_time_near_the_limit_of_velocity_or_effort(
+    limits: JointLimits, of: str, most: float
+) -> None:
+    """Near is beyond 95 % of it; one is enough."""
+    whole = wave()
+    values = np.abs(getattr(whole, of)[1:, 0])
+    expected = (values > 0.95 * most).sum() * STEP / 1e9
+    assert recorded(whole, limits=limits).near_limit_s == pytest.approx(
+        expected, abs=2 * STEP / 1e9
+    )
+
+
 @pytest.mark.parametrize("bad", [np.nan, np.inf, -np.inf, 1e300])
 def test_hostile_numbers_cost_their_rows(bad: float) -> None:
     whole = wave(3000)

@@ -52,6 +52,18 @@ def odometry_against_feet(odometry: OffsetTrack, **feet: float) -> ClockDifferen
     return found[-1]
 
 
+def test_the_least_offset_of_each_half_second_of_log_time() -> None:
+    log = START + np.array([100, 400, 600, 900, 1600], np.int64) * 1_000_000
+    delay = np.array([30, 20, 50, 70, 10], np.int64) * 1_000_000
+    recorder = OffsetRecorder()
+    for rows in (slice(0, 1), slice(1, 5)):
+        recorder.add(log[rows], (log - delay)[rows])
+    found = recorder.finish()
+    first = START // (S // 2)
+    assert found.window.tolist() == [first, first + 1, first + 3]
+    assert (found.least_ns / 1e6).tolist() == [20.0, 50.0, 10.0]
+
+
 @pytest.mark.parametrize("behind_s", [0.1, -0.1, 0.2, -0.2, 0.3, -0.3])
 @pytest.mark.parametrize("jitter_s", [0.0, 0.004, 0.05])
 def test_an_odometry_with_another_clock_is_apart(behind_s: float, jitter_s: float) -> None:
