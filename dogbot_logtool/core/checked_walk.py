@@ -24,6 +24,7 @@ from dogbot_logtool.core.gait.standing import Standing, standing_in, typical_per
 from dogbot_logtool.core.gait.support_pattern import Support, support
 from dogbot_logtool.core.geometry import timespans
 from dogbot_logtool.core.geometry.arrays import Floats, Ints
+from dogbot_logtool.core.geometry.order_statistics import median_of
 from dogbot_logtool.core.load.load_figures import (
     LoadFigures,
     dead_feet,
@@ -44,6 +45,10 @@ if TYPE_CHECKING:
     from dogbot_logtool.core.recorded.vectors import VectorHistory
 
 
+WHOLE_WEIGHT: Final = 0.005
+"""Share of the weight by which forces that nothing cuts off may miss it."""
+FLAT: Final = 0.8
+"""Mean over highest force of a nearly rectangular stance; that of half a sine is 0.64."""
 MOST_PUSH: Final = 0.05
 """Share of the weight that feet may push a robot on, over whole stances, that does not speed up."""
 
@@ -345,7 +350,7 @@ def _foot_checks(
     return tuple(
         FootChecks(
             is_dead=is_dead,
-            is_saturated=_is_saturated(settings, records, row),
+            is_saturated=_is_saturated(settings, records, row, loads),
             is_refuted=bool(settings.sensor(row).level.reason and steps_missing),
             direction_known=not (loads.direction_refuted or tilted),
             vertical_known=not (loads.vertical_refuted or loads.other_units),
@@ -356,8 +361,23 @@ def _foot_checks(
     )
 
 
-def _is_saturated(settings: StatsSettings, records: Sequence[FootHistory], row: int) -> bool:
-    """Tell whether a foot's sensor is cut off at a limit, in an axis or in the magnitude."""
+def _is_saturated(
+    settings: StatsSettings, records: Sequence[FootHistory], row: int, loads: LoadFigures
+) -> bool:
+    """Tell whether a foot's sensor is cut off at a limit, in an axis or in the magnitude.
+
+    Flat forces that carry the whole weight, as some simulators make them, are not.
+    """
     level = settings.sensor(row).level
+    ratio = loads.vertical_impulse_over_weight
+    if ratio is not None and abs(ratio - 1.0) <= WHOLE_WEIGHT and _is_flat(records[row]):
+        return False
     others = [each for other, each in enumerate(records) if other != row]
     return level.limit_n is not None or is_saturated(records[row], others, level.resolution_n)
+
+
+def _is_flat(foot: FootHistory) -> bool:
+    """Tell whether a foot's force is near its highest for most of a stance."""
+    figures = foot.stances.figures
+    share = (figures.mean_n / figures.peak_n)[figures.peak_n > 0.0]
+    return len(share) > 0 and float(median_of(share)) >= FLAT

@@ -39,6 +39,7 @@ def groups() -> dict[str, tuple[Case, ...]]:
         "Noise that looks like steps": tuple(combined_cases.noisy()),
         "Found by trying at random": tuple(combined_cases.combined()),
         "Some feet only": tuple(habit_cases.some_feet()),
+        "Forces flat on top": tuple(habit_cases.flat_tops()),
         "Levels that move": tuple(habit_cases.moving_levels()),
         "Transforms of other legs": tuple(habit_cases.transforms()),
         "Other axes": (*habit_cases.axes(), *habit_cases.sides(), *habit_cases.drifting_height()),

@@ -33,6 +33,15 @@ def some_feet() -> Iterator[Case]:
         yield Case(name, recorder(walk, _without(*feet), UNKNOWN_MASS), missing, missing)
 
 
+def flat_tops() -> Iterator[Case]:
+    """Forces of a simulator without noise: flat, but not cut off."""
+    for name, walk in (
+        ("trot", Walk(ramp=0.15, traction=0.0)),
+        ("slow walk", Walk(gait=gaits.WALK, period_s=1.2, ramp=0.08, traction=0.0)),
+    ):
+        yield Case(f"flat forces without noise, {name}", recorder(walk))
+
+
 def moving_levels() -> Iterator[Case]:
     """Sensors of which the level without load moves in the course of the log."""
     walk = Walk(seconds=20.0)

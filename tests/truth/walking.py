@@ -54,6 +54,8 @@ class Walk:
     """Of the weight, by foot; None: equal ones."""
     hump: float = 0.2
     """q of the force curve."""
+    ramp: float | None = None
+    """Share of a stance in which a force that is flat on top rises, and falls; None: the curve."""
     traction: float = 0.1
     """B over the mean vertical force of a stance."""
     link_swing_rad: float = 0.4
@@ -83,6 +85,8 @@ class Walk:
 
     def peak_vertical_n(self, foot: int) -> float:
         """Highest vertical force of a foot on level ground."""
+        if self.ramp is not None:
+            return self.mean_vertical_n(foot) / (1.0 - self.ramp)
         q = self.hump
         amplitude = self.mean_vertical_n(foot) * np.pi / (2.0 + 2.0 * q / 3.0)
         if q <= 1.0 / 9.0:
@@ -115,6 +119,9 @@ class Walk:
         mean = self.mean_vertical_n(foot)
         curve = np.sin(np.pi * s) + self.hump * np.sin(3.0 * np.pi * s)
         vertical = mean * np.pi / (2.0 + 2.0 * self.hump / 3.0) * curve
+        if self.ramp is not None:
+            risen = np.clip(np.minimum(s, 1.0 - s) / self.ramp, 0.0, 1.0)
+            vertical = self.peak_vertical_n(foot) * risen
         along = -self.traction * mean * np.sin(2.0 * np.pi * s)
         up = np.array([0.0, 0.0, 1.0])
         return np.asarray(vertical[:, None] * up + along[:, None] * self._forward())

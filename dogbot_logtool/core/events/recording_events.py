@@ -39,7 +39,7 @@ def sensor_faults(stats: Stats) -> Iterator[Event]:
             yield _fault(int(stances.touchdown[0]), int(stances.liftoff[-1]), row, "W_STUCK")
         for start, end in stopped:
             yield _fault(start, end, row, "W_STOPPED")
-        if is_saturated(record, others):
+        if foot.is_saturated and is_saturated(record, others):
             cut_off = np.flatnonzero(saturated_stances(record))
             first, last = int(cut_off[0]), int(cut_off[-1])
             limit = float(stances.figures.peak_n[first])
