@@ -178,11 +178,29 @@ def find_feet(log: Log, robot: Robot, findings: list[Finding]) -> tuple[Robot, F
             if foot.topic not in recorded:
                 text = f"foot {foot.name} has no messages: there is no topic {foot.topic}"
                 findings.append(Finding("W_FOOT_MISSING", text, foot.topic))
-        return replace(robot, feet=feet), None
+        unnamed = _unnamed(log, feet)
+        for foot in unnamed:
+            options = f"--foot {foot.name}={shlex.quote(foot.topic)}"
+            text = f"{foot.topic} is like the feet of {robot.name}, but none of them ({options})"
+            findings.append(Finding("W_FOOT_MISSING", text, foot.topic))
+        # Their messages are not read, so that what rests on all feet is not known.
+        missing = (replace(foot, topic="", element=None, label="") for foot in unnamed)
+        return replace(robot, feet=(*feet, *missing)), None
     found, offered = _feet_by_names(log, findings)
     if not found and not offered:
         findings.append(Finding("W_NO_FEET", _without_feet(topics, recorded)))
     return replace(robot, feet=found), _offer(offered) if offered and not found else None
+
+
+def _unnamed(log: Log, feet: Sequence[Foot]) -> list[Foot]:
+    """Return the feet that types and names of topics tell beside those that are named."""
+    found, _ = _feet_by_names(log, [])
+    known = {(foot.topic, foot.element) for foot in feet}
+    if not known < {(foot.topic, foot.element) for foot in found}:
+        return []
+    names = {foot.name for foot in feet}
+    others = [foot for foot in found if foot.topic and (foot.topic, foot.element) not in known]
+    return [] if names.intersection(foot.name for foot in others) else others
 
 
 def _feet_by_names(log: Log, findings: list[Finding]) -> tuple[tuple[Foot, ...], Sequence[FootSet]]:

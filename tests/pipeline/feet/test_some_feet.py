@@ -53,3 +53,35 @@ def test_a_drafted_robot_file_leaves_its_topic_out(tmp_path: Path) -> None:
     assert list(dl.measure(path, robot=str(tmp_path / "robot.toml")).stats["feet"]) == list(
         CORNERS[:3]
     )
+
+
+@pytest.mark.parametrize("says", ["file", "options"])
+def test_feet_that_the_user_leaves_out_are_missing(says: str, tmp_path: Path) -> None:
+    """What rests on all feet is not known, and the words that add one are said."""
+    path = logged(tmp_path, dict.fromkeys(CORNERS, CONTACTS))
+    topics = {name: f"/{name}/contact" for name in CORNERS[:3]}
+    if says == "file":
+        robot = tmp_path / "three.toml"
+        feet = (f'[feet.{name}]\ntopic = "{topic}"\n' for name, topic in topics.items())
+        robot.write_text('name = "three"\n' + "".join(feet))
+        found = dl.measure(path, robot=str(robot)).stats
+    else:
+        found = dl.measure(path, foot=topics).stats
+    assert {name: foot["topic"] for name, foot in found["feet"].items()} == topics | {
+        "back_right": ""
+    }
+    assert found["gait"]["support"] is None
+    assert found["forces"]["load_share"] is None
+    (missing,) = (each for each in found["findings"] if each["code"] == "W_FOOT_MISSING")
+    assert "--foot back_right=/back_right/contact" in missing["text"]
+
+
+def test_hands_are_no_feet_that_were_left_out(tmp_path: Path) -> None:
+    topics = {
+        f"/{side}_{limb}/wrench": WRENCH for side in ("left", "right") for limb in ("foot", "hand")
+    }
+    path = write_log(tmp_path / "log.mcap", topics, odometry=["/odom"], samples=200)
+    feet = {side: f"/{side}_foot/wrench" for side in ("left", "right")}
+    found = dl.measure(path, foot=feet).stats
+    assert list(found["feet"]) == ["left", "right"]
+    assert "W_FOOT_MISSING" not in {each["code"] for each in found["findings"]}
