@@ -30,6 +30,8 @@ from dogbot_logtool.reader.decode.message_table import concatenate_messages
 
 _EARLIEST: Final = -(1 << 62)
 _LATEST: Final = 1 << 62
+_LEAST_SIZE: Final = 1 << 12
+"""Bytes that a chunk counts as, however small it says it is: each is looked after."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -90,12 +92,6 @@ class MergedLog(SeveralLogs):
         self.container = f"{len(logs)} joined logs ({kinds})" if others else kinds
         self.is_reordered = not others
 
-    @property
-    def largest(self) -> int:
-        """Bytes of the chunks that must be read at once, at most."""
-        sizes = (sum(piece.chunk.size for piece in each.pieces) for each in self._windows)
-        return max(sizes, default=0)
-
     def _chunk(self, number: int) -> Chunk:
         window = self._windows[number]
         own = [piece for piece in window.pieces if window.begins(piece)]
@@ -151,6 +147,16 @@ class MergedLog(SeveralLogs):
         """Close all files."""
         self._last.clear()
         super().close()
+
+
+def most_at_once(chunks: Sequence[Chunk]) -> float:
+    """Return the bytes of the chunks that overlap at any one time, at most."""
+    pieces = [_Piece(0, chunk) for chunk in chunks]
+    size = np.array([max(piece.chunk.size, _LEAST_SIZE) for piece in pieces], np.float64)
+    time = np.array([[piece.start for piece in pieces], [piece.end for piece in pieces]]).ravel()
+    # Of what ends as something begins, both count.
+    order = np.lexsort((np.arange(len(time)) >= len(size), time))
+    return float(np.cumsum(np.concatenate([size, -size])[order]).max(initial=0.0))
 
 
 def _windows(pieces: Sequence[_Piece]) -> list[_Window]:
