@@ -2,8 +2,8 @@
 
 Each mutant is one small change that cosmic-ray makes (another operator, another number, a
 condition turned round) in a copy of the checkout. The tests of the changed file's own folder run
-first, and all tests of the room where these do not notice. A mutant that no test notices has
-survived. ``make mutants`` tries a sample of `core`.
+first, and where these do not notice those of the core, of known truth, and of commands. A mutant
+that no test notices has survived. ``make mutants`` tries a sample of `core`.
 """
 
 import argparse
@@ -32,6 +32,7 @@ _NOT_COPIED: Final = shutil.ignore_patterns(
     ".*", "build", "*.egg-info", "__pycache__", "demo_output"
 )
 _PATIENCE_S: Final = 600.0
+NOTICING: Final = ("tests/core", "tests/truth", "tests/commands")
 CAUGHT: Final = 0.9
 """Share of the mutants that tests must notice."""
 
@@ -117,7 +118,7 @@ def command(tests: Sequence[str]) -> list[str]:
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--room", default="core", help="folder of the package")
-    parser.add_argument("--tests", nargs="*", default=["tests/core"], help="what should notice")
+    parser.add_argument("--tests", nargs="*", default=NOTICING, help="what should notice")
     parser.add_argument("--count", type=int, default=60, help="mutants to try")
     parser.add_argument("--seed", type=int, default=1, help="another sample")
     arguments = parser.parse_args()
