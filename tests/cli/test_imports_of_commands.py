@@ -18,7 +18,7 @@ SLOW: Final = {"numpy.ma", "multiprocessing", "concurrent.futures", "asyncio", "
         (["convert", str(BAG), "-o", "out.mcap", "-q", "--jobs", "1"], {"rich"}),
     ],
 )
-def test_not_loaded(words: list[str], slow: set[str], tmp_path: Path) -> None:
+def test_slow_libraries_are_not_loaded(words: list[str], slow: set[str], tmp_path: Path) -> None:
     done = subprocess.run(  # noqa: S603 - this program
         [sys.executable, "-X", "importtime", "-m", "dogbot_logtool", *words],
         cwd=tmp_path,

@@ -48,7 +48,9 @@ def test_cut_anywhere(tmp_path: Path, case: Case, every: int) -> None:
     max_examples=50, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture]
 )
 @given(mutations=MUTATIONS)
-def test_any_harm(tmp_path: Path, case: Case, mutations: list[Mutation]) -> None:
+def test_random_harm_makes_nothing_up_and_hides_nothing(
+    tmp_path: Path, case: Case, mutations: list[Mutation]
+) -> None:
     read_harmed(tmp_path, case, mutations)
 
 

@@ -253,7 +253,7 @@ def test_no_figure_is_higher_than_the_paper(
         plots = "document.querySelectorAll('.plot')"
         sizes = "[each._fullLayout.height, each.clientHeight]"
         heights = window.run(f"return [...{plots}].flatMap((each) => {sizes})")
-        return bool(heights == [wanted] * len(heights))
+        return set(heights) == {wanted}
 
     for event, wanted in (("beforeprint", 900), ("afterprint", 1600)):
         window.run(f"dispatchEvent(new Event('{event}'))")
