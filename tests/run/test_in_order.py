@@ -246,7 +246,10 @@ def test_an_interruption_ends_all_processes() -> None:
 def test_no_process_outlives_the_first_one() -> None:
     script = """
 import os, time
+from dogbot_logtool.run import forked
 from dogbot_logtool.run.in_order import in_order_with_state
+
+forked._LOOK_EVERY_S = 0.05
 
 def work(item, exchange):
     state = exchange.receive()
@@ -275,7 +278,10 @@ for _, worker in in_order_with_state(work, range(10_000), 3, 0, forks=True):
 def test_a_process_amid_long_work_ends_with_the_first_one(number: signal.Signals) -> None:
     script = """
 import os, signal, time
+from dogbot_logtool.run import forked
 from dogbot_logtool.run.in_order import in_order
+
+forked._LOOK_EVERY_S = 0.05
 
 def work(item):
     if item == 0:

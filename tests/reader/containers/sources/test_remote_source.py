@@ -268,7 +268,7 @@ def test_what_a_server_answers_is_said(
 ) -> None:
     monkeypatch.setattr(storage, "FIRST_WAIT_S", 0.01)
     server = http.server.ThreadingHTTPServer(("127.0.0.1", 0), Refusing)
-    threading.Thread(target=server.serve_forever, daemon=True).start()
+    threading.Thread(target=server.serve_forever, args=(0.02,), daemon=True).start()
     url = f"http://127.0.0.1:{server.server_port}/{status}/x.mcap"
     try:
         with pytest.raises(error) as raised:
