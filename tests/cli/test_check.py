@@ -45,7 +45,7 @@ def test_an_unknown_figure_ends_with_1_unless_its_rule_allows_it(tmp_path: Path)
 
 def test_several_logs_as_json_and_junit(tmp_path: Path) -> None:
     limits = '[[rule]]\nfigure = "gait.class"\nequals = "trot"\nname = "it trots"'
-    ended = check(tmp_path, limits, TROT, WALK, "--json", "--junit", "checked.xml")
+    ended = check(tmp_path, limits, TROT, WALK, "--json", "--junit", "checked.xml", "--jobs", 1)
 
     assert ended.returncode == 1
     assert [(each["status"], each["rules"][0]["value"]) for each in json.loads(ended.stdout)] == [
@@ -63,7 +63,7 @@ def test_several_logs_as_json_and_junit(tmp_path: Path) -> None:
 def test_a_log_that_cannot_be_read_is_an_error_of_its_own(tmp_path: Path) -> None:
     (tmp_path / "odd.bag").write_bytes(b"nothing")
     limits = '[[rule]]\nfinding = "E_*"'
-    ended = check(tmp_path, limits, TROT, "odd.bag", "--junit", "checked.xml")
+    ended = check(tmp_path, limits, TROT, "odd.bag", "--junit", "checked.xml", "--jobs", 1)
 
     assert ended.returncode == 1
     suites = ET.parse(tmp_path / "checked.xml").getroot()  # noqa: S314 - our own

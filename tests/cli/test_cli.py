@@ -290,7 +290,7 @@ def test_without_matplotlib_it_is_said_how_to_install_it(
 
 
 def test_info_of_several_logs(shell: Shell) -> None:
-    done = shell("info", SHORT, "nothing.bag", TROUBLED, "--json")
+    done = shell("info", SHORT, "nothing.bag", TROUBLED, "--json", "--jobs", 1)
     assert done.code == 2
     assert [bool(one.get("error")) for one in done.json] == [False, True, False]
     assert done.err == "error: 1 of 3 logs could not be done\n  nothing.bag  no such file\n"

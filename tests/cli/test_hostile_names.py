@@ -90,10 +90,10 @@ each_call = pytest.mark.parametrize("words", CALLS.values(), ids=CALLS)
 
 
 def command(words: Sequence[str], count: int) -> list[str]:
-    """Return the words of a call with the first of the logs; some go through other processes."""
+    """Return the words of a call with the first of the logs; `convert` takes several processes."""
     logs = [f"=walk\n{EVIL}[red].mcap", f"cut{EVIL}.mcap", f"bad\n{EVIL}.bag"]
     count = {"layout": 1, "compare": 2}.get(words[0], count)
-    alone = ["--jobs", "1"] if words[0] in {"info", "stats"} else []
+    alone = ["--jobs", "1"] if words[0] in {"info", "stats", "report"} else []
     return [*words, *alone, *logs[:count]]
 
 

@@ -156,7 +156,9 @@ def test_a_terminal_shows_in_the_end_what_a_pipe_gets(
     tmp_path: Path, command: str, logs: list[Path]
 ) -> None:
     output = {"convert": ["-o", "./", "--overwrite"], "info": ["--frames"]}.get(command, [])
-    words = [command, *map(str, logs), *output]
+    # What several processes do is shown by any command alike.
+    jobs = ["--jobs", "1"] if len(logs) > 1 and command != "stats" else []
+    words = [command, *map(str, logs), *output, *jobs]
     size = {"COLUMNS": "160", "LINES": "200", "TERM": "xterm"}
     done = forked_cli.run(*words, folder=tmp_path, environment=size, stderr=subprocess.STDOUT)
     code, shown = forked_cli.run_on_terminal(*words, folder=tmp_path, environment=size)

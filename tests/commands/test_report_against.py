@@ -16,7 +16,7 @@ def test_a_page_of_two_groups(tmp_path: Path) -> None:
         (tmp_path / side).mkdir()
         for number in (1, 2):
             shutil.copy(TROT, tmp_path / side / f"{number}.bag")
-    words = ("yesterday", "--against", "today", "-o", "both.html", "--json")
+    words = ("yesterday", "--against", "today", "-o", "both.html", "--json", "--jobs", 1)
     ended = run("report", *words, folder=tmp_path)
 
     assert ended.returncode == 0

@@ -45,7 +45,7 @@ def test_what_was_done_is_said_and_damaged_logs_are_named(tmp_path: Path) -> Non
     (tmp_path / "cut.bag").write_bytes(TROT.read_bytes()[:900_000])
     (tmp_path / "sound.bag").write_bytes(TROUBLED.read_bytes())
     (tmp_path / "no.bag").write_bytes(b"nothing of the kind")
-    first = stats(tmp_path, ".", jobs=2)
+    first = stats(tmp_path, ".")
     assert (first.returncode, first.stdout) == (1, "")
     assert "figures: 2 measured, 1 failed; 1 damaged\n damage  cut.bag: " in first.stderr
     assert " bytes lost\n" in first.stderr
@@ -131,7 +131,7 @@ def server(tmp_path: Path) -> Iterator[str]:
 
 def test_urls_that_differ_in_their_query_are_two_logs(tmp_path: Path, server: str) -> None:
     urls = [f"{server}?run={run}&token=secret" for run in (1, 2)]
-    done = stats(tmp_path, *urls, jobs=2)
+    done = stats(tmp_path, *urls)
     assert done.returncode == 3, done.stderr
     assert [row["log"] for row in rows(tmp_path)] == [server, server]
     assert len({row["log_id"] for row in rows(tmp_path)}) == 2
@@ -153,7 +153,7 @@ def test_logs_of_a_robot_and_month_share_a_file_of_each_table(tmp_path: Path) ->
     for name in ("a", "b", "c"):
         shutil.copy(TROUBLED, tmp_path / f"{name}.bag")
     assert stats(tmp_path, "b.bag").returncode == 0
-    assert stats(tmp_path, ".", jobs=2).returncode == 0
+    assert stats(tmp_path, ".").returncode == 0
     for table in ("logs", "feet", "strides", "events"):
         assert files(tmp_path, table) == [f"{table}/robot=dogbot/month=unknown/part-0000.parquet"]
         names = [row["log"].rpartition("/")[2] for row in rows(tmp_path, table)]

@@ -68,7 +68,7 @@ def test_a_long_name_has_a_line_of_its_own() -> None:
         ["info", "--frames", LONG],
         ["convert", "-v", LONG, "-o", f"x_{LONG}.mcap"],
         ["compare", str(TROT), str(TROUBLED)],
-        ["stats", LONG, str(TROUBLED)],
+        ["stats", LONG, str(TROUBLED), "--jobs", "1"],
         ["stats", LONG, "-v"],
     ],
     ids=lambda words: words[0],
@@ -93,7 +93,7 @@ def test_no_command_breaks_a_word(tmp_path: Path, words: list[str]) -> None:
 
 def test_a_damaged_log_is_marked_among_several(tmp_path: Path) -> None:
     (tmp_path / LONG).write_bytes(TROT.read_bytes()[:-200_000])
-    done = run("stats", TROT, LONG, folder=tmp_path)
+    done = run("stats", TROT, LONG, "--jobs", 1, folder=tmp_path)
     assert done.returncode == 3
     heading, whole, *cut = done.stdout.splitlines()
     assert heading.split()[-1] == "damage"
