@@ -3,6 +3,8 @@
 import json
 import shutil
 from collections import Counter
+from collections.abc import Callable
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -42,6 +44,21 @@ def converted(log: Path, target: Path, **options: Any) -> Conversion:
     return convert(log, target, ConvertOptions(**options))
 
 
+Once = Callable[[Path, str], tuple[Path, Conversion]]
+
+
+@pytest.fixture(scope="module")
+def once_annotated(tmp_path_factory: pytest.TempPathFactory) -> Once:
+    """Return what annotates a log in an encoding, once for all tests that only read the file."""
+
+    @cache
+    def annotate(log: Path, encoding: str) -> tuple[Path, Conversion]:
+        target = tmp_path_factory.mktemp("annotated") / "once.mcap"
+        return target, converted(log, target, encoding=encoding)
+
+    return annotate
+
+
 def same(expected: Path, actual: Path) -> bool:
     return compare(expected, actual, CompareOptions()).exit_code == 0
 
@@ -69,9 +86,11 @@ EACH_CASE = pytest.mark.parametrize(
 
 
 @EACH_CASE
-def test_annotating_again_gives_the_same(tmp_path: Path, log: Path, encoding: str) -> None:
-    once, again, third = (tmp_path / f"{number}.mcap" for number in range(3))
-    first = converted(log, once, encoding=encoding)
+def test_annotating_again_gives_the_same(
+    tmp_path: Path, once_annotated: Once, log: Path, encoding: str
+) -> None:
+    once, first = once_annotated(log, encoding)
+    again, third = tmp_path / "again.mcap", tmp_path / "third.mcap"
     second = converted(once, again, encoding=encoding)
     # A log that is no MCAP has chunks of its own kind.
     assert log is not WALK or once.read_bytes() == again.read_bytes()
@@ -109,9 +128,11 @@ def figures(log: Path) -> dict[str, Any]:
 
 
 @pytest.mark.parametrize(("log", "encoding"), [(LONG, "foxglove"), (LONG, "ros1"), (WALK, "ros2")])
-def test_figures_are_those_of_the_log_itself(tmp_path: Path, log: Path, encoding: str) -> None:
-    converted(log, tmp_path / "x.mcap", encoding=encoding)
-    assert figures(tmp_path / "x.mcap") == figures(log)
+def test_figures_are_those_of_the_log_itself(
+    once_annotated: Once, log: Path, encoding: str
+) -> None:
+    once, _ = once_annotated(log, encoding)
+    assert figures(once) == figures(log)
 
 
 def repacked(log: Path, target: Path, *, chunk_size: int) -> Path:
@@ -154,9 +175,11 @@ def _chunks(path: Path) -> list[Chunk]:
 
 @pytest.mark.parametrize("chunk_size", [20_000, 1 << 26], ids=["small", "one chunk"])
 @pytest.mark.parametrize("encoding", ENCODINGS)
-def test_chunks_may_hold_both(tmp_path: Path, encoding: str, chunk_size: int) -> None:
-    once, again = tmp_path / "once.mcap", tmp_path / "again.mcap"
-    first = converted(TROUBLED, once, encoding=encoding)
+def test_chunks_may_hold_both(
+    tmp_path: Path, once_annotated: Once, encoding: str, chunk_size: int
+) -> None:
+    once, first = once_annotated(TROUBLED, encoding)
+    again = tmp_path / "again.mcap"
     mixed = repacked(once, tmp_path / "mixed.mcap", chunk_size=chunk_size)
     done = converted(mixed, again, encoding=encoding)
     assert (done.copied, done.annotations) == (first.copied, first.annotations)
@@ -172,7 +195,11 @@ def test_chunks_may_hold_both(tmp_path: Path, encoding: str, chunk_size: int) ->
     ("encoding", "times"), [*((encoding, 1) for encoding in ENCODINGS), ("ros1", 2)]
 )
 def test_files_without_marks_are_told_by_topics_and_definitions(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, encoding: str, times: int
+    tmp_path: Path,
+    once_annotated: Once,
+    monkeypatch: pytest.MonkeyPatch,
+    encoding: str,
+    times: int,
 ) -> None:
     """Until now, channels were not marked, and all that was there was taken for recorded."""
     old = LONG
@@ -187,8 +214,8 @@ def test_files_without_marks_are_told_by_topics_and_definitions(
             old = target
     assert not any(channel.metadata.get("dogbot_logtool") for channel in channels(old))
     assert len(records(old)) == times
-    new, again = tmp_path / "new.mcap", tmp_path / "again.mcap"
-    converted(LONG, new, encoding=encoding)
+    new, _ = once_annotated(LONG, encoding)
+    again = tmp_path / "again.mcap"
     converted(old, again, encoding=encoding)
     assert same(new, again)
     assert figures(old) == figures(LONG)
@@ -226,10 +253,9 @@ def _with_marks_removed(log: Path, target: Path) -> Path:
     return target
 
 
-def test_a_cut_file_is_told_by_its_marks(tmp_path: Path) -> None:
+def test_a_cut_file_is_told_by_its_marks(tmp_path: Path, once_annotated: Once) -> None:
     """The record that tells how it was made is at the end."""
-    once = tmp_path / "once.mcap"
-    converted(TROUBLED, once)
+    once, _ = once_annotated(TROUBLED, "foxglove")
     cut = tmp_path / "cut.mcap"
     cut.write_bytes(once.read_bytes()[:-20_000])
     done = converted(cut, tmp_path / "again.mcap")
@@ -260,9 +286,10 @@ def test_a_part_of_an_annotated_log_is_a_part_of_that_log(tmp_path: Path) -> Non
     assert (record.metadata["input"], record.metadata["start_s"]) == ("once.mcap", "")
 
 
-def test_a_directory_of_a_ros2_bag_may_hold_an_annotated_file(tmp_path: Path) -> None:
-    once = tmp_path / "once.mcap"
-    first = converted(WALK, once, encoding="ros2")
+def test_a_directory_of_a_ros2_bag_may_hold_an_annotated_file(
+    tmp_path: Path, once_annotated: Once
+) -> None:
+    once, first = once_annotated(WALK, "ros2")
     folder = tmp_path / "walk"
     folder.mkdir()
     shutil.copy(once, folder / "walk_0.mcap")
@@ -294,10 +321,10 @@ def test_info_tells_annotations_from_what_was_recorded(shell: Shell, *, copy: bo
     assert f"its {count:,} annotations are left out" in finding["text"]
 
 
-def test_frames_of_annotations_are_shown_but_not_heeded(shell: Shell) -> None:
-    converted(TROUBLED, shell.folder / "x.mcap", encoding="ros1")
+def test_frames_of_annotations_are_shown_but_not_heeded(shell: Shell, once_annotated: Once) -> None:
+    once, _ = once_annotated(TROUBLED, "ros1")
     plain = shell("info", TROUBLED, "--frames", "--json").json["frames"]
-    told = shell("info", "x.mcap", "--frames", "--json").json["frames"]
+    told = shell("info", once, "--frames", "--json").json["frames"]
     assert plain["added"] == told["added"]
     assert "base_link" in json.dumps(told)
 
