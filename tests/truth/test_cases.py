@@ -1,5 +1,7 @@
 """Each kind of log is measured right, or its figures are null and a finding names the cause."""
 
+import re
+from collections import defaultdict
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -10,14 +12,20 @@ from tests.truth.cases import all_cases
 from tests.truth.judging import Case, faults, judge
 from tests.truth.outcome import outcome
 
-VARIANTS = (", mirrored", " from mid-cycle")
+VARIANT = re.compile(r", mirrored$| from mid-cycle$")
 """Ends of names of gaits that are also there as they are."""
+NUMBER = re.compile(r"[+-]?\d+(\.\d+)?")
 
 
 def each_case() -> Iterator[Any]:
+    """Yield all cases; of those that differ in numbers only, the first and the last are quick."""
+    alike = defaultdict(list)
     for case in all_cases():
-        marks = [pytest.mark.slow] if case.name.endswith(VARIANTS) else []
-        yield pytest.param(case, id=case.name, marks=marks)
+        alike[NUMBER.sub("0", case.name)].append(case)
+    for kind, cases in alike.items():
+        for case in cases:
+            is_quick = case in {cases[0], cases[-1]} and not VARIANT.search(kind)
+            yield pytest.param(case, id=case.name, marks=() if is_quick else pytest.mark.slow)
 
 
 @pytest.mark.parametrize("case", list(each_case()))
