@@ -21,6 +21,7 @@ from hypothesis import strategies as st
 
 from dogbot_logtool.errors import LogError, LogtoolError
 from dogbot_logtool.run.in_order import StateExchange, in_order, in_order_with_state, one_by_one
+from tests.run.work import wait_for_the_end_of
 
 FORKS = [False, *([True] if sys.platform == "linux" else [])]
 FROZEN = gc.get_freeze_count()
@@ -267,10 +268,7 @@ for _, worker in in_order_with_state(work, range(10_000), 3, 0, forks=True):
         workers = {int(next(process.stdout)) for _ in range(6)}
         process.kill()
     assert len(workers) == 3
-    deadline = time.monotonic() + 30.0
-    while any(Path(f"/proc/{worker}").exists() for worker in workers):
-        assert time.monotonic() < deadline
-        time.sleep(0.01)
+    wait_for_the_end_of(*workers)
 
 
 @pytest.mark.skipif(True not in FORKS, reason="processes are not forked here")
@@ -299,10 +297,7 @@ list(in_order(work, range(4), 3, forks=True))
         workers = {int(next(process.stdout)) for _ in range(3)}
         process.send_signal(number)
         process.communicate(timeout=30.0)
-    deadline = time.monotonic() + 30.0
-    while any(Path(f"/proc/{worker}").exists() for worker in workers):
-        assert time.monotonic() < deadline
-        time.sleep(0.01)
+    wait_for_the_end_of(*workers)
 
 
 @pytest.mark.skipif(True not in FORKS, reason="processes are not forked here")

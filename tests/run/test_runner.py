@@ -20,7 +20,7 @@ from dogbot_logtool.run.in_order import OnProgress
 from dogbot_logtool.run.processes import ProcessRunner
 from dogbot_logtool.run.runner import Failure, Runner, attempt
 from tests.paths import ROOT
-from tests.run.work import Progress, work
+from tests.run.work import Progress, wait_for_the_end_of, work
 
 
 def outcomes(runner: Runner[Any], folder: Path, *items: str) -> tuple[list[Any], Progress]:
@@ -90,13 +90,6 @@ def wait_for_endless(folder: Path, count: int) -> list[int]:
         assert time.monotonic() < end
         time.sleep(0.01)
     return [int(file.suffix[1:]) for file in begun]
-
-
-def wait_for_the_end_of(*processes: int) -> None:
-    end = time.monotonic() + 60.0
-    while any(Path(f"/proc/{process}").exists() for process in processes):
-        assert time.monotonic() < end
-        time.sleep(0.01)
 
 
 def test_closing_ends_the_workers_and_nothing_else(tmp_path: Path) -> None:

@@ -68,3 +68,19 @@ def endless(folder: Path) -> None:
             time.sleep(60.0)
     finally:
         begun.unlink()
+
+
+def wait_for_the_end_of(*processes: int) -> None:
+    """Wait until processes have ended, also where nothing has asked yet how they did."""
+    end = time.monotonic() + 60.0
+    while any(map(_is_running, processes)):
+        assert time.monotonic() < end
+        time.sleep(0.01)
+
+
+def _is_running(process: int) -> bool:
+    try:
+        status = Path(f"/proc/{process}/stat").read_text(encoding="utf-8")
+    except (FileNotFoundError, ProcessLookupError):
+        return False
+    return status.rpartition(")")[2].split()[0] != "Z"
