@@ -66,9 +66,9 @@ def _by_time(log: Log) -> Log:
     """Return a log merged by time if its chunks are out of order and few of them overlap."""
     if log.is_in_order():
         return log
-    from dogbot_logtool.reader.containers.merged_log import MergedLog, most_at_once  # noqa: PLC0415
+    from dogbot_logtool.reader.containers.merged_log import ReorderedLog, most_at_once  # noqa: PLC0415
 
-    return MergedLog([log]) if most_at_once(log.chunks) <= _MOST_AT_ONCE else log
+    return ReorderedLog(log) if most_at_once(log.chunks) <= _MOST_AT_ONCE else log
 
 
 def _open_folder(path: Location) -> Log:

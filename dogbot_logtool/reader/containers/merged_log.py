@@ -13,11 +13,11 @@ from typing import Final
 
 import numpy as np
 
-from dogbot_logtool.core.geometry.arrays import Flags
+from dogbot_logtool.core.geometry.arrays import Flags, Ints
 from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.reader.containers.batch import Batch, LoadedChunk
 from dogbot_logtool.reader.containers.chunks.packed_messages import unpacked
-from dogbot_logtool.reader.containers.contents import Chunk, Contents
+from dogbot_logtool.reader.containers.contents import Chunk, Contents, Extra
 from dogbot_logtool.reader.containers.log import BATCH_SIZE, Log, Span
 from dogbot_logtool.reader.containers.loss import Loss
 from dogbot_logtool.reader.containers.rosbag2.joined_log import (
@@ -26,6 +26,7 @@ from dogbot_logtool.reader.containers.rosbag2.joined_log import (
     joint_contents,
     loss_in_file,
 )
+from dogbot_logtool.reader.containers.sources.source import ByteSource
 from dogbot_logtool.reader.decode.message_table import concatenate_messages
 
 _EARLIEST: Final = -(1 << 62)
@@ -74,23 +75,31 @@ class MergedLog(SeveralLogs):
         """Merge logs; they are closed with this one. The first one's name stands for all.
 
         Args:
-            logs: at least one.
+            logs: at least two.
         """
-        first, *others = (log.source.path for log in logs)
-        self.joined = tuple(others)
         joint = JointChannels()
-        self._channels = [joint.take(log.channels) for log in logs]
+        channels = [joint.take(log.channels) for log in logs]
+        self._merge(logs, channels, joint_contents(joint.channels, logs, channels))
+        self.joined = tuple(log.source.path for log in logs[1:])
+        kinds = sorted({log.container for log in logs})
+        self.container = f"{len(logs)} joined logs ({', '.join(kinds)})"
+
+    def _merge(self, logs: Sequence[Log], channels: Sequence[Ints], contents: Contents) -> None:
+        """Cut the time into windows.
+
+        Args:
+            logs: the logs.
+            channels: ids of the merged log by each log's own.
+            contents: of the merged log, but for its chunks.
+        """
+        self._channels = channels
         pieces = [_Piece(file, chunk) for file, log in enumerate(logs) for chunk in log.chunks]
         self._windows = _windows(sorted(pieces, key=lambda piece: (piece.start, piece.file)))
         self._last: dict[int, tuple[int, Batch]] = {}
         """The batch that was read last of each file, by its chunk's offset: a long chunk reaches
         over several windows."""
-        contents: Contents = joint_contents(joint.channels, logs, self._channels)
         chunks = [self._chunk(number) for number in range(len(self._windows))]
-        super().__init__(first, logs, replace(contents, chunks=chunks))
-        kinds = ", ".join(sorted({log.container for log in logs}))
-        self.container = f"{len(logs)} joined logs ({kinds})" if others else kinds
-        self.is_reordered = not others
+        super().__init__(logs[0].source.path, logs, replace(contents, chunks=chunks))
 
     def _chunk(self, number: int) -> Chunk:
         window = self._windows[number]
@@ -129,8 +138,11 @@ class MergedLog(SeveralLogs):
                 batch = self._batch(piece)
                 parts.append(_within(batch, window, piece))
                 if window.begins(piece):
-                    losses += [loss_in_file(loss, self.logs[piece.file]) for loss in batch.losses]
+                    losses += self._losses(batch, piece)
         return _merged(parts, span, tuple(losses))
+
+    def _losses(self, batch: Batch, piece: _Piece) -> list[Loss]:
+        return [loss_in_file(loss, self.logs[piece.file]) for loss in batch.losses]
 
     def _batch(self, piece: _Piece) -> Batch:
         """Read a chunk of a file, with joint channels."""
@@ -147,6 +159,37 @@ class MergedLog(SeveralLogs):
         """Close all files."""
         self._last.clear()
         super().close()
+
+
+class ReorderedLog(MergedLog):
+    """One log whose chunks are out of order, merged by time."""
+
+    is_reordered = True
+
+    def __init__(self, log: Log) -> None:
+        """Merge the chunks of a log, which is closed with this one."""
+        same = np.arange(max(log.channels, default=0) + 1)
+        contents = Contents(
+            channels=log.channels,
+            chunks=(),
+            counts=log.counts,
+            start_time=log.start_time,
+            end_time=log.end_time,
+            profile=log.profile,
+            extras=log.extras,
+            losses=log.losses,
+        )
+        self._merge([log], [same], contents)
+        self.source = log.source
+        self.container = log.container
+
+    def source_of(self, extra: Extra) -> ByteSource:
+        """See `Log.source_of`."""
+        return self.logs[0].source_of(extra)
+
+    def _losses(self, batch: Batch, piece: _Piece) -> list[Loss]:
+        del piece
+        return [*batch.losses]
 
 
 def most_at_once(chunks: Sequence[Chunk]) -> float:

@@ -9,7 +9,9 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from mcap import records
 from mcap.reader import make_reader
+from mcap.writer import Writer
 
 from dogbot_logtool.commands.convert import convert
 from dogbot_logtool.commands.stats import measure
@@ -17,6 +19,7 @@ from dogbot_logtool.errors import CallError
 from dogbot_logtool.pipeline.options import ConvertOptions, StatsOptions, TopicOptions
 from dogbot_logtool.reader import opening
 from dogbot_logtool.reader.containers import log, merged_log
+from dogbot_logtool.reader.containers.mcap.records import read_extra
 from dogbot_logtool.report.documents.stats_json import stats_json
 from tests import forked_cli
 from tests.oracles import walks
@@ -139,6 +142,48 @@ def test_few_messages_out_of_order_are_copied_where_they_stand(tmp_path: Path) -
     with (tmp_path / "out.mcap").open("rb") as file:
         copied = make_reader(file).iter_messages(log_time_order=False)
         assert [m.data for _, c, m in copied if not c.metadata] == [e.data for e in entries]
+
+
+def test_a_file_out_of_order_keeps_its_channels_and_records(tmp_path: Path) -> None:
+    """Also two senders on one topic, which are one channel of several files."""
+    path = tmp_path / "mixed.mcap"
+    with path.open("wb") as file:
+        writer = Writer(file, chunk_size=100)
+        writer.start("ros1")
+        writer.add_metadata("notes", {"robot": "walks"})
+        schema = writer.register_schema("std_msgs/String", "ros1msg", b"string data")
+        senders = [
+            writer.register_channel("/words", "ros1", schema, {"callerid": name}) for name in "ab"
+        ]
+        for second in (8, 9, 1, 2):
+            for number in senders:
+                writer.add_message(number, second * 10**9, bytes(80), second * 10**9)
+        writer.finish()
+    with closing(opening.open_joined([path])) as opened, closing(opening.open_log(path)) as whole:
+        assert opened.is_reordered
+        assert opened.channels == whole.channels
+        assert opened.container == whole.container
+        (notes,) = opened.extras
+        found = read_extra(opened.source_of(notes), notes)
+        assert found is not None
+        assert found[1] == records.Metadata("notes", {"robot": "walks"})
+        (span,) = opened.spans()
+        times = (opened.read(span).messages.log_time / 1e9).tolist()
+        assert times == [1, 1, 2, 2, 8, 8, 9, 9]
+
+
+def test_damage_in_a_file_out_of_order_is_said_as_in_any_other(tmp_path: Path) -> None:
+    path = write_file(tmp_path, 2, "mixed", later_half_first(list(walks.messages(2, KIND))))
+    data = bytearray(path.read_bytes())
+    with closing(opening.open_joined([path])) as sound:
+        assert sound.is_reordered
+    with closing(opening.open_log(path)) as whole:
+        third = whole.chunks[2]
+    data[third.data_offset + 100] ^= 0xFF
+    path.write_bytes(data)
+    with closing(opening.open_joined([path])) as opened, closing(opening.open_log(path)) as whole:
+        losses = [loss for span in opened.spans() for loss in opened.read(span).losses]
+        assert losses == list(whole.read((third,)).losses) != []
 
 
 def test_chunks_that_all_overlap_are_read_as_they_stand(
