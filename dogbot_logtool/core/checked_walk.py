@@ -94,7 +94,7 @@ class CheckedWalk:
     """Share of the weight by which the feet seem to push the robot on, which its motion refutes;
     None: they do not."""
     rise_m: float
-    """m, how far the base rises steadily over its feet while it walks: z of one of them drifts."""
+    """m, how far the base rises steadily over the contact points while it walks."""
     loses_way: bool
     """Whether the base drifts so far among the contact points that speeds are not known."""
     vertical_known: bool

@@ -95,7 +95,7 @@ class Stats:
     """Share of the weight by which the feet seem to push the robot on, which its motion refutes;
     None: they do not."""
     rise_m: float = 0.0
-    """m, how far the base rises steadily over its feet while it walks: z of one of them drifts."""
+    """m, how far the base rises steadily over the contact points while it walks."""
     swapped: tuple[tuple[int, int], ...] = ()
     """Left and right feet of the pairs that touch on the other side each; `pairs` of how many."""
     pairs: int = 0

@@ -60,7 +60,9 @@ def base_findings(stats: Stats) -> Iterator[Finding]:
         text = (
             f"the base {'rises' if stats.rise_m > 0.0 else 'sinks'} steadily by "
             f"{abs(stats.rise_m):.2f} m against the contact points while it walks: z of the "
-            "odometry or of the contact points drifts; no height, climb and Froude number"
+            "odometry or of the contact points drifts, or the robot "
+            f"{'stretches' if stats.rise_m > 0.0 else 'bends'} its legs more and more; "
+            "no height, climb and Froude number"
         )
         yield Finding("W_HEIGHT_DRIFTS", text, "base.height_m")
     elif base.height_m is None:

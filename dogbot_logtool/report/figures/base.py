@@ -76,14 +76,15 @@ BASE: Final[Sequence[Figure[BaseMotion]]] = (
         Kind.AGGREGATE,
         lambda base: base.height_m,
         "height of the base over the latest contact points of the feet",
-        null="no contact points in the world of the odometry, or z of one drifts",
+        null="no contact points in the world of the odometry, or the base rises or sinks steadily "
+        "against them",
     ),
     Figure(
         "climb_m",
         Kind.NUMBER,
         lambda base: base.climb_m,
         "z of the last pose minus z of the first",
-        null="the base rises or sinks steadily against the contact points: z drifts",
+        null="the base rises or sinks steadily against the contact points",
     ),
     Figure(
         "slope_rad",

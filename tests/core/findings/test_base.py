@@ -1,0 +1,22 @@
+"""Findings about the base: causes that the log cannot tell apart are both named."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from dogbot_logtool.core.findings.findings import findings_of
+from tests.core.findings.measured_walk import WALK, feet, measure
+
+
+@pytest.mark.parametrize(("speed", "legs"), [(0.02, "stretches"), (-0.02, "bends")])
+def test_a_steady_rise_is_not_blamed_on_odometry_alone(speed: float, legs: str) -> None:
+    odometry = WALK.odometry()
+    seconds = (odometry.log_time - odometry.log_time[0]) / 1e9
+    risen = odometry.position + np.outer(speed * seconds, (0.0, 0.0, 1.0))
+    stats = measure(feet(), replace(odometry, position=risen))
+    (finding,) = [each for each in findings_of(stats) if each.code == "W_HEIGHT_DRIFTS"]
+    assert "z of the odometry or of the contact points drifts" in finding.text
+    assert f"the robot {legs} its legs" in finding.text
+    assert stats.base is not None
+    assert stats.base.height_m is None
