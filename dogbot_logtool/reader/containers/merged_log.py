@@ -197,7 +197,7 @@ def most_at_once(chunks: Sequence[Chunk]) -> float:
     pieces = [_Piece(0, chunk) for chunk in chunks]
     size = np.array([max(piece.chunk.size, _LEAST_SIZE) for piece in pieces], np.float64)
     time = np.array([[piece.start for piece in pieces], [piece.end for piece in pieces]]).ravel()
-    # Of what ends as something begins, both count.
+    # At the same time, what begins comes before what ends: both count.
     order = np.lexsort((np.arange(len(time)) >= len(size), time))
     return float(np.cumsum(np.concatenate([size, -size])[order]).max(initial=0.0))
 
