@@ -134,7 +134,4 @@ def _likely_cause(stats: Stats, ratio: float) -> str:
     if 2 <= steps <= MOST_STEPS and abs(ratio - steps) <= WHOLE_TOLERANCE * steps:
         return f"{steps} physics steps seem to be added up in each message, or the mass is wrong"
     origin = "assumed for the guessed robot" if stats.settings.mass_is_assumed else "given"
-    return (
-        f"the feet carry {ratio * mass_kg:.3g} kg, and the mass {origin} is {mass_kg:.4g} kg; "
-        "check the mass, the wrench frame, the sensors and whether something else carries the robot"
-    )
+    return f"the feet carry {ratio * mass_kg:.3g} kg, and the mass {origin} is {mass_kg:.4g} kg"
