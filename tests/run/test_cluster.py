@@ -184,7 +184,7 @@ def test_a_worker_without_the_package_that_comes_later(address: str, tmp_path: P
 def test_the_killer_of_workers_is_named_and_nothing_else(address: str, tmp_path: Path) -> None:
     items = ["slow", "a", "wrong", "slow", "deadly", "b", "slow", "slow"]
     progress = Progress()
-    with workers(address, 4, tmp_path), ClusterRunner[Any](address) as runner:
+    with workers(address, 6, tmp_path), ClusterRunner[Any](address) as runner:
         found = list(runner.run(work, [(item, tmp_path) for item in items], progress))
     assert found[4].sentence.startswith("every worker that worked on it died")
     assert found[2].sentence == "no such file"
