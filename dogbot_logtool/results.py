@@ -14,9 +14,9 @@ if TYPE_CHECKING:
     from dogbot_logtool.finding import Finding
     from dogbot_logtool.io.storage import Location
     from dogbot_logtool.pipeline.conversion.batch import Counts
-    from dogbot_logtool.pipeline.conversion.plan import ConversionPlan
     from dogbot_logtool.pipeline.frames.frames import Frames
     from dogbot_logtool.reader.containers.log import Loss
+    from dogbot_logtool.robot import Robot
 
 
 @dataclass(frozen=True, slots=True)
@@ -78,7 +78,12 @@ class Conversion:
     source: "Location"
     target: "Location"
     container: str
-    plan: "ConversionPlan"
+    robot: "Robot"
+    style: str
+    encoding: str
+    odometry_topics: tuple[str, ...]
+    world_frame: str
+    base_frame: str
     messages: int
     """Recorded messages that were read."""
     copied: int

@@ -12,21 +12,19 @@ from dogbot_logtool.results import Conversion
 
 def conversion_json(done: Conversion) -> dict[str, Any]:
     """Return what was done as plain values."""
-    plan = done.plan
-    robot = plan.selection.robot
     return {
         "tool": {"name": "dogbot-logtool", "version": __version__},
         "input": shown(done.source),
         "output": shown(done.target),
         "container": done.container,
-        "robot": robot.name,
-        "style": plan.options.style,
-        "encoding": plan.options.encoding,
+        "robot": done.robot.name,
+        "style": done.style,
+        "encoding": done.encoding,
         "topics": {
-            "odometry": sorted({channel.topic for channel in plan.selection.odometry}),
-            "feet": {foot.name: foot.topic for foot in robot.feet},
+            "odometry": list(done.odometry_topics),
+            "feet": {foot.name: foot.topic for foot in done.robot.feet},
         },
-        "frames": {"world": plan.world_frame, "base": plan.base_frame},
+        "frames": {"world": done.world_frame, "base": done.base_frame},
         "messages": {"read": done.messages, "copied": done.copied},
         "annotations": dict(done.annotations),
         "skipped": {**asdict(done.counts.arrows), "bad_poses": done.counts.bad_poses},
