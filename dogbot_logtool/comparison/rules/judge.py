@@ -159,12 +159,15 @@ def _of_figure(
             low, high = rule.baseline.around(float(before))
         else:
             equals = before
-    if equals is not None:
-        good = value == equals
-    elif _is_number(value):
+    if _is_number(equals):
+        low, high, equals = equals, equals, None
+    if _is_number(value) and equals is None:
         good = low <= value <= high
+    elif _is_number(value) or equals is None:
+        look = "no number" if equals is None else "a number, which the rule's value is not"
+        return Judgement(Status.UNKNOWN, rule, path, value, demand, look)
     else:
-        return _unknown(rule, path, f"is {_shown(value)}, which is no number")
+        good = value == equals
     status = Status.GOOD if good else _broken(rule)
     return Judgement(status, rule, path, value, demand, "" if good else _reason(document, path))
 

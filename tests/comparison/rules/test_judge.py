@@ -103,9 +103,18 @@ def test_texts_and_flags_are_equal_or_not() -> None:
     assert statuses('figure = "gait.running"\nequals = false') == {"gait.running": Status.GOOD}
 
 
-def test_a_text_in_a_range_is_unknown() -> None:
-    (found,) = judged('figure = "gait.class"\nat_most = 1')
-    assert (found.status, found.look) == (Status.UNKNOWN, "is trot, which is no number")
+@pytest.mark.parametrize(
+    ("rule", "look"),
+    [
+        ('"gait.class"\nat_most = 1', "no number"),
+        ('"gait.class"\nequals = 1', "no number"),
+        ('"feet.left.slip_m.max"\nequals = "0.01"', "a number, which the rule's value is not"),
+    ],
+)
+def test_a_text_and_a_number_are_unknown_whatever_null_is(rule: str, look: str) -> None:
+    (found,) = judged(f'figure = {rule}\nnull = "pass"\nlevel = "warn"')
+    assert (found.status, found.look) == (Status.UNKNOWN, look)
+    assert found.value is not None
 
 
 def test_segments_of_one_class_only() -> None:
