@@ -9,7 +9,9 @@ import numpy as np
 import pytest
 
 from dogbot_logtool.commands.convert import convert
-from dogbot_logtool.pipeline.options import ConvertOptions
+from dogbot_logtool.commands.stats import measure
+from dogbot_logtool.core.findings.findings import findings_of
+from dogbot_logtool.pipeline.options import ConvertOptions, StatsOptions
 from tests.oracles.annotated_file import annotations, read_written
 from tests.oracles.recorded import TEXT_TYPE, decoded_log, read_log
 from tests.oracles.ros1_logs import Entry, text, write_ros1_mcap
@@ -55,7 +57,7 @@ def urdf() -> str:
     return f'<robot name="r">{links}{"".join(joints.values())}</robot>'
 
 
-def write(path: Path, *, description: bool = False) -> Path:
+def write(path: Path, description: str = "") -> Path:
     """Write the sample log without its transforms, and if wanted with a description."""
     messages, _ = recorded()
     entries = [
@@ -64,7 +66,9 @@ def write(path: Path, *, description: bool = False) -> Path:
         if m.topic not in {"/tf", "/tf_static"}
     ]
     if description:
-        entries.insert(0, Entry("/robot_description", TEXT_TYPE, entries[0].log_time, text(urdf())))
+        entries.insert(
+            0, Entry("/robot_description", TEXT_TYPE, entries[0].log_time, text(description))
+        )
     return write_ros1_mcap(path, entries)
 
 
@@ -101,7 +105,7 @@ def test_links_are_where_the_recorded_transforms_had_them(
 ) -> None:
     file, own = tmp_path / "dog.urdf", source == "own"
     file.write_text(urdf())
-    log = write(tmp_path / "log.mcap", description=own)
+    log = write(tmp_path / "log.mcap", urdf() if own else "")
     options = ConvertOptions(encoding=encoding, copy=own, urdf=None if own else file)
     done = convert(log, tmp_path / "out.mcap", options)
     assert "N_LINKS_BY_JOINTS" in {finding.code for finding in done.findings}
@@ -126,7 +130,7 @@ def test_links_are_where_the_recorded_transforms_had_them(
 
 
 def test_the_links_stand_at_the_first_time(tmp_path: Path) -> None:
-    log = write(tmp_path / "log.mcap", description=True)
+    log = write(tmp_path / "log.mcap", urdf())
     convert(log, tmp_path / "out.mcap", ConvertOptions())
     assert moved(tmp_path / "out.mcap", "foxglove")[0][0] == recorded()[0][0].log_time
 
@@ -145,3 +149,13 @@ def test_recorded_transforms_and_unknown_joints_are_left_alone(tmp_path: Path) -
     file.write_text(urdf().replace("base_link", "trunk"))
     done = convert(log, tmp_path / "out3.mcap", ConvertOptions(urdf=file))
     assert "W_URDF_WITHOUT_BASE" in {finding.code for finding in done.findings}
+
+
+def test_joints_that_are_left_out_are_counted(tmp_path: Path) -> None:
+    description = urdf().replace('axis xyz="0 1 0"', 'axis xyz="0 nan 0"', 1)
+    log = write(tmp_path / "log.mcap", description)
+    done = convert(log, tmp_path / "out.mcap", ConvertOptions())
+    (said,) = (each.text for each in done.findings if each.code == "N_LINKS_BY_JOINTS")
+    assert "joints left out of the robot description: 1 (" in said
+    found = findings_of(measure(log, StatsOptions()).stats)
+    assert sum("joints left out of the robot description: 1 (" in each.text for each in found) == 1

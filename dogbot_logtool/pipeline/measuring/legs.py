@@ -22,7 +22,12 @@ from dogbot_logtool.pipeline.robot_model.joint_motion import (
     own_description,
 )
 from dogbot_logtool.pipeline.robot_model.soles import link_of_foot
-from dogbot_logtool.pipeline.robot_model.urdf import parse_urdf, urdf_joints, urdf_limits
+from dogbot_logtool.pipeline.robot_model.urdf import (
+    parse_urdf,
+    said_of_left_out,
+    urdf_joints,
+    urdf_limits,
+)
 from dogbot_logtool.pipeline.topics.selection import Selection
 from dogbot_logtool.reader.containers.log import Batch, Channel, Log
 from dogbot_logtool.reader.messages.frame_tracks import moving_tracks
@@ -140,6 +145,8 @@ class _Legs:
         }
         self._untold: dict[int, list[str]] = {}
         """Joints by foot that the robot description has and joint states do not name."""
+        self._left_out = 0
+        """Joints of the robot description that make no tree of links."""
         self._described: set[str] = set()
         """Joints of legs by the robot description."""
 
@@ -156,7 +163,8 @@ class _Legs:
             root = parse_urdf(own_description(log) or "")
         except ValueError:
             return (), {}
-        joints = {joint.child: joint for joint in urdf_joints(root)}
+        described, self._left_out = urdf_joints(root)
+        joints = {joint.child: joint for joint in described}
         parents = {child: joint.parent for child, joint in joints.items()}
         found = []
         for foot, chain in enumerate(self._chains(parents)):
@@ -195,7 +203,8 @@ class _Legs:
         link = self._selection.robot.feet[foot].frame or self._probe.links[foot]
         if link is None:
             return "no frame is known to be its own"
-        return f"nothing connects its frame {link} with {self._base}"
+        reason = f"nothing connects its frame {link} with {self._base}"
+        return f"{reason}; {said_of_left_out(self._left_out)}" if self._left_out else reason
 
     def untold(self, told: set[str]) -> tuple[str, ...]:
         """Return joints of legs that joint states leave out, if they name others of the legs.

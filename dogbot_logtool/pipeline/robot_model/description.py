@@ -22,7 +22,7 @@ from dogbot_logtool.pipeline.robot_model.primitives import primitive_urdf
 from dogbot_logtool.pipeline.robot_model.shape import RobotShape, robot_shape
 from dogbot_logtool.pipeline.robot_model.skeleton import ModelFoot, Skeleton, skeleton
 from dogbot_logtool.pipeline.robot_model.soles import link_of_foot
-from dogbot_logtool.pipeline.robot_model.urdf import parse_urdf
+from dogbot_logtool.pipeline.robot_model.urdf import parse_urdf, said_of_left_out
 from dogbot_logtool.pipeline.topics.selection import Selection
 from dogbot_logtool.reader.containers.log import Log
 
@@ -91,11 +91,11 @@ def _moved(motion: JointMotion, base_frame: str) -> Iterator[Finding]:
     """Yield findings about links that joint states move."""
     moving = sum(joint.kind != "fixed" for joint in motion.joints)
     topic = motion.channel.topic
-    yield Finding(
-        "N_LINKS_BY_JOINTS",
-        f"the log has no transforms of the links: they are computed from {topic}, joints: {moving}",
-        topic,
-    )
+    text = f"the log has no transforms of the links: they are computed from {topic}"
+    text += f", joints: {moving}"
+    if motion.left_out:
+        text += f"; {said_of_left_out(motion.left_out)}"
+    yield Finding("N_LINKS_BY_JOINTS", text, topic)
     links = {link for pair in motion.pairs for link in pair}
     if base_frame not in links:
         yield Finding(

@@ -31,6 +31,8 @@ class JointMotion:
     channel: Channel
     joints: tuple[Joint, ...]
     """Those whose children no recorded transform places."""
+    left_out: int
+    """Joints of the description that make no tree of links."""
 
     @property
     def pairs(self) -> tuple[tuple[str, str], ...]:
@@ -62,7 +64,7 @@ def joint_motion(log: Log, probe: Probe, base: str, description: str | None) -> 
         return None
     urdf = own_description(log) if description is None else description
     try:
-        joints = urdf_joints(parse_urdf(urdf or ""))
+        joints, left_out = urdf_joints(parse_urdf(urdf or ""))
     except ValueError:
         return None
     named = joint_names(log, channel)
@@ -74,7 +76,7 @@ def joint_motion(log: Log, probe: Probe, base: str, description: str | None) -> 
         and (joint.kind == "fixed" or joint.measured in named)
     )
     moves = any(joint.kind != "fixed" for joint in kept)
-    return JointMotion(channel, kept) if moves else None
+    return JointMotion(channel, kept, left_out) if moves else None
 
 
 def description_channels(log: Log) -> Sequence[Channel]:

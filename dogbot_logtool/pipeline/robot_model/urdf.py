@@ -38,9 +38,33 @@ def parse_urdf(text: str) -> ET.Element:
     return root
 
 
-def urdf_joints(root: ET.Element) -> tuple[Joint, ...]:
-    """Return the joints of a description; those that are not understood are left out."""
-    return tuple(joint for element in root.findall("joint") for joint in _joint(element))
+def urdf_joints(root: ET.Element) -> tuple[tuple[Joint, ...], int]:
+    """Return the joints that make a tree of links, and how many others are left out.
+
+    Others lack a link, an axis or a finite number, hang in a circle, or give a link a second
+    parent. Planar and floating joints are not counted.
+    """
+    elements = [each for each in root.findall("joint") if each.get("type") in _KINDS]
+    joints: dict[str, Joint] = {}
+    below: dict[str, list[str]] = {}
+    for joint in (joint for element in elements for joint in _joint(element)):
+        if joint.child not in joints:
+            joints[joint.child] = joint
+            below.setdefault(joint.parent, []).append(joint.child)
+    reached = [link for link in below if link not in joints]
+    for link in reached:  # which grows
+        reached.extend(below.get(link, ()))
+    in_tree = frozenset(reached)
+    kept = tuple(joint for link, joint in joints.items() if link in in_tree)
+    return kept, len(elements) - len(kept)
+
+
+def said_of_left_out(count: int) -> str:
+    """Say how many joints of a description are left out, and why."""
+    return (
+        f"joints left out of the robot description: {count} (a number that is not finite, no axis, "
+        "a missing link, a circle, or a second parent)"
+    )
 
 
 def urdf_limits(root: ET.Element) -> dict[str, JointLimits]:

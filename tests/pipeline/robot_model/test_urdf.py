@@ -30,7 +30,8 @@ URDF = """<robot name="r">
 
 
 def test_joints_that_are_understood() -> None:
-    hip, wheel, finger, sole = urdf_joints(parse_urdf(URDF))
+    (hip, wheel, finger, sole), left_out = urdf_joints(parse_urdf(URDF))
+    assert left_out == 5
     assert (hip.name, hip.parent, hip.child, hip.kind) == ("hip", "base", "leg", "revolute")
     assert hip.translation == (0.1, 0.2, 0.3)
     assert hip.rotation == pytest.approx((0.0, 0.0, 0.5**0.5, 0.5**0.5))
@@ -43,6 +44,18 @@ def test_joints_that_are_understood() -> None:
         0.5,
     )
     assert (sole.kind, sole.rotation) == ("fixed", (0.0, 0.0, 0.0, 1.0))
+
+
+def test_circles_and_second_parents_are_left_out() -> None:
+    pairs = ["base a", "b a", "a b", "c d", "d c", "d e", "b f"]
+    text = "".join(
+        f'<joint name="{pair}" type="fixed"><parent link="{pair[:-2]}"/>'
+        f'<child link="{pair[-1]}"/></joint>'
+        for pair in pairs
+    )
+    joints, left_out = urdf_joints(parse_urdf(f"<robot>{text}</robot>"))
+    assert [joint.name for joint in joints] == ["base a", "a b", "b f"]
+    assert left_out == 4
 
 
 @pytest.mark.parametrize(

@@ -14,7 +14,7 @@ from dogbot_logtool.pipeline.options import StatsOptions
 from dogbot_logtool.report.page.render import page
 from dogbot_logtool.report.page.replay import MOST_FRAMES, frame_times, replay
 from dogbot_logtool.results import Measurement
-from tests.commands.test_convert_joints import write
+from tests.commands.test_convert_joints import urdf, write
 from tests.paths import SAMPLE_LOGS
 from tests.report.page.page_data import numbers
 
@@ -78,7 +78,7 @@ def _world(point: Any, position: Any, angles: Any) -> Any:
 
 def test_joint_states_bend_the_legs_as_the_transforms_do(tmp_path: Path) -> None:
     """The log without its transforms, but with a robot description, gives the same joints."""
-    log = write(tmp_path / "log.mcap", description=True)
+    log = write(tmp_path / "log.mcap", urdf())
     found = replay_of(log, OPTIONS, measure(log, OPTIONS))
     assert found is not None
     by_transforms, by_states = (
