@@ -15,6 +15,7 @@ from dogbot_logtool.cli.options import (
     quietness,
     tared_topic_options,
 )
+from dogbot_logtool.cli.outcomes import say_damaged
 from dogbot_logtool.errors import CallError
 
 if TYPE_CHECKING:
@@ -193,6 +194,8 @@ def _compare_messages(
         click.echo(comparison_json(comparison), nl=False)
     elif not quiet:
         show_comparison(comparison, results())
+    elif comparison.losses:
+        say_damaged(len({found.path for found in comparison.losses}))
     sys.exit(comparison.exit_code)
 
 

@@ -116,8 +116,7 @@ class Outcomes:
         elif self._failed:
             self._print_failures()
         elif self._quiet and not as_json and (damaged := self._codes.count(DAMAGED)):
-            logs = "log is" if damaged == 1 else "logs are"
-            say(f"{damaged} {logs} damaged; without --quiet, what was lost is said", "damage: ")
+            say_damaged(damaged)
         sys.exit(next((code for code in (1, 2, DAMAGED) if code in self._codes), 0))
 
     def _print_failures(self) -> None:
@@ -148,6 +147,12 @@ def say(sentence: str, label: str = "error: ") -> None:
             print_command(diagnostics(), line, 2)
         else:
             print_sentence(diagnostics(), f"  {line}", indent=4)
+
+
+def say_damaged(count: int) -> None:
+    """Print how many logs are damaged, where nothing else says what was lost."""
+    logs = "log is" if count == 1 else "logs are"
+    say(f"{count} {logs} damaged; `info` says what was lost", "damage: ")
 
 
 def note(sentence: str) -> None:

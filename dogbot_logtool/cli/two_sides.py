@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from dogbot_logtool.cli.outcomes import Outcomes, say
+from dogbot_logtool.cli.outcomes import Outcomes, say, say_damaged
 from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.errors import DAMAGED
 
@@ -32,7 +32,7 @@ class Side:
 
 
 def measured_side(log_set: "LogSet", options: "StatsOptions", *, quiet: bool) -> Side:
-    """Measure the logs of one side; say which cannot be.
+    """Measure the logs of one side; say which cannot be, and how many are damaged.
 
     Args:
         log_set: the logs.
@@ -49,6 +49,8 @@ def measured_side(log_set: "LogSet", options: "StatsOptions", *, quiet: bool) ->
     figures = list(outcomes.of(runner, work, log_set.paths, log_set.names))
     for name, sentence in outcomes.failures:
         say(f"{name}: {sentence}" if not sentence.startswith(name) else sentence)
+    if damaged := sum(each.exit_code == DAMAGED for each in figures):
+        say_damaged(damaged)
     return Side(log_set.paths, figures, failed=bool(outcomes.failures))
 
 

@@ -57,6 +57,22 @@ def test_the_same_as_json(tmp_path: Path) -> None:
     assert {each["differs"] for each in found["differences"]} == {False}
 
 
+@pytest.mark.parametrize(
+    ("words", "logs"),
+    [
+        (["compare", "cut.bag", "again.bag", "--quiet"], "2 logs"),
+        (["compare", "--gait", "cut.bag", str(TROT)], "1 log"),
+        (["report", "cut.bag", "--against", str(TROT), "--quiet"], "1 log"),
+    ],
+)
+def test_damage_is_said(tmp_path: Path, words: list[str], logs: str) -> None:
+    for name in ("cut.bag", "again.bag"):
+        (tmp_path / name).write_bytes(TROT.read_bytes()[:-20_000])
+    ended = run(*words, folder=tmp_path)
+    assert ended.stderr.startswith(f"damage: {logs} ")
+    assert len(ended.stderr.splitlines()) == 1
+
+
 @pytest.mark.parametrize("words", [["--atol", "1"], ["--update"], ["--junit", "a.xml"]])
 def test_options_of_files_have_no_meaning_with_it(tmp_path: Path, words: list[str]) -> None:
     ended = run("compare", "--gait", *words, str(TROT), str(WALK), folder=tmp_path)
