@@ -90,7 +90,7 @@ def check(
     log_set = find_logs(words, for_workers=scheduler is not None)
     if junit is not None:
         refuse_bad_report(junit, log_set.paths, overwrite=overwrite)
-    runner = runner_for(len(log_set.paths), jobs_or_cores(jobs), scheduler)
+    runner = runner_for("stats", len(log_set.paths), jobs_or_cores(jobs), scheduler)
     work = Measure(replace(measuring, jobs=runner.jobs))
     outcomes = Outcomes(quiet=quiet)
     outcomes.mention_left_out(log_set)

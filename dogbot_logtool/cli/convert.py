@@ -166,7 +166,7 @@ def convert(
     if scheduler is not None:
         where = replace(where, path=from_root(where.path))
     pairs = targets(log_set.paths, where, ".annotated.mcap", log_set.below)
-    runner = runner_for(len(pairs), jobs_or_cores(jobs), scheduler)
+    runner = runner_for("convert", len(pairs), jobs_or_cores(jobs), scheduler)
     given = cast("ConvertKeywords", {**options, "topics": copied_topics, "jobs": runner.jobs})
     chosen = replace(convert_options(given), topics=topics, makes_folder=where.is_folder)
     work = conversion_tasks(pairs, may_repeat=runner.may_repeat)

@@ -82,7 +82,7 @@ def info(
         refuse_other_format(output, ".dot")
         for source in log_set.paths:
             refuse_bad_target(output, source, overwrite=overwrite)
-    runner = runner_for(len(log_set.logs), jobs_or_cores(jobs), scheduler)
+    runner = runner_for("info", len(log_set.logs), jobs_or_cores(jobs), scheduler)
     describe = Describe(topics, all_frames=all_frames or dot, jobs=runner.jobs)
     outcomes = Outcomes(quiet=quiet)
     outcomes.mention_left_out(log_set)

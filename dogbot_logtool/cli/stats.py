@@ -135,7 +135,7 @@ def stats(
         call = DatasetCall(parquet, chosen, labels, log_set, prune=prune)
         outcomes.add_unchanged(call.pending.unchanged)
         log_set = call.pending.log_set
-    runner = runner_for(len(log_set.logs), jobs_or_cores(jobs), scheduler)
+    runner = runner_for("stats", len(log_set.logs), jobs_or_cores(jobs), scheduler)
     whole = len(log_set.logs) == 1 and call is None
     measure = Measure(replace(chosen, jobs=runner.jobs), drawing, whole=whole, window=shown)
     wanted = as_json or as_csv or drawing is not None

@@ -42,7 +42,7 @@ def measured_side(log_set: "LogSet", options: "StatsOptions", *, quiet: bool) ->
     from dogbot_logtool.commands.tasks import Measure  # noqa: PLC0415
     from dogbot_logtool.run.choice import runner_for  # noqa: PLC0415
 
-    runner: Runner[Figures] = runner_for(len(log_set.paths), options.jobs, None)
+    runner: Runner[Figures] = runner_for("stats", len(log_set.paths), options.jobs, None)
     outcomes = Outcomes(quiet=quiet)
     outcomes.mention_left_out(log_set)
     work = Measure(replace(options, jobs=runner.jobs))

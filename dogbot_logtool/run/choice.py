@@ -1,17 +1,21 @@
 """Choose what works on the logs of a call."""
 
-from typing import Any
+from typing import Any, Literal
 
 from dogbot_logtool.run.runner import Runner, SerialRunner
 
+Command = Literal["convert", "info", "stats"]
+"""A module of `dogbot_logtool.commands`."""
 
-def runner_for(logs: int, jobs: int, scheduler: str | None) -> Runner[Any]:
+
+def runner_for(command: Command, logs: int, jobs: int, scheduler: str | None) -> Runner[Any]:
     """Choose a runner.
 
     One log is done in this process, several batches at once; several logs by as many processes; and
     all of them by a cluster if there is a scheduler.
 
     Args:
+        command: what is done to each.
         logs: how many.
         jobs: how much is done at once on this machine.
         scheduler: address of one of dask.distributed.
@@ -28,4 +32,5 @@ def runner_for(logs: int, jobs: int, scheduler: str | None) -> Runner[Any]:
         return SerialRunner(jobs)
     from dogbot_logtool.run.processes import ProcessRunner  # noqa: PLC0415 - slow to import
 
-    return ProcessRunner(min(logs, jobs), max(jobs // logs, 1))
+    load = f"dogbot_logtool.commands.{command}"
+    return ProcessRunner(min(logs, jobs), max(jobs // logs, 1), load=load)

@@ -2,15 +2,14 @@
 
 A fork takes a few milliseconds and inherits whatever the work refers to: an opened log, a plan, the
 columns of its index. The workers take the items in turn. Each sends its results to this process,
-and the state after an item to the next worker, in a ring. Everything goes through pipes with one
-process at each end, so nothing waits for a process that has ended. A worker ends at once when this
-process ends, however that happens.
+and the state after an item to the next worker, in a ring. Each pipe has one process at each end, so
+nothing waits for a process that has ended. A worker ends at once when this process ends, however
+that happens.
 """
 
 import gc
 import multiprocessing
 import os
-import pickle
 import threading
 import traceback
 from collections.abc import Generator, Iterator, Sequence
@@ -23,6 +22,7 @@ from typing import Any, BinaryIO, Final, Generic
 
 from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.errors import LogtoolError
+from dogbot_logtool.run.channels import PeerEndedError, Pipe, ResultChannel, receive, send
 from dogbot_logtool.run.in_order import Item, Result, State, StatefulWork
 from dogbot_logtool.run.signals import held_back, leave_to_parent
 
@@ -30,10 +30,6 @@ _FORK: Final = multiprocessing.get_context("fork")
 _STARTING: Final = threading.Lock()
 """Held while workers start: another thread's would inherit both ends of their pipes."""
 _LOOK_EVERY_S: Final = 1.0
-
-
-class _PeerEndedError(Exception):
-    """The process at the other end of a pipe ended before it sent all."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -62,34 +58,16 @@ def forked(
             yield _result(results[number % jobs])
 
 
-def _result(arriving: BinaryIO) -> Any:  # noqa: ANN401 - it was pickled
+def _result(arriving: ResultChannel) -> Any:  # noqa: ANN401 - it was pickled
     try:
-        outcome = _receive(arriving)
-    except _PeerEndedError as error:
+        outcome = arriving.receive()
+    except PeerEndedError as error:
         raise LogtoolError(
             "a process that worked on it died, perhaps because memory ran out; try --jobs 1"
         ) from error
     if isinstance(outcome, _Raised):
         raise outcome.error
     return outcome
-
-
-def _send(end: BinaryIO, thing: object) -> None:
-    # Protocol 5 writes large arrays to the pipe, and reads them from it, without copying them.
-    pickle.dump(thing, end, protocol=5)
-    end.flush()
-
-
-def _receive(end: BinaryIO) -> Any:  # noqa: ANN401 - it was pickled
-    """Receive what `_send` sent.
-
-    Raises:
-        _PeerEndedError: it was not sent, or only in part.
-    """
-    try:
-        return pickle.load(end)  # noqa: S301 - a copy of this process made it
-    except (EOFError, pickle.UnpicklingError) as error:
-        raise _PeerEndedError from error
 
 
 @dataclass(frozen=True, slots=True)
@@ -100,7 +78,11 @@ class _Ends:
     """Nothing is sent: it is at its end when the first process is."""
     states_in: BinaryIO
     states_out: BinaryIO
-    results: BinaryIO
+    results: ResultChannel
+
+    def all(self) -> list[BinaryIO]:
+        """Return all of them."""
+        return [self.parent, self.states_in, self.states_out, *self.results.worker_ends]
 
 
 class _PipeExchange(Generic[State]):
@@ -114,14 +96,14 @@ class _PipeExchange(Generic[State]):
         """See `StateExchange.receive`."""
         if self._first:
             return self._first.pop()
-        state: State = _receive(self._ends.states_in)
+        state: State = receive(self._ends.states_in)
         return state
 
     def send(self, state: State) -> None:
         """See `StateExchange.send`."""
         # Behind the last item no worker is left to receive it.
         with suppress(BrokenPipeError):
-            _send(self._ends.states_out, state)
+            send(self._ends.states_out, state)
 
 
 class _Pipes:
@@ -130,7 +112,7 @@ class _Pipes:
     def __init__(self) -> None:
         self._ends: list[BinaryIO] = []
 
-    def open(self) -> tuple[BinaryIO, BinaryIO]:
+    def open(self) -> Pipe:
         """Return the ends of a new pipe: to read from, and to write to."""
         reader, writer = os.pipe()
         ends = open(reader, "rb"), open(writer, "wb")  # noqa: SIM115, PTH123 - see close_all_but
@@ -147,8 +129,8 @@ class _Pipes:
 @contextmanager
 def _workers(
     work: StatefulWork[Item, State, Result], items: Sequence[Item], jobs: int, first: State
-) -> Iterator[list[BinaryIO]]:
-    """Start workers, yield the ends at which their results arrive, and end the workers."""
+) -> Iterator[list[ResultChannel]]:
+    """Start workers, yield the channels through which results arrive, and end the workers."""
     pipes = _Pipes()
     workers: list[ForkProcess] = []
     try:
@@ -171,8 +153,8 @@ def _start(
     first: State,
     pipes: _Pipes,
     workers: list[ForkProcess],
-) -> list[BinaryIO]:
-    """Start workers, added to a list as they come; return the ends at which results arrive.
+) -> list[ResultChannel]:
+    """Start workers, added to a list as they come; return the channels of their results.
 
     Raises:
         LogtoolError: there are not as many processes or files to be had.
@@ -180,10 +162,10 @@ def _start(
     try:
         alive, parent = pipes.open()
         states = [pipes.open() for _ in range(jobs)]
-        results = [pipes.open() for _ in range(jobs)]
+        results = [ResultChannel(pipes.open(), pipes.open()) for _ in range(jobs)]
         for number in range(jobs):
             states_out = states[(number + 1) % jobs][1]
-            ends = _Ends(alive, states[number][0], states_out, results[number][1])
+            ends = _Ends(alive, states[number][0], states_out, results[number])
             given = [] if number else [first]
             serve = partial(_serve, work, items[number::jobs], ends, given, pipes, os.getpid())
             process = _FORK.Process(target=serve, daemon=True)
@@ -193,9 +175,8 @@ def _start(
         raise LogtoolError(
             f"{jobs} processes cannot be started: {error.strerror}; try fewer --jobs"
         ) from error
-    arriving = [reader for reader, _ in results]
-    pipes.close_all_but(parent, *arriving)
-    return arriving
+    pipes.close_all_but(parent, *(end for each in results for end in each.first_ends))
+    return results
 
 
 def _serve(
@@ -211,23 +192,23 @@ def _serve(
     # A garbage collection writes to all that it looks at: each process would get its own pages of
     # what was there before, an index of an hour for one.
     gc.freeze()
-    pipes.close_all_but(ends.parent, ends.states_in, ends.states_out, ends.results)
+    pipes.close_all_but(*ends.all())
     threading.Thread(target=_end_with, args=(ends.parent, parent), daemon=True).start()
     exchange = _PipeExchange(ends, first)
     # If sending takes too much memory, the first process finds that this one ended.
-    with suppress(_PeerEndedError, BrokenPipeError, MemoryError), ThreadPoolExecutor(1) as sender:
+    with suppress(PeerEndedError, BrokenPipeError, MemoryError), ThreadPoolExecutor(1) as sender:
         sent: Future[None] = sender.submit(lambda: None)
         for item in items:
             try:
                 outcome: Result | _Raised = work(item, exchange)
-            except _PeerEndedError:
+            except PeerEndedError:
                 raise
             except Exception as error:  # noqa: BLE001 - it is raised where the result is wanted
                 error.add_note(traceback.format_exc())
                 outcome = _Raised(error)
             # The next item is begun while this result waits to be received.
             sent.result()
-            sent = sender.submit(_send, ends.results, outcome)
+            sent = sender.submit(ends.results.send, outcome)
             if isinstance(outcome, _Raised):
                 break
         sent.result()

@@ -75,7 +75,7 @@ def in_order_with_state(
     if jobs > 1 and forks:
         items = several = list(items)
         jobs = min(jobs, len(several))
-        if jobs > 1 and _can_fork():
+        if jobs > 1 and can_fork():
             from dogbot_logtool.run.forked import forked  # noqa: PLC0415 - takes time
 
             return forked(work, several, jobs, first)
@@ -156,7 +156,7 @@ def _threaded(
                     after.cancel()
 
 
-def _can_fork() -> bool:
+def can_fork() -> bool:
     """Tell whether this process may fork.
 
     Apple's libraries do not survive a fork, and daemonic processes may have no children.

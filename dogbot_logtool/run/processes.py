@@ -1,13 +1,17 @@
 """Many logs on this machine: pools of the standard library.
 
 Each worker is a pool of one process: where that dies it is known what it worked on, and the others
-go on. Processes are spawned, not forked: locks that other threads hold do not survive a fork. The
-progress that they share has no lock, which one of them could take with it when it dies.
+go on. They are forked where that can be, from a process that has loaded the command and runs no
+other thread: locks that threads hold do not survive a fork. So a process that takes the place of a
+dead one is spawned. The progress that they share has no lock, which one of them could take with it
+when it dies.
 
 Workers end when the lifeline does, a pipe that nothing is written to: its other end is closed when
 this runner is closed, or by the system when this process ends, however that happens.
 """
 
+import gc
+import importlib
 import multiprocessing
 import os
 import signal
@@ -18,10 +22,12 @@ from concurrent.futures import BrokenExecutor, Future, ProcessPoolExecutor
 from contextlib import contextmanager, suppress
 from functools import partial
 from multiprocessing.connection import Connection
+from multiprocessing.context import BaseContext
 from typing import Any, Final
 
 from dogbot_logtool.errors import LogtoolError
 from dogbot_logtool.run.executor import ExecutorRunner
+from dogbot_logtool.run.in_order import can_fork
 from dogbot_logtool.run.runner import Failure, Progress, Result, Work, attempt
 from dogbot_logtool.run.signals import (
     Stopped,
@@ -41,15 +47,26 @@ _END_S: Final = 8.0
 class _Worker:
     """One process, and another one where it has died."""
 
-    def __init__(self, lifeline: Connection) -> None:
+    def __init__(self, lifeline: Connection, held: Connection, *, forks: bool) -> None:
+        """Set up.
+
+        Args:
+            lifeline: ends with this process.
+            held: its other end, which a forked process must not hold open.
+            forks: whether to begin with a copy of this process.
+        """
         self._lifeline = lifeline
         self._progress: Any = _SPAWN.RawArray("q", 2)
         """Bytes done and in all; no lock, since a process may die with it."""
-        self._pool = self._opened()
+        if forks:
+            self._pool = self._opened(multiprocessing.get_context("fork"), held)
+            self._pool.submit(_nothing)  # A pool starts its process with its first item.
+        else:
+            self._pool = self._opened(_SPAWN)
 
-    def _opened(self) -> ProcessPoolExecutor:
+    def _opened(self, context: BaseContext, *held: Connection) -> ProcessPoolExecutor:
         return ProcessPoolExecutor(
-            1, _SPAWN, initializer=_begin, initargs=(self._lifeline, self._progress)
+            1, context, initializer=_begin, initargs=(self._lifeline, self._progress, *held)
         )
 
     def submit(self, work: Work[Result], item: object) -> "Future[Result | Failure]":
@@ -59,7 +76,7 @@ class _Worker:
             return self._pool.submit(_attempt, work, item)
         except BrokenExecutor:
             self._pool.shutdown()
-            self._pool = self._opened()
+            self._pool = self._opened(_SPAWN)
             return self._pool.submit(_attempt, work, item)
 
     def progress(self) -> tuple[int, int]:
@@ -87,19 +104,23 @@ class _Worker:
 class ProcessRunner(ExecutorRunner[Result]):
     """Processes of this machine, one item each."""
 
-    def __init__(self, workers: int, jobs: int = 1) -> None:
+    def __init__(self, workers: int, jobs: int = 1, load: str | None = None) -> None:
         """Set up.
 
         Args:
             workers: how many processes.
             jobs: how many batches each may work on at once.
+            load: a module that all need.
         """
         self.jobs = jobs
         self.capacity = workers
         # A signal that reaches all processes must not end what is started here.
         with held_back(), _started(workers):
             ends, self._lifeline = _SPAWN.Pipe(duplex=False)
-            self._workers = [_Worker(ends) for _ in range(workers)]
+            forks = can_fork() and threading.active_count() == 1
+            if forks and load is not None:
+                importlib.import_module(load)
+            self._workers = [_Worker(ends, self._lifeline, forks=forks) for _ in range(workers)]
         self._idle = list(self._workers)
         self._busy: dict[int, _Worker] = {}
 
@@ -165,11 +186,18 @@ _progress: Any = None
 """The progress of this process if it is a worker: bytes done and in all."""
 
 
-def _begin(lifeline: Connection, progress: Any) -> None:  # noqa: ANN401 - ctypes has no public name for it
+def _nothing() -> None:
+    """Do nothing."""
+
+
+def _begin(lifeline: Connection, progress: Any, *held: Connection) -> None:  # noqa: ANN401 - ctypes has no public name for it
     """Begin a worker."""
     global _progress  # noqa: PLW0603 - there is no other way to reach a function of a pool
     _progress = progress
     leave_to_parent()
+    for end in held:
+        end.close()
+    gc.freeze()
     raise_again_if_lost()
     threading.Thread(target=_end_with, args=(lifeline,), daemon=True).start()
 

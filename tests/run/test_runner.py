@@ -30,16 +30,20 @@ def outcomes(runner: Runner[Any], folder: Path, *items: str) -> tuple[list[Any],
 
 
 def test_one_log_is_done_in_this_process_and_many_by_several() -> None:
-    runners = [runner_for(1, 8, None), runner_for(0, 8, None), runner_for(5, 1, None)]
+    runners = [
+        runner_for("info", 1, 8, None),
+        runner_for("info", 0, 8, None),
+        runner_for("info", 5, 1, None),
+    ]
     assert [type(runner).__name__ for runner in runners] == ["SerialRunner"] * 3
     assert [runner.jobs for runner in runners] == [8, 8, 1]
-    with runner_for(2, 8, None) as runner:
+    with runner_for("info", 2, 8, None) as runner:
         assert isinstance(runner, ProcessRunner)
         assert runner.jobs == 4
 
 
 def test_in_this_process_an_error_is_an_outcome(tmp_path: Path) -> None:
-    found, progress = outcomes(runner_for(4, 1, None), tmp_path, "a", "wrong", "fault", "b")
+    found, progress = outcomes(runner_for("info", 4, 1, None), tmp_path, "a", "wrong", "fault", "b")
     assert found[:2] == ["A", Failure("no such file", 2)]
     assert found[2].sentence.startswith("failed by a fault of dogbot-logtool")
     assert found[3] == "B"
@@ -48,7 +52,7 @@ def test_in_this_process_an_error_is_an_outcome(tmp_path: Path) -> None:
 
 def test_a_process_that_dies_costs_its_own_item_only(tmp_path: Path) -> None:
     items = ("slow", "a", "wrong", "fault", "deadly", "b", "deadly once", "c")
-    found, progress = outcomes(runner_for(len(items), 2, None), tmp_path, *items)
+    found, progress = outcomes(runner_for("info", len(items), 2, None), tmp_path, *items)
     assert found[:3] == ["SLOW", "A", Failure("no such file", 2)]
     assert found[3].sentence.startswith("failed by a fault of dogbot-logtool")
     assert found[4] == Failure(
@@ -176,7 +180,7 @@ def test_a_store_that_fails_is_tried_once_more() -> None:
 @pytest.mark.parametrize("word", ["nonsense", "local:0", "local:", "http://x"])
 def test_a_scheduler_is_an_address(word: str) -> None:
     with pytest.raises(CallError, match="must be an address"):
-        runner_for(2, 2, word)
+        runner_for("info", 2, 2, word)
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="looks into /proc")
