@@ -115,20 +115,19 @@ def indexed_chunk(
     size: int,
 ) -> FinishedChunk:
     """Give a chunk record, new or recorded, its message index."""
-    order = stable_order(channel)
+    count_of = np.bincount(channel)
+    counts = {number: int(count_of[number]) for number in np.flatnonzero(count_of).tolist()}
+    order: Ints | slice = slice(None) if len(counts) == 1 else stable_order(channel)
     entries = np.empty(len(channel), _INDEX_ENTRY)
     entries["log_time"] = log_time[order]
     entries["offset"] = offset[order]
     data = entries.tobytes()
-    count_of = np.bincount(channel)
     pieces: list[bytes] = []
     index_offsets: dict[int, int] = {}
-    counts: dict[int, int] = {}
     written = first = 0
-    for number in np.flatnonzero(count_of).tolist():
-        counts[number] = int(count_of[number])
+    for number, count in counts.items():
         index_offsets[number] = written
-        length = counts[number] * _INDEX_ENTRY.itemsize
+        length = count * _INDEX_ENTRY.itemsize
         pieces.append(_INDEX_HEAD.pack(Opcode.MESSAGE_INDEX, length + 6, number, length))
         pieces.append(data[first : first + length])
         written, first = written + _INDEX_HEAD.size + length, first + length

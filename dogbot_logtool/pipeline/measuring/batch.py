@@ -12,7 +12,6 @@ from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.pipeline.batches import BatchColumns, BatchReader
 from dogbot_logtool.pipeline.frames.world_frames import BatchFrames
 from dogbot_logtool.reader.containers.log import Batch, Log, Loss, Span
-from dogbot_logtool.reader.decode.columns import Texts
 from dogbot_logtool.reader.messages.bases.source import BasePoses
 from dogbot_logtool.reader.messages.messages import DecodedMessages
 
@@ -121,7 +120,7 @@ def _stamped_times(log: Log, messages: DecodedMessages) -> dict[str, MessageTime
     frame = messages.table.texts("header.frame_id")
     topics = {}
     for topic, rows in _by_topic(log, messages.channel):
-        _, frames = Texts(frame.buffer, frame.start[rows], frame.length[rows]).encode()
+        _, frames = frame.pick(rows).encode()
         topics[topic] = MessageTimes(topic, messages.log_time[rows], stamp[rows], frames)
     return topics
 

@@ -113,7 +113,7 @@ class Selection:
         found = [source for c in channels if (source := source_of(c, feet(c.topic)))]
         different = {id(source): source for source in found}.values()
         ordered = sorted(different, key=lambda source: source.type_name)
-        return tuple(without_flags(source, self.foot_channels()) for source in ordered)
+        return tuple(without_flags(source, ignores=self.ignores_flags) for source in ordered)
 
     def has_flags(self, foot: int) -> bool:
         """Tell whether contact flags of the messages decide a foot's contact."""

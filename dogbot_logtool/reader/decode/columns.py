@@ -55,6 +55,10 @@ class Texts:
         """(n,) first byte after each."""
         return self.start + self.length
 
+    def pick(self, rows: Flags | Ints) -> "Texts":
+        """Return the chosen rows."""
+        return Texts(self.buffer, self.start[rows], self.length[rows])
+
     def text(self, row: int) -> str:
         """Return one string; bytes that are not UTF-8 are replaced."""
         start = int(self.start[row])

@@ -244,10 +244,11 @@ def _between(fmt: RecordFormat, records: Bytes, heads: Records) -> list[Records]
     """Return the records between the messages, or None if messages or rubbish are among them."""
     gap_start = np.concatenate([[0], heads.messages.end])
     gap_end = np.concatenate([heads.offset, [len(records)]])
-    if (gap_end < gap_start).any():
+    gaps = np.flatnonzero(gap_start != gap_end)
+    if (gap_end[gaps] < gap_start[gaps]).any():
         return None
     others: list[Records] = []
-    for gap in np.flatnonzero(gap_start != gap_end):
+    for gap in gaps:
         found = find_all(fmt, records, int(gap_start[gap]), int(gap_end[gap]))
         if found.skipped.count or len(found.messages):
             return None
@@ -316,9 +317,14 @@ def concatenate_records(parts: Sequence[Records]) -> Records:
     """Stack tables of records."""
     if len(parts) == 1:
         return parts[0]
-    nothing = np.empty(0, np.int64)
+    if not parts:
+        return _NO_RECORDS
     return Records(
-        np.concatenate([nothing, *(part.op for part in parts)]),
-        np.concatenate([nothing, *(part.offset for part in parts)]),
+        np.concatenate([part.op for part in parts]),
+        np.concatenate([part.offset for part in parts]),
         concatenate_messages([part.messages for part in parts]),
     )
+
+
+_NOTHING: Final = np.empty(0, np.int64)
+_NO_RECORDS: Final = Records(_NOTHING, _NOTHING, blank_messages(_NOTHING, _NOTHING))

@@ -129,20 +129,23 @@ def newest_step(info: Texts, message: Ints, messages: int) -> tuple[Flags, int]:
     Returns:
         (s,) flags, and how many messages of several states tell no time.
     """
-    if not len(message):
-        return np.ones(0, np.bool_), 0
-    last_state = np.zeros(messages, np.int64)
-    last_state[message] = np.arange(len(message))
-    states_of = np.bincount(message, minlength=messages)
-    if states_of.max() == 1:
-        return np.ones(len(message), np.bool_), 0
-    time, timed = _step_times(info)
-    newest: Flags = time == time[last_state[message]]
-    if timed.all():
+    newest = np.ones(len(message), np.bool_)
+    rows = _in_several(message)
+    if not len(rows):
         return newest, 0
-    untimed = np.bincount(message[~timed], minlength=messages) > 0
-    newest |= untimed[message]
-    return newest, int((untimed & (states_of > 1)).sum())
+    message_of = message[rows]
+    time, timed = _step_times(info.pick(rows))
+    last = np.zeros(messages, np.int64)
+    last[message_of] = np.arange(len(rows))
+    untimed = np.zeros(messages, np.bool_)
+    untimed[message_of[~timed]] = True
+    newest[rows] = (time == time[last[message_of]]) | untimed[message_of]
+    return newest, int(untimed.sum())
+
+
+def _in_several(message: Ints) -> Ints:
+    """Return the rows of states whose message holds several, most of which hold one."""
+    return np.flatnonzero(np.bincount(message)[message] > 1)
 
 
 def _step_times(info: Texts) -> tuple[NDArray[np.void], Flags]:
@@ -195,7 +198,7 @@ def newest_lag(info: Texts, message: Ints, stamp: Ints) -> Ints:
     last_state = np.full(len(stamp), -1, np.int64)
     last_state[message] = np.arange(len(message))
     known = np.flatnonzero(last_state >= 0)
-    time, timed = _nanoseconds(info, last_state[known])
+    time, timed = _nanoseconds(info.pick(last_state[known]))
     lag = np.zeros(len(stamp), np.int64)
     lag[known[timed]] = stamp[known[timed]] - time[timed]
     return lag
@@ -203,8 +206,9 @@ def newest_lag(info: Texts, message: Ints, stamp: Ints) -> Ints:
 
 def steps_of_messages(info: Texts, message: Ints, stamp: Ints) -> StepTiming:
     """Look at the messages that hold several steps; arguments as for `newest_lag`."""
-    time, timed = _nanoseconds(info, np.arange(len(message)))
-    time, message = time[timed], message[timed]
+    rows = _in_several(message)
+    time, timed = _nanoseconds(info.pick(rows))
+    time, message = time[timed], message[rows[timed]]
     order = np.lexsort((time, message))
     time, message = time[order], message[order]
     step = np.diff(time)
@@ -214,14 +218,14 @@ def steps_of_messages(info: Texts, message: Ints, stamp: Ints) -> StepTiming:
     return StepTiming(stamp[several] - newest, step[later])
 
 
-def _nanoseconds(info: Texts, rows: Ints) -> tuple[Ints, Flags]:
-    """(k,) ns, the time that some texts tell, and (k,) if they do.
+def _nanoseconds(info: Texts) -> tuple[Ints, Flags]:
+    """(s,) ns, the time that texts tell, and (s,) if they do.
 
     Behind the point stand nanoseconds, which ROS 1 fills up with zeros and ROS 2 does not.
     """
-    if not len(rows):
-        return rows, np.ones(0, np.bool_)
-    time, timed = _step_times(Texts(info.buffer, info.start[rows], info.length[rows]))
+    if not len(info.start):
+        return info.start, np.ones(0, np.bool_)
+    time, timed = _step_times(info)
     characters: Bytes = time.view(np.uint8).reshape(len(time), -1)
     seconds, nanoseconds = np.zeros((2, len(time)), np.int64)
     behind_point = np.zeros(len(time), np.bool_)

@@ -148,7 +148,11 @@ def read_contacts(
             reduced = read_messages(source, messages, feet)
             samples, implausible = plausible_samples(reduced.samples)
             reduced = replace(reduced, samples=samples, implausible=implausible)
-            found.append(DecodedContacts(without_flags(source, feet), messages, reduced, feet))
+            found.append(
+                DecodedContacts(
+                    without_flags(source, ignores=feet.ignores_flags), messages, reduced, feet
+                )
+            )
     return found
 
 
@@ -166,6 +170,6 @@ def _by_source(
     return sorted(groups.values(), key=lambda group: order.get(group[0].type_name, last))
 
 
-def without_flags(source: ContactSource, feet: FootChannels) -> ContactSource:
-    """Return a source as its flags are used: forces decide contact where flags are ignored."""
-    return replace(source, has_flags=False) if feet.ignores_flags else source
+def without_flags(source: ContactSource, *, ignores: bool) -> ContactSource:
+    """Return a source as its flags are used: forces decide contact where it ignores flags."""
+    return replace(source, has_flags=False) if ignores else source

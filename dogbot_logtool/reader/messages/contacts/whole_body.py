@@ -6,7 +6,6 @@ from typing import Final
 import numpy as np
 
 from dogbot_logtool.core.frames.wrench_frame import WrenchFrame
-from dogbot_logtool.reader.decode.columns import Texts
 from dogbot_logtool.reader.decode.fields import HEADER, number, table, text, vector
 from dogbot_logtool.reader.messages.contacts.source import ContactSource, MessageFoot
 from dogbot_logtool.reader.messages.contacts.whole_robot import labels_in, named_contacts
@@ -23,8 +22,7 @@ def _feet_in(messages: DecodedMessages) -> tuple[MessageFoot, ...]:
     """Return the contacts for walking; hands that grasp are of another type."""
     inside = messages.table.nested("contacts").table
     rows = np.flatnonzero(inside.numbers("type") == _LOCOMOTION)
-    names = inside.texts("name")
-    return labels_in(Texts(names.buffer, names.start[rows], names.length[rows]))
+    return labels_in(inside.texts("name").pick(rows))
 
 
 def _source(field: str, flags: dict[int, float]) -> ContactSource:
