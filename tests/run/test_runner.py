@@ -157,6 +157,47 @@ if __name__ == "__main__":
     assert list(tmp_path.iterdir()) == []
 
 
+def kind_of_process(item: tuple[str, Path], on_progress: OnProgress | None) -> str:
+    """Work on an item; return what kind of process did it."""
+    work(item, on_progress)
+    loaded = "dogbot_logtool.commands.info" in sys.modules
+    return f"{type(multiprocessing.current_process()).__name__} {loaded}"
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="others do not fork")
+def test_workers_are_forked_where_no_thread_runs_and_dead_ones_are_spawned(tmp_path: Path) -> None:
+    script = f"""
+import sys, threading
+from pathlib import Path
+from dogbot_logtool.run.processes import ProcessRunner
+from tests.run.test_runner import kind_of_process
+from tests.run.work import Progress
+
+def kinds(*items):
+    with ProcessRunner(1, load="dogbot_logtool.commands.info") as runner:
+        items = [(item, Path({str(tmp_path)!r})) for item in items]
+        print(*runner.run(kind_of_process, items, Progress()), sep=", ")
+
+if __name__ == "__main__":
+    kinds("a", "deadly once", "b")
+    threading.Thread(target=sys.stdin.read).start()
+    kinds("a")
+"""
+    done = subprocess.run(  # noqa: S603
+        [sys.executable, "-c", script],
+        capture_output=True,
+        text=True,
+        check=True,
+        timeout=60.0,
+        cwd=ROOT,
+        input="",
+    )
+    assert done.stdout.splitlines() == [
+        "ForkProcess True, SpawnProcess False, SpawnProcess False",
+        "SpawnProcess False",
+    ]
+
+
 def test_a_store_that_fails_is_tried_once_more() -> None:
     calls: list[int] = []
 
