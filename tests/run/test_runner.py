@@ -167,7 +167,7 @@ def kind_of_process(item: tuple[str, Path], on_progress: OnProgress | None) -> s
 @pytest.mark.skipif(sys.platform != "linux", reason="others do not fork")
 def test_workers_are_forked_where_no_thread_runs_and_dead_ones_are_spawned(tmp_path: Path) -> None:
     script = f"""
-import sys, threading
+import threading, time
 from pathlib import Path
 from dogbot_logtool.run.processes import ProcessRunner
 from tests.run.test_runner import kind_of_process
@@ -180,7 +180,7 @@ def kinds(*items):
 
 if __name__ == "__main__":
     kinds("a", "deadly once", "b")
-    threading.Thread(target=sys.stdin.read).start()
+    threading.Thread(target=time.sleep, args=(60.0,), daemon=True).start()
     kinds("a")
 """
     done = subprocess.run(  # noqa: S603
@@ -190,7 +190,6 @@ if __name__ == "__main__":
         check=True,
         timeout=60.0,
         cwd=ROOT,
-        input="",
     )
     assert done.stdout.splitlines() == [
         "ForkProcess True, SpawnProcess False, SpawnProcess False",
