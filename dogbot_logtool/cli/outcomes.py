@@ -149,10 +149,10 @@ def say(sentence: str, label: str = "error: ") -> None:
             print_sentence(diagnostics(), f"  {line}", indent=4)
 
 
-def say_damaged(count: int) -> None:
-    """Print how many logs are damaged, where nothing else says what was lost."""
+def say_damaged(count: int, says_what: str = "without --quiet, what was lost is said") -> None:
+    """Print how many logs are damaged, and what says what was lost."""
     logs = "log is" if count == 1 else "logs are"
-    say(f"{count} {logs} damaged; `info` says what was lost", "damage: ")
+    say(f"{count} {logs} damaged; {says_what}", "damage: ")
 
 
 def note(sentence: str) -> None:

@@ -50,7 +50,7 @@ def measured_side(log_set: "LogSet", options: "StatsOptions", *, quiet: bool) ->
     for name, sentence in outcomes.failures:
         say(f"{name}: {sentence}" if not sentence.startswith(name) else sentence)
     if damaged := sum(each.exit_code == DAMAGED for each in figures):
-        say_damaged(damaged)
+        say_damaged(damaged, "`stats` says what was lost")
     return Side(log_set.paths, figures, failed=bool(outcomes.failures))
 
 

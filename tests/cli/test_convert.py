@@ -38,7 +38,9 @@ def test_quiet_says_that_something_was_lost(shell: Shell, tmp_path: Path) -> Non
     cut = tmp_path / "cut.bag"
     cut.write_bytes(TROUBLED.read_bytes()[:-20_000])
     done = shell("convert", cut, "--quiet", "-o", "x.mcap")
-    assert done == Outcome(3, "", "damage: 1 log is damaged; `info` says what was lost\n")
+    assert done == Outcome(
+        3, "", "damage: 1 log is damaged; without --quiet, what was lost is said\n"
+    )
     told = shell("convert", cut, "--quiet", "--json", "-o", "y.mcap")
     assert (told.code, told.err) == (3, "")
     assert told.json["damage"]

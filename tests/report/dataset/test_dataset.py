@@ -54,7 +54,7 @@ def test_what_was_done_is_said_and_damaged_logs_are_named(tmp_path: Path) -> Non
     assert (again.returncode, again.stdout) == (3, "")
     assert "figures: 0 measured, 2 unchanged; 1 damaged\n damage  cut.bag: " in again.stderr
     assert stats(tmp_path, ".", "-q").stderr == (
-        "damage: 1 log is damaged; `info` says what was lost\n"
+        "damage: 1 log is damaged; without --quiet, what was lost is said\n"
     )
 
 
