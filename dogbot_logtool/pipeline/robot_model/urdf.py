@@ -62,8 +62,8 @@ def urdf_joints(root: ET.Element) -> tuple[tuple[Joint, ...], int]:
 def said_of_left_out(count: int) -> str:
     """Say how many joints of a description are left out, and why."""
     return (
-        f"joints left out of the robot description: {count} (a number that is not finite, no axis, "
-        "a missing link, a circle, or a second parent)"
+        f"joints left out of the robot description: {count} (a number that cannot be used, "
+        "an axis of length 0, a missing link, a circle, or a second parent)"
     )
 
 
