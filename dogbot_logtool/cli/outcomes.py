@@ -149,10 +149,10 @@ def say(sentence: str, label: str = "error: ") -> None:
             print_sentence(diagnostics(), f"  {line}", indent=4)
 
 
-def say_damaged(count: int, says_what: str = "without --quiet, what was lost is said") -> None:
-    """Print how many logs are damaged, and what says what was lost."""
+def say_damaged(count: int, hint: str = "without --quiet, what was lost is said") -> None:
+    """Print how many logs are damaged, and where to read what was lost."""
     logs = "log is" if count == 1 else "logs are"
-    say(f"{count} {logs} damaged; {says_what}", "damage: ")
+    say(f"{count} {logs} damaged; {hint}", "damage: ")
 
 
 def note(sentence: str) -> None:

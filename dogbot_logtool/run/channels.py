@@ -23,35 +23,37 @@ class PeerEndedError(Exception):
 
 
 def send(
-    end: BinaryIO, thing: object, places: Callable[[pickle.PickleBuffer], bool] | None = None
+    end: BinaryIO,
+    thing: object,
+    buffer_callback: Callable[[pickle.PickleBuffer], bool] | None = None,
 ) -> None:
     """Send a thing through a pipe.
 
     Args:
         end: to write to.
         thing: can be pickled.
-        places: takes an array elsewhere; true: it does not.
+        buffer_callback: takes the data of arrays, see `pickle.dump`; true: not this one.
 
     Raises:
         BrokenPipeError: the process at the other end ended.
     """
     # Protocol 5 writes large arrays to the pipe, and reads them from it, without copying them.
-    pickle.dump(thing, end, protocol=5, buffer_callback=places)
+    pickle.dump(thing, end, protocol=5, buffer_callback=buffer_callback)
     end.flush()
 
 
-def receive(end: BinaryIO, placed: Iterable[bytearray] = ()) -> Any:  # noqa: ANN401 - it was pickled
+def receive(end: BinaryIO, buffers: Iterable[bytearray] = ()) -> Any:  # noqa: ANN401 - it was pickled
     """Receive what `send` sent.
 
     Args:
         end: to read from.
-        placed: the arrays that were taken elsewhere, in their order.
+        buffers: the data of arrays that did not come through the pipe, in their order.
 
     Raises:
         PeerEndedError: it was not sent, or only in part.
     """
     try:
-        return pickle.load(end, buffers=placed)  # noqa: S301 - a copy of this process made it
+        return pickle.load(end, buffers=buffers)  # noqa: S301 - a copy of this process made it
     except (EOFError, pickle.UnpicklingError) as error:
         raise PeerEndedError from error
 
@@ -60,7 +62,7 @@ class ResultChannel:
     """Carries the results of one worker to the first process, one at a time.
 
     A pipe holds 64 KB: what is larger makes both sides wait for each other many times. So arrays go
-    through memory that both share, which takes 6 % less time for a long log.
+    through memory that both share.
     """
 
     def __init__(self, results: Pipe, taken: Pipe) -> None:
@@ -115,7 +117,7 @@ class ResultChannel:
         return result
 
     def _place(self, array: pickle.PickleBuffer) -> bool:
-        """Copy an array into the shared memory, behind its length; true: it is not to go there."""
+        """Copy an array into the shared memory, behind its length; true: the pipe takes it."""
         data = array.raw()
         start = self._used + _LENGTH.size
         end = start + data.nbytes

@@ -157,6 +157,19 @@ if __name__ == "__main__":
     assert list(tmp_path.iterdir()) == []
 
 
+def printed_by(script: str) -> str:
+    """Run a script in a process of its own; return what it prints."""
+    done = subprocess.run(  # noqa: S603
+        [sys.executable, "-c", script],
+        capture_output=True,
+        text=True,
+        check=True,
+        timeout=60.0,
+        cwd=ROOT,
+    )
+    return done.stdout
+
+
 def kind_of_process(item: tuple[str, Path], on_progress: OnProgress | None) -> str:
     """Work on an item; return what kind of process did it."""
     work(item, on_progress)
@@ -183,15 +196,7 @@ if __name__ == "__main__":
     threading.Thread(target=time.sleep, args=(60.0,), daemon=True).start()
     kinds("a")
 """
-    done = subprocess.run(  # noqa: S603
-        [sys.executable, "-c", script],
-        capture_output=True,
-        text=True,
-        check=True,
-        timeout=60.0,
-        cwd=ROOT,
-    )
-    assert done.stdout.splitlines() == [
+    assert printed_by(script).splitlines() == [
         "ForkProcess True, SpawnProcess False, SpawnProcess False",
         "SpawnProcess False",
     ]
@@ -259,12 +264,7 @@ if __name__ == "__main__":
     except LogtoolError as error:
         print(error)
 """
-    done = subprocess.run(  # noqa: S603
-        [sys.executable, "-c", script],
-        capture_output=True,
-        text=True,
-        check=True,
-        timeout=60.0,
-        cwd=ROOT,
+    assert (
+        printed_by(script)
+        == "9 processes cannot be started: Too many open files; try fewer --jobs\n"
     )
-    assert done.stdout == "9 processes cannot be started: Too many open files; try fewer --jobs\n"
