@@ -1,7 +1,7 @@
 """Measures many short logs on this machine: ``python benchmarks/many_logs.py [LOGS]``.
 
 Each is a second of a sample log, from another time of it. Processor time, of all processes, so that
-a busy machine matters little: of `stats --parquet` over all, of a second run, of `stats` without a
+a busy machine matters little: of `export --dataset` over all, of a second run, of `stats` without a
 dataset, and of the same measurements in one process that has everything loaded.
 """
 
@@ -67,9 +67,9 @@ def in_process(paths: list[Path]) -> float:
 
 
 def run(*words: object) -> float:
-    """Run `stats`; s, of it and of all processes that it has started."""
+    """Run a command; s, of it and of all processes that it has started."""
     before = os.times()
-    command = [sys.executable, "-m", "dogbot_logtool", "stats", *map(str, words), "-q"]
+    command = [sys.executable, "-m", "dogbot_logtool", *map(str, words), "-q"]
     subprocess.run(command, check=True, stdout=subprocess.DEVNULL)
     after = os.times()
     return (
@@ -83,12 +83,12 @@ def main(count: int) -> None:
         logs, figures = Path(folder) / "logs", Path(folder) / "figures"
         logs.mkdir()
         alone = in_process(write_logs(logs, count))
-        plain = run(logs, "--jobs", JOBS)
-        first = run(logs, "--jobs", JOBS, "--parquet", figures)
-        again = run(logs, "--jobs", JOBS, "--parquet", figures)
+        plain = run("stats", logs, "--jobs", JOBS)
+        first = run("export", logs, "--jobs", JOBS, "--dataset", figures)
+        again = run("export", logs, "--jobs", JOBS, "--dataset", figures)
         print(f"{count} logs in one process        {alone:7.1f} s of a processor")
         print(f"stats --jobs {JOBS}                 {plain:7.1f} s, {plain / alone:.2f} of that")
-        print(f"stats --jobs {JOBS} --parquet       {first:7.1f} s, {first / alone:.2f} of that")
+        print(f"export --dataset --jobs {JOBS}      {first:7.1f} s, {first / alone:.2f} of that")
         print(f"the same once more             {again:7.1f} s")
         for query in _QUERIES:
             start = time.process_time()

@@ -38,7 +38,7 @@ def findings_page() -> str:
 
 _FIGURES_HEAD: Final = """# Figures
 
-Everything that `stats --json` reports, and every column of `stats --csv` and `--parquet`. SI units;
+Everything that `stats --json` reports, and every column of `export` and of its dataset. SI units;
 the unit stands in the key. A figure that cannot be known is `null`, and a finding says why. `*`
 stands for the name of a foot or topic, `[]` for the items of a list; the last column names the
 tables that show the figure, too. This page is made of the table
@@ -88,9 +88,9 @@ def schema_file() -> str:
     return to_json(schema(), indent=1) + "\n"
 
 
-_DATASET_HEAD: Final = """# The dataset of `--parquet`
+_DATASET_HEAD: Final = """# The dataset of `export --dataset`
 
-The tables that `stats --parquet DIR` keeps ([many logs](many_logs.md)), and their columns; a
+The tables that `export --dataset DIR` keeps ([many logs](many_logs.md)), and their columns; a
 name means the same in all of them. The directories have the columns {partitions}.
 `--label NAME=VALUE` adds columns of text to `logs`.
 

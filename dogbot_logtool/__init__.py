@@ -17,7 +17,6 @@ if TYPE_CHECKING:
     from dogbot_logtool.api.functions import (
         check,
         compare,
-        compare_events,
         compare_gait,
         convert,
         info,
@@ -36,7 +35,6 @@ __all__ = [
     "Walk",
     "check",
     "compare",
-    "compare_events",
     "compare_gait",
     "convert",
     "info",
@@ -47,7 +45,6 @@ _MODULES: Final = {
     "api.functions": (
         "check",
         "compare",
-        "compare_events",
         "compare_gait",
         "convert",
         "info",

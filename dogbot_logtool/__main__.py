@@ -3,7 +3,7 @@
 import gc
 from typing import Final, NoReturn
 
-from dogbot_logtool.run.signals import ignore_signals, raise_on_signals
+from dogbot_logtool.signals import ignore_signals, raise_on_signals
 
 _NEW_OBJECTS: Final = 100_000
 """More than are made before a log is read: nearly all that is loaded stays until the end, and to

@@ -5,7 +5,7 @@ from dataclasses import field
 from typing import TYPE_CHECKING, Any
 
 from dogbot_logtool.dataclass import dataclass
-from dogbot_logtool.errors import DAMAGED
+from dogbot_logtool.reader.containers.loss import SOUND, Damage
 
 # A command needs not load what only other commands' records are made of.
 if TYPE_CHECKING:
@@ -15,7 +15,6 @@ if TYPE_CHECKING:
     from dogbot_logtool.io.storage import Location
     from dogbot_logtool.pipeline.conversion.batch import Counts
     from dogbot_logtool.pipeline.frames.frames import Frames
-    from dogbot_logtool.reader.containers.log import Loss
     from dogbot_logtool.robot import Robot
 
 
@@ -32,7 +31,7 @@ class TopicInfo:
     is too short, for a rate."""
     senders: int
     use: str
-    """Its use: ``odometry``, ``foot front_left``, ``frames``, or nothing.
+    """Its use: ``odometry``, ``foot front_left``, ``frames``, ``joints``, or nothing.
     ``annotation``: `convert` added it."""
 
 
@@ -63,12 +62,7 @@ class LogInfo:
     frames: "Frames | None"
     """All transforms of the log, if they were asked for."""
     findings: "tuple[Finding, ...]"
-    losses: "tuple[Loss, ...]"
-
-    @property
-    def exit_code(self) -> int:
-        """0: sound; 3: damaged."""
-        return DAMAGED if self.losses else 0
+    damage: Damage
 
 
 @dataclass(frozen=True, slots=True)
@@ -92,12 +86,7 @@ class Conversion:
     """Messages that were added, by topic."""
     counts: "Counts"
     findings: "tuple[Finding, ...]"
-    losses: "tuple[Loss, ...]"
-
-    @property
-    def exit_code(self) -> int:
-        """0: done; 3: done, but the input was damaged."""
-        return DAMAGED if self.losses else 0
+    damage: Damage
 
 
 @dataclass(frozen=True, slots=True)
@@ -111,11 +100,7 @@ class LogFacts:
     """s since the epoch, log time of the first message."""
     duration_s: float | None
     messages: int
-    lost_messages: int | None = 0
-    """None when an unknown number was lost."""
-    lost_bytes: int = 0
-    losses: Sequence[str] = ()
-    """Sentences on what was lost and where."""
+    damage: Damage = SOUND
     findings: "Sequence[Finding]" = field(default=())
     """Found while topics and frames were chosen."""
     robot: str = ""
@@ -128,12 +113,11 @@ class Measurement:
 
     stats: "Stats"
     facts: LogFacts
-    losses: "tuple[Loss, ...]"
 
     @property
-    def exit_code(self) -> int:
-        """0: done; 3: done, but the log was damaged."""
-        return DAMAGED if self.losses else 0
+    def damage(self) -> Damage:
+        """What could not be read of the log."""
+        return self.facts.damage
 
 
 @dataclass(frozen=True, slots=True)
@@ -147,9 +131,9 @@ class Page:
     measured: Measurement
 
     @property
-    def exit_code(self) -> int:
-        """0: done; 3: done, but the log was damaged."""
-        return self.measured.exit_code
+    def damage(self) -> Damage:
+        """What could not be read of the log."""
+        return self.measured.damage
 
 
 @dataclass(frozen=True, slots=True)
@@ -172,7 +156,7 @@ class Figures:
     json: dict[str, Any]
     strides: "StrideTable"
     robot: str
-    exit_code: int
+    damage: Damage
     whole: "Measurement | None" = None
     """All there is, if it was asked for."""
     drawn: tuple[float, float] | None = None

@@ -28,7 +28,7 @@ FLOORS: Final = (
     ("robot",),
     ("writer", "io"),
     ("core",),
-    ("errors", "finding", "provenance"),
+    ("errors", "finding", "provenance", "signals"),
     ("extras",),
     ("dataclass",),
 )

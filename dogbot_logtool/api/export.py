@@ -1,18 +1,17 @@
-"""`export` of a log: one of a walk's tables, behind the log's name, or its events as labels."""
+"""`export` of a log: one of a walk's tables, behind the log's name."""
 
-from typing import TYPE_CHECKING, BinaryIO
+from typing import TYPE_CHECKING
 
 from dogbot_logtool.api.table import Table, texts
 from dogbot_logtool.api.walk import Walk
 from dogbot_logtool.commands.stats import measure
 from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.io.storage import Location, shown
-from dogbot_logtool.report.documents.stats_json import stats_json
-from dogbot_logtool.report.files.event_files import event_file
 
 if TYPE_CHECKING:
     from dogbot_logtool.pipeline.options import StatsOptions
     from dogbot_logtool.report.files.table_file import TableFile
+    from dogbot_logtool.results import Measurement
     from dogbot_logtool.run.in_order import OnProgress
 
 
@@ -25,15 +24,16 @@ class Export:
     """``strides``, ``stances``, ``joints``, ``events``, ``base``, ``commands`` or ``samples``."""
     file: "TableFile"
 
-    def __call__(self, log: Location, on_progress: "OnProgress | None") -> int:
-        """Measure a log and write its rows; return the exit code of measuring it."""
+    def __call__(self, log: Location, on_progress: "OnProgress | None") -> "Measurement":
+        """Measure a log and write its rows."""
         measured = measure(log, self.options, on_progress)
         walk, name = Walk(log, measured, self.options), shown(log)
         if self.table == "samples":
-            walk.each_block_of_samples(lambda block: self._add(name, block))
+            for table in walk.all_samples():
+                self._add(name, table)
         else:
             self._add(name, getattr(walk, self.table))
-        return measured.exit_code
+        return measured
 
     def finish(self) -> None:
         """Write what stands at the end of the file."""
@@ -41,27 +41,3 @@ class Export:
 
     def _add(self, log: str, table: Table) -> None:
         self.file.add({"log": texts([log] * len(table)), **table.columns})
-
-
-@dataclass(frozen=True, slots=True)
-class ExportLabels:
-    """Writes the events of one log in a format that holds those of one log only."""
-
-    options: "StatsOptions"
-    suffix: str
-    """See `event_file`."""
-    file: BinaryIO
-
-    def __call__(self, log: Location, on_progress: "OnProgress | None") -> int:
-        """Measure a log and write its events; return the exit code of measuring it.
-
-        Raises:
-            LogError: the format cannot hold the events of these feet.
-        """
-        measured = measure(log, self.options, on_progress)
-        document = stats_json(measured.stats, measured.facts)
-        self.file.write(event_file(self.suffix, document).encode())
-        return measured.exit_code
-
-    def finish(self) -> None:
-        """Do nothing: the file has no end of its own."""

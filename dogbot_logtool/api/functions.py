@@ -24,7 +24,6 @@ if TYPE_CHECKING:
     from dogbot_logtool.api.walk import Walk
     from dogbot_logtool.comparison.outcome import Comparison
     from dogbot_logtool.comparison.rules.judge import Judgement
-    from dogbot_logtool.comparison.walks.labelled_events import EventMatch
     from dogbot_logtool.comparison.walks.two_runs import GaitComparison
     from dogbot_logtool.results import Conversion, LogInfo
 
@@ -59,7 +58,7 @@ def convert(
 
     Raises:
         CallError: no such file, a target that may not be written, or an option that does not fit.
-        LogError: the log cannot be read, has nothing to annotate, or is damaged and `strict`.
+        LogError: the log cannot be read, or has nothing to annotate.
         LogtoolError: the target cannot be written.
     """
     from dogbot_logtool.commands import convert as command  # noqa: PLC0415
@@ -138,35 +137,6 @@ def compare_gait(
     work = Measure(stats_options(options))
     sides = [[work(_location(log), None) for log in several(side)] for side in (first, second)]
     return command.compare_gait(*sides)
-
-
-def compare_events(
-    labels: PathOrName,
-    actual: PathOrName,
-    *,
-    atol: float | None = None,
-    **options: Unpack[MeasureKeywords],
-) -> "tuple[EventMatch, ...]":
-    """Match labelled events with those of a log, or of another file of events.
-
-    Args:
-        labels: a file of events: EUROBENCH's (.yaml), BIDS (.tsv), or that of `stats --events`.
-        actual: the log or file.
-        atol: s that an event may be early or late; default: 0.05.
-        options: see `MeasureKeywords`.
-
-    Raises:
-        CallError: a file cannot be read, or names feet that the log does not have.
-        LogError: it is no log, or has nothing to measure.
-    """
-    from dogbot_logtool.commands import compare_events as command  # noqa: PLC0415
-    from dogbot_logtool.comparison.walks.labelled_events import WITHIN_S  # noqa: PLC0415
-
-    within_s = WITHIN_S if atol is None else atol
-    refuse_bad_values({"atol": within_s})
-    return tuple(
-        command.compare_events(Path(labels), Path(actual), within_s, stats_options(options))
-    )
 
 
 def check(

@@ -94,7 +94,6 @@ class ConvertKeywords(RobotKeywords, total=False):
     compression: "Compression"
     jobs: int
     overwrite: bool
-    strict: bool
 
 
 @dataclass(frozen=True, slots=True)
@@ -266,7 +265,6 @@ def convert_options(options: ConvertKeywords) -> ConvertOptions:
         compression=given.get("compression"),
         jobs=given.get("jobs", 1),
         overwrite=given.get("overwrite", False),
-        strict=given.get("strict", False),
     )
 
 

@@ -66,7 +66,7 @@ class Table:
         return with_package("polars", lambda polars: polars.DataFrame(self._copies()))
 
     def to_arrow(self) -> Any:  # noqa: ANN401 - pyarrow has no types
-        """Return a `pyarrow.Table`; NaN is null there, as in the dataset of `stats --parquet`.
+        """Return a `pyarrow.Table`; NaN is null there, as in the dataset of `export --dataset`.
 
         Raises:
             LogtoolError: pyarrow is not installed.

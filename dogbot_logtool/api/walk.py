@@ -1,8 +1,8 @@
 """The result of `measure`: figures, and tables of strides, stances, joints, events and more."""
 
 import os
-from collections.abc import Callable
-from dataclasses import dataclass, field, replace
+from collections.abc import Iterator
+from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -13,18 +13,17 @@ from numpy.typing import NDArray
 from dogbot_logtool.api.curves import POINTS, Curves, curves_of
 from dogbot_logtool.api.keywords import PathOrName
 from dogbot_logtool.api.table import Table, texts
-from dogbot_logtool.commands.stats import measure
-from dogbot_logtool.core.accumulator import OnSamples
-from dogbot_logtool.core.contact.contacts import Samples, no_samples
+from dogbot_logtool.commands.stats import measure_log
+from dogbot_logtool.core.contact.contacts import Samples
 from dogbot_logtool.core.contact.stances import Cut
 from dogbot_logtool.core.geometry.arrays import Floats, Ints, norms
-from dogbot_logtool.core.geometry.clock import TimeSource
 from dogbot_logtool.core.geometry.timespans import covers
 from dogbot_logtool.core.statistics import Stats
+from dogbot_logtool.core.walk import usable_samples
 from dogbot_logtool.errors import CallError
 from dogbot_logtool.io.printable import listed
 from dogbot_logtool.io.storage import Location, location
-from dogbot_logtool.pipeline.time_span import refuse_window
+from dogbot_logtool.pipeline.topics.annotated import open_recorded
 from dogbot_logtool.report.documents.stats_json import stats_json
 from dogbot_logtool.report.figures.events import EVENT_COLUMNS
 from dogbot_logtool.report.figures.figure import Figure, Kind
@@ -33,7 +32,7 @@ from dogbot_logtool.report.files.stride_table import stride_table
 from dogbot_logtool.results import Measurement
 
 if TYPE_CHECKING:
-    from dogbot_logtool.pipeline.options import StatsOptions, TimeSourceOption
+    from dogbot_logtool.pipeline.options import StatsOptions
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -56,7 +55,7 @@ class Walk:
     @property
     def damaged(self) -> bool:
         """Whether some of the log could not be read; `stats["findings"]` says what."""
-        return bool(self._measured.losses)
+        return bool(self._measured.damage.losses)
 
     @property
     def feet(self) -> tuple[str, ...]:
@@ -70,7 +69,7 @@ class Walk:
 
     @cached_property
     def strides(self) -> Table:
-        """Whole strides, foot by foot: the columns of `stats --csv`."""
+        """Whole strides, foot by foot: the rows of `export --table strides`."""
         strides = stride_table(self._stats)
         return Table({"foot": texts(list(strides.foot)), **strides.columns})
 
@@ -96,7 +95,7 @@ class Walk:
 
     @cached_property
     def events(self) -> Table:
-        """Events in the order of time: the columns of `stats --events`."""
+        """Events in the order of time: the columns of `export --table events`."""
         events = self.stats["events"]
         numbers = {"onset_s", "duration_s", "value"}
         return Table(
@@ -172,16 +171,8 @@ class Walk:
         """
         if foot not in self.feet:
             raise CallError(f"{foot!r} is no foot of this robot; it has {listed(self.feet)}")
-        wanted = self.feet.index(foot)
-        blocks = [self._sample_columns(wanted, no_samples())]
-
-        def keep(number: int, samples: Samples) -> None:
-            if number == wanted:
-                blocks.append(self._sample_columns(number, samples))
-
-        self._read_samples(keep)
-        names = blocks[0]
-        return Table({name: np.concatenate([each[name] for each in blocks]) for name in names})
+        number = self.feet.index(foot)
+        return Table(self._sample_columns(number, self._samples()[number]))
 
     def curves(self, foot: str, points: int = POINTS) -> Curves:
         """Read the log again and return the forces of a foot over each of its whole strides.
@@ -204,39 +195,26 @@ class Walk:
         strides = self._stats.feet[self.feet.index(foot)].strides
         return curves_of(foot, samples, self._seconds(strides.touchdown), strides.period_s, points)
 
-    def plot(
-        self,
-        target: PathOrName,
-        *,
-        size: tuple[float, float | None] | None = None,
-        window: tuple[float, float] | None = None,
-        overwrite: bool = False,
-    ) -> tuple[float, float]:
-        """Read the log again and draw gait diagram and load curves for a paper.
+    def plot(self, target: PathOrName, *, overwrite: bool = False) -> tuple[float, float]:
+        """Draw gait diagram and load curves of some strides for a paper.
 
         Args:
             target: the file; it ends in .pdf, .svg or .png.
-            size: mm, width and height; default: 85, and as high as the feet need.
-            window: s, from and to; default: some strides.
             overwrite: replace a file that is there.
 
         Returns:
-            s, the window that is drawn.
+            s, from and to: what is drawn.
 
         Raises:
-            CallError: the file may not be written, or the log has no time in the window.
+            CallError: the file may not be written.
             LogtoolError: matplotlib is not installed, or there are no feet.
         """
         from dogbot_logtool.commands.plot import refuse_bad_plot, write_plot  # noqa: PLC0415
-        from dogbot_logtool.core.contact.curves import CurveDetail  # noqa: PLC0415
         from dogbot_logtool.pipeline.options import PlotOptions  # noqa: PLC0415
 
-        drawing = PlotOptions(Path(target), size, window, overwrite)
+        drawing = PlotOptions(Path(target), overwrite=overwrite)
         refuse_bad_plot(drawing, [self.path])
-        if window is not None:
-            refuse_window(window, (self._stats.end - self.start_ns) / 1e9)
-        options = replace(self._options, curves=CurveDetail())
-        return write_plot(self.path, options, measure(self.path, options), drawing)
+        return write_plot(self._measured, drawing)
 
     def report(self, target: PathOrName, *, replay: bool = True, overwrite: bool = False) -> None:
         """Read the log again and write its page: what `dogbot-logtool report` does.
@@ -261,42 +239,41 @@ class Walk:
             self.path
         )
 
-    def each_block_of_samples(self, take: Callable[[Table], None]) -> None:
-        """Read the log again and hand on the samples of all feet, block by block.
+    def all_samples(self) -> Iterator[Table]:
+        """Read the log again and yield the samples of each foot.
 
-        Of a long log not all need be held at once. The columns are those of `samples`, behind
-        the name of the foot; each foot's rows are in the order of time.
+        The columns are those of `samples`, behind the name of the foot; rows are in the order of
+        time.
 
         Raises:
             CallError: the log is gone.
             LogError: it has become one that cannot be read.
         """
-
-        def pass_on(number: int, samples: Samples) -> None:
+        for number, samples in enumerate(self._samples()):
             names = texts([self.feet[number]] * len(samples.foot))
-            take(Table({"foot": names, **self._sample_columns(number, samples)}))
+            yield Table({"foot": names, **self._sample_columns(number, samples)})
 
-        self._read_samples(pass_on)
-
-    def _read_samples(self, on_samples: OnSamples) -> None:
-        """Measure again, with the clock that is known by now, so that the log is read once."""
-        on_log_time = self._stats.settings.clock is TimeSource.LOG
-        clock: TimeSourceOption = "log" if on_log_time else "header"
-        options = replace(self._options, time_source=clock, curves=None)
-        measure(self.path, options, on_samples=on_samples)
+    def _samples(self) -> tuple[Samples, ...]:
+        """Read the contact samples of each foot, as they were measured."""
+        log = open_recorded(self.path, self._options.topics.joined)
+        try:
+            found = measure_log(log, self._options)
+        finally:
+            log.close()
+        return usable_samples(found.recording, found.measurement.stats.settings)
 
     def _sample_columns(self, foot: int, samples: Samples) -> dict[str, NDArray[Any]]:
         """Return the columns of some samples of a foot."""
         settings = self._stats.settings
-        time = settings.clock.of(samples)
+        time, force = settings.clock.of(samples), samples.force.astype(np.float64)
         # No force is none in every frame.
         in_world = samples.in_world | settings.force_in_world | ~samples.force.any(axis=1)
         return {
             "time_s": self._seconds(time),
             "state": self._states(foot, time),
             "in_contact": samples.in_contact.copy(),
-            "force_n": norms(samples.force),
-            **_parts("force_{}_n", np.where(in_world[:, None], samples.force, np.nan)),
+            "force_n": norms(force),
+            **_parts("force_{}_n", np.where(in_world[:, None], force, np.nan)),
             **_parts("point_{}_m", samples.position),
         }
 

@@ -13,10 +13,11 @@ from typing import Final, NoReturn
 import click
 
 from dogbot_logtool import __version__
+from dogbot_logtool.cli.gone import explained
 from dogbot_logtool.cli.outcomes import say, say_error
 from dogbot_logtool.errors import LogtoolError
 from dogbot_logtool.io.streams import safe_streams
-from dogbot_logtool.run.signals import Stopped, raise_on_signals
+from dogbot_logtool.signals import Stopped, raise_on_signals
 
 _COMMANDS: Final = (
     "check",
@@ -93,7 +94,7 @@ def _run() -> int:
     except SystemExit as ended:
         code = ended.code if isinstance(ended.code, int) else 0
     except click.ClickException as error:
-        error.show()
+        explained(error).show()
         code = error.exit_code
     except LogtoolError as error:
         say_error(error)

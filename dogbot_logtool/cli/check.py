@@ -77,6 +77,7 @@ def check(
     from dogbot_logtool.commands.tasks import Measure  # noqa: PLC0415
     from dogbot_logtool.io.targets import refuse_bad_report  # noqa: PLC0415
     from dogbot_logtool.report.documents.check_json import check_json  # noqa: PLC0415
+    from dogbot_logtool.report.documents.damage import damage_json  # noqa: PLC0415
     from dogbot_logtool.report.text.check_text import print_check  # noqa: PLC0415
     from dogbot_logtool.report.text.console import results  # noqa: PLC0415
     from dogbot_logtool.run.choice import runner_for  # noqa: PLC0415
@@ -100,10 +101,11 @@ def check(
         name = done.json["log"]["path"]
         documents[name] = done.json
         if held is None:
-            outcomes.add(done.json, done.exit_code)
+            outcomes.add(done.json)
             continue
         checked[name] = judged(done.json, held)
-        outcomes.add(check_json(name, checked[name]), exit_code(checked[name], done.exit_code))
+        document = {**check_json(name, checked[name]), "damage": damage_json(done.damage)}
+        outcomes.add(document, exit_code(checked[name]))
         if not as_json:
             print_check(results(), name, checked[name], verbose=verbose)
     if suggest and documents:

@@ -131,7 +131,6 @@ def _summaries(entries: Iterable[ArrowStyle | OutputEncoding]) -> str:
 @jobs_option
 @scheduler_option
 @overwrite_option
-@click.option("--strict", is_flag=True, help="Refuse damaged logs instead of salvaging them.")
 @json_option
 @quietness
 def convert(
@@ -173,7 +172,7 @@ def convert(
     outcomes = Outcomes(quiet=quiet)
     outcomes.mention_left_out(log_set)
     for done in outcomes.of(runner, Convert(chosen), work, log_set.names):
-        outcomes.add(_as_json(done) if as_json else {}, done.exit_code)
+        outcomes.add(_as_json(done) if as_json else {})
         if not quiet:
             _print(done, verbose=verbose)
     outcomes.finish(as_json=as_json)

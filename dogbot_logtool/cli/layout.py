@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 import click
 
 from dogbot_logtool.cli.options import output_file, overwrite_option, quiet_option, topic_options
-from dogbot_logtool.errors import CallError
+from dogbot_logtool.cli.outcomes import Outcomes
 from dogbot_logtool.report.layouts.viewers import DEFAULT_VIEWER, VIEWERS
 
 if TYPE_CHECKING:
@@ -43,16 +43,17 @@ def layout(
     from dogbot_logtool.io.output import refuse_bad_target, whole_file  # noqa: PLC0415
     from dogbot_logtool.io.targets import refuse_other_format  # noqa: PLC0415
 
-    del quiet  # nothing but the result is printed
+    outcomes = Outcomes(quiet=quiet)
     chosen = VIEWERS[viewer]
-    if output is None and not chosen.is_text:
-        raise CallError(f"--viewer {viewer}: is not text; name a file with -o, VIEW{chosen.suffix}")
     if output is not None:
         refuse_other_format(output, chosen.suffix)
         refuse_bad_target(output, log, overwrite=overwrite)
-    content = chosen.layout(view_of(log, topics))
+    view = view_of(log, topics)
+    outcomes.add_damage(view.damage)
+    content = chosen.layout(view)
     if output is None:
         click.echo(content.decode(), nl=False)
-        return
-    with whole_file(output, overwrite=overwrite) as file:
-        file.write(content)
+    else:
+        with whole_file(output, overwrite=overwrite) as file:
+            file.write(content)
+    outcomes.finish()

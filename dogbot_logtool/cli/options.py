@@ -151,7 +151,9 @@ _measuring_options: Final = together(
     number_option(
         "--debounce",
         "S",
-        "Shorter swings are filled, then shorter stances dropped; default: 0.020.",
+        "Shorter swings are filled, then shorter stances dropped; default: 0.020 or 1.5 of the "
+        "foot's sampling intervals, whichever is longer, and for swings also 1/16 of the foot's "
+        "usual one.",
     ),
     click.option(
         "--time-source",

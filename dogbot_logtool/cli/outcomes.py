@@ -1,8 +1,11 @@
-"""Results and exit code of one call over several logs: a bad log does not stop the rest."""
+"""Results, damage and exit code of one call: what all commands say in the same way.
+
+Damage is said first, and quietness does not hide it. A bad log does not stop the others.
+"""
 
 import sys
 from collections.abc import Callable, Iterator, Sequence
-from typing import TYPE_CHECKING, Any, Final, NoReturn, TypeVar
+from typing import TYPE_CHECKING, Any, Final, NoReturn, Protocol, TypeVar
 
 import click
 
@@ -12,10 +15,20 @@ from dogbot_logtool.io.printable import printable
 from dogbot_logtool.io.storage import valid_unicode, without_secrets
 
 if TYPE_CHECKING:
+    from dogbot_logtool.reader.containers.loss import Damage
     from dogbot_logtool.run.inputs import LogSet
     from dogbot_logtool.run.runner import Runner, Work
 
-Result = TypeVar("Result")
+
+class OfALog(Protocol):
+    """A result that tells what could not be read of its log."""
+
+    @property
+    def damage(self) -> "Damage":
+        """What could not be read."""
+
+
+Result = TypeVar("Result", bound=OfALog)
 
 _NEW_LINE: Final = "\n  "
 """Begins a line of a list in an error's sentence; names from logs cannot begin lines of ours."""
@@ -32,8 +45,9 @@ class Outcomes:
         """
         self._quiet = quiet
         self._results: list[dict[str, Any]] = []
-        self._codes: list[int] = []
+        self._codes: set[int] = set()
         self._failed: list[tuple[str, str]] = []
+        self._notes: list[str] = []
 
     def of(
         self,
@@ -43,7 +57,9 @@ class Outcomes:
         names: Sequence[str],
         on_outcome: Callable[[int, Result | None, str], None] | None = None,
     ) -> Iterator[Result]:
-        """Work on all logs; yield the results in order. A failure is reported, and is an outcome.
+        """Work on all logs; yield the results in order, after their damage was said.
+
+        A failure is reported, and is an outcome.
 
         Args:
             runner: works on them; is closed at the end.
@@ -65,19 +81,28 @@ class Outcomes:
                     if on_outcome is not None:
                         on_outcome(number, None, sentence)
                     continue
+                self.add_damage(outcome.damage)
                 if on_outcome is not None:
                     on_outcome(number, outcome, "")
                 yield outcome
 
-    def add(self, result: dict[str, Any], exit_code: int) -> None:
-        """Take the result of a log."""
+    def add_damage(self, damage: "Damage") -> None:
+        """Say what was lost of a log, if anything was; the exit code tells, too."""
+        self._codes.add(damage.exit_code)
+        if damage.losses:
+            _say_damage(damage.line)
+
+    def add(self, result: dict[str, Any], exit_code: int = 0) -> None:
+        """Take the result of a log, and what the exit code is beside its damage."""
         self._results.append(result)
-        self._codes.append(exit_code)
+        self._codes.add(exit_code)
 
     def add_unchanged(self, logs: Sequence[tuple[str, int]]) -> None:
         """Take logs, by name and exit code, whose results are there already."""
         for name, exit_code in logs:
             self.add({"input": name, "unchanged": True}, exit_code)
+            if exit_code == DAMAGED:
+                _say_damage(f"{name}: was damaged when it was measured, and is unchanged")
         if logs:
             many = "log is" if len(logs) == 1 else "logs are"
             self._note(f"{len(logs)} {many} there already, unchanged")
@@ -94,8 +119,13 @@ class Outcomes:
         """Names of the logs and directories that could not be used, and why."""
         return self._failed
 
+    @property
+    def has_results(self) -> bool:
+        """Whether something could be done for some log."""
+        return len(self._results) > len(self._failed)
+
     def mention_left_out(self, log_set: "LogSet") -> None:
-        """Say which annotated logs were left out; directories that cannot be read are failures."""
+        """Note which annotated logs were left out; directories that cannot be read are failures."""
         for name, sentence in log_set.failures:
             self._add_failure(name, sentence, LogtoolError.exit_code)
         if log_set.left_out:
@@ -103,27 +133,34 @@ class Outcomes:
             self._note(f"{log_set.left_out} annotated {many} left out; a glob names them, too")
 
     def _note(self, text: str) -> None:
+        """Keep a note for the end: damage is said before it."""
         if not self._quiet:
-            note(text)
+            self._notes.append(text)
 
-    def finish(self, *, as_json: bool) -> NoReturn:
-        """Print the results if wanted, one object for one log; exit: failure outranks damage."""
+    def finish(self, *, as_json: bool = False, exit_code: int = 0) -> NoReturn:
+        """Print the notes, the results if wanted and what failed; exit: failure outranks damage.
+
+        Args:
+            as_json: print the results, one object for one log.
+            exit_code: of what was found in the results of several logs together.
+        """
+        self._codes.add(exit_code)
+        for text in self._notes:
+            note(text)
         if as_json:
             results = self._results
             click.echo(to_json(results[0] if len(results) == 1 else results, indent=2))
-        if len(self._codes) == 1 and self._failed:
+        if len(self._results) == 1 and self._failed:
             say(self._failed[0][1])
         elif self._failed:
             self._print_failures()
-        elif self._quiet and not as_json and (damaged := self._codes.count(DAMAGED)):
-            say_damaged(damaged)
         sys.exit(next((code for code in (1, 2, DAMAGED) if code in self._codes), 0))
 
     def _print_failures(self) -> None:
         """Print a table of what could not be done."""
         from dogbot_logtool.report.text.console import diagnostics, print_sentence  # noqa: PLC0415
 
-        say(f"{len(self._failed)} of {len(self._codes)} logs could not be done")
+        say(f"{len(self._failed)} of {len(self._results)} logs could not be done")
         width = min(max(len(printable(name)) for name, _ in self._failed), 60)
         for name, sentence in self._failed:
             first, *_ = sentence.removeprefix(f"{name}: ").split(_NEW_LINE)
@@ -136,23 +173,26 @@ def say_error(error: LogtoolError) -> None:
     say(str(error))
 
 
-def say(sentence: str, label: str = "error: ") -> None:
+def _say_damage(sentence: str) -> None:
+    """Print on stderr what was lost: one line, whatever the names in it."""
+    from dogbot_logtool.report.text.console import diagnostics, print_sentence  # noqa: PLC0415
+
+    text = printable(without_secrets(valid_unicode(sentence)))
+    print_sentence(diagnostics(), ("damage: ", "red"), text)
+
+
+def say(sentence: str) -> None:
     """Print the sentence of an error on stderr; what it lists stands in indented lines below."""
     from dogbot_logtool.report.text.console import diagnostics, print_command, print_sentence  # noqa: PLC0415
 
     first, *others = map(printable, without_secrets(sentence).split(_NEW_LINE))
+    label = "error: "
     print_sentence(diagnostics(), (label, "red"), first, indent=len(label))
     for line in others:
         if line.startswith("dogbot-logtool "):
             print_command(diagnostics(), line, 2)
         else:
             print_sentence(diagnostics(), f"  {line}", indent=4)
-
-
-def say_damaged(count: int, hint: str = "without --quiet, what was lost is said") -> None:
-    """Print how many logs are damaged, and where to read what was lost."""
-    logs = "log is" if count == 1 else "logs are"
-    say(f"{count} {logs} damaged; {hint}", "damage: ")
 
 
 def note(sentence: str) -> None:

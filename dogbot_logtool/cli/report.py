@@ -1,6 +1,5 @@
 """The words of `report`."""
 
-import sys
 from dataclasses import replace
 from typing import TYPE_CHECKING, NoReturn
 
@@ -101,7 +100,7 @@ def report(
     # One after the other, since the index needs them all.
     runner: SerialRunner[Page] = SerialRunner(chosen.jobs)
     for done in outcomes.of(runner, reports.write, log_set.paths, log_set.names):
-        outcomes.add(page_json(done), done.exit_code)
+        outcomes.add(page_json(done))
         if not quiet:
             print_page(console, done, verbose=verbose)
     reports.finish(dict(outcomes.failures))
@@ -119,7 +118,7 @@ def _report_against(
     quiet: bool,
 ) -> NoReturn:
     """Write a page that compares two sides; exit."""
-    from dogbot_logtool.cli.two_sides import exit_code_of, measured_side  # noqa: PLC0415
+    from dogbot_logtool.cli.two_sides import measured_side  # noqa: PLC0415
     from dogbot_logtool.commands.report_against import ENDING, comparison_target, report_against  # noqa: PLC0415
     from dogbot_logtool.io.plain_json import to_json  # noqa: PLC0415
     from dogbot_logtool.io.storage import shown  # noqa: PLC0415
@@ -131,17 +130,14 @@ def _report_against(
     log_sets = [find_logs(words), find_logs(against)]
     where = output_at(output, ENDING, several=False)
     target = comparison_target(where, *(each.paths for each in log_sets), overwrite=overwrite)
-    first, second = (measured_side(each, options, quiet=quiet) for each in log_sets)
-    done = report_against(
-        first.figures,
-        second.figures,
-        target,
-        overwrite=overwrite,
-        makes_folder=where.is_folder,
-    )
+    outcomes = Outcomes(quiet=quiet)
+    first, second = (measured_side(outcomes, each, options) for each in log_sets)
+    if not (first and second):
+        outcomes.finish()
+    done = report_against(first, second, target, overwrite=overwrite, makes_folder=where.is_folder)
     if as_json:
         found = {"output": shown(done.target), "bytes": done.size}
         click.echo(to_json({**found, **gait_comparison_json(done.found)}, indent=2))
     if not quiet:
         print_comparison_page(diagnostics(), shown(done.target), done.size, done.found)
-    sys.exit(exit_code_of((first, second)))
+    outcomes.finish()

@@ -1,7 +1,6 @@
 """The words of `robots`."""
 
 import re
-import shlex
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -16,8 +15,10 @@ from dogbot_logtool.cli.options import (
     quiet_option,
     topic_options,
 )
+from dogbot_logtool.cli.outcomes import Outcomes
 from dogbot_logtool.errors import CallError
 from dogbot_logtool.io.plain_json import to_json
+from dogbot_logtool.io.printable import shell_joined
 
 if TYPE_CHECKING:
     from dogbot_logtool.pipeline.options import TopicOptions
@@ -87,17 +88,20 @@ def _new(
         for source in (log, *options.joined):
             refuse_bad_target(output, source, overwrite=overwrite)
     stem = (output or log).stem
+    outcomes = Outcomes(quiet=quiet)
     found = new_robot(log, re.sub(r"[^A-Za-z0-9]+", "_", stem).strip("_") or "robot", options)
+    outcomes.add_damage(found.damage)
     if output is None:
         click.echo(found.text, nl=False)
     else:
         with whole_file(output, overwrite=overwrite) as file:
             file.write(found.text.encode())
     if quiet:
-        return
+        outcomes.finish()
     for other in found.runners_up[:3]:
         click.echo(f"not chosen: {other.fields} ({'; '.join(other.reasons)})", err=True)
     file_name = str(output or "robot.toml")
     files = [str(log), *map(str, options.joined), *(["--join"] if options.joined else [])]
-    command = shlex.join(["dogbot-logtool", "stats", *files, "--robot", file_name])
+    command = shell_joined(["dogbot-logtool", "stats", *files, "--robot", file_name])
     click.echo(f"  {command}", err=True)
+    outcomes.finish()

@@ -1,7 +1,5 @@
 """The story of `compare`: do two files mean the same, and if not, where do they differ?"""
 
-import os
-import shutil
 from collections.abc import Iterator
 from contextlib import closing
 from dataclasses import replace
@@ -11,22 +9,9 @@ from dogbot_logtool.comparison.logs.containers import compare_logs
 from dogbot_logtool.comparison.outcome import RECORDS, Comparison
 from dogbot_logtool.comparison.stats_json import compare_json, looks_like_json
 from dogbot_logtool.comparison.tolerances import Rules, load_rules
-from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.errors import CallError, LogError
-from dogbot_logtool.io.output import whole_file
-from dogbot_logtool.io.printable import printable
-from dogbot_logtool.io.storage import is_folder
 from dogbot_logtool.pipeline.options import CompareOptions
 from dogbot_logtool.reader.opening import open_log
-
-
-@dataclass(frozen=True, slots=True)
-class Update:
-    """The result of `update`."""
-
-    written: bool
-    lines: tuple[str, ...]
-    """The changes, one line a topic."""
 
 
 def compare(expected: Path, actual: Path, options: CompareOptions) -> Comparison:
@@ -68,44 +53,3 @@ def _compare(expected: Path, actual: Path, rules: Rules, max_differences: int) -
         raise CallError(f"{json_file} is JSON, but {log_file} is not: they cannot be compared")
     with closing(open_log(expected)) as one, closing(open_log(actual)) as other:
         return compare_logs(one, other, rules, max_differences)
-
-
-def update(expected: Path, actual: Path) -> Update:
-    """Write ACTUAL over EXPECTED, unless they mean exactly the same.
-
-    Then nothing is written, so that a repository does not grow by files that are only packed in
-    another way. Tolerances and ignored topics do not apply: what is written is the whole file.
-
-    Raises:
-        CallError: a file is missing, unreadable or damaged, or both are the same.
-        LogtoolError: EXPECTED cannot be written.
-    """
-    for path in (expected, actual):
-        if is_folder(path):
-            raise CallError(f"{path}: is a directory; --update writes files only")
-    exists = os.path.exists(expected)  # noqa: PTH110 - false for a name that no disk takes
-    if exists and os.path.exists(actual) and expected.samefile(actual):  # noqa: PTH110
-        raise CallError(f"{expected}: both files are the same one; there is nothing to update")
-    comparison = compare(expected if exists else actual, actual, CompareOptions(max_differences=0))
-    damage = [found for found in comparison.losses if found.path == actual]
-    if damage:
-        raise CallError(f"{actual}: is damaged and makes no golden file: {damage[0].loss.what}")
-    if exists and not comparison.exit_code:
-        return Update(written=False, lines=())
-    _copy(actual, expected)
-    unit = comparison.unit
-    if not exists:
-        lines = [printable(f"{tally.name}: {tally.actual} {unit}") for tally in comparison.tallies]
-        return Update(written=True, lines=(printable(f"{expected}: is new"), *lines))
-    lines = [
-        printable(f"{found.path}: was damaged: {found.loss.what}") for found in comparison.losses
-    ]
-    lines += [tally.summary(unit) for tally in comparison.tallies if not tally.same]
-    return Update(written=True, lines=tuple(lines))
-
-
-def _copy(source: Path, target: Path) -> None:
-    if not is_folder(target.parent):
-        raise CallError(f"{target.parent}: no such folder")
-    with source.open("rb") as data, whole_file(target, overwrite=True) as file:
-        shutil.copyfileobj(data, file)

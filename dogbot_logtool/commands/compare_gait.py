@@ -26,6 +26,7 @@ def compare_gait(first: Sequence[Figures], second: Sequence[Figures]) -> GaitCom
     names = [tuple(run.name for run in side) for side in runs]
     return GaitComparison(
         sides=(names[0], names[1]),
+        damage=tuple(each.damage for each in (*first, *second) if each.damage.losses),
         reasons=tuple(reasons),
         doubts=tuple(doubts([*documents[0], *documents[1]])),
         differences=() if reasons else tuple(figure_differences(*runs)),

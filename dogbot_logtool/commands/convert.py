@@ -11,10 +11,9 @@ from mcap import records
 from dogbot_logtool.core.plausible import IMPLAUSIBLE
 from dogbot_logtool.core.scene.arrows import ArrowCounts
 from dogbot_logtool.dataclass import dataclass
-from dogbot_logtool.errors import LogError
 from dogbot_logtool.finding import Finding, by_severity
 from dogbot_logtool.io.output import refuse_bad_target, whole_file
-from dogbot_logtool.io.storage import Location, shown
+from dogbot_logtool.io.storage import Location
 from dogbot_logtool.pipeline.conversion.annotating import annotations_of
 from dogbot_logtool.pipeline.conversion.batch import BatchConverter, ConvertedBatch, Counts
 from dogbot_logtool.pipeline.conversion.batch_state import BatchState
@@ -23,14 +22,15 @@ from dogbot_logtool.pipeline.conversion.plan import ConversionPlan, make_plan, w
 from dogbot_logtool.pipeline.conversion.provenance_record import provenance_record
 from dogbot_logtool.pipeline.frames.world_frames import frame_findings
 from dogbot_logtool.pipeline.options import ConvertOptions, StatsOptions
-from dogbot_logtool.pipeline.probe import probe_log
+from dogbot_logtool.pipeline.probe import probe_recording
 from dogbot_logtool.pipeline.probe_findings import order_findings
-from dogbot_logtool.pipeline.time_span import refuse_empty_span
+from dogbot_logtool.pipeline.time_span import refuse_empty_span, time_limits
 from dogbot_logtool.pipeline.topics.annotated import open_recorded
 from dogbot_logtool.pipeline.topics.selection import select_topics
 from dogbot_logtool.reader.containers.log import Log, Loss
 from dogbot_logtool.reader.containers.mcap.records import channel_record, read_extra, schema_record
-from dogbot_logtool.reader.salvage.losses import malformed_messages, wrong_statistics
+from dogbot_logtool.reader.recording import read_recording
+from dogbot_logtool.reader.salvage.losses import damage_of, malformed_messages, wrong_statistics
 from dogbot_logtool.results import Conversion
 from dogbot_logtool.run.in_order import OnProgress, in_order_with_state
 from dogbot_logtool.writer.annotations import Annotations
@@ -78,7 +78,7 @@ def convert(
     Raises:
         CallError: no such file, a target that may not be written, a topic or time that the log
             does not have.
-        LogError: the log cannot be read, has nothing to annotate, or is damaged and `strict`.
+        LogError: the log cannot be read, or has nothing to annotate.
         LogtoolError: the target cannot be written.
     """
     overwrite, makes_folder = options.overwrite, options.makes_folder
@@ -87,7 +87,11 @@ def convert(
     log = open_recorded(source, options.topics.joined)
     try:
         selection = select_topics(log, options.topics)
-        plan = make_plan(log, selection, probe_log(log, selection, with_soles=True), options)
+        limits = time_limits(log, options.start_s, options.end_s)
+        wanted = replace(selection.wanted(), limits=limits)
+        recording = read_recording(log, wanted, options.jobs).recording
+        probe = probe_recording(recording, selection, with_soles=True)
+        plan = make_plan(log, selection, probe, options)
         events = _events(source, log, options, progress)
         annotations, tally = _write(log, target, plan, events, progress)
         if tally.second_parent is not None:
@@ -250,21 +254,11 @@ def _copy_extras(log: Log, writer: McapWriter, tally: _Tally) -> None:
 
 
 def _account_for_damage(log: Log, plan: ConversionPlan, tally: _Tally) -> None:
-    """Turn malformed messages and a wrong index into losses.
-
-    Raises:
-        LogError: there is damage, and the user asked for it to be an error.
-    """
+    """Turn malformed messages and a wrong index into losses."""
     if plan.limits == (None, None):
         tally.losses.extend(wrong_statistics(log, tally.recorded, tally.losses))
     consequence = ": copied, but not annotated"
     tally.losses.extend(malformed_messages(log.channels, tally.malformed, consequence))
-    if tally.losses and plan.options.strict:
-        first = tally.losses[0]
-        raise LogError(
-            f"{shown(log.source.path)}: is damaged, which --strict refuses: {first.what}"
-            + (f" (and {len(tally.losses) - 1} more)" if len(tally.losses) > 1 else "")
-        )
 
 
 def _conversion(
@@ -290,7 +284,7 @@ def _conversion(
         annotations=ours,
         counts=tally.counts,
         findings=tuple(sorted(findings, key=by_severity)),
-        losses=tuple(tally.losses),
+        damage=damage_of(log, tally.losses),
     )
 
 

@@ -14,12 +14,14 @@ from dogbot_logtool.pipeline.measuring.side_types import has_side_topics
 from dogbot_logtool.pipeline.options import ConvertOptions, StatsOptions, TopicOptions
 from dogbot_logtool.pipeline.probe import Probe, probe_log
 from dogbot_logtool.pipeline.probe_findings import probe_findings
+from dogbot_logtool.pipeline.robot_model.joint_motion import joint_channels
 from dogbot_logtool.pipeline.topics.annotated import without_annotations
 from dogbot_logtool.pipeline.topics.selection import Selection, select_topics
 from dogbot_logtool.reader.containers.log import Log
 from dogbot_logtool.reader.messages.bases.poses import ODOMETRY
 from dogbot_logtool.reader.messages.transforms import TRANSFORM_TYPES
 from dogbot_logtool.reader.opening import open_joined
+from dogbot_logtool.reader.salvage.losses import damage_of
 from dogbot_logtool.results import LogInfo, TopicInfo
 from dogbot_logtool.run.in_order import OnProgress
 
@@ -83,7 +85,7 @@ def describe(
             chunks_seen=probe.chunks_seen,
             frames=frames,
             findings=tuple(sorted(findings, key=by_severity)),
-            losses=(*log.losses, *(frames.losses if frames else ())),
+            damage=damage_of(log, (*log.losses, *(frames.losses if frames else ()))),
         )
     finally:
         log.close()
@@ -120,13 +122,14 @@ def _base_use(selection: Selection) -> str:
 
 def _side_uses(log: Log) -> dict[int, str]:
     """Return what `stats` uses channels beside feet and base for, by id."""
+    joints = {channel.id: "joints" for channel in joint_channels(log)}
     if not has_side_topics(log):
-        return {}
+        return joints
     from dogbot_logtool.pipeline.measuring.side_topics import side_topics  # noqa: PLC0415
 
     side = side_topics(log, StatsOptions())
     uses = ((side.commands, "commands"), (side.inertial, "accelerometer"))
-    return {each.id: use for topic, use in uses if topic for each in topic.channels}
+    return joints | {each.id: use for topic, use in uses if topic for each in topic.channels}
 
 
 def _topics(

@@ -17,6 +17,7 @@ from dogbot_logtool.pipeline.robot_model.primitives import body_size_m
 from dogbot_logtool.pipeline.robot_model.shape import robot_shape
 from dogbot_logtool.pipeline.topics.annotated import open_recorded
 from dogbot_logtool.pipeline.topics.selection import select_topics
+from dogbot_logtool.reader.salvage.losses import damage_of
 from dogbot_logtool.report.layouts.view import View, upper_bound
 from dogbot_logtool.robot import Robot, load_robot
 
@@ -52,6 +53,7 @@ def view_of(log: Path | None, options: TopicOptions) -> View:
             size_m=shape.size_m,
             turned_deg=probe.turned_deg,
             has_stamps=not probe.zero_stamps,
+            damage=damage_of(opened, opened.losses),
         )
     finally:
         opened.close()
@@ -66,7 +68,6 @@ def _view(robot: Robot, world: str, base: str) -> View:
         robot.forward_axis,
         None if weight is None else upper_bound(weight),
         body_size_m(robot.mass_kg)[0],
-        robot.name,
     )
 
 
@@ -74,7 +75,7 @@ def _peak_n(plan: ConversionPlan, probe: Probe) -> float | None:
     """Return a round bound, N, of the loads that were seen, above their sensors' offsets."""
     largest = 0.0
     for foot, sensor in enumerate(plan.force_sensors):
-        samples = probe.contacts.pick(probe.contacts.foot == foot)
+        samples = probe.feet[foot]
         force = norms(samples.force - sensor.level.offset_at(samples.log_time))
         force = force[np.isfinite(force) & (force < STRONGEST_N)]
         if len(force):

@@ -13,6 +13,7 @@ from dogbot_logtool.pipeline.probe import frame_names, probe_log
 from dogbot_logtool.pipeline.sensors import learn_sensors
 from dogbot_logtool.pipeline.topics.annotated import open_recorded
 from dogbot_logtool.pipeline.topics.selection import Selection, nothing_to_do, select_topics
+from dogbot_logtool.reader.containers.loss import Damage
 from dogbot_logtool.report.files.robot_file import RobotEvidence, robot_file
 from dogbot_logtool.robot import Robot
 from dogbot_logtool.run.in_order import OnProgress
@@ -25,6 +26,7 @@ class NewRobot:
     text: str
     runners_up: tuple[FootCandidates, ...]
     """Other fields that may be the feet."""
+    damage: Damage
 
 
 def new_robot(
@@ -56,11 +58,11 @@ def new_robot(
             raise LogError(nothing_to_do(log, selection))
         probe = probe_log(log, selection)
         selection = selection.without_forces(probe.forceless)
-        sensors = learn_sensors(log, selection, probe, options)
+        sensors = learn_sensors(selection, probe, options)
         world, base = frame_names(selection.robot, probe)
     finally:
         log.close()
-    figures = figures_of(measure(path, StatsOptions(topics=options), progress)).json
+    figures = figures_of(measure(path, StatsOptions(topics=options), progress))
     evidence = RobotEvidence(
         log=file_name(path),
         world_frame=world,
@@ -68,9 +70,11 @@ def new_robot(
         has_base=bool(selection.odometry),
         feet_because=because,
         weight_n=sensors.estimated_weight_n,
-        figures=figures,
+        damage=figures.damage.text,
+        figures=figures.json,
     )
-    return NewRobot(robot_file(_described(selection, name), evidence), tuple(others))
+    text = robot_file(_described(selection, name), evidence)
+    return NewRobot(text, tuple(others), figures.damage)
 
 
 def _described(selection: Selection, name: str) -> Robot:

@@ -1,12 +1,12 @@
-"""`stats --plot`: the gait diagram and the load curves of a walk, as a file for a paper."""
+"""`stats --figure`: the gait diagram and the load curves of a walk, as a file for a paper."""
 
 from collections.abc import Sequence
 
-from dogbot_logtool.commands.load_detail import load_curves_within
+from dogbot_logtool.core.contact.curves import CurveDetail
 from dogbot_logtool.errors import CallError
 from dogbot_logtool.io.output import refuse_bad_target, whole_file
 from dogbot_logtool.io.storage import Location
-from dogbot_logtool.pipeline.options import PlotOptions, StatsOptions
+from dogbot_logtool.pipeline.options import PlotOptions
 from dogbot_logtool.report.files.gait_figure import (
     FORMATS,
     gait_figure,
@@ -15,7 +15,6 @@ from dogbot_logtool.report.files.gait_figure import (
 )
 from dogbot_logtool.report.text.gait_diagram import default_window
 from dogbot_logtool.results import Measurement
-from dogbot_logtool.run.in_order import OnProgress
 
 
 def refuse_bad_plot(plot: PlotOptions, logs: Sequence[Location]) -> None:
@@ -26,33 +25,29 @@ def refuse_bad_plot(plot: PlotOptions, logs: Sequence[Location]) -> None:
         ExtraMissingError: matplotlib is not installed.
     """
     if len(logs) != 1:
-        raise CallError(f"--plot draws one log, and there are {len(logs)}: call it for each")
+        raise CallError(f"--figure draws one log, and there are {len(logs)}: call it for each")
     if plot.form not in FORMATS:
         endings = ", ".join(f".{form}" for form in FORMATS)
-        raise CallError(f"--plot {plot.target}: the name must end in one of {endings}")
+        raise CallError(f"--figure {plot.target}: the name must end in one of {endings}")
     refuse_bad_target(plot.target, logs[0], overwrite=plot.overwrite)
     require_matplotlib()
 
 
-def write_plot(
-    source: Location,
-    options: StatsOptions,
-    measured: Measurement,
-    plot: PlotOptions,
-    progress: OnProgress | None = None,
-) -> tuple[float, float]:
+def write_plot(measured: Measurement, plot: PlotOptions) -> tuple[float, float]:
     """Draw a log that was measured.
 
     Returns:
         s since the log's start: the window that is drawn.
 
     Raises:
-        CallError: the log has no time in the window, or the size is too small.
         LogtoolError: there are no feet, or the file cannot be written.
     """
-    window = plot.window or default_window(measured.stats)
-    curves = load_curves_within(source, options, measured, window, progress)
-    figure = gait_figure(measured.stats, curves, window, plot.size_mm)
+    stats = measured.stats
+    window = default_window(stats)
+    first, last = (stats.origin + round(each * 1e9) for each in window)
+    detail = CurveDetail(window=(first, last))
+    curves = tuple(foot.record.load_curves(detail) for foot in stats.feet)
+    figure = gait_figure(stats, curves, window)
     with whole_file(plot.target, overwrite=plot.overwrite) as file:
         write_figure(figure, file, plot.form)
     return window

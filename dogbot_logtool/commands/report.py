@@ -2,30 +2,24 @@
 
 from collections.abc import Mapping, Sequence
 from contextlib import AbstractContextManager
-from dataclasses import replace
-from typing import Any, BinaryIO, Final
+from typing import Any, BinaryIO
 
-from dogbot_logtool.commands.load_detail import with_detail
-from dogbot_logtool.commands.stats import measure
-from dogbot_logtool.core.contact.curves import CurveDetail
+from dogbot_logtool.commands.stats import MeasuredLog, measure_log
 from dogbot_logtool.io.output import refuse_bad_target, whole_file
 from dogbot_logtool.io.storage import Location, file_name, is_folder, shown, version
 from dogbot_logtool.io.targets import Output, targets
 from dogbot_logtool.pipeline.options import StatsOptions
-from dogbot_logtool.pipeline.probe import probe_log
-from dogbot_logtool.pipeline.robot_model.limbs import read_limbs
+from dogbot_logtool.pipeline.probe import frame_names, probe_recording
+from dogbot_logtool.pipeline.robot_model.joint_motion import joint_motion
+from dogbot_logtool.pipeline.robot_model.limbs import find_limbs
 from dogbot_logtool.pipeline.topics.annotated import open_recorded
-from dogbot_logtool.pipeline.topics.selection import select_topics
+from dogbot_logtool.reader.containers.log import Log
 from dogbot_logtool.report.page.assets import page_script, shared_name
 from dogbot_logtool.report.page.index_page import IndexRow, index, index_row
-from dogbot_logtool.report.page.render import ALONE, Beside, Damage, page
+from dogbot_logtool.report.page.render import ALONE, Beside, page
 from dogbot_logtool.report.page.replay import frame_times, replay
-from dogbot_logtool.report.text.gait_diagram import default_window
 from dogbot_logtool.results import Measurement, Page
 from dogbot_logtool.run.in_order import OnProgress
-
-DETAIL: Final = CurveDetail(most_bins=3072)
-"""More bins than the page has columns of pixels; four feet take at most half a megabyte."""
 
 
 class Reports:
@@ -46,7 +40,7 @@ class Reports:
             CallError: several logs would go to one file, or the index may not be written.
         """
         self._targets = dict(targets(logs, output, ".report.html"))
-        self._options = replace(options, curves=DETAIL)
+        self._options = options
         self._makes_folder = output.is_folder
         self._overwrite = overwrite
         self._with_replay = with_replay
@@ -71,16 +65,25 @@ class Reports:
         """
         target = self._targets[source]
         self._refuse_bad_target(target, source)
-        measured = measure(source, self._options, progress)
-        typical = default_window(measured.stats)
-        measured = with_detail(source, self._options, measured, typical, progress)
-        replay = replay_of(source, self._options, measured) if self._with_replay else None
+        measured, replay = self._measured(source, progress)
         html = _page_of(source, measured, replay, self._beside)
         self._share_script()
         with self._whole_file(target) as file:
             file.write(html)
         self._rows[source] = index_row(measured.stats, measured.facts, file_name(target))
         return Page(source, target, len(html), measured)
+
+    def _measured(
+        self, source: Location, progress: OnProgress | None
+    ) -> tuple[Measurement, dict[str, Any] | None]:
+        """Measure a log; return also what its replay draws, None without one."""
+        log = open_recorded(source, self._options.topics.joined)
+        try:
+            found = measure_log(log, self._options, progress)
+            replay = replay_of(log, found) if self._with_replay else None
+            return found.measurement, replay
+        finally:
+            log.close()
 
     def finish(self, failures: Mapping[str, str]) -> None:
         """Write the index of several logs, a row for each.
@@ -120,33 +123,22 @@ def _row_without_page(log: Location, failures: Mapping[str, str]) -> IndexRow:
 def _page_of(
     source: Location, measured: Measurement, replay: Mapping[str, Any] | None, beside: Beside
 ) -> bytes:
-    damage = [Damage(loss.offset, loss.bytes, loss.what) for loss in measured.losses]
     size = 0 if is_folder(source) else version(source)[0]
-    return page(measured.stats, measured.facts, damage, size, replay=replay, beside=beside)
+    return page(measured.stats, measured.facts, size, replay=replay, beside=beside)
 
 
-def replay_of(
-    source: Location, options: StatsOptions, measured: Measurement
-) -> dict[str, Any] | None:
+def replay_of(log: Log, found: MeasuredLog) -> dict[str, Any] | None:
     """Return what the page's replay draws; None without poses of the base.
 
     Args:
-        source: the log.
-        options: those that it was measured with.
-        measured: its figures, with load curves.
-
-    Raises:
-        LogError: the log cannot be read any more.
+        log: an open log.
+        found: its figures and columns.
     """
-    stats = measured.stats
+    stats, learnt = found.measurement.stats, found.learnt
     if not len(stats.base_history.time):
         return None
-    time = frame_times(stats)
-    log = open_recorded(source, options.topics.joined)
-    try:
-        selection = select_topics(log, options.topics)
-        probe, clock = probe_log(log, selection, with_soles=True), stats.settings.clock
-        limbs = read_limbs(log, selection, probe, clock, time, options.jobs)
-        return replay(stats, time, limbs)
-    finally:
-        log.close()
+    selection, time = learnt.selection, frame_times(stats)
+    probe = probe_recording(found.recording, selection, with_soles=True)
+    motion = joint_motion(log, probe, frame_names(selection.robot, probe)[1], None)
+    clock = stats.settings.clock
+    return replay(stats, time, find_limbs(found.recording, selection, probe, motion, clock, time))

@@ -22,6 +22,7 @@ if TYPE_CHECKING:
         StatsOptions,
         TopicOptions,
     )
+    from dogbot_logtool.reader.containers.loss import Damage
     from dogbot_logtool.report.dataset.dataset import Entry
     from dogbot_logtool.report.dataset.rows import LogRows
     from dogbot_logtool.results import Conversion, LogInfo, Measurement
@@ -114,7 +115,7 @@ def figures_of(measured: "Measurement", *, whole: bool = False) -> Figures:
         document,
         stride_table(stats),
         facts.robot,
-        measured.exit_code,
+        measured.damage,
         measured if whole else None,
     )
 
@@ -128,45 +129,33 @@ class Measure:
     """The figure to draw; None: none."""
     whole: bool = False
     """Whether to return all results, with the base's path and every stance."""
-    window: tuple[float, float] | None = None
-    """s since the log's start, the time to show; None: chosen by the log."""
 
     def __call__(self, log: Location, on_progress: OnProgress | None) -> Figures:
         """Measure it."""
         from dogbot_logtool.commands.stats import measure  # noqa: PLC0415
-        from dogbot_logtool.pipeline.time_span import refuse_window  # noqa: PLC0415
 
         measured = measure(log, self.options, on_progress)
-        if self.window is not None:
-            refuse_window(self.window, (measured.stats.end - measured.stats.origin) / 1e9)
         figures = figures_of(measured, whole=self.whole)
         if self.drawing is None:
             return figures
         from dogbot_logtool.commands.plot import write_plot  # noqa: PLC0415
 
-        drawn = write_plot(log, self.options, measured, self.drawing, on_progress)
+        drawn = write_plot(measured, self.drawing)
         return replace(figures, drawn=drawn)
 
 
 @dataclass(frozen=True, slots=True)
 class MeasureForDataset:
-    """`stats` of a log for a dataset."""
+    """`export --dataset` of a log."""
 
-    measure: Measure
-    keeps_figures: bool = False
-    """Whether figures are wanted beside what is written."""
+    options: "StatsOptions"
 
     def __call__(self, entry: "Entry", on_progress: OnProgress | None) -> "MeasuredEntry":
         """Measure a log."""
         from dogbot_logtool.report.dataset.rows import log_rows  # noqa: PLC0415
 
-        figures = self.measure(entry.location, on_progress)
-        return MeasuredEntry(
-            log_rows(figures),
-            figures.json["log"]["path"],
-            figures.exit_code,
-            figures if self.keeps_figures else None,
-        )
+        figures = Measure(self.options)(entry.location, on_progress)
+        return MeasuredEntry(log_rows(figures), figures.damage)
 
 
 @dataclass(frozen=True, slots=True)
@@ -174,7 +163,4 @@ class MeasuredEntry:
     """A log that was measured for a dataset."""
 
     rows: "LogRows"
-    name: str
-    exit_code: int
-    figures: Figures | None
-    """If they are wanted."""
+    damage: "Damage"

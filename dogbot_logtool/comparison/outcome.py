@@ -10,7 +10,7 @@ from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.errors import DAMAGED
 from dogbot_logtool.io.printable import printable
 from dogbot_logtool.io.storage import Location
-from dogbot_logtool.reader.containers.log import Loss
+from dogbot_logtool.reader.containers.loss import Damage
 
 SAME: Final = 0
 DIFFERENT: Final = 1
@@ -167,14 +167,6 @@ class Differences:
 
 
 @dataclass(frozen=True, slots=True)
-class FileLoss:
-    """Damage found in one of the files."""
-
-    path: Location
-    loss: Loss
-
-
-@dataclass(frozen=True, slots=True)
 class Comparison:
     """The result of comparing two files."""
 
@@ -188,7 +180,8 @@ class Comparison:
     """The first ones: of the topics themselves, then in the order of time."""
     difference_count: int
     """All of them. A message or an array with several differing fields counts each."""
-    losses: Sequence[FileLoss] = ()
+    damage: Sequence[Damage] = ()
+    """What was lost of which file; sound files are left out."""
     warnings: Sequence[str] = ()
     """Sentences on a call that may not be what was meant; they change no exit code."""
 
@@ -216,18 +209,14 @@ class Comparison:
             ]
             listed = ", ".join(f"{count} {word}" for count, word in counts if count)
             text = f"different: {listed}, of {what} and {compared} {self.unit}{tail}"
-        if self.losses:
-            lossless = all(found.loss.messages == found.loss.bytes == 0 for found in self.losses)
-            what = "nothing is known to be lost" if lossless else "what is lost was not compared"
-            text += f"; damaged: {what}"
-        return text
+        return f"{text}; damaged, and compared as far as can be read" if self.damage else text
 
     @property
     def exit_code(self) -> int:
         """0: the same; 1: different; 3: the same as far as damaged files can be read."""
         if not self.same:
             return DIFFERENT
-        return DAMAGED if self.losses else SAME
+        return DAMAGED if self.damage else SAME
 
 
 def field_difference(

@@ -66,7 +66,7 @@ def _leg(
 ) -> LegSigns | None:
     """Judge the efforts of a leg by the force on its foot, where both are known."""
     curves = foot.force_curves
-    told = curves.vertical_over_stance is not None and curves.forward_over_stance is not None
+    told = curves.vertical_over_stride is not None and curves.forward_over_stride is not None
     if path is None or leg.footfalls is None or not told:
         return None
     own = [each.history for each in legs.joints if each.foot == leg.name]
@@ -121,7 +121,7 @@ def _without(legs: LegFigures, doubts: tuple[SignDoubt, ...]) -> LegFigures:
             for leg in legs.feet
         ),
         joints=tuple(
-            replace(joint, work=joint.work.without_signs(), sign_known=False)
+            replace(joint, work=joint.work.without_signs())
             if joint.history.name in names
             else joint
             for joint in legs.joints

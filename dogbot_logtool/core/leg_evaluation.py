@@ -42,7 +42,7 @@ from dogbot_logtool.core.quality.clocks import ClockDifference, too_far_apart
 from dogbot_logtool.core.statistics import Stats
 
 IDLE: Final = 0.02
-"""rad or m: joints of no leg that move by less are only counted."""
+"""rad or m: joints of no leg that move by less are left out."""
 FEWEST_STATES: Final = 16
 """States of a joint in a stride; with fewer its work may be off by a tenth."""
 SHORTEST_WAY_M: Final = 0.1
@@ -233,7 +233,6 @@ def _figures(
         settings=settings,
         feet=tuple(legs),
         joints=tuple(kept),
-        idle=len(joints) - len(kept),
         work_unknown=unknown,
         work_refuted=bool(refuted),
         joints_slow=bool(slow) and missing == slow,

@@ -54,7 +54,7 @@ class StatsSettings:
     wrench_frame_is_inferred: bool = False
     """Whether that is the world's only since the recorded forces may be in it."""
     time_source: TimeSource | None = None
-    """None: header stamps, and `UnusableStamps` when they turn out to be unusable."""
+    """None: header stamps, or log time where they cannot be used."""
     time_source_reason: str = ""
     """Why `time_source` is what it is, where no option chose it."""
     odometry_topic: str = ""

@@ -1,7 +1,8 @@
-"""Texts from a log made harmless for terminals and reports, and lists of names in sentences."""
+"""Texts from a log made harmless for terminals, reports and shells, and lists of names."""
 
 import re
-from collections.abc import Sequence
+import shlex
+from collections.abc import Iterable, Sequence
 from typing import Final
 
 _LAYOUT: Final = re.compile("([\n\t])")
@@ -23,6 +24,27 @@ def printable_lines(text: str) -> str:
     return "".join(
         each if each in {"\n", "\t"} else printable(each) for each in _LAYOUT.split(text)
     )
+
+
+def shell_quoted(word: str) -> str:
+    """Return a word as a shell takes it, printable whatever it holds.
+
+    Control characters stand in ``$'...'``, which bash, zsh and ksh understand.
+    """
+    if word.isprintable():
+        return shlex.quote(word)
+    return f"$'{''.join(map(_in_dollar_quotes, word))}'"
+
+
+def _in_dollar_quotes(char: str) -> str:
+    if char.isprintable():
+        return f"\\{char}" if char in {"\\", "'"} else char
+    return "".join(f"\\x{byte:02x}" for byte in char.encode("utf-8", "surrogateescape"))
+
+
+def shell_joined(words: Iterable[str]) -> str:
+    """Return a command that can be pasted into a shell; see `shell_quoted`."""
+    return " ".join(map(shell_quoted, words))
 
 
 def listed(names: Sequence[str], most: int = MOST) -> str:

@@ -22,6 +22,9 @@ class LastingStream(io.TextIOBase):
     """A text stream that never fails to be written to."""
 
     def __init__(self, stream: TextIO) -> None:
+        if isinstance(stream, io.TextIOWrapper) and isinstance(stream.buffer, io.RawIOBase):
+            # With PYTHONUNBUFFERED, text of which only a part could be written would be lost.
+            stream = open(stream.fileno(), "w", 1, stream.encoding, closefd=False)  # noqa: SIM115 - stays open
         self._stream = stream
         self._is_lost = False
         self.error: OSError | None = None

@@ -11,6 +11,11 @@ from dogbot_logtool.core.base.odometry import Odometry
 from dogbot_logtool.core.contact.contact_rule import FootSensor
 from dogbot_logtool.core.contact.contacts import Samples
 from dogbot_logtool.core.contact.offsets import without_offsets
+from dogbot_logtool.core.frames.recorded_transforms import (
+    RecordedTransforms,
+    concatenate_transforms,
+    no_transforms,
+)
 from dogbot_logtool.core.frames.transform_buffer import LONGEST_DELAY_S, TransformBuffer
 from dogbot_logtool.core.plausible import plausible_odometry
 from dogbot_logtool.dataclass import dataclass
@@ -22,7 +27,10 @@ from dogbot_logtool.reader.messages.bases.source import BasePoses
 from dogbot_logtool.reader.messages.contacts.registry import DecodedContacts, read_contacts
 from dogbot_logtool.reader.messages.contacts.source import FootChannels
 from dogbot_logtool.reader.messages.messages import DecodedMessages, malformed_in
-from dogbot_logtool.reader.messages.transforms import decode_transforms
+from dogbot_logtool.reader.messages.transforms import (
+    decode_transforms,
+    transform_columns,
+)
 
 _MOST_CHUNKS_AHEAD: Final = 256
 """Number of chunks that are looked into if they do not say when they begin."""
@@ -101,7 +109,7 @@ class BatchReader:
             transforms = decode_transforms(batch, selection.transforms)
         frames = None
         if self.frames is not None:
-            own = self.frames.tracks(transforms, odometry)
+            own = self.frames.tracks(_columns(transforms), odometry)
             reduced = [
                 read.reduced.samples for read in contacts if len(read.reduced.samples.log_time)
             ]
@@ -130,11 +138,12 @@ class BatchReader:
 
     def _without_offsets(self, read: DecodedContacts) -> DecodedContacts:
         """Take the sensors' offsets off, so that what is drawn is what is measured."""
+        source = read.source
         samples = without_offsets(
             read.reduced.samples,
             self.sensors,
-            lists_contacts=read.source.lists_contacts,
-            only_presses=read.source.is_raw or read.source.one_axis,
+            lists_contacts=source.lists_contacts,
+            only_presses=source.is_raw or source.one_axis,
         )
         return replace(read, reduced=replace(read.reduced, samples=samples))
 
@@ -165,7 +174,7 @@ class BatchReader:
                 break
             later = log.read((chunk,)).cropped(*self.limits)
             poses, _ = plausible_odometry(joined_poses(self.selection.read_base(later)))
-            transforms = decode_transforms(later, self.selection.transforms)
+            transforms = _columns(decode_transforms(later, self.selection.transforms))
             ahead = ahead.then(frames.tracks(transforms, poses))
         return ahead
 
@@ -177,3 +186,7 @@ class BatchReader:
                 break
             if chunk.counts is None or not wanted.isdisjoint(chunk.counts):
                 yield chunk
+
+
+def _columns(transforms: Sequence[DecodedMessages]) -> RecordedTransforms:
+    return concatenate_transforms([no_transforms(), *map(transform_columns, transforms)])

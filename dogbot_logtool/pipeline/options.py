@@ -10,9 +10,8 @@ from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.io.storage import Location
 from dogbot_logtool.writer.encodings.registry import DEFAULT_ENCODING
 
-# `stats` does without the writer, `convert` without curves.
+# `stats` does without the writer.
 if TYPE_CHECKING:
-    from dogbot_logtool.core.contact.curves import CurveDetail
     from dogbot_logtool.robot import Foot
     from dogbot_logtool.writer.chunks import Compression
 
@@ -78,8 +77,6 @@ class ConvertOptions:
     overwrite: bool = False
     makes_folder: bool = False
     """Whether the output's directory is made if it is missing."""
-    strict: bool = False
-    """Damage is an error."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -101,8 +98,6 @@ class StatsOptions:
     command_topic: str | None = None
     """Topic of velocity commands; None: found by type and name. Likewise `imu_topic`."""
     imu_topic: str | None = None
-    curves: "CurveDetail | None" = None
-    """Keep load curves for drawing; None: none."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -123,13 +118,9 @@ class CompareOptions:
 
 @dataclass(frozen=True, slots=True)
 class PlotOptions:
-    """Options of `stats --plot`."""
+    """Options of `stats --figure`."""
 
     target: Path
-    size_mm: tuple[float, float | None] | None = None
-    """Width and height on paper; None: one column, as high as the feet need."""
-    window: tuple[float, float] | None = None
-    """s since the log's start, from and to; None: some strides."""
     overwrite: bool = False
 
     @property

@@ -54,22 +54,5 @@ def refuse_empty_span(log: Log, limits: TimeLimits, messages: int) -> None:
     )
 
 
-def refuse_window(window: tuple[float, float], length_s: float) -> None:
-    """Refuse a window that does not begin within a log.
-
-    Args:
-        window: s since the log's start, from and to.
-        length_s: s, of the log.
-
-    Raises:
-        CallError: it does not.
-    """
-    if not 0.0 <= window[0] < length_s:
-        raise CallError(
-            f"--window {window[0]:.12g}:{window[1]:.12g}: the log has no time there, it lasts "
-            f"from 0 to {length_s:.3f} s"
-        )
-
-
 def _length(log: Log) -> str:
     return f"it lasts from 0 to {((log.end_time or 0) - (log.start_time or 0)) / 1e9:.3f} s"

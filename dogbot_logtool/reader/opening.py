@@ -26,7 +26,7 @@ def open_log(path: Location) -> Log:
     """Open a ROS 1 bag, an MCAP, or a ROS 2 bag: its directory or one of its files.
 
     Of a log in a store, only what is asked for is read, by range, as long as it has an index;
-    without one, and where a library needs a file, a temporary copy is.
+    without one, and of a SQLite file, a temporary copy is.
 
     Raises:
         CallError: there is no such file.
@@ -85,13 +85,9 @@ def _open_file(path: Location, distribution: str = "", *, packed: bool = True) -
 
 def _open_object(path: "UPath", distribution: str, facts: storage.Facts) -> Log:
     # Imported late: only URLs need it.
-    from dogbot_logtool.reader.containers.sources.remote_source import RemoteSource, open_copied  # noqa: PLC0415
+    from dogbot_logtool.reader.containers.sources.remote_source import RemoteSource  # noqa: PLC0415
 
-    source = RemoteSource(path, facts)
-    container = _with_magic(source.read(0, _MAGIC_SIZE))
-    if container is not None and container.needs_disk:
-        return open_copied(source, lambda copy: _open_file(copy, distribution))
-    return _open_or_close(source, distribution, packed=True)
+    return _open_or_close(RemoteSource(path, facts), distribution, packed=True)
 
 
 def _open_or_close(source: ByteSource, distribution: str, *, packed: bool) -> Log:
@@ -130,6 +126,7 @@ def _open_container(container: Container, source: ByteSource, distribution: str)
         log = container.scan(source.nearby(), problem)
     if log is None:
         raise LogError(f"{storage.shown(source.path)}: cannot be read without its index")
+    log.losses = tuple(map(log.located, log.losses))
     return log
 
 

@@ -34,8 +34,6 @@ class Container:
     can be scanned is recognised even if a few bytes of its magic are damaged."""
     is_in_rosbag2: bool = False
     """Whether the directory of a ROS 2 bag may hold such files."""
-    needs_disk: bool = False
-    """Whether a library reads it that needs a file on a disk."""
 
 
 def _open_bag(source: "ByteSource", distribution: str) -> tuple["Log | None", "Loss | None"]:
@@ -73,13 +71,6 @@ def _open_sqlite(source: "ByteSource", distribution: str) -> tuple["Log | None",
 CONTAINERS: Final = (
     Container("ROS 1 bag", BAG_MAGIC, ".bag", _open_bag, _scan_bag),
     Container("MCAP", MCAP_MAGIC, ".mcap", _open_mcap, _scan_mcap, is_in_rosbag2=True),
-    Container(
-        "SQLite file of a ROS 2 bag",
-        SQLITE_MAGIC,
-        ".db3",
-        _open_sqlite,
-        is_in_rosbag2=True,
-        needs_disk=True,
-    ),
+    Container("SQLite file of a ROS 2 bag", SQLITE_MAGIC, ".db3", _open_sqlite, is_in_rosbag2=True),
 )
 ROSBAG2_SUFFIXES: Final = tuple(each.suffix for each in CONTAINERS if each.is_in_rosbag2)

@@ -6,6 +6,7 @@ from rich.console import Console
 
 from dogbot_logtool.comparison.walks.two_runs import CONFIDENCE, FigureDifference, GaitComparison
 from dogbot_logtool.io.printable import printable
+from dogbot_logtool.report.documents.damage import damage_json
 from dogbot_logtool.report.text.console import human_size, print_sentence
 from dogbot_logtool.report.text.text_layout import NameTable, Row
 
@@ -20,6 +21,8 @@ def print_gait_comparison(console: Console, found: GaitComparison, *, verbose: b
         found: the comparison.
         verbose: print also what does not differ.
     """
+    for damage in found.damage:
+        print_sentence(console, (" damage   ", "red"), printable(damage.line))
     for doubt in found.doubts:
         print_sentence(console, ("doubtful  ", "yellow"), printable(doubt), indent=10)
     if found.reasons:
@@ -66,6 +69,7 @@ def gait_comparison_json(found: GaitComparison) -> dict[str, Any]:
     return {
         "first": list(found.sides[0]),
         "second": list(found.sides[1]),
+        "damage": [{"log": each.log, **damage_json(each)} for each in found.damage],
         "comparable": not found.reasons,
         "reasons": list(found.reasons),
         "doubts": list(found.doubts),

@@ -54,13 +54,14 @@ def info_json(info: LogInfo) -> dict[str, Any]:
         ],
         "frames": frames_json(info),
         "findings": [finding_json(each) for each in info.findings],
-        "damage": damage_json(info.losses),
+        "damage": damage_json(info.damage),
     }
 
 
 def print_info(console: Console, info: LogInfo) -> None:
     """Print what is known of a log."""
     print_sentence(console, (printable(shown(info.path)), "bold"))
+    print_damage(console, info.damage)
     for name, value in _head(info):
         print_sentence(console, f"  {name:<11}  {printable(value)}", indent=15)
     console.print(_topics(info, console.width), crop=False)
@@ -71,7 +72,6 @@ def print_info(console: Console, info: LogInfo) -> None:
     elif info.parents or info.added_transform:
         print_frame_names(console, info)
     print_findings(console, info.findings)
-    print_damage(console, info.losses)
 
 
 def _head(info: LogInfo) -> Iterator[tuple[str, str]]:

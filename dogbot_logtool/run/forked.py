@@ -24,7 +24,7 @@ from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.errors import LogtoolError
 from dogbot_logtool.run.channels import PeerEndedError, Pipe, ResultChannel, receive, send
 from dogbot_logtool.run.in_order import Item, Result, State, StatefulWork
-from dogbot_logtool.run.signals import held_back, leave_to_parent
+from dogbot_logtool.signals import held_back, leave_to_parent
 
 _FORK: Final = multiprocessing.get_context("fork")
 _STARTING: Final = threading.Lock()

@@ -29,7 +29,7 @@ from dogbot_logtool.errors import LogtoolError
 from dogbot_logtool.run.executor import ExecutorRunner
 from dogbot_logtool.run.in_order import can_fork
 from dogbot_logtool.run.runner import Failure, Progress, Result, Work, attempt
-from dogbot_logtool.run.signals import (
+from dogbot_logtool.signals import (
     Stopped,
     held_back,
     leave_to_parent,

@@ -20,7 +20,7 @@ from tests.paths import ROOT, TROT, WALK
 
 FUNCTIONS: dict[str, tuple[Callable[..., Any], ...]] = {
     "check": (dl.check,),
-    "compare": (dl.compare, dl.compare_gait, dl.compare_events),
+    "compare": (dl.compare, dl.compare_gait),
     "convert": (dl.convert,),
     "info": (dl.info,),
     "report": (dl.measure, dl.Walk.report),
@@ -152,7 +152,7 @@ def test_files_of_one_recording(tmp_path: Path) -> None:
     assert joined.base["x_m"].tolist() == walk_of(WALK).base["x_m"].tolist()
 
 
-def test_frames_gaits_events_and_pages(tmp_path: Path) -> None:
+def test_frames_gaits_and_pages(tmp_path: Path) -> None:
     frames = dl.info(TROT, frames=True, jobs=2).frames
     assert frames is not None
     printed = json.loads(run("compare", TROT, WALK, "--gait", "--json").stdout)
@@ -160,10 +160,6 @@ def test_frames_gaits_events_and_pages(tmp_path: Path) -> None:
     assert [each.figure for each in compared.differences] == [
         each["figure"] for each in printed["differences"]
     ]
-    run("stats", TROT, "--events", tmp_path / "labels.csv")
-    matches = dl.compare_events(tmp_path / "labels.csv", TROT, atol=0.01)
-    assert matches
-    assert not any(each.missed_s or each.invented_s for each in matches)
     run("report", TROT, "--no-replay", "-o", tmp_path / "words.html")
     walk_of(TROT).report(tmp_path / "keywords.html", replay=False)
     assert (tmp_path / "keywords.html").read_bytes() == (tmp_path / "words.html").read_bytes()
@@ -171,15 +167,12 @@ def test_frames_gaits_events_and_pages(tmp_path: Path) -> None:
 
 def test_a_figure_for_a_paper(tmp_path: Path) -> None:
     walk = walk_of(TROT)
-    words = ("--plot", tmp_path / "words.svg", "--plot-size", 120, "--window", "2:3.5", "-q")
-    assert run("stats", TROT, *words).returncode == 0
-    drawn = walk.plot(tmp_path / "keywords.svg", size=(120.0, None), window=(2.0, 3.5))
-    assert drawn == (2.0, 3.5)
+    assert run("stats", TROT, "--figure", tmp_path / "words.svg", "-q").returncode == 0
+    start, end = walk.plot(tmp_path / "keywords.svg")
+    assert 0.0 < start < end < 8.0
     assert (tmp_path / "keywords.svg").read_bytes() == (tmp_path / "words.svg").read_bytes()
     with pytest.raises(dl.CallError, match="exists already"):
         walk.plot(tmp_path / "keywords.svg")
-    with pytest.raises(dl.CallError, match="window"):
-        walk.plot(tmp_path / "late.svg", window=(2e3, 3e3))
 
 
 @pytest.mark.parametrize(

@@ -2,6 +2,7 @@
 
 import json
 import os
+import re
 import subprocess
 import sys
 from collections.abc import Sequence
@@ -222,50 +223,43 @@ def test_info_with_all_frames(shell: Shell, monkeypatch: pytest.MonkeyPatch) -> 
         assert "added by convert" in text
 
 
-def test_info_writes_graphs(shell: Shell) -> None:
-    printed = shell("info", "--dot", TROUBLED, SHORT, "--jobs", 1)
-    assert printed.code == 0
-    assert printed.out.count("digraph ") == 2
-    assert shell("info", "--dot", TROUBLED, SHORT, "-o", "frames.gv", "--jobs", 1).out == ""
-    assert (shell.folder / "frames.gv").read_text(encoding="utf-8") == printed.out
-    refused = shell("info", "--dot", SHORT, "-o", "frames.gv")
-    assert refused.code == 2
-    assert "--overwrite" in refused.err
-    assert shell("info", "--dot", SHORT, "-o", "frames.gv", "--overwrite").code == 0
-    assert shell("info", "--dot", "--json", SHORT).code == 2
-    assert shell("info", SHORT, "-o", "other.gv").code == 2
-    assert shell("info", "--dot", "none.bag", "-o", "other.gv").code == 2
-    assert shell.files() == ["frames.gv"]
-
-
 def test_stats_draws_a_figure(shell: Shell) -> None:
-    done = shell("stats", WALK, "--plot", "walk.svg", "--window", "2:4", "--json")
+    done = shell("stats", WALK, "--figure", "walk.svg", "--start", 2, "--end", 6, "--json")
     assert done.code == 0
     assert done.json["gait"]["class"] == "walk"
-    assert "walk.svg: 2.00 to 4.00 s" in done.err
+    assert re.search(r"walk.svg: \d\.\d\d to \d\.\d\d s", done.err)
     first = (shell.folder / "walk.svg").read_bytes()
-    refused = shell("stats", WALK, "--plot", "walk.svg")
+    refused = shell("stats", WALK, "--figure", "walk.svg")
     assert refused.code == 2
     assert "--overwrite" in refused.err
-    again = shell(
-        "stats", WALK, "--plot", "walk.svg", "--window", "2:4", "--overwrite", "--jobs", 3, "-q"
-    )
+    words = ("--figure", "walk.svg", "--start", 2, "--end", 6, "--overwrite", "--jobs", 3, "-q")
+    again = shell("stats", WALK, *words)
     assert (again.code, again.err) == (0, "")
     assert (shell.folder / "walk.svg").read_bytes() == first
 
 
 @pytest.mark.parametrize(
+    ("words", "instead"),
+    [
+        (["stats", WALK, "--csv"], "use `export --table strides`"),
+        (["stats", WALK, "--plot=walk.svg"], "it is --figure now"),
+        (["info", WALK, "-o", "tree.gv"], "results go to stdout"),
+    ],
+)
+def test_an_option_that_is_gone_says_what_to_use(
+    shell: Shell, words: list[object], instead: str
+) -> None:
+    done = shell(*words)
+    assert (done.code, done.out, shell.files()) == (2, "", [])
+    assert f"is gone: {instead}." in done.err
+
+
+@pytest.mark.parametrize(
     ("words", "told"),
     [
-        ([TROT, WALK, "--plot", "both.pdf"], "call it for each"),
-        ([WALK, "--plot", "walk.eps"], "must end in one of .pdf, .png, .svg"),
-        ([WALK, "--plot", "none/walk.pdf"], "no such folder"),
-        ([WALK, "--plot", "walk.pdf", "--plot-size", "85x"], "must be WIDTH or WIDTHxHEIGHT"),
-        ([WALK, "--plot", "walk.pdf", "--plot-size", "nan"], "must be WIDTH or WIDTHxHEIGHT"),
-        ([WALK, "--plot", "walk.pdf", "--plot-size", "85x20"], "at least"),
-        ([WALK, "--plot", "walk.pdf", "--window", "100:200"], "has no time there"),
-        ([WALK, "--plot", "walk.pdf", "--window", "0:inf"], "must be FROM:TO"),
-        ([WALK, "--plot-size", "85"], "goes with --plot"),
+        ([TROT, WALK, "--figure", "both.pdf"], "call it for each"),
+        ([WALK, "--figure", "walk.eps"], "must end in one of .pdf, .png, .svg"),
+        ([WALK, "--figure", "none/walk.pdf"], "no such folder"),
     ],
 )
 def test_figures_that_cannot_be_drawn(shell: Shell, words: list[object], told: str) -> None:
@@ -283,7 +277,7 @@ def test_without_matplotlib_it_is_said_how_to_install_it(
     (absent / "matplotlib.py").write_text("raise ImportError")
     root = str(ROOT)
     monkeypatch.setenv("PYTHONPATH", os.pathsep.join([str(absent), root]))
-    refused = run_afresh("stats", WALK, "--plot", "walk.pdf", folder=tmp_path)
+    refused = run_afresh("stats", WALK, "--figure", "walk.pdf", folder=tmp_path)
     assert refused.code == 1
     assert install_command("plot") in refused.err
     assert run_afresh("stats", SHORT, "-q", folder=tmp_path).code == 0
@@ -302,7 +296,7 @@ def test_info_of_several_logs(shell: Shell) -> None:
         (("info", "s3://lab/walk.bag"), "upath"),
         (("info", "@s3://lab/list.txt"), "upath"),
         (("stats", TROT, "--scheduler", "tcp://x:1"), "distributed"),
-        (("stats", TROT, "--parquet", "figures"), "pyarrow"),
+        (("export", TROT, "--dataset", "figures"), "pyarrow"),
     ],
 )
 def test_what_an_extra_brings_is_asked_for(

@@ -50,21 +50,9 @@ def test_other_tables_as_feather(walk: dl.Walk, tmp_path: Path, table: str) -> N
     assert written.drop_columns(["log"]) == getattr(walk, table).to_arrow()
 
 
-def test_events_as_labels_are_those_of_stats(tmp_path: Path) -> None:
-    labels, events = tmp_path / "labels.tsv", tmp_path / "events.tsv"
-    done = run("export", WALK, "--table", "events", "-o", labels)
-    assert (done.returncode, done.stdout) == (0, "")
-    run("stats", WALK, "--events", events)
-    assert labels.read_bytes() == events.read_bytes()
-    assert labels.read_text().startswith("onset\tduration\ttrial_type\tfoot\t")
-
-
 @pytest.mark.parametrize(
     ("words", "code", "sentence"),
     [
-        (("-o", "out.tsv"), 2, "out.tsv: .tsv holds events only: --table events"),
-        (("--table", "events", "-o", "out.yaml"), 1, "a left and a right foot"),
-        (("--table", "events", "-o", "out.tsv", WALK), 2, "one log, and there are 2"),
         (("-o", "out.xlsx"), 2, "out.xlsx: must end in .csv, .parquet, .arrow, .feather"),
         (("-o", "there.csv"), 2, "there.csv: exists already"),
         (("--overwrite",), 2, "--overwrite goes with -o FILE"),

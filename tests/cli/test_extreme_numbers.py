@@ -100,7 +100,7 @@ def outputs(folder: Path, path: Path) -> tuple[dict[str, Any], set[str]]:
     done = measure(path, StatsOptions(topics))
     figures = strict(json.dumps(stats_json(done.stats, done.facts)))
     converted = convert(path, folder / "out.mcap", ConvertOptions(topics, style="force"))
-    assert done.exit_code == converted.exit_code == 0
+    assert done.damage.losses == converted.damage.losses == ()
     return figures, {finding.code for finding in converted.findings}
 
 

@@ -5,6 +5,7 @@ import io
 import json
 import os
 import re
+import subprocess
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -74,9 +75,8 @@ ROBOT = ["--robot", f"robot{EVIL}.toml"]
 CALLS = {
     "info": ["info"],
     "info frames": ["info", "--frames", *ROBOT],
-    "info dot": ["info", "--dot"],
     "stats": ["stats", "-v", *ROBOT],
-    "csv": ["stats", "--csv", *ROBOT],
+    "csv": ["export", *ROBOT],
     "convert": ["convert", "-v", "-o", "./", "--overwrite", *ROBOT],
     "report": ["report", "-v", "-o", "./", "--overwrite"],
     "layout": ["layout", *ROBOT],
@@ -93,7 +93,7 @@ def command(words: Sequence[str], count: int) -> list[str]:
     """Return the words of a call with the first of the logs; `convert` takes several processes."""
     logs = [f"=walk\n{EVIL}[red].mcap", f"cut{EVIL}.mcap", f"bad\n{EVIL}.bag"]
     count = {"layout": 1, "compare": 2}.get(words[0], count)
-    alone = ["--jobs", "1"] if words[0] in {"info", "stats", "report"} else []
+    alone = ["--jobs", "1"] if words[0] in {"export", "info", "stats", "report"} else []
     return [*words, *alone, *logs[:count]]
 
 
@@ -118,8 +118,20 @@ def test_no_control_character_reaches_a_terminal(folder: Path, words: list[str])
     assert [c for c in bare if not c.isprintable() and c not in "\r\n"] == []
 
 
+def test_the_command_of_a_new_robot_can_be_pasted(tmp_path: Path) -> None:
+    log = tmp_path / f"it's\n{EVIL}\\x41é.mcap"
+    log.write_bytes(WALK.read_bytes())
+    drafted = run("robots", "new", log.name, "-o", f"{EVIL}.toml", folder=tmp_path)
+    (printed,) = drafted.stderr.splitlines()
+    assert printed.isprintable()
+    shell = ["bash", "-c", f"printf '%s\\0' {printed}"]
+    words = subprocess.run(shell, capture_output=True, check=True).stdout.split(b"\0")  # noqa: S603
+    expected = ["dogbot-logtool", "stats", log.name, "--robot", f"{EVIL}.toml", ""]
+    assert words == [os.fsencode(word) for word in expected]
+
+
 def test_text_in_csv_is_no_formula(folder: Path) -> None:
-    done = run(*command(["stats", "--csv", *ROBOT], 1), folder=folder)
+    done = run(*command(["export", *ROBOT], 1), folder=folder)
     assert done.returncode == 0
     rows = list(csv.DictReader(io.StringIO(done.stdout)))
     assert {row["log"][:6] for row in rows} == {"'=walk"}

@@ -75,12 +75,12 @@ def test_stats_and_convert_use_what_is_left(
     lost = sum(bad(entry) and _third(entry) == 1 for entry in walks.messages(2, kind))
     topics = TopicOptions(robot=str(walks.robot_file(tmp_path, kind)))
     measured = measure(path, StatsOptions(topics))
-    assert measured.exit_code == 3
-    assert sum(loss.messages or 0 for loss in measured.losses) == lost
-    assert all("could not be decoded" in loss.what for loss in measured.losses)
+    assert measured.damage.exit_code == 3
+    assert sum(loss.messages or 0 for loss in measured.damage.losses) == lost
+    assert all("could not be decoded" in loss.what for loss in measured.damage.losses)
     done = convert(path, tmp_path / "out.mcap", ConvertOptions(topics))
-    assert done.exit_code == 3
-    assert sum(loss.messages or 0 for loss in done.losses) == lost
+    assert done.damage.exit_code == 3
+    assert sum(loss.messages or 0 for loss in done.damage.losses) == lost
 
 
 @pytest.mark.parametrize("batch", range(BATCHES))

@@ -138,7 +138,7 @@ def logs(tmp_path: Path) -> Path:
 
 
 def test_figures_and_a_dataset_by_two_processes(logs: Path) -> None:
-    words = ("stats", TROUBLED.name, TROT.name, "--jobs", 2, "--parquet", "made", "-q")
+    words = ("export", TROUBLED.name, TROT.name, "--jobs", 2, "--dataset", "made", "-q")
     files = made(logs, *words)
     assert {name.split("/")[0] for name in files} == {
         *("logs", "feet", "strides", "events", "stdout")
@@ -154,7 +154,7 @@ def test_letters_and_line_ends_of_a_file_that_takes_stdout(logs: Path) -> None:
     printed = made(logs, "stats", TROT.name)["stdout"]
     assert "█" in printed.decode()
     assert b"\r" not in printed
-    assert b"\r" not in made(logs, "stats", TROT.name, "--csv")["stdout"]
+    assert b"\r" not in made(logs, "export", TROT.name)["stdout"]
 
 
 def test_globs_of_options_are_no_files(logs: Path) -> None:

@@ -1,4 +1,4 @@
-"""Where commands write: -o, --plot and --overwrite."""
+"""Where commands write: -o, --figure and --overwrite."""
 
 import os
 import stat
@@ -94,11 +94,10 @@ def test_a_folder_that_nobody_asked_for_is_not_made(shell: Shell, logs: Path) ->
     [
         ["convert", TROUBLED, "-o", "-"],
         ["report", TROUBLED, "-o", "-"],
-        ["stats", TROUBLED, "--plot", "-"],
+        ["stats", TROUBLED, "--figure", "-"],
         ["layout", "-o", "-"],
-        ["info", TROUBLED, "--dot", "-o", "-"],
         ["compare", TROUBLED, TROUBLED, "--junit", "-"],
-        ["stats", TROUBLED, "--parquet", "-"],
+        ["export", TROUBLED, "--dataset", "-"],
     ],
     ids=lambda words: words[0],
 )
@@ -117,8 +116,7 @@ def test_a_dash_or_nothing_is_no_output(shell: Shell, words: list[object]) -> No
         (["convert", TROUBLED, "-o", "x.bag"], "of a ROS 1 bag, but an MCAP is written"),
         (["report", TROUBLED, "-o", "x.pdf"], "of a picture, but an HTML page is written"),
         (["layout", "-o", "x.mcap"], "of an MCAP, but JSON is written"),
-        (["info", TROUBLED, "--dot", "-o", "x.png"], "of a picture, but a graph"),
-        (["stats", TROUBLED, "--plot", "x.svg/"], "is a directory's name"),
+        (["stats", TROUBLED, "--figure", "x.svg/"], "is a directory's name"),
         (["layout", "-o", "x/"], "is a directory's name"),
         (["compare", TROUBLED, TROUBLED, "--junit", "x.bag"], "of a ROS 1 bag, but XML"),
         (["compare", TROUBLED, TROUBLED, "--junit", "x/"], "is a directory's name"),

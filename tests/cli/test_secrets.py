@@ -19,7 +19,7 @@ URL = f"http://user:SECRET@127.0.0.1:1/a.bag{QUERY}"
         ["info", f"simplecache::{URL}"],
         ["info", f"zip://a.bag::{URL}"],
         ["stats", SAMPLE, "--robot", URL],
-        ["stats", SAMPLE, "--plot", URL],
+        ["stats", SAMPLE, "--figure", URL],
         ["stats", SAMPLE, "--scheduler", URL],
         ["stats", SAMPLE, "--scheduler", "tcp://user:SECRET@127.0.0.1:1"],
         ["compare", URL, URL],

@@ -173,7 +173,6 @@ def test_huge_numbers_are_compared(tmp_path: Path) -> None:
         "report {name} -o out/",
         "layout {name}",
         "compare {name} {name}",
-        "compare --update {name} {log}",
         "convert {log} -o {name}",
     ],
 )
@@ -187,7 +186,7 @@ def test_a_name_that_no_disk_takes_is_told(tmp_path: Path, words: str) -> None:
 
 
 @pytest.mark.parametrize(
-    "words", ["convert log.mcap", "info .", "stats log.mcap --parquet runs", "info log.mcap"]
+    "words", ["convert log.mcap", "info .", "export log.mcap --dataset runs", "info log.mcap"]
 )
 def test_a_current_directory_that_was_removed_is_told(tmp_path: Path, words: str) -> None:
     folder = tmp_path / "folder"

@@ -78,7 +78,7 @@ def test_annotations_are_what_message_by_message_conversion_gives(
     folder: Path, log: Path, style: str, encoding: str
 ) -> None:
     done = converted(folder, log, style=style, encoding=encoding)
-    assert done.conversion.exit_code == 0
+    assert done.conversion.damage.exit_code == 0
     for foot in FEET:
         arrows = expected_arrows(log, foot, style, in_world=IN_WORLD[log])
         assert_same_arrows(

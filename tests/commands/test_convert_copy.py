@@ -168,7 +168,7 @@ def test_a_chunk_without_messages(tmp_path: Path, compression: Compression) -> N
     records.Footer(0, 0, 0).write(builder)
     log.write_bytes(b"".join([*pieces, builder.end(), b"\x89MCAP0\r\n"]))
     conversion = convert(log, tmp_path / "out.mcap", ConvertOptions(compression=compression))
-    assert (conversion.exit_code, conversion.copied) == (0, 100)
+    assert (conversion.damage.exit_code, conversion.copied) == (0, 100)
     # Besides one of every message: the robot, the first time's load (of the one foot with
     # messages), and labels.
     labels = conversion.annotations[label_topic("front_left")]
@@ -191,5 +191,5 @@ def test_metadata_that_is_no_text_is_copied_byte_for_byte(tmp_path: Path) -> Non
     assert b"weather" in data
     log.write_bytes(data.replace(b"weather", b"w\xffather"))
     conversion = convert(log, tmp_path / "out.mcap", ConvertOptions())
-    assert not [loss for loss in conversion.losses if "metadata" in loss.what]
+    assert not [loss for loss in conversion.damage.losses if "metadata" in loss.what]
     assert b"w\xffather" in (tmp_path / "out.mcap").read_bytes()

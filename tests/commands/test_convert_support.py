@@ -13,9 +13,12 @@ import numpy as np
 import pytest
 
 from dogbot_logtool.commands.convert import convert
-from dogbot_logtool.core.base.base_history import BaseRecorder
+from dogbot_logtool.core.base.base_history import base_history
+from dogbot_logtool.core.base.odometry import Odometry, concatenate_odometry
 from dogbot_logtool.core.contact.contact_rule import contact_rule
-from dogbot_logtool.core.contact.foot_history import FootRecorder
+from dogbot_logtool.core.contact.contacts import Samples
+from dogbot_logtool.core.contact.foot_history import foot_history
+from dogbot_logtool.core.geometry.blocks import concatenated
 from dogbot_logtool.core.geometry.clock import TimeSource
 from dogbot_logtool.core.geometry.support_polygon import margin_in_hull
 from dogbot_logtool.core.scene.support_scene import margin_colour
@@ -256,17 +259,22 @@ def recorded(path: Path) -> tuple[list[Any], Any]:
     log = open_log(path)
     selection = select_topics(log, TopicOptions())
     rule = contact_rule(zero_reading(), BODY_WEIGHT_N)
-    feet = [FootRecorder(rule, TimeSource.LOG, force_in_world=False) for _ in FEET]
-    base = BaseRecorder(TimeSource.LOG)
+    samples: list[Samples] = []
+    poses: list[Odometry] = []
     for span in log.spans():
         batch = log.read(span)
-        for poses in selection.read_base(batch):
-            base.add(poses.poses)
-        for read in read_contacts(batch, selection.contacts, selection.foot_channels()):
-            for foot, recorder in enumerate(feet):
-                recorder.add(read.reduced.samples.pick(read.reduced.samples.foot == foot))
+        poses.extend(each.poses for each in selection.read_base(batch))
+        read = read_contacts(batch, selection.contacts, selection.foot_channels())
+        samples.extend(each.reduced.samples for each in read)
     log.close()
-    return [recorder.finish() for recorder in feet], base.finish()
+    together = concatenated(samples)
+    feet = [
+        foot_history(
+            together.pick(together.foot == foot), rule, TimeSource.LOG, force_in_world=False
+        )
+        for foot in range(len(FEET))
+    ]
+    return feet, base_history(concatenate_odometry(poses), TimeSource.LOG)
 
 
 # --- Batches --------------------------------------------------------------------------------------
@@ -321,7 +329,7 @@ def test_what_is_not_known_is_told(folder: Path) -> None:
     # Of this base the log's own transforms know nothing.
     robot = folder / "robot.toml"
     robot.write_text(DOGBOT.read_text().replace("base_link", "trunk"))
-    options = ConvertOptions(topics=TopicOptions(robot=str(robot)), copy=False, end_s=0.2)
+    options = ConvertOptions(topics=TopicOptions(robot=str(robot)), copy=False, end_s=2.0)
     done = convert(TROT, folder / "link.mcap", options)
     assert "N_NO_PRESSURE" in {finding.code for finding in done.findings}
 

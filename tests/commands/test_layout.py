@@ -11,14 +11,12 @@ from mcap.reader import make_reader
 from mcap_protobuf.decoder import DecoderFactory
 from mcap_ros2.decoder import DecoderFactory as Ros2Decoders
 
-from dogbot_logtool.cli.layout import layout as layout_command
 from dogbot_logtool.commands.convert import convert
 from dogbot_logtool.commands.layout import view_of
 from dogbot_logtool.core.scene.foot_style import FOOT_COLOURS
-from dogbot_logtool.errors import CallError, ExtraMissingError
+from dogbot_logtool.errors import CallError
 from dogbot_logtool.pipeline.options import ConvertOptions, TopicOptions
 from dogbot_logtool.report.layouts.foxglove import foxglove_layout
-from dogbot_logtool.report.layouts.rerun import rerun_blueprint
 from dogbot_logtool.report.layouts.rviz import rviz_config
 from dogbot_logtool.report.layouts.view import View, upper_bound
 from tests.oracles.standing_log import write_standing_log
@@ -247,22 +245,3 @@ def test_a_guessed_robot_looks_to_where_its_fore_feet_are(tmp_path: Path) -> Non
     log = write_standing_log(tmp_path / "log.mcap")
     assert view_of(log, TopicOptions()).forward_axis == "+x"
     assert view_of(log, TopicOptions(robot="dogbot")).forward_axis == "+y"
-
-
-def test_a_blueprint_for_rerun_names_each_foot_s_load() -> None:
-    pytest.importorskip("rerun")
-    content = rerun_blueprint(View(FEET, "world", "base_link"))
-    for foot in FEET:
-        assert f"/load/{foot}".encode() in content
-
-
-def test_without_rerun_the_error_says_how_to_install_it(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("dogbot_logtool.report.layouts.rerun.find_spec", lambda _: None)
-    with pytest.raises(ExtraMissingError, match="layout --viewer rerun: needs packages"):
-        rerun_blueprint(View(FEET, "world", "base_link"))
-
-
-def test_a_blueprint_is_not_printed(capsys: pytest.CaptureFixture[str]) -> None:
-    with pytest.raises(CallError, match="name a file"):
-        layout_command.main(["--viewer", "rerun"], standalone_mode=False)
-    assert capsys.readouterr().out == ""

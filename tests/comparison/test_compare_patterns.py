@@ -346,18 +346,3 @@ def test_warnings_go_to_stderr_and_change_no_exit_code(tmp_path: Path) -> None:
         "warning: --ignore 'nothing\\x1b[31m' fits nothing in either file",
     ]
     assert json.loads(run(path, link, "--json").stdout)["warnings"]
-
-
-@pytest.mark.parametrize(
-    "words", [["--json"], ["--ignore", "*"], ["--atol", "0"], ["--topics", "a"]]
-)
-def test_options_that_an_update_would_pass_over_are_refused(
-    tmp_path: Path, words: list[str]
-) -> None:
-    path = tmp_path / "one.json"
-    path.write_text(json.dumps(FIGURES), encoding="utf-8")
-    target = tmp_path / "golden.json"
-    done = run(target, path, "--update", *words)
-    assert done.returncode == 2
-    assert f"{words[0]} has no meaning with it" in done.stderr
-    assert not target.exists()

@@ -6,12 +6,12 @@ from functools import cache
 import numpy as np
 import pytest
 
-from dogbot_logtool.core.accumulator import StatsAccumulator
 from dogbot_logtool.core.contact.contacts import Samples
 from dogbot_logtool.core.findings.findings import findings_of
 from dogbot_logtool.core.geometry.arrays import Ints
-from dogbot_logtool.core.geometry.clock import TimeSource, UnusableStamps
+from dogbot_logtool.core.geometry.clock import TimeSource
 from dogbot_logtool.core.statistics import Stats
+from tests.analysed import analysed
 from tests.oracles.straight_walk import (
     SETTINGS,
     START,
@@ -53,7 +53,7 @@ def with_stamps(samples: Samples, stamp: Ints) -> Samples:
 
 
 @pytest.mark.parametrize("fault", ["zero", "backwards"])
-def test_stamps_that_cannot_be_used_ask_for_a_pass_on_log_time(fault: str) -> None:
+def test_stamps_that_cannot_be_used_are_left_for_log_time(fault: str) -> None:
     walk = Walk()
     feet = [walk.samples(foot) for foot in range(4)]
     stamp = feet[2].stamp.copy()
@@ -62,10 +62,9 @@ def test_stamps_that_cannot_be_used_ask_for_a_pass_on_log_time(fault: str) -> No
     else:
         stamp[1000:1400] = stamp[1000:1400].reshape(-1, 2)[:, ::-1].ravel()
     feet[2] = with_stamps(feet[2], stamp)
-    with pytest.raises(UnusableStamps, match="/back_left") as unusable:
-        measure(feet, walk.odometry())
-    log_time = replace(SETTINGS, time_source=TimeSource.LOG, time_source_reason=str(unusable.value))
-    stats = measure(feet, walk.odometry(), log_time)
+    stats = measure(feet, walk.odometry())
+    assert stats.settings.clock is TimeSource.LOG
+    assert "/back_left" in stats.settings.time_source_reason
     assert main_class(stats) == "trot"
     assert stats.feet[2].stride_frequency_hz == pytest.approx(1.25, rel=2e-3)
     assert "W_LOG_TIME_USED" in codes(stats)
@@ -108,10 +107,8 @@ def test_a_reset_cuts_the_stride_that_it_falls_into() -> None:
     teleported = odometry.position.copy()
     teleported[odometry.stamp >= START + 6 * 10**9, 0] -= 2.5
     odometry = replace(odometry, stamp=reset(odometry.stamp), position=teleported)
-    with pytest.raises(UnusableStamps, match=r"set back by 5\.00 s at 6\.00 s") as unusable:
-        measure(feet, odometry)
-    log_time = replace(SETTINGS, time_source=TimeSource.LOG, time_source_reason=str(unusable.value))
-    stats = measure(feet, odometry, log_time)
+    stats = measure(feet, odometry)
+    assert "set back by 5.00 s at 6.00 s" in stats.settings.time_source_reason
     whole = walk.measure()
     for foot, unbroken in zip(stats.feet, whole.feet, strict=True):
         assert len(foot.strides.stance) == len(unbroken.strides.stance) - 1
@@ -175,10 +172,7 @@ def test_a_stuck_and_a_saturated_sensor_are_told() -> None:
 
 def test_a_log_without_odometry_or_mass_says_so_instead_of_guessing() -> None:
     walk = Walk()
-    accumulator = StatsAccumulator(replace(SETTINGS, mass_kg=None))
-    for foot in range(4):
-        accumulator.add_contacts(walk.samples(foot))
-    stats = accumulator.finish()
+    stats = analysed(replace(SETTINGS, mass_kg=None), [walk.samples(foot) for foot in range(4)])
     assert stats.base is None
     assert stats.stability is None
     assert stats.feet[0].stride_length_m is None
@@ -187,6 +181,6 @@ def test_a_log_without_odometry_or_mass_says_so_instead_of_guessing() -> None:
 
 
 def test_an_empty_log_is_measured_without_complaint() -> None:
-    stats = StatsAccumulator(SETTINGS).finish()
+    stats = analysed(SETTINGS)
     assert stats.main is None
     assert {"W_NO_MESSAGES", "N_NO_GAIT"} <= codes(stats)

@@ -2,15 +2,10 @@
 
 from dataclasses import fields, is_dataclass, replace
 from functools import cache
-from itertools import pairwise
-from random import Random
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
 
-from dogbot_logtool.core.accumulator import StatsAccumulator
 from dogbot_logtool.core.findings.findings import findings_of
 from dogbot_logtool.core.frames.wrench_frame import WrenchFrame
 from dogbot_logtool.core.statistics import Stats
@@ -50,7 +45,7 @@ def test_a_trot_is_measured_right() -> None:
     assert stats.support is not None
     # Each pair is down for 0.6 of the stride: both are for 0.2 of it.
     assert stats.support.feet_down == pytest.approx([0, 0, 0.8, 0, 0.2], abs=0.01)
-    assert codes(stats) <= {"N_LOADING_RATE_UNRESOLVED", "N_TWIST_AMBIGUOUS"}
+    assert codes(stats) <= {"N_LOADING_RATE_UNRESOLVED"}
 
 
 def test_a_trot_with_a_duty_factor_above_one_half_is_a_trot_that_does_not_run() -> None:
@@ -253,27 +248,6 @@ def every_digit(found: object) -> str:
     if isinstance(found, list | tuple):
         return str([every_digit(each) for each in found])
     return repr(found)
-
-
-@settings(max_examples=10, deadline=None)
-@given(st.lists(st.integers(0, 1000), max_size=4), st.randoms(use_true_random=False))
-def test_batches_and_the_order_of_feet_in_them_do_not_matter(
-    cuts: list[int], random: Random
-) -> None:
-    walk = Walk(seconds=4.0)
-    feet, poses = [walk.samples(foot) for foot in range(4)], walk.odometry()
-    accumulator = StatsAccumulator(SETTINGS)
-    edges = [0, *sorted(cuts), 1001]
-    for start, end in pairwise(edges):
-        rows = np.arange(start, end)
-        order = [0, 1, 2, 3]
-        random.shuffle(order)
-        for foot in order:
-            samples = feet[foot].pick(rows)
-            accumulator.add_contacts(samples)
-            accumulator.add_message_times(f"/{FEET[foot].name}", samples.log_time, samples.stamp)
-        accumulator.add_odometry(poses.pick(rows))
-    assert every_digit(accumulator.finish()) == every_digit_of_a_walk()
 
 
 def test_wheels_and_wrong_contacts_are_no_stand_and_no_gait() -> None:

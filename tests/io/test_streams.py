@@ -26,7 +26,7 @@ RESULTS = {
     "version": ("--version", 0),
     "text": (f"info {TROUBLED}", 0),
     "damaged": (f"info {CUT} {CUT} --json", 3),
-    "csv": (f"stats {TROUBLED} --csv", 0),
+    "csv": (f"export {TROUBLED}", 0),
     "different": (f"compare {TROT} {TROUBLED}", 1),
     "layout": ("layout", 0),
     "robot": ("robots dogbot", 0),
@@ -177,7 +177,7 @@ def test_a_wrong_call_stays_one(folder: Path) -> None:
     ("encoding", "words"),
     [
         ("ascii", "stats *-*.bag"),
-        ("ascii", "stats *-*.bag --csv"),
+        ("ascii", "export *-*.bag"),
         ("latin-1", "info --frames *-*.bag"),
     ],
 )
@@ -185,7 +185,7 @@ def test_any_encoding_will_do(folder: Path, encoding: str, words: str) -> None:
     name = os.fsdecode("\u81ea\u884c-é-\x9b1m-".encode() + b"\xff.bag")
     (folder / name).write_bytes((folder / CUT).read_bytes())
     code, out, err = shell(
-        folder, f"logtool {words} | cat -v; exit ${{PIPESTATUS[0]}}", PYTHONIOENCODING=encoding
+        folder, f"logtool {words} 2>&1 | cat -v; exit ${{PIPESTATUS[0]}}", PYTHONIOENCODING=encoding
     )
     assert (code, err) == (3, "")
     assert "\\xff.bag" in out.replace("\n", "")

@@ -77,7 +77,6 @@ def test_a_name_must_not_promise_another_format(name: str, ending: str, *, sever
 
 
 def test_names_of_the_same_format_are_alike() -> None:
-    refuse_other_format(Path("x.gv"), ".dot")
     refuse_other_format(Path("x.htm"), ".html")
     refuse_other_format(Path("x"), ".json")
     for viewer in VIEWERS.values():

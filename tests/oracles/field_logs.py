@@ -11,6 +11,13 @@ from rosbags.typesys.store import Typestore
 
 from tests.oracles import walks
 
+CELLS: Final = tuple(
+    f"{foot}_foot_{end}_{side}"
+    for foot in "lr"
+    for end in ("front", "back")
+    for side in ("left", "right")
+)
+"""As NAO's soles have them: four in each foot."""
 DEFINITIONS: Final = {
     "odd_msgs/msg/Reading": "float32 value\n",
     "odd_msgs/msg/LoadCell": "uint32 rows\nuint32 cols\nfloat32[] data\n",
@@ -18,6 +25,7 @@ DEFINITIONS: Final = {
     "odd_msgs/msg/Touch": "bool is_down\n",
     "odd_msgs/msg/Bits": "int8 foot_contacts\nfloat32 battery\n",
     "odd_msgs/msg/Pressures": "".join(f"float64 {leg}_foot\n" for leg in ("LF", "RF", "LH", "RH")),
+    "odd_msgs/msg/Soles": "".join(f"float32 {cell}\n" for cell in CELLS),
     "odd_msgs/msg/Pad": "string name\nfloat64 load\n",
     "odd_msgs/msg/Pads": "odd_msgs/Pad[] pads\n",
     "odd_msgs/msg/Leg": "string name\nint16 counts\ngeometry_msgs/Vector3 force\nfloat32[] cells\n",
@@ -67,6 +75,19 @@ def six_feet(path: Path, kind: str = "odd_msgs/msg/Reading", topic: str = _TOPIC
     """Write six feet on unusual topics, with temperatures of the same type beside them."""
     walk = odd_walk()
     walks.write_mcap(path, walk, list(_six_feet(walk, kind, topic)))
+    return path
+
+
+def four_cells_a_foot(path: Path) -> Path:
+    """Write two feet of a biped, each the sum of four pressure cells."""
+    walk, kind = odd_walk(), "odd_msgs/msg/Soles"
+    entries = []
+    for sample in range(round(DURATION_S * RATE_HZ)):
+        time_s = sample / RATE_HZ
+        loads = {side: load_n(time_s, foot) / 4.0 for foot, side in enumerate("lr")}
+        fields = {cell: loads[cell[0]] for cell in CELLS}
+        entries.append(_entry(walk, "/fsr", kind, START_NS + round(time_s * 1e9), fields))
+    walks.write_mcap(path, walk, entries)
     return path
 
 

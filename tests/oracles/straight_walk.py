@@ -4,7 +4,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from dogbot_logtool.core.accumulator import StatsAccumulator
 from dogbot_logtool.core.base.odometry import Odometry
 from dogbot_logtool.core.contact.contacts import Samples
 from dogbot_logtool.core.findings.findings import findings_of
@@ -12,6 +11,7 @@ from dogbot_logtool.core.frames.wrench_frame import WrenchFrame
 from dogbot_logtool.core.geometry.arrays import Floats
 from dogbot_logtool.core.settings import FootSettings, StatsSettings
 from dogbot_logtool.core.statistics import Stats
+from tests.analysed import analysed
 
 MASS_KG = 20.0
 WEIGHT_N = MASS_KG * 9.81
@@ -115,13 +115,7 @@ def foot_samples(foot: int, time: Floats, force: Floats, point: Floats) -> Sampl
 
 
 def measure(feet: list[Samples], odometry: Odometry, settings: StatsSettings = SETTINGS) -> Stats:
-    accumulator = StatsAccumulator(settings)
-    accumulator.add_odometry(odometry)
-    for samples in feet:
-        accumulator.add_contacts(samples)
-        topic = settings.feet[int(samples.foot[0])].topic
-        accumulator.add_message_times(topic, samples.log_time, samples.stamp)
-    return accumulator.finish()
+    return analysed(settings, feet, odometry)
 
 
 def codes(stats: Stats) -> set[str]:

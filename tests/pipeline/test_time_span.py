@@ -13,7 +13,7 @@ COMMANDS = {
     "stats": ["stats"],
     "json": ["stats", "--json"],
     "report": ["report"],
-    "plot": ["stats", "--plot", "x.svg"],
+    "figure": ["stats", "--figure", "x.svg"],
 }
 WORDS = pytest.mark.parametrize("words", COMMANDS.values(), ids=COMMANDS)
 
@@ -72,15 +72,6 @@ def test_each_log_has_its_own_span(shell: Shell, command: str) -> None:
     assert "1 of 2 logs could not be done" in done.err
     assert LENGTH in " ".join(done.err.split())
     assert len(shell.files()) == {"convert": 1, "stats": 0, "report": 3}[command]
-
-
-@pytest.mark.parametrize("window", ["100:200", "-1:2", "-3:-1"])
-@pytest.mark.parametrize("words", [[], ["--plot", "x.svg"], ["--json"]], ids=str)
-def test_a_window_begins_within_the_log(shell: Shell, window: str, words: list[str]) -> None:
-    done = shell("stats", SHORT, "--window", window, *words)
-    assert done.code == 2
-    assert f"--window {window}: the log has no time there, it lasts from 0 to" in done.err
-    assert shell.files() == []
 
 
 def test_times_of_the_log_are_seen_in_help(shell: Shell) -> None:

@@ -191,7 +191,7 @@ def feet(type_name: str) -> FootChannels:
         for row, leg in enumerate(walks.LEGS)
     ]
     labelled = [replace(foot, label=_labels(type_name).get(foot.name, "")) for foot in one]
-    return FootChannels(labelled, {1: (0, 1, 2, 3)}, left_after_ns=1)
+    return FootChannels(labelled, {1: (0, 1, 2, 3)})
 
 
 def _labels(type_name: str) -> Mapping[str, str]:

@@ -3,13 +3,10 @@
 import os
 import shutil
 import sqlite3
-import subprocess
-import sys
 from pathlib import Path
 
 import pytest
 
-from tests.paths import ROOT
 from tests.reader.reading import read_file
 from tests.reader.sqlite_files import COUNT, expected, make
 
@@ -114,25 +111,3 @@ def test_a_damaged_write_ahead_log_adds_nothing(tmp_path: Path) -> None:
     path = with_write_ahead_log(tmp_path, "log.db3")
     path.with_name("log.db3-wal").write_bytes(b"junk" * 1000)
     assert list(read_file(path).messages) == expected(COUNT // 2)
-
-
-def test_no_room_for_the_copy_is_said(tmp_path: Path) -> None:
-    path = with_write_ahead_log(tmp_path, "log.db3")
-    done = subprocess.run(  # noqa: S603 - our own interpreter
-        [sys.executable, "-m", "dogbot_logtool", "info", str(path)],
-        capture_output=True,
-        text=True,
-        check=False,
-        cwd=ROOT,
-        preexec_fn=forbid_large_files,
-    )
-    assert done.returncode == 1
-    assert "set TMPDIR" in done.stderr
-
-
-def forbid_large_files() -> None:
-    import resource  # noqa: PLC0415 - not on every system
-    import signal  # noqa: PLC0415
-
-    signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
-    resource.setrlimit(resource.RLIMIT_FSIZE, (100, 100))

@@ -15,7 +15,7 @@ NEEDED = "there is not enough memory; with --jobs 1 the least is needed"
 def test_a_signal_in_a_finalizer_is_not_lost(number: signal.Signals, where: str) -> None:
     script = f"""
 import os, signal, time, weakref
-from dogbot_logtool.run.signals import raise_on_signals
+from dogbot_logtool.signals import raise_on_signals
 
 # In the background of a shell it may be ignored.
 signal.signal(signal.SIGINT, signal.default_int_handler)

@@ -31,16 +31,15 @@ SAMPLES: Final = tuple(
 COMMANDS: Final = (
     "info {log}",
     "info {log} --json --frames",
-    "info {log} --dot -o frames.gv",
     "convert {log} -o out.mcap",
     "convert {log} -o own.mcap --no-copy --encoding ros1 --style force",
     "convert {log} -o own.mcap --encoding ros2 --style classic --jobs 1 --compression lz4",
     "convert {log} -o own.mcap --events --tf-rate 0",
     "stats {log}",
     "stats {log} --json",
-    "stats {log} --csv --start 0.1",
-    "stats {log} --parquet figures",
-    "stats {log} --events events.csv",
+    "export {log} --start 0.1",
+    "export {log} --dataset figures",
+    "export {log} --table events -o events.csv",
     "check --suggest {log}",
     "robots new {log} -o robot.toml",
     "report {log} -o page.html",
@@ -49,7 +48,6 @@ COMMANDS: Final = (
     "compare --gait {log} {log}",
 )
 OUTPUTS: Final = {
-    "frames.gv",
     "out.mcap",
     "own.mcap",
     "page.html",
@@ -92,6 +90,8 @@ def faults_of(ended: Ended, words: Sequence[str], folder: Path) -> Iterator[str]
         yield f"exit code {code}: {err[-2000:]}"
     if "Traceback" in out + err or "Exception ignored" in err:
         yield f"traceback: {err[-2000:]}"
+    if code == 3 and not err.startswith("damage: "):
+        yield f"damage is not said first: {err[-2000:]}"
     if code in {1, 2} and not (out or err):
         yield f"exit code {code} without a word"
     if "--json" in words and out:

@@ -2,12 +2,12 @@
 
 import numpy as np
 
-from dogbot_logtool.core.accumulator import StatsAccumulator
 from dogbot_logtool.core.base.odometry import Odometry
 from dogbot_logtool.core.contact.contacts import Samples
 from dogbot_logtool.core.frames.wrench_frame import WrenchFrame
 from dogbot_logtool.core.settings import FootSettings, StatsSettings
 from dogbot_logtool.core.statistics import Stats
+from tests.analysed import analysed
 from tests.truth.recording import Recording
 
 
@@ -64,15 +64,6 @@ def _position(name: str) -> tuple[str, str] | None:
 
 
 def measure(recording: Recording, settings: StatsSettings | None = None) -> Stats:
-    """Feed a recording to the core, all at once."""
-    settings = settings or stats_settings(recording)
-    accumulator = StatsAccumulator(settings)
-    poses = odometry(recording)
-    accumulator.add_odometry(poses)
-    accumulator.add_message_times(settings.odometry_topic, poses.log_time, poses.stamp)
-    for foot in range(len(recording.feet)):
-        samples = foot_samples(recording, foot)
-        accumulator.add_contacts(samples)
-        topic = settings.feet[foot].topic
-        accumulator.add_message_times(topic, samples.log_time, samples.stamp)
-    return accumulator.finish()
+    """Analyse a recording."""
+    samples = [foot_samples(recording, foot) for foot in range(len(recording.feet))]
+    return analysed(settings or stats_settings(recording), samples, odometry(recording))

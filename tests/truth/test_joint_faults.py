@@ -107,7 +107,6 @@ def test_work_is_null_and_the_cause_is_named(
     if code == "W_JOINT_VALUES":
         for joint in legs["joints"].values():
             assert joint["absolute_work_j"] is None
-            assert joint["stride_absolute_work_j"] is None
 
 
 @pytest.mark.parametrize("told", [1.0, 0.0], ids=["velocities", "none"])

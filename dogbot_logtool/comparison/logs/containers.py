@@ -27,13 +27,14 @@ from dogbot_logtool.comparison.outcome import (
     RECORDS,
     Comparison,
     Differences,
-    FileLoss,
     Kind,
     Tally,
 )
 from dogbot_logtool.comparison.tolerances import FieldRules, Rules, nothing_left
 from dogbot_logtool.errors import CallError
 from dogbot_logtool.reader.containers.log import Extra, Log, Loss
+from dogbot_logtool.reader.containers.loss import Damage
+from dogbot_logtool.reader.salvage.losses import damage_of
 
 _MakeTrack = Callable[[Log, Mapping[int, int]], Track]
 
@@ -99,7 +100,7 @@ def _compare(
         tallies,
         differences.kept,
         differences.count,
-        [*_file_losses(expected, losses[0]), *_file_losses(actual, losses[1])],
+        [*_damage(expected, losses[0]), *_damage(actual, losses[1])],
         rules.warnings(),
     )
 
@@ -140,10 +141,10 @@ def _topic_numbers(topics: Sequence[Topic], *, is_expected: bool) -> Mapping[int
     }
 
 
-def _file_losses(log: Log, losses: Sequence[Loss]) -> Iterator[FileLoss]:
-    # A damaged chunk is met again in each window that it reaches into.
-    for loss in dict.fromkeys(losses):
-        yield FileLoss(log.source.path, loss)
+def _damage(log: Log, losses: Sequence[Loss]) -> Iterator[Damage]:
+    if losses:
+        # A damaged chunk is met again in each window that it reaches into.
+        yield damage_of(log, dict.fromkeys(losses))
 
 
 def _compare_records(expected: Log, actual: Log, rules: Rules, differences: Differences) -> Tally:

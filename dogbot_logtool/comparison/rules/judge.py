@@ -31,6 +31,12 @@ NEEDED: Final[Mapping[str, str]] = {
 """Figures by type of event: where all are null, that there was no such event is not known."""
 
 
+DAMAGE: Final = Rule(
+    Subject.FINDING, "W_LOST", high=0, level=Level.WARN, name="the log is not damaged"
+)
+"""A rule that every log is judged by, beside those of the limits."""
+
+
 class Status(StrEnum):
     """Verdict of a rule; the worst comes first."""
 
@@ -64,9 +70,12 @@ def judge(document: Json, rules: Sequence[Rule], baseline: Json | None) -> list[
         baseline: ``stats --json`` of the run that it is held against, where a rule does so.
 
     Returns:
-        Judgements in the order of the rules, and of the figures within one.
+        Judgements in the order of the rules, and of the figures within one; before them, for a
+        damaged log only, a warning that says how.
     """
-    return [found for rule in rules for found in _judged(document, rule, baseline)]
+    damage = _of_findings(document, DAMAGE)
+    found = [found for rule in rules for found in _judged(document, rule, baseline)]
+    return found if damage.status is Status.GOOD else [damage, *found]
 
 
 def worst(judgements: Sequence[Judgement]) -> Status:

@@ -5,6 +5,7 @@ from typing import Any, Final
 
 from dogbot_logtool.comparison.rules.judge import can_tell, figures_in, findings_in
 from dogbot_logtool.dataclass import dataclass
+from dogbot_logtool.io.printable import printable
 
 Json = Mapping[str, Any]
 
@@ -78,7 +79,7 @@ def suggest_limits(documents: Sequence[Json], names: Sequence[str]) -> str:
     """
     runs = "1 run" if len(documents) == 1 else f"{len(documents)} runs"
     parts = [_HEAD.format(runs=runs, names=", ".join(names))]
-    parts += [f"# {doubt}\n" for doubt in doubts(documents, names)]
+    parts += [f"# {line}\n" for line in (*_damage(documents, names), *doubts(documents, names))]
     parts += _gait(documents)
     for suggested in _FIGURES:
         parts += _rules(documents, suggested)
@@ -110,6 +111,14 @@ def doubts(documents: Sequence[Json], names: Sequence[str]) -> list[str]:
             "suggest limits from runs of one gait each."
         )
     return found
+
+
+def _damage(documents: Sequence[Json], names: Sequence[str]) -> Iterator[str]:
+    """Yield which runs are damaged, and how."""
+    for document, name in zip(documents, names, strict=True):
+        for each in findings_in(document):
+            if each["code"] == "W_LOST":
+                yield f"{name} is damaged: {printable(each['text'])}"
 
 
 def _gait(documents: Sequence[Json]) -> Iterator[str]:

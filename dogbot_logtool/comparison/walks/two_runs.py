@@ -15,6 +15,7 @@ import numpy as np
 from dogbot_logtool.core.geometry.arrays import Floats, Ints
 from dogbot_logtool.core.geometry.order_statistics import median_of
 from dogbot_logtool.dataclass import dataclass
+from dogbot_logtool.reader.containers.loss import Damage
 
 CONFIDENCE: Final = 0.95
 """That no interval misses its difference, over all figures."""
@@ -73,6 +74,8 @@ class GaitComparison:
     """Recordings that are not to be relied on."""
     differences: tuple[FigureDifference, ...]
     """A difference for every figure that both have; empty where they cannot be compared."""
+    damage: tuple[Damage, ...] = ()
+    """What was lost of which log; sound logs are left out."""
 
     @property
     def differing(self) -> tuple[FigureDifference, ...]:

@@ -6,7 +6,7 @@ from typing import Final
 
 import numpy as np
 
-from dogbot_logtool.core.base.base_history import BaseHistory, TwistFit
+from dogbot_logtool.core.base.base_history import BaseHistory
 from dogbot_logtool.core.base.ground import LOWEST_M, slope_rad
 from dogbot_logtool.core.base.pose_jumps import PoseJumps
 from dogbot_logtool.core.base.travel import Travel, path_length_m
@@ -22,11 +22,6 @@ FORWARD_ANGLES: Final = {"+x": 0.0, "+y": np.pi / 2.0, "-x": np.pi, "-y": -np.pi
 """rad from the body's x axis to the axis that points forward."""
 _CHUNK: Final = 1_000_000
 """Poses that are worked on at once, to spare memory."""
-FEWEST_TWISTS: Final = 20
-TOLD_APART_MPS: Final = 0.01
-"""Root mean square difference of the readings from which the twist's frame can be told."""
-LEANING: Final = 0.25
-"""Half-way between undecided (0) and a perfect fit (0.5)."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -62,8 +57,6 @@ class BaseMotion:
     """rad, about the axis to its left; positive: its front is lower."""
     froude: float | None
     """v^2 / (g h), v the mean forward speed and h the mean height (Alexander 1984)."""
-    twist_frame: str | None
-    """``world``, ``body`` or ``ambiguous``; None with too few velocities, and for a part."""
 
     def without_way(self) -> "BaseMotion":
         """Return the figures that hold where the odometry loses its way."""
@@ -136,7 +129,6 @@ def base_motion(
         roll_rad=aggregate(roll),
         pitch_rad=aggregate(pitch),
         froude=froude_number(forward_speed, height.mean if height else None),
-        twist_frame=twist_frame(base.twist) if within is None else None,
     )
 
 
@@ -186,22 +178,6 @@ def froude_number(speed_mps: float | None, height_m: float | None) -> float | No
     if speed_mps is None or height_m is None or height_m < LOWEST_M:
         return None
     return speed_mps**2 / (GRAVITY_MPS2 * height_m)
-
-
-def twist_frame(fit: TwistFit) -> str | None:
-    """Decide the frame of recorded velocities by which reading fits the poses' derivative.
-
-    The regression coefficient leaning / difference is 0.5 where the world reading fits exactly,
-    -0.5 where the body reading does, and noise does not change its sign.
-    """
-    if fit.pairs < FEWEST_TWISTS:
-        return None
-    if fit.difference / fit.pairs < TOLD_APART_MPS**2:
-        return "ambiguous"
-    leaning = fit.leaning / fit.difference
-    if abs(leaning) < LEANING:
-        return "ambiguous"
-    return "world" if leaning > 0.0 else "body"
 
 
 def stride_lengths(base: BaseHistory, touchdown: Ints, end: Ints) -> Floats:

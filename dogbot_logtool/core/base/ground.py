@@ -92,8 +92,7 @@ def _base_from_feet(base: BaseHistory, feet: Sequence[FootHistory], part: slice)
     at = base.time[part]
     latest = np.full((len(feet), len(at), 3), np.nan)
     for row, foot in enumerate(feet):
-        known = np.flatnonzero(all_finite(foot.track.point))
-        time, point = foot.track.time[known], foot.track.point.take(known, axis=0)
+        time, point = foot.track.contact_points
         if len(time):
             newest = np.searchsorted(time, at, side="right") - 1
             latest[row] = point.take(np.maximum(newest, 0), axis=0)
@@ -140,8 +139,7 @@ def _ground_normal(feet: Sequence[FootHistory], within: Ints | None) -> Floats |
 
 def _standing_points(foot: FootHistory, within: Ints | None) -> Floats:
     """(n, 3) m, one contact point of each stance: the one nearest to its middle."""
-    known = np.flatnonzero(all_finite(foot.track.point))
-    time, point = foot.track.time[known], foot.track.point.take(known, axis=0)
+    time, point = foot.track.contact_points
     begin, end = foot.stances.touchdown, foot.stances.liftoff
     row = np.searchsorted(time, begin + (end - begin) // 2)
     inside = row < len(time)
@@ -212,9 +210,8 @@ def swapped_pairs(
 
 def _usual_place(base: BaseHistory, foot: FootHistory) -> Floats | None:
     """(2,) m, along the body's x and y: the mean of a foot's contact points from the base."""
-    known = all_finite(foot.track.point)
-    time = foot.track.time[known]
-    way = foot.track.point[known, :2] - base.position_at(time)[:, :2]
+    time, point = foot.track.contact_points
+    way = point[:, :2] - base.position_at(time)[:, :2]
     in_body = np.stack(along_heading(way, base.angles_at(time)[:, 2]), axis=1)
     in_body = in_body[all_finite(in_body)]
     return in_body.mean(axis=0) if len(in_body) else None

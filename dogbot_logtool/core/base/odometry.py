@@ -40,14 +40,19 @@ class Odometry:
         return picked(self, rows)
 
 
+def no_odometry() -> Odometry:
+    """Return none."""
+    times: Ints = np.empty(0, np.int64)
+    vectors, quaternions = np.empty((0, 3)), np.empty((0, 4))
+    return Odometry(times, times, vectors, quaternions, vectors, vectors)
+
+
 def concatenate_odometry(parts: Sequence[Odometry]) -> Odometry:
     """Join messages of several senders, in the order of their log times."""
     if len(parts) == 1:
         return parts[0]
     if not parts:
-        times: Ints = np.empty(0, np.int64)
-        vectors, quaternions = np.empty((0, 3)), np.empty((0, 4))
-        return Odometry(times, times, vectors, quaternions, vectors, vectors)
+        return no_odometry()
     joined = concatenated(parts)
     return joined.pick(np.argsort(joined.log_time, kind="stable"))
 

@@ -1,4 +1,4 @@
-"""How the base follows its velocity commands: error, delay, gain and drift.
+"""How the base follows its velocity commands: error and drift.
 
 All velocities are means over one stride: a robot's gait swings about its speed once or twice a
 stride, which is no error. Commands are averaged alike, so that this delays nothing.
@@ -14,7 +14,6 @@ from dogbot_logtool.core.base.base_motion import FORWARD_ANGLES
 from dogbot_logtool.core.commands.held_command import HeldCommand, held_command
 from dogbot_logtool.core.geometry import timespans
 from dogbot_logtool.core.geometry.arrays import Flags, Floats, Ints
-from dogbot_logtool.core.geometry.delay import LEAST_CORRELATION, Delay, fit_delay
 from dogbot_logtool.core.geometry.rotations import along_heading
 from dogbot_logtool.core.geometry.runs import added_within
 from dogbot_logtool.core.recorded.vectors import VectorHistory
@@ -24,14 +23,14 @@ TRACKING_HZ: Final = 50.0
 """Commanded and measured velocity are compared so often."""
 USUAL_WINDOW_S: Final = 0.5
 """s, what velocities are averaged over in a log without strides."""
-EARLIEST_S, LATEST_S, _LAGS = -0.2, 1.0, 61
-"""s, the delays that are tried, and how many."""
-_MOST_ROWS: Final = 20_000
-"""Values that a delay is fitted to; of a longer time not all are needed."""
-LEAST_CHANGE: Final = 0.03
-"""m/s or rad/s, standard deviation of a command from which it changes enough for a delay."""
-MOST_UNCERTAIN_S: Final = 0.1
-"""s; a delay that is less certain is not given."""
+OPPOSED: Final = -0.7
+"""Correlation up to which the base does the opposite of its command."""
+_DELAYS_NS: Final = (0, 200_000_000, 400_000_000)
+"""ns, by which the base may follow later: it does the opposite only if it does with each."""
+_LEAST_CHANGE: Final = 0.03
+"""m/s or rad/s, standard deviation from which a correlation means something."""
+_FEWEST_WINDOWS: Final = 4
+"""Times the window; a correlation over less time means nothing."""
 ZERO: Final = 0.01
 """m/s or rad/s; commands up to it stand for none."""
 STRAIGHT_MPS: Final = 0.05
@@ -107,10 +106,8 @@ class AxisTracking:
     mean_error: float
     """Measured minus commanded."""
     rms_error: float
-    delay: Delay | None
-    """As far as it can be told; None: the command hardly changes, or too little time."""
-    because: str = ""
-    """Why delay and gain are not told; empty: they are."""
+    is_opposed: bool
+    """Whether the base does the opposite of the command."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -276,44 +273,29 @@ def _axis(track: CommandTrack, axis: int, rows: Flags) -> AxisTracking | None:
         return None
     commanded, measured = track.commanded[rows, axis], track.measured[rows, axis]
     error = measured - commanded
-    delay, because = _delay(track, axis, rows)
     return AxisTracking(
         commanded_mean=float(commanded.mean()),
         measured_mean=float(measured.mean()),
         mean_error=float(error.mean()),
         rms_error=float(np.sqrt((error * error).mean())),
-        delay=delay,
-        because=because,
+        is_opposed=_is_opposed(track, axis, rows),
     )
 
 
-def _delay(track: CommandTrack, axis: int, rows: Flags) -> tuple[Delay | None, str]:
-    """Return the delay, and why it is not told."""
-    if float(np.std(track.commanded[rows, axis])) < LEAST_CHANGE:
-        return None, "the command hardly changes"
-    window = track.window_ns
-    before, after = (track.half_ns + round(each * 1e9) for each in (LATEST_S, -EARLIEST_S))
-    chosen = np.flatnonzero(
-        rows & timespans.hold_window(track.held.known, track.time, before, after)
-    )
-    independent = len(chosen) / TRACKING_HZ / (window / 1e9)
-    chosen = chosen[:: -(-len(chosen) // _MOST_ROWS) or 1]
-    time = track.time[chosen]
-    delay = fit_delay(
-        track.measured[chosen, axis],
-        lambda lag: track.held.mean(time, window, round(lag * 1e9))[:, axis],
-        np.linspace(EARLIEST_S, LATEST_S, _LAGS),
-        independent,
-    )
-    if delay is None:
-        return None, "too little time with a command, or the base's speed never changes"
-    if abs(delay.correlation) < LEAST_CORRELATION:
-        return delay, "the base's speed does not change as the command does"
-    if delay.low_s <= EARLIEST_S or delay.high_s >= LATEST_S:
-        return delay, f"no delay from {EARLIEST_S:g} to {LATEST_S:g} s stands out"
-    if delay.uncertainty_s > MOST_UNCERTAIN_S:
-        return delay, f"the delay is known to {delay.uncertainty_s:.2f} s only"
-    return delay, ""
+def _is_opposed(track: CommandTrack, axis: int, rows: Flags) -> bool:
+    """Tell whether the base does the opposite of the command, however late it follows."""
+    longest = track.half_ns + max(_DELAYS_NS)
+    chosen = rows & timespans.hold_window(track.held.known, track.time, longest, track.half_ns)
+    if chosen.sum() / TRACKING_HZ < _FEWEST_WINDOWS * track.window_ns / 1e9:
+        return False
+    time, measured = track.time[chosen], track.measured[chosen, axis]
+    for delay in _DELAYS_NS:
+        commanded = track.held.mean(time, track.window_ns, delay)[:, axis]
+        if min(measured.std(), commanded.std()) < _LEAST_CHANGE:
+            return False
+        if float(np.corrcoef(measured, commanded)[0, 1]) > OPPOSED:
+            return False
+    return True
 
 
 def _asks_nothing(held: HeldCommand) -> Flags:

@@ -13,11 +13,10 @@ import numpy as np
 
 from dogbot_logtool.core.base.base_history import BaseHistory
 from dogbot_logtool.core.contact.foot_history import FootHistory
-from dogbot_logtool.core.contact.track import TRACK_RATE_HZ
 from dogbot_logtool.core.geometry import timespans
 from dogbot_logtool.core.geometry.arrays import Floats, Ints
 from dogbot_logtool.core.geometry.delay import Delay, fit_delay
-from dogbot_logtool.core.load.impulses import mean_impulses
+from dogbot_logtool.core.load.impulses import CELL_RATE_HZ, mean_impulses
 from dogbot_logtool.core.load.load_figures import vertical_is_known
 from dogbot_logtool.core.load.loads import GRAVITY_MPS2
 from dogbot_logtool.core.quality.clocks import CLOCK_SHARE_OF_STRIDE, LONGEST_DELAY_S
@@ -28,7 +27,7 @@ AS_FAR: Final = (0.75, 1.33)
 """How far the base may go, against what the forces say."""
 LEAST_STRIDES: Final = 6
 _LONGEST_S: Final = 120.0
-_CELL_NS: Final = round(1e9 / TRACK_RATE_HZ)
+_CELL_NS: Final = round(1e9 / CELL_RATE_HZ)
 _LATEST_S: Final = 0.5
 _LAGS: Final = 101
 
@@ -69,8 +68,8 @@ def heave_delay(
     if not len(spans):
         return None
     start, end = spans[np.argmax(spans[:, 1] - spans[:, 0])].tolist()
-    cells = int(min((end - start) / 1e9, _LONGEST_S) * TRACK_RATE_HZ)
-    window = max(round(period_s * TRACK_RATE_HZ), 1)
+    cells = int(min((end - start) / 1e9, _LONGEST_S) * CELL_RATE_HZ)
+    window = max(round(period_s * CELL_RATE_HZ), 1)
     if cells < LEAST_STRIDES * window:
         return None
     time = start + np.arange(cells) * _CELL_NS
@@ -78,10 +77,10 @@ def heave_delay(
     if not force.mean() > 0.0:
         return None
     # The sum of cells is known at their ends, the sum of those half a cell later.
-    driven, at = _way(force, window), (time - start) / 1e9 + 1.5 / TRACK_RATE_HZ
+    driven, at = _way(force, window), (time - start) / 1e9 + 1.5 / CELL_RATE_HZ
     base_at = time + 3 * _CELL_NS // 2
     heave = _about_mean(base.position_at(base_at)[:, 2], window)
-    edge = 2 * window + int(_LATEST_S * TRACK_RATE_HZ) + 2
+    edge = 2 * window + int(_LATEST_S * CELL_RATE_HZ) + 2
     rows = slice(edge, cells - edge)
     inside = np.isfinite(heave[rows])
     if not inside.any():
@@ -98,7 +97,7 @@ def heave_delay(
 
 def _way(force: Floats, window: int) -> Floats:
     """(n,) m, the way about its mean over a stride that mean forces in cells drive, (n,) N."""
-    step = 1.0 / TRACK_RATE_HZ
+    step = 1.0 / CELL_RATE_HZ
     acceleration = GRAVITY_MPS2 * (force / force.mean() - 1.0)
     speed = _about_mean(np.cumsum(_about_mean(acceleration, window)) * step, window)
     return _about_mean(np.cumsum(speed) * step, window)

@@ -14,6 +14,7 @@ from dogbot_logtool.core.contact.foot_history import FootHistory
 from dogbot_logtool.core.geometry import timespans
 from dogbot_logtool.core.geometry.arrays import Ints, all_finite
 from dogbot_logtool.core.geometry.order_statistics import median_of
+from dogbot_logtool.core.load.impulses import CELL_RATE_HZ, mean_impulses
 
 MISSED_STEPS: Final = 4
 """Touchdowns of half of the other feet, or more, while one foot makes no step."""
@@ -24,6 +25,7 @@ MOSTLY: Final = 0.75
 FAR_M: Final = 1.0
 """m: no foot stays where it is while the base goes so far."""
 _INSTANTS: Final = 50
+_CELL_NS: Final = round(1e9 / CELL_RATE_HZ)
 LACKS: Final = 0.5
 """Share of a foot's usual load that must be missing from the sum of all feet's."""
 
@@ -84,10 +86,10 @@ def _goes_far(base: BaseHistory, span: Ints) -> bool:
 
 def _is_constant(foot: FootHistory, span: Ints) -> bool:
     """Tell whether a foot's load hardly ever varies in a span, (1, 2) ns, but near its ends."""
-    track = foot.track
-    inside = np.flatnonzero(timespans.covers(span, track.time))
-    time, impulse = track.time[inside], track.force_impulse[inside]
-    force = np.diff(impulse) / np.diff(time) * 1e9
+    held = timespans.intersect([foot.known, span])
+    time = timespans.ticks(held, _CELL_NS)
+    time = time[timespans.hold_window(held, time, 0, _CELL_NS)]
+    force = mean_impulses([foot], "force_impulse", time + _CELL_NS // 2, _CELL_NS // 2)[:, 0]
     if not foot.has_force or len(force) < MISSED_STEPS:
         return False
     usual = float(median_of(force))

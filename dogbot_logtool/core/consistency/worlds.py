@@ -10,15 +10,16 @@ from dogbot_logtool.core.contact.foot_history import FootHistory
 from dogbot_logtool.core.contact.stances import Stances
 from dogbot_logtool.core.contact.track import FootTrack
 from dogbot_logtool.core.geometry.arrays import Floats, all_finite
-from dogbot_logtool.core.geometry.order_statistics import median_of
+from dogbot_logtool.core.geometry.order_statistics import distinct, median_of
 from dogbot_logtool.core.geometry.rotations import along_heading
 from dogbot_logtool.dataclass import dataclass
 
 WINDOW_S: Final = 2.0
 """s: a foot's position is averaged over so long: a stride or more of most gaits."""
 _MOST_WINDOWS: Final = 60
-FEWEST_POINTS: Final = 25
-"""Contact points of a foot, at up to 25 Hz, from which its usual position is known."""
+FEWEST_TICKS: Final = 25
+"""Ticks of 40 ms with contact points of a foot from which its usual position is known."""
+_TICK_S: Final = 0.04
 FEWEST_FEET: Final = 2
 MOST_BEYOND: Final = 0.05
 """Share of the time in which the base may be further from the feet than they are spread."""
@@ -85,7 +86,7 @@ def compare_worlds(
     """
     if len(base.time) < 2:
         return None
-    feet = [seen for track in tracks if len(seen := _from_base(track, base)) >= FEWEST_POINTS]
+    feet = [seen for track in tracks if _ticks(seen := _from_base(track, base)) >= FEWEST_TICKS]
     if len(feet) < FEWEST_FEET:
         return None
     usual = np.stack([median_of(seen[:, 1:], axis=0) for seen in feet])
@@ -134,13 +135,17 @@ def _windows(seconds: float) -> int:
 
 def _from_base(track: FootTrack, base: BaseHistory) -> Floats:
     """(n, 3) s since the first pose, and m ahead and to the left: contact points from the base."""
-    touching = np.flatnonzero(all_finite(track.point[:, :2]))
-    time = track.time[touching]
-    away = track.point.take(touching, axis=0) - base.position_at(time)
+    time, point = track.contact_points
+    away = point - base.position_at(time)
     ahead, left = along_heading(away, base.angles_at(time)[:, 2])
     seen = np.column_stack([(time - base.time[0]) / 1e9, ahead, left])
     known: Floats = seen[all_finite(seen)]
     return known
+
+
+def _ticks(seen: Floats) -> int:
+    """Count the ticks in which a foot is seen, (n, 3); see `_from_base`."""
+    return len(distinct(seen[:, 0] // _TICK_S))
 
 
 def _shift(seen: Floats, usual: Floats, edges: Floats) -> Floats:
@@ -187,14 +192,13 @@ def drift_m(
 
 def _positions(track: FootTrack, stances: Stances, base: BaseHistory) -> Floats:
     """(s, 3) s, and m ahead and to the left of the base: mean positions of whole stances."""
-    known = np.flatnonzero(all_finite(track.point[:, :2]))
-    time, point = track.time[known], track.point.take(known, axis=0)[:, :2]
+    time, point = track.contact_points
     begin, end = stances.touchdown[stances.whole], stances.liftoff[stances.whole]
     stance = np.searchsorted(begin, time, side="right") - 1
     inside = (stance >= 0) & (time < end[np.maximum(stance, 0)]) if len(begin) else stance >= 0
     time, point, stance = time[inside], point[inside], stance[inside]
     away = np.stack(
-        along_heading(point - base.position_at(time)[:, :2], base.angles_at(time)[:, 2]), axis=1
+        along_heading((point - base.position_at(time))[:, :2], base.angles_at(time)[:, 2]), axis=1
     )
     placed = all_finite(away)
     time, away, stance = time[placed], away[placed], stance[placed]

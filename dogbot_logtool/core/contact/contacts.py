@@ -1,5 +1,6 @@
 """Contact messages as columns, reduced to one sample a message."""
 
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import Final
 
@@ -14,7 +15,7 @@ from dogbot_logtool.core.geometry.arrays import (
     norms,
     sum_by_group,
 )
-from dogbot_logtool.core.geometry.blocks import picked
+from dogbot_logtool.core.geometry.blocks import concatenated, picked
 from dogbot_logtool.dataclass import dataclass
 
 FOOT_IS_COLLISION1: Final = 1
@@ -101,6 +102,37 @@ def no_samples() -> Samples:
     times, vectors = np.empty(0, np.int64), np.empty((0, 3))
     flags = np.empty(0, np.bool_)
     return Samples(times, times, times, flags, vectors, flags, times, vectors, vectors)
+
+
+def samples_by_foot(samples: Samples, feet: int) -> tuple[Samples, ...]:
+    """Return the samples of each foot; the number of a foot takes no memory in them."""
+    found = []
+    for foot in range(feet):
+        own = samples.pick(np.flatnonzero(samples.foot == foot))
+        found.append(replace(own, foot=np.broadcast_to(np.int64(foot), len(own.log_time))))
+    return tuple(found)
+
+
+def samples_together(feet: Sequence[Samples]) -> Samples:
+    """Return the samples of all feet in the order of their log times."""
+    together = concatenated([no_samples(), *feet])
+    return together.pick(np.argsort(together.log_time, kind="stable"))
+
+
+def without_contact(samples: Samples, rows: Flags) -> Samples:
+    """Return samples of which the chosen ones, (n,), tell that nothing touches."""
+    if not rows.any():
+        return samples
+    column = rows[:, None]
+    return replace(
+        samples,
+        in_contact=samples.in_contact & ~rows,
+        force=np.where(column, 0.0, samples.force),
+        in_world=samples.in_world & ~rows,
+        points=np.where(rows, 0, samples.points),
+        position=np.where(column, np.nan, samples.position),
+        normal=np.where(column, np.nan, samples.normal),
+    )
 
 
 def contact_samples(contacts: Contacts) -> Samples:

@@ -6,11 +6,12 @@ are too many: memory is bounded however long the log is, a short log keeps every
 point of the curve is a sample as it was recorded.
 """
 
+from bisect import bisect_left
 from typing import Final
 
 import numpy as np
 
-from dogbot_logtool.core.geometry.arrays import Floats, Ints
+from dogbot_logtool.core.geometry.arrays import Float32s, Floats, Ints
 from dogbot_logtool.dataclass import dataclass
 
 MOST_BINS: Final = 8192
@@ -80,54 +81,42 @@ class Curve:
         return np.insert(time, before, middle[inside][row]), np.insert(value, before, np.nan)
 
 
-class CurveRecorder:
-    """Makes a `Curve` of samples that come in order; the same however they are split."""
+def curve_of(time: Ints, value: Floats | Float32s, detail: CurveDetail) -> Curve | None:
+    """Reduce a quantity; None where nothing is known.
 
-    def __init__(self, detail: CurveDetail) -> None:
-        # Times before and after zero never share a bin.
-        self._most = max(detail.most_bins, 2)
-        self._window = detail.window
-        self._shift = 0
-        self._kept = (np.empty(0, np.int64), np.empty(0), np.empty(0, np.int64), np.empty(0))
-
-    def add(self, time: Ints, value: Floats) -> None:
-        """Take in samples.
-
-        Args:
-            time: (n,) ns, increasing, later than all before.
-            value: (n,), NaN where it is not known.
-        """
-        known = ~np.isnan(value)
-        if self._window is not None:
-            known &= (time >= self._window[0]) & (time <= self._window[1])
-        if not known.any():
-            return
+    Args:
+        time: (n,) ns, increasing.
+        value: (n,), NaN where it is not known.
+        detail: how much is kept.
+    """
+    if detail.window is not None:
+        first, last = detail.window
+        rows = slice(*np.searchsorted(time, [first, last + 1]).tolist())
+        time, value = time[rows], value[rows]
+    known = ~np.isnan(value)
+    if not known.all():
         time, value = time[known], value[known]
-        rows = zip(self._kept, (time, value, time, value), strict=True)
-        low_time, low, high_time, high = (np.concatenate(each) for each in rows)
-        starts = self._bin_starts(low_time)
-        lowest = _first_extremes(low, starts, np.minimum)
-        highest = _first_extremes(high, starts, np.maximum)
-        self._kept = low_time[lowest], low[lowest], high_time[highest], high[highest]
-
-    def finish(self) -> Curve | None:
-        """End the log; None where nothing is known."""
-        low_time, low, high_time, high = self._kept
-        if len(low) == 0:
-            return None
-        return Curve(1 << self._shift, low_time, low, high_time, high)
-
-    def _bin_starts(self, time: Ints) -> Ints:
-        """Return the first row of each bin, of bins as wide as there is need for."""
-        while True:
-            number = time >> self._shift
-            starts = np.flatnonzero(np.diff(number, prepend=number[0] - 1))
-            if len(starts) <= self._most:
-                return starts
-            self._shift += 1
+    if len(time) == 0:
+        return None
+    starts, shift = _bins(time, max(detail.most_bins, 2))
+    lowest = _first_extremes(value, starts, np.minimum)
+    highest = _first_extremes(value, starts, np.maximum)
+    low, high = (value[rows].astype(np.float64) for rows in (lowest, highest))
+    return Curve(1 << shift, time[lowest], low, time[highest], high)
 
 
-def _first_extremes(values: Floats, starts: Ints, extreme: np.ufunc) -> Ints:
+def _bins(time: Ints, most: int) -> tuple[Ints, int]:
+    """Return the first row of each bin, and the power of two, ns, that a bin is wide."""
+
+    # Times before and after zero never share a bin.
+    def is_wide_enough(shift: int) -> bool:
+        return int(np.count_nonzero(np.diff(time >> shift))) < most
+
+    shift = bisect_left(range(63), x=True, key=is_wide_enough)
+    return np.concatenate([[0], np.flatnonzero(np.diff(time >> shift)) + 1]), shift
+
+
+def _first_extremes(values: Floats | Float32s, starts: Ints, extreme: np.ufunc) -> Ints:
     """(b,) the row of the lowest or highest value of each bin, the first of equal ones."""
     bins = np.repeat(np.arange(len(starts)), np.diff(starts, append=len(values)))
     rows = np.flatnonzero(values == extreme.reduceat(values, starts)[bins])
@@ -150,23 +139,15 @@ class LoadCurves:
         return max((curve.bin_ns for curve in (self.force, self.vertical) if curve), default=1)
 
 
-class LoadCurveRecorder:
-    """Makes the `LoadCurves` of one foot."""
+def load_curves(
+    time: Ints, force: Floats | Float32s, vertical: Floats | Float32s, detail: CurveDetail
+) -> LoadCurves:
+    """Reduce the load of a foot.
 
-    def __init__(self, detail: CurveDetail) -> None:
-        self._force, self._vertical = CurveRecorder(detail), CurveRecorder(detail)
-
-    def add(self, time: Ints, force: Floats, vertical: Floats) -> None:
-        """Take in samples.
-
-        Args:
-            time: (n,) ns, increasing, later than all before.
-            force: (n,) N, |F|.
-            vertical: (n,) N; NaN where not known.
-        """
-        self._force.add(time, force)
-        self._vertical.add(time, vertical)
-
-    def finish(self) -> LoadCurves:
-        """End the log."""
-        return LoadCurves(self._force.finish(), self._vertical.finish())
+    Args:
+        time: (n,) ns, increasing.
+        force: (n,) N, |F|.
+        vertical: (n,) N; NaN where not known.
+        detail: how much is kept.
+    """
+    return LoadCurves(curve_of(time, force, detail), curve_of(time, vertical, detail))

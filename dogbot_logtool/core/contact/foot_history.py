@@ -1,38 +1,43 @@
-"""Everything that is measured on one foot while its samples stream past."""
+"""Everything that is measured on one foot, from the columns of its samples."""
 
+from collections.abc import Iterator
 from dataclasses import field, replace
 from typing import Final
 
 import numpy as np
 
 from dogbot_logtool.core.contact.contact_detection import (
-    DecidedStances,
-    FootSignal,
-    StanceFinder,
-    foot_signal,
+    StanceRows,
+    backdated,
+    find_stances,
+    schmitt,
 )
 from dogbot_logtool.core.contact.contact_rule import ContactRule
-from dogbot_logtool.core.contact.contacts import Samples
-from dogbot_logtool.core.contact.curves import CurveDetail, LoadCurveRecorder, LoadCurves
-from dogbot_logtool.core.contact.stance_curves import AXES, PARTS
+from dogbot_logtool.core.contact.contacts import Samples, no_samples
+from dogbot_logtool.core.contact.curves import CurveDetail, LoadCurves, load_curves
+from dogbot_logtool.core.contact.stance_curves import AXES, PARTS, mean_forces
+from dogbot_logtool.core.contact.stance_samples import FootSignal, stance_samples
 from dogbot_logtool.core.contact.stances import (
+    LONGEST_STANCE_S,
     Cut,
     StanceFigures,
     Stances,
+    reduce_stances,
 )
-from dogbot_logtool.core.contact.track import FootTrack, TrackRecorder
+from dogbot_logtool.core.contact.track import FootTrack, foot_track
 from dogbot_logtool.core.geometry import timespans
-from dogbot_logtool.core.geometry.aggregates import IntervalHistogram
 from dogbot_logtool.core.geometry.arrays import Flags, Floats, Ints, norms
-from dogbot_logtool.core.geometry.blocks import BLOCK_ROWS, Blocks, GrowingTable
-from dogbot_logtool.core.geometry.clock import TimeSource, absolute_time, advancing
-from dogbot_logtool.core.quality.quality import steady_rhythm
+from dogbot_logtool.core.geometry.clock import TimeSource, advancing
+from dogbot_logtool.core.geometry.order_statistics import median_of
+from dogbot_logtool.core.quality.quality import steady_gap_ns
 from dogbot_logtool.dataclass import dataclass
 
-_SAME: Final = 1e-9
-"""Difference of two forces, as a share of them, that is none."""
+_SAME: Final = 1e-6
+"""Difference of two forces, as a share of them, that is none: they have 24 bits."""
 _TOUCH_N: Final = 1.0
 """Stands for the force of a contact whose force is not known; no figure shows it."""
+_PORTION_ROWS: Final = 65_536
+"""Samples of stances that are worked on at once, to spare memory."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -116,167 +121,164 @@ class FootHistory:
             stopped=spans,
         )
 
+    def load_curves(self, detail: CurveDetail) -> LoadCurves | None:
+        """Return the load over time for drawing; None where forces are not known."""
+        if not self.has_force:
+            return None
+        track = self.track
+        return load_curves(track.time, track.force, track.vertical_force, detail)
+
     @property
     def vertical_known(self) -> Ints:
         """(v, 2) ns, the known time in which the vertical force is known too."""
         return timespans.subtract(self.known, self.track.vertical_unknown)
 
 
-class FootRecorder:
-    """Makes a `FootHistory` of the samples of one foot, fed batch by batch.
+def foot_history(
+    samples: Samples,
+    rule: ContactRule,
+    clock: TimeSource,
+    *,
+    force_in_world: bool,
+    has_force: bool = True,
+    breaks: Ints | None = None,
+) -> FootHistory:
+    """Measure one foot.
 
-    The record is the same to the bit however the samples are split into batches.
+    Args:
+        samples: of this foot, in the order of the log.
+        rule: thresholds of contact.
+        clock: on which is measured.
+        force_in_world: whether the wrenches are in the world frame.
+        has_force: whether forces are known at all, not only contact.
+        breaks: (b, 2) ns, spans that nothing is measured across, as if they were gaps.
     """
+    messages = len(samples.foot)
+    if not has_force:
+        rule = replace(rule, on_n=_TOUCH_N, off_n=0.0, backdates=False, unusable="")
+        samples = replace(samples, force=_touches(samples.in_contact))
+    if rule.unusable:
+        samples = no_samples()
+    signal, not_finite, not_advancing = _signal(samples, clock, force_in_world=force_in_world)
+    time, force = signal.time, signal.force
+    contact = _contact_states(signal, rule)
+    loaded, repeated = int(contact.sum()), _repeats(force, contact)
+    if rule.backdates:
+        contact = backdated(contact, time, force, rule.off_n)
+    rows = find_stances(time, contact, rule)
+    figures, stance_forces = _stance_values(signal, rows, rule.on_n)
 
-    def __init__(
-        self,
-        rule: ContactRule,
-        clock: TimeSource,
-        *,
-        force_in_world: bool,
-        has_force: bool = True,
-        curves: CurveDetail | None = None,
-        block_rows: int = BLOCK_ROWS,
-    ) -> None:
-        self._has_force = has_force
-        self._curves = LoadCurveRecorder(curves) if curves and has_force else None
-        if not has_force:
-            rule = replace(rule, on_n=_TOUCH_N, off_n=0.0, backdates=False, unusable="")
-        self._rule = rule
-        self._clock = clock
-        self._force_in_world = force_in_world
-        self._blocks: Blocks[Samples] = Blocks(block_rows)
-        self._intervals = IntervalHistogram()
-        self._finder = StanceFinder(rule)
-        self._track = TrackRecorder()
-        self._stances = GrowingTable(2 + len(StanceFigures._fields))
-        self._stance_forces = GrowingTable(AXES * PARTS)
-        self._start: int | None = None
-        self._end: int | None = None
-        self._messages = self._not_finite = self._not_advancing = 0
-        self._loaded = self._repeated = 0
+    median, longest = _intervals(time)
+    gaps = _gaps(time, longest, breaks)
+    known = timespans.subtract(np.stack([time[:1], time[-1:]], axis=1), gaps)
+    stances = _stances(time, contact, rows, figures, gaps)
+    contacts = np.stack([stances.touchdown, stances.liftoff], axis=1)
+    history = FootHistory(
+        messages=messages,
+        not_finite=not_finite,
+        not_advancing=not_advancing,
+        loaded=loaded,
+        repeated=repeated if has_force else 0,
+        start=int(time[0]) if len(time) else None,
+        end=int(time[-1]) if len(time) else None,
+        median_interval_s=median,
+        gaps=gaps,
+        known=known,
+        stances=stances,
+        stance_forces=stance_forces,
+        in_contact=timespans.intersect([contacts, known]),
+        filled_swings=rows.filled_swings,
+        dropped_stances=rows.dropped_stances,
+        track=foot_track(time, force, signal.vertical, signal.samples.position, longest),
+    )
+    return history if has_force else history.without_force()
 
-    def add(self, samples: Samples) -> None:
-        """Take in samples of this foot, in the order of the log."""
-        for block in self._blocks.add(samples):
-            self._add_block(block)
 
-    def finish(self, breaks: Ints | None = None) -> FootHistory:
-        """End the log.
+def _touches(in_contact: Flags) -> Floats:
+    """(n, 3) N, what stands for the forces of contacts that are told without one."""
+    return np.outer(np.where(in_contact, _TOUCH_N, 0.0), [0.0, 0.0, 1.0])
 
-        Args:
-            breaks: (b, 2) ns, spans that nothing is measured across, as if they were gaps.
-        """
-        for block in self._blocks.rest():
-            self._add_block(block)
-        self._found(self._finder.finish())
-        median = self._intervals.percentile(50.0)
-        longest = steady_rhythm(self._intervals).gap_ns
-        silences = self._track.silences()
-        gaps = silences[silences[:, 1] - silences[:, 0] > longest]
-        if breaks is not None and len(breaks):
-            gaps = timespans.merge(np.concatenate([gaps, breaks]))
-        known = self._known(gaps)
-        stances = self._all_stances(gaps)
-        contacts = np.stack([stances.touchdown, stances.liftoff], axis=1)
-        history = FootHistory(
-            messages=self._messages,
-            not_finite=self._not_finite,
-            not_advancing=self._not_advancing,
-            loaded=self._loaded,
-            repeated=self._repeated if self._has_force else 0,
-            start=self._start,
-            end=self._end,
-            median_interval_s=None if median is None else median / 1e9,
-            gaps=gaps,
-            known=known,
-            stances=stances,
-            stance_forces=self._stance_forces.stacked().reshape(-1, AXES, PARTS),
-            in_contact=timespans.intersect([contacts, known]),
-            filled_swings=self._finder.filled_swings,
-            dropped_stances=self._finder.dropped_stances,
-            track=self._track.finish(longest),
-            curves=self._curves.finish() if self._curves else None,
-        )
-        return history if self._has_force else history.without_force()
 
-    def _add_block(self, samples: Samples) -> None:
-        if self._rule.unusable:
-            self._messages += len(samples.foot)
-            return
-        if not self._has_force:
-            touch = np.where(samples.in_contact, _TOUCH_N, 0.0)
-            samples = replace(samples, force=touch[:, None] * np.array([0.0, 0.0, 1.0]))
-        time, force = self._clock.of(samples), norms(samples.force)
-        finite = np.isfinite(force)
-        usable = self._usable(time, finite)
-        self._messages += len(time)
-        self._not_finite += int((~finite).sum())
-        self._not_advancing += int((finite & ~usable).sum())
-        if not usable.all():
-            samples, time, force = samples.pick(usable), time[usable], force[usable]
-        if len(time) == 0:
-            return
+def _signal(
+    samples: Samples, clock: TimeSource, *, force_in_world: bool
+) -> tuple[FootSignal, int, int]:
+    """Choose the samples that can be used.
 
-        previous = self._finder.last
-        signal = foot_signal(
-            samples,
-            time,
-            force,
-            self._rule,
-            force_in_world=self._force_in_world,
-            previous=previous,
-        )
-        if self._start is None:
-            self._start = int(time[0])
-        self._end = int(time[-1])
-        self._count_repeats(signal, previous)
-        self._intervals.add(np.diff(time, prepend=time[:1] if previous is None else previous.time))
-        self._track.add(time, signal.force, signal.vertical, signal.point)
-        if self._curves is not None:
-            self._curves.add(time, signal.force, signal.vertical)
-        self._found(self._finder.add(signal))
+    Returns:
+        those with a finite force and a time later than all before; how many have no such force,
+        and how many of the others no such time.
+    """
+    time, force = clock.of(samples), norms(samples.force.astype(np.float64, copy=False))
+    finite = np.isfinite(force)
+    usable = finite & (time != 0) if clock is TimeSource.HEADER else finite.copy()
+    usable[usable] = advancing(time[usable], None)
+    counts = int((~finite).sum()), int((finite & ~usable).sum())
+    if not usable.all():
+        samples, time, force = samples.pick(usable), time[usable], force[usable]
+    known = samples.in_world | force_in_world | (force == 0.0)
+    vertical = np.where(known, samples.force[:, 2].astype(np.float64), np.nan)
+    return FootSignal(samples, time, force, vertical), *counts
 
-    def _usable(self, time: Ints, finite: Flags) -> Flags:
-        """Tell which samples have a finite force and a time later than all before."""
-        if self._clock is TimeSource.HEADER:
-            finite = finite & (time != 0)
-        usable = np.zeros(len(time), np.bool_)
-        usable[finite] = advancing(time[finite], self._end)
-        return usable
 
-    def _count_repeats(self, signal: FootSignal, previous: FootSignal | None) -> None:
-        force, contact = signal.force, signal.contact
-        # Turned into the world, a constant force differs in its last digits.
-        equal = np.abs(np.diff(force)) <= _SAME * force[1:]
-        equal = equal & contact[1:] & contact[:-1]
-        self._loaded += int(contact.sum())
-        self._repeated += int(equal.sum())
-        if previous is not None and previous.contact[0] and contact[0]:
-            self._repeated += int(abs(previous.force[0] - force[0]) <= _SAME * force[0])
+def _contact_states(signal: FootSignal, rule: ContactRule) -> Flags:
+    """(n,) tell which samples are in contact, by the messages' flags or by the force."""
+    return signal.samples.in_contact if rule.by_flag else schmitt(signal.force, rule, on=False)
 
-    def _found(self, stances: DecidedStances) -> None:
-        if self._start is not None:
-            since = (time - self._start for time in (stances.touchdown, stances.liftoff))
-            self._stances.append(np.column_stack([*since, stances.figures]))
-            self._stance_forces.append(stances.forces)
 
-    def _known(self, gaps: Ints) -> Ints:
-        """Return the time from the first to the last usable sample, without the gaps."""
-        if self._start is None or self._end is None:
-            return timespans.no_spans()
-        return timespans.subtract(np.array([[self._start, self._end]], np.int64), gaps)
+def _repeats(force: Floats, contact: Flags) -> int:
+    """Count the samples in contact whose force, (n,) N, is that of the one before."""
+    # Turned into the world, a constant force differs in its last digits.
+    equal = np.abs(np.diff(force)) <= _SAME * force[1:]
+    return int((equal & contact[1:] & contact[:-1]).sum())
 
-    def _all_stances(self, gaps: Ints) -> Stances:
-        """Stack the stances and say of each what cuts it."""
-        rows = self._stances.stacked()
-        start = self._start or 0
-        touchdown = absolute_time(rows[:, 0], start)
-        liftoff = absolute_time(rows[:, 1], start)
-        cut = np.full(len(touchdown), Cut.WHOLE)
-        cut[timespans.touches(gaps, touchdown, liftoff)] = Cut.GAP
-        last = self._finder.last
-        if last is not None and last.contact[0]:
-            cut[-1:] = Cut.LOG_END
-        cut[touchdown == start] = Cut.LOG_START
-        return Stances(touchdown, liftoff, cut.astype(np.int8), StanceFigures(*rows[:, 2:].T))
+
+def _intervals(time: Ints) -> tuple[float | None, float]:
+    """Return the median interval between samples, s, and the longest one, ns, that is no gap."""
+    steps = np.diff(time)
+    median = float(median_of(steps)) / 1e9 if len(steps) else None
+    return median, steady_gap_ns(steps)
+
+
+def _gaps(time: Ints, longest_interval_ns: float, breaks: Ints | None) -> Ints:
+    """(g, 2) ns, intervals that are too long, and spans that nothing is measured across."""
+    last = np.flatnonzero(np.diff(time) > longest_interval_ns)
+    gaps = np.stack([time[last], time[last + 1]], axis=1)
+    if breaks is None or not len(breaks):
+        return gaps
+    return timespans.merge(np.concatenate([gaps, breaks]))
+
+
+def _stance_values(signal: FootSignal, rows: StanceRows, on_n: float) -> tuple[Floats, Floats]:
+    """Reduce stances that are short enough to be a step's; the others are NaN.
+
+    Returns:
+        (figures, k) in the order of `StanceFigures`, and (k, AXES, PARTS) N, see `mean_forces`.
+    """
+    count = len(rows.touchdown)
+    figures = np.full((len(StanceFigures._fields), count), np.nan)
+    forces = np.full((count, AXES * PARTS), np.nan)
+    duration = signal.time[rows.liftoff] - signal.time[rows.touchdown]
+    steps = np.flatnonzero((duration > 0) & (duration <= LONGEST_STANCE_S * 1e9))
+    for part in _portions(steps, (rows.liftoff - rows.touchdown)[steps]):
+        samples = stance_samples(signal, rows.touchdown[part], rows.liftoff[part], on_n)
+        figures[:, part] = np.stack(reduce_stances(samples))
+        forces[part] = mean_forces(samples)
+    return figures, forces.reshape(-1, AXES, PARTS)
+
+
+def _portions(stances: Ints, samples: Ints) -> Iterator[Ints]:
+    """Yield some stances in portions of so many samples, (k,), that memory is spared."""
+    portion = np.cumsum(samples) // _PORTION_ROWS
+    edges = np.flatnonzero(np.diff(portion)) + 1
+    return (part for part in np.split(stances, edges) if len(part))
+
+
+def _stances(time: Ints, contact: Flags, rows: StanceRows, figures: Floats, gaps: Ints) -> Stances:
+    """Say of each stance what cuts it."""
+    touchdown, liftoff = time[rows.touchdown], time[rows.liftoff]
+    cut = np.full(len(touchdown), Cut.WHOLE, np.int8)
+    cut[timespans.touches(gaps, touchdown, liftoff)] = Cut.GAP
+    if contact[-1:].any():
+        cut[-1:] = Cut.LOG_END
+    cut[rows.touchdown == 0] = Cut.LOG_START
+    return Stances(touchdown, liftoff, cut, StanceFigures(*figures))

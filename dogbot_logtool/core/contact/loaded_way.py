@@ -141,11 +141,10 @@ def _length(x: Floats, y: Floats) -> Floats:
 
 
 def _totals(values: Floats, begin: Ints, end: Ints) -> Floats:
-    """(n,) running totals of each run, to the bit as if it stood alone."""
-    totals = np.empty_like(values)
-    for first, last in zip(begin.tolist(), end.tolist(), strict=True):
-        np.cumsum(values[first:last], out=totals[first:last])
-    return totals
+    """(n,) running totals of each run; every row is in one."""
+    totals = np.cumsum(values)
+    before: Floats = np.repeat(totals[begin] - values[begin], end - begin)
+    return totals - before
 
 
 def _reach_times(time: Floats, way: Floats, stance: Ints, reach: Floats) -> tuple[Floats, Floats]:

@@ -13,37 +13,56 @@ from dogbot_logtool.core.geometry.arrays import norms
 def without_offsets(
     samples: Samples, sensors: Sequence[FootSensor], *, lists_contacts: bool, only_presses: bool
 ) -> Samples:
-    """Return samples less their sensors' offsets; below the off threshold there is no contact.
+    """Return samples of any feet less their sensors' offsets; see `without_offset`.
+
+    Args:
+        samples: n samples.
+        sensors: of every foot.
+        lists_contacts: whether messages say what touches.
+        only_presses: whether the sensors have one axis.
+    """
+    force, in_contact = samples.force, samples.in_contact
+    for foot, sensor in enumerate(sensors):
+        rows = np.flatnonzero(samples.foot == foot)
+        own = samples.pick(rows)
+        less = without_offset(own, sensor, lists_contacts=lists_contacts, only_presses=only_presses)
+        if less is not own:
+            if force is samples.force:
+                force, in_contact = force.copy(), in_contact.copy()
+            force[rows], in_contact[rows] = less.force, less.in_contact
+    return (
+        samples if force is samples.force else replace(samples, force=force, in_contact=in_contact)
+    )
+
+
+def without_offset(
+    samples: Samples, sensor: FootSensor, *, lists_contacts: bool, only_presses: bool
+) -> Samples:
+    """Return samples less their sensor's offset; below the off threshold there is no contact.
 
     Zeros of a sensor that drops out are no measurements, and become NaN.
 
     Args:
-        samples: n samples of any feet.
-        sensors: of every foot.
+        samples: n samples of one foot.
+        sensor: of that foot.
         lists_contacts: whether messages say what touches: then no force ends a contact.
-        only_presses: whether the sensors have one axis, along which a foot can only press.
+        only_presses: whether the sensor has one axis, along which a foot can only press.
     """
-    offset = np.zeros_like(samples.force)
-    release = np.zeros(len(samples.foot))
-    lost = np.zeros(len(samples.foot), np.bool_)
-    for foot, sensor in enumerate(sensors):
-        rows = np.flatnonzero(samples.foot == foot)
-        level = sensor.level
-        if len(rows) and (level.offset.any() or not lists_contacts):
-            offset[rows] = level.offset_at(samples.log_time[rows])
-            release[rows] = sensor.rule.off_n
-        if level.drops_out:
-            lost[rows] = (samples.force[rows] == 0.0).all(axis=1)
-    if not offset.any() and not release.any() and not lost.any():
+    level = sensor.level
+    reads_offset = bool(level.offset.any()) or not lists_contacts
+    if not len(samples.log_time) or not (reads_offset or level.drops_out):
         return samples
-    force = samples.force - offset
-    if only_presses:
-        force = np.where(force < 0.0, 0.0, force)
-    # A force that is not a number is below no threshold.
-    free = norms(force) < release
-    force[free] = 0.0
-    force[lost] = np.nan
-    in_contact = (force != 0.0).any(axis=1)
+    force = samples.force.copy()
+    recorded_zero = (force == 0.0).all(axis=1)
+    if reads_offset:
+        force -= level.offset_at(samples.log_time)
+        if only_presses:
+            force = np.where(force < 0.0, 0.0, force)
+        # A force that is not a number is below no threshold.
+        force[norms(force) < sensor.rule.off_n] = 0.0
+    if level.drops_out:
+        force[recorded_zero] = np.nan
+    touches = (force != 0.0).any(axis=1)
     if lists_contacts:
-        in_contact &= samples.in_contact
-    return replace(samples, force=force, in_contact=in_contact)
+        touches &= samples.in_contact
+    return replace(samples, force=force, in_contact=touches)

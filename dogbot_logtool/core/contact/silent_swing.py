@@ -6,7 +6,7 @@ Lost messages are silence too. One is shorter than any swing of the foot; one of
 a drop-out, unless it is no longer than the flight of every stride.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import field, replace
 from typing import Final
 
@@ -209,12 +209,34 @@ def _interrupts(dropouts: Ints, last: LastMessage, clock: TimeSource) -> bool:
 
 
 def with_swings(
-    samples: Samples, silent: SilentFeet, before: LastMessages, log_start: int | None
+    samples: Samples, silent: SilentFeet, log_start: int | None, log_end: int | None
 ) -> Samples:
     """Insert samples without contact into the silences of feet that are silent in swing.
 
-    The first stands one interval after the last contact, and the last one interval before the
-    next, where an always-speaking sensor would have said so. Both clocks are interpolated.
+    Args:
+        samples: of all feet, each foot's in the order of the log.
+        silent: the feet that are silent in swing; the others stay as they are.
+        log_start: ns, log time from which silence counts; None: from the first contact.
+        log_end: ns, log time up to which it counts; None: up to the last contact.
+
+    Returns:
+        the samples and the inserted ones, each foot's in order.
+    """
+    if not silent.interval_ns:
+        return samples
+    told = swings_in_batch(samples, silent, {}, log_start)
+    last = last_messages(samples, {}, silent)
+    return concatenated([told, *_trailing_swings(silent, last, log_end)])
+
+
+def swings_in_batch(
+    samples: Samples, silent: SilentFeet, before: LastMessages, log_start: int | None
+) -> Samples:
+    """Insert the swings of a batch; what `convert` still needs.
+
+    The first sample without contact stands one interval after the last contact, and the last one
+    interval before the next, where an always-speaking sensor would have said so. Both clocks are
+    interpolated.
 
     Args:
         samples: a run of the log's samples.
@@ -261,7 +283,9 @@ def _within(dropouts: Ints, start: Ints, end: Ints) -> Flags:
     return within
 
 
-def trailing_swings(silent: SilentFeet, before: LastMessages, log_end: int | None) -> list[Samples]:
+def _trailing_swings(
+    silent: SilentFeet, before: LastMessages, log_end: int | None
+) -> list[Samples]:
     """Return the samples without contact between the last contacts and the log's end."""
     found: list[Samples] = []
     for foot, last in sorted(before.items()):
@@ -277,36 +301,6 @@ def trailing_swings(silent: SilentFeet, before: LastMessages, log_end: int | Non
             )
             found.append(_free(foot, log_time, stamp))
     return found
-
-
-class SwingInserter:
-    """Inserts the swings of a log that streams past, batch by batch and in order."""
-
-    def __init__(self, silent: SilentFeet, log_start: int | None, log_end: int | None) -> None:
-        """Set up.
-
-        Args:
-            silent: the feet that are silent in swing.
-            log_start: ns, log time from which silence counts; None: from the first contact.
-            log_end: ns, log time up to which it counts; None: up to the last contact.
-        """
-        self._silent = silent
-        self._start, self._end = log_start, log_end
-        self._last: LastMessages = {}
-
-    def add(self, batch: Sequence[Samples]) -> Sequence[Samples]:
-        """Return the samples of a batch with their swings."""
-        if not self._silent.interval_ns:
-            return batch
-        told = []
-        for samples in batch:
-            told.append(with_swings(samples, self._silent, self._last, self._start))
-            self._last = last_messages(samples, self._last, self._silent)
-        return told
-
-    def finish(self) -> list[Samples]:
-        """End the log: return what is left to be said."""
-        return trailing_swings(self._silent, self._last, self._end)
 
 
 def _at_start(

@@ -34,7 +34,7 @@ SPIKE: Final = 2.0
 """Times its neighbours and the rest of its stance that a lone spike is at least."""
 FEWEST_FOR_SPIKES: Final = 5
 """Samples of a stance from which one of them can stand out."""
-ROUNDING: Final = 1e-9
+ROUNDING: Final = 1e-6
 """Share of a stance's peak below which a difference of forces says nothing."""
 
 

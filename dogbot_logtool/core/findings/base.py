@@ -47,15 +47,6 @@ def base_findings(stats: Stats) -> Iterator[Finding]:
         poses = counted(record.not_advancing, "pose")
         text = f"{poses} with a time that repeats or steps back; left out"
         yield Finding("W_NOT_ADVANCING", text, "base")
-    if base.twist_frame == "world":
-        text = "odometry's twist is in the world frame, although its message says child frame"
-        yield Finding("N_TWIST_IN_WORLD", text, "base.twist_frame")
-    if base.twist_frame == "ambiguous":
-        text = "the frame of odometry's twist cannot be told: both readings fit the poses alike"
-        yield Finding("N_TWIST_AMBIGUOUS", text, "base.twist_frame")
-    if base.twist_frame is None:
-        text = "too few finite velocities between poses to tell the twist's frame"
-        yield Finding("N_TWIST_UNKNOWN", text, "base.twist_frame")
     if stats.rise_m:
         text = (
             f"the base {'rises' if stats.rise_m > 0.0 else 'sinks'} steadily by "

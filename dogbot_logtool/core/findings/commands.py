@@ -7,8 +7,6 @@ from dogbot_logtool.core.statistics import Stats
 from dogbot_logtool.finding import Finding
 
 _NAMES = {"forward": "forward speed", "lateral": "sideways speed", "yaw": "yaw rate"}
-OPPOSED = -0.7
-"""Correlation from which the base does the opposite of what is commanded."""
 DRIFTS_MPS = 0.02
 """m/s; a robot that steps in place and moves faster drifts."""
 
@@ -29,7 +27,7 @@ def command_findings(stats: Stats) -> Iterator[Finding]:
     if track.history.on_log_time and stats.settings.clock is TimeSource.HEADER:
         text = (
             f"{topic} is placed by log time, since its messages have no header stamps of the "
-            "base's clock: delays are also the recorder's"
+            "base's clock: errors are also the recorder's delay"
         )
         yield Finding("N_COMMAND_LOG_TIME", text, "commands.on_log_time")
     if found.no_command_s > track.held.timeout_ns / 1e9:
@@ -51,20 +49,9 @@ def command_findings(stats: Stats) -> Iterator[Finding]:
 
 
 def _axes(stats: Stats) -> Iterator[Finding]:
-    """Yield what is not known of each axis, or is the opposite of the command."""
-    silent: dict[str, list[str]] = {}
+    """Yield the axes of which the base does the opposite of the command."""
     for key, name in _NAMES.items():
         axis = getattr(stats.commands, key)
-        if axis is None:
-            continue
-        if axis.delay is not None and axis.delay.correlation <= OPPOSED and not axis.because:
-            text = (
-                f"the base's {name} does the opposite of its command (gain {axis.delay.gain:.2f})"
-            )
-            yield Finding("W_COMMAND_OPPOSED", text, f"commands.{key}.gain")
-        if axis.because:
-            silent.setdefault(axis.because, []).append(name)
-    if silent:
-        causes = "; ".join(f"{', '.join(names)}: {why}" for why, names in silent.items())
-        text = f"delay and gain are not known of {causes}"
-        yield Finding("N_COMMAND_DELAY_UNKNOWN", text, "commands")
+        if axis is not None and axis.is_opposed:
+            text = f"the base's {name} does the opposite of its command"
+            yield Finding("W_COMMAND_OPPOSED", text, f"commands.{key}")

@@ -58,8 +58,6 @@ def _against_plan(stats: Stats) -> Iterator[Finding]:
         if plan.delay is not None:
             when = "late" if plan.delay.median >= 0.0 else "early"
             text += f"; {1e3 * abs(plan.delay.median):.0f} ms {when} in the median"
-        if plan.force_error is not None:
-            text += f"; mean force of a stance {plan.force_error.median:+.3g} N off"
         yield Finding("N_AGAINST_PLAN", text, f"feet.{foot.name}.planned")
 
 

@@ -65,7 +65,7 @@ def _mounting(imu: ImuComparison) -> Iterator[Finding]:
             f"horizontal accelerations of {topic} are those of the base's poses turned by "
             f"{angle:+.0f} degrees about the vertical: its mounting is turned, or the base's yaw"
         )
-        yield Finding("W_IMU_TURNED", text, "imu.turn_rad")
+        yield Finding("W_IMU_TURNED", text, topic)
 
 
 def _forces(stats: Stats, forces: ForceComparison) -> Iterator[Finding]:

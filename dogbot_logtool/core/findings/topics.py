@@ -39,9 +39,8 @@ def topic_findings(topic: TopicQuality, *, may_pause: bool) -> Iterator[Finding]
     """
     name = topic.topic
     if topic.gaps and not may_pause:
-        longest = topic.longest_gaps[0].length_s if topic.longest_gaps else 0.0
         gaps = counted(topic.gaps, "gap")
-        text = f"{gaps}, {topic.gaps_total_s:.2f} s in all, the longest {longest:.2f} s"
+        text = f"{gaps}, {topic.gaps_total_s:.2f} s in all, the longest {topic.longest_gap_s:.2f} s"
         yield Finding("W_GAPS", f"{name}: {text}", name)
     for code, count, what in (
         ("W_ZERO_STAMPS", topic.zero_stamps, "with a zero header stamp"),

@@ -1,6 +1,7 @@
-"""Figures of the transforms of each pair of frames, measured while they stream past."""
+"""Figures of the transforms of each pair of frames."""
 
 from collections.abc import Iterator
+from collections.abc import Set as AbstractSet
 from typing import Final
 
 import numpy as np
@@ -8,20 +9,19 @@ import numpy as np
 from dogbot_logtool.core.frames.recorded_transforms import RecordedTransforms
 from dogbot_logtool.core.geometry.arrays import (
     Flags,
-    Floats,
     Ints,
     all_finite,
     stable_order,
 )
 from dogbot_logtool.core.geometry.clock import TimeSource
 from dogbot_logtool.core.geometry.order_statistics import distinct
-from dogbot_logtool.core.quality.quality import TopicQuality, TopicWatch
+from dogbot_logtool.core.quality.quality import TopicQuality, topic_quality, topic_times
 from dogbot_logtool.dataclass import dataclass
 
 NORM_TOLERANCE: Final = 0.01
 """A quaternion whose squared norm is further from 1 is not normalised. tf2's tolerance: it
 ignores such a transform (geometry2, buffer_core.cpp)."""
-MOST_EDGES: Final = 10_000
+MOST_EDGES: Final = 2_000
 """Pairs of frames that are told apart; no robot has as many, and no viewer draws them."""
 
 
@@ -55,55 +55,6 @@ class FrameEdge:
         return self.static == self.transforms
 
 
-class _EdgeWatch:
-    """Measures one edge."""
-
-    def __init__(self, parent: str, child: str) -> None:
-        self._names = parent, child
-        self._watch = TopicWatch(child)
-        self._transforms = self._static = 0
-        self._channels: set[int] = set()
-        self._first = self._last = 0
-        self._not_finite = self._zero = self._not_normalised = 0
-
-    def add(self, recorded: RecordedTransforms, rows: Ints, static: Flags) -> None:
-        log_time = recorded.log_time[rows]
-        first, last = int(log_time.min()), int(log_time.max())
-        self._first = min(self._first, first) if self._transforms else first
-        self._last = max(self._last, last) if self._transforms else last
-        self._transforms += len(rows)
-        self._static += int(static[rows].sum())
-        self._channels.update(distinct(recorded.channel[rows]).tolist())
-        moving = rows[~static[rows]]
-        self._watch.add(recorded.log_time[moving], recorded.stamp[moving])
-        self._judge(recorded.translation[rows], recorded.rotation[rows])
-
-    def _judge(self, translation: Floats, rotation: Floats) -> None:
-        finite = all_finite(translation) & all_finite(rotation)
-        zero = (rotation == 0.0).all(axis=1) & finite
-        with np.errstate(over="ignore", invalid="ignore"):
-            squared_norm = (rotation * rotation).sum(axis=1)
-        unit = np.abs(squared_norm - 1.0) <= NORM_TOLERANCE
-        self._not_finite += int((~finite).sum())
-        self._zero += int(zero.sum())
-        self._not_normalised += int((finite & ~zero & ~unit).sum())
-
-    def finish(self) -> FrameEdge:
-        moving = self._transforms > self._static
-        return FrameEdge(
-            *self._names,
-            transforms=self._transforms,
-            static=self._static,
-            timing=self._watch.finish(TimeSource.HEADER) if moving else None,
-            channels=tuple(sorted(self._channels)),
-            first_log_time=self._first,
-            last_log_time=self._last,
-            not_finite=self._not_finite,
-            zero_rotations=self._zero,
-            not_normalised=self._not_normalised,
-        )
-
-
 @dataclass(frozen=True, slots=True)
 class RecordedFrames:
     """Figures of all transforms of a log."""
@@ -118,48 +69,71 @@ class RecordedFrames:
     """Transforms of further pairs of frames, when there were `MOST_EDGES`."""
 
 
-class FrameRecorder:
-    """Makes `RecordedFrames` of transforms that stream past in the order of the log."""
+def recorded_frames(
+    recorded: RecordedTransforms, static_channels: AbstractSet[int]
+) -> RecordedFrames:
+    """Measure all transforms of a log, pair by pair of frames.
 
-    def __init__(self, static_channels: frozenset[int]) -> None:
-        """Set up.
-
-        Args:
-            static_channels: ids of the channels whose transforms hold for ever.
-        """
-        self._static = list(static_channels)
-        self._edges: dict[tuple[str, str], _EdgeWatch] = {}
-        self._slashed: set[str] = set()
-        self._unnamed = self._left_out = 0
-
-    def add(self, recorded: RecordedTransforms) -> None:
-        """Take in transforms."""
-        static: Flags = np.isin(recorded.channel, self._static)
-        for rows in _pairs(recorded):
-            names = (
-                recorded.parents[recorded.parent[rows[0]]],
-                recorded.children[recorded.child[rows[0]]],
-            )
-            self._slashed.update(name for name in names if name.startswith("/"))
-            parent, child = (name.lstrip("/") for name in names)
-            if not (parent and child):
-                self._unnamed += len(rows)
-                continue
-            if (parent, child) not in self._edges:
-                if len(self._edges) == MOST_EDGES:
-                    self._left_out += len(rows)
-                    continue
-                self._edges[parent, child] = _EdgeWatch(parent, child)
-            self._edges[parent, child].add(recorded, rows, static)
-
-    def finish(self) -> RecordedFrames:
-        """End the log."""
-        return RecordedFrames(
-            edges=tuple(watch.finish() for _, watch in sorted(self._edges.items())),
-            slashed=tuple(sorted(self._slashed)),
-            unnamed=self._unnamed,
-            left_out=self._left_out,
+    Args:
+        recorded: transforms in the order of the log.
+        static_channels: ids of the channels whose transforms hold for ever.
+    """
+    rows_of: dict[tuple[str, str], list[Ints]] = {}
+    slashed, unnamed, left_out = set[str](), 0, 0
+    for rows in _pairs(recorded):
+        names = (
+            recorded.parents[recorded.parent[rows[0]]],
+            recorded.children[recorded.child[rows[0]]],
         )
+        slashed.update(name for name in names if name.startswith("/"))
+        parent, child = (name.lstrip("/") for name in names)
+        if not (parent and child):
+            unnamed += len(rows)
+        elif (parent, child) in rows_of or len(rows_of) < MOST_EDGES:
+            rows_of.setdefault((parent, child), []).append(rows)
+        else:
+            left_out += len(rows)
+    static: Flags = np.isin(recorded.channel, list(static_channels))
+    edges = (
+        _edge(*names, recorded, np.sort(np.concatenate(rows)), static)
+        for names, rows in sorted(rows_of.items())
+    )
+    return RecordedFrames(tuple(edges), tuple(sorted(slashed)), unnamed, left_out)
+
+
+def _edge(
+    parent: str, child: str, recorded: RecordedTransforms, rows: Ints, static: Flags
+) -> FrameEdge:
+    """Measure the transforms of a frame in a parent.
+
+    Args:
+        parent: without leading slashes, as `child`.
+        child: the other frame.
+        recorded: all transforms.
+        rows: those of this pair.
+        static: (n,) which of all are static.
+    """
+    log_time, moving = recorded.log_time[rows], rows[~static[rows]]
+    rotation = recorded.rotation[rows]
+    finite = all_finite(recorded.translation[rows]) & all_finite(rotation)
+    zero = (rotation == 0.0).all(axis=1) & finite
+    with np.errstate(over="ignore", invalid="ignore"):
+        squared_norm = (rotation * rotation).sum(axis=1)
+    unit = np.abs(squared_norm - 1.0) <= NORM_TOLERANCE
+    times = topic_times(child, recorded.log_time[moving], recorded.stamp[moving])
+    return FrameEdge(
+        parent=parent,
+        child=child,
+        transforms=len(rows),
+        static=len(rows) - len(moving),
+        timing=topic_quality(times, TimeSource.HEADER) if len(moving) else None,
+        channels=tuple(distinct(recorded.channel[rows]).tolist()),
+        first_log_time=int(log_time.min()),
+        last_log_time=int(log_time.max()),
+        not_finite=int((~finite).sum()),
+        zero_rotations=int(zero.sum()),
+        not_normalised=int((finite & ~zero & ~unit).sum()),
+    )
 
 
 def _pairs(recorded: RecordedTransforms) -> Iterator[Ints]:

@@ -1,7 +1,8 @@
 """The tree that frames and their parents form, and where it is none."""
 
+import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from itertools import combinations
+from itertools import accumulate
 from typing import Final
 
 from dogbot_logtool.core.frames.frame_edges import FrameEdge
@@ -141,9 +142,13 @@ def second_parents(edges: Sequence[FrameEdge]) -> list[SecondParent]:
     for child, several in sorted(of_child.items()):
         if len(several) > 1:
             several.sort(key=lambda edge: (edge.first_log_time, edge.parent))
-            at_once = any(
-                one.static or other.first_log_time <= one.last_log_time
-                for one, other in combinations(several, 2)
-            )
-            found.append(SecondParent(child, tuple(each.parent for each in several), at_once))
+            parents = tuple(each.parent for each in several)
+            found.append(SecondParent(child, parents, _overlap(several)))
     return found
+
+
+def _overlap(edges: Sequence[FrameEdge]) -> bool:
+    """Tell whether edges, in the order in which they were first seen, hold at the same time."""
+    ends = (math.inf if each.static else each.last_log_time for each in edges)
+    latest = accumulate(ends, max)
+    return any(each.first_log_time <= end for each, end in zip(edges[1:], latest, strict=False))

@@ -5,6 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from dogbot_logtool.core.geometry.arrays import Floats, Ints
+from dogbot_logtool.core.geometry.order_statistics import distinct
 from dogbot_logtool.dataclass import dataclass
 
 
@@ -28,6 +29,19 @@ class RecordedTransforms:
     """(n, 3) m."""
     rotation: Floats
     """(n, 4) quaternion x, y, z, w."""
+
+    def pairs(self) -> set[tuple[str, str]]:
+        """Return the different (parent, child) pairs of frames, as recorded."""
+        count = max(len(self.children), 1)
+        pairs = distinct(self.parent * count + self.child).tolist()
+        return {(self.parents[pair // count], self.children[pair % count]) for pair in pairs}
+
+
+def no_transforms() -> RecordedTransforms:
+    """Return none."""
+    rows: Ints = np.empty(0, np.int64)
+    places, turns = np.empty((0, 3)), np.empty((0, 4))
+    return RecordedTransforms(rows, rows, rows, rows, (), rows, (), places, turns)
 
 
 def concatenate_transforms(parts: Sequence[RecordedTransforms]) -> RecordedTransforms:

@@ -1,4 +1,4 @@
-"""Forces over the gait cycle: braking and propulsion, and the usual curve of a stance or stride."""
+"""Forces over the gait cycle: braking and propulsion, and the usual curve of a stride."""
 
 from typing import Final
 
@@ -10,7 +10,7 @@ from dogbot_logtool.core.contact.foot_history import FootHistory
 from dogbot_logtool.core.contact.stance_curves import PARTS
 from dogbot_logtool.core.contact.stances import Stances
 from dogbot_logtool.core.gait.strides import Strides
-from dogbot_logtool.core.geometry.arrays import Flags, Floats
+from dogbot_logtool.core.geometry.arrays import Floats
 from dogbot_logtool.core.geometry.order_statistics import percentiles_of
 from dogbot_logtool.dataclass import dataclass
 
@@ -24,13 +24,13 @@ class CycleCurve:
     """A force over the gait cycle, (n,) each."""
 
     percent: Floats
-    """% of the stance or stride."""
+    """% of the stride."""
     lower: Floats
-    """N, lower quartile over stances or strides; also `median` and `upper`."""
+    """N, lower quartile over strides; also `median` and `upper`."""
     median: Floats
     upper: Floats
     number: int
-    """Stances or strides."""
+    """Strides."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -45,28 +45,21 @@ class ForeAftImpulses:
 
 @dataclass(frozen=True, slots=True)
 class ForceCurves:
-    """The usual forces of a foot over its whole stances and strides; None where not known."""
+    """The usual forces of a foot over its whole strides; None where not known."""
 
-    vertical_over_stance: CycleCurve | None
-    forward_over_stance: CycleCurve | None
     vertical_over_stride: CycleCurve | None
     forward_over_stride: CycleCurve | None
 
 
-def force_curves(
-    vertical: Floats, forward: Floats, stances: Stances, strides: Strides
-) -> ForceCurves:
+def force_curves(vertical: Floats, forward: Floats, strides: Strides) -> ForceCurves:
     """Return the curves of a foot.
 
     Args:
         vertical: (stances, PARTS) N, mean vertical force in each part of each stance.
         forward: (stances, PARTS) N, the same along the base's forward axis.
-        stances: of the foot.
         strides: of the foot.
     """
     return ForceCurves(
-        vertical_over_stance=stance_curve(vertical, stances.whole),
-        forward_over_stance=stance_curve(forward, stances.whole),
         vertical_over_stride=stride_curve(vertical, strides),
         forward_over_stride=stride_curve(forward, strides),
     )
@@ -94,18 +87,6 @@ def fore_aft_impulses(forward: Floats, stances: Stances) -> ForeAftImpulses:
         braking=-np.minimum(forward, 0.0).sum(axis=1) * part_s,
         propulsive=np.maximum(forward, 0.0).sum(axis=1) * part_s,
     )
-
-
-def stance_curve(force: Floats, whole: Flags) -> CycleCurve | None:
-    """Return the usual force over a stance; None where none is known.
-
-    Args:
-        force: (n, PARTS) N, mean force in each part of each stance.
-        whole: (n,) which stances count.
-    """
-    known = force[whole & np.isfinite(force).all(axis=1)]
-    percent: Floats = 100.0 * (np.arange(PARTS, dtype=np.float64) + 0.5) / PARTS
-    return cycle_curve(percent, known)
 
 
 def stride_curve(force: Floats, strides: Strides) -> CycleCurve | None:

@@ -153,7 +153,7 @@ def foot_statistics(
         ),
         braking_impulse_ns=aggregate(fore_aft.braking[clean]),
         propulsive_impulse_ns=aggregate(fore_aft.propulsive[clean]),
-        force_curves=force_curves(steps.vertical, steps.forward, stances, strides),
+        force_curves=force_curves(steps.vertical, steps.forward, strides),
         loading_rate_nps=aggregate(figures.loading_rate_nps[whole]),
         impact_ratio=aggregate(figures.impact_ratio[whole]),
         contact_travel_m=aggregate(figures.contact_travel_m[whole]),

@@ -1,14 +1,13 @@
-"""How a foot follows its plan: touchdowns early, late and missed, and how far forces are off."""
+"""How a foot follows its plan: touchdowns early, late and missed."""
 
 from typing import Final
 
 import numpy as np
 
-from dogbot_logtool.core.contact.stances import Stances
 from dogbot_logtool.core.gait.foot_statistics import FootStatistics
 from dogbot_logtool.core.geometry import timespans
 from dogbot_logtool.core.geometry.aggregates import Aggregate, aggregate
-from dogbot_logtool.core.geometry.arrays import Floats, Ints
+from dogbot_logtool.core.geometry.arrays import Ints
 from dogbot_logtool.core.geometry.order_statistics import median_of
 from dogbot_logtool.dataclass import dataclass
 
@@ -38,8 +37,6 @@ class PlannedFoot:
     tolerance_s: float
     agreement: float | None
     """Share of the time in which plan and measurement agree on contact; None: no common time."""
-    force_error: Aggregate | None
-    """N, mean force of a whole stance, measured minus planned; None where either gives no force."""
 
 
 def follow_plan(measured: FootStatistics, planned: FootStatistics) -> PlannedFoot:
@@ -78,7 +75,6 @@ def follow_plan(measured: FootStatistics, planned: FootStatistics) -> PlannedFoo
         unplanned=int(timespans.hold_window(both, steps[alone], margin, margin).sum()),
         tolerance_s=tolerance,
         agreement=_agreement(both, measured, planned),
-        force_error=aggregate(_force_errors(measured.stances, planned.stances, plan, steps, match)),
     )
 
 
@@ -121,24 +117,3 @@ def _agreement(both: Ints, measured: FootStatistics, planned: FootStatistics) ->
     together = timespans.total(timespans.intersect(down))
     differ = timespans.total(down[0]) + timespans.total(down[1]) - 2 * together
     return 1.0 - differ / known
-
-
-def _force_errors(
-    measured: Stances, planned: Stances, plan: Ints, steps: Ints, match: Ints
-) -> Floats:
-    """(m,) N, of matched touchdowns whose stances are whole in both; NaN: not known."""
-    rows = match >= 0
-    mine = _means(measured, steps[match[rows]])
-    theirs = _means(planned, plan[rows])
-    return mine - theirs
-
-
-def _means(stances: Stances, touchdown: Ints) -> Floats:
-    """(n,) N, mean force of the stances that begin at some times; NaN where it is not whole."""
-    found = np.full(len(touchdown), np.nan)
-    if not len(stances.touchdown):
-        return found
-    row = np.clip(np.searchsorted(stances.touchdown, touchdown), 0, len(stances.touchdown) - 1)
-    whole = (stances.touchdown[row] == touchdown) & stances.whole[row]
-    found[whole] = stances.figures.mean_n[row[whole]]
-    return found

@@ -109,7 +109,7 @@ def rows_by_group(group: Ints) -> Iterator[tuple[int, Ints]]:
             yield int(ordered[first]), order[first:last]
 
 
-def all_finite(vectors: Floats) -> Flags:
+def all_finite(vectors: Floats | Float32s) -> Flags:
     """(n,) whether all numbers of each row are finite.
 
     Column by column: numpy reduces short rows ten times slower.

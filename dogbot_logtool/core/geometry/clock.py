@@ -1,9 +1,8 @@
 """Which clock a walk is measured on: header stamps, or log time where stamps cannot be used.
 
 One clock serves all feet and the base, since phases and support compare feet with each other.
-Header stamps are used unless more than a few of a topic are bad, or its clock was set. That is only
-known when the last message has been read: a pass over the log then ends with `UnusableStamps`, and
-a second pass measures everything on log time.
+Header stamps are used unless more than a few of a topic are bad, or its clock was set; see
+`core/quality/log_clock.py`.
 """
 
 from enum import StrEnum
@@ -11,11 +10,9 @@ from typing import Final, Protocol
 
 import numpy as np
 
-from dogbot_logtool.core.geometry.arrays import Flags, Floats, Ints
+from dogbot_logtool.core.geometry.arrays import Flags, Ints
 from dogbot_logtool.core.geometry.order_statistics import median_of
 
-_LARGEST_FLOAT: Final = float(np.nextafter(2.0**63, 0.0))
-"""The largest float that an int64 can hold."""
 SILENCE_NS: Final = 50_000_000
 """ns: a shorter interval between messages is never a gap."""
 GAP_INTERVALS: Final = 5.0
@@ -45,23 +42,6 @@ class TimeSource(StrEnum):
     def of(self, columns: Stamped) -> Ints:
         """Return the times on this clock; (n,) ns."""
         return columns.stamp if self is TimeSource.HEADER else columns.log_time
-
-
-class UnusableStamps(Exception):  # noqa: N818 - a reason to read again, it never reaches a user
-    """Header stamps cannot be the clock of the log; the text says why."""
-
-
-def absolute_time(since: Floats, origin: int | None) -> Ints:
-    """Return times of times since an origin, as far as 64 bits reach; ns.
-
-    Args:
-        since: any shape, ns, not negative; whole numbers, exact over 104 days.
-        origin: ns; None counts as 0.
-    """
-    start = origin or 0
-    whole = np.minimum(since, _LARGEST_FLOAT).astype(np.int64)
-    absolute: Ints = np.minimum(whole, np.iinfo(np.int64).max - max(start, 0)) + start
-    return absolute
 
 
 def advancing(time: Ints, latest: int | None) -> Flags:

@@ -10,8 +10,6 @@ from dogbot_logtool.dataclass import dataclass
 
 LIKELY: Final = 3.84
 """Chi-squared of one degree of freedom that is not exceeded with 95 %."""
-LEAST_CORRELATION: Final = 0.7
-"""Below it half of the measured changes are none of the commanded ones: no delay, no gain."""
 _VALLEY, _RIVAL = 0.9, 0.97
 """Shares of the best delay's explained squares: a delay that reaches the second beyond one that
 does not reach the first is another peak, as likely for all that a log can tell."""
@@ -31,11 +29,6 @@ class Delay:
     """s, with 95 % the delay lies from here, if it is not at an end of what was tried."""
     high_s: float
     """s, up to here."""
-
-    @property
-    def uncertainty_s(self) -> float:
-        """Half of the interval, s."""
-        return (self.high_s - self.low_s) / 2.0
 
 
 def fit_delay(

@@ -15,18 +15,17 @@ import numpy as np
 
 from dogbot_logtool.core.base.base_history import BaseHistory
 from dogbot_logtool.core.contact.foot_history import FootHistory
-from dogbot_logtool.core.contact.track import TRACK_RATE_HZ
 from dogbot_logtool.core.geometry import timespans
 from dogbot_logtool.core.geometry.arrays import Floats, Ints
 from dogbot_logtool.core.geometry.rotations import conjugate, from_roll_pitch_yaw, rotate
 from dogbot_logtool.core.imu.forces import ForceComparison, Sensed, Turn, compare_forces, find_turn
 from dogbot_logtool.core.imu.mounting import Mounting, Reading, find_mounting
 from dogbot_logtool.core.imu.running import Running, running_accelerations
-from dogbot_logtool.core.load.loads import GRAVITY_MPS2
+from dogbot_logtool.core.load.impulses import CELL_RATE_HZ
 from dogbot_logtool.core.recorded.vectors import VectorHistory
 from dogbot_logtool.dataclass import dataclass
 
-_TICK_NS: Final = round(1e9 / TRACK_RATE_HZ)
+_TICK_NS: Final = round(1e9 / CELL_RATE_HZ)
 STANDING_WINDOW_S: Final = 0.5
 """s, what means are over in a log without strides."""
 _LEAST_S: Final = 2.0
@@ -47,8 +46,6 @@ class ImuComparison:
     """s in which accelerometer and poses are known."""
     imu_mps2: float
     """Mean specific force along what is up for the sensor, as recorded."""
-    base_mps2: float
-    """Mean of g and the base's vertical acceleration, from poses."""
     mounting: Mounting
     turn: Turn | None
     """Turn of the horizontal accelerations against those of poses."""
@@ -97,7 +94,7 @@ def compare_imu(
     usable = timespans.subtract(running.known, timespans.merge(np.concatenate([jumps, fallen])))
     time = timespans.ticks(usable, _TICK_NS)
     time = time[timespans.hold_window(usable, time, reach, reach)]
-    if len(time) < _LEAST_S * TRACK_RATE_HZ:
+    if len(time) < _LEAST_S * CELL_RATE_HZ:
         return None
     means = running.mean(time, half)
     poses = _acceleration(base, time, half)
@@ -113,9 +110,8 @@ def compare_imu(
     return ImuComparison(
         sensed=sensed,
         mounting_recorded=mounting is not None,
-        known_s=len(time) / TRACK_RATE_HZ,
+        known_s=len(time) / CELL_RATE_HZ,
         imu_mps2=seat.mean_mps2,
-        base_mps2=GRAVITY_MPS2 + float(poses[:, 2].mean()),
         mounting=seat,
         turn=find_turn(level.mean(time, half)[:, :2], poses[:, :2]) if level else None,
         forces=forces,

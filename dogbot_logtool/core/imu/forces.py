@@ -6,28 +6,20 @@ from typing import Final
 import numpy as np
 
 from dogbot_logtool.core.contact.foot_history import FootHistory
-from dogbot_logtool.core.contact.track import TRACK_RATE_HZ
 from dogbot_logtool.core.geometry import timespans
 from dogbot_logtool.core.geometry.arrays import Floats, Ints
-from dogbot_logtool.core.geometry.delay import Delay, fit_delay
 from dogbot_logtool.core.imu.running import (
     Running,
     horizontal_impulses,
 )
-from dogbot_logtool.core.load.impulses import mean_impulses
+from dogbot_logtool.core.load.impulses import CELL_RATE_HZ, mean_impulses
 from dogbot_logtool.core.load.load_figures import vertical_is_known
 from dogbot_logtool.core.load.loads import GRAVITY_MPS2
 from dogbot_logtool.dataclass import dataclass
 
 LEAST_S: Final = 2.0
 """s that all of them must be known for."""
-_CELL_NS: Final = round(1e9 / TRACK_RATE_HZ)
-_LATEST_NS: Final = 200_000_000
-"""ns, the largest delay of forces and accelerometer that is tried, either way; also no more than an
-eighth of a stride, since the sum over four feet repeats itself every quarter."""
-_LAGS: Final = 21
-SWINGS: Final = 0.02
-"""Share of g: root mean square from which a curve over a stride can be compared with another."""
+_CELL_NS: Final = round(1e9 / CELL_RATE_HZ)
 
 ODD: Final = 0.15
 """A factor that is further from 1, and from the others, is odd."""
@@ -162,7 +154,6 @@ class Sensed:
 class ForceComparison:
     """Acceleration by the feet's forces, over the time in which all of them are known."""
 
-    known_s: float
     vertical_mps2: float
     """Mean sum of the feet's vertical forces over the mass."""
     magnitude_mps2: float
@@ -171,8 +162,6 @@ class ForceComparison:
     """Acceleration by the levelled accelerometer over the same time."""
     turn: Turn | None
     """Turn of the horizontal forces against those of poses; None: too little acceleration."""
-    curve: Delay | None
-    """Delay of vertical forces behind the accelerometer in strides; None: either hardly varies."""
     scales: FootScales | None
     """Factor by which each foot's force must be multiplied; None: unknown."""
 
@@ -205,19 +194,17 @@ def compare_forces(
     half = sensed.half_ns
     rows = timespans.hold_window(known, sensed.time, half, half)
     time = sensed.time[rows]
-    if len(time) < LEAST_S * TRACK_RATE_HZ:
+    if len(time) < LEAST_S * CELL_RATE_HZ:
         return None
     vertical = mean_impulses(feet, "vertical_impulse", time, half).sum(axis=1)
     magnitude = mean_impulses(feet, "force_impulse", time, half).sum(axis=1)
     cells = time + _CELL_NS // 2
     in_cells = mean_impulses(feet, "vertical_impulse", cells, _CELL_NS // 2)
     return ForceComparison(
-        known_s=len(time) / TRACK_RATE_HZ,
         vertical_mps2=float(vertical.mean()) / mass_kg,
         magnitude_mps2=float(magnitude.mean()) / mass_kg,
         expected_mps2=float(sensed.vertical(time, half).mean()),
         turn=_turn(feet, mass_kg, time, sensed.poses[rows], half),
-        curve=_curve((in_cells.sum(axis=1) - vertical) / mass_kg, cells, sensed),
         scales=foot_scales(in_cells, sensed.vertical(cells, _CELL_NS // 2), mass_kg),
     )
 
@@ -230,29 +217,3 @@ def _turn(
         return None
     told = timespans.hold_window(sideways.known, time, half_ns, half_ns)
     return find_turn(sideways.mean(time[told], half_ns) / mass_kg, poses[told, :2])
-
-
-def _curve(forces: Floats, time: Ints, sensed: Sensed) -> Delay | None:
-    """Compare how forces swing about their mean over a stride with the accelerometer.
-
-    Args:
-        forces: (n,) m/s^2 at some times.
-        time: (n,) ns.
-        sensed: the accelerometer.
-    """
-    half, cell = sensed.half_ns, _CELL_NS // 2
-    latest_ns = min(_LATEST_NS, half // 4)
-    reach = half + latest_ns
-    rows = timespans.hold_window(sensed.running.known, time, reach, reach)
-    forces, time = forces[rows], time[rows]
-
-    def swing(lag_s: float) -> Floats:
-        at = time - round(lag_s * 1e9)
-        return sensed.vertical(at, cell) - sensed.vertical(at, half)
-
-    least = SWINGS * GRAVITY_MPS2
-    if not len(time) or min(float(np.std(each)) for each in (forces, swing(0.0))) < least:
-        return None
-    latest = latest_ns / 1e9
-    strides = len(time) * _CELL_NS / (2.0 * half)
-    return fit_delay(forces, swing, np.linspace(-latest, latest, _LAGS), strides)

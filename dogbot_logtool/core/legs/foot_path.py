@@ -1,7 +1,6 @@
-"""The way of each foot in the base's frame, at a low rate: 20 bytes a row, 14 MB a foot and hour.
+"""The path of each foot in the base's frame, at a low rate: 20 bytes a row, 14 MB a foot and hour.
 
-It is told by transforms as they stream past, or by joints that were kept (`joint_track.py`) with
-their robot description.
+It comes from transforms, or from joints (`joint_track.py`) with their robot description.
 """
 
 from collections.abc import Mapping, Sequence
@@ -10,11 +9,7 @@ from typing import Final
 import numpy as np
 
 from dogbot_logtool.core.frames.kinematics import Joint, link_poses
-from dogbot_logtool.core.frames.transform_buffer import (
-    LONGEST_DELAY_S,
-    TransformBuffer,
-    chain_of_frames,
-)
+from dogbot_logtool.core.frames.transform_buffer import TransformBuffer, chain_of_frames
 from dogbot_logtool.core.geometry.arrays import Float32s, Floats, Ints
 from dogbot_logtool.core.geometry.clock import first_at_each_tick
 from dogbot_logtool.core.geometry.rotations import rotate
@@ -23,7 +18,6 @@ from dogbot_logtool.core.legs.silences import silent_before
 from dogbot_logtool.dataclass import dataclass
 
 PATH_RATE_HZ: Final = 200.0
-_DELAY_NS: Final = round(LONGEST_DELAY_S * 1e9)
 
 
 @dataclass(frozen=True, slots=True)
@@ -52,92 +46,31 @@ class FootPath:
     """(n, 3) m."""
 
 
-class FootPathRecorder:
-    """Makes a `FootPath` of transforms that stream past; the same however they are split."""
+def path_by_transforms(
+    chain: LegChain, frames: TransformBuffer, statics: TransformBuffer
+) -> FootPath | None:
+    """Return the path of a foot by recorded transforms.
 
-    def __init__(self, chain: LegChain, statics: TransformBuffer) -> None:
-        self._chain, self._statics = chain, statics
-        self._moving = [frame for frame in chain.frames if frame not in statics.frames]
-        self._waiting = np.empty((0, 2), np.int64)
-        """ns, times and log times at which the foot's last moving frame is told, not yet used."""
-        self._end: int | None = None
-        self._kept: list[tuple[Ints, Float32s]] = []
+    Args:
+        chain: of the foot, without joints.
+        frames: that move.
+        statics: transforms that hold for ever.
 
-    @property
-    def frames(self) -> Sequence[str]:
-        """The frames that move."""
-        return self._moving
-
-    def add(self, own: TransformBuffer, around: TransformBuffer) -> None:
-        """Take in what a batch tells of the frames.
-
-        Args:
-            own: the batch's own.
-            around: the same behind what was known before, as far as this foot still needs it.
-        """
-        if not self._moving:
-            return
-        told = own.frames.get(self._moving[0])
-        if told is not None:
-            rows = np.column_stack([told.time, told.log_time])
-            rows = rows[rows[:, 0] > self._latest]
-            chosen = first_at_each_tick(rows[:, 0], PATH_RATE_HZ, self._end)
-            self._end = int(rows[-1, 0]) if len(rows) else self._end
-            self._waiting = np.concatenate([self._waiting, rows[chosen]])
-        known = [around.frames[each].time[-1] for each in self._moving if each in around.frames]
-        if len(known) == len(self._moving):
-            ready = int(np.searchsorted(self._waiting[:, 0], min(known), side="right"))
-            self._look_up(around, ready)
-
-    @property
-    def _latest(self) -> int:
-        return np.iinfo(np.int64).min if self._end is None else self._end
-
-    def drop_before(self, log_time: int) -> None:
-        """Give up times that no transform recorded from now on may tell of, ns."""
-        late = self._waiting[:, 1] >= log_time - _DELAY_NS
-        self._waiting = self._waiting[late]
-
-    def _look_up(self, around: TransformBuffer, count: int) -> None:
-        """Place the foot at the first times that wait."""
-        if count == 0:
-            return
-        rows, self._waiting = self._waiting[:count], self._waiting[count:]
-        buffer = self._statics.then(around)
-        poses = buffer.lookup(self._chain.frames[0], self._chain.base, rows[:, 0], rows[:, 1])
-        known = poses.known
-        turned = rotate(poses.rotation[known], np.array([self._chain.point]))
-        position = poses.translation[known] + turned
-        self._kept.append((rows[known, 0], position.astype(np.float32)))
-
-    def finish(self) -> FootPath:
-        """End the log."""
-        time = np.concatenate([np.empty(0, np.int64), *(time for time, _ in self._kept)])
-        position = np.concatenate([np.empty((0, 3), np.float32), *(each for _, each in self._kept)])
-        return FootPath(time, position)
-
-
-class PathRecorder:
-    """Makes the `FootPath` of every foot that transforms place."""
-
-    def __init__(self, chains: Sequence[LegChain | None], statics: TransformBuffer) -> None:
-        self._feet = [None if each is None else FootPathRecorder(each, statics) for each in chains]
-        self._before = TransformBuffer()
-
-    def add(self, own: TransformBuffer, end: int | None) -> None:
-        """Take in what a batch tells of the frames, and its latest log time, ns."""
-        around = self._before.then(own)
-        for foot in self._feet:
-            if foot is not None:
-                foot.add(own, around)
-                if end is not None:
-                    foot.drop_before(end)
-        self._before = around if end is None else around.tail(end - _DELAY_NS)
-
-    def finish(self) -> tuple[FootPath | None, ...]:
-        """End the log; None of feet that nothing tells of."""
-        paths = (None if foot is None else foot.finish() for foot in self._feet)
-        return tuple(path if path is not None and len(path.time) else None for path in paths)
+    Returns:
+        None where a frame is missing, or none moves.
+    """
+    moving = [frame for frame in chain.frames if frame not in statics.frames]
+    if not moving or not frames.frames.keys() >= set(moving):
+        return None
+    last = frames.frames[moving[0]]
+    at = last.pick(first_at_each_tick(last.time, PATH_RATE_HZ, None))
+    poses = statics.then(frames).lookup(chain.frames[0], chain.base, at.time, at.log_time)
+    known = poses.known
+    if not known.any():
+        return None
+    turned = rotate(poses.rotation[known], np.array([chain.point]))
+    position = poses.translation[known] + turned
+    return FootPath(at.time[known], position.astype(np.float32))
 
 
 def moving_parents(

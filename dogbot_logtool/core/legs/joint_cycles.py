@@ -19,9 +19,6 @@ class JointCurve:
     position: Floats
     """rad or m, mean over strides; also `position_sd`, the standard deviation."""
     position_sd: Floats
-    effort: Floats | None
-    """N m or N, likewise; None: not known."""
-    effort_sd: Floats | None
     number: int
     """Strides."""
     ranges: Floats
@@ -94,14 +91,10 @@ def joint_curve(joint: JointHistory, strides: Strides) -> JointCurve | None:
     time = (start - track.time[0])[:, None] + period[:, None] * phase
     since = (track.time - track.time[0]).astype(np.float64)
     position = np.interp(time, since, track.position.astype(np.float64))
-    effort = np.interp(time, since, track.effort.astype(np.float64))
-    has_effort = joint.has_effort and bool(np.isfinite(effort).all())
     return JointCurve(
         percent=100.0 * phase,
         position=position.mean(axis=0),
         position_sd=position.std(axis=0),
-        effort=effort.mean(axis=0) if has_effort else None,
-        effort_sd=effort.std(axis=0) if has_effort else None,
         number=len(rows),
         ranges=np.ptp(position, axis=1),
     )

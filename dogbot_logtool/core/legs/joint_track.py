@@ -68,23 +68,9 @@ class JointTrack:
     """ns, strictly increasing."""
     position: Float32s
     """rad or m."""
-    effort: Float32s
-    """N m or N; NaN where not told."""
     positive_work: Float32s
     """J since the row before; NaN where a silence or an unknown effort lies between."""
     absolute_work: Float32s
-
-
-@dataclass(frozen=True, slots=True)
-class KeptStates:
-    """States of j joints at n times."""
-
-    joints: Ints
-    """(j,) their numbers, ascending."""
-    time: Ints
-    """(n,) ns."""
-    values: Float32s
-    """(4, j, n): position, effort, positive and absolute work; see `JointTrack`."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -92,7 +78,6 @@ class JointHistory:
     """All that is kept of a joint."""
 
     name: str
-    topic: str
     messages: int
     not_advancing: int
     """Messages that repeat a time or step back; left out."""
@@ -114,33 +99,16 @@ class JointHistory:
     squared_effort: float
     """(N m)^2 s, integral of the squared effort over `effort_s`, the time in which it is known."""
     effort_s: float
-    positive_work_j: float
-    """J, where effort and motion are known; also `absolute_work_j`."""
     absolute_work_j: float
+    """J, where effort and motion are known."""
     near_limit_s: float
     """s within `known_s`, of limits that are known."""
     has_limits: bool
     told_moved: float
     """Sum of v dq, with v the velocity that messages tell; also `told_squared`, of v^2 dt."""
     told_squared: float
-    number: int
-    """Index of the joint in `kept`."""
-    kept: tuple[KeptStates, ...]
-    """States of this joint and others, in the order of time."""
-
-    @property
-    def track(self) -> JointTrack:
-        """The joint's motion, put together anew each time: joints share their times."""
-        parts = [part for part in self.kept if self.number in part.joints]
-        time = np.concatenate([np.empty(0, np.int64), *(part.time for part in parts)])
-        values = np.concatenate(
-            [
-                np.empty((4, 0), np.float32),
-                *(part.values[:, np.searchsorted(part.joints, self.number)] for part in parts),
-            ],
-            axis=1,
-        )
-        return JointTrack(time, *values)
+    track: JointTrack
+    """Its motion at a low rate."""
 
     @property
     def moves(self) -> bool:

@@ -47,8 +47,6 @@ class LegJoint:
     """Over the strides of that foot, or else of the reference foot."""
     curve: JointCurve | None
     """Over the strides of that foot; None: not known."""
-    sign_known: bool = True
-    """Whether nothing contradicts the sign of its effort."""
     values_known: bool = True
     """Whether nothing contradicts the units of its states."""
 
@@ -78,8 +76,6 @@ class LegFigures:
     feet: tuple[LegFoot, ...]
     joints: tuple[LegJoint, ...]
     """By name: those of legs, and others that move."""
-    idle: int
-    """Other joints, which hardly move."""
     work_unknown: str
     """Why no work is known; empty where it is."""
     work_refuted: bool

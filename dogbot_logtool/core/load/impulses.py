@@ -1,12 +1,15 @@
 """Mean forces of feet over any time, from the running totals of their tracks."""
 
 from collections.abc import Sequence
+from typing import Final
 
 import numpy as np
 
 from dogbot_logtool.core.contact.foot_history import FootHistory
 from dogbot_logtool.core.geometry.arrays import Floats, Ints
-from dogbot_logtool.core.geometry.runs import added_within
+
+CELL_RATE_HZ: Final = 25.0
+"""Forces are compared with other sensors by their means over so many cells a second."""
 
 
 def mean_impulses(feet: Sequence[FootHistory], impulse: str, time: Ints, half_ns: int) -> Floats:
@@ -18,12 +21,6 @@ def mean_impulses(feet: Sequence[FootHistory], impulse: str, time: Ints, half_ns
         time: (m,) ns.
         half_ns: half of the window.
     """
-    columns = [np.zeros(len(time)) for _ in feet]
-    for row, foot in enumerate(feet):
-        track = foot.track
-        if len(track.time):
-            since = (track.time - track.time[0]).astype(np.float64)
-            at, total = (time - track.time[0]).astype(np.float64), getattr(track, impulse)
-            added = added_within(total[:, None], since, at, half_ns)[:, 0]
-            columns[row] = added / (2e-9 * half_ns)
-    return np.stack(columns, axis=1)
+    spans = np.stack([time - half_ns, time + half_ns], axis=1)
+    totals = [foot.track.impulse_at(getattr(foot.track, impulse), spans) for foot in feet]
+    return np.stack([total[:, 1] - total[:, 0] for total in totals], axis=1) / (2e-9 * half_ns)

@@ -5,9 +5,7 @@ from typing import Final
 
 import numpy as np
 
-from dogbot_logtool.core.geometry.aggregates import IntervalHistogram
 from dogbot_logtool.core.geometry.arrays import Floats, Ints
-from dogbot_logtool.core.geometry.blocks import BLOCK_ROWS, GrowingTable
 from dogbot_logtool.core.geometry.clock import (
     FEWEST_INTERVALS,
     GAP_INTERVALS,
@@ -15,15 +13,15 @@ from dogbot_logtool.core.geometry.clock import (
     TimeSource,
     first_at_each_tick,
 )
-from dogbot_logtool.core.geometry.order_statistics import median_of
-from dogbot_logtool.core.quality.clocks import OffsetRecorder, OffsetTrack
-from dogbot_logtool.core.quality.stamps import ClockStep, StampFilter
+from dogbot_logtool.core.geometry.order_statistics import median_of, percentiles_of
+from dogbot_logtool.core.quality.clocks import OffsetTrack, offset_track
+from dogbot_logtool.core.quality.stamps import ClockStep, StampCheck, check_stamps
 from dogbot_logtool.dataclass import dataclass
 
 _FAR_QUARTILES: Final = 10.0
 """Intervals whose quartiles are further apart are of two kinds: within bursts and between them."""
-LONGEST_SHOWN: Final = 5
-"""Gaps that are reported with their times."""
+LONGEST_KNOWN_NS: Final = 10e9
+"""ns between two messages of a sensor, from which what it measures is not known between them."""
 OFFSET_RATE_HZ: Final = 1.0
 """Rate at which the offset of the two clocks is looked at."""
 SHORTEST_DRIFT_S: Final = 5.0
@@ -36,8 +34,6 @@ class Rhythm:
 
     usual_ns: float | None
     """ns: the next message is usually there after this time; None where nothing is usual."""
-    in_bursts: bool = False
-    """Whether messages come in bursts, so that the median interval says nothing of their rate."""
 
     @property
     def gap_ns(self) -> float:
@@ -47,7 +43,7 @@ class Rhythm:
         return max(float(SILENCE_NS), GAP_INTERVALS * self.usual_ns)
 
 
-def rhythm(intervals: IntervalHistogram) -> Rhythm:
+def rhythm(steps: Ints) -> Rhythm:
     """Find how a topic's messages follow one another.
 
     A usual interval is the 95th percentile, or median + 2 x interquartile range if that is less:
@@ -55,37 +51,56 @@ def rhythm(intervals: IntervalHistogram) -> Rhythm:
     longer silences fill over half of the time and are many, messages come in bursts, and the
     usual interval is that of these silences. Where they are few, and the messages between them
     irregular or there for less than 50 ms, messages come on events, of which none is late.
+
+    Args:
+        steps: (n,) ns from each message to the next; only those above 0 count.
     """
-    if intervals.count < FEWEST_INTERVALS:
+    intervals = steps[steps > 0]
+    if len(intervals) < FEWEST_INTERVALS:
         return Rhythm(None)
     low, median, high = _quartiles(intervals)
     within = low if high > _FAR_QUARTILES * low else median
-    breaks = intervals.longer_than(GAP_INTERVALS * within)
-    in_bursts = 2 * breaks.total > intervals.total
-    silences = breaks.longer_than(SILENCE_NS)
-    if 2 * silences.total > intervals.total:
-        if silences.count >= FEWEST_INTERVALS:
-            return Rhythm(_usual(silences), in_bursts)
-        run_ns = (intervals.total - silences.total) / (silences.count + 1)
+    breaks = intervals[intervals > GAP_INTERVALS * within]
+    total = _total(intervals)
+    silences = breaks[breaks > SILENCE_NS]
+    if 2.0 * _total(silences) > total:
+        if len(silences) >= FEWEST_INTERVALS:
+            return Rhythm(_usual(silences))
+        run_ns = (total - _total(silences)) / (len(silences) + 1)
         if high - low > median or run_ns < SILENCE_NS:
             return Rhythm(None)
-    return Rhythm(_usual(intervals), in_bursts)
+    return Rhythm(_usual(intervals))
 
 
-def steady_rhythm(intervals: IntervalHistogram) -> Rhythm:
-    """Find the rhythm of a sensor that is sampled steadily, so that even a few messages tell it."""
-    found = rhythm(intervals)
-    return found if found.usual_ns is not None else Rhythm(intervals.percentile(50.0) or 0.0)
+def steady_gap_ns(steps: Ints) -> float:
+    """Return from when on a silence of a sensor is a gap, ns.
+
+    A sensor is sampled steadily, so that even a few messages tell how often, and nothing is known
+    of a robot that sent none for `LONGEST_KNOWN_NS`: known time is bounded by the messages.
+
+    Args:
+        steps: (n,) ns from each message to the next; only those above 0 count.
+    """
+    found = rhythm(steps)
+    if found.usual_ns is None:
+        intervals = steps[steps > 0]
+        found = Rhythm(float(median_of(intervals)) if len(intervals) else 0.0)
+    return min(found.gap_ns, LONGEST_KNOWN_NS)
 
 
-def _usual(intervals: IntervalHistogram) -> float:
+def _usual(intervals: Ints) -> float:
     low, median, high = _quartiles(intervals)
-    return min(intervals.percentile(95.0) or 0.0, median + 2.0 * (high - low))
+    return min(float(percentiles_of(intervals, 95.0)), median + 2.0 * (high - low))
 
 
-def _quartiles(intervals: IntervalHistogram) -> tuple[float, float, float]:
-    low, median, high = (intervals.percentile(percent) or 0.0 for percent in (25.0, 50.0, 75.0))
+def _quartiles(intervals: Ints) -> tuple[float, float, float]:
+    low, median, high = percentiles_of(intervals, (25.0, 50.0, 75.0)).tolist()
     return low, median, high
+
+
+def _total(intervals: Ints) -> float:
+    """Add up intervals, ns; those of wild stamps would not fit in 64 bits."""
+    return float(intervals.sum(dtype=np.float64))
 
 
 def mean_rate_hz(number: int, span_ns: int) -> float | None:
@@ -97,15 +112,6 @@ def mean_rate_hz(number: int, span_ns: int) -> float | None:
     """
     known = number + 1 >= FEWEST_INTERVALS and span_ns >= SILENCE_NS
     return number * 1e9 / span_ns if known else None
-
-
-@dataclass(frozen=True, slots=True)
-class Gap:
-    """A silence of a topic."""
-
-    start: int
-    """ns, the last message before it."""
-    length_s: float
 
 
 @dataclass(frozen=True, slots=True)
@@ -121,15 +127,13 @@ class TopicQuality:
     last: int
     rate_hz: float | None
     """1/s, (messages - 1) / (last - first); None where that means nothing: see `mean_rate_hz`."""
-    median_rate_hz: float | None
-    """1/s, 1 / median interval; in bursts, messages over the time without gaps; None where no
-    interval is usual."""
     interval_s: dict[str, float] | None
     """s, the 50th, 95th and 99th percentile and the longest interval."""
     gaps: int
     """Silences longer than max(5 x usual interval, 50 ms): see `rhythm`."""
     gaps_total_s: float
-    longest_gaps: tuple[Gap, ...]
+    longest_gap_s: float
+    """0 without gaps."""
     duplicate_stamps: int | None
     """Messages whose header stamp equals the one before; None where messages have none."""
     backward_stamps: int | None
@@ -144,204 +148,104 @@ class TopicQuality:
     """s, log time minus header stamp."""
     offset_drift_ppm: float | None
     """Millionths by which log time runs faster than the header stamps."""
-    frame_ids: tuple[str, ...]
-
-
-class _Clock:
-    """One clock's times of a topic, as they stream past."""
-
-    def __init__(self) -> None:
-        self.histogram = IntervalHistogram()
-        self.duplicates = self.backwards = 0
-        self.longest = 0
-        self.gaps: list[Gap] = []
-        self.first = self.last = 0
-        self._previous: int | None = None
-
-    def add(self, time: Ints) -> None:
-        step = np.diff(time, prepend=time[0] if self._previous is None else self._previous)
-        fresh = 1 if self._previous is None else 0
-        self.duplicates += int((step[fresh:] == 0).sum())
-        self.backwards += int((step < 0).sum())
-        self.histogram.add(step)
-        self.longest = max(self.longest, int(step.max()))
-        self._note_gaps(time, step)
-        low, high = int(time.min()), int(time.max())
-        self.first = low if self._previous is None else min(self.first, low)
-        self.last = high if self._previous is None else max(self.last, high)
-        self._previous = int(time[-1])
-
-    def _note_gaps(self, time: Ints, step: Ints) -> None:
-        silent = np.flatnonzero(step > SILENCE_NS)
-        longest = silent[np.argsort(-step[silent], kind="stable")[:LONGEST_SHOWN]]
-        for row in longest.tolist():
-            self.gaps.append(Gap(int(time[row] - step[row]), step[row] / 1e9))
-        self.gaps.sort(key=lambda gap: (-gap.length_s, gap.start))
-        del self.gaps[LONGEST_SHOWN:]
 
 
 @dataclass(frozen=True, slots=True)
-class _Times:
-    """When messages were logged, and what their headers say."""
+class TopicTimes:
+    """When the messages of a topic were logged, and what their headers say."""
 
+    topic: str
     log_time: Ints
-    """(n,) ns."""
-    stamp: Ints
-    """(n,) ns."""
-
-    def pick(self, rows: Ints) -> "_Times":
-        """Return copies of some rows."""
-        return _Times(self.log_time[rows], self.stamp[rows])
-
-
-class _StampFaults:
-    """Counts stamps that repeat or step back, as recorded; zeros are left out."""
-
-    def __init__(self) -> None:
-        self.duplicates = self.backwards = 0
-        self._previous = np.empty(0, np.int64)
-
-    def add(self, stamp: Ints) -> None:
-        stamp = np.concatenate([self._previous, stamp[stamp > 0]])
-        step = np.diff(stamp)
-        self.duplicates += int((step == 0).sum())
-        self.backwards += int((step < 0).sum())
-        self._previous = stamp[-1:]
-
-
-class TopicWatch:
-    """Measures the timing of one topic, fed batch by batch."""
-
-    def __init__(self, topic: str) -> None:
-        self._topic = topic
-        self._messages = 0
-        self._waiting: list[tuple[Ints, Ints | None]] = []
-        self._waiting_rows = 0
-        self._log, self._header = _Clock(), _Clock()
-        self._stamped = True
-        self._stamps: StampFilter[_Times] = StampFilter(topic, TimeSource.HEADER)
-        self._faults = _StampFaults()
-        self._least_offsets = OffsetRecorder()
-        self._frame_ids: set[str] = set()
-        self._offsets = GrowingTable(2)
-        self._origins: tuple[int, int] | None = None
-        self._last_log: int | None = None
-
-    def add(self, log_time: Ints, stamp: Ints | None, frame_ids: tuple[str, ...] = ()) -> None:
-        """Take in messages, in the order of the log.
-
-        Args:
-            log_time: (n,) ns.
-            stamp: (n,) ns, header stamps; None for messages without a header.
-            frame_ids: header frame ids seen among them.
-        """
-        if len(log_time) == 0:
-            return
-        self._messages += len(log_time)
-        self._frame_ids.update(frame_ids)
-        self._stamped &= stamp is not None
-        self._waiting.append((log_time, stamp))
-        self._waiting_rows += len(log_time)
-        if self._waiting_rows >= BLOCK_ROWS:
-            self._look()
-
-    def _look(self) -> None:
-        """Look at the times that wait: many at once, since each look costs the same."""
-        if not self._waiting:
-            return
-        log_time = np.concatenate([times for times, _ in self._waiting])
-        stamps = [stamp for _, stamp in self._waiting if stamp is not None]
-        self._waiting, self._waiting_rows = [], 0
-        self._log.add(log_time)
-        if self._stamped:
-            stamp = np.concatenate(stamps)
-            self._faults.add(stamp)
-            for times in self._stamps.add(_Times(log_time, stamp)):
-                self._note_stamps(times)
-
-    def _note_stamps(self, times: _Times) -> None:
-        """Take in stamps that were checked: bad ones are zero."""
-        usable = times.stamp > 0
-        log_time, stamp = times.log_time[usable], times.stamp[usable]
-        if len(stamp):
-            self._header.add(stamp)
-            self._least_offsets.add(log_time, stamp)
-            self._note_offsets(log_time, stamp)
-
-    def _note_offsets(self, log_time: Ints, stamp: Ints) -> None:
-        chosen = first_at_each_tick(log_time, OFFSET_RATE_HZ, self._last_log)
-        self._last_log = int(log_time[-1])
-        if self._origins is None:
-            self._origins = int(log_time[0]), int(log_time[0] - stamp[0])
-        since = (log_time - self._origins[0])[chosen]
-        offset = (log_time - stamp - self._origins[1])[chosen]
-        self._offsets.append(np.stack([since, offset], axis=1).astype(np.float64))
-
-    def end(self) -> None:
-        """End the log; what remains to be looked at is."""
-        self._look()
-        for times in self._stamps.finish():
-            self._note_stamps(times)
+    """(n,) ns, in the order of the log."""
+    stamp: Ints | None
+    """(n,) ns, header stamps as recorded; None where messages have no header."""
+    check: StampCheck | None
+    """Of the stamps; None without any."""
 
     @property
     def has_stamps(self) -> bool:
         """Whether most messages have header stamps that can be used."""
-        check = self._stamps.check
-        return self._stamped and check.messages > 0 and 2 * check.bad <= check.messages
+        return self.check is not None and self.check.mostly_usable
+
+    def usable(self) -> tuple[Ints, Ints]:
+        """Return log times and stamps, ns, of the messages with stamps that can be used."""
+        if self.stamp is None or self.check is None:
+            return np.empty(0, np.int64), np.empty(0, np.int64)
+        return self.log_time[self.check.usable], self.stamp[self.check.usable]
 
     def offset_track(self) -> OffsetTrack:
-        """Return how far the stamps lie behind log time, at the end of the log."""
-        return self._least_offsets.finish()
+        """Return how far the stamps lie behind log time."""
+        return offset_track(*self.usable())
 
-    def finish(self, clock: TimeSource) -> TopicQuality:
-        """Sum up, at the end of the log.
 
-        Args:
-            clock: the clock that the log is measured on; a topic whose messages have no usable
-                header stamps is measured on log time all the same.
-        """
-        self.end()
-        usable = self.has_stamps
-        check = self._stamps.check
-        used = clock if usable else TimeSource.LOG
-        times = self._header if used is TimeSource.HEADER else self._log
-        found = rhythm(times.histogram)
-        gaps = times.histogram.longer_than(found.gap_ns)
-        span = times.last - times.first
-        offset, drift = self._offset() if usable else (None, None)
-        if check.steps:
-            drift = None
-        return TopicQuality(
-            topic=self._topic,
-            messages=self._messages,
-            clock=used,
-            first=times.first,
-            last=times.last,
-            rate_hz=mean_rate_hz(self._messages - 1, span),
-            median_rate_hz=_usual_rate_hz(times.histogram, found, self._messages - 1, span),
-            interval_s=_percentiles(times),
-            gaps=gaps.count,
-            gaps_total_s=gaps.total / 1e9,
-            longest_gaps=tuple(gap for gap in times.gaps if gap.length_s * 1e9 > found.gap_ns),
-            duplicate_stamps=self._faults.duplicates if self._stamped else None,
-            backward_stamps=self._faults.backwards if self._stamped else None,
-            zero_stamps=check.zeros if self._stamped else None,
-            stamps_ahead=check.ahead if self._stamped else None,
-            clock_steps=tuple(check.steps) if self._stamped else (),
-            duplicate_log_times=self._log.duplicates,
-            backward_log_times=self._log.backwards,
-            offset_median_s=offset,
-            offset_drift_ppm=drift,
-            frame_ids=tuple(sorted(self._frame_ids)),
-        )
+def topic_times(topic: str, log_time: Ints, stamp: Ints | None) -> TopicTimes:
+    """Check the times of a topic's messages.
 
-    def _offset(self) -> tuple[float | None, float | None]:
-        """Median of log time minus stamp, s, and its slope over the stamps' time, ppm."""
-        if self._origins is None:
-            return None, None
-        table = self._offsets.stacked()
-        offset = float(median_of(table[:, 1]) + self._origins[1]) / 1e9
-        return offset, _slope_ppm(table[:, 0] - table[:, 1], table[:, 1])
+    Args:
+        topic: its name.
+        log_time: (n,) ns, in the order of the log.
+        stamp: (n,) ns, header stamps; None for messages without a header.
+    """
+    check = None if stamp is None else check_stamps(topic, stamp, log_time)
+    return TopicTimes(topic, log_time, stamp, check)
+
+
+def topic_quality(times: TopicTimes, clock: TimeSource) -> TopicQuality:
+    """Measure the timing of one topic.
+
+    Args:
+        times: of at least one message.
+        clock: the clock that the log is measured on; a topic whose messages have no usable
+            header stamps is measured on log time all the same.
+    """
+    log_time, stamp = times.usable()
+    used = clock if times.has_stamps else TimeSource.LOG
+    time = stamp if used is TimeSource.HEADER else times.log_time
+    step, log_step = np.diff(time), np.diff(times.log_time)
+    found = rhythm(step)
+    gaps = step[step > found.gap_ns]
+    number, span = len(times.log_time) - 1, int(time.max()) - int(time.min())
+    offset, drift = _offset(log_time, stamp) if times.has_stamps else (None, None)
+    check = times.check
+    duplicates, backwards = _stamp_faults(times.stamp)
+    return TopicQuality(
+        topic=times.topic,
+        messages=len(times.log_time),
+        clock=used,
+        first=int(time.min()),
+        last=int(time.max()),
+        rate_hz=mean_rate_hz(number, span),
+        interval_s=_percentiles(step),
+        gaps=len(gaps),
+        gaps_total_s=_total(gaps) / 1e9,
+        longest_gap_s=int(gaps.max(initial=0)) / 1e9,
+        duplicate_stamps=duplicates,
+        backward_stamps=backwards,
+        zero_stamps=None if check is None else check.zeros,
+        stamps_ahead=None if check is None else check.ahead,
+        clock_steps=() if check is None else check.steps,
+        duplicate_log_times=int((log_step == 0).sum()),
+        backward_log_times=int((log_step < 0).sum()),
+        offset_median_s=offset,
+        offset_drift_ppm=None if check is None or check.steps else drift,
+    )
+
+
+def _stamp_faults(stamp: Ints | None) -> tuple[int | None, int | None]:
+    """Count stamps that repeat and that step back, as recorded; zeros are left out."""
+    if stamp is None:
+        return None, None
+    step = np.diff(stamp[stamp > 0])
+    return int((step == 0).sum()), int((step < 0).sum())
+
+
+def _offset(log_time: Ints, stamp: Ints) -> tuple[float, float | None]:
+    """Median of log time minus stamp, s, and its slope over the stamps' time, ppm."""
+    rows = np.flatnonzero(first_at_each_tick(log_time, OFFSET_RATE_HZ, None))
+    offset, since = (log_time - stamp)[rows], stamp[rows] - stamp[0]
+    first = int(offset[0])
+    behind = (offset - first).astype(np.float64)
+    return float(median_of(behind) + first) / 1e9, _slope_ppm(since.astype(np.float64), behind)
 
 
 def with_gaps(topic: TopicQuality, spans: Ints) -> TopicQuality:
@@ -352,36 +256,21 @@ def with_gaps(topic: TopicQuality, spans: Ints) -> TopicQuality:
         spans: (g, 2) ns, the gaps.
     """
     lengths = spans[:, 1] - spans[:, 0]
-    longest = np.argsort(-lengths, kind="stable")[:LONGEST_SHOWN].tolist()
     return replace(
         topic,
         gaps=len(spans),
         gaps_total_s=int(lengths.sum()) / 1e9,
-        longest_gaps=tuple(Gap(int(spans[row, 0]), int(lengths[row]) / 1e9) for row in longest),
+        longest_gap_s=int(lengths.max(initial=0)) / 1e9,
     )
 
 
-def _usual_rate_hz(
-    intervals: IntervalHistogram, found: Rhythm, number: int, span: int
-) -> float | None:
-    gaps = intervals.longer_than(found.gap_ns)
-    rate_hz = mean_rate_hz(number - gaps.count, span - gaps.total)
-    # Intervals of 0 are not in the histogram: most messages then share their times with others.
-    in_bursts = found.in_bursts or number > 2 * intervals.count
-    if found.usual_ns is None or rate_hz is None or in_bursts:
-        return None if found.usual_ns is None else rate_hz
-    median = intervals.percentile(50.0)
-    return 1e9 / median if median else None
-
-
-def _percentiles(times: _Clock) -> dict[str, float] | None:
-    if times.histogram.count == 0:
+def _percentiles(step: Ints) -> dict[str, float] | None:
+    intervals = step[step > 0]
+    if not len(intervals):
         return None
-    percentiles = {
-        name: (times.histogram.percentile(percent) or 0.0) / 1e9
-        for name, percent in (("p50", 50.0), ("p95", 95.0), ("p99", 99.0))
-    }
-    return {**percentiles, "max": times.longest / 1e9}
+    percents = {"p50": 50.0, "p95": 95.0, "p99": 99.0, "max": 100.0}
+    values = percentiles_of(intervals, list(percents.values())) / 1e9
+    return dict(zip(percents, values.tolist(), strict=True))
 
 
 def _slope_ppm(time: Floats, offset: Floats) -> float | None:

@@ -10,7 +10,7 @@ from typing import Final
 import numpy as np
 
 from dogbot_logtool.core.geometry.arrays import Floats, Ints, all_finite
-from dogbot_logtool.core.geometry.order_statistics import median_of, percentiles_of
+from dogbot_logtool.core.geometry.order_statistics import distinct, median_of, percentiles_of
 from dogbot_logtool.core.sensors.sensor_level import (
     SensorLevel,
     load_axis,
@@ -187,7 +187,7 @@ def swing_levels(
     length = round(float(np.clip(STRIDES * stride_s, *_WINDOW_S)) * 1e9)
     found: list[tuple[int, Modes]] = []
     unclear: list[tuple[int, Modes]] = []
-    for begin in range(int(log_time[0]), int(log_time[-1]), max(length // 2, 1)):
+    for begin in _window_starts(log_time, length // 2):
         first, last = np.searchsorted(log_time, [begin, begin + length]).tolist()
         if last - first < _FEWEST_SAMPLES:
             continue
@@ -207,6 +207,17 @@ def swing_levels(
     swing = _joined([(first, modes.swing.visits) for first, modes in chosen])
     stance = _joined([(first, modes.stance.visits) for first, modes in chosen])
     return SwingLevels(swing, stance, usual) if len(swing) >= FEWEST_SWINGS else None
+
+
+def _window_starts(log_time: Ints, half: int) -> list[int]:
+    """Return where windows of two halves begin, ns, of those that hold a sample.
+
+    There may be decades between two samples, if a clock was set.
+    """
+    number = distinct((log_time - log_time[0]) // half)
+    number = distinct(np.concatenate([np.maximum(number - 1, 0), number]))
+    starts: Ints = log_time[0] + half * number
+    return [start for start in starts.tolist() if start < log_time[-1]]
 
 
 def _joined(parts: list[tuple[int, Visits]]) -> Visits:

@@ -6,9 +6,9 @@ import numpy as np
 
 from dogbot_logtool.core.contact.foot_history import FootHistory
 from dogbot_logtool.core.geometry import timespans
-from dogbot_logtool.core.geometry.arrays import Floats, Ints, all_finite
+from dogbot_logtool.core.geometry.arrays import Floats, Ints
 from dogbot_logtool.core.geometry.support_polygon import centre_of_pressure
-from dogbot_logtool.core.stability.stability import feet_down
+from dogbot_logtool.core.stability.stability import feet_down, instants_of
 from dogbot_logtool.dataclass import dataclass
 
 
@@ -25,20 +25,18 @@ class GroundPoints:
 def footprints(foot: FootHistory) -> GroundPoints:
     """Return where a foot stood: its first known contact point of each stance.
 
-    Points are kept at 25 Hz, so it is one of the first 40 ms; stances without any are left out.
-    The times are those of touchdown.
+    Stances without any are left out. The times are those of touchdown.
     """
-    track, stances = foot.track, foot.stances
-    known = np.flatnonzero(all_finite(track.point[:, :2]))
-    time = track.time[known]
+    stances = foot.stances
+    time, point = foot.track.contact_points
     first = np.searchsorted(time, stances.touchdown)
     within = np.flatnonzero(first < len(time))
     within = within[time[first[within]] < stances.liftoff[within]]
-    return GroundPoints(stances.touchdown[within], track.point[known[first[within]], :2])
+    return GroundPoints(stances.touchdown[within], point[first[within], :2])
 
 
 def pressure_path(feet: Sequence[FootHistory]) -> GroundPoints:
-    """Return the centre of pressure, sum(Fz p) / sum(Fz), at 25 Hz.
+    """Return the centre of pressure, sum(Fz p) / sum(Fz), at up to 100 Hz.
 
     Only over the time known to all feet: without one of them it would be that of the others.
     Its points are NaN where no foot is loaded.
@@ -49,7 +47,6 @@ def pressure_path(feet: Sequence[FootHistory]) -> GroundPoints:
     if not feet:
         return GroundPoints(np.empty(0, np.int64), np.empty((0, 2)))
     known = timespans.intersect([foot.vertical_known for foot in feet])
-    time = feet[0].track.time
-    time = time[timespans.covers(known, time)]
+    time = instants_of(feet[0], known)
     points, load = feet_down(time, feet)
     return GroundPoints(time, centre_of_pressure(points[:, :, :2], load))

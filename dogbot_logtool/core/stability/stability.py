@@ -8,9 +8,11 @@ import numpy as np
 from dogbot_logtool.core.base.base_history import BaseHistory
 from dogbot_logtool.core.base.base_motion import FORWARD_ANGLES
 from dogbot_logtool.core.contact.foot_history import FootHistory
+from dogbot_logtool.core.contact.track import POINT_RATE_HZ
 from dogbot_logtool.core.geometry import timespans
 from dogbot_logtool.core.geometry.aggregates import Aggregate, aggregate
-from dogbot_logtool.core.geometry.arrays import Flags, Floats, Ints, all_finite
+from dogbot_logtool.core.geometry.arrays import Flags, Floats, Ints
+from dogbot_logtool.core.geometry.clock import first_at_each_tick
 from dogbot_logtool.core.geometry.rotations import along_heading
 from dogbot_logtool.core.geometry.support_polygon import (
     NEAR_NS,
@@ -28,7 +30,7 @@ _CHUNK_NUMBERS: Final = 500_000
 
 @dataclass(frozen=True, slots=True)
 class Stability:
-    """Figures at 25 Hz over the time in which the base and all feet that are down are known."""
+    """Figures at up to 100 Hz over the time in which the base and all feet down are known."""
 
     static_margin_m: Aggregate | None
     """m, signed distance of the body's ground projection to the support polygon's edge, positive
@@ -102,7 +104,7 @@ def stability(
 def margins(
     feet: Sequence[FootHistory], base: BaseHistory, com_offset_m: Sequence[float] = (0.0, 0.0, 0.0)
 ) -> tuple[Ints, Floats]:
-    """Return the static margin at 25 Hz, over the time in which base and feet are known.
+    """Return the static margin at up to 100 Hz, over the time in which base and feet are known.
 
     Args:
         feet: records of all feet.
@@ -165,11 +167,16 @@ def _extent(feet: Sequence[FootHistory], base: BaseHistory) -> Ints:
 
 
 def _instants(feet: Sequence[FootHistory], base: BaseHistory, known: Ints) -> Ints:
-    """(n,) ns: rows of the first foot's track at which all feet and the base are known."""
+    """(n,) ns: up to `POINT_RATE_HZ` samples a second of the first foot, where all is known."""
     if not feet or len(base.time) == 0:
         return np.empty(0, np.int64)
-    time = feet[0].track.time
-    return time[timespans.covers(known, time)]
+    return instants_of(feet[0], known)
+
+
+def instants_of(foot: FootHistory, known: Ints) -> Ints:
+    """(n,) ns: up to `POINT_RATE_HZ` samples a second of a foot, in spans, (k, 2) ns."""
+    time = foot.track.time[timespans.covers(known, foot.track.time)]
+    return time[first_at_each_tick(time, POINT_RATE_HZ, None)]
 
 
 def _at(
@@ -217,11 +224,11 @@ def feet_down(instants: Ints, feet: Sequence[FootHistory]) -> tuple[Floats, Floa
     for column, foot in enumerate(feet):
         track, down = foot.track, timespans.covers(foot.in_contact, instants)
         # A bounce, or the row beside a touchdown, has no point; the stance has.
-        placed = np.flatnonzero(all_finite(track.point[:, :2]))
-        if not len(placed):
+        time, point = track.contact_points
+        if not len(time):
             continue
-        row, near = _nearest(track.time[placed], instants)
-        points[down & near, column] = track.point[placed[row[down & near]]]
+        row, near = _nearest(time, instants)
+        points[down & near, column] = point[row[down & near]]
         row, measured = _nearest(track.time, instants)
         vertical = np.maximum(np.nan_to_num(track.vertical_force[row]), 0.0)
         load[:, column] = np.where(down & near & measured, vertical, 0.0)

@@ -8,7 +8,7 @@ import numpy as np
 from dogbot_logtool.core.base.odometry import Odometry, base_transforms, from_opening
 from dogbot_logtool.core.contact.contacts import Samples
 from dogbot_logtool.core.contact.foot_tracker import FootTracker
-from dogbot_logtool.core.contact.silent_swing import with_swings
+from dogbot_logtool.core.contact.silent_swing import swings_in_batch
 from dogbot_logtool.core.frames.kinematics import LinkTransforms
 from dogbot_logtool.core.geometry.arrays import Floats
 from dogbot_logtool.core.geometry.clock import first_at_each_tick
@@ -163,7 +163,7 @@ def _with_swings(
     """Return the samples, and swings where the sensor is silent in swing."""
     if not decoded.source.silent_in_swing:
         return samples
-    return with_swings(samples, plan.silent, state.last_messages, plan.swings_from)
+    return swings_in_batch(samples, plan.silent, state.last_messages, plan.swings_from)
 
 
 def _of_known_force(samples: Samples, plan: ConversionPlan) -> Samples:

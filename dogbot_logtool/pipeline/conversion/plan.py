@@ -130,7 +130,7 @@ def make_plan(
     findings = [*selection.findings, *probe_findings(selection, probe)]
     world, base = frame_names(robot, probe)
     wrench_frame = _wrench_frame(probe, options)
-    learnt = learn_sensors(log, selection, probe, options.topics)
+    learnt = learn_sensors(selection, probe, options.topics)
     known_weight_n = body_weight_n(robot.mass_kg)
     weight_n = known_weight_n or learnt.estimated_weight_n
     findings.extend(sensor_findings([foot.name for foot in robot.feet], learnt.feet, weight_n))
@@ -170,7 +170,7 @@ def make_plan(
         support_look=_support_look(robot.shaft_diameter_m, options.tf_rate_hz),
         force_sensors=learnt.feet,
         sensors=_contact_sensors(selection, probe, learnt),
-        rates=_message_rates(selection, probe),
+        rates=_message_rates(probe),
         draws_support=draws_support,
         urdf=description.urdf,
         hips=description.hips if draws_support else None,
@@ -371,13 +371,12 @@ def _contact_sensors(
     )
 
 
-def _message_rates(selection: Selection, probe: Probe) -> tuple[MessageRate, ...]:
+def _message_rates(probe: Probe) -> tuple[MessageRate, ...]:
     """Return how the messages of each foot follow one another."""
-    seen = probe.contacts
     return tuple(
         message_rate(
-            seen.log_time[seen.foot == foot],
+            samples.log_time,
             round(LONGEST_SWING_S * 1e9) if foot in probe.intervals else None,
         )
-        for foot in range(len(selection.robot.feet))
+        for foot, samples in enumerate(probe.feet)
     )

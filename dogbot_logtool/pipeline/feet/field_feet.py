@@ -1,6 +1,5 @@
 """Feet that are fields of messages of any type: named, checked against a log, and offered."""
 
-import shlex
 from collections.abc import Sequence
 from dataclasses import replace
 from itertools import islice
@@ -9,7 +8,7 @@ from typing import Final
 
 from dogbot_logtool.errors import CallError, DefinitionError
 from dogbot_logtool.finding import Finding
-from dogbot_logtool.io.printable import listed
+from dogbot_logtool.io.printable import listed, shell_joined, shell_quoted
 from dogbot_logtool.io.storage import shown
 from dogbot_logtool.pipeline.feet.candidates import FootCandidates, word_of
 from dogbot_logtool.reader.containers.log import Channel, Log
@@ -119,12 +118,12 @@ def candidates_finding(log: Log, found: Sequence[FootCandidates], call: str, bas
         )
     file = f"{PurePath(log.words[0]).stem}.toml"
     chosen = ["--odom-topic", base] if base else []
-    draft = shlex.join(["dogbot-logtool", "robots", "new", *log.words, *chosen, "-o", file])
+    draft = shell_joined(["dogbot-logtool", "robots", "new", *log.words, *chosen, "-o", file])
     if any(foot.field and foot.field.kind for foot in first.feet):
         # What the fields are can only be said in a robot's file.
         text += f"; they are not used unasked. This writes a robot's file with them: {draft}"
         return Finding("W_FEET_POSSIBLE", text, command=draft)
-    words = " ".join(f"--foot {foot.name}={shlex.quote(word_of(foot))}" for foot in first.feet)
+    words = " ".join(f"--foot {foot.name}={shell_quoted(word_of(foot))}" for foot in first.feet)
     command = f"{call} {words}"
     text += (
         f"; they are not used unasked. `{draft}` writes a robot's file with them; this measures "

@@ -1,6 +1,5 @@
 """Which topics are a robot's feet: by the user's word, by the robot's file, else by names."""
 
-import shlex
 from collections.abc import Mapping, Sequence
 from collections.abc import Set as AbstractSet
 from dataclasses import replace
@@ -9,7 +8,7 @@ from typing import Final
 from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.errors import CallError
 from dogbot_logtool.finding import Finding
-from dogbot_logtool.io.printable import listed
+from dogbot_logtool.io.printable import listed, shell_quoted
 from dogbot_logtool.io.storage import shown
 from dogbot_logtool.pipeline.feet.field_feet import (
     field_channels,
@@ -180,7 +179,7 @@ def find_feet(log: Log, robot: Robot, findings: list[Finding]) -> tuple[Robot, F
                 findings.append(Finding("W_FOOT_MISSING", text, foot.topic))
         unnamed = _unnamed(log, feet)
         for foot in unnamed:
-            options = f"--foot {foot.name}={shlex.quote(foot.topic)}"
+            options = f"--foot {foot.name}={shell_quoted(foot.topic)}"
             text = f"{foot.topic} is like the feet of {robot.name}, but none of them ({options})"
             findings.append(Finding("W_FOOT_MISSING", text, foot.topic))
         # Their messages are not read, so that what rests on all feet is not known.
@@ -327,7 +326,7 @@ def _offer(offered: Sequence[FootSet]) -> FootOffer:
 
 def foot_options(feet: FootSet) -> str:
     """Return the words for a shell that choose these feet."""
-    return " ".join(f"--foot {foot.name}={shlex.quote(foot.topic)}" for foot in feet.feet)
+    return " ".join(f"--foot {foot.name}={shell_quoted(foot.topic)}" for foot in feet.feet)
 
 
 def _without_feet(topics: Sequence[str], recorded: Sequence[str]) -> str:

@@ -95,8 +95,7 @@ def _timing_findings(edges: Sequence[FrameEdge]) -> Iterable[Finding]:
         yield Finding("N_FRAME_STAMPS_REPEATED", text)
     gaps = [(edge, timing) for edge, timing in moving if timing.gaps]
     if gaps:
-        worst = max(gaps, key=lambda pair: pair[1].longest_gaps[0].length_s)
-        longest = worst[1].longest_gaps[0].length_s
+        longest = max(timing.longest_gap_s for _, timing in gaps)
         text = f"transforms have gaps, the longest {longest:.3g} s: {_edges([g[0] for g in gaps])}"
         yield Finding("W_FRAME_GAPS", text)
 

@@ -4,10 +4,11 @@ from collections import Counter
 from collections.abc import Mapping, Sequence
 from collections.abc import Set as AbstractSet
 
-from dogbot_logtool.core.frames.frame_edges import FrameEdge, FrameRecorder, RecordedFrames
+from dogbot_logtool.core.frames.frame_edges import FrameEdge, RecordedFrames, recorded_frames
 from dogbot_logtool.core.frames.recorded_transforms import (
     RecordedTransforms,
     concatenate_transforms,
+    no_transforms,
 )
 from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.reader.containers.log import Channel, Log, Loss, Span
@@ -15,7 +16,6 @@ from dogbot_logtool.reader.decode.objects import OBJECT_ENCODINGS
 from dogbot_logtool.reader.messages.messages import malformed_in
 from dogbot_logtool.reader.messages.transforms import (
     FOXGLOVE_TYPES,
-    NO_TRANSFORMS,
     decode_transforms,
     is_static,
     transform_columns,
@@ -92,11 +92,11 @@ def read_frames(
     def work(span: Span) -> _ReadBatch:
         return _read_batch(log, span, ros_channels, readable)
 
-    recorder = FrameRecorder(frozenset(n for n, one in channels.items() if is_static(one)))
+    parts = [no_transforms()]
     losses: list[Loss] = []
     malformed: Counter[int] = Counter()
     for batch in in_order(work, spans, jobs, forks=log.can_fork):
-        recorder.add(batch.transforms)
+        parts.append(batch.transforms)
         losses.extend(batch.losses)
         malformed.update(batch.malformed)
         done += batch.stored_size
@@ -104,7 +104,9 @@ def read_frames(
             progress(done, total)
     losses.extend(malformed_messages(channels, malformed))
     unread = tuple(channel for channel in foxglove if channel.id not in channels)
-    return Frames(recorder.finish(), channels, unread, tuple(losses))
+    static = {number for number, one in channels.items() if is_static(one)}
+    recorded = recorded_frames(concatenate_transforms(parts), static)
+    return Frames(recorded, channels, unread, tuple(losses))
 
 
 def useful_spans(log: Log, channels: Mapping[int, Channel]) -> list[Span]:
@@ -123,7 +125,7 @@ def _read_batch(
 ) -> _ReadBatch:
     batch = log.read(span)
     ours, ros = (decode_transforms(batch, channels) for channels in (foxglove, ros_channels))
-    of_foxglove = concatenate_transforms([*map(transform_columns, ours)] or [NO_TRANSFORMS])
+    of_foxglove = concatenate_transforms([*map(transform_columns, ours)] or [no_transforms()])
     return _ReadBatch(
         transforms=concatenate_transforms([of_foxglove, *map(transform_columns, ros)]),
         malformed=malformed_in([*ours, *ros]),

@@ -17,6 +17,7 @@ from dogbot_logtool.core.frames.link_frames import (
     forces_in_world,
     points_from_frames,
 )
+from dogbot_logtool.core.frames.recorded_transforms import RecordedTransforms
 from dogbot_logtool.core.frames.transform_buffer import (
     TransformBuffer,
     chain_of_frames,
@@ -30,8 +31,6 @@ from dogbot_logtool.pipeline.feet.names import name_feet
 from dogbot_logtool.pipeline.feet.words import Part
 from dogbot_logtool.pipeline.topics.selection import Selection
 from dogbot_logtool.reader.messages.frame_tracks import moving_tracks
-from dogbot_logtool.reader.messages.messages import DecodedMessages
-from dogbot_logtool.reader.messages.transforms import transform_columns
 
 
 class RecordedFrames(Protocol):
@@ -66,23 +65,15 @@ class WorldFrames:
     statics: TransformBuffer
     clock: TimeSource
 
-    def tracks(self, transforms: Sequence[DecodedMessages], poses: Odometry) -> TransformBuffer:
-        """Return what a batch tells of the frames that are needed.
-
-        Args:
-            transforms: the batch's transform messages.
-            poses: its odometry.
-        """
+    def tracks(self, transforms: RecordedTransforms, poses: Odometry) -> TransformBuffer:
+        """Return what transforms and poses tell of the frames that are needed."""
         tracks = TransformBuffer()
         if self.odometry_places_base:
             poses = poses.pick(usable_poses(poses))
             time = self.clock.of(poses)
             track = frame_track(self.world, time, poses.log_time, poses.position, poses.orientation)
             tracks = TransformBuffer({self.base: track} if track else {})
-        for messages in transforms:
-            recorded = transform_columns(messages)
-            tracks = tracks.then(moving_tracks(recorded, self.moving, self.clock))
-        return tracks
+        return tracks.then(moving_tracks(transforms, self.moving, self.clock))
 
     def place(self, samples: Sequence[Samples], around: TransformBuffer) -> "Placed":
         """Turn forces into the world and give sensors their positions, where frames tell.

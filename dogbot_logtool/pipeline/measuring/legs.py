@@ -1,18 +1,14 @@
-"""Which of a log's messages tell of its legs, and what a batch tells: joints and frames."""
+"""Which of a log's messages tell of its legs: joints and frames."""
 
-from collections import Counter
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Final
 
-import numpy as np
-
 from dogbot_logtool.core.frames.transform_buffer import TransformBuffer
-from dogbot_logtool.core.geometry.arrays import header_time
 from dogbot_logtool.core.geometry.clock import TimeSource
 from dogbot_logtool.core.legs.foot_path import LegChain, chain_to, moving_parents
-from dogbot_logtool.core.legs.joint_track import MOST_JOINTS, JointLimits, JointSamples, JointTable
+from dogbot_logtool.core.legs.joint_track import JointLimits
 from dogbot_logtool.core.legs.settings import JointPair, LegSettings
-from dogbot_logtool.dataclass import dataclass
+from dogbot_logtool.core.recording import Recording
 from dogbot_logtool.pipeline.feet.names import name_feet
 from dogbot_logtool.pipeline.feet.words import ENDS, LETTERS, SIDES, Part, words_of
 from dogbot_logtool.pipeline.probe import Probe, frame_names
@@ -29,101 +25,43 @@ from dogbot_logtool.pipeline.robot_model.urdf import (
     urdf_limits,
 )
 from dogbot_logtool.pipeline.topics.selection import Selection
-from dogbot_logtool.reader.containers.log import Batch, Channel, Log
+from dogbot_logtool.reader.containers.log import Log
 from dogbot_logtool.reader.messages.frame_tracks import moving_tracks
-from dogbot_logtool.reader.messages.joints import JointStates, read_joints
-from dogbot_logtool.reader.messages.messages import DecodedMessages
-from dogbot_logtool.reader.messages.transforms import transform_columns
+from dogbot_logtool.reader.wanted import WantedJoints
 from dogbot_logtool.robot import Foot
 
-_MOST_TOPICS: Final = 16
 _SOLE: Final = frozenset({"sole", "soles", "footsole"})
 
 
-@dataclass(frozen=True, slots=True)
-class LegColumns:
-    """Columns of the legs in a batch."""
-
-    joints: tuple[JointTable, ...]
-    frames: TransformBuffer
-    """Frames of legs that transforms move."""
-    end: int | None
-    """ns, latest log time in the batch; None: it is empty."""
-    malformed: Mapping[int, int]
-    """Messages of joint states that could not be decoded, by channel id."""
+def wanted_joints(log: Log) -> tuple[WantedJoints, ...]:
+    """Choose the channels of joint states, the best first; each joint is read of one of them."""
+    wanted, seen = [], set[str]()
+    for channel in joint_channels(log):
+        wanted.append(WantedJoints(channel, frozenset(seen)))
+        seen |= joint_names(log, channel)
+    return tuple(wanted)
 
 
-@dataclass(frozen=True, slots=True)
-class LegReader:
-    """Reads what batches tell of the legs; called in several threads or processes at once."""
-
-    settings: LegSettings
-    channels: tuple[Channel, ...]
-    """Channels of joint states."""
-    taken: Mapping[int, frozenset[str]]
-    """Joints by channel id that a better topic tells of; they are not read."""
-    moving: Mapping[str, str]
-    """Parents of the frames that transforms move."""
-    clock: TimeSource
-
-    def read(self, batch: Batch, transforms: Sequence[DecodedMessages]) -> LegColumns:
-        """Read a batch, of which the transforms are decoded."""
-        log_time = batch.messages.log_time
-        frames = TransformBuffer()
-        if self.moving:
-            for messages in transforms:
-                tracks = moving_tracks(transform_columns(messages), self.moving, self.clock)
-                frames = frames.then(tracks)
-        states = [
-            (channel, told) for channel in self.channels for told in read_joints(batch, channel)
-        ]
-        malformed: Counter[int] = Counter()
-        for _, told in states:
-            malformed.update(told.malformed)
-        return LegColumns(
-            joints=tuple(self._tables(states)),
-            frames=frames,
-            end=int(log_time.max()) if len(log_time) else None,
-            malformed=malformed,
-        )
-
-    def _tables(self, states: Iterable[tuple[Channel, JointStates]]) -> Iterator[JointTable]:
-        for channel, told in states:
-            taken = self.taken[channel.id]
-            kept = [row for row, name in enumerate(told.names) if name not in taken][:MOST_JOINTS]
-            if kept and len(told.log_time):
-                stamp = header_time(told.stamp, told.log_time)
-                values = told.position, told.velocity, told.effort
-                samples = JointSamples(told.log_time, stamp, *values).only(np.array(kept))
-                names = tuple(told.names[row] for row in kept)
-                yield JointTable(channel.topic, names, samples)
-
-
-def leg_reader(log: Log, selection: Selection, probe: Probe, clock: TimeSource) -> LegReader | None:
-    """Decide what tells of the legs; None: nothing does.
+def find_legs(
+    log: Log, recording: Recording, selection: Selection, probe: Probe, clock: TimeSource
+) -> tuple[LegSettings, TransformBuffer] | None:
+    """Decide what tells of the legs, and follow their frames that move; None: nothing does.
 
     Joint states with the log's own robot description place the feet, else its transforms.
     """
-    channels = tuple(joint_channels(log)[:_MOST_TOPICS])
-    if not channels and not selection.transforms:
-        return None
-    names = [joint_names(log, channel) for channel in channels]
-    taken, seen = {}, set[str]()
-    for channel, told in zip(channels, names, strict=True):
-        taken[channel.id] = frozenset(seen)
-        seen |= told
+    seen = {name for table in recording.joints for name in table.names}
     legs = _Legs(selection, probe)
     chains, limits = legs.by_description(log, seen) if seen else ((), {})
     if not any(chains):
         chains = legs.by_transforms()
-    if not any(chains) and not channels:
+    if not any(chains) and not recording.joints:
         return None
     by_transforms = [None if chain is None or chain.joints else chain for chain in chains]
     foot_of_joint = _feet_of_joints(selection.robot.feet, chains, seen)
     settings = LegSettings(
         chains=chains,
         reasons=tuple("" if chain else legs.why_not(foot) for foot, chain in enumerate(chains)),
-        joint_topics=tuple(dict.fromkeys(channel.topic for channel in channels)),
+        joint_topics=tuple(table.topic for table in recording.joints),
         foot_of_joint=foot_of_joint,
         pairs=_pairs(selection.robot.feet, foot_of_joint),
         limits=limits,
@@ -131,7 +69,7 @@ def leg_reader(log: Log, selection: Selection, probe: Probe, clock: TimeSource) 
         statics=probe.statics,
     )
     moving = moving_parents(by_transforms, legs.parents, probe.statics)
-    return LegReader(settings, channels, taken, moving, clock)
+    return settings, moving_tracks(recording.transforms, moving, clock)
 
 
 class _Legs:

@@ -1,28 +1,32 @@
-"""The plan of `stats` for a log, made before it is read through."""
+"""The plan of `stats`: what is read of a log, and what decides its figures once it is read."""
 
 from dataclasses import replace
 from typing import TYPE_CHECKING, Final
 
+import numpy as np
+
 from dogbot_logtool.core.contact.contact_rule import Thresholds
-from dogbot_logtool.core.contact.silent_swing import SilentFeet, SwingInserter
+from dogbot_logtool.core.contact.silent_swing import SilentFeet
 from dogbot_logtool.core.frames.wrench_frame import WrenchFrame
 from dogbot_logtool.core.geometry.clock import TimeSource
+from dogbot_logtool.core.quality.log_clock import LogClock
+from dogbot_logtool.core.recording import Recording
 from dogbot_logtool.core.settings import FootSettings, StatsSettings
+from dogbot_logtool.core.walk import on_clock
 from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.errors import LogError
-from dogbot_logtool.pipeline.batches import BatchReader
+from dogbot_logtool.pipeline.feet.message_feet import planned_feet
 from dogbot_logtool.pipeline.frames.world_frames import WorldFrames, follow_frames
-from dogbot_logtool.pipeline.measuring.batch import BatchMeasurer
 from dogbot_logtool.pipeline.measuring.side_types import has_side_topics
 from dogbot_logtool.pipeline.options import StatsOptions
-from dogbot_logtool.pipeline.probe import Probe, frame_names, probe_log
+from dogbot_logtool.pipeline.probe import Probe, frame_names, probe_recording
 from dogbot_logtool.pipeline.sensors import LearntSensors, learn_sensors
-from dogbot_logtool.pipeline.time_span import TimeLimits, time_limits
+from dogbot_logtool.pipeline.time_span import time_limits
 from dogbot_logtool.pipeline.topics.selection import Selection, nothing_to_do, select_topics
 from dogbot_logtool.reader.containers.log import Log
+from dogbot_logtool.reader.wanted import Wanted, WantedJoints
 
 if TYPE_CHECKING:
-    from dogbot_logtool.pipeline.measuring.legs import LegReader
     from dogbot_logtool.pipeline.measuring.side_topics import SideTopics
 
 _FRAMES: Final = {"world": WrenchFrame.WORLD, "link": WrenchFrame.LINK}
@@ -30,55 +34,31 @@ _FRAMES: Final = {"world": WrenchFrame.WORLD, "link": WrenchFrame.LINK}
 
 @dataclass(frozen=True, slots=True)
 class MeasuringPlan:
-    """The plan of `stats` for one log."""
+    """What is read of a log."""
+
+    selection: Selection
+    planned: Selection | None
+    """The same feet as a plan in the log has them; None: it has none."""
+    side: "SideTopics | None"
+    """Topics beside feet and base; None: the log has nothing of the kind."""
+    wanted: Wanted
+
+
+@dataclass(frozen=True, slots=True)
+class LearntSettings:
+    """What the columns of a recording tell of how to measure it."""
 
     selection: Selection
     probe: Probe
     settings: StatsSettings
     silent: SilentFeet
     """The feet that are silent in swing."""
-    side: "SideTopics | None"
-    """Topics beside feet and base; None: the log has nothing of the kind."""
-    limits: TimeLimits
-    """Log times of the messages that are taken."""
     frames: WorldFrames | None
     """How the frames of forces are connected to the world; None: no force must be turned."""
-    legs: "LegReader | None"
-    """Reads what is told of the legs; None: nothing is."""
-
-    @property
-    def measurer(self) -> BatchMeasurer:
-        """The measurer of the log's batches."""
-        feet = replace(self.selection.foot_channels(), left_after_ns=self.probe.left_after_ns)
-        sensors = [self.settings.sensor(foot) for foot in range(len(self.settings.feet))]
-        reads_transforms = self.legs is not None and bool(self.legs.moving)
-        reader = BatchReader(
-            self.selection, feet, self.frames, sensors, self.limits, reads_transforms
-        )
-        return BatchMeasurer(reader, self.side, self.legs)
-
-    def swings(self, log: Log) -> SwingInserter:
-        """Return what tells the swings of silent sensors; up to the ends of a log read whole."""
-        start, end = self.limits
-        return SwingInserter(
-            self.silent,
-            log.start_time if start is None else None,
-            log.end_time if end is None else None,
-        )
-
-    def on_log_time(self, log: Log, reason: str) -> "MeasuringPlan":
-        """Return the plan for a log whose header stamps cannot be used."""
-        settings = replace(self.settings, time_source=TimeSource.LOG, time_source_reason=reason)
-        return replace(
-            self,
-            settings=settings,
-            frames=_frames(self.selection, self.probe, settings),
-            legs=_leg_reader(log, self.selection, self.probe, settings),
-        )
 
 
 def make_plan(log: Log, options: StatsOptions) -> MeasuringPlan:
-    """Decide what to do.
+    """Decide what to read.
 
     Raises:
         LogError: the log has neither odometry nor contacts.
@@ -87,26 +67,66 @@ def make_plan(log: Log, options: StatsOptions) -> MeasuringPlan:
     selection = select_topics(log, options.topics)
     if not selection.odometry and not selection.contacts:
         raise LogError(nothing_to_do(log, selection))
-    probe = probe_log(log, selection, with_soles=_may_tell_of_legs(log, selection))
+    planned = _planned(log, selection, options)
+    side = _side_topics(log, options)
+    wanted = replace(
+        selection.wanted(),
+        joints=_wanted_joints(log),
+        commands=side.commands if side else None,
+        accelerations=side.inertial if side else None,
+        planned=planned.contacts if planned else (),
+        planned_feet=planned.foot_channels() if planned else None,
+        limits=time_limits(log, options.start_s, options.end_s),
+    )
+    return MeasuringPlan(selection, planned, side, wanted)
+
+
+def _planned(log: Log, selection: Selection, options: StatsOptions) -> Selection | None:
+    """Return the selection of the feet of a plan that the log has beside their sensors."""
+    if options.topics.feet:
+        return None
+    feet = planned_feet(log, selection.robot, selection.contacts)
+    if not feet:
+        return None
+    topics = replace(
+        options.topics, foot_topics=None, offsets_n=None, takes_offsets=False, feet=feet
+    )
+    return select_topics(log, topics)
+
+
+def learn_settings(
+    recording: Recording,
+    selection: Selection,
+    side: "SideTopics | None",
+    options: StatsOptions,
+) -> LearntSettings:
+    """Learn from the columns of a recording how it is to be measured.
+
+    Raises:
+        CallError: an option names a foot that the log does not have.
+    """
+    may_have_legs = bool(recording.joints or selection.transforms)
+    probe = probe_recording(recording, selection, with_soles=may_have_legs)
     selection = selection.without_forces(probe.forceless)
     given = Thresholds(options.contact_on_n, options.contact_off_n, options.debounce_s)
-    sensors = learn_sensors(log, selection, probe, options.topics, given)
-    side = _side_topics(log, options)
-    settings = _settings(log, selection, probe, sensors, options, side)
-    return MeasuringPlan(
-        selection=selection,
-        probe=probe,
-        settings=settings,
-        silent=sensors.silent,
-        side=side,
-        limits=time_limits(log, options.start_s, options.end_s),
-        frames=_frames(selection, probe, settings),
-        legs=_leg_reader(log, selection, probe, settings),
+    sensors = learn_sensors(selection, probe, options.topics, given)
+    settings = _settings(recording, selection, probe, sensors, options, side)
+    return LearntSettings(
+        selection, probe, settings, sensors.silent, _frames(selection, probe, settings)
     )
 
 
+def learnt_on_clock(learnt: LearntSettings, clock: LogClock) -> LearntSettings:
+    """Return the settings for the clock that a recording is measured on."""
+    if not clock.reason:
+        return learnt
+    settings = on_clock(learnt.settings, clock)
+    frames = _frames(learnt.selection, learnt.probe, settings)
+    return replace(learnt, settings=settings, frames=frames)
+
+
 def _settings(
-    log: Log,
+    recording: Recording,
     selection: Selection,
     probe: Probe,
     sensors: LearntSensors,
@@ -143,7 +163,7 @@ def _settings(
         odometry_topic=selection.odometry[0].topic if selection.odometry else "",
         command_topic=side.commands.topic if side and side.commands else "",
         imu_topic=side.inertial.topic if side and side.inertial else "",
-        imu_mounting=_mounting(log, selection, probe, side) if side else None,
+        imu_mounting=_mounting(recording, selection, probe),
     )
 
 
@@ -164,13 +184,23 @@ def _time_source(
 
 
 def _mounting(
-    log: Log, selection: Selection, probe: Probe, side: "SideTopics"
+    recording: Recording, selection: Selection, probe: Probe
 ) -> tuple[float, float, float, float] | None:
-    """Return how the inertial unit sits on the base; None: not recorded."""
-    from dogbot_logtool.pipeline.measuring.side_topics import imu_mounting  # noqa: PLC0415
+    """Return how an inertial unit sits on the base, by recorded static transforms.
 
+    Returns:
+        x, y, z, w of its frame in the base's; None: not recorded, or it is the base's.
+    """
+    frames = recording.accelerations.frames if recording.accelerations else ()
     _, base_frame = frame_names(selection.robot, probe)
-    return imu_mounting(log, side.inertial, probe.statics, base_frame)
+    if len(frames) != 1 or frames[0].lstrip("/") == base_frame or not probe.statics.frames:
+        return None
+    now = np.zeros(1, np.int64)
+    pose = probe.statics.lookup(frames[0].lstrip("/"), base_frame, now, now)
+    if not pose.known[0]:
+        return None
+    x, y, z, w = pose.rotation[0].tolist()
+    return x, y, z, w
 
 
 def _side_topics(log: Log, options: StatsOptions) -> "SideTopics | None":
@@ -183,21 +213,14 @@ def _side_topics(log: Log, options: StatsOptions) -> "SideTopics | None":
     return side_topics(log, options)
 
 
-def _may_tell_of_legs(log: Log, selection: Selection) -> bool:
-    """Tell whether there are transforms, or types of messages that may be joint states."""
+def _wanted_joints(log: Log) -> tuple[WantedJoints, ...]:
+    """Choose the channels of joint states; nothing is imported where no topic may be one."""
     types = {channel.type_name.rpartition("/")[2] for channel in log.channels.values()}
-    return bool(selection.transforms) or any("Joint" in t or "LowState" in t for t in types)
+    if not any("Joint" in name or "LowState" in name for name in types):
+        return ()
+    from dogbot_logtool.pipeline.measuring.legs import wanted_joints  # noqa: PLC0415
 
-
-def _leg_reader(
-    log: Log, selection: Selection, probe: Probe, settings: StatsSettings
-) -> "LegReader | None":
-    """Return what reads of the legs; None, and nothing is imported, where no topic may tell."""
-    if not _may_tell_of_legs(log, selection):
-        return None
-    from dogbot_logtool.pipeline.measuring.legs import leg_reader  # noqa: PLC0415
-
-    return leg_reader(log, selection, probe, settings.clock)
+    return wanted_joints(log)
 
 
 def _frames(selection: Selection, probe: Probe, settings: StatsSettings) -> WorldFrames | None:

@@ -4,24 +4,20 @@ import re
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any, Final
 
-import numpy as np
-
-from dogbot_logtool.core.frames.transform_buffer import TransformBuffer
 from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.errors import CallError, DefinitionError, LogError
 from dogbot_logtool.finding import Finding
 from dogbot_logtool.io.printable import listed
 from dogbot_logtool.io.storage import shown
 from dogbot_logtool.pipeline.options import StatsOptions
-from dogbot_logtool.reader.containers.log import Batch, Channel, Log
+from dogbot_logtool.reader.containers.log import Channel, Log
 from dogbot_logtool.reader.messages.vectors import (
     COMMANDS,
     INERTIAL_UNITS,
-    ReadVectors,
     VectorSource,
     check_vectors,
-    read_vectors,
 )
+from dogbot_logtool.reader.wanted import WantedVectors
 
 Rank = Callable[[str], "tuple[int, ...] | None"]
 """Returns how likely a topic is meant, low first; None: it is not."""
@@ -44,24 +40,11 @@ _ELSEWHERE: Final = frozenset(
 
 
 @dataclass(frozen=True, slots=True)
-class SideTopic:
-    """A topic that is read, with all of its senders."""
-
-    topic: str
-    channels: tuple[Channel, ...]
-    sources: Mapping[str, VectorSource]
-
-    def read(self, batch: Batch) -> ReadVectors:
-        """Read what a batch has of it."""
-        return read_vectors(batch, self.channels, self.sources)
-
-
-@dataclass(frozen=True, slots=True)
 class SideTopics:
     """Topics beside feet and base."""
 
-    commands: SideTopic | None
-    inertial: SideTopic | None
+    commands: WantedVectors | None
+    inertial: WantedVectors | None
     findings: tuple[Finding, ...]
     """Which of several topics they are."""
 
@@ -83,35 +66,6 @@ def side_topics(log: Log, options: StatsOptions) -> SideTopics:
         ranked = _ranked(log, INERTIAL_UNITS, _inertial_rank)
         inertial = _first(ranked, "the base's accelerations", "N_IMU_FOUND", "--imu", findings)
     return SideTopics(commands, inertial, tuple(findings))
-
-
-def imu_mounting(
-    log: Log, imu: SideTopic | None, statics: TransformBuffer, base_frame: str
-) -> tuple[float, float, float, float] | None:
-    """Return how an inertial unit sits on the base, by recorded static transforms.
-
-    Args:
-        log: the log; one chunk of it is read.
-        imu: the unit's topic; None: there is none.
-        statics: transforms that hold for ever.
-        base_frame: the base's frame.
-
-    Returns:
-        x, y, z, w of its frame in the base's; None: not recorded, or it is the base's.
-    """
-    if imu is None or not statics.frames:
-        return None
-    ids = {channel.id for channel in imu.channels}
-    chunk = next((c for c in log.chunks if c.counts is None or not ids.isdisjoint(c.counts)), None)
-    frames = imu.read(log.read((chunk,))).frames if chunk else ()
-    if len(frames) != 1 or frames[0].lstrip("/") == base_frame:
-        return None
-    now = np.zeros(1, np.int64)
-    pose = statics.lookup(frames[0].lstrip("/"), base_frame, now, now)
-    if not pose.known[0]:
-        return None
-    x, y, z, w = pose.rotation[0].tolist()
-    return x, y, z, w
 
 
 def _words(topic: str) -> frozenset[str]:
@@ -136,7 +90,7 @@ def _inertial_rank(topic: str) -> tuple[int, ...] | None:
     return (int("raw" in words),)
 
 
-def _ranked(log: Log, sources: Mapping[str, VectorSource], rank: Rank) -> list[SideTopic]:
+def _ranked(log: Log, sources: Mapping[str, VectorSource], rank: Rank) -> list[WantedVectors]:
     """Return the topics of some types that may be meant, the best first.
 
     Of equally good ones that of the better type comes first, then that with the most messages.
@@ -149,7 +103,7 @@ def _ranked(log: Log, sources: Mapping[str, VectorSource], rank: Rank) -> list[S
             kind = list(sources).index(readable[0].type_name)
             count = sum(log.counts.get(channel.id, 0) for channel in readable)
             found.append(((order, kind, -count, len(topic), topic), readable))
-    return [SideTopic(key[-1], readable, sources) for key, readable in sorted(found, key=_key)]
+    return [WantedVectors(key[-1], readable, sources) for key, readable in sorted(found, key=_key)]
 
 
 def _key(found: tuple[tuple[object, ...], tuple[Channel, ...]]) -> Any:  # noqa: ANN401 - an order
@@ -176,8 +130,8 @@ def _unreadable(channel: Channel, sources: Mapping[str, VectorSource]) -> str:
 
 
 def _first(
-    ranked: Sequence[SideTopic], what: str, code: str, option: str, findings: list[Finding]
-) -> SideTopic | None:
+    ranked: Sequence[WantedVectors], what: str, code: str, option: str, findings: list[Finding]
+) -> WantedVectors | None:
     """Take the best topic, and say which, and what else there is."""
     if not ranked:
         return None
@@ -190,7 +144,7 @@ def _first(
 
 def _named(
     log: Log, topic: str | None, sources: Mapping[str, VectorSource], option: str
-) -> SideTopic | None:
+) -> WantedVectors | None:
     """Return the topic that the user names."""
     if topic is None:
         return None
@@ -198,7 +152,7 @@ def _named(
     channels = [c for c in log.channels_by_topic.get(topic, ()) if c.type_name in sources]
     readable = _readable(log, topic, sources)
     if readable:
-        return SideTopic(topic, readable, sources)
+        return WantedVectors(topic, readable, sources)
     if channels:
         raise LogError(f"{where}: {topic} cannot be read: {_unreadable(channels[0], sources)}")
     usable = sorted({c.topic for c in log.channels.values() if c.type_name in sources})

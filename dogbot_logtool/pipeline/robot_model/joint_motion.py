@@ -7,7 +7,7 @@ from typing import Final
 import numpy as np
 
 from dogbot_logtool.core.frames.kinematics import Joint, LinkTransforms, link_poses
-from dogbot_logtool.core.geometry.arrays import header_time
+from dogbot_logtool.core.geometry.arrays import Floats, Ints, header_time
 from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.errors import DefinitionError
 from dogbot_logtool.pipeline.probe import Probe
@@ -17,6 +17,7 @@ from dogbot_logtool.reader.decode.fields import text
 from dogbot_logtool.reader.messages.joints import JOINT_TYPES, check_joints, read_joints
 from dogbot_logtool.reader.messages.messages import check_channel, decode_channels
 
+_MOST_CHANNELS: Final = 16
 _MOST_CHUNKS: Final = 64
 """Chunks that are searched for a first message."""
 _NOT_MEASURED: Final = ("command", "cmd", "desired", "target", "goal", "reference", "foot")
@@ -40,14 +41,29 @@ class JointMotion:
         return tuple((joint.parent, joint.child) for joint in self.joints)
 
     def read(self, batch: Batch) -> Iterator[LinkTransforms]:
-        """Yield the links of a batch's joint states; those that lack a joint are left out."""
-        moving = np.array([joint.kind != "fixed" for joint in self.joints])
+        """Yield the links of a batch's joint states."""
         for told in read_joints(batch, self.channel):
-            position = told.positions_of([joint.measured for joint in self.joints])
-            rows = np.flatnonzero(np.isfinite(position[:, moving]).all(axis=1))
-            log_time = told.log_time[rows]
-            poses = link_poses(self.joints, position[rows])
-            yield LinkTransforms(log_time, header_time(told.stamp[rows], log_time), poses)
+            yield self.links(told.names, told.log_time, told.stamp, told.position)
+
+    def links(
+        self, names: Sequence[str], log_time: Ints, stamp: Ints, position: Floats
+    ) -> LinkTransforms:
+        """Return the links of n joint states; those that lack a joint are left out.
+
+        Args:
+            names: of the joints.
+            log_time: (n,) ns.
+            stamp: (n,) ns; 0: none.
+            position: (n, len(names)) rad or m.
+        """
+        own = np.full((len(log_time), len(self.joints)), np.nan)
+        for column, joint in enumerate(self.joints):
+            if joint.measured in names:
+                own[:, column] = position[:, names.index(joint.measured)]
+        moving = np.array([joint.kind != "fixed" for joint in self.joints])
+        rows = np.flatnonzero(np.isfinite(own[:, moving]).all(axis=1))
+        times = log_time[rows], header_time(stamp[rows], log_time[rows])
+        return LinkTransforms(*times, link_poses(self.joints, own[rows]))
 
 
 def joint_motion(log: Log, probe: Probe, base: str, description: str | None) -> JointMotion | None:
@@ -105,7 +121,7 @@ def own_description(log: Log) -> str | None:
 
 
 def joint_channels(log: Log) -> list[Channel]:
-    """Return the channels of joints' measured states: best type first, then short topics."""
+    """Return the first channels of joints' measured states: best type, then shortest topic."""
     found = []
     for channel in log.channels.values():
         words = channel.topic.lower()
@@ -117,9 +133,8 @@ def joint_channels(log: Log) -> list[Channel]:
             continue
         if log.counts.get(channel.id, 1):
             found.append(channel)
-    return sorted(
-        found, key=lambda each: (JOINT_TYPES.index(each.type_name), len(each.topic), each.topic)
-    )
+    found.sort(key=lambda each: (JOINT_TYPES.index(each.type_name), len(each.topic), each.topic))
+    return found[:_MOST_CHANNELS]
 
 
 def joint_names(log: Log, channel: Channel) -> frozenset[str]:

@@ -1,31 +1,29 @@
 """Positions of the robot's joints over time, by transforms or by joint states."""
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import Final
 
 import numpy as np
 
-from dogbot_logtool.core.frames.kinematics import LinkTransforms
 from dogbot_logtool.core.frames.transform_buffer import (
-    FrameTrack,
     TransformBuffer,
     chain_of_frames,
     frame_track,
 )
 from dogbot_logtool.core.geometry.arrays import Float32s, Floats, Ints
 from dogbot_logtool.core.geometry.clock import TimeSource
+from dogbot_logtool.core.geometry.order_statistics import distinct
 from dogbot_logtool.core.geometry.rotations import rotate
+from dogbot_logtool.core.legs.joint_track import JointTable
+from dogbot_logtool.core.recording import Recording
 from dogbot_logtool.dataclass import dataclass
-from dogbot_logtool.pipeline.frames.frames import useful_spans
 from dogbot_logtool.pipeline.probe import Probe, frame_names
 from dogbot_logtool.pipeline.robot_model.description import log_skeleton, model_feet
-from dogbot_logtool.pipeline.robot_model.joint_motion import JointMotion, joint_motion
+from dogbot_logtool.pipeline.robot_model.joint_motion import JointMotion
 from dogbot_logtool.pipeline.robot_model.skeleton import ModelFoot
 from dogbot_logtool.pipeline.topics.selection import Selection
-from dogbot_logtool.reader.containers.log import Log, Span
 from dogbot_logtool.reader.messages.frame_tracks import moving_tracks
-from dogbot_logtool.reader.messages.transforms import decode_transforms, transform_columns
-from dogbot_logtool.run.in_order import in_order
 
 MOST_FRAMES: Final = 64
 """Frames of a robot that are followed."""
@@ -55,23 +53,27 @@ class _Bones:
     feet: Sequence[ModelFoot]
 
 
-def read_limbs(
-    log: Log, selection: Selection, probe: Probe, clock: TimeSource, time: Ints, jobs: int
+def find_limbs(
+    recording: Recording,
+    selection: Selection,
+    probe: Probe,
+    motion: JointMotion | None,
+    clock: TimeSource,
+    time: Ints,
 ) -> Limbs | None:
     """Follow the frames of a robot; None where nothing connects any with its base.
 
     The log's transforms place them, or its joint states with its robot description.
 
     Args:
-        log: the log.
-        selection: its transforms, and the robot's feet.
+        recording: transforms and joint states.
+        selection: the robot's feet.
         probe: the log's frames.
+        motion: how joint states move links; None: they do not.
         clock: the clock of `time`.
         time: (n,) ns, increasing.
-        jobs: how many batches are read at once.
     """
     _, base = frame_names(selection.robot, probe)
-    motion = joint_motion(log, probe, base, None)
     bones = _bones(selection, probe, base, motion)
     if not bones.shown or len(bones.shown) > MOST_FRAMES:
         return None
@@ -80,22 +82,11 @@ def read_limbs(
         for frame, parent in bones.parents.items()
         if frame not in probe.statics.frames
     }
-    channels = {channel.id: channel for channel in selection.transforms}
-    if motion is not None:
-        channels[motion.channel.id] = motion.channel
-
-    def work(span: Span) -> TransformBuffer:
-        batch = log.read(span)
-        found = TransformBuffer()
-        for messages in decode_transforms(batch, selection.transforms):
-            found = found.then(moving_tracks(transform_columns(messages), moving, clock))
-        for links in motion.read(batch) if motion else ():
-            found = found.then(_link_tracks(links, motion, clock))
-        return TransformBuffer({name: _near(track, time) for name, track in found.frames.items()})
-
     buffer = probe.statics.only(bones.parents.keys())
-    for part in in_order(work, useful_spans(log, channels), jobs, forks=log.can_fork):
-        buffer = buffer.then(part)
+    buffer = buffer.then(moving_tracks(recording.transforms, moving, clock))
+    for table in recording.joints:
+        if motion is not None and table.topic == motion.channel.topic:
+            buffer = buffer.then(_link_tracks(_near_rows(table, time, clock), motion, clock))
     return _limbs(buffer, bones, time, [foot.name for foot in selection.robot.feet])
 
 
@@ -112,12 +103,20 @@ def _bones(selection: Selection, probe: Probe, base: str, motion: JointMotion | 
     return _Bones(base, parents, connected, feet)
 
 
-def _link_tracks(
-    links: LinkTransforms, motion: JointMotion | None, clock: TimeSource
-) -> TransformBuffer:
+def _near_rows(table: JointTable, time: Ints, clock: TimeSource) -> JointTable:
+    """Return the joint states that times lie between, and the first one."""
+    after = np.searchsorted(clock.of(table.samples), time)
+    rows = np.concatenate([after - 1, after, [0]])
+    rows = distinct(np.clip(rows, 0, len(table.samples.stamp) - 1))
+    return replace(table, samples=table.samples.pick(rows))
+
+
+def _link_tracks(table: JointTable, motion: JointMotion, clock: TimeSource) -> TransformBuffer:
     """Return the links that joint states move, as transforms."""
     tracks = {}
-    for column, joint in enumerate(motion.joints if motion else ()):
+    own = table.samples
+    links = motion.links(table.names, own.log_time, own.stamp, own.position.astype(np.float64))
+    for column, joint in enumerate(motion.joints):
         translation = links.poses.translation[:, column]
         rotation = links.poses.rotation[:, column]
         times = clock.of(links), links.log_time
@@ -125,15 +124,6 @@ def _link_tracks(
         if track is not None:
             tracks[joint.child] = track
     return TransformBuffer(tracks)
-
-
-def _near(track: FrameTrack, time: Ints) -> FrameTrack:
-    """Return the rows of a track that times lie between, and its ends."""
-    after = np.searchsorted(track.time, time)
-    rows = np.concatenate([after - 1, after, [0]])
-    kept = np.zeros(len(track.time), np.bool_)
-    kept[np.clip(rows, 0, len(kept) - 1)] = True
-    return track.pick(kept)
 
 
 def _limbs(buffer: TransformBuffer, bones: _Bones, time: Ints, names: list[str]) -> Limbs:

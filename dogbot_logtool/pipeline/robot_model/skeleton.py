@@ -76,14 +76,14 @@ def skeleton(
         ambiguous: frames with several parents, which are left out with all below them.
         feet: of the robot; those with unconnected frames are left out.
     """
+    children: dict[str, list[str]] = {}
+    for child, pose in poses.items():
+        if child not in ambiguous:
+            children.setdefault(pose.parent, []).append(child)
     frames: dict[str, FramePose] = {}
     level = [base]
     for _ in range(DEEPEST):
-        below = sorted(
-            child
-            for child, pose in poses.items()
-            if pose.parent in level and child not in ambiguous and child not in {*frames, base}
-        )
-        frames.update((child, poses[child]) for child in below)
-        level = below
+        below = (child for parent in level for child in children.get(parent, ()))
+        level = sorted(child for child in below if child != base and child not in frames)
+        frames.update((child, poses[child]) for child in level)
     return Skeleton(base, frames, tuple(foot for foot in feet if foot.frame in {base, *frames}))

@@ -9,7 +9,7 @@ import numpy as np
 from dogbot_logtool.core.contact.contacts import Samples
 from dogbot_logtool.core.frames.recorded_transforms import RecordedTransforms
 from dogbot_logtool.core.frames.transform_buffer import TransformBuffer
-from dogbot_logtool.core.geometry.arrays import Floats, all_finite
+from dogbot_logtool.core.geometry.arrays import all_finite
 from dogbot_logtool.core.geometry.order_statistics import median_of
 from dogbot_logtool.core.geometry.rotations import conjugate, normalised, rotate
 from dogbot_logtool.pipeline.frames.world_frames import WorldFrames
@@ -19,8 +19,8 @@ if TYPE_CHECKING:
     from dogbot_logtool.pipeline.probe import Probe
     from dogbot_logtool.pipeline.topics.selection import Selection
 
-_MOST_SAMPLES: Final = 200
-"""Contacts of a foot that are used of each batch, evenly spread over it."""
+_MOST_SAMPLES: Final = 2000
+"""Contacts of a foot that are used, evenly spread over the recording."""
 _FEWEST: Final = 5
 _SPREAD_M: Final = 0.05
 """m, median distance from the median beyond which points tell no sole."""
@@ -53,70 +53,51 @@ def first_poses(
     return poses
 
 
-class SoleFinder:
-    """Collects contact points in the frames of the feet's links."""
+def find_soles(
+    feet: Sequence[Samples],
+    frames: WorldFrames,
+    tracks: TransformBuffer,
+    spread_m: float = _SPREAD_M,
+    in_base: AbstractSet[int] = frozenset(),
+) -> dict[int, Point]:
+    """Return the median contact point, m, of each foot whose points agree in its link's frame.
 
-    def __init__(
-        self,
-        frames: WorldFrames,
-        spread_m: float = _SPREAD_M,
-        in_base: AbstractSet[int] = frozenset(),
-    ) -> None:
-        """Begin without points.
+    Args:
+        feet: contact samples of each.
+        frames: how the links hang in the world.
+        tracks: their transforms.
+        spread_m: m, median distance from the median beyond which a foot has no sole.
+        in_base: feet whose points are in the base's frame as they are recorded.
+    """
+    buffer = frames.statics.then(tracks)
+    found: dict[int, Point] = {}
+    for foot, (samples, link) in enumerate(zip(feet, frames.links, strict=True)):
+        rows = np.flatnonzero(samples.in_contact & all_finite(samples.position))
+        rows = rows[:: len(rows) // _MOST_SAMPLES + 1]
+        if link is None or not len(rows):
+            continue
+        picked = samples.pick(rows)
+        points = picked.position
+        if foot not in in_base:
+            time = frames.clock.of(picked)
+            poses = buffer.lookup(link, frames.world, time, picked.log_time)
+            offset = (points - poses.translation)[poses.known]
+            points = rotate(conjugate(poses.rotation[poses.known]), offset)
+        if len(points) < _FEWEST:
+            continue
+        middle = median_of(points, axis=0)
+        spread = float(median_of(np.sqrt(((points - middle) ** 2).sum(axis=1))))
+        if spread <= spread_m and float(np.sqrt((middle**2).sum())) <= _FARTHEST_M:
+            found[foot] = tuple(middle.tolist())
+    return found
 
-        Args:
-            frames: how the links hang in the world.
-            spread_m: m, median distance from the median beyond which a foot has no sole.
-            in_base: feet whose points are in the base's frame as they are recorded.
-        """
-        self._frames = frames
-        self._spread_m = spread_m
-        self._in_base = in_base
-        self._points: dict[int, list[Floats]] = {}
 
-    def add(self, samples: Sequence[Samples], tracks: TransformBuffer) -> None:
-        """Take in the contacts of a batch, and what it tells of the frames."""
-        frames = self._frames
-        buffer = frames.statics.then(tracks)
-        for each in samples:
-            touching = each.in_contact & all_finite(each.position)
-            for foot, link in enumerate(frames.links):
-                rows = np.flatnonzero(touching & (each.foot == foot))
-                rows = rows[:: len(rows) // _MOST_SAMPLES + 1]
-                if link is None or not len(rows):
-                    continue
-                picked = each.pick(rows)
-                if foot in self._in_base:
-                    self._points.setdefault(foot, []).append(picked.position)
-                    continue
-                time = frames.clock.of(picked)
-                poses = buffer.lookup(link, frames.world, time, picked.log_time)
-                offset = (picked.position - poses.translation)[poses.known]
-                turned = rotate(conjugate(poses.rotation[poses.known]), offset)
-                self._points.setdefault(foot, []).append(turned)
-
-    def points(self) -> Mapping[int, Point]:
-        """Return the median point of each foot whose points agree, rounded.
-
-        A picture needs no more, and which chunks were looked into hardly shows then.
-        """
-        return {
-            foot: tuple((np.round(np.array(point) / _GRID_M) * _GRID_M + 0.0).tolist())
-            for foot, point in self.exact_points().items()
-        }
-
-    def exact_points(self) -> Mapping[int, Point]:
-        """Return the median point of each foot whose points agree."""
-        found: dict[int, Point] = {}
-        for foot, parts in sorted(self._points.items()):
-            points = np.concatenate(parts)
-            if len(points) < _FEWEST:
-                continue
-            middle = median_of(points, axis=0)
-            spread = float(median_of(np.sqrt(((points - middle) ** 2).sum(axis=1))))
-            if spread <= self._spread_m and float(np.sqrt((middle**2).sum())) <= _FARTHEST_M:
-                found[foot] = tuple(middle.tolist())
-        return found
+def rounded(soles: Mapping[int, Point]) -> dict[int, Point]:
+    """Return soles to the nearest 2 cm: a picture needs no more."""
+    return {
+        foot: tuple((np.round(np.array(point) / _GRID_M) * _GRID_M + 0.0).tolist())
+        for foot, point in soles.items()
+    }
 
 
 def link_of_foot(selection: "Selection", probe: "Probe", number: int) -> tuple[str | None, int]:

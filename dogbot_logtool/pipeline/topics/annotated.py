@@ -7,6 +7,7 @@ definitions tell.
 import struct
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
+from functools import partial
 from typing import Final
 
 from dogbot_logtool.errors import LogError
@@ -47,6 +48,7 @@ def open_recorded(path: Location, others: Sequence[Location] = ()) -> Log:
     except BaseException:
         log.close()
         raise
+    log.reopen = partial(open_recorded, path, others)
     return log
 
 

@@ -3,16 +3,16 @@
 Topics are given by the robot's file or options, or found.
 """
 
-import shlex
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import Final
 
 from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.finding import Finding
-from dogbot_logtool.io.printable import MOST, listed, printable
+from dogbot_logtool.io.printable import MOST, listed, printable, shell_joined
 from dogbot_logtool.io.storage import shown
 from dogbot_logtool.pipeline.feet.candidates import FootCandidates, find_candidates
+from dogbot_logtool.pipeline.feet.cells import split_cells
 from dogbot_logtool.pipeline.feet.field_feet import candidates_finding
 from dogbot_logtool.pipeline.feet.message_feet import compare_flags, flag_findings, is_planned
 from dogbot_logtool.pipeline.feet.raw_levels import RawLevels, with_raw_levels
@@ -41,6 +41,8 @@ from dogbot_logtool.reader.messages.bases.source import BasePoses, BaseSource
 from dogbot_logtool.reader.messages.contacts.registry import source_of, without_flags
 from dogbot_logtool.reader.messages.contacts.source import ContactSource, FootChannels
 from dogbot_logtool.reader.messages.transforms import TRANSFORM_TYPES, is_static
+from dogbot_logtool.reader.salvage.losses import damage_of
+from dogbot_logtool.reader.wanted import Wanted
 from dogbot_logtool.robot import Robot
 
 _LIKELY_WORDS: Final = ("odom", "contact", "foot", "feet", "force", "wrench", "pose", "leg")
@@ -136,6 +138,12 @@ class Selection:
         findings = (*self.findings, Finding("N_ZERO_WRENCHES", text))
         return replace(self, forceless=forceless, findings=findings)
 
+    def wanted(self) -> Wanted:
+        """Return what is read of base, feet and frames."""
+        return Wanted(
+            self.contacts, self.foot_channels(), self.base, self.odometry, self.transforms
+        )
+
     def foot_channels(self) -> FootChannels:
         """Return what reading contacts needs."""
         return FootChannels(
@@ -164,7 +172,8 @@ def select_topics(log: Log, options: TopicOptions) -> Selection:
         for channel in foot_channels(log, robot, topic):
             contacts.append(channel)
             feet_of[channel.id] = feet
-    possible = find_candidates(log) if not contacts and offer is None else []
+    found = find_candidates(log) if not contacts and offer is None else []
+    possible, cells = split_cells(found)
     topics = {foot.topic for foot in (possible[0].feet if possible else robot.feet)}
     topics = {*offer.topics} if offer is not None else topics
     chosen = choose_base(log, robot, findings, topics)
@@ -174,6 +183,7 @@ def select_topics(log: Log, options: TopicOptions) -> Selection:
     call = _call(log, options, chosen.offered)
     offered = None if offer is None else _offered(call, offer)
     findings.extend([*of_feet, offered] if offered else of_feet)
+    findings.extend(cells)
     if possible:
         findings.append(candidates_finding(log, possible, call, chosen.offered))
     elif offered is None and chosen.offered:
@@ -217,7 +227,8 @@ def nothing_to_do(log: Log, selection: Selection) -> str:
     possible = next((f for f in selection.findings if f.code == "W_FEET_POSSIBLE"), None)
     if possible is not None:
         none = "there is neither nav_msgs/Odometry nor a known type of contact messages"
-        return f"{path}: {none}, but {possible.sentence}\n  {possible.command}"
+        command = possible.command and f"\n  {possible.command}"
+        return f"{path}: {none}, but {possible.sentence}{command}"
     for finding in selection.findings:
         if finding.code == "W_NO_ODOMETRY" and "--odom-topic" in finding.text:
             command = finding.command and f"\n  {finding.command}"
@@ -231,7 +242,7 @@ def nothing_to_do(log: Log, selection: Selection) -> str:
     ]
     if len(found) > MOST:
         lines.append(f"\n  and {len(found) - MOST:,} more; `dogbot-logtool info` lists them")
-    damage = f" It is damaged: {log.losses[0].what}." if log.losses else ""
+    damage = f" It is damaged: {damage_of(log, log.losses).text}." if log.losses else ""
     return (
         f"{path}: has neither nav_msgs/Odometry nor contact messages such as "
         "gazebo_msgs/ContactsState that can be used (--odom-topic and --foot name topics)."
@@ -288,7 +299,7 @@ def _call(log: Log, options: TopicOptions, base: str) -> str:
     words += ["--mass", f"{options.mass_kg:g}"] if options.mass_kg is not None else []
     for foot, topic in (options.foot_topics or {}).items():
         words += ["--foot", f"{foot}={topic}"]
-    return shlex.join(words)
+    return shell_joined(words)
 
 
 def _with_command(finding: Finding, call: str) -> Finding:

@@ -1,6 +1,7 @@
 """Logs whose messages lie in chunk records: ROS 1 bags and MCAP files."""
 
 from abc import abstractmethod
+from bisect import bisect_left
 from collections.abc import Sequence
 from dataclasses import replace
 from typing import Final
@@ -41,16 +42,36 @@ class ChunkedLog(Log):
             self._only_batch = self._corrected(span)
         return self._only_batch
 
+    def located(self, loss: Loss) -> Loss:
+        """See `Log.located`. The times are those of its chunk, or of the chunks around it."""
+        if not loss.offset:
+            return loss
+        first, behind = (
+            bisect_left(self.chunks, byte, key=lambda chunk: chunk.offset)
+            for byte in (loss.offset, loss.offset + max(loss.bytes, 1))
+        )
+        if behind > first and self.chunks[first].offset == loss.offset:
+            chunk = self.chunks[first]
+            return replace(loss, start_time=chunk.start_time, end_time=chunk.end_time)
+        before = self.chunks[first - 1].end_time if first else None
+        after = self.chunks[behind].start_time if behind < len(self.chunks) else None
+        if before is not None and after is not None:
+            before, after = sorted((before, after))
+        return replace(loss, start_time=before, end_time=after)
+
     def _corrected(self, span: Span) -> Batch:
         """Read chunks as the log's index describes them, else as their own headers do."""
         batch, damaged = self._read(span)
         corrected = {chunk.offset: own for chunk in damaged if (own := self.by_own_header(chunk))}
         if not corrected:
-            return batch
+            return self._with_times(batch)
         batch, damaged = self._read([corrected.get(chunk.offset, chunk) for chunk in span])
         readable = corrected.keys() - {chunk.offset for chunk in damaged}
         wrong = (_wrong_index(corrected[offset]) for offset in sorted(readable))
-        return replace(batch, losses=(*batch.losses, *wrong))
+        return self._with_times(replace(batch, losses=(*batch.losses, *wrong)))
+
+    def _with_times(self, batch: Batch) -> Batch:
+        return replace(batch, losses=tuple(map(self.located, batch.losses)))
 
     def by_own_header(self, chunk: Chunk) -> Chunk | None:
         """Return a chunk as its own header describes it.

@@ -5,7 +5,8 @@ Other rooms import what they need of a log from here.
 
 from abc import ABC, abstractmethod
 from bisect import bisect_right
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from dataclasses import replace
 from functools import cached_property
 from itertools import islice
 from typing import Final
@@ -52,6 +53,8 @@ class Log(ABC):
 
     container: str
     """Name of the container for people: ``ROS 1 bag``, ``MCAP``."""
+    reopen: "Callable[[], Log] | None" = None
+    """Opens it again, in another process; None: that cannot be."""
     joined: tuple[Location, ...] = ()
     """Further files that are merged into it."""
     is_reordered: bool = False
@@ -145,6 +148,11 @@ class Log(ABC):
         """Return the file that an attachment or metadata record stands in."""
         del extra
         return self.source
+
+    def located(self, loss: Loss) -> Loss:
+        """Return a loss in this file with the log times between which it lies, if known."""
+        at_end = loss.offset and loss.offset + loss.bytes >= self.source.size
+        return replace(loss, start_time=self.end_time) if at_end else loss
 
     def after(self, span: Span) -> Iterator[Chunk]:
         """Yield the chunks that follow a batch, in file order."""

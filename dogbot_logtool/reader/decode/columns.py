@@ -140,6 +140,20 @@ class Nested:
         index[order] = np.arange(len(parent)) - np.searchsorted(parent, parent)
         return index
 
+    def rows_at(self, parent: Ints, index: Ints) -> tuple[Ints, Flags]:
+        """Return the rows of elements, and which of them exist.
+
+        Args:
+            parent: (k,) rows of the outer table.
+            index: (k,) indexes in the arrays of these rows.
+        """
+        own, wanted = self.parent << 32 | self.index, parent << 32 | index
+        if not len(own):
+            return np.zeros(len(wanted), np.int64), np.zeros(len(wanted), np.bool_)
+        order = np.argsort(own)
+        rows = order[np.minimum(np.searchsorted(own[order], wanted), len(own) - 1)]
+        return rows, own[rows] == wanted
+
 
 Rows = NDArray[np.void]
 """(n,) structured; the fields are named by their paths."""

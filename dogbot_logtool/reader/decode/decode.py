@@ -15,11 +15,11 @@ from numpy.typing import NDArray
 from dogbot_logtool.core.geometry.arrays import Bytes, Flags, Ints
 from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.reader.decode.columns import Nested, Rows, Table, Texts, concatenate, gather
+from dogbot_logtool.reader.decode.element_skipper import MAX_VARIABLE_ELEMENTS, ElementSkipper
 from dogbot_logtool.reader.decode.message_layout import ArrayStep, Layout, Run, Step, TextStep
 
-MAX_VARIABLE_ELEMENTS: Final = 20_000
-"""A message with a longer array of elements of varying size counts as malformed: each position
-costs a round, so a hostile array could otherwise take hours."""
+_FEW_ROWS: Final = 32
+"""Messages from which decoding their next elements at once is faster than stepping over them."""
 _CDR_HEADER: Final = 4
 _CDR_PADDING: Final = 3
 _NO_ELEMENTS: Final = Nested(np.empty(0, np.int64), Table(0, (), {}))
@@ -192,23 +192,72 @@ class _Walk:
         return Nested(parent, Table(len(parent), tuple(elements), {}))
 
     def _uneven_elements(self, steps: tuple[Step, ...], count: Ints, cursors: _Cursors) -> Nested:
-        """Elements of varying size: all messages' first ones, all second ones, and so on."""
+        """Elements of varying size: all messages' first ones, all second ones, and so on.
+
+        Where only few messages have more, it is faster to step over their elements one by one, and
+        to decode all of them at once: the work grows with the number of elements alone.
+        """
         self._fail(cursors, count > MAX_VARIABLE_ELEMENTS)
         self._void_failed(count, cursors)
         parents: list[Ints] = []
         tables: list[Table] = []
         # What was read before keeps its offsets.
         cursors.position = cursors.position.copy()
-        for index in range(int(count.max(initial=0))):
-            rows = np.flatnonzero(count > index)
+        index, rows = 0, np.flatnonzero(count)
+        while len(rows) >= _FEW_ROWS:
             elements = cursors.pick(rows)
             tables.append(self._rows(steps, elements))
             parents.append(rows)
             cursors.position[rows] = elements.position
-        if not tables:
-            nothing = np.empty(0, np.int64)
-            return Nested(nothing, self._rows(steps, cursors.pick(nothing)))
+            index += 1
+            rows = rows[(count[rows] > index) & self._sound[cursors.message[rows]]]
+        if len(rows) or not tables:
+            parent, position = self._step_over(steps, rows, count[rows] - index, cursors)
+            elements = cursors.pick(parent)
+            elements.position = position
+            tables.append(self._rows(steps, elements))
+            parents.append(parent)
         return Nested(np.concatenate(parents), concatenate(tables))
+
+    def _step_over(
+        self, steps: tuple[Step, ...], rows: Ints, count: Ints, cursors: _Cursors
+    ) -> tuple[Ints, Ints]:
+        """Step over the elements of some rows, one after the other.
+
+        Args:
+            steps: of an element.
+            rows: (r,).
+            count: (r,) elements of each.
+            cursors: of all rows; those of `rows` end behind their elements.
+
+        Returns:
+            (m,) row and (m,) offset of each element: all first ones, all second ones, and so on.
+        """
+        skip = ElementSkipper(steps, self._buffer, self._order).skip
+        parents: list[Ints] = []
+        offsets: list[int] = []
+        for row, elements in zip(rows.tolist(), count.tolist(), strict=True):
+            position, limit, origin = (
+                int(each[row]) for each in (cursors.position, cursors.limit, cursors.origin)
+            )
+            own: list[int] = []
+            for _ in range(elements):
+                own.append(position)
+                position = skip(position, origin, limit)
+                if position > limit:
+                    break
+            if position > limit:
+                self._sound[cursors.message[row]] = self._all_sound = False
+                continue
+            cursors.position[row] = position
+            parents.append(np.full(elements, row, np.int64))
+            offsets += own
+        parent = np.concatenate([np.empty(0, np.int64), *parents])
+        number = np.concatenate(
+            [np.empty(0, np.int64), *(np.arange(len(each)) for each in parents)]
+        )
+        order = np.argsort(number, kind="stable")
+        return parent[order], np.array(offsets, np.int64)[order]
 
     def _counts(self, cursors: _Cursors, alignment: int) -> Ints:
         """Read a 32-bit count and step over it; 0 for messages that have failed."""

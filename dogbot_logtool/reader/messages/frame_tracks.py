@@ -58,6 +58,8 @@ def _track(
 
 def _pairs(recorded: RecordedTransforms, rows: Ints) -> Iterator[tuple[str, str, Ints]]:
     """Yield parent and child, without leading slashes, and which of some rows have them."""
+    if not len(rows):
+        return
     parent = _without_slashes(recorded.parent[rows], recorded.parents)
     child = _without_slashes(recorded.child[rows], recorded.children)
     pair = parent * max(len(recorded.children), 1) + child

@@ -29,6 +29,8 @@ _MOTORS: Final = tuple(
     f"{leg}_{joint}_joint" for leg in ("FR", "FL", "RR", "RL") for joint in ("hip", "thigh", "calf")
 )
 """Unitree's quadrupeds in the order of their messages, named as in their robot descriptions."""
+_MOST_CELLS: Final = 1 << 22
+"""Values in a matrix of messages and joints: 32 MB."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -48,14 +50,6 @@ class JointStates:
     """(n, k) N m or N."""
     malformed: Mapping[int, int]
     """Messages that could not be decoded, by channel id."""
-
-    def positions_of(self, joints: Sequence[str]) -> Floats:
-        """(n, len(joints)) positions of joints by name; NaN for one that is not there."""
-        found = np.full((len(self.log_time), len(joints)), np.nan)
-        for column, joint in enumerate(joints):
-            if joint in self.names:
-                found[:, column] = self.position[:, self.names.index(joint)]
-        return found
 
 
 @dataclass(frozen=True, slots=True)
@@ -77,6 +71,8 @@ def _matrices(
 ) -> JointStates:
     """Return values as matrices.
 
+    Joints are left out where messages that each name others would make the matrices huge.
+
     Args:
         messages: n messages.
         stamp: (n,) ns.
@@ -85,9 +81,15 @@ def _matrices(
         joint: (m,) joint of each value.
         values: position, velocity and effort, (m,) each.
     """
+    rows = len(messages.channel)
+    most = max(_MOST_CELLS, len(parent)) // max(rows, 1)
+    if len(names) > most:
+        kept = joint < most
+        names, parent, joint = names[:most], parent[kept], joint[kept]
+        values = [each[kept] for each in values]
     found: list[Floats] = []
     for each in values:
-        matrix = np.full((len(messages.channel), len(names)), np.nan)
+        matrix = np.full((rows, len(names)), np.nan)
         matrix[parent, joint] = each
         # A name that stands twice in a message, with other numbers, tells nothing.
         twice = (matrix[parent, joint] != each) & ~np.isnan(each)
@@ -106,10 +108,8 @@ def _read_ros(messages: DecodedMessages) -> JointStates:
     if alike is not None:
         return alike
     joint, names = named.table.texts(ELEMENT).encode()
-    rows = len(messages.channel)
     values = [
-        _beside(named, messages.table.nested(path), rows)
-        for path in ("position", "velocity", "effort")
+        _beside(named, messages.table.nested(path)) for path in ("position", "velocity", "effort")
     ]
     stamp = messages.table.nanoseconds("header.stamp")
     return _matrices(messages, stamp, names, named.parent, joint, values)
@@ -147,14 +147,11 @@ def _read_alike(messages: DecodedMessages, named: Nested) -> JointStates | None:
     )
 
 
-def _beside(named: Nested, told: Nested, rows: int) -> Floats:
+def _beside(named: Nested, told: Nested) -> Floats:
     """(m,) value with the index of each name; NaN where an array is shorter than that of names."""
-    width = int(told.index.max(initial=-1)) + 1
-    wide = np.full((rows, max(width, 1)), np.nan)
-    wide[told.parent, told.index] = told.table.numbers(ELEMENT).astype(np.float64)
-    values = np.full(len(named.parent), np.nan)
-    there = named.index < width
-    values[there] = wide[named.parent[there], named.index[there]]
+    rows, exist = told.rows_at(named.parent, named.index)
+    values = np.full(len(rows), np.nan)
+    values[exist] = told.table.numbers(ELEMENT)[rows[exist]]
     return values
 
 

@@ -111,19 +111,6 @@ def transform_columns(messages: DecodedMessages) -> RecordedTransforms:
     )
 
 
-NO_TRANSFORMS: Final = RecordedTransforms(
-    channel=np.empty(0, np.int64),
-    log_time=np.empty(0, np.int64),
-    stamp=np.empty(0, np.int64),
-    parent=np.empty(0, np.int64),
-    parents=(),
-    child=np.empty(0, np.int64),
-    children=(),
-    translation=np.empty((0, 3)),
-    rotation=np.empty((0, 4)),
-)
-
-
 def frame_pairs(messages: DecodedMessages) -> set[tuple[str, str]]:
     """Return the different (parent, child) pairs of frames, as recorded."""
     each = messages.table.nested("transforms").table

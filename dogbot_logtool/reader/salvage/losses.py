@@ -1,11 +1,12 @@
 """Losses of a log: collected, and found by comparing counts of messages."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Final
 
+from dogbot_logtool.io.storage import shown
 from dogbot_logtool.reader.containers.contents import Channel
 from dogbot_logtool.reader.containers.log import Log
-from dogbot_logtool.reader.containers.loss import LONGEST_NAME, Loss, lost_messages
+from dogbot_logtool.reader.containers.loss import LONGEST_NAME, Damage, Loss, lost_messages
 
 _MOST: Final = 200
 """Losses kept one by one; more are summed up."""
@@ -54,6 +55,16 @@ def wrong_statistics(log: Log, found: Mapping[int, int], losses: Sequence[Loss])
         else (differing_counts(log.channels, log.counts, found))
     )
     return [Loss(0, f"the log's statistics count {what}")] if what else []
+
+
+def damage_of(log: Log, losses: Iterable[Loss]) -> Damage:
+    """Return what was lost of a log.
+
+    Args:
+        log: the log.
+        losses: all that were found, in opening it and in reading it.
+    """
+    return Damage(shown(log.source.path), tuple(losses), log.start_time)
 
 
 class Losses:

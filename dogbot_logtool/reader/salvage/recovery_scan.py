@@ -138,7 +138,8 @@ class RecoveryScan(ABC):
         lost = size - chunk.offset
         if not chunk.is_compressed and 0 <= chunk.end - derived_end < _LARGEST_PADDING:
             what = f"the chunk at byte {chunk.offset} is cut off; its whole messages were read"
-            self._losses.add(Loss(chunk.offset, what, 0, None))
+            # What is missing comes after its whole messages.
+            self._losses.add(Loss(size, what, 0, None))
             self._searched = False
             return chunk.data_offset
         end = next_sound(self._format, self._source, chunk.data_offset, size)

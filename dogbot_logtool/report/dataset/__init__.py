@@ -1,4 +1,4 @@
-"""The figures of many logs as Parquet, for any SQL engine: what `stats --parquet` keeps.
+"""The figures of many logs as Parquet, for any SQL engine: what `export --dataset` keeps.
 
     logs/robot=dogbot/month=2026-11/part-0000.parquet      a row a log
     feet/robot=dogbot/month=2026-11/part-0000.parquet      a row a foot of a log

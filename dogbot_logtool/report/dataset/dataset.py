@@ -246,9 +246,9 @@ def dataset_at(location: Location, options: "StatsOptions", labels: Labels) -> D
 def _refuse_bad_root(path: Path) -> None:
     name = storage.shown(path)
     if name != str(path):
-        raise CallError(f"--parquet {name}: its name must be UTF-8, which all readers of it need")
+        raise CallError(f"--dataset {name}: its name must be UTF-8, which all readers of it need")
     if path.exists() and not path.is_dir():
-        raise CallError(f"--parquet {name}: is no directory")
+        raise CallError(f"--dataset {name}: is no directory")
 
 
 def _labelled(old: StoredLog | None, given: Labels) -> Labels:

@@ -25,7 +25,7 @@ try:
     import pyarrow as pa
     import pyarrow.parquet as pq
 except ImportError as error:
-    raise ExtraMissingError("--parquet", "fleet") from error
+    raise ExtraMissingError("--dataset", "fleet") from error
 
 Result = TypeVar("Result")
 

@@ -3,11 +3,12 @@
 from typing import Any, Final
 
 from dogbot_logtool import __version__
-from dogbot_logtool.comparison.outcome import Comparison, Difference, FileLoss, Tally
+from dogbot_logtool.comparison.outcome import Comparison, Difference, Tally
 from dogbot_logtool.io.plain_json import to_json
 from dogbot_logtool.io.storage import shown
+from dogbot_logtool.report.documents.damage import damage_json
 
-SCHEMA: Final = "dogbot-logtool/compare/1"
+SCHEMA: Final = "dogbot-logtool/compare/2"
 """Changes when a field goes or changes its meaning; new fields may come."""
 
 
@@ -30,7 +31,7 @@ def comparison_document(comparison: Comparison) -> dict[str, Any]:
         "topics": [_tally(tally) for tally in comparison.tallies],
         "differences": [_difference(difference) for difference in comparison.differences],
         "difference_count": comparison.difference_count,
-        "losses": [_loss(found) for found in comparison.losses],
+        "damage": [{"log": each.log, **damage_json(each)} for each in comparison.damage],
         "warnings": list(comparison.warnings),
     }
 
@@ -66,14 +67,4 @@ def _difference(difference: Difference) -> dict[str, Any]:
         "actual": difference.actual,
         "deviation": difference.deviation,
         "line": difference.line,
-    }
-
-
-def _loss(found: FileLoss) -> dict[str, Any]:
-    return {
-        "file": shown(found.path),
-        "offset": found.loss.offset,
-        "what": found.loss.what,
-        "bytes": found.loss.bytes,
-        "messages": found.loss.messages,
     }

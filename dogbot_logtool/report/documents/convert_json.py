@@ -29,5 +29,5 @@ def conversion_json(done: Conversion) -> dict[str, Any]:
         "annotations": dict(done.annotations),
         "skipped": {**asdict(done.counts.arrows), "bad_poses": done.counts.bad_poses},
         "findings": [finding_json(each) for each in done.findings],
-        "damage": damage_json(done.losses),
+        "damage": damage_json(done.damage),
     }

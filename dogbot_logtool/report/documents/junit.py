@@ -12,7 +12,7 @@ def junit_xml(comparison: Comparison) -> bytes:
     A topic that differs is a failure, damage of a file an error.
     """
     failures = sum(not tally.same for tally in comparison.tallies)
-    errors = bool(comparison.losses)
+    errors = bool(comparison.damage)
     counts = {
         "tests": str(len(comparison.tallies) + 1),
         "failures": str(failures),
@@ -30,10 +30,11 @@ def junit_xml(comparison: Comparison) -> bytes:
 
 def _add_files(suite: ET.Element, comparison: Comparison) -> None:
     case = _add_case(suite, comparison, "files can be read")
-    if comparison.losses:
-        error = ET.SubElement(case, "error", {"message": "a file is damaged"})
+    if comparison.damage:
+        lines = [printable(damage.line) for damage in comparison.damage]
+        error = ET.SubElement(case, "error", {"message": f"damage: {'; '.join(lines)}"})
         error.text = "\n".join(
-            printable(f"{found.path}: {found.loss.what}") for found in comparison.losses
+            printable(loss.what) for damage in comparison.damage for loss in damage.losses
         )
 
 

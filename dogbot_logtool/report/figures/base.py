@@ -114,13 +114,5 @@ BASE: Final[Sequence[Figure[BaseMotion]]] = (
         "v^2 / (g h), v the mean forward speed, h the mean height over the feet (Alexander 1984)",
         null=f"{_NO_TIME}; the height is not known or below 1 mm",
     ),
-    Figure(
-        "twist_frame",
-        Kind.TEXT,
-        lambda base: base.twist_frame,
-        "frame of the recorded velocities, by which reading fits the poses",
-        null="fewer than 20 velocities beside poses",
-        choices=("world", "body", "ambiguous"),
-    ),
 )
 """Figures of the motion of the base: from poses, never from the recorded twist."""

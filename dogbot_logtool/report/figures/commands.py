@@ -1,6 +1,6 @@
 """Figures of how the base follows its velocity commands."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Final
 
 from dogbot_logtool.core.statistics import Stats
@@ -9,25 +9,11 @@ from dogbot_logtool.report.figures.figure import Figure, Kind, Member, Scope, in
 # Loaded for logs with commands.
 if TYPE_CHECKING:
     from dogbot_logtool.core.commands.tracking import AxisTracking, CommandTrack, Drift
-    from dogbot_logtool.core.geometry.delay import Delay
 
 _NO_AXIS: Final = (
     "no window of one stride is known of both command and base; of the horizontal parts also where "
     "the commands' axes cannot be told, or the odometry drifts among the contact points"
 )
-_NO_DELAY: Final = (
-    "the command hardly changes (standard deviation below 0.03 m/s or rad/s), less than four "
-    "strides with a command, or the base's speed does not change"
-)
-_NOT_SURE: Final = (
-    f"{_NO_DELAY}; the correlation is below 0.7, or the delay is not known to 0.1 s, or not inside "
-    "of -0.2 to 1 s"
-)
-
-
-def _sure(of: "Callable[[Delay], float]") -> "Callable[[AxisTracking], float | None]":
-    """Return what takes a number from a delay that can be told."""
-    return lambda axis: of(axis.delay) if axis.delay and not axis.because else None
 
 
 def _axis(unit: str, end: str) -> "Sequence[Figure[AxisTracking]]":
@@ -60,37 +46,6 @@ def _axis(unit: str, end: str) -> "Sequence[Figure[AxisTracking]]":
             lambda axis: axis.rms_error,
             "root mean square of the same",
             unit=unit,
-        ),
-        Figure(
-            "correlation",
-            Kind.NUMBER,
-            lambda axis: axis.delay.correlation if axis.delay else None,
-            "largest correlation of measured and delayed command, over delays from -0.2 to 1 s; "
-            "below 0: the base does the opposite",
-            null=_NO_DELAY,
-        ),
-        Figure(
-            "delay_s",
-            Kind.NUMBER,
-            _sure(lambda delay: delay.delay_s),
-            "delay at which a straight line through the command explains the measured velocity "
-            "best (least squares; the largest cross-correlation)",
-            null=_NOT_SURE,
-        ),
-        Figure(
-            "delay_uncertainty_s",
-            Kind.AMOUNT,
-            _sure(lambda delay: delay.uncertainty_s),
-            "half of the interval of delays that are as likely (likelihood ratio, 95 %; a stride "
-            "counts as one value), on a grid of 0.02 s and by a parabola between",
-            null=_NOT_SURE,
-        ),
-        Figure(
-            "gain",
-            Kind.NUMBER,
-            _sure(lambda delay: delay.gain),
-            "slope of that line: measured over commanded changes",
-            null=_NOT_SURE,
         ),
     )
 
@@ -187,7 +142,7 @@ _TRACK: "Final[Sequence[Figure[CommandTrack]]]" = (
         "on_log_time",
         Kind.FLAG,
         lambda track: track.history.on_log_time,
-        "whether times of commands are log times, so that delays are also the recorder's",
+        "whether times of commands are log times, so that errors are also the recorder's delay",
     ),
     Figure(
         "refused",

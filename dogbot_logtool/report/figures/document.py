@@ -1,6 +1,6 @@
 """The document of `stats --json`: all figures of a log, scope by scope."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from typing import Final
 
 from dogbot_logtool import __version__
@@ -23,13 +23,13 @@ from dogbot_logtool.report.figures.figure import (
     inside,
 )
 from dogbot_logtool.report.figures.foot_source import FootSource, foot_sources
-from dogbot_logtool.report.figures.imu import IMU, imu_source
+from dogbot_logtool.report.figures.imu import IMU
 from dogbot_logtool.report.figures.legs import LEG_STRIDES, LEGS
 from dogbot_logtool.report.figures.loads import FORCES, STABILITY
 from dogbot_logtool.report.figures.recording import FINDING, LOG
 from dogbot_logtool.report.figures.settings import SENSOR, SETTINGS, sensors_by_foot
 from dogbot_logtool.report.figures.strides import STRIDES
-from dogbot_logtool.report.figures.topics import TOPIC, topic_sources
+from dogbot_logtool.report.figures.topics import TOPIC
 from dogbot_logtool.report.figures.trust import CHECK, CLOCK, WORLDS, clock_sources
 from dogbot_logtool.report.figures.walk import GAIT, SEGMENT, SUPPORT, main_source, segment_sources
 from dogbot_logtool.results import LogFacts
@@ -50,15 +50,9 @@ class LogSource:
 
 def log_source(stats: Stats, log: LogFacts) -> LogSource:
     """Gather what the figures of a log are taken from."""
-    found = [*_loss(log), *findings_of(stats), *log.findings]
+    damage = [Finding("W_LOST", log.damage.text)] if log.damage.losses else []
+    found = [*damage, *findings_of(stats), *log.findings]
     return LogSource(stats, log, tuple(sorted(found, key=lambda each: each.severity)))
-
-
-def _loss(log: LogFacts) -> Iterator[Finding]:
-    if log.lost_messages != 0 or log.lost_bytes:
-        lost = "an unknown number of" if log.lost_messages is None else str(log.lost_messages)
-        text = f"{lost} messages and {log.lost_bytes} bytes of the log could not be read"
-        yield Finding("W_LOST", text)
 
 
 _TOOL: Final[Sequence[Figure[LogSource]]] = (
@@ -69,7 +63,7 @@ _QUALITY: Final = (
     Scope(
         "topics",
         TOPIC,
-        lambda source: topic_sources(source.stats),
+        lambda source: {topic.topic: topic for topic in source.stats.topics},
         "timing of each topic",
         shape=Shape.BY_NAME,
     ),
@@ -103,7 +97,7 @@ _QUALITY: Final = (
     Figure[LogSource](
         "lost_messages",
         Kind.COUNT,
-        lambda source: source.log.lost_messages,
+        lambda source: source.log.damage.messages,
         "messages that could not be read",
         null="some could not, and it is not known how many",
         columns=(Column(TableName.LOG_ROWS, "lost_messages", rank=20),),
@@ -111,14 +105,14 @@ _QUALITY: Final = (
     Figure[LogSource](
         "lost_bytes",
         Kind.COUNT,
-        lambda source: source.log.lost_bytes,
+        lambda source: source.log.damage.bytes,
         "bytes that could not be read",
         columns=(Column(TableName.LOG_ROWS, "lost_bytes", rank=20),),
     ),
     Figure[LogSource](
         "losses",
         Kind.TEXTS,
-        lambda source: list(source.log.losses),
+        lambda source: [loss.what for loss in source.log.damage.losses],
         "what could not be read, and where: a sentence each",
     ),
 )
@@ -213,7 +207,7 @@ DOCUMENT: Final = Scope(
         Scope(
             "imu",
             IMU,
-            lambda source: imu_source(source.stats),
+            lambda source: source.stats.imu,
             "the base's accelerometer against the feet's forces and the base's poses: over strides "
             "all three are g and the base's acceleration",
             null="the log has no accelerometer, or it and poses are not known together for 2 s",
@@ -229,7 +223,7 @@ DOCUMENT: Final = Scope(
             "events",
             EVENTS,
             lambda source: event_sources(source.stats),
-            "what happened, in the order of time; the rows of `stats --events`, too",
+            "what happened, in the order of time; the rows of `export --table events`, too",
             shape=Shape.LIST,
         ),
         Scope("quality", _QUALITY, lambda source: source, "can the recording be trusted?"),

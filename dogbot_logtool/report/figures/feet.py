@@ -192,18 +192,18 @@ _UNKNOWN: Final = (
 )
 
 
-def cycle_figures(cycles: str, cycle: str, unit: str) -> Sequence[Figure[CycleCurve]]:
-    """Return the figures of a quantity over stances or strides."""
+def cycle_figures(unit: str) -> Sequence[Figure[CycleCurve]]:
+    """Return the figures of a quantity over strides."""
     return (
-        Figure("n", Kind.COUNT, lambda curve: curve.number, f"number of {cycles}"),
-        points("percent", lambda curve: curve.percent, f"of the {cycle}", "%"),
-        points("median", lambda curve: curve.median, f"median over {cycles}", unit),
+        Figure("n", Kind.COUNT, lambda curve: curve.number, "number of strides"),
+        points("percent", lambda curve: curve.percent, "of the stride", "%"),
+        points("median", lambda curve: curve.median, "median over strides", unit),
         points("lower_quartile", lambda curve: curve.lower, "a quarter lies below", unit),
         points("upper_quartile", lambda curve: curve.upper, "a quarter lies above", unit),
     )
 
 
-_CURVE: Final = cycle_figures("stances or strides", "stance or stride", "N")
+_CURVE: Final = cycle_figures("N")
 
 
 def _curve(key: str, of: Callable[[ForceCurves], CycleCurve | None], definition: str) -> Scope:
@@ -218,24 +218,15 @@ FORCE_CURVES: Final = Scope(
     "force_curves",
     (
         _curve(
-            "vertical_over_stance_n",
-            lambda curves: curves.vertical_over_stance,
-            "vertical force, mean of each of 25 equal parts of the stances",
-        ),
-        _curve(
-            "forward_over_stance_n",
-            lambda curves: curves.forward_over_stance,
-            "force along the base's forward axis at mid-stance, in the same parts",
-        ),
-        _curve(
             "vertical_over_stride_n",
             lambda curves: curves.vertical_over_stride,
-            "vertical force over whole strides, 0 in swing",
+            "vertical force over whole strides: mean of each of 25 equal parts of a stance, 0 in "
+            "swing",
         ),
         _curve(
             "forward_over_stride_n",
             lambda curves: curves.forward_over_stride,
-            "forward force over whole strides, 0 in swing",
+            "force along the base's forward axis at mid-stance, likewise",
         ),
     ),
     _curves_of,

@@ -98,8 +98,6 @@ class Column:
     """Whether a count is shown with commas."""
     signed: bool = False
     """Whether a number is shown with its sign, also above 0."""
-    first: bool = False
-    """Whether it is shown of the first item of a list; other figures of items are not shown."""
 
 
 # Without slots, which `Figure[...](...)` cannot be called with before Python 3.12.

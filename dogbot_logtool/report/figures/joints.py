@@ -33,8 +33,6 @@ _CURVE: "Final[Sequence[Figure[JointCurve]]]" = (
     points("percent", lambda curve: curve.percent, "of the stride", "%"),
     points("position", lambda curve: curve.position, "mean over strides", _UNIT),
     points("position_sd", lambda curve: curve.position_sd, _SPREAD, _UNIT),
-    points("effort", lambda curve: curve.effort, "mean over strides", _EFFORT_UNIT, _NO_EFFORT),
-    points("effort_sd", lambda curve: curve.effort_sd, _SPREAD, _EFFORT_UNIT, _NO_EFFORT),
 )
 
 
@@ -61,11 +59,6 @@ def _absolute_work(joint: "LegJoint") -> float | None:
     return joint.history.absolute_work_j if known else None
 
 
-def _positive_work(joint: "LegJoint") -> float | None:
-    known = joint.history.has_effort and joint.values_known and joint.sign_known
-    return joint.history.positive_work_j if known else None
-
-
 JOINT: "Final[Sequence[Figure[LegJoint] | Scope]]" = (
     Figure(
         "foot",
@@ -74,56 +67,22 @@ JOINT: "Final[Sequence[Figure[LegJoint] | Scope]]" = (
         "foot that it moves: by the robot description, else by names",
         null="it is of no leg, or nothing tells of which",
     ),
-    Figure("topic", Kind.TEXT, lambda joint: joint.history.topic, "of its states"),
-    Figure("messages", Kind.COUNT, lambda joint: joint.history.messages, "that tell its position"),
-    Figure(
-        "lowest_position",
-        Kind.NUMBER,
-        lambda joint: joint.history.lowest,
-        "in the log",
-        unit=_UNIT,
-        columns=(Column(_JOINTS, "lowest", 3),),
-    ),
-    Figure(
-        "highest_position",
-        Kind.NUMBER,
-        lambda joint: joint.history.highest,
-        "in the log",
-        unit=_UNIT,
-        columns=(Column(_JOINTS, "highest", 3),),
-    ),
     Figure(
         "range_of_motion",
         Kind.AMOUNT,
         lambda joint: joint.range_of_motion,
-        "`highest_position` - `lowest_position`",
+        "of its position in the log",
         unit=_UNIT,
         columns=(Column(_JOINTS, "range", 3),),
-    ),
-    Figure(
-        "stride_range_of_motion",
-        Kind.AGGREGATE,
-        lambda joint: None if joint.curve is None else aggregate(joint.curve.ranges),
-        "range of its position in a stride of its foot",
-        unit=_UNIT,
-        null=f"nothing tells which foot it moves; {NO_STRIDE}",
-        columns=(Column(_JOINTS, "range/stride", 3),),
     ),
     Figure(
         "peak_speed",
         Kind.AMOUNT,
         lambda joint: joint.history.peak_speed,
-        "highest speed, as messages tell it or by the differences of positions: see "
-        "`velocity_source`",
+        "highest speed, as messages tell it, or by the differences of positions where all tell "
+        "zero or none",
         unit=_SPEED_UNIT,
         columns=(Column(_JOINTS, "peak speed", 2),),
-    ),
-    Figure(
-        "velocity_source",
-        Kind.TEXT,
-        lambda joint: "messages" if joint.history.velocity_told else "differences",
-        "whether messages tell velocities that are not all zero, or positions are differenced",
-        choices=("messages", "differences"),
     ),
     Figure(
         "peak_effort",
@@ -144,35 +103,13 @@ JOINT: "Final[Sequence[Figure[LegJoint] | Scope]]" = (
         columns=(Column(_JOINTS, "RMS N m", 2),),
     ),
     Figure(
-        "positive_work_j",
-        Kind.AMOUNT,
-        _positive_work,
-        "positive work in the whole log: integral of effort times velocity where that is positive "
-        "(trapezoid), or mean effort times the way between states where no velocity is told; "
-        "silences above 0.1 s left out",
-        null=f"{_NO_EFFORT}; {_NO_VALUES}; {NO_SIGN}",
-    ),
-    Figure(
         "absolute_work_j",
         Kind.AMOUNT,
         _absolute_work,
-        "the same of the magnitude of the power",
+        "absolute work in the whole log: integral of the magnitude of effort times velocity "
+        "(trapezoid), or mean effort times the way between states where no velocity is told; "
+        "silences above 0.1 s left out",
         null=f"{_NO_EFFORT}; {_NO_VALUES}",
-    ),
-    Figure(
-        "stride_positive_work_j",
-        Kind.AGGREGATE,
-        lambda joint: aggregate(joint.work.positive_j),
-        "positive work in a stride of its foot, or of the reference foot",
-        null=f"{_NO_EFFORT}; {NO_WORK}; {NO_SIGN}; {NO_STRIDE}",
-        columns=(Column(_JOINTS, "work+ J", 2),),
-    ),
-    Figure(
-        "stride_absolute_work_j",
-        Kind.AGGREGATE,
-        lambda joint: aggregate(joint.work.absolute_j),
-        "absolute work in the same",
-        null=f"{_NO_EFFORT}; {NO_WORK}; {NO_STRIDE}",
         columns=(Column(_JOINTS, "|work| J", 2),),
     ),
     Figure(
@@ -217,7 +154,7 @@ ASYMMETRY: "Final[Sequence[Figure[_Pair]]]" = (
         "range_of_motion",
         Kind.NUMBER,
         _index(lambda joint: None if joint.curve is None else _median(joint.curve.ranges)),
-        "symmetry index of the median `stride_range_of_motion`: 100 (right - left) / their mean "
+        "symmetry index of the median range of motion in a stride: 100 (right - left) / their mean "
         "(Robinson, Herzog, Nigg 1987)",
         unit="%",
         null=_NO_INDEX,
@@ -234,7 +171,7 @@ ASYMMETRY: "Final[Sequence[Figure[_Pair]]]" = (
         "absolute_work",
         Kind.NUMBER,
         _index(lambda joint: _median(joint.work.absolute_j)),
-        "the same of the median `stride_absolute_work_j`",
+        "the same of the median absolute work in a stride",
         unit="%",
         null=_NO_INDEX,
     ),

@@ -140,7 +140,7 @@ _OF_STRIDES: Final = (
     ),
 )
 
-_HEIGHT: Final = cycle_figures("strides", "stride", "m")
+_HEIGHT: Final = cycle_figures("m")
 _FOOT: "Final[Sequence[Figure[LegFoot] | Scope]]" = (
     Figure(
         "frame",
@@ -216,12 +216,6 @@ LEGS: "Final[Sequence[Figure[LegFigures] | Scope]]" = (
         null=f"{NO_WORK}; {NO_STRIDE}; the mass or the odometry is not known; the way is below "
         "0.1 m",
         columns=(Column(TableName.LOG_ROWS, "mechanical_cost_of_transport", rank=70),),
-    ),
-    Figure(
-        "idle_joints",
-        Kind.COUNT,
-        lambda legs: legs.idle,
-        "joints of no leg that move by less than 0.02 rad or m; they are not listed",
     ),
     Scope(
         "feet",

@@ -56,11 +56,4 @@ PLANNED: Final[Sequence[Figure[PlannedFoot]]] = (
         "share of the time in which plan and measurement agree on contact",
         null="plan and measurement have no time in common",
     ),
-    Figure(
-        "force_error_n",
-        Kind.AGGREGATE,
-        lambda foot: foot.force_error,
-        "mean |F| of a whole stance, measured minus planned, of matched touchdowns",
-        null="no such stance; plan or sensor gives no force",
-    ),
 )

@@ -43,7 +43,8 @@ SENSOR: Final[Sequence[Figure[FootSensor]]] = (
         "debounce_s",
         Kind.AMOUNT,
         lambda sensor: sensor.rule.debounce_s,
-        "max(20 ms, 1.5 sampling intervals): shorter swings are filled, shorter stances dropped",
+        "if not set, max(20 ms, 1.5 sampling intervals): shorter swings are filled, then shorter "
+        "stances dropped; if not set, swings below 1/16 of the foot's usual one are filled, too",
     ),
     Figure(
         "thresholds_from",
@@ -144,7 +145,7 @@ SETTINGS: Final[Sequence[Figure[Stats]]] = (
         "debounce_s",
         Kind.NUMBER,
         lambda stats: _of_all(stats, lambda sensor: sensor.rule.debounce_s),
-        "shorter contacts and swings are no stances and swings",
+        "shorter swings are filled, then shorter stances dropped",
         null="it differs from foot to foot: see `sensors`",
     ),
     Figure(

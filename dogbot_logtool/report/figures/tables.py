@@ -28,7 +28,7 @@ def columns_of(table: TableName) -> tuple[FigureColumn, ...]:
         for scope in (DOCUMENT, STRIDE_ROWS)
         for path, figure in all_figures(scope)
         for column in figure.columns
-        if column.table is table and column.first is ("[]" in path)
+        if column.table is table and "[]" not in path
     ]
     return tuple(sorted(found, key=lambda each: each.column.rank))
 

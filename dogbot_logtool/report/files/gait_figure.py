@@ -5,6 +5,7 @@ Symmetrical gaits of horses, Science 150, 1965). Below, a panel a foot with its 
 time. All lengths are millimetres on paper.
 """
 
+import io
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any, BinaryIO, Final, Literal
 
@@ -17,9 +18,8 @@ from dogbot_logtool.core.geometry.arrays import Floats, Ints
 from dogbot_logtool.core.scene.foot_style import foot_colour, short_names
 from dogbot_logtool.core.statistics import Stats
 from dogbot_logtool.dataclass import dataclass
-from dogbot_logtool.errors import CallError, ExtraMissingError, LogError
+from dogbot_logtool.errors import ExtraMissingError, LogError
 from dogbot_logtool.io.printable import printable
-from dogbot_logtool.pipeline.time_span import refuse_window
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -27,17 +27,14 @@ if TYPE_CHECKING:
 
 FORMATS: Final = ("pdf", "png", "svg")
 ONE_COLUMN_MM: Final = 85.0
-"""Width of a column in most journals of two columns."""
+"""Width of a column in most journals of two columns; long names take more."""
 
 _MM_PER_INCH: Final = 25.4
 _DOTS_PER_INCH: Final = 600
 _ROW, _BAR, _BELOW_ROWS, _PANEL, _BELOW_PANEL = 4.0, 2.8, 2.0, 10.0, 1.8
-"""Heights; they grow and shrink together when another height is asked for."""
 _TOP, _BOTTOM, _LEFT, _RIGHT = 1.5, 8.0, 11.0, 2.0
 _LETTER: Final = 1.8
 """Width of a wide letter."""
-_LEAST_SCALE: Final = 0.65
-"""Rows come no closer than this, or their names would touch."""
 _LEAST_WIDTH: Final = 20.0
 """Least width of the axes."""
 
@@ -80,7 +77,7 @@ def require_matplotlib() -> None:
     try:
         import matplotlib as mpl  # noqa: F401, PLC0415
     except ImportError as error:
-        raise ExtraMissingError("--plot", "plot") from error
+        raise ExtraMissingError("--figure", "plot") from error
 
 
 @dataclass(frozen=True, slots=True)
@@ -89,50 +86,39 @@ class _Layout:
 
     width: float
     height: float
-    scale: float
-    """By which the heights of rows and panels differ from the usual ones."""
     left: float
     right: float
 
     def axes(self, figure: "Figure", below_top: float, height: float) -> "Axes":
-        """Add axes over the whole width, at a height given in usual heights."""
-        top = self.height - _TOP - below_top * self.scale
+        """Add axes over the whole width."""
+        top = self.height - _TOP - below_top
         inner = self.width - self.left - self.right
         return figure.add_axes(
             (
                 self.left / self.width,
-                (top - height * self.scale) / self.height,
+                (top - height) / self.height,
                 inner / self.width,
-                height * self.scale / self.height,
+                height / self.height,
             )
         )
 
     def middle(self, below_top: float, height: float) -> float:
         """Return how far up the figure, 0 to 1, the middle of such axes is."""
-        return 1.0 - (_TOP + self.scale * (below_top + height / 2.0)) / self.height
+        return 1.0 - (_TOP + below_top + height / 2.0) / self.height
 
 
-def _layout(
-    names: Sequence[str], panels: int, size_mm: tuple[float, float | None] | None
-) -> _Layout:
-    width, height = size_mm or (ONE_COLUMN_MM, None)
+def _layout(names: Sequence[str], panels: int) -> _Layout:
     letters = max(map(len, names)) * _LETTER
     left, right = max(_LEFT, letters + 1.5), _RIGHT + (letters if panels else 0.0)
-    usual = len(names) * _ROW + panels * (_PANEL + _BELOW_PANEL) + (_BELOW_ROWS if panels else 0.0)
-    least = left + right + _LEAST_WIDTH, _TOP + _BOTTOM + usual * _LEAST_SCALE
-    height = height or _TOP + _BOTTOM + usual
-    if width < least[0] or height < least[1]:
-        raise CallError(
-            f"a figure of {len(names)} feet must be at least {least[0]:.0f}x{least[1]:.0f} mm"
-        )
-    return _Layout(width, height, (height - _TOP - _BOTTOM) / usual, left, right)
+    inner = len(names) * _ROW + panels * (_PANEL + _BELOW_PANEL) + (_BELOW_ROWS if panels else 0.0)
+    width = max(ONE_COLUMN_MM, left + right + _LEAST_WIDTH)
+    return _Layout(width, _TOP + _BOTTOM + inner, left, right)
 
 
 def gait_figure(
     stats: Stats,
     curves: Sequence[LoadCurves | None],
     window: tuple[float, float],
-    size_mm: tuple[float, float | None] | None = None,
 ) -> "Figure":
     """Draw the figure.
 
@@ -142,19 +128,20 @@ def gait_figure(
         stats: figures of a log.
         curves: load curves of its feet; None for a foot that tells no force.
         window: s since the log's start, from and to.
-        size_mm: width and height; a height of None fits the number of feet.
 
     Raises:
-        CallError: the log has no time in the window, or the size is too small.
         LogError: there are no feet.
     """
     from matplotlib.figure import Figure  # noqa: PLC0415
     from matplotlib.style import context  # noqa: PLC0415
 
-    _refuse_nothing(stats, window)
+    if not stats.feet:
+        raise LogError("there are no feet to draw")
+    if not stats.end > stats.origin:
+        raise LogError("there is nothing to draw: all messages of the feet have the same time")
     names = [printable(name) for name in short_names([foot.name for foot in stats.feet])]
     forces = {row: each.force for row, each in enumerate(curves) if each and each.force}
-    layout = _layout(names, len(forces), size_mm)
+    layout = _layout(names, len(forces))
     with context(["default", _STYLE]):
         figure = Figure((layout.width / _MM_PER_INCH, layout.height / _MM_PER_INCH))
         rows = layout.axes(figure, 0.0, len(names) * _ROW)
@@ -174,12 +161,6 @@ def gait_figure(
             at = 0.6 / layout.width, layout.middle(top, height)
             figure.text(*at, f"Load ({unit})", rotation=90, va="center")
     return figure
-
-
-def _refuse_nothing(stats: Stats, window: tuple[float, float]) -> None:
-    if not stats.feet:
-        raise LogError("there are no feet to draw")
-    refuse_window(window, (stats.end - stats.origin) / 1e9)
 
 
 def _draw_rows(
@@ -313,5 +294,8 @@ def write_figure(figure: "Figure", file: BinaryIO, form: str) -> None:
     """
     from matplotlib.style import context  # noqa: PLC0415
 
+    # A file that cannot be written, on a full disk, would upset matplotlib.
+    drawn = io.BytesIO()
     with context(["default", _STYLE]):
-        figure.savefig(file, format=form, dpi=_DOTS_PER_INCH, metadata=_NO_METADATA[form])
+        figure.savefig(drawn, format=form, dpi=_DOTS_PER_INCH, metadata=_NO_METADATA[form])
+    file.write(drawn.getvalue())

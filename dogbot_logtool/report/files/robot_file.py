@@ -10,6 +10,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import Any, Final
 
 from dogbot_logtool.dataclass import dataclass
+from dogbot_logtool.io.printable import printable
 from dogbot_logtool.robot import NEWTONS, Foot, FootField, Robot
 
 _WIDTH: Final = 100
@@ -30,6 +31,8 @@ class RobotEvidence:
     """Sentences on why these are the feet."""
     weight_n: float | None
     """N, the feet's mean sum of loads, where no mass is known."""
+    damage: str
+    """What could not be read of the log; empty if it is sound."""
     figures: Mapping[str, Any]
     """Figures of the log, see `stats --json`."""
 
@@ -38,6 +41,7 @@ def robot_file(robot: Robot, evidence: RobotEvidence) -> str:
     """Return the robot's file, ready to be read by `load_robot`."""
     lines = [
         *_comment(f"Written by 'dogbot-logtool robots new' from {evidence.log}; check it."),
+        *_comment(f"The log is damaged: {evidence.damage}" if evidence.damage else ""),
         f"name = {_text(robot.name)}",
         f"description = {_text(robot.description)}",
         *_mass(robot, evidence),
@@ -69,7 +73,7 @@ def robot_file(robot: Robot, evidence: RobotEvidence) -> str:
 
 
 def _comment(text: str) -> list[str]:
-    return [f"# {line}" for line in textwrap.wrap(text, _WIDTH - 2)]
+    return [f"# {line}" for line in textwrap.wrap(printable(text), _WIDTH - 2)]
 
 
 def _text(value: str) -> str:

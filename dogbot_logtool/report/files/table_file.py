@@ -12,7 +12,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dogbot_logtool.errors import CallError, ExtraMissingError
-from dogbot_logtool.report.files.stats_csv import text_cell
+from dogbot_logtool.io.printable import printable
+
+_FORMULA: Final = ("=", "+", "-", "@", "\t", "\r")
 
 Columns = Mapping[str, NDArray[Any]]
 """(n,) each: float64, bool, or texts and None as objects."""
@@ -126,7 +128,13 @@ def _cells(column: NDArray[Any]) -> list[Any]:
     """Return the cells of a column."""
     values = column.tolist()
     if column.dtype == np.object_:
-        return ["" if value is None else text_cell(value) for value in values]
+        return ["" if value is None else _text_cell(value) for value in values]
     if column.dtype == np.bool_:
         return ["true" if value else "false" for value in values]
     return ["" if value != value else value for value in values]  # noqa: PLR0124 - NaN
+
+
+def _text_cell(text: str) -> str:
+    """Return the text of a cell, with an apostrophe before what spreadsheets take for a formula."""
+    safe = printable(text)
+    return f"'{safe}" if text.startswith(_FORMULA) else safe

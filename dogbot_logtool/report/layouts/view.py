@@ -4,6 +4,7 @@ from math import floor, log10
 from typing import Final
 
 from dogbot_logtool.dataclass import dataclass
+from dogbot_logtool.reader.containers.loss import SOUND, Damage
 
 _ASIDE_DEG: Final = 75.0
 """The camera looks at the robot's front from this much to its right: nearer to the front, a
@@ -26,12 +27,12 @@ class View:
     """N, upper bound of the load curves; None: not known."""
     size_m: float = 0.6
     """m, length of the body."""
-    robot_name: str = ""
-    """As in its description."""
     turned_deg: float = 0.0
     """Yaw of the base in the world at the log's start."""
     has_stamps: bool = True
     """Whether header stamps tell when a transform holds."""
+    damage: Damage = SOUND
+    """What could not be read of the log that was looked at."""
 
     @property
     def camera_deg(self) -> float:

@@ -22,8 +22,6 @@ class Viewer:
     """Suffix of its files."""
     layout: Callable[["View"], bytes]
     """Returns the content of its file."""
-    is_text: bool = True
-    """Whether that can be printed."""
 
 
 def _foxglove(view: "View") -> bytes:
@@ -39,12 +37,6 @@ def _rviz(view: "View") -> bytes:
     return _json(rviz_config(view))
 
 
-def _rerun(view: "View") -> bytes:
-    from dogbot_logtool.report.layouts.rerun import rerun_blueprint  # noqa: PLC0415
-
-    return rerun_blueprint(view)
-
-
 def _json(layout: dict[str, Any]) -> bytes:
     return (to_json(layout, indent=2) + "\n").encode()
 
@@ -52,7 +44,6 @@ def _json(layout: dict[str, Any]) -> bytes:
 _VIEWERS: Final = (
     Viewer("foxglove", "Foxglove and Lichtblick", ".json", _foxglove),
     Viewer("rviz", "RViz, for logs converted with --encoding ros1", ".rviz", _rviz),
-    Viewer("rerun", "Rerun, without arrows and support", ".rbl", _rerun, is_text=False),
 )
 VIEWERS: Final[Mapping[str, Viewer]] = {each.name: each for each in _VIEWERS}
 """By name, in the order of ``--help``."""

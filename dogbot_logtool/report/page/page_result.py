@@ -10,7 +10,7 @@ from dogbot_logtool.io.storage import shown
 from dogbot_logtool.report.documents.damage import damage_json
 from dogbot_logtool.report.figures.document import log_source
 from dogbot_logtool.report.page.summary import trust
-from dogbot_logtool.report.text.console import human_size, print_damage, print_sentence
+from dogbot_logtool.report.text.console import human_size, print_losses, print_sentence
 from dogbot_logtool.report.verdict import headline
 from dogbot_logtool.results import Page
 
@@ -26,7 +26,7 @@ def page_json(done: Page) -> dict[str, Any]:
         "bytes": done.size,
         "verdict": headline(measured.stats),
         "trust": trusted.level,
-        "damage": damage_json(measured.losses),
+        "damage": damage_json(measured.damage),
     }
 
 
@@ -39,4 +39,4 @@ def print_page(console: Console, done: Page, *, verbose: bool) -> None:
     if verbose:
         for each in log_source(stats, facts).findings:
             print_sentence(console, f"{each.severity.word:>7}  {printable(each.text)}", indent=9)
-    print_damage(console, done.measured.losses)
+    print_losses(console, done.damage)

@@ -10,6 +10,7 @@ from dogbot_logtool import __version__
 from dogbot_logtool.core.scene.foot_style import foot_colour, short_names
 from dogbot_logtool.core.statistics import Stats
 from dogbot_logtool.dataclass import dataclass
+from dogbot_logtool.reader.containers.loss import Loss
 from dogbot_logtool.report.figures.document import DOCUMENT, log_source
 from dogbot_logtool.report.numbers import NOTHING, span_of
 from dogbot_logtool.report.page.assets import json_in_html, own, page_script, policy_of, rendered
@@ -20,9 +21,8 @@ from dogbot_logtool.report.page.charts.drawing import Drawing, drawn_seconds, fo
 from dogbot_logtool.report.page.charts.ground_figure import walk_from_above
 from dogbot_logtool.report.page.charts.legs_figure import legs_over_cycle
 from dogbot_logtool.report.page.charts.motion_figure import motion
-from dogbot_logtool.report.page.charts.phase_clock import phase_clock
-from dogbot_logtool.report.page.charts.quality_figure import recording
 from dogbot_logtool.report.page.charts.time_figures import gait_diagram, load_curves
+from dogbot_logtool.report.page.curves import with_curves
 from dogbot_logtool.report.page.event_list import band_labels, event_list, marks
 from dogbot_logtool.report.page.summary import grouped, recorded_at, summary
 from dogbot_logtool.report.page.tables import (
@@ -45,20 +45,8 @@ FIGURES: Final[Mapping[str, Callable[[Stats], Drawing | None]]] = {
     "cycle": force_over_cycle,
     "legs": legs_over_cycle,
     "ground": walk_from_above,
-    "clock": phase_clock,
-    "recording": recording,
 }
 """What draws each figure, by the name that the template knows it by; a log may lack some."""
-
-
-@dataclass(frozen=True, slots=True)
-class Damage:
-    """Damage somewhere in the file."""
-
-    offset: int
-    """Byte. Also `size`, the bytes that gave nothing."""
-    size: int
-    what: str
 
 
 @dataclass(frozen=True, slots=True)
@@ -77,7 +65,6 @@ ALONE: Final = Beside()
 def page(
     stats: Stats,
     log: LogFacts,
-    damage: Sequence[Damage],
     file_size: int,
     *,
     replay: Mapping[str, Any] | None = None,
@@ -86,13 +73,13 @@ def page(
     """Return the HTML page of one log.
 
     Args:
-        stats: figures, with load curves.
+        stats: figures.
         log: what the reader knows of it.
-        damage: where the file is damaged.
         file_size: bytes; 0 where it is not one file.
         replay: the walk in 3D; None: without it.
         beside: files beside the page.
     """
+    stats = with_curves(stats)
     source = log_source(stats, log)
     document = DOCUMENT.plain(source)
     events = event_list(stats)
@@ -122,8 +109,9 @@ def page(
         summary=summary(stats, log),
         findings=grouped([each for each in source.findings if each.code != "W_LOST"]),
         events=events,
-        losses=log.losses,
-        file_marks=_file_marks(damage, file_size),
+        damage=log.damage.text,
+        losses=[loss.what for loss in log.damage.losses],
+        file_marks=_file_marks(log.damage.losses, file_size),
         tables={
             "steps": step_table(document),
             "loads": load_table(document),
@@ -147,7 +135,6 @@ def _times(stats: Stats) -> dict[str, Any]:
         "typical": default_window(stats),
         "end": (stats.end - stats.origin) / 1e9,
         "weight": stats.loads.weight_n,
-        "reference": stats.reference,
         "strides": [packed(drawn_seconds(stats, foot.strides.spans)) for foot in stats.feet],
     }
 
@@ -178,15 +165,15 @@ def _about(log: LogFacts) -> list[tuple[str, str]]:
     ]
 
 
-def _file_marks(damage: Sequence[Damage], file_size: int) -> list[dict[str, Any]]:
+def _file_marks(losses: Sequence[Loss], file_size: int) -> list[dict[str, Any]]:
     """Return where damage lies along the file, in percent."""
     if not file_size:
         return []
     marks = []
-    for part in damage:
-        left = min(part.offset / file_size, 1.0) * 100.0
-        width = min(part.size / file_size * 100.0, 100.0 - left)
-        marks.append({"left": f"{left:.3f}", "width": f"{width:.3f}", "what": part.what})
+    for loss in losses:
+        left = min(loss.offset / file_size, 1.0) * 100.0
+        width = min(loss.bytes / file_size * 100.0, 100.0 - left)
+        marks.append({"left": f"{left:.3f}", "width": f"{width:.3f}", "what": loss.what})
     return marks
 
 

@@ -24,6 +24,8 @@ STEP_NS: Final = 40_000_000
 """ns between frames: 25 a second."""
 MOST_FRAMES: Final = 4000
 """Frames of a log: 160 s in full; of a longer one the typical strides and what is near events."""
+LONGEST_SILENCE_NS: Final = 1_000_000_000
+"""ns without messages of base and feet that are shown; longer silences have no frames."""
 BESIDE_NS: Final = 5_000_000_000
 """ns before and after an event that are shown in full."""
 LONGEST_SWING_NS: Final = 1_500_000_000
@@ -40,31 +42,62 @@ _ASIDE: Final = {"left": 1.0, "right": -1.0}
 
 
 def frame_times(stats: Stats) -> Ints:
-    """Return the times of the frames, (n,) ns, increasing."""
-    every = np.arange(stats.origin, stats.end + 1, STEP_NS)
-    if len(every) <= MOST_FRAMES:
-        return every
+    """Return the times of the frames, (n,) ns, increasing, at most `MOST_FRAMES`.
+
+    Silences are left out. All that is made here is bounded: a log may last for decades, when a
+    clock was set while it was recorded.
+    """
+    recorded = _recorded(stats)
+    if _frame_counts(recorded, stats.origin).sum() <= MOST_FRAMES:
+        return _frames(recorded, stats.origin, MOST_FRAMES)
     typical = [stats.origin + round(each * 1e9) for each in default_window(stats)]
     events = [
         (stats.origin + round(each.start_s * 1e9), stats.origin + round(each.end_s * 1e9))
         for each in event_list(stats).rows
         if not each.is_minor
     ]
-    coarse = every[thinned(len(every), MOST_FRAMES // 4)]
-    shown = [coarse]
+    shown = [_frames(recorded, stats.origin, MOST_FRAMES // 4)]
     for start, end in [(typical[0], typical[1]), *events]:
-        inside = every[(every >= start - BESIDE_NS) & (every <= end + BESIDE_NS)]
-        if sum(map(len, shown)) + len(inside) > MOST_FRAMES:
+        beside = np.array([[start - BESIDE_NS, end + BESIDE_NS + 1]], np.int64)
+        near = timespans.intersect([recorded, beside])
+        if sum(map(len, shown)) + _frame_counts(near, stats.origin).sum() > MOST_FRAMES:
             break
-        shown.append(inside)
+        shown.append(_frames(near, stats.origin, MOST_FRAMES))
     return distinct(np.concatenate(shown))
+
+
+def _recorded(stats: Stats) -> Ints:
+    """(k, 2) ns, the log without silences of base and feet; its start is always in it."""
+    whole = np.array([[stats.origin, stats.end + 1]], np.int64)
+    start = np.array([[stats.origin, stats.origin + 1]], np.int64)
+    known = [stats.base_history.known, *(foot.record.known for foot in stats.feet)]
+    silent = timespans.subtract(whole, timespans.merge(np.concatenate([start, *known])))
+    long = silent[:, 1] - silent[:, 0] > LONGEST_SILENCE_NS
+    return timespans.subtract(whole, silent[long])
+
+
+def _frame_counts(spans: Ints, origin: int) -> Ints:
+    """(k,) how many frames each span has; frames are whole steps from the log's start."""
+    first, last = -(-(spans - origin) // STEP_NS).T
+    count: Ints = last - first
+    return count
+
+
+def _frames(spans: Ints, origin: int, most: int) -> Ints:
+    """(n,) ns, the frames in spans; of more than `most`, so many that are evenly spaced."""
+    behind = np.cumsum(_frame_counts(spans, origin))
+    number = thinned(int(behind[-1]) if len(behind) else 0, most)
+    row = np.searchsorted(behind, number, side="right")
+    last = -(-(spans[row, 1] - origin) // STEP_NS)
+    times: Ints = origin + STEP_NS * (last - behind[row] + number)
+    return times
 
 
 def replay(stats: Stats, time: Ints, limbs: Limbs | None) -> dict[str, Any] | None:
     """Return what the replay draws, as JSON; None without poses of the base.
 
     Args:
-        stats: figures, with load curves.
+        stats: figures.
         time: (n,) ns, of the frames; see `frame_times`.
         limbs: the robot's joints at these times; None: not known.
     """
@@ -122,11 +155,10 @@ def _foot_points(
     """(n, 3) m, in the world: the contact point in stance, the sole or a straight line in swing."""
     record = stats.feet[row].record
     point = np.full((len(time), 3), np.nan)
-    known = np.isfinite(record.track.point).all(axis=1)
-    if known.any() and _in_one_world(stats):
-        at = record.track.time[known]
+    at, contact_point = record.track.contact_points
+    if len(at) and _in_one_world(stats):
         for axis in range(3):
-            point[:, axis] = np.interp(time - at[0], at - at[0], record.track.point[known, axis])
+            point[:, axis] = np.interp(time - at[0], at - at[0], contact_point[:, axis])
         after = np.clip(np.searchsorted(at, time), 1, max(len(at) - 1, 1))
         apart = at[np.minimum(after, len(at) - 1)] - at[after - 1] > LONGEST_SWING_NS
         point[(time < at[0]) | (time > at[-1]) | apart] = np.nan
@@ -175,9 +207,9 @@ def _newtons_per_metre(stats: Stats, height: float) -> float:
     weight = stats.loads.weight_n
     if weight is None:
         peaks = [
-            float(curves.force.high.max())
+            float(foot.record.track.force.max())
             for foot in stats.feet
-            if (curves := foot.record.curves) and curves.force
+            if foot.record.has_force and len(foot.record.track.time)
         ]
         weight = max(peaks, default=100.0)
     return max(weight, 1.0) / max(height, 0.05)
@@ -191,26 +223,27 @@ def _states(record: FootHistory, time: Ints, *, is_dead: bool) -> Any:  # noqa: 
 
 def _loads(record: FootHistory, time: Ints) -> Any:  # noqa: ANN401 - float32
     """(n,) N, |F|; NaN where it is not known."""
-    curve = record.curves.force if record.curves else None
-    if curve is None:
+    track = record.track
+    if not record.has_force or not len(track.time):
         return np.full(len(time), np.nan, np.float32)
-    at, force = curve.line(record.gaps)
-    return np.interp(time - at[0], at - at[0], force, np.nan, np.nan).astype(np.float32)
+    start = track.time[0]
+    force = np.interp(time - start, track.time - start, track.force, np.nan, np.nan)
+    force[timespans.covers(record.gaps, time)] = np.nan
+    return force.astype(np.float32)
 
 
 def _footfalls(stats: Stats, record: FootHistory, origin: Floats) -> dict[str, Any]:
     """Return where and when a foot came down, as far as it is known where that is to the base."""
-    track = record.track
-    known = np.flatnonzero(np.isfinite(track.point).all(axis=1))
-    first = np.searchsorted(track.time[known], record.stances.touchdown)
-    inside = np.flatnonzero(first < len(known))
-    rows = known[first[inside]]
-    hit = (track.time[rows] < record.stances.liftoff[inside]) & _in_one_world(stats)
+    time, point = record.track.contact_points
+    first = np.searchsorted(time, record.stances.touchdown)
+    inside = np.flatnonzero(first < len(time))
+    rows = first[inside]
+    hit = (time[rows] < record.stances.liftoff[inside]) & _in_one_world(stats)
     chosen = thinned(int(hit.sum()), MOST_FOOTFALLS)
     times = record.stances.touchdown[inside][hit][chosen]
     return {
         "fall_time": packed(drawn_seconds(stats, times)),
-        "fall_point": packed(_row_by_row(track.point[rows][hit][chosen] - origin)),
+        "fall_point": packed(_row_by_row(point[rows][hit][chosen] - origin)),
     }
 
 

@@ -106,7 +106,7 @@ def recorded_at(start_s: float | None) -> str:
 
 def _doubt(stats: Stats, log: LogFacts) -> str:
     """Say what makes all figures doubtful; empty: nothing known does."""
-    if log.losses:
+    if log.damage.losses:
         return "In doubt: the log is damaged"
     found = log_source(stats, log).findings
     grave = [each for each in first_of(found) if each.code in _DOUBTFUL]
@@ -138,7 +138,7 @@ def grouped(findings: Sequence[Finding]) -> list[FindingGroup]:
 
 def trust(stats: Stats, log: LogFacts) -> Trust:
     """Say whether the numbers can be relied on."""
-    # Losses have a sentence of their own.
+    # Damage has a sentence of its own.
     found = [each for each in log_source(stats, log).findings if each.code != "W_LOST"]
     severities = [each.severity for each in found]
     above_all = tuple(f"{each.text}. {each.remedy}".strip() for each in first_of(found))
@@ -148,10 +148,9 @@ def trust(stats: Stats, log: LogFacts) -> Trust:
         for count, word in ((errors, "error"), (warnings, "warning"))
         if count
     )
-    if log.losses:
-        lost = "an unknown number of" if log.lost_messages is None else f"{log.lost_messages:,}"
-        text = f"The log is damaged: {lost} messages lost"
-        return Trust("bad", f"{text}, {counted}." if counted else f"{text}.", above_all)
+    if log.damage.losses:
+        text = "The log is damaged"
+        return Trust("bad", f"{text}; {counted}." if counted else f"{text}.", above_all)
     if errors:
         return Trust("bad", f"Do not trust it unseen: {counted}.", above_all)
     if warnings:

@@ -75,7 +75,7 @@ def _stride_caption(every: int, marked: int, shown: int) -> str:
     words = f"{every} whole strides, {marked} with an outlier"
     if shown < every:
         of = "these" if shown == marked else f"the first {shown} of these"
-        words += f"; {of} are listed, stats --csv has them all"
+        words += f"; {of} are listed, export has them all"
     return (
         f"{words}. Marked (▲ high, ▼ low): modified z-score above {MOST_DEVIATIONS} (Iglewicz and "
         f"Hoaglin 1993) and more than {LEAST_SHARE:.0%} off the median of the foot's strides in "
@@ -192,7 +192,7 @@ def joint_table(document: Json) -> Table | None:
         return None
     names = list(legs["feet"])
     feet = [joint["foot"] for joint in legs["joints"].values()]
-    words = "rad and N m (m and N of those that slide) in the whole log; work: median of a stride."
+    words = "rad and N m (m and N of those that slide) in the whole log."
     for name, value in work_words(document):
         words += f" {name.capitalize()}: {value}."
     coloured = [names.index(foot) for foot in feet] if all(feet) else ()
@@ -206,6 +206,5 @@ def topic_table(document: Json) -> Table:
         document,
         "topic",
         document["quality"]["topics"],
-        f"{document['log']['messages']:,} messages. Usual: 1 over the median interval; in bursts, "
-        "messages over the time without gaps. Gap: over 5 usual intervals and 50 ms.",
+        f"{document['log']['messages']:,} messages. Gap: over 5 usual intervals and 50 ms.",
     )

@@ -6,7 +6,7 @@ from typing import Final
 
 from rich.console import Console
 
-from dogbot_logtool.comparison.rules.judge import Judgement, Status, Value, worst
+from dogbot_logtool.comparison.rules.judge import DAMAGE, Judgement, Status, Value, worst
 from dogbot_logtool.io.printable import printable
 from dogbot_logtool.report.text.console import print_sentence
 
@@ -35,7 +35,10 @@ def print_check(
     words = ", ".join(f"{counts[each]} {each}" for each in Status if counts[each])
     print_sentence(console, (f"{status:<7}  ", _STYLES[status]), f"{printable(name)}: {words}")
     order = list(Status)
-    for found in sorted(judgements, key=lambda each: order.index(each.status)):
+    # Damage stands at the top.
+    for found in sorted(
+        judgements, key=lambda each: (each.rule is not DAMAGE, order.index(each.status))
+    ):
         if verbose or found.status is not Status.GOOD:
             print_sentence(console, *_line(found), indent=_LABEL + 2)
 

@@ -7,7 +7,7 @@ from rich.console import Console
 
 from dogbot_logtool.comparison.outcome import Comparison, Tally
 from dogbot_logtool.io.printable import printable
-from dogbot_logtool.report.text.console import print_sentence
+from dogbot_logtool.report.text.console import print_losses, print_sentence
 from dogbot_logtool.report.text.text_layout import NameTable, Row
 
 _STYLES = {"same": "green", "different": "bold red"}
@@ -19,8 +19,9 @@ def show_comparison(comparison: Comparison, console: Console) -> None:
     """Print a comparison."""
     style = _STYLES["same" if comparison.same else "different"]
     print_sentence(console, (printable(comparison.verdict), style))
-    for found in comparison.losses:
-        print_sentence(console, (printable(f"{found.path}: {found.loss.what}"), "yellow"))
+    for damage in comparison.damage:
+        print_sentence(console, (" damage  ", "red"), printable(damage.line))
+        print_losses(console, damage)
     shown = _shown(comparison.tallies)
     if shown:
         console.print(_table(comparison, shown), crop=False)

@@ -2,7 +2,7 @@
 
 import os
 import sys
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from functools import lru_cache
 from typing import TextIO
 
@@ -13,7 +13,7 @@ from rich.text import Text
 from dogbot_logtool.finding import Finding, Severity, by_severity
 from dogbot_logtool.io.printable import printable, printable_lines
 from dogbot_logtool.io.streams import styled
-from dogbot_logtool.reader.containers.log import Loss, lost_messages
+from dogbot_logtool.reader.containers.loss import Damage
 from dogbot_logtool.report.text.text_layout import HangingIndent
 
 _COLOURS = {Severity.ERROR: "red", Severity.WARNING: "yellow", Severity.NOTE: "cyan"}
@@ -94,17 +94,20 @@ def print_findings(console: Console, findings: Iterable[Finding]) -> None:
             print_command(console, finding.command, _LABEL)
 
 
-def print_damage(console: Console, losses: Sequence[Loss]) -> None:
-    """Print what was lost, and where."""
+def print_damage(console: Console, damage: Damage) -> None:
+    """Print what was lost of a log, and below it each loss where there are several."""
+    if damage.losses:
+        print_sentence(console, (" damage  ", "red"), printable(damage.text), indent=_LABEL)
+        print_losses(console, damage)
+
+
+def print_losses(console: Console, damage: Damage) -> None:
+    """Print each loss where there are several; a single one stands in the damage's own line."""
+    losses = damage.losses if len(damage.losses) > 1 else ()
     for loss in losses[:_LISTED]:
-        print_sentence(console, (" damage  ", "red"), printable(loss.what), indent=_LABEL)
+        print_sentence(console, f"{'':{_LABEL}}{printable(loss.what)}", indent=_LABEL)
     if len(losses) > _LISTED:
-        console.print(f" damage  and {len(losses) - _LISTED} more losses")
-    if losses:
-        messages = lost_messages(losses)
-        count = "an unknown number of" if messages is None else f"{messages:,}"
-        size = sum(loss.bytes for loss in losses)
-        print_sentence(console, f"   lost  {count} messages, {size:,} bytes", indent=_LABEL)
+        console.print(f"{'':{_LABEL}}and {len(losses) - _LISTED} more")
 
 
 def human_size(size: int) -> str:

@@ -4,7 +4,7 @@ from rich.console import Console
 
 from dogbot_logtool.io.printable import printable
 from dogbot_logtool.io.storage import shown
-from dogbot_logtool.report.text.console import print_damage, print_findings, print_sentence
+from dogbot_logtool.report.text.console import print_findings, print_losses, print_sentence
 from dogbot_logtool.results import Conversion
 
 
@@ -18,4 +18,4 @@ def print_conversion(console: Console, done: Conversion, *, verbose: bool) -> No
         for topic, count in done.annotations.items():
             print_sentence(console, f"         {count:>9,}  {printable(topic)}")
     print_findings(console, done.findings)
-    print_damage(console, done.losses)
+    print_losses(console, done.damage)

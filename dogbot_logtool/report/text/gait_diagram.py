@@ -18,8 +18,8 @@ from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.io.printable import printable
 
 STRIDES_SHOWN: Final = 4
-"""Strides in the window that is chosen unless asked."""
-LONGEST_UNASKED_S: Final = 5.0
+"""Strides in the window."""
+WITHOUT_STRIDES_S: Final = 5.0
 """s, window without strides."""
 
 
@@ -45,10 +45,10 @@ def default_window(stats: Stats) -> tuple[float, float]:
     main = stats.main
     if main is None:
         length = (stats.end - stats.origin) / 1e9
-        return 0.0, min(length, LONGEST_UNASKED_S)
+        return 0.0, min(length, WITHOUT_STRIDES_S)
     start, end = (each / 1e9 for each in (main.spans[0] - stats.origin).tolist())
     if not main.stride_frequency_hz:
-        return start, min(end, start + LONGEST_UNASKED_S)
+        return start, min(end, start + WITHOUT_STRIDES_S)
     length = STRIDES_SHOWN / main.stride_frequency_hz
     touchdowns = stats.feet[stats.reference].strides.within(main.spans).touchdown
     earliest = [each for each in stats.seconds(touchdowns) if each + length <= end]

@@ -22,9 +22,6 @@ def command_lines(commands: Json) -> Iterator[tuple[str, str]]:
             continue
         words = [f"error {decimal(axis[f'rms_error_{end}'], 3)} {unit} rms"]
         words.append(f"{_signed(axis[f'mean_error_{end}'])} {unit} mean")
-        if axis["delay_s"] is not None:
-            unsure = f"(known to {axis['delay_uncertainty_s']:.2f} s)"
-            words.append(f"delay {axis['delay_s']:.2f} s {unsure}, gain {axis['gain']:.2f}")
         yield key, ", ".join(words)
     for key, name in (("straight", "straight"), ("in_place", "in place")):
         drift = commands[key]
@@ -51,11 +48,10 @@ def imu_lines(imu: Json) -> Iterator[tuple[str, str]]:
     Args:
         imu: the figures of `imu`.
     """
-    reads, tilt = imu["reads"], imu["tilt_rad"]
+    tilt = imu["tilt_rad"]
     yield (
         "accelerometer",
         f"{decimal(imu['accelerometer_mps2'], 3)} over strides"
-        + ("" if reads is None else f", reads {reads}")
         + ("" if tilt is None else f", tilt {tilt:.3f} rad"),
     )
     forces = imu["forces"]

@@ -17,12 +17,13 @@ from dogbot_logtool.core.scene.foot_style import short_names
 from dogbot_logtool.core.statistics import Stats
 from dogbot_logtool.finding import Finding, Severity
 from dogbot_logtool.io.printable import printable
+from dogbot_logtool.reader.containers.loss import Damage
 from dogbot_logtool.report.figures.document import DOCUMENT, log_source
 from dogbot_logtool.report.figures.figure import Json, TableName
 from dogbot_logtool.report.figures.loads import load_source
 from dogbot_logtool.report.figures.tables import cells_of, headers
 from dogbot_logtool.report.numbers import NOTHING, decimal
-from dogbot_logtool.report.text.console import print_command
+from dogbot_logtool.report.text.console import print_command, print_damage, print_sentence
 from dogbot_logtool.report.text.gait_diagram import (
     ASCII,
     UNICODE,
@@ -51,7 +52,6 @@ def print_report(
     stats: Stats,
     log: LogFacts,
     *,
-    window: tuple[float, float] | None = None,
     verbose: bool = False,
 ) -> None:
     """Print the report of one log.
@@ -60,23 +60,23 @@ def print_report(
         console: where to; its width decides the layout.
         stats: figures of the log.
         log: what the reader knows of it.
-        window: s since the log's start, from and to, of the gait diagram; None chooses one.
         verbose: say also what is merely good to know, foot by foot.
     """
     source = log_source(stats, log)
     document = DOCUMENT.plain(source)
     glyphs = ASCII if console.options.ascii_only else UNICODE
-    start, end = window or default_window(stats)
+    start, end = default_window(stats)
     diagram = gait_diagram(stats, console.width - 2, window=(start, end), glyphs=glyphs)
     legend = "filled: foot down"
     if any(glyphs.unknown in line.plain for line in diagram):
         legend += f"; {glyphs.unknown}: not known"
+    # The damage has a line of its own, at the top.
+    findings = [each for each in source.findings if each.code != "W_LOST"]
     parts: list[RenderableType] = [
-        _title(log),
         Text(),
         verdict(stats),
         *_segments(stats),
-        *_first(source.findings),
+        *_first(findings),
         Text(),
         *_events(document),
         _heading("Gait diagram", f"{start:.2f} to {end:.2f} s; {legend}"),
@@ -96,9 +96,11 @@ def print_report(
         *_beside(document),
         Text(),
         _heading("Findings"),
-        *_findings(source.findings, verbose=verbose),
+        *_findings(findings, verbose=verbose),
     ]
     # A report keeps its width where no terminal shows it.
+    console.print(_title(log), highlight=False, soft_wrap=False, crop=False)
+    print_damage(console, log.damage)
     console.print(Group(*parts), highlight=False, soft_wrap=False, crop=False)
     for each in log.findings:
         if each.command:
@@ -237,7 +239,7 @@ def _legs(console: Console, document: Json, *, verbose: bool) -> list[Renderable
     if legs["joints"] and verbose:
         of_legs = [name for name, joint in legs["joints"].items() if joint["foot"]]
         parts += [
-            _heading("Joints", "rad and N m (m and N of those that slide); work in a stride"),
+            _heading("Joints", "rad and N m (m and N of those that slide)"),
             _figures(console, TableName.JOINTS, document, of_legs or legs["joints"], "joint"),
         ]
     lines = [_line(name, words) for name, words in work_words(document)]
@@ -343,8 +345,16 @@ def _finding(finding: Finding, more: str) -> RenderableType:
     return HangingIndent(sentence, len(label[0]))
 
 
-def print_summary(console: Console, rows: Sequence[Sequence[str]]) -> None:
-    """Print a `summary_row` a log; whether it is damaged only where some are."""
+def print_summary(
+    console: Console, rows: Sequence[Sequence[str]], damage: Sequence[Damage] = ()
+) -> None:
+    """Print what was lost of which log, then a `summary_row` a log.
+
+    Whether a log is damaged stands in the table only where some are.
+    """
+    for each in damage:
+        if each.losses:
+            print_sentence(console, (" damage  ", "red"), printable(each.line))
     is_damaged = [row[-1] != NOTHING for row in rows]
     count = len(SUMMARY_HEADERS) if any(is_damaged) else len(SUMMARY_HEADERS) - 1
     lines = [

@@ -2,10 +2,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
 
-from dogbot_logtool.core.base.base_history import BaseHistory, BaseRecorder
+from dogbot_logtool.core.base.base_history import BaseHistory, base_history
 from dogbot_logtool.core.base.base_motion import (
     BaseMotion,
     BaseTrack,
@@ -17,16 +15,13 @@ from dogbot_logtool.core.base.odometry import Odometry
 from dogbot_logtool.core.base.pose_jumps import find_jumps
 from dogbot_logtool.core.base.travel import find_travel
 from dogbot_logtool.core.geometry import timespans
-from dogbot_logtool.core.geometry.arrays import Floats, Ints
+from dogbot_logtool.core.geometry.arrays import Floats
 from dogbot_logtool.core.geometry.clock import TimeSource
-from dogbot_logtool.core.geometry.rotations import conjugate, rotate
 
 START = 5_000_000_000
 
 
-def circle(
-    *, seconds: float = 4.0, rate_hz: float = 200.0, twist: str = "world", noise: float = 0.0
-) -> Odometry:
+def circle(*, seconds: float = 4.0, rate_hz: float = 200.0) -> Odometry:
     """A base that drives a circle of 2 m at 0.5 m/s, facing along it, body x forward."""
     time = np.arange(round(seconds * rate_hz) + 1) / rate_hz
     turned = 0.25 * time
@@ -34,19 +29,12 @@ def circle(
     position = np.stack([2.0 * np.sin(turned), 2.0 - 2.0 * np.cos(turned), zero + 0.4], axis=1)
     orientation = np.stack([zero, zero, np.sin(turned / 2.0), np.cos(turned / 2.0)], axis=1)
     velocity = 0.5 * np.stack([np.cos(turned), np.sin(turned), zero], axis=1)
-    if twist == "body":
-        velocity = rotate(conjugate(orientation), velocity)
-    velocity += np.random.default_rng(3).normal(0.0, noise, velocity.shape)
     stamp = START + np.round(time * 1e9).astype(np.int64)
     return Odometry(stamp, stamp, position, orientation, velocity, np.zeros_like(position))
 
 
-def record(odometry: Odometry, *, cuts: Ints | None = None, block_rows: int = 64) -> BaseHistory:
-    recorder = BaseRecorder(TimeSource.HEADER, block_rows=block_rows)
-    rows = np.arange(len(odometry.stamp))
-    for part in np.split(rows, [] if cuts is None else cuts):
-        recorder.add(odometry.pick(part))
-    return recorder.finish()
+def record(odometry: Odometry) -> BaseHistory:
+    return base_history(odometry, TimeSource.HEADER)
 
 
 def track(odometry: Odometry, height_m: float = 0.3) -> BaseTrack:
@@ -141,24 +129,6 @@ def test_yaw_is_unwrapped() -> None:
     assert motion(circle(seconds=60.0)).yaw_change_rad == pytest.approx(15.0)
 
 
-@pytest.mark.parametrize("frame", ["world", "body"])
-@pytest.mark.parametrize("noise", [0.0, 0.05])
-def test_the_twists_frame_is_found_by_evidence(frame: str, noise: float) -> None:
-    assert motion(circle(seconds=20.0, twist=frame, noise=noise)).twist_frame == frame
-
-
-def test_without_turning_the_twists_frame_is_ambiguous() -> None:
-    straight = circle()
-    straight.orientation[:] = (0.0, 0.0, 0.0, 1.0)
-    assert motion(straight).twist_frame == "ambiguous"
-
-
-def test_velocities_that_are_not_finite_leave_the_frame_unknown() -> None:
-    odometry = circle()
-    odometry.linear_velocity[:] = np.nan
-    assert motion(odometry).twist_frame is None
-
-
 def test_speed_comes_from_poses_whatever_the_twist_says() -> None:
     odometry = circle()
     odometry.linear_velocity[:] = 99.0
@@ -203,17 +173,6 @@ def test_the_froude_number_needs_a_height() -> None:
 
 def test_one_pose_is_no_motion() -> None:
     assert base_motion(track(circle().pick(np.array([0]))), "+x") is None
-
-
-@settings(max_examples=25, deadline=None)
-@given(st.lists(st.integers(0, 801), max_size=6))
-def test_batches_do_not_matter(cuts: list[int]) -> None:
-    odometry = circle(noise=0.01)
-    whole = record(odometry, block_rows=50)
-    split = record(odometry, cuts=np.array(sorted(cuts), np.int64), block_rows=50)
-    for name in ("time", "position", "angles"):
-        np.testing.assert_array_equal(getattr(whole, name), getattr(split, name))
-    assert whole.twist == split.twist
 
 
 def test_poses_are_kept_at_a_hundred_hertz() -> None:

@@ -5,13 +5,13 @@ from collections.abc import Sequence
 import numpy as np
 import pytest
 
-from dogbot_logtool.core.base.base_history import BaseHistory, TwistFit
+from dogbot_logtool.core.base.base_history import BaseHistory
 from dogbot_logtool.core.base.falls import fallen_spans
 from dogbot_logtool.core.base.pose_jumps import find_jumps
 from dogbot_logtool.core.base.tipping import find_tipping
 from dogbot_logtool.core.contact.contact_rule import ContactRule
 from dogbot_logtool.core.contact.contacts import Samples
-from dogbot_logtool.core.contact.foot_history import FootHistory, FootRecorder
+from dogbot_logtool.core.contact.foot_history import FootHistory, foot_history
 from dogbot_logtool.core.geometry import timespans
 from dogbot_logtool.core.geometry.arrays import Floats
 from dogbot_logtool.core.geometry.clock import TimeSource
@@ -40,7 +40,6 @@ def base(height: Knots, roll: Knots = ((0.0, 0.0),), pitch: Knots = ((0.0, 0.0),
         position=np.stack([zero, zero, curve(height)], axis=1),
         angles=np.stack([curve(roll), curve(pitch), zero], axis=1),
         gaps=timespans.no_spans(),
-        twist=TwistFit(),
     )
 
 
@@ -49,8 +48,8 @@ def foot(load: Knots) -> FootHistory:
     count = len(force)
     up = np.tile([0.0, 0.0, 1.0], (count, 1))
     stamp = np.round(times() * 1e9).astype(np.int64)
-    recorder = FootRecorder(ContactRule(10.0, 0.0, 0.02), TimeSource.LOG, force_in_world=True)
-    recorder.add(
+    rule = ContactRule(10.0, 0.0, 0.02)
+    return foot_history(
         Samples(
             foot=np.zeros(count, np.int64),
             log_time=stamp,
@@ -61,9 +60,11 @@ def foot(load: Knots) -> FootHistory:
             points=np.ones(count, np.int64),
             position=0.0 * up,
             normal=up,
-        )
+        ),
+        rule,
+        TimeSource.LOG,
+        force_in_world=True,
     )
-    return recorder.finish()
 
 
 LOADED: Knots = ((0.0, 200.0),)

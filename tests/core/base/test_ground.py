@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from dogbot_logtool.core.base.base_history import BaseHistory, TwistFit
+from dogbot_logtool.core.base.base_history import BaseHistory
 from dogbot_logtool.core.base.ground import height_drift_m, slope_rad, swapped_pairs
 from dogbot_logtool.core.contact.foot_history import FootHistory
 from dogbot_logtool.core.geometry import timespans
@@ -62,7 +62,6 @@ def base(yaw: float = 0.0) -> BaseHistory:
         position=np.stack([way, zero, zero + 0.45], axis=1),
         angles=np.stack([zero, zero, zero + yaw], axis=1),
         gaps=timespans.no_spans(),
-        twist=TwistFit(),
     )
 
 

@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from dogbot_logtool.core.base.base_history import BaseHistory, TwistFit
+from dogbot_logtool.core.base.base_history import BaseHistory
 from dogbot_logtool.core.base.pose_jumps import find_jumps, without_jumps
 from dogbot_logtool.core.base.travel import find_travel, path_length_m, pose_noise_m
 from dogbot_logtool.core.geometry import timespans
@@ -11,7 +11,7 @@ from dogbot_logtool.core.geometry.arrays import Floats
 def history(time_s: Floats, position: Floats) -> BaseHistory:
     time = 10**18 + np.round(time_s * 1e9).astype(np.int64)
     return BaseHistory(
-        len(time), 0, 0, time, position, np.zeros((len(time), 3)), timespans.no_spans(), TwistFit()
+        len(time), 0, 0, time, position, np.zeros((len(time), 3)), timespans.no_spans()
     )
 
 

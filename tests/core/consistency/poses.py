@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from dogbot_logtool.core.base.base_history import BaseHistory, TwistFit
+from dogbot_logtool.core.base.base_history import BaseHistory
 from dogbot_logtool.core.geometry import timespans
 
 
@@ -18,5 +18,4 @@ def base(seconds: float, speed_mps: float, start_s: float = 1.0) -> BaseHistory:
         position=np.column_stack([speed_mps * time, flat, flat + 0.4]),
         angles=np.zeros((len(time), 3)),
         gaps=timespans.no_spans(),
-        twist=TwistFit(),
     )

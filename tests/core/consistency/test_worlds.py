@@ -6,9 +6,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from dogbot_logtool.core.base.base_history import BaseHistory, TwistFit
+from dogbot_logtool.core.base.base_history import BaseHistory
 from dogbot_logtool.core.consistency.worlds import compare_worlds
-from dogbot_logtool.core.contact.track import FootTrack
+from dogbot_logtool.core.contact.track import FootTrack, foot_track
 from dogbot_logtool.core.geometry import timespans
 from dogbot_logtool.core.geometry.arrays import Floats, Ints
 
@@ -50,7 +50,6 @@ def base(
         position=np.column_stack([position, flat + 0.4]),
         angles=np.column_stack([flat, flat, yaw]),
         gaps=timespans.no_spans(),
-        twist=TwistFit(),
     )
 
 
@@ -65,7 +64,7 @@ def foot(corner: Sequence[float], phase: float, seconds: float, turn_radps: floa
     point = np.column_stack([x, y, np.zeros_like(x)])
     point[cycle % 1.0 >= DUTY] = np.nan
     none = np.zeros_like(time)
-    return FootTrack(ns(time), none, none, none, point, timespans.no_spans())
+    return foot_track(ns(time), none, none, point, np.inf)
 
 
 def feet(seconds: float = 20.0, turn_radps: float = 0.0) -> list[FootTrack]:

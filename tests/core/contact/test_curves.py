@@ -1,26 +1,15 @@
-"""Curves for drawing: every peak and every trough survives, however the samples are split."""
-
-from itertools import pairwise
+"""Curves for drawing: every peak and every trough survives."""
 
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from dogbot_logtool.core.contact.curves import Curve, CurveDetail, CurveRecorder, LoadCurveRecorder
+from dogbot_logtool.core.contact.curves import CurveDetail, curve_of, load_curves
 from dogbot_logtool.core.geometry.arrays import Floats, Ints
 
 START = 1_700_000_000_000_000_000
 NO_BREAKS = np.empty((0, 2), np.int64)
-
-
-def curve(
-    time: Ints, value: Floats, detail: CurveDetail, cuts: tuple[int, ...] = ()
-) -> Curve | None:
-    recorder = CurveRecorder(detail)
-    for start, end in pairwise([0, *sorted(cuts), len(time)]):
-        recorder.add(time[start:end], value[start:end])
-    return recorder.finish()
 
 
 @st.composite
@@ -34,14 +23,12 @@ def signals(draw: st.DrawFn) -> tuple[Ints, Floats]:
 
 
 @settings(max_examples=75)
-@given(signals(), st.integers(2, 40), st.data())
+@given(signals(), st.integers(2, 40))
 def test_each_bin_keeps_its_lowest_and_its_highest_sample(
-    signal: tuple[Ints, Floats], most: int, data: st.DataObject
+    signal: tuple[Ints, Floats], most: int
 ) -> None:
     time, value = signal
-    cut = st.integers(0, len(time))
-    cuts = data.draw(st.lists(cut, max_size=5))
-    result = curve(time, value, CurveDetail(most), tuple(cuts))
+    result = curve_of(time, value, CurveDetail(most))
     bins: dict[int, list[tuple[int, float]]] = {}
     if result is None:
         assert np.isnan(value).all()
@@ -63,7 +50,7 @@ def test_each_bin_keeps_its_lowest_and_its_highest_sample(
 def test_a_short_log_keeps_every_sample() -> None:
     time = START + np.arange(500, dtype=np.int64) * 1_000_000
     value = np.random.default_rng(1).normal(size=500)
-    result = curve(time, value, CurveDetail(500))
+    result = curve_of(time, value, CurveDetail(500))
     assert result is not None
     drawn_time, drawn = result.line(NO_BREAKS)
     assert (drawn_time == time).all()
@@ -75,7 +62,7 @@ def test_one_spike_in_a_day_is_drawn() -> None:
     value = np.full(len(time), 50.0)
     value[333_333] = 900.0
     value[333_334] = -1.0
-    result = curve(time, value, CurveDetail(1024), (333_334,))
+    result = curve_of(time, value, CurveDetail(1024))
     assert result is not None
     drawn_time, drawn = result.line(NO_BREAKS)
     assert len(drawn) <= 2048
@@ -86,7 +73,7 @@ def test_one_spike_in_a_day_is_drawn() -> None:
 
 def test_no_line_leads_over_a_break() -> None:
     time = np.array([10, 20, 30, 1000, 1010], np.int64)
-    result = curve(time, np.arange(5.0), CurveDetail())
+    result = curve_of(time, np.arange(5.0), CurveDetail())
     assert result is not None
     breaks = np.array([[0, 4], [30, 1000], [1020, 1030]], np.int64)
     drawn_time, drawn = result.line(breaks)
@@ -96,7 +83,7 @@ def test_no_line_leads_over_a_break() -> None:
 
 def test_two_breaks_between_two_points_make_one_gap() -> None:
     time = np.array([0, 100], np.int64)
-    result = curve(time, np.zeros(2), CurveDetail())
+    result = curve_of(time, np.zeros(2), CurveDetail())
     assert result is not None
     assert len(result.line(np.array([[0, 10], [20, 100]], np.int64))[0]) == 3
 
@@ -105,16 +92,15 @@ def test_a_window_has_its_own_detail() -> None:
     time = np.arange(100_000, dtype=np.int64) * 1_000_000
     value = np.sin(time / 1e9)
     window = (40_000 * 1_000_000, 40_500 * 1_000_000)
-    result = curve(time, value, CurveDetail(600, window))
+    result = curve_of(time, value, CurveDetail(600, window))
     assert result is not None
     assert result.bin_ns == 1
     assert result.low_time.tolist() == time[40_000:40_501].tolist()
 
 
 def test_a_vertical_force_that_is_never_known_has_no_curve() -> None:
-    recorder = LoadCurveRecorder(CurveDetail())
-    recorder.add(np.array([1, 2], np.int64), np.array([3.0, 4.0]), np.full(2, np.nan))
-    curves = recorder.finish()
+    force, vertical = np.array([3.0, 4.0]), np.full(2, np.nan)
+    curves = load_curves(np.array([1, 2], np.int64), force, vertical, CurveDetail())
     assert curves.vertical is None
     assert curves.force is not None
     assert curves.force.high.tolist() == [3.0, 4.0]

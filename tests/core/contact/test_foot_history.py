@@ -1,7 +1,6 @@
-"""One foot's samples, streamed: contact, debouncing, gaps, impulses."""
+"""One foot's samples: contact, debouncing, gaps, impulses."""
 
 from dataclasses import replace
-from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -11,7 +10,7 @@ from hypothesis import strategies as st
 from dogbot_logtool.core.contact.contact_detection import schmitt
 from dogbot_logtool.core.contact.contact_rule import ContactRule
 from dogbot_logtool.core.contact.contacts import Samples
-from dogbot_logtool.core.contact.foot_history import FootHistory, FootRecorder
+from dogbot_logtool.core.contact.foot_history import FootHistory, foot_history
 from dogbot_logtool.core.contact.stances import Cut
 from dogbot_logtool.core.geometry import timespans
 from dogbot_logtool.core.geometry.arrays import Floats, Ints
@@ -46,17 +45,11 @@ def samples(force: Floats, time: Ints | None = None) -> Samples:
 def record(
     given: Samples,
     *,
-    cuts: tuple[int, ...] = (),
-    block_rows: int = 16384,
     rule: ContactRule = RULE,
     clock: TimeSource = TimeSource.HEADER,
     world: bool = True,
 ) -> FootHistory:
-    recorder = FootRecorder(rule, clock, force_in_world=world, block_rows=block_rows)
-    edges = [0, *sorted(cuts), len(given.log_time)]
-    for start, end in pairwise(edges):
-        recorder.add(given.pick(np.arange(start, end)))
-    return recorder.finish()
+    return foot_history(given, rule, clock, force_in_world=world)
 
 
 def signal(*runs: tuple[int, float]) -> Floats:
@@ -202,7 +195,7 @@ def test_forces_read_off_the_ground_are_in_the_world_anyway() -> None:
 
 
 def test_a_foot_that_stands_is_not_reduced_but_is_in_contact() -> None:
-    result = record(samples(signal((100, 0), (4000, 50), (100, 0))), block_rows=64)
+    result = record(samples(signal((100, 0), (4000, 50), (100, 0))))
     assert in_ms(result.stances.touchdown) == [500]
     assert in_ms(result.stances.liftoff) == [20_500]
     assert result.stances.cut.tolist() == [Cut.WHOLE]
@@ -210,13 +203,12 @@ def test_a_foot_that_stands_is_not_reduced_but_is_in_contact() -> None:
     assert result.track.vertical_within(result.known) == pytest.approx(1000.0)
 
 
-def test_impulses_are_those_of_all_samples_though_few_are_kept() -> None:
+def test_impulses_between_any_two_times() -> None:
     time = np.arange(2000) / 200.0
     force = 100.0 + 50.0 * np.sin(2.0 * np.pi * time)
-    result = record(samples(force), block_rows=100)
-    assert len(result.track.time) < 300
+    result = record(samples(force))
     spans = np.array([[START, START + 5_000 * MS]], np.int64)
-    assert result.track.vertical_within(spans) == pytest.approx(500.0, rel=1e-4)
+    assert result.track.vertical_within(spans) == pytest.approx(500.0, rel=1e-9)
     assert result.track.force_within(timespans.no_spans()) == 0.0
 
 
@@ -254,35 +246,10 @@ patterns = st.lists(
 
 
 @settings(max_examples=60, deadline=None)
-@given(patterns, st.lists(st.integers(0, 80), max_size=6), st.integers(1, 40))
-def test_batches_do_not_matter(
-    runs: list[tuple[int, float]], cuts: list[int], block_rows: int
-) -> None:
+@given(patterns)
+def test_stances_are_what_the_obvious_way_finds(runs: list[tuple[int, float]]) -> None:
     force = signal(*runs)
-    given_samples = samples(force)
-    whole = record(given_samples, block_rows=block_rows)
-    split = record(
-        given_samples,
-        cuts=tuple(cut for cut in cuts if cut <= len(force)),
-        block_rows=block_rows,
-    )
-    for name in ("touchdown", "liftoff", "cut", "figures"):
-        np.testing.assert_array_equal(getattr(whole.stances, name), getattr(split.stances, name))
-    for name in ("time", "force_impulse", "vertical_impulse", "vertical_force"):
-        np.testing.assert_array_equal(getattr(whole.track, name), getattr(split.track, name))
-    assert (whole.filled_swings, whole.dropped_stances) == (
-        split.filled_swings,
-        split.dropped_stances,
-    )
-
-
-@settings(max_examples=60, deadline=None)
-@given(patterns, st.integers(1, 40))
-def test_streaming_finds_what_the_obvious_way_finds(
-    runs: list[tuple[int, float]], block_rows: int
-) -> None:
-    force = signal(*runs)
-    result = record(samples(force), block_rows=block_rows)
+    result = record(samples(force))
     found = [
         (touchdown // 5, liftoff // 5)
         for touchdown, liftoff in zip(

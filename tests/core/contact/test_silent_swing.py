@@ -9,9 +9,9 @@ from dogbot_logtool.core.contact.contacts import Samples
 from dogbot_logtool.core.contact.silent_swing import (
     LONGEST_SWING_S,
     SilentFeet,
-    SwingInserter,
     last_messages,
     learn_silences,
+    swings_in_batch,
     with_swings,
 )
 from dogbot_logtool.core.geometry.blocks import concatenated
@@ -44,7 +44,7 @@ def told_ms(samples: Samples, *, contact: bool) -> list[int]:
 
 
 def test_a_silence_begins_and_ends_one_interval_from_contact() -> None:
-    whole = with_swings(in_contact([0, 10, 20, 220, 230]), SilentFeet({0: INTERVAL}), {}, None)
+    whole = with_swings(in_contact([0, 10, 20, 220, 230]), SilentFeet({0: INTERVAL}), None, None)
     free = told_ms(whole, contact=False)
     assert (free[0], free[-1]) == (30, 210)
     assert max(np.diff([20, *free, 220])) <= 40
@@ -56,24 +56,24 @@ def test_a_silence_begins_and_ends_one_interval_from_contact() -> None:
 @pytest.mark.parametrize("silence_ms", [10, 20, 25, round(LONGEST_SWING_S * 1e3) + 1, 10**9])
 def test_jitter_and_drop_outs_are_no_swing(silence_ms: int) -> None:
     samples = in_contact([0, 10, 10 + silence_ms])
-    assert with_swings(samples, SilentFeet({0: INTERVAL}), {}, None) is samples
+    assert with_swings(samples, SilentFeet({0: INTERVAL}), None, None) is samples
 
 
 def test_feet_that_always_speak_stay_as_they_are() -> None:
     samples = in_contact([0, 200], foot=1)
-    assert with_swings(samples, SilentFeet({0: INTERVAL}), {}, None) is samples
+    assert with_swings(samples, SilentFeet({0: INTERVAL}), None, None) is samples
 
 
 def test_stamps_run_at_their_own_rate() -> None:
-    whole = with_swings(in_contact([0, 200], stamp_rate=0.5), SilentFeet({0: INTERVAL}), {}, None)
+    whole = with_swings(in_contact([0, 200], stamp_rate=0.5), SilentFeet({0: INTERVAL}), None, None)
     expected = 500 * MS + (whole.log_time - ZERO) // 2
     assert whole.stamp.tolist() == expected.tolist()
 
 
 def test_the_log_s_ends_count_as_swing() -> None:
-    teller = SwingInserter(SilentFeet({0: INTERVAL}), ZERO - 100 * MS, ZERO + 100 * MS)
-    told = [*teller.add([in_contact([0, 10])]), *teller.finish()]
-    free = told_ms(concatenated(told), contact=False)
+    ends = ZERO - 100 * MS, ZERO + 100 * MS
+    whole = with_swings(in_contact([0, 10]), SilentFeet({0: INTERVAL}), *ends)
+    free = told_ms(whole, contact=False)
     assert (free[0], free[-1]) == (-100, 100)
     assert -10 in free
     assert 20 in free
@@ -97,10 +97,10 @@ def test_where_a_log_is_cut_makes_no_difference(
     rows = np.arange(len(steps))
     first, second = samples.pick(rows < cut), samples.pick(rows >= cut)
 
-    whole = with_swings(samples, intervals, {}, ZERO)
+    whole = swings_in_batch(samples, intervals, {}, ZERO)
     halves = [
-        with_swings(first, intervals, {}, ZERO),
-        with_swings(second, intervals, last_messages(first, {}, intervals), ZERO),
+        swings_in_batch(first, intervals, {}, ZERO),
+        swings_in_batch(second, intervals, last_messages(first, {}, intervals), ZERO),
     ]
 
     for foot in (0, 1):
@@ -129,7 +129,7 @@ def test_a_foot_that_hits_something_swings_before_and_after_it(share: float) -> 
     at = round(share * SWING_MS / 10) * 10
     samples = in_contact(steps_ms([at, at + 10, at + 20], []))
     usual = learn_silences(in_contact(steps_ms([], [])), {0: INTERVAL})
-    free = told_ms(with_swings(samples, usual, {}, None), contact=False)
+    free = told_ms(with_swings(samples, usual, None, None), contact=False)
     liftoff = 3 * STANCE_MS + 2 * SWING_MS
     mine = [each - liftoff for each in free if liftoff < each < liftoff + SWING_MS]
     assert (mine[0], mine[-1]) == (10, SWING_MS - 10)
@@ -139,5 +139,5 @@ def test_a_foot_that_hits_something_swings_before_and_after_it(share: float) -> 
 def test_lost_messages_inside_a_stance_are_no_swing() -> None:
     lost = list(range(1500, 1600, 10))
     usual = learn_silences(in_contact(steps_ms([], [])), {0: INTERVAL})
-    free = told_ms(with_swings(in_contact(steps_ms([], lost)), usual, {}, None), contact=False)
+    free = told_ms(with_swings(in_contact(steps_ms([], lost)), usual, None, None), contact=False)
     assert not set(free) & set(range(1400, 1800))

@@ -175,7 +175,10 @@ def test_a_stance_has_the_same_figures_alone_and_among_others(
     together = reduce_stances(end_to_end(alone))
     for row, (load, samples) in enumerate(zip(loads, alone, strict=True)):
         mine = {name: float(value[row]) for name, value in together._asdict().items()}
-        np.testing.assert_equal(mine, figures(samples))
+        own = figures(samples)
+        assert mine == {
+            name: pytest.approx(own[name], rel=1e-9, abs=1e-12, nan_ok=True) for name in own
+        }
         assert mine["peak_n"] == max(load)
         assert mine["mean_n"] == pytest.approx(np.mean(load))
         vertical = 0.9 * samples.force

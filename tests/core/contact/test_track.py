@@ -3,24 +3,28 @@
 import numpy as np
 import pytest
 
-from dogbot_logtool.core.contact.track import TrackRecorder
-from dogbot_logtool.core.geometry.arrays import Floats, Ints
+from dogbot_logtool.core.contact.track import POINT_RATE_HZ, foot_track
 
-STEP = 10_000_000
+STEP = 1_000_000
 NAN = np.nan
 
 
-def unknown_in(vertical: Floats, cut: int) -> Ints:
-    time = (100 + np.arange(len(vertical), dtype=np.int64)) * STEP
-    recorder = TrackRecorder()
-    for rows in (slice(None, cut), slice(cut, None)):
-        force = np.full(len(time[rows]), 50.0)
-        recorder.add(time[rows], force, vertical[rows], np.full((len(force), 3), NAN))
-    return recorder.finish(0.1e9).vertical_unknown // STEP - 100
-
-
-@pytest.mark.parametrize("cut", range(8))
-def test_the_time_between_known_vertical_forces_is_unknown(cut: int) -> None:
+def test_the_time_between_known_vertical_forces_is_unknown() -> None:
     """From the last known one, or the start, to the next one."""
-    found = unknown_in(np.array([NAN, NAN, 5.0, 6.0, NAN, 7.0, 8.0]), cut)
-    assert found.tolist() == [[0, 2], [3, 5]]
+    vertical = np.array([NAN, NAN, 5.0, 6.0, NAN, 7.0, 8.0])
+    time = (100 + np.arange(len(vertical), dtype=np.int64)) * STEP
+    track = foot_track(time, np.full(7, 50.0), vertical, np.full((7, 3), NAN), 1e8)
+    assert ((track.vertical_unknown // STEP) - 100).tolist() == [[0, 2], [3, 5]]
+    assert track.vertical_within(time[[[0, 6]]]) == pytest.approx(13e-3)
+    assert track.force_within(time[[[0, 6]]]) == pytest.approx(0.3)
+
+
+def test_contact_points_are_kept_seldom_but_at_every_touchdown() -> None:
+    time = np.arange(1000, dtype=np.int64) * STEP
+    point = np.zeros((1000, 3))
+    point[:, 0] = np.arange(1000)
+    point[np.arange(1000) % 250 < 13] = NAN
+    zero = np.zeros(1000)
+    at, places = foot_track(time, zero, zero, point, 1e8).contact_points
+    assert {13, 263, 513, 763} <= {int(x) for x in places[:, 0]}
+    assert len(at) <= POINT_RATE_HZ + 4

@@ -2,11 +2,11 @@
 
 from dataclasses import replace
 
-from dogbot_logtool.core.accumulator import StatsAccumulator
 from dogbot_logtool.core.base.odometry import Odometry
 from dogbot_logtool.core.contact.contacts import Samples
 from dogbot_logtool.core.geometry.clock import TimeSource
 from dogbot_logtool.core.statistics import Stats
+from tests.analysed import analysed
 from tests.oracles.straight_walk import SETTINGS, Walk
 
 WALK = Walk(seconds=16.0)
@@ -24,12 +24,5 @@ def late(samples: Samples, seconds: float) -> Samples:
 def measure(
     samples: list[Samples], odometry: Odometry, time_source: TimeSource | None = None
 ) -> Stats:
-    settings = replace(SETTINGS, time_source=time_source)
-    accumulator = StatsAccumulator(settings)
-    accumulator.add_odometry(odometry)
-    accumulator.add_message_times("/odom", odometry.log_time, odometry.stamp)
-    for each in samples:
-        accumulator.add_contacts(each)
-        topic = settings.feet[int(each.foot[0])].topic
-        accumulator.add_message_times(topic, each.log_time, each.stamp)
-    return accumulator.finish()
+    settings = replace(SETTINGS, time_source=time_source, odometry_topic="/odom")
+    return analysed(settings, samples, odometry)

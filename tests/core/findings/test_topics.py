@@ -5,7 +5,7 @@ import pytest
 
 from dogbot_logtool.core.findings.topics import topic_findings
 from dogbot_logtool.core.geometry.clock import TimeSource
-from dogbot_logtool.core.quality.quality import TopicWatch
+from dogbot_logtool.core.quality.quality import topic_quality, topic_times
 
 MS = 1_000_000
 START = 1_700_000_000_000 * MS
@@ -14,9 +14,8 @@ START = 1_700_000_000_000 * MS
 @pytest.mark.parametrize(("stamp_ms", "rate"), [(5, "0.50"), (25, "2.50"), (10, None)])
 def test_stamps_that_run_at_another_speed(stamp_ms: int, rate: str | None) -> None:
     count = np.arange(4000, dtype=np.int64)
-    watch = TopicWatch("/foot")
-    watch.add(START + 10 * MS * count, START + stamp_ms * MS * count)
-    found = topic_findings(watch.finish(TimeSource.HEADER), may_pause=False)
+    times = topic_times("/foot", START + 10 * MS * count, START + stamp_ms * MS * count)
+    found = topic_findings(topic_quality(times, TimeSource.HEADER), may_pause=False)
     texts = [each.text for each in found if each.code == "N_CLOCKS_DIFFER"]
     wanted = [f"/foot: its stamps run at {rate} times the speed of log time"] if rate else []
     assert texts == wanted

@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from dogbot_logtool.core.base.base_history import BaseHistory, TwistFit
+from dogbot_logtool.core.base.base_history import BaseHistory
 from dogbot_logtool.core.gait.standing import find_standing
 from dogbot_logtool.core.geometry import timespans
 from dogbot_logtool.core.geometry.arrays import Floats, Ints
@@ -17,7 +17,7 @@ def base(x: Floats, yaw: Floats | None = None) -> BaseHistory:
     zero = np.zeros(count)
     angles = np.stack([zero, zero, zero if yaw is None else yaw], axis=1)
     position = np.stack([x, zero, zero + 0.4], axis=1)
-    return BaseHistory(count, 0, 0, time, position, angles, NONE, TwistFit())
+    return BaseHistory(count, 0, 0, time, position, angles, NONE)
 
 
 def seconds(spans: Ints) -> list[list[float]]:

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from dogbot_logtool.core.base.base_history import BaseHistory, TwistFit
+from dogbot_logtool.core.base.base_history import BaseHistory
 from dogbot_logtool.core.gait.strides import Strides
 from dogbot_logtool.core.geometry import timespans
 from dogbot_logtool.core.geometry.arrays import Floats
@@ -22,7 +22,7 @@ def base(climb_m: float = CLIMB_M, speeding_mps2: float = 0.0) -> BaseHistory:
     ahead = seconds + speeding_mps2 * seconds**2 / 2.0
     position = np.column_stack([ahead, np.zeros_like(seconds), climb_m * seconds])
     level = np.zeros_like(position)
-    return BaseHistory(len(time), 0, 0, time, position, level, timespans.no_spans(), TwistFit())
+    return BaseHistory(len(time), 0, 0, time, position, level, timespans.no_spans())
 
 
 def strides(count: int = 8) -> Strides:

@@ -1,4 +1,4 @@
-"""The way of a foot, by transforms however they are split, and by joints."""
+"""The way of a foot, by transforms and by joints."""
 
 import numpy as np
 import pytest
@@ -7,16 +7,16 @@ from dogbot_logtool.core.frames.kinematics import Joint
 from dogbot_logtool.core.frames.transform_buffer import TransformBuffer, frame_track
 from dogbot_logtool.core.geometry.arrays import Floats, Ints
 from dogbot_logtool.core.legs.foot_path import (
-    FootPath,
     LegChain,
-    PathRecorder,
     chain_to,
     path_by_joints,
+    path_by_transforms,
 )
 from dogbot_logtool.core.legs.joint_track import JointTrack
 from dogbot_logtool.core.legs.silences import silent_before
 
 STEP = 10_000_000
+STATICS = TransformBuffer()
 PARENTS = {"shank": "thigh", "thigh": "base"}
 
 
@@ -59,41 +59,22 @@ def chain() -> LegChain:
     return found
 
 
-def recorded(*parts: Ints) -> FootPath:
-    recorder = PathRecorder([chain(), None], TransformBuffer())
-    for part in parts:
-        recorder.add(buffer_of(part), int(part[-1]))
-    first, second = recorder.finish()
-    assert first is not None
-    assert second is None
-    return first
-
-
-@pytest.mark.parametrize("seed", range(5))
-def test_splits_do_not_matter(seed: int) -> None:
+def test_transforms_tell_the_way_of_a_foot() -> None:
     time = STEP * np.arange(600)
-    cuts = np.sort(np.random.default_rng(seed).choice(np.arange(1, 599), 7, replace=False))
-    whole, split = recorded(time), recorded(*np.split(time, cuts))
-    assert np.array_equal(whole.time, split.time)
-    assert np.array_equal(whole.position, split.position)
-    assert whole.position == pytest.approx(expected(whole.time), abs=1e-6)
-    assert len(whole.time) == 600
-
-
-def test_frames_that_are_told_apart_wait_for_each_other() -> None:
-    time = STEP * np.arange(300)
-    whole = buffer_of(time)
-    recorder = PathRecorder([chain()], TransformBuffer())
-    thigh, shank = whole.frames["thigh"], whole.frames["shank"]
-    for first in range(0, 300, 50):
-        rows, late = slice(first, first + 50), slice(max(first - 10, 0), first + 40)
-        own = {"shank": shank.pick(rows), "thigh": thigh.pick(late)}
-        recorder.add(TransformBuffer(own), int(time[rows][-1]))
-    recorder.add(TransformBuffer({"thigh": thigh.pick(slice(290, 300))}), int(time[-1]))
-    (path,) = recorder.finish()
+    path = path_by_transforms(chain(), buffer_of(time), STATICS)
     assert path is not None
     assert np.array_equal(path.time, time)
     assert path.position == pytest.approx(expected(time), abs=1e-6)
+
+
+def test_a_path_ends_where_one_of_its_frames_does() -> None:
+    time = STEP * np.arange(300)
+    frames = dict(buffer_of(time).frames)
+    assert path_by_transforms(chain(), TransformBuffer({"shank": frames["shank"]}), STATICS) is None
+    frames["thigh"] = frames["thigh"].pick(slice(10, 290))
+    path = path_by_transforms(chain(), TransformBuffer(frames), STATICS)
+    assert path is not None
+    assert np.array_equal(path.time, time[10:290])
 
 
 def test_nothing_connects_a_foot_with_another_base() -> None:
@@ -114,7 +95,7 @@ def joints() -> LegChain:
 
 def track_of(time: Ints, position: Floats) -> JointTrack:
     rows = position.astype(np.float32)
-    return JointTrack(time, rows, rows, rows, rows)
+    return JointTrack(time, rows, rows, rows)
 
 
 def test_joints_tell_the_same_way() -> None:

@@ -1,12 +1,23 @@
-"""Joints' states, however they are split and told, against sums worked out by hand."""
+"""Joints' states against sums worked out by hand."""
+
+from typing import Any
 
 import numpy as np
 import pytest
 
-from dogbot_logtool.core.geometry.arrays import Floats, Ints
+from dogbot_logtool.core.frames.transform_buffer import TransformBuffer
+from dogbot_logtool.core.geometry.arrays import Float32s, Floats, Ints
 from dogbot_logtool.core.geometry.clock import TimeSource
-from dogbot_logtool.core.legs.joint_track import JointHistory, JointLimits, JointSamples
-from dogbot_logtool.core.legs.leg_history import TopicRecorder
+from dogbot_logtool.core.legs.joint_history import joint_histories
+from dogbot_logtool.core.legs.joint_track import (
+    MOST_JOINTS,
+    JointHistory,
+    JointLimits,
+    JointSamples,
+    JointTable,
+)
+from dogbot_logtool.core.legs.leg_history import leg_history
+from dogbot_logtool.core.legs.settings import LegSettings
 from dogbot_logtool.core.legs.silences import silent_before
 
 START = 7_000_000_000
@@ -15,10 +26,13 @@ NAMES = ("hip", "thigh", "knee", "ankle", "toe", "neck")
 
 
 def samples(
-    position: Floats, velocity: Floats, effort: Floats, time: Ints | None = None
+    position: Floats | Float32s,
+    velocity: Floats | Float32s,
+    effort: Floats | Float32s,
+    time: Ints | None = None,
 ) -> JointSamples:
     times = START + STEP * np.arange(len(position)) if time is None else time
-    columns = (each.reshape(len(times), -1) for each in (position, velocity, effort))
+    columns: list[Any] = [each.reshape(len(times), -1) for each in (position, velocity, effort)]
     return JointSamples(times, times, *columns)
 
 
@@ -28,31 +42,28 @@ def wave(count: int = 12_000, joints: int = 1) -> JointSamples:
 
 
 def histories(
-    *parts: JointSamples,
+    given: JointSamples,
     limits: JointLimits = JointLimits(),  # noqa: B008 - frozen
-    most: int = 99,
 ) -> dict[str, JointHistory]:
-    recorder = TopicRecorder("/joint_states", TimeSource.HEADER, dict.fromkeys(NAMES, limits))
-    for part in parts:
-        recorder.add(NAMES[: part.position.shape[1]], part, most)
-    return recorder.finish()
+    known = dict.fromkeys(NAMES, limits)
+    return joint_histories(NAMES, "/joint_states", given, TimeSource.HEADER, known)
 
 
 def recorded(
-    *parts: JointSamples,
+    given: JointSamples,
     limits: JointLimits = JointLimits(),  # noqa: B008 - frozen
 ) -> JointHistory:
-    (found,) = histories(*parts, limits=limits).values()
+    (found,) = histories(given, limits).values()
     return found
 
 
 def same(one: JointHistory, other: JointHistory) -> bool:
-    columns = ("time", "position", "effort", "positive_work", "absolute_work")
+    columns = ("time", "position", "positive_work", "absolute_work")
     tracks = all(
         np.array_equal(getattr(one.track, name), getattr(other.track, name), equal_nan=True)
         for name in columns
     )
-    names = [n for n in JointHistory.__dataclass_fields__ if n not in {"number", "kept"}]
+    names = [n for n in JointHistory.__dataclass_fields__ if n != "track"]
     return tracks and all(getattr(one, name) == getattr(other, name) for name in names)
 
 
@@ -77,32 +88,22 @@ def test_work_of_a_wave() -> None:
     found = recorded(whole)
     power, time = (whole.effort * whole.velocity)[:, 0], whole.stamp / 1e9
     assert found.absolute_work_j == pytest.approx(np.trapezoid(np.abs(power), time))
-    assert found.positive_work_j == pytest.approx(np.trapezoid(power.clip(0.0), time))
+    positive = np.trapezoid(power.clip(0.0), time)
+    assert found.track.positive_work.sum() == pytest.approx(positive, rel=1e-5)
     assert found.track.absolute_work.sum() == pytest.approx(found.absolute_work_j, rel=1e-5)
     assert found.squared_effort / found.effort_s == pytest.approx(12.5, rel=0.01)
     assert (found.lowest, found.highest) == (whole.position.min(), whole.position.max())
     assert np.diff(found.track.time).max() == 10_000_000
 
 
-@pytest.mark.parametrize("seed", range(5))
-def test_splits_do_not_matter(seed: int) -> None:
-    whole = wave()
-    cuts = np.sort(np.random.default_rng(seed).integers(0, len(whole.stamp), 9))
-    parts = np.split(np.arange(len(whole.stamp)), cuts)
-    assert same(recorded(whole), recorded(*(whole.pick(rows) for rows in parts)))
-
-
-@pytest.mark.parametrize("seed", range(5))
-def test_joints_together_are_as_each_alone_however_they_are_split(seed: int) -> None:
+def test_joints_together_are_as_each_alone() -> None:
     whole = irregular()
-    cuts = np.sort(np.random.default_rng(seed).integers(0, len(whole.stamp), 7))
-    parts = [whole.pick(rows) for rows in np.split(np.arange(len(whole.stamp)), cuts)]
-    found = histories(*parts)
+    found = histories(whole)
     assert sorted(found) == sorted(NAMES)
     for column, name in enumerate(NAMES):
-        alone = TopicRecorder("/joint_states", TimeSource.HEADER, {name: JointLimits()})
-        alone.add([name], whole.only(np.array([column])), 1)
-        assert same(found[name], alone.finish()[name]), name
+        alone = whole.only(np.array([column]))
+        expected = joint_histories([name], "/joint_states", alone, TimeSource.HEADER, {})
+        assert same(found[name], expected[name]), name
 
 
 def test_joints_of_two_senders_on_one_topic() -> None:
@@ -120,7 +121,13 @@ def test_joints_of_two_senders_on_one_topic() -> None:
 
 
 def test_no_more_joints_are_followed_than_allowed() -> None:
-    assert list(histories(wave(50, 6), wave(50, 6), most=4)) == list(NAMES[:4])
+    many = wave(5, MOST_JOINTS + 3)
+    tables = [
+        JointTable(topic, tuple(f"{topic}{joint}" for joint in range(MOST_JOINTS + 3)), many)
+        for topic in ("/one", "/other")
+    ]
+    found = leg_history(tables, TransformBuffer(), LegSettings((), ()), TimeSource.HEADER)
+    assert [joint.name for joint in found.joints] == sorted(tables[0].names[:MOST_JOINTS])
 
 
 def test_no_velocity_means_differences() -> None:
@@ -131,8 +138,7 @@ def test_no_velocity_means_differences() -> None:
     assert found.peak_speed == pytest.approx(3.0, rel=1e-3)
 
 
-@pytest.mark.parametrize("seed", range(3))
-def test_positions_that_wrap_go_on(seed: int) -> None:
+def test_positions_that_wrap_go_on() -> None:
     """A continuous joint that swings about pi, and one that turns on and on."""
     whole = wave(joints=2)
     whole.position[:, 0] += 3.0
@@ -140,9 +146,7 @@ def test_positions_that_wrap_go_on(seed: int) -> None:
     wrapped = samples(
         (whole.position + np.pi) % (2.0 * np.pi) - np.pi, whole.velocity, whole.effort
     )
-    cuts = np.sort(np.random.default_rng(seed).integers(0, len(whole.stamp), 5))
-    parts = [wrapped.pick(rows) for rows in np.split(np.arange(len(whole.stamp)), cuts)]
-    expected, found = histories(whole), histories(*parts)
+    expected, found = histories(whole), histories(wrapped)
     assert np.abs(np.diff(wrapped.position, axis=0)).max() > 6.0
     for name in NAMES[:2]:
         moved = found[name].track.position - expected[name].track.position

@@ -6,7 +6,7 @@ import numpy as np
 
 from dogbot_logtool.core.contact.contact_rule import ContactRule
 from dogbot_logtool.core.contact.contacts import Samples
-from dogbot_logtool.core.contact.foot_history import FootHistory, FootRecorder
+from dogbot_logtool.core.contact.foot_history import FootHistory, foot_history
 from dogbot_logtool.core.geometry.arrays import Floats, Ints
 from dogbot_logtool.core.geometry.clock import TimeSource
 
@@ -66,9 +66,7 @@ def samples_of(time: Floats, force: Floats, point: Floats | None = None, foot: i
 
 
 def history(samples: Samples, *, world: bool = True) -> FootHistory:
-    recorder = FootRecorder(RULE, TimeSource.HEADER, force_in_world=world)
-    recorder.add(samples)
-    return recorder.finish()
+    return foot_history(samples, RULE, TimeSource.HEADER, force_in_world=world)
 
 
 def foot(

@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 
 from dogbot_logtool.core.contact.foot_history import FootHistory
-from dogbot_logtool.core.contact.track import TRACK_RATE_HZ
 from dogbot_logtool.core.geometry.arrays import Floats, Ints
 from dogbot_logtool.core.load.impulses import mean_impulses
 from tests.core.load.feet import RATE_HZ, foot, seconds
@@ -51,8 +50,8 @@ def test_a_step_is_the_share_of_the_window_behind_it(at_s: float, share: float) 
 
 def test_the_mean_of_a_ramp_is_its_value_amid_the_window() -> None:
     time = seconds(LONG_S)
-    # Between two rows of the track, the force counts as even: a parabola lacks up to h^2 / 8.
-    lacking = 20.0 / TRACK_RATE_HZ**2 / 8.0 / (2.0 * HALF_S)
+    # Between two samples, the force counts as even: a parabola lacks up to h^2 / 8.
+    lacking = 20.0 / RATE_HZ**2 / 8.0 / (2.0 * HALF_S)
     found = means(foot(time, 20.0 * time), at=(0.5, 1.713, 3.1))
     np.testing.assert_allclose(found[:, 0], [10.0, 34.26, 62.0], rtol=0.0, atol=1.01 * lacking)
 

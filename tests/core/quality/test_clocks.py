@@ -6,9 +6,9 @@ import pytest
 from dogbot_logtool.core.geometry.arrays import Ints
 from dogbot_logtool.core.quality.clocks import (
     ClockDifference,
-    OffsetRecorder,
     OffsetTrack,
     clock_differences,
+    offset_track,
     why_clocks_cannot_be_joined,
 )
 
@@ -35,10 +35,7 @@ def track(
     log = truth + 0.0006 + random.uniform(0.0, jitter_s, len(truth))
     if burst_s:
         log = np.ceil(log / burst_s) * burst_s
-    recorder = OffsetRecorder()
-    for rows in np.array_split(np.arange(len(truth)), 7):
-        recorder.add(ns(log[rows]), ns(stamp[rows]))
-    return recorder.finish()
+    return offset_track(ns(log), ns(stamp))
 
 
 def ns(seconds: np.ndarray) -> Ints:
@@ -55,10 +52,7 @@ def odometry_against_feet(odometry: OffsetTrack, **feet: float) -> ClockDifferen
 def test_the_least_offset_of_each_half_second_of_log_time() -> None:
     log = START + np.array([100, 400, 600, 900, 1600], np.int64) * 1_000_000
     delay = np.array([30, 20, 50, 70, 10], np.int64) * 1_000_000
-    recorder = OffsetRecorder()
-    for rows in (slice(0, 1), slice(1, 5)):
-        recorder.add(log[rows], (log - delay)[rows])
-    found = recorder.finish()
+    found = offset_track(log, log - delay)
     first = START // (S // 2)
     assert found.window.tolist() == [first, first + 1, first + 3]
     assert (found.least_ns / 1e6).tolist() == [20.0, 50.0, 10.0]

@@ -1,14 +1,13 @@
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
 
 from dogbot_logtool.core.geometry.arrays import Ints
 from dogbot_logtool.core.geometry.clock import TimeSource
 from dogbot_logtool.core.quality.quality import (
     TopicQuality,
-    TopicWatch,
     mean_rate_hz,
+    topic_quality,
+    topic_times,
 )
 
 MS = 1_000_000
@@ -16,16 +15,9 @@ S = 1_000 * MS
 
 
 def watched(
-    log_time: Ints,
-    stamp: Ints | None,
-    *,
-    clock: TimeSource = TimeSource.HEADER,
-    cuts: tuple[int, ...] = (),
+    log_time: Ints, stamp: Ints | None, *, clock: TimeSource = TimeSource.HEADER
 ) -> TopicQuality:
-    watch = TopicWatch("/foot")
-    for rows in np.split(np.arange(len(log_time)), cuts):
-        watch.add(log_time[rows], None if stamp is None else stamp[rows], ("odom",))
-    return watch.finish(clock)
+    return topic_quality(topic_times("/foot", log_time, stamp), clock)
 
 
 def steady(count: int = 1001, interval_ms: int = 10) -> Ints:
@@ -34,26 +26,22 @@ def steady(count: int = 1001, interval_ms: int = 10) -> Ints:
 
 def test_a_steady_topic() -> None:
     quality = watched(steady() + 2 * MS, steady())
-    assert (quality.messages, quality.gaps, quality.longest_gaps) == (1001, 0, ())
+    assert (quality.messages, quality.gaps, quality.longest_gap_s) == (1001, 0, 0.0)
     assert quality.rate_hz == pytest.approx(100.0)
-    assert quality.median_rate_hz == pytest.approx(100.0)
     assert quality.interval_s == {"p50": 0.01, "p95": 0.01, "p99": 0.01, "max": 0.01}
-    assert (quality.first, quality.last) == (S, 11 * S)
     assert quality.offset_median_s == pytest.approx(0.002)
     assert quality.offset_drift_ppm == pytest.approx(0.0, abs=1e-6)
-    assert quality.frame_ids == ("odom",)
 
 
-def test_gaps_are_counted_placed_and_added_up() -> None:
+def test_gaps_are_counted_and_added_up() -> None:
     kept = np.ones(1001, np.bool_)
     kept[100:150] = False
     kept[600:606] = False
-    quality = watched(steady()[kept], steady()[kept], cuts=(3, 99, 100))
+    quality = watched(steady()[kept], steady()[kept])
     assert quality.gaps == 2
     assert quality.gaps_total_s == pytest.approx(0.51 + 0.07)
-    assert [(gap.start - S) // MS for gap in quality.longest_gaps] == [990, 5990]
+    assert quality.longest_gap_s == pytest.approx(0.51)
     assert quality.rate_hz == pytest.approx(94.4)
-    assert quality.median_rate_hz == pytest.approx(100.0)
 
 
 def test_a_slow_topic_has_no_gaps() -> None:
@@ -95,7 +83,7 @@ def test_a_topic_in_its_usual_rhythm_has_no_gaps(kind: str, cut: int) -> None:
     for count, seed in ((400, 1), (2400, 2), (20_000, 3)):
         times = random_times(kind, count, seed)[cut:]
         quality = watched(times, times)
-        assert (quality.gaps, quality.longest_gaps) == (0, ())
+        assert (quality.gaps, quality.longest_gap_s) == (0, 0.0)
 
 
 @pytest.mark.parametrize("kind", NO_GAPS)
@@ -106,7 +94,7 @@ def test_planted_gaps_are_found_in_any_rhythm(kind: str) -> None:
     quality = watched(times, times)
     assert quality.gaps == 3
     assert quality.gaps_total_s == pytest.approx(75.0, abs=4.0)
-    assert [gap.length_s for gap in quality.longest_gaps] == pytest.approx([30, 25, 20], abs=1.5)
+    assert quality.longest_gap_s == pytest.approx(30, abs=1.5)
 
 
 @pytest.mark.parametrize("share", [0.02, 0.1])
@@ -121,7 +109,7 @@ def test_gaps_of_a_steady_topic_are_found_though_they_are_many_or_long(share: fl
     long[100:] += 100 * S
     quality = watched(long, long)
     assert quality.gaps == 1
-    assert quality.longest_gaps[0].length_s == pytest.approx(100.01)
+    assert quality.longest_gap_s == pytest.approx(100.01)
 
 
 def test_messages_on_events_are_never_late() -> None:
@@ -136,7 +124,7 @@ def test_messages_on_events_are_never_late() -> None:
     ):
         stamps = S + np.round(times).astype(np.int64)
         quality = watched(stamps, stamps)
-        assert (quality.gaps, quality.median_rate_hz) == (0, None)
+        assert quality.gaps == 0
 
 
 def test_a_rate_needs_messages_and_time() -> None:
@@ -149,33 +137,13 @@ def test_a_rate_needs_messages_and_time() -> None:
     assert mean_rate_hz(1, 20_291) is None
     nanoseconds = S + np.arange(200, dtype=np.int64) * 2
     assert (watched(nanoseconds, nanoseconds).rate_hz) is None
-    assert (watched(nanoseconds, nanoseconds).median_rate_hz) is None
-
-
-def test_the_usual_rate_of_short_bursts_is_that_of_their_messages() -> None:
-    """They may follow one another so fast that no silence between them could be a gap."""
-    for size in (2, 4, 20):
-        number = np.arange(2401)
-        times = S + (number // size) * 20 * MS + (number % size) * 20_000
-        quality = watched(times, times)
-        assert quality.gaps == 0
-        assert quality.median_rate_hz == pytest.approx(size * 50.0, rel=0.01)
-
-
-def test_the_usual_rate_counts_messages_of_equal_times() -> None:
-    """Messages that arrive together may get one log time."""
-    times = S + np.arange(2000) // 20 * 40 * MS
-    quality = watched(times, times)
-    assert (quality.gaps, quality.duplicate_log_times) == (0, 1900)
-    assert quality.median_rate_hz == pytest.approx(500.0, rel=0.02)
 
 
 @pytest.mark.parametrize("size", [2, 5, 40])
-def test_the_usual_rate_of_bursts_is_that_of_their_messages(size: int) -> None:
+def test_the_rate_of_bursts_is_that_of_all_messages(size: int) -> None:
     times = random_times(f"{size} in a burst", 2400, 5)
     times[1200:] += 60 * S
     quality = watched(times, times)
-    assert quality.median_rate_hz == pytest.approx(size / 0.2, rel=0.05)
     assert quality.rate_hz == pytest.approx(2400 / (2400 / size * 0.2 + 60), rel=0.05)
 
 
@@ -215,12 +183,3 @@ def test_two_messages_and_short_logs_tell_no_drift() -> None:
     assert watched(S + 2 * (short - S), short).offset_drift_ppm is not None
     shorter = steady()[:480]
     assert watched(S + 2 * (shorter - S), shorter).offset_drift_ppm is None
-
-
-@settings(max_examples=30, deadline=None)
-@given(st.lists(st.integers(0, 300), max_size=5))
-def test_batches_do_not_matter(cuts: list[int]) -> None:
-    random = np.random.default_rng(5)
-    stamp = S + np.cumsum(random.integers(0, 80 * MS, 300))
-    log_time = stamp + random.integers(0, 3 * MS, 300)
-    assert watched(log_time, stamp, cuts=tuple(sorted(cuts))) == watched(log_time, stamp)

@@ -1,12 +1,11 @@
 """Vectors at a bounded rate, and their clock."""
 
 import numpy as np
-import pytest
 
 from dogbot_logtool.core.geometry.arrays import Floats
 from dogbot_logtool.core.geometry.clock import TimeSource
-from dogbot_logtool.core.quality.clocks import OffsetRecorder, OffsetTrack
-from dogbot_logtool.core.recorded.vectors import VectorHistory, VectorRecorder, VectorSamples
+from dogbot_logtool.core.quality.clocks import OffsetTrack, offset_track
+from dogbot_logtool.core.recorded.vectors import VectorHistory, VectorSamples, vector_history
 
 S = 1_000_000_000
 LATE = 3_000_000
@@ -19,18 +18,14 @@ def samples(seconds: Floats, behind: int = LATE, *, stamped: bool = True) -> Vec
 
 
 def clock_of_base(behind: int) -> OffsetTrack:
-    recorder = OffsetRecorder()
     log_time = 100 * S + np.arange(0, 10 * S, S // 100)
-    recorder.add(log_time, log_time - behind)
-    return recorder.finish()
+    return offset_track(log_time, log_time - behind)
 
 
 def recorded(
     given: VectorSamples, base: OffsetTrack | None, clock: TimeSource = TimeSource.HEADER
 ) -> VectorHistory:
-    recorder = VectorRecorder("/v", averages=False)
-    recorder.add(given)
-    return recorder.finish(clock, base)
+    return vector_history("/v", given, (), clock, base, averages=False)
 
 
 AT = np.arange(400) / 50.0
@@ -61,6 +56,14 @@ def test_log_time_is_log_time() -> None:
     np.testing.assert_array_equal(found.time, samples(AT).log_time)
 
 
+def test_a_bad_stamp_costs_its_own_message() -> None:
+    given = samples(AT)
+    given.stamp[[0, 200]] = 0
+    given.stamp[100] += 500 * S
+    found = recorded(given, clock_of_base(LATE))
+    assert (found.not_advancing, len(found.time)) == (3, 397)
+
+
 def test_what_is_no_number_is_refused() -> None:
     given = samples(AT)
     given.vector[[3, 5, 9]] = [[np.nan, 0, 0], [0, np.inf, 0], [0, 0, 1e300]]
@@ -78,24 +81,9 @@ def test_log_times_that_step_back_are_left_out() -> None:
     assert (np.diff(found.time) > 0).all()
 
 
-@pytest.mark.parametrize("averages", [False, True])
-def test_batches_make_no_difference(*, averages: bool) -> None:
-    given = samples(np.arange(50_000) / 1000.0)
-    whole = VectorRecorder("/v", averages=averages, block_rows=700)
-    whole.add(given)
-    parts = VectorRecorder("/v", averages=averages, block_rows=700)
-    for start in range(0, 50_000, 333):
-        parts.add(given.pick(np.arange(start, min(start + 333, 50_000))))
-    one, other = (each.finish(TimeSource.HEADER, None) for each in (whole, parts))
-    np.testing.assert_array_equal(one.time, other.time)
-    np.testing.assert_array_equal(one.vector, other.vector)
-
-
 def test_a_thousand_a_second_become_a_hundred() -> None:
-    recorder = VectorRecorder("/v", averages=True)
     seconds = np.arange(10_000) / 1000.0
     given = samples(seconds)
-    recorder.add(given)
-    found = recorder.finish(TimeSource.HEADER, None)
+    found = vector_history("/v", given, (), TimeSource.HEADER, None, averages=True)
     assert len(found.time) == 1000
     np.testing.assert_allclose(found.vector[:, 0], (found.time - given.stamp[0]) / 1e9, atol=1e-6)

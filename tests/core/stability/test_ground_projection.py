@@ -3,7 +3,7 @@ import pytest
 
 from dogbot_logtool.core.contact.contact_rule import ContactRule
 from dogbot_logtool.core.contact.contacts import Samples
-from dogbot_logtool.core.contact.foot_history import FootHistory, FootRecorder
+from dogbot_logtool.core.contact.foot_history import FootHistory, foot_history
 from dogbot_logtool.core.geometry.arrays import Floats
 from dogbot_logtool.core.geometry.clock import TimeSource
 from dogbot_logtool.core.stability.ground_projection import (
@@ -22,8 +22,8 @@ def foot(force: Floats, x: Floats, y: float = 0.0, *, world: bool = True) -> Foo
     hidden = np.where(touching, 0.0, np.nan)
     vertical = np.zeros((count, 3))
     vertical[:, 2] = force
-    recorder = FootRecorder(ContactRule(10.0, 0.0, 0.02), TimeSource.LOG, force_in_world=world)
-    recorder.add(
+    rule = ContactRule(10.0, 0.0, 0.02)
+    return foot_history(
         Samples(
             foot=np.zeros(count, np.int64),
             log_time=time,
@@ -34,9 +34,11 @@ def foot(force: Floats, x: Floats, y: float = 0.0, *, world: bool = True) -> Foo
             points=touching.astype(np.int64),
             position=np.stack([x + hidden, y + hidden, hidden], axis=1),
             normal=np.zeros((count, 3)),
-        )
+        ),
+        rule,
+        TimeSource.LOG,
+        force_in_world=world,
     )
-    return recorder.finish()
 
 
 def test_a_footprint_a_stance_near_its_first_contact_point() -> None:

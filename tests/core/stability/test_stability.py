@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 import pytest
 
-from dogbot_logtool.core.base.base_history import BaseHistory, BaseRecorder
+from dogbot_logtool.core.base.base_history import BaseHistory, base_history
 from dogbot_logtool.core.base.odometry import Odometry
 from dogbot_logtool.core.contact.foot_history import FootHistory
 from dogbot_logtool.core.geometry.arrays import Flags, Floats
@@ -27,9 +27,8 @@ def base(time: Floats = TIME) -> BaseHistory:
     count, still = len(time), np.zeros((len(time), 3))
     stamp = 1_000_000_000 + np.round(time * 1e9).astype(np.int64)
     level = np.tile([0.0, 0.0, 0.0, 1.0], (count, 1))
-    recorder = BaseRecorder(TimeSource.HEADER)
-    recorder.add(Odometry(stamp, stamp, still + np.array([0.0, 0.0, 0.4]), level, still, still))
-    return recorder.finish()
+    poses = Odometry(stamp, stamp, still + np.array([0.0, 0.0, 0.4]), level, still, still)
+    return base_history(poses, TimeSource.HEADER)
 
 
 def robot(

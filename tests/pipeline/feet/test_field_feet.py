@@ -14,10 +14,12 @@ from dogbot_logtool.pipeline.topics.selection import select_topics
 from tests import forked_cli
 from tests.oracles import walks
 from tests.oracles.field_logs import (
+    CELLS,
     DUTY,
     PERIOD_S,
     START_NS,
     WEIGHT_N,
+    four_cells_a_foot,
     is_down,
     load_cell,
     load_n,
@@ -341,6 +343,19 @@ def test_feet_without_a_leg_are_said_to_need_one(tmp_path: Path) -> None:
     text = " ".join(found.stdout.split())
     assert "which foot is front or back, left or right must be known to name one" in text
     assert "phases of all" not in text
+
+
+@pytest.mark.parametrize("words", ["info", "stats", "robots new"])
+def test_one_cell_of_four_is_not_offered_as_a_foot(tmp_path: Path, words: str) -> None:
+    log = four_cells_a_foot(tmp_path / "walk.mcap")
+    told = forked_cli.run(*words.split(), log)
+    text = " ".join((told.stdout + told.stderr).split())
+    cells = [
+        " + ".join(f"/fsr:{cell}" for cell in sorted(CELLS) if cell[0] == side) for side in "lr"
+    ]
+    assert f"several sensors in each foot: left = {cells[0]}, right = {cells[1]};" in text
+    assert "record the sum of each foot's sensors" in text
+    assert "--foot" not in text
 
 
 def test_load_cells_written_as_one_word(tmp_path: Path) -> None:

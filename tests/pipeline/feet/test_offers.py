@@ -52,7 +52,7 @@ def test_the_offered_command_can_be_typed(sensors: Path) -> None:
     assert all(foot["touchdown_s"] for foot in figures["feet"].values())
 
 
-@pytest.mark.parametrize("name", ["stats", "convert", "layout", "report", "stats --plot x.svg"])
+@pytest.mark.parametrize("name", ["stats", "convert", "layout", "report", "stats --figure x.svg"])
 def test_the_errors_offer_feet(tmp_path: Path, name: str) -> None:
     log = write_log(tmp_path / "walk.mcap", SENSORS)
     first, *words = name.split()

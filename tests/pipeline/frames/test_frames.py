@@ -2,9 +2,6 @@
 
 import json
 import os
-import re
-import shutil
-import subprocess
 from collections.abc import Iterator, Sequence
 from io import StringIO
 from itertools import pairwise
@@ -26,7 +23,6 @@ from dogbot_logtool.commands.convert import convert
 from dogbot_logtool.commands.info import describe
 from dogbot_logtool.pipeline.frames.frames import Frames
 from dogbot_logtool.pipeline.options import ConvertOptions, TopicOptions
-from dogbot_logtool.report.documents.frames_dot import frames_dot
 from dogbot_logtool.report.info_report import info_json, print_info
 from dogbot_logtool.results import LogInfo
 from tests.paths import SAMPLE_LOGS
@@ -142,7 +138,10 @@ Sent = tuple[int, str, str]
 
 
 def foxglove_log(path: Path, topics: dict[str, Sequence[Sent]], *, zeros: bool = False) -> Path:
-    """Write an MCAP of foxglove.FrameTransforms, one transform a message."""
+    """Write an MCAP of foxglove.FrameTransforms, one transform a message.
+
+    Log times are the transforms' own, but none of a pair is before the one in front of it.
+    """
     with path.open("wb") as stream:
         writer = McapWriter(stream)
         writer.start()
@@ -150,12 +149,14 @@ def foxglove_log(path: Path, topics: dict[str, Sequence[Sent]], *, zeros: bool =
         schema = writer.register_schema("foxglove.FrameTransforms", "protobuf", data)
         for topic, sent in topics.items():
             channel = writer.register_channel(topic, "protobuf", schema)
+            logged: dict[tuple[str, str], int] = {}
             for milliseconds, parent, child in sent:
                 message = FrameTransforms()
                 one = message.transforms.add(parent_frame_id=parent, child_frame_id=child)
                 one.timestamp.FromMilliseconds(milliseconds)
                 one.rotation.w = 0.0 if zeros else 1.0
-                time = milliseconds * 1_000_000
+                time = max(milliseconds * 1_000_000, logged.get((parent, child), 0))
+                logged[parent, child] = time
                 writer.add_message(channel, time, message.SerializeToString(), time)
         writer.finish()
     return path
@@ -267,8 +268,8 @@ def test_messages_that_are_no_transforms_are_damage(tmp_path: Path) -> None:
         writer.finish()
     info, frames = survey(path)
     assert [edge.transforms for edge in frames.recorded.edges] == [2]
-    assert [loss.messages for loss in info.losses] == [3]
-    assert info.exit_code == 3
+    assert [loss.messages for loss in info.damage.losses] == [3]
+    assert info.damage.exit_code == 3
     assert "W_UNREADABLE" in codes(info)
 
 
@@ -296,65 +297,5 @@ def test_the_tree_names_every_frame_and_fits(tmp_path: Path) -> None:
     assert len(frames.recorded.edges) == len(HOSTILE)
 
 
-# ---- Graphviz ----
-
-
 def hostile_chain() -> list[Sent]:
     return [(20, parent, child) for parent, child in pairwise(["top", *HOSTILE])]
-
-
-def hostile_dot(tmp_path: Path) -> str:
-    info, frames = survey(foxglove_log(tmp_path / 'a "log" \\.mcap', {"/t\n\\": hostile_chain()}))
-    return frames_dot(info, frames)
-
-
-QUOTED = r'"(?:[^"\\\n]|\\[\\"n])*"'
-"""A string of DOT without any escape but those of backslash, quote and line break."""
-
-
-def test_hostile_names_change_nothing_in_the_graph(tmp_path: Path) -> None:
-    lines = hostile_dot(tmp_path).split("\n")
-    assert re.fullmatch(f"digraph {QUOTED} {{", lines[0])
-    nodes = [line for line in lines if re.fullmatch(rf"  n\d+ \[label={QUOTED}\];", line)]
-    edges = [line for line in lines if re.fullmatch(rf"  n\d+ -> n\d+ \[label={QUOTED}\];", line)]
-    assert (len(nodes), len(edges)) == (len(HOSTILE) + 1, len(HOSTILE))
-    # The head, the title, and the closing brace.
-    assert len(lines) == len(nodes) + len(edges) + 8
-
-
-@pytest.mark.skipif(shutil.which("dot") is None, reason="Graphviz is not installed")
-def test_graphviz_shows_hostile_names_as_they_are(tmp_path: Path) -> None:
-    source = hostile_dot(tmp_path)
-    drawn: Any = json.loads(dot("-Tjson", source))
-    shown = {
-        operation["text"]
-        for thing in drawn["objects"]
-        for operation in thing["_ldraw_"]
-        if operation["op"] == "T"
-    }
-    assert shown == {"top", *map(visible, HOSTILE)}
-    assert len(drawn["edges"]) == len(HOSTILE)
-    edge_text = {op["text"] for op in drawn["edges"][0]["_ldraw_"] if op["op"] == "T"}
-    assert edge_text == {"1 transform", "/t\\n\\"}
-
-
-def dot(form: str, source: str) -> str:
-    program = shutil.which("dot")
-    assert program is not None
-    done = subprocess.run(  # noqa: S603 - Graphviz, with text of ours
-        [program, form], input=source, capture_output=True, text=True, check=True
-    )
-    assert done.stderr == ""
-    return done.stdout
-
-
-def test_what_breaks_the_tree_is_red_and_what_is_added_blue(tmp_path: Path) -> None:
-    sent = [(20, "a", "b"), (20, "b", "a"), (20, "x", "y"), (20, "z", "y")]
-    info, frames = survey(foxglove_log(tmp_path / "log.mcap", {"/tf": sent}))
-    assert frames_dot(info, frames).count("#d55e00") == 4
-    info, frames = survey(LOGS[1])
-    graph = frames_dot(info, frames)
-    assert graph.count("#d55e00") == 0
-    (added,) = [line for line in graph.split("\n") if "added by convert" in line]
-    assert "#0072b2" in added
-    assert graph.count("style=dashed") == sum(e.is_static for e in frames.recorded.edges)

@@ -174,7 +174,7 @@ def test_transforms_that_cannot_be_decoded_are_told(
     options = TopicOptions(robot=str(walks.robot_file(tmp_path, WRENCHES)))
     done, _ = converted(log, tmp_path, style=style, topics=options)
     measured = measure(log, StatsOptions(options))
-    for (loss,) in (done.losses, measured.losses):
+    for (loss,) in (done.damage.losses, measured.damage.losses):
         assert loss.messages == 2
         assert "/tf" in loss.what
 

@@ -1,15 +1,11 @@
 """Which joints and frames are a foot's, and that logs without legs pay nothing."""
 
-import subprocess
-import sys
 from collections.abc import Sequence
-from pathlib import Path
 
 import pytest
 
 from dogbot_logtool.pipeline.measuring.legs import _feet_of_joints, _named_frames, _pairs
 from dogbot_logtool.robot import Foot
-from tests.oracles.standing_log import write_standing_log
 
 QUADRUPED = tuple(
     Foot(f"{end}_{side}", f"/{end}_{side}", leg_position=(end, side))
@@ -82,20 +78,3 @@ def test_frames_that_are_named_like_feet() -> None:
         0: "left_sole_link",
         1: "right_sole_link",
     }
-
-
-def test_a_log_without_legs_imports_nothing_of_them(tmp_path: Path) -> None:
-    log = write_standing_log(tmp_path / "log.mcap")
-    code = (
-        "import sys; from pathlib import Path\n"
-        "from dogbot_logtool.commands.stats import measure\n"
-        "from dogbot_logtool.pipeline.options import StatsOptions\n"
-        "from dogbot_logtool.report.documents.stats_json import stats_json\n"
-        f"found = measure(Path({str(log)!r}), StatsOptions())\n"
-        "assert stats_json(found.stats, found.facts)['legs'] is None\n"
-        "others = ('dogbot_logtool.report', 'dogbot_logtool.core.findings')\n"
-        "print([n for n in sys.modules if '.legs' in n and not n.startswith(others)])"
-    )
-    command = [sys.executable, "-c", code]
-    done = subprocess.run(command, capture_output=True, text=True, check=True)  # noqa: S603
-    assert done.stdout.strip() == "[]"

@@ -91,6 +91,7 @@ def _unmarked(source: Path, target: Path) -> None:
         (b"<robot", "is no XML"),
         (b"<sdf/>", "'robot'"),
         (b"\xff\xfe<robot/>", "UTF-8"),
+        (b"\x7fELF\x02\x01\x01\0\0", "is a binary file"),
         (
             b'<!DOCTYPE robot [<!ENTITY a SYSTEM "file:///etc/passwd">]><robot>&a;</robot>',
             "entities",

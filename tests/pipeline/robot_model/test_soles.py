@@ -1,4 +1,4 @@
-"""Soles are where feet touch the ground, in whichever part of a batch they do."""
+"""Soles are where feet touch the ground."""
 
 from collections.abc import Mapping
 
@@ -11,7 +11,7 @@ from dogbot_logtool.core.geometry.arrays import Floats
 from dogbot_logtool.core.geometry.clock import TimeSource
 from dogbot_logtool.pipeline.frames.world_frames import WorldFrames
 from dogbot_logtool.pipeline.robot_model.skeleton import Point
-from dogbot_logtool.pipeline.robot_model.soles import SoleFinder
+from dogbot_logtool.pipeline.robot_model.soles import find_soles
 
 
 def samples(position: Floats) -> Samples:
@@ -30,7 +30,7 @@ def samples(position: Floats) -> Samples:
     )
 
 
-def found(*batches: Floats) -> Mapping[int, Point]:
+def found(position: Floats) -> Mapping[int, Point]:
     frames = WorldFrames(
         links=("base_link",),
         points=(None,),
@@ -41,10 +41,7 @@ def found(*batches: Floats) -> Mapping[int, Point]:
         statics=TransformBuffer(),
         clock=TimeSource.HEADER,
     )
-    finder = SoleFinder(frames, in_base={0})
-    for batch in batches:
-        finder.add([samples(batch)], TransformBuffer())
-    return finder.exact_points()
+    return find_soles([samples(position)], frames, TransformBuffer(), in_base={0})
 
 
 def points(x: Floats) -> Floats:
@@ -55,11 +52,6 @@ def points(x: Floats) -> Floats:
 def test_a_foot_that_rolls_touches_in_the_middle(count: int) -> None:
     rolled = points(np.linspace(-0.05, 0.05, count))
     assert found(rolled)[0] == pytest.approx((0.0, 0.0, -0.3), abs=0.001)
-
-
-def test_batches_count_alike() -> None:
-    early, late = points(np.full(1000, 0.01)), points(np.full(400, 0.02))
-    assert found(early, late, late)[0] == pytest.approx((0.02, 0.0, -0.3))
 
 
 def test_few_or_scattered_points_are_no_sole() -> None:

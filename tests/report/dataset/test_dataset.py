@@ -1,4 +1,4 @@
-"""`stats --parquet`: a row a log whatever its name, and what is said of it."""
+"""`export --dataset`: a row a log whatever its name, and what is said of it."""
 
 import functools
 import http.server
@@ -28,9 +28,9 @@ TROT, LONG = (SAMPLE_LOGS / f"dogbot_{name}.bag" for name in ("trot", "troubled"
 TROUBLED = first_seconds(LONG)
 
 
-def stats(folder: Path, *words: object, jobs: int = 1) -> Ended:
-    """Run `stats --parquet figures`."""
-    done = run("stats", *words, "--parquet", "figures", "--jobs", jobs, folder=folder)
+def export(folder: Path, *words: object, jobs: int = 1) -> Ended:
+    """Run `export --dataset figures`."""
+    done = run("export", *words, "--dataset", "figures", "--jobs", jobs, folder=folder)
     assert "Traceback" not in done.stderr, done.stderr
     return done
 
@@ -45,26 +45,26 @@ def test_what_was_done_is_said_and_damaged_logs_are_named(tmp_path: Path) -> Non
     (tmp_path / "cut.bag").write_bytes(TROT.read_bytes()[:900_000])
     (tmp_path / "sound.bag").write_bytes(TROUBLED.read_bytes())
     (tmp_path / "no.bag").write_bytes(b"nothing of the kind")
-    first = stats(tmp_path, ".")
+    first = export(tmp_path, ".")
     assert (first.returncode, first.stdout) == (1, "")
-    assert "figures: 2 measured, 1 failed; 1 damaged\n damage  cut.bag: " in first.stderr
-    assert " bytes lost\n" in first.stderr
+    assert first.stderr.startswith("damage: cut.bag: lost ")
+    assert "figures: 2 measured, 1 failed; 1 damaged\n" in first.stderr
     (tmp_path / "no.bag").unlink()
-    again = stats(tmp_path, ".")
+    again = export(tmp_path, ".")
     assert (again.returncode, again.stdout) == (3, "")
-    assert "figures: 0 measured, 2 unchanged; 1 damaged\n damage  cut.bag: " in again.stderr
-    assert stats(tmp_path, ".", "-q").stderr == (
-        "damage: 1 log is damaged; without --quiet, what was lost is said\n"
-    )
+    said = "damage: cut.bag: was damaged when it was measured, and is unchanged\n"
+    assert again.stderr.startswith(said)
+    assert "figures: 0 measured, 2 unchanged; 1 damaged\n" in again.stderr
+    assert export(tmp_path, ".", "-q").stderr == said
 
 
 def test_names_of_any_bytes_are_rows(tmp_path: Path) -> None:
     for name in (b"\xff.bag", b"\xfe.bag", b"a=b.bag", "é.bag".encode()):
         shutil.copy(TROUBLED, Path(os.fsdecode(os.fsencode(tmp_path) + b"/" + name)))
-    assert stats(tmp_path, ".", jobs=2).returncode == 0
+    assert export(tmp_path, ".", jobs=2).returncode == 0
     names = sorted(row["log"].rpartition("/")[2] for row in rows(tmp_path))
     assert names == ["\\xfe.bag", "\\xff.bag", "a=b.bag", "é.bag"]
-    assert "4 unchanged" in stats(tmp_path, ".").stderr
+    assert "4 unchanged" in export(tmp_path, ".").stderr
 
 
 def test_other_names_of_a_log_are_the_same_row(tmp_path: Path) -> None:
@@ -72,9 +72,9 @@ def test_other_names_of_a_log_are_the_same_row(tmp_path: Path) -> None:
     shutil.copy(TROUBLED, tmp_path / "data" / "walk.bag")
     (tmp_path / "link.bag").symlink_to("data/walk.bag")
     (tmp_path / "folder").symlink_to("data")
-    assert stats(tmp_path, "data/walk.bag").returncode == 0
+    assert export(tmp_path, "data/walk.bag").returncode == 0
     for word in ("data/../data/walk.bag", "link.bag", "folder/walk.bag", "folder"):
-        assert "0 measured, 1 unchanged" in stats(tmp_path, word).stderr
+        assert "0 measured, 1 unchanged" in export(tmp_path, word).stderr
     assert len(rows(tmp_path)) == 1
 
 
@@ -84,20 +84,20 @@ def test_a_robot_of_any_name_has_a_partition(tmp_path: Path, name: str) -> None:
     first, _, rest = robot.partition('name = "dogbot"')
     (tmp_path / "robot.toml").write_text(f'{first}name = "{name}"{rest}')
     words = (TROUBLED, "--robot", "robot.toml")
-    assert stats(tmp_path, *words).returncode == 0
-    assert "0 measured, 1 unchanged" in stats(tmp_path, *words).stderr
+    assert export(tmp_path, *words).returncode == 0
+    assert "0 measured, 1 unchanged" in export(tmp_path, *words).stderr
     assert len(list((tmp_path / "figures" / "logs").glob("robot=*/month=*/*.parquet"))) == 1
 
 
 def test_a_place_that_cannot_be_a_dataset_is_refused_at_once(tmp_path: Path) -> None:
     (tmp_path / "figures").write_text("mine")
-    done = stats(tmp_path, TROUBLED)
+    done = export(tmp_path, TROUBLED)
     assert (done.returncode, done.stdout) == (2, "")
-    assert "--parquet" in done.stderr
+    assert "--dataset" in done.stderr
     assert "is no directory" in done.stderr
     odd = Path(os.fsdecode(os.fsencode(tmp_path) + b"/\xff"))
     odd.mkdir()
-    done = stats(odd, TROUBLED)
+    done = export(odd, TROUBLED)
     assert done.returncode == 2
     assert "must be UTF-8" in done.stderr
 
@@ -131,7 +131,7 @@ def server(tmp_path: Path) -> Iterator[str]:
 
 def test_urls_that_differ_in_their_query_are_two_logs(tmp_path: Path, server: str) -> None:
     urls = [f"{server}?run={run}&token=secret" for run in (1, 2)]
-    done = stats(tmp_path, *urls)
+    done = export(tmp_path, *urls)
     assert done.returncode == 3, done.stderr
     assert [row["log"] for row in rows(tmp_path)] == [server, server]
     assert len({row["log_id"] for row in rows(tmp_path)}) == 2
@@ -152,8 +152,8 @@ def files(folder: Path, table: str = "logs") -> list[str]:
 def test_logs_of_a_robot_and_month_share_a_file_of_each_table(tmp_path: Path) -> None:
     for name in ("a", "b", "c"):
         shutil.copy(TROUBLED, tmp_path / f"{name}.bag")
-    assert stats(tmp_path, "b.bag").returncode == 0
-    assert stats(tmp_path, ".").returncode == 0
+    assert export(tmp_path, "b.bag").returncode == 0
+    assert export(tmp_path, ".").returncode == 0
     for table in ("logs", "feet", "strides", "events"):
         assert files(tmp_path, table) == [f"{table}/robot=dogbot/month=unknown/part-0000.parquet"]
         names = [row["log"].rpartition("/")[2] for row in rows(tmp_path, table)]
@@ -162,7 +162,7 @@ def test_logs_of_a_robot_and_month_share_a_file_of_each_table(tmp_path: Path) ->
 
 
 def test_a_row_of_a_foot_holds_what_the_json_says(tmp_path: Path) -> None:
-    assert stats(tmp_path, TROT).returncode == 0
+    assert export(tmp_path, TROT).returncode == 0
     (log,) = rows(tmp_path)
     feet = json.loads(log["figures_json"])["feet"]
     found = {row["foot"]: row for row in rows(tmp_path, "feet")}
@@ -182,27 +182,27 @@ def test_a_row_of_a_foot_holds_what_the_json_says(tmp_path: Path) -> None:
 def test_a_log_that_fails_is_a_row_with_its_error_until_it_does_not(tmp_path: Path) -> None:
     (tmp_path / "walk.bag").write_bytes(b"nothing of the kind")
     for _ in range(2):
-        assert "0 measured, 1 failed" in stats(tmp_path, "walk.bag").stderr
+        assert "0 measured, 1 failed" in export(tmp_path, "walk.bag").stderr
         (row,) = rows(tmp_path)
         assert "walk.bag" in row["error"]
         assert (row["damaged"], row["figures_json"], row["robot"]) == (None, None, "unknown")
     shutil.copy(TROUBLED, tmp_path / "walk.bag")
-    assert stats(tmp_path, "walk.bag").returncode == 0
+    assert export(tmp_path, "walk.bag").returncode == 0
     (row,) = rows(tmp_path)
     assert (row["error"], row["robot"]) == (None, "dogbot")
     assert files(tmp_path) == ["logs/robot=dogbot/month=unknown/part-0000.parquet"]
     (tmp_path / "walk.bag").write_bytes(b"broken again")
-    assert stats(tmp_path, "walk.bag").returncode == 1
+    assert export(tmp_path, "walk.bag").returncode == 1
     assert [row["robot"] for row in rows(tmp_path)] == ["unknown"]
     assert rows(tmp_path, "strides") == rows(tmp_path, "feet") == []
 
 
 def test_a_name_of_nothing_leaves_no_row(tmp_path: Path) -> None:
     shutil.copy(TROUBLED, tmp_path / "walk.bag")
-    assert stats(tmp_path, "walk.bag", "gone.bag").returncode == 2
+    assert export(tmp_path, "walk.bag", "gone.bag").returncode == 2
     assert [row["error"] for row in rows(tmp_path)] == [None]
     (tmp_path / "walk.bag").unlink()
-    assert stats(tmp_path, "walk.bag").returncode == 2
+    assert export(tmp_path, "walk.bag").returncode == 2
     assert [row["error"] for row in rows(tmp_path)] == [None]
 
 
@@ -211,12 +211,12 @@ def test_logs_that_were_moved_or_deleted_are_pruned(tmp_path: Path) -> None:
     for name in ("kept", "moved", "deleted"):
         shutil.copy(TROUBLED, tmp_path / f"{name}.bag")
     shutil.copy(TROUBLED, os.fsdecode(odd))
-    assert stats(tmp_path, ".").returncode == 0
+    assert export(tmp_path, ".").returncode == 0
     (tmp_path / "moved.bag").rename(tmp_path / "here.bag")
     (tmp_path / "deleted.bag").unlink()
-    assert "pruned" not in stats(tmp_path, ".").stderr
+    assert "pruned" not in export(tmp_path, ".").stderr
     assert len(rows(tmp_path)) == 5
-    done = stats(tmp_path, "here.bag", "--prune")
+    done = export(tmp_path, "here.bag", "--prune")
     assert "figures: 0 measured, 1 unchanged, 2 pruned; 0 damaged\n pruned  " in done.stderr
     assert f"{tmp_path}/deleted.bag: is gone" in done.stderr
     assert f"{tmp_path}/moved.bag: is gone" in done.stderr
@@ -224,7 +224,7 @@ def test_logs_that_were_moved_or_deleted_are_pruned(tmp_path: Path) -> None:
         names = {row["log"].rpartition("/")[2] for row in rows(tmp_path, table)}
         assert names == {"kept.bag", "here.bag", "\\xff.bag"}
     Path(os.fsdecode(odd)).unlink()
-    assert "1 pruned" in stats(tmp_path, "here.bag", "--prune").stderr
+    assert "1 pruned" in export(tmp_path, "here.bag", "--prune").stderr
 
 
 def test_labels_are_columns_that_stay_until_they_are_given_anew(tmp_path: Path) -> None:
@@ -234,14 +234,14 @@ def test_labels_are_columns_that_stay_until_they_are_given_anew(tmp_path: Path) 
     def labels(*names: str) -> list[tuple[str | None, ...]]:
         return [tuple(row[name] for name in names) for row in rows(tmp_path)]
 
-    assert stats(tmp_path, "a.bag", "--label", "spot=rex").returncode == 0
-    assert stats(tmp_path, "b.bag", "--label", "firmware=3=2").returncode == 0
+    assert export(tmp_path, "a.bag", "--label", "spot=rex").returncode == 0
+    assert export(tmp_path, "b.bag", "--label", "firmware=3=2").returncode == 0
     assert labels("spot", "firmware") == [("rex", None), (None, "3=2")]
-    done = stats(tmp_path, ".", "--label", "spot=fido", "--label", "firmware=4")
+    done = export(tmp_path, ".", "--label", "spot=fido", "--label", "firmware=4")
     assert "0 measured, 2 unchanged" in done.stderr
     assert labels("spot", "firmware") == [("fido", "4"), ("fido", "4")]
-    assert "2 unchanged" in stats(tmp_path, ".").stderr
-    assert stats(tmp_path, "a.bag", "--label", "spot=").returncode == 0
+    assert "2 unchanged" in export(tmp_path, ".").stderr
+    assert export(tmp_path, "a.bag", "--label", "spot=").returncode == 0
     assert labels("spot", "firmware") == [(None, "4"), ("fido", "4")]
     assert len(rows(tmp_path, "feet")) == 8
 
@@ -262,41 +262,41 @@ def test_labels_are_columns_that_stay_until_they_are_given_anew(tmp_path: Path) 
 def test_a_label_that_can_be_no_column_is_refused(
     tmp_path: Path, words: tuple[str, ...], reason: str
 ) -> None:
-    done = stats(tmp_path, TROT, *(f"--label={word}" for word in words))
+    done = export(tmp_path, TROT, *(f"--label={word}" for word in words))
     assert (done.returncode, done.stdout) == (2, "")
     assert reason in " ".join(done.stderr.split())
     assert not (tmp_path / "figures").exists()
 
 
 def test_labels_and_pruning_need_a_dataset(tmp_path: Path) -> None:
-    for words in (("--label", "a=1"), ("--prune",)):
-        done = run("stats", TROT, *words, folder=tmp_path)
+    for words in (("--label", "a=1"), ("--prune",), ("--scheduler", "tcp://x:1")):
+        done = run("export", TROT, *words, folder=tmp_path)
         assert (done.returncode, done.stdout) == (2, "")
-        assert "go with --parquet" in done.stderr
+        assert "goes with --dataset" in done.stderr
 
 
 def test_a_dataset_of_another_layout_is_named_and_left_alone(tmp_path: Path) -> None:
     old = tmp_path / "figures" / "logs" / "robot=dogbot" / "month=unknown"
     old.mkdir(parents=True)
     pq.write_table(pa.table({"log": ["a"]}), old / "0123456789abcdef01234567.parquet")
-    done = stats(tmp_path, TROT)
+    done = export(tmp_path, TROT)
     assert done.returncode == 1
     said = " ".join(done.stderr.split())
     assert "figures: is a dataset of an older version" in said
     assert "Name another directory" in said
     (old / "0123456789abcdef01234567.parquet").rename(old / "part-0000.parquet")
-    assert "of layout unknown" in " ".join(stats(tmp_path, TROT).stderr.split())
+    assert "of layout unknown" in " ".join(export(tmp_path, TROT).stderr.split())
     assert [row["log"] for row in rows(tmp_path)] == ["a"]
 
 
 def test_the_same_logs_make_the_same_bytes(tmp_path: Path) -> None:
     for name in ("a", "b", "c"):
         shutil.copy(TROUBLED, tmp_path / f"{name}.bag")
-    assert stats(tmp_path, ".", jobs=1).returncode == 0
+    assert export(tmp_path, ".", jobs=1).returncode == 0
     first = {file: (tmp_path / "figures" / file).read_bytes() for file in files(tmp_path, ".")}
     shutil.rmtree(tmp_path / "figures")
     for words in (["c.bag"], ["."]):
-        assert stats(tmp_path, *words, jobs=2).returncode == 0
+        assert export(tmp_path, *words, jobs=2).returncode == 0
     assert len(first) == 4
     assert first == {f: (tmp_path / "figures" / f).read_bytes() for f in files(tmp_path, ".")}
 
@@ -314,7 +314,7 @@ def test_readers_take_it_and_the_documented_queries_run(
     shutil.copy(TROUBLED, tmp_path / "troubled.bag")
     shutil.copy(TROT, tmp_path / "trot.bag")
     (tmp_path / "no.bag").write_bytes(b"nothing of the kind")
-    assert stats(tmp_path, ".", "--label", "firmware=3.2").returncode == 1
+    assert export(tmp_path, ".", "--label", "firmware=3.2").returncode == 1
     for table in ("logs", "feet", "strides", "events"):
         expected = len(rows(tmp_path, table))
         glob = str(tmp_path / "figures" / table / "**" / "*.parquet")
@@ -333,7 +333,7 @@ def test_readers_take_it_and_the_documented_queries_run(
 
 def test_events_are_a_table_of_their_own(tmp_path: Path) -> None:
     shutil.copy(LONG, tmp_path / "troubled.bag")
-    assert stats(tmp_path, "troubled.bag").returncode == 0
+    assert export(tmp_path, "troubled.bag").returncode == 0
     (log,) = rows(tmp_path)
     events = rows(tmp_path, "events")
     assert {each["log_id"] for each in events} == {log["log_id"]}

@@ -16,11 +16,10 @@ from matplotlib.figure import Figure
 from pypdf import PdfReader
 from pypdf.generic import DictionaryObject
 
-from dogbot_logtool.commands.load_detail import FeetCurves, load_curves_within
 from dogbot_logtool.commands.plot import write_plot
 from dogbot_logtool.commands.stats import measure
 from dogbot_logtool.core.contact.curves import CurveDetail
-from dogbot_logtool.errors import CallError, LogError
+from dogbot_logtool.errors import LogError
 from dogbot_logtool.pipeline.options import PlotOptions, StatsOptions, TopicOptions
 from dogbot_logtool.report.documents.stats_json import stats_json
 from dogbot_logtool.report.files.gait_figure import FORMATS, gait_figure, write_figure
@@ -38,31 +37,19 @@ MM_PER_POINT = 25.4 / 72.0
 Window = tuple[float, float]
 
 
-CURVES = StatsOptions(curves=CurveDetail())
-
-
-def draw(
-    path: Path,
-    form: str,
-    window: Window | None = None,
-    size_mm: tuple[float, float | None] | None = None,
-) -> bytes:
+def draw(path: Path, form: str, window: Window | None = None) -> bytes:
     file = io.BytesIO()
-    write_figure(figure_of(path, window, size_mm), file, form)
+    write_figure(figure_of(path, window), file, form)
     return file.getvalue()
 
 
-def figure_of(
-    path: Path, window: Window | None, size_mm: tuple[float, float | None] | None
-) -> Figure:
-    stats = measured(path, CURVES).stats
+def figure_of(path: Path, window: Window | None) -> Figure:
+    stats = measured(path, StatsOptions()).stats
     window = window or default_window(stats)
-    return gait_figure(stats, load_curves(path, window), window, size_mm)
-
-
-@cache
-def load_curves(path: Path, window: Window) -> FeetCurves:
-    return load_curves_within(path, StatsOptions(), measured(path, CURVES), window)
+    first, last = (stats.origin + round(each * 1e9) for each in window)
+    detail = CurveDetail(window=(first, last))
+    curves = [foot.record.load_curves(detail) for foot in stats.feet]
+    return gait_figure(stats, curves, window)
 
 
 drawn = cache(draw)
@@ -101,7 +88,9 @@ def bars(svg: ET.Element, foot: str) -> list[Window]:
 
 @pytest.mark.parametrize("path", [TROT, WALK], ids=["trot", "walk"])
 def test_bars_go_from_touchdown_to_liftoff(path: Path) -> None:
-    told: dict[str, Any] = stats_json(measured(path, CURVES).stats, measured(path, CURVES).facts)
+    told: dict[str, Any] = stats_json(
+        measured(path, StatsOptions()).stats, measured(path, StatsOptions()).facts
+    )
     truth: dict[str, Any] = json.loads(path.with_suffix(".truth.json").read_text(encoding="utf-8"))
     window = 0.0, 4.0
     svg = svg_of(path, window)
@@ -134,23 +123,23 @@ def test_only_the_window_is_drawn() -> None:
 
 @pytest.mark.parametrize("path", [TROT, WALK], ids=["trot", "walk"])
 def test_the_highest_load_is_the_highest_peak(path: Path) -> None:
-    stats = measured(path, CURVES).stats
+    stats = measured(path, StatsOptions()).stats
     window = 0.0, (stats.end - stats.origin) / 1e9
-    curves = [foot.record.curves for foot in stats.feet]
+    curves = [foot.record.load_curves(CurveDetail()) for foot in stats.feet]
     lines = {
         line.get_gid(): np.asarray(line.get_ydata(), np.float64)
         for axes in gait_figure(stats, curves, window).axes
         for line in axes.lines
     }
-    told = stats_json(stats, measured(path, CURVES).facts)
+    told = stats_json(stats, measured(path, StatsOptions()).facts)
     for foot in FEET:
         peak = told["feet"][foot]["peak_force_bw"]["max"]
-        assert np.nanmax(lines[f"load-{foot}"]) == pytest.approx(peak, rel=1e-9)
+        assert np.nanmax(lines[f"load-{foot}"]) == pytest.approx(peak, rel=1e-6)
 
 
 def test_a_gap_parts_the_line_and_a_dead_foot_has_no_bars() -> None:
-    stats = measured(TROUBLED, CURVES).stats
-    curves = [foot.record.curves for foot in stats.feet]
+    stats = measured(TROUBLED, StatsOptions()).stats
+    curves = [foot.record.load_curves(CurveDetail()) for foot in stats.feet]
     figure = gait_figure(stats, curves, (0.0, 5.0))
     lines = {line.get_gid(): line for axes in figure.axes for line in axes.lines}
     broken = {gid for gid, line in lines.items() if np.isnan(np.asarray(line.get_ydata())).any()}
@@ -191,28 +180,18 @@ def test_the_same_bytes_whatever_the_user_has_set_up(form: str) -> None:
     assert not re.search(rb"Matplotlib v|CreationDate|dc:date", first)
 
 
-def test_the_size_is_in_millimetres() -> None:
-    def size(form_size: tuple[float, float | None] | None) -> tuple[float, float]:
-        svg = ET.fromstring(drawn(WALK, "svg", None, form_size))  # noqa: S314 - ours
-        width, height = (float(svg.get(side, "").rstrip("pt")) for side in ("width", "height"))
-        return width * MM_PER_POINT, height * MM_PER_POINT
-
-    usual = size(None)
-    assert usual[0] == pytest.approx(85.0)
-    inches = figure_of(WALK, None, (85.0, None)).get_size_inches()
-    assert 25.4 * inches == pytest.approx(usual)
-    assert size((180.0, 60.0)) == pytest.approx((180.0, 60.0))
-    with pytest.raises(CallError, match="at least"):
-        size((85.0, 30.0))
+def test_a_figure_fits_one_column() -> None:
+    width = svg_of(WALK).get("width", "")
+    assert float(width.rstrip("pt")) * MM_PER_POINT == pytest.approx(85.0)
 
 
 def test_sensors_without_a_force_give_the_gait_diagram_alone(tmp_path: Path) -> None:
     kind = "spot_msgs/msg/FootStateArray"
     path = walks.write_walk(tmp_path, kind, "mcap")
     options = StatsOptions(TopicOptions(robot=str(walks.robot_file(tmp_path, kind))))
-    done = measure(path, replace(options, curves=CurveDetail()))
+    done = measure(path, options)
     target = tmp_path / "walk.svg"
-    write_plot(path, options, done, PlotOptions(target))
+    write_plot(done, PlotOptions(target))
     svg = ET.fromstring(target.read_bytes())  # noqa: S314 - ours
     assert not [g for g in svg.iter(f"{SVG}g") if g.get("id", "").startswith("load-")]
     assert not [text for text in texts(svg) if text.startswith("Load")]
@@ -227,16 +206,13 @@ def test_no_mass_means_newtons(tmp_path: Path) -> None:
     options = StatsOptions(TopicOptions(robot="generic"))
     done = measure(path, options)
     target = tmp_path / "walk.svg"
-    window = write_plot(path, options, done, PlotOptions(target))
+    window = write_plot(done, PlotOptions(target))
     svg = ET.fromstring(target.read_bytes())  # noqa: S314 - ours
     assert "Load (N)" in texts(svg)
     assert window == default_window(done.stats)
 
 
 def test_what_cannot_be_drawn() -> None:
-    stats = measured(TROT, CURVES).stats
-    curves = [foot.record.curves for foot in stats.feet]
-    with pytest.raises(CallError, match="the log has no time there, it lasts from 0 to 8"):
-        gait_figure(stats, curves, (8.5, 9.0))
+    stats = measured(TROT, StatsOptions()).stats
     with pytest.raises(LogError, match="no feet"):
         gait_figure(replace(stats, feet=()), [], (0.0, 1.0))

@@ -24,7 +24,7 @@ SWITCHES: Final = (
     "--hide-scrollbars",
     "--window-size=1300,1000",
 )
-OVER_TIME: Final = ("gait", "loads", "recording", "motion", "commands")
+OVER_TIME: Final = ("gait", "loads", "motion", "commands")
 
 
 @dataclass(frozen=True, slots=True)

@@ -2,7 +2,6 @@
 
 import pytest
 
-from dogbot_logtool.core.contact.curves import CurveDetail
 from dogbot_logtool.pipeline.options import StatsOptions
 from dogbot_logtool.report.page.event_list import event_list
 from dogbot_logtool.report.page.render import page
@@ -12,15 +11,15 @@ from tests.report.page.page_data import drawings
 
 
 def test_events_are_listed_and_marked_in_every_figure_over_time() -> None:
-    options = StatsOptions(curves=CurveDetail())
+    options = StatsOptions()
     troubled = measured(SAMPLE_LOGS / "dogbot_troubled.bag", options)
     found = event_list(troubled.stats)
     assert [row.what for row in found.rows] == ["sensor fault", "gap"]
-    html = page(troubled.stats, troubled.facts, [], 0)
+    html = page(troubled.stats, troubled.facts, 0)
     for row in found.rows:
         assert f'data-from="{row.start_s}" data-to="{row.end_s}"'.encode() in html
     over_time = {name: each for name, each in drawings(html).items() if each["over_time"]}
-    assert set(over_time) == {"gait", "loads", "motion", "commands", "recording"}
+    assert set(over_time) == {"gait", "loads", "motion", "commands"}
     for name, each in over_time.items():
         shapes = each["layout"]["shapes"]
         spans = [(shape["x0"], shape["x1"]) for shape in shapes]

@@ -8,28 +8,28 @@ from html.parser import HTMLParser
 import numpy as np
 import pytest
 
-from dogbot_logtool.commands.report import DETAIL
-from dogbot_logtool.core.accumulator import StatsAccumulator
 from dogbot_logtool.core.base.odometry import Odometry
 from dogbot_logtool.core.contact.contacts import Samples
-from dogbot_logtool.core.contact.curves import CurveDetail
 from dogbot_logtool.core.frames.wrench_frame import WrenchFrame
 from dogbot_logtool.core.geometry.arrays import Floats
 from dogbot_logtool.core.settings import FootSettings, StatsSettings
 from dogbot_logtool.core.statistics import Stats
 from dogbot_logtool.finding import Finding
 from dogbot_logtool.pipeline.options import StatsOptions
+from dogbot_logtool.reader.containers.loss import Damage, Loss
 from dogbot_logtool.report.documents.stats_json import stats_json
 from dogbot_logtool.report.page.assets import own
 from dogbot_logtool.report.page.index_page import IndexRow, index, index_row
-from dogbot_logtool.report.page.render import Beside, Damage, page
+from dogbot_logtool.report.page.render import Beside, page
 from dogbot_logtool.results import LogFacts
+from tests.analysed import analysed
 from tests.measured import measured
 from tests.paths import SAMPLE_LOGS
 from tests.report.page.page_data import drawings, numbers, trace
 
 TROT = SAMPLE_LOGS / "dogbot_trot.bag"
 MB = 1_000_000
+GONE = Damage("x", (Loss(250, "gone", 100),))
 HOSTILE = "</script><img src=x onerror=alert(1)>%{x}<b>{{7*7}}\u2028\u202e\x1b[31m"
 PHASES = (0.0, 0.5, 0.5, 0.0)
 PLACES = (("front", "left"), ("front", "right"), ("back", "left"), ("back", "right"))
@@ -37,7 +37,7 @@ PLACES = (("front", "left"), ("front", "right"), ("back", "left"), ("back", "rig
 
 @cache
 def trot() -> tuple[Stats, LogFacts]:
-    found = measured(TROT, StatsOptions(curves=CurveDetail()))
+    found = measured(TROT, StatsOptions())
     return found.stats, found.facts
 
 
@@ -61,16 +61,16 @@ class Tags(HTMLParser):
 
 
 def test_the_page_loads_nothing_and_has_each_id_once() -> None:
-    tags = Tags(page(*trot(), [], 0))
+    tags = Tags(page(*trot(), 0))
     assert set(tags.loads) == {"href=#findings", "href=#events"}
     assert len(tags.ids) == len(set(tags.ids))
     assert tags.seen.count("script") == 3
-    assert tags.seen.count("figure") == 9
+    assert tags.seen.count("figure") == 7
     assert tags.seen.count("h1") == 1
 
 
 def test_the_same_log_gives_the_same_bytes() -> None:
-    assert page(*trot(), [], 0) == page(*trot(), [], 0)
+    assert page(*trot(), 0) == page(*trot(), 0)
 
 
 def test_texts_of_a_log_stay_texts() -> None:
@@ -81,11 +81,11 @@ def test_texts_of_a_log_stay_texts() -> None:
     facts = replace(
         facts,
         path=f"a/{HOSTILE.replace('/', '')}",
-        losses=[HOSTILE],
+        damage=Damage(HOSTILE, (Loss(1, HOSTILE, 2),)),
         findings=[Finding(f"W_{HOSTILE}", HOSTILE)],
     )
-    html = page(replace(stats, feet=feet, topics=topics), facts, [Damage(1, 2, HOSTILE)], 100)
-    plain = Tags(page(*trot(), [], 0))
+    html = page(replace(stats, feet=feet, topics=topics), facts, 100)
+    plain = Tags(page(*trot(), 0))
     tags = Tags(html)
     assert "img" not in tags.seen
     assert tags.seen.count("script") == plain.seen.count("script")
@@ -93,16 +93,15 @@ def test_texts_of_a_log_stay_texts() -> None:
     assert b"\x1b" not in html
     assert "\u202e" not in html.decode()
     assert b"{{7*7}}" in html
-    labels = drawings(html)["recording"]["layout"]["annotations"][0]["text"]
-    assert "<" not in labels
-    assert "%{" not in labels
+    shown = drawings(html)["gait"]["layout"]["yaxis"]["ticktext"]
+    assert not [label for label in shown if "<" in label or "%{" in label]
 
 
 def test_the_policy_names_the_scripts_that_run() -> None:
-    html = page(*trot(), [], 0).decode()
+    html = page(*trot(), 0).decode()
     (policy,) = re.findall(r'Content-Security-Policy" content="([^"]*)"', html)
     assert policy.startswith("default-src 'none'; script-src 'sha256-")
-    beside = page(*trot(), [], 0, beside=Beside("shared.js", "index.html")).decode()
+    beside = page(*trot(), 0, beside=Beside("shared.js", "index.html")).decode()
     assert "script-src 'self' file:; style-src" in beside
     assert len(beside) < MB
     assert "unsafe-inline'; img-src" in policy
@@ -111,7 +110,7 @@ def test_the_policy_names_the_scripts_that_run() -> None:
 
 def test_figures_agree_with_the_stats() -> None:
     stats, facts = trot()
-    shown = drawings(page(stats, facts, [], 0))
+    shown = drawings(page(stats, facts, 0))
     for foot in stats.feet:
         force = numbers(trace(shown["loads"], f"{foot.name} |F|")["y"])
         assert np.nanmax(force) == np.float32(foot.record.stances.figures.peak_n.max())
@@ -127,7 +126,7 @@ def test_figures_agree_with_the_stats() -> None:
 def test_the_usual_force_over_the_stride_is_that_of_the_stats() -> None:
     stats, facts = trot()
     document = stats_json(stats, facts)
-    cycle = drawings(page(stats, facts, [], 0))["cycle"]
+    cycle = drawings(page(stats, facts, 0))["cycle"]
     for name, foot in document["feet"].items():
         traces = [each for each in cycle["data"] if each["name"] == name]
         keys = ("vertical_over_stride_n", "forward_over_stride_n")
@@ -139,7 +138,7 @@ def test_the_usual_force_over_the_stride_is_that_of_the_stats() -> None:
 
 def test_motion_agrees_with_the_stats() -> None:
     stats, facts = trot()
-    document, shown = stats_json(stats, facts), drawings(page(stats, facts, [], 0))["motion"]
+    document, shown = stats_json(stats, facts), drawings(page(stats, facts, 0))["motion"]
     known = {each["name"]: numbers(each["y"]) for each in shown["data"]}
     ranges = {
         "static margin": (document["stability"]["static_margin_m"], 1e3),
@@ -158,23 +157,23 @@ def test_a_fall_or_a_doubt_is_the_headline() -> None:
     stats, facts = trot()
     start = stats.origin + 2_000_000_000
     fallen = replace(stats, fallen=np.array([[start, stats.end]], np.int64))
-    html = page(fallen, facts, [], 0).decode()
+    html = page(fallen, facts, 0).decode()
     assert re.search(r'class="verdict unknown">Falls at 2\.00 s<', html)
     assert '<p class="gait">Trot, clearly</p>' in html
     bands = [
         each["layout"]["shapes"] for each in drawings(html.encode()).values() if each["over_time"]
     ]
     assert all((band[0]["x0"], band[0]["y0"], band[0]["y1"]) == (2.0, 0.0, 1.0) for band in bands)
-    html = page(stats, replace(facts, losses=["gone"]), [], 0).decode()
+    html = page(stats, replace(facts, damage=GONE), 0).decode()
     assert "In doubt: the log is damaged" in html
 
 
 def test_the_page_tells_date_robot_and_version() -> None:
     stats, facts = trot()
-    html = page(stats, replace(facts, start_s=1_760_000_000.0), [], 0).decode()
+    html = page(stats, replace(facts, start_s=1_760_000_000.0), 0).decode()
     assert "<dd>2025-10-09 08:53:20 UTC</dd>" in html
     assert "<dt>robot</dt><dd>dogbot</dd>" in html
-    assert "(no date)" in page(stats, facts, [], 0).decode()
+    assert "(no date)" in page(stats, facts, 0).decode()
 
 
 def luminance(colour: str) -> float:
@@ -188,7 +187,7 @@ def luminance(colour: str) -> float:
 def test_every_line_is_seen_on_light_and_dark(scheme: int) -> None:
     """The contrast of each line and marker with the paper is at least 3:1."""
     paper = luminance(re.findall(r"--paper: (#\w{6})", own("page.css"))[scheme])
-    for drawing in drawings(page(*trot(), [], 0)).values():
+    for drawing in drawings(page(*trot(), 0)).values():
         for each in drawing["data"]:
             for part in ("line", "marker"):
                 colour = each.get(part, {}).get("color", "")
@@ -199,10 +198,8 @@ def test_every_line_is_seen_on_light_and_dark(scheme: int) -> None:
 
 
 def test_damage_is_marked_where_it_is_in_the_file() -> None:
-    html = page(*trot(), [Damage(250, 100, "gone")], 1000).decode()
-    assert "left:25.000%;width:10.000%" not in html  # told only beside losses
     stats, facts = trot()
-    html = page(stats, replace(facts, losses=["gone"]), [Damage(250, 100, "gone")], 1000).decode()
+    html = page(stats, replace(facts, damage=GONE), 1000).decode()
     assert "left:25.000%;width:10.000%" in html
     assert "The log is damaged" in html
 
@@ -235,24 +232,22 @@ def test_a_page_of_a_long_log_is_small_and_has_every_peak() -> None:
         FootSettings("_".join(place), f"/{foot}", place) for foot, place in enumerate(PLACES)
     )
     settings = StatsSettings(feet, mass_kg=20.0, wrench_frame=WrenchFrame.WORLD)
-    accumulator = StatsAccumulator(settings, DETAIL)
     time = np.arange(0.0, 1500.0, 0.04)
     spikes = np.arange(30.0, 1500.0, 61.7)
-    for foot in range(4):
-        accumulator.add_contacts(samples(foot, time, spikes))
     zero = np.zeros_like(time)
     stamp = np.round(time * 1e9).astype(np.int64) + 10**18
     level = np.stack([zero, zero, zero, zero + 1.0], axis=1)
     place = np.stack([0.25 * time, zero, zero + 0.4], axis=1)
-    accumulator.add_odometry(Odometry(stamp, stamp, place, level, place * 0.0, place * 0.0))
-    html = page(accumulator.finish(), LogFacts("day.bag", "ROS 1 bag", "ros1", 0.0, 1.0, 1), [], 0)
+    poses = Odometry(stamp, stamp, place, level, place * 0.0, place * 0.0)
+    stats = analysed(settings, [samples(foot, time, spikes) for foot in range(4)], poses)
+    html = page(stats, LogFacts("day.bag", "ROS 1 bag", "ros1", 0.0, 1.0, 1), 0)
     assert len(html) < 2.5 * MB
     shown = drawings(html)
     for name in (place.name for place in feet):
         force = numbers(trace(shown["loads"], f"{name} |F|")["y"])
         assert set(500.0 + np.arange(len(spikes))) <= set(force.tolist())
         assert len(force) <= 2 * 8192
-    assert b"stats --csv has them all" in html
+    assert b"export has them all" in html
 
 
 def test_a_log_of_contacts_only_has_a_page_that_says_what_is_missing() -> None:
@@ -260,23 +255,21 @@ def test_a_log_of_contacts_only_has_a_page_that_says_what_is_missing() -> None:
         FootSettings("left", "/l", has_force=False),
         FootSettings("right", "/r", has_force=False),
     )
-    accumulator = StatsAccumulator(StatsSettings(feet), CurveDetail())
     time = np.arange(0.0, 10.0, 0.02)
-    for foot in range(2):
-        without = samples(foot, time, np.empty(0))
-        nowhere = np.full_like(without.position, np.nan)
-        accumulator.add_contacts(replace(without, position=nowhere))
-    stats = accumulator.finish()
-    html = page(stats, LogFacts("x.mcap", "MCAP", "ros2", None, None, 0), [], 0).decode()
+    seen = [samples(foot, time, np.empty(0)) for foot in range(2)]
+    nowhere = np.full_like(seen[0].position, np.nan)
+    without = [replace(each, position=nowhere) for each in seen]
+    stats = analysed(StatsSettings(feet), without)
+    html = page(stats, LogFacts("x.mcap", "MCAP", "ros2", None, None, 0), 0).decode()
     assert "tell contact, not force" in html
     assert "positions are not known" in html
     assert "Walk, clearly" in html
 
 
 def test_a_log_without_any_contact_has_a_page() -> None:
-    stats = StatsAccumulator(StatsSettings(()), CurveDetail()).finish()
-    html = page(stats, LogFacts("x.mcap", "MCAP", "ros2", None, None, 0), [], 0)
-    assert set(drawings(html)) == {"recording"}
+    stats = analysed(StatsSettings(()))
+    html = page(stats, LogFacts("x.mcap", "MCAP", "ros2", None, None, 0), 0)
+    assert drawings(html) == {}
     assert b"no contacts that could be used" in html
 
 

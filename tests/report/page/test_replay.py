@@ -8,9 +8,10 @@ from typing import Any
 import numpy as np
 import pytest
 
-from dogbot_logtool.commands.report import DETAIL, replay_of
-from dogbot_logtool.commands.stats import measure
+from dogbot_logtool.commands.report import replay_of
+from dogbot_logtool.commands.stats import measure_log
 from dogbot_logtool.pipeline.options import StatsOptions
+from dogbot_logtool.pipeline.topics.annotated import open_recorded
 from dogbot_logtool.report.page.render import page
 from dogbot_logtool.report.page.replay import MOST_FRAMES, frame_times, replay
 from dogbot_logtool.results import Measurement
@@ -19,20 +20,29 @@ from tests.paths import SAMPLE_LOGS
 from tests.report.page.page_data import numbers
 
 TROT = SAMPLE_LOGS / "dogbot_trot.bag"
-OPTIONS = StatsOptions(curves=DETAIL)
 MB = 1_000_000
 
 
 @cache
 def measured() -> Measurement:
-    return measure(TROT, OPTIONS)
+    return measured_and_shown(TROT)[0]
 
 
 @cache
 def shown() -> dict[str, Any]:
-    found = replay_of(TROT, OPTIONS, measured())
-    assert found is not None
-    return found
+    return measured_and_shown(TROT)[1]
+
+
+@cache
+def measured_and_shown(path: Path) -> tuple[Measurement, dict[str, Any]]:
+    log = open_recorded(path)
+    try:
+        found = measure_log(log, StatsOptions())
+        drawn = replay_of(log, found)
+    finally:
+        log.close()
+    assert drawn is not None
+    return found.measurement, drawn
 
 
 def points(column: Any) -> Any:
@@ -79,8 +89,7 @@ def _world(point: Any, position: Any, angles: Any) -> Any:
 def test_joint_states_bend_the_legs_as_the_transforms_do(tmp_path: Path) -> None:
     """The log without its transforms, but with a robot description, gives the same joints."""
     log = write(tmp_path / "log.mcap", urdf())
-    found = replay_of(log, OPTIONS, measure(log, OPTIONS))
-    assert found is not None
+    _, found = measured_and_shown(log)
     by_transforms, by_states = (
         (numbers(each["limbs"]["point"]) * each["limbs"]["scale"]).reshape(
             -1, len(each["limbs"]["parents"]), 3
@@ -115,10 +124,10 @@ def test_without_frames_lines_lead_to_the_feet_and_unknown_feet_are_below_the_ba
     unknown = replay(replace(stats, feet=nowhere), time, None)
     assert unknown is not None
     assert unknown["schematic"]
-    html = page(stats, measured().facts, [], 0, replay=unknown).decode()
+    html = page(stats, measured().facts, 0, replay=unknown).decode()
     assert "does not tell where the feet are" in html
     assert "<canvas" in html
-    assert "<canvas" not in page(stats, measured().facts, [], 0).decode()
+    assert "<canvas" not in page(stats, measured().facts, 0).decode()
 
 
 def test_a_walk_far_from_the_worlds_origin_is_as_exact() -> None:
@@ -146,5 +155,5 @@ def test_a_long_log_is_thinned() -> None:
 
 def test_a_page_with_its_replay_is_small() -> None:
     stats, facts = measured().stats, measured().facts
-    html = page(stats, facts, [], 0, replay=shown())
-    assert len(page(stats, facts, [], 0)) < len(html) < 2 * MB
+    html = page(stats, facts, 0, replay=shown())
+    assert len(page(stats, facts, 0)) < len(html) < 2 * MB

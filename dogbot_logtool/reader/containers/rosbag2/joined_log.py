@@ -87,7 +87,12 @@ class JoinedLog(SeveralLogs):
             self._parts.append(part)
             chunks.extend(_renumbered(chunk, part, row) for row, chunk in enumerate(log.chunks))
         contents = joint_contents(joint.channels, logs, [part.channel for part in self._parts])
-        contents = replace(contents, chunks=chunks, losses=(*losses, *contents.losses))
+        of_files = (
+            loss_in_file(_before(loss, following), log)
+            for log, following in zip(logs, [*logs[1:], None], strict=True)
+            for loss in log.losses
+        )
+        contents = replace(contents, chunks=chunks, losses=(*losses, *of_files))
         super().__init__(path, logs, contents)
         storage = logs[0].container
         self.container = storage if "ROS 2 bag" in storage else f"ROS 2 bag ({storage})"
@@ -189,6 +194,13 @@ def _renumbered(chunk: Chunk, part: _Part, row: int) -> Chunk:
     return replace(chunk, offset=part.first + row, counts=counts)
 
 
+def _before(loss: Loss, following: Log | None) -> Loss:
+    """End what is missing at the end of a file where the next file begins."""
+    is_open = loss.start_time is not None and loss.end_time is None
+    return replace(loss, end_time=following.start_time) if is_open and following else loss
+
+
 def loss_in_file(loss: Loss, log: Log) -> Loss:
     """Say in which file it is."""
-    return replace(loss, what=f"{file_name(log.source.path)}: {loss.what}")
+    name = file_name(log.source.path)
+    return replace(loss, what=f"{name}: {loss.what}", file=name)

@@ -4,14 +4,13 @@ import shutil
 import tempfile
 import threading
 from collections import OrderedDict
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
 from dogbot_logtool.errors import CallError, LogError
 from dogbot_logtool.io import storage
 from dogbot_logtool.io.scratch import scratch_folder
-from dogbot_logtool.reader.containers.log import Log
 from dogbot_logtool.reader.containers.sources.source import ByteSource
 
 if TYPE_CHECKING:
@@ -99,12 +98,12 @@ class RemoteSource(ByteSource):
     def nearby(self) -> ByteSource:
         """See `ByteSource.nearby`: a copy on the disk without a name, gone when it is closed."""
         with scratch_folder() as folder:
-            self.copy_to(folder / "copy")
+            self._copy_to(folder / "copy")
             copy = ByteSource(folder / "copy")
         copy.path = self.path
         return copy
 
-    def copy_to(self, target: Path) -> None:
+    def _copy_to(self, target: Path) -> None:
         """Write all of it to a file.
 
         Raises:
@@ -114,7 +113,7 @@ class RemoteSource(ByteSource):
         room = shutil.disk_usage(folder).free
         if self.size > room:
             raise LogError(
-                f"{storage.shown(self.path)}: has no index that serves, so that all its "
+                f"{storage.shown(self.path)}: is not read by parts, so that all its "
                 f"{self.size} bytes are needed on a disk; {folder} has room for {room} "
                 "(TMPDIR names another)"
             )
@@ -183,28 +182,6 @@ def _cat(url: "UPath", ranges: Sequence[tuple[int, int]]) -> list[Any]:
     else:
         answers = fs.cat_ranges(names, starts, ends)
     return list(answers)
-
-
-def open_copied(source: RemoteSource, open_file: Callable[[Path], Log]) -> Log:
-    """Open a log through a temporary copy, where what reads it needs a file.
-
-    Args:
-        source: the log.
-        open_file: opens the copy.
-
-    Raises:
-        LogError: it cannot be opened.
-    """
-    with scratch_folder() as folder:
-        copy = folder / "copy"
-        source.copy_to(copy)
-        try:
-            log = open_file(copy)
-        except LogError as error:
-            raise LogError(str(error).replace(str(copy), storage.shown(source.path))) from error
-    # The copy's name is gone, but the log holds its bytes open.
-    log.source.path = source.path
-    return log
 
 
 _PIECE: Final = 8 << 20

@@ -1,15 +1,19 @@
 """The bytes of a log file by offset: safe to share among threads, and small for any log."""
 
+import errno
 import os
 import threading
 from collections.abc import Sequence
 from pathlib import Path
 from types import TracebackType
-from typing import Self
+from typing import Final, Self
 
 from dogbot_logtool.errors import LogError
 from dogbot_logtool.io import storage
 from dogbot_logtool.io.storage import Location
+
+_BLOCK: Final = 512
+"""Bytes that systems count the space of files in."""
 
 
 class ByteSource:
@@ -66,6 +70,22 @@ class ByteSource:
     def read_many(self, ranges: Sequence[tuple[int, int]]) -> list[bytes]:
         """Return what `read` gives for each of several (offset, size)."""
         return [self.read(offset, size) for offset, size in ranges]
+
+    def written_size(self) -> int:
+        """Return how many bytes were ever written; the others are holes, and read as zeros."""
+        blocks = getattr(os.fstat(self._descriptor), "st_blocks", 0) * _BLOCK
+        if blocks >= self.size // 2 or not hasattr(os, "SEEK_DATA"):
+            return self.size
+        # Some filesystems count no blocks, or late.
+        written = end = 0
+        try:
+            while end < self.size:
+                start = os.lseek(self._descriptor, end, os.SEEK_DATA)
+                end = os.lseek(self._descriptor, start, os.SEEK_HOLE)
+                written += end - start
+        except OSError as error:
+            return written if error.errno == errno.ENXIO else self.size
+        return written
 
     def nearby(self) -> "ByteSource":
         """Return the same bytes from the nearest disk, for reading all of them, and often.

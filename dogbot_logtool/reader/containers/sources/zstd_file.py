@@ -1,6 +1,7 @@
 """Logs that were compressed whole, as ROS 2 recorders can: decompressed into a temporary file."""
 
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from typing import BinaryIO, Final
 
@@ -46,7 +47,8 @@ def open_zstd(source: ByteSource, open_file: Callable[[Path], Log]) -> Log:
     # The file's name is gone, but the log holds its bytes open.
     log.source.path = path
     if loss is not None:
-        log.losses = (loss, *log.losses)
+        # Whatever was in the compressed bytes came after all that was read.
+        log.losses = (replace(loss, start_time=log.end_time), *log.losses)
     return log
 
 

@@ -1,13 +1,14 @@
 """The tables of a .db3 file that describe its topics and message types."""
 
 from collections.abc import Iterable, Mapping
+from operator import itemgetter
 from typing import Any, Final
 
 from zlib_ng.zlib_ng import crc32
 
 from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.errors import LogError
-from dogbot_logtool.io.storage import Location
+from dogbot_logtool.io.storage import Location, shown
 from dogbot_logtool.reader.containers.channel_ids import ChannelIds
 from dogbot_logtool.reader.containers.contents import Channel, Schema
 from dogbot_logtool.reader.containers.loss import Loss
@@ -16,10 +17,14 @@ from dogbot_logtool.reader.decode.known_definitions import known_definition, lon
 
 _MOST_TOPICS: Final = 0xFFFF
 """Channel ids of an MCAP."""
-_COLUMNS: Final = {
+_NEEDED: Final = {
     "topics": {"id", "name", "type"},
     "messages": {"topic_id", "timestamp", "data"},
 }
+_DEFINITIONS: Final = "message_definitions"
+_SCHEMA: Final = "schema"
+"""Tables of newer recorders."""
+TABLES: Final = (*_NEEDED, _DEFINITIONS, _SCHEMA)
 
 
 @dataclass(frozen=True, slots=True)
@@ -34,18 +39,23 @@ class Topics:
 
 
 def check_tables(database: Database, path: Location) -> None:
-    """Check that the tables are a ROS 2 bag's, and plain: nothing that computes its rows.
+    """Check that the tables are those of a ROS 2 bag.
 
     Raises:
-        LogError: they are not.
+        LogError: they are not, or they are damaged.
     """
-    for table, needed in _COLUMNS.items():
-        columns = database.columns(table)
-        if not columns:
-            raise LogError(f"{path}: is a SQLite database, but no ROS 2 bag: no table {table!r}")
-        if not needed <= columns:
-            missing = min(needed - columns)
-            raise LogError(f"{path}: is no ROS 2 bag: its table {table!r} has no {missing!r}")
+    for name, needed in _NEEDED.items():
+        table = database.tables.get(name)
+        if table is None:
+            met = database.damage.loss()
+            what = f"but no ROS 2 bag: no table {name!r}" if met is None else f"but {met.what}"
+            raise LogError(f"{shown(path)}: is a SQLite database, {what}")
+        if missing := needed - table.columns.keys():
+            why = f"its table {name!r} has no {min(missing)!r}"
+            raise LogError(f"{shown(path)}: is no ROS 2 bag: {why}")
+        if not table.has_rowids:
+            why = f"the rows of its table {name!r} have no numbers"
+            raise LogError(f"{shown(path)}: is no ROS 2 bag: {why}")
 
 
 def read_topics(database: Database, distribution: str) -> Topics:
@@ -53,29 +63,23 @@ def read_topics(database: Database, distribution: str) -> Topics:
     losses: list[Loss] = []
     recorded = _recorded_definitions(database, losses)
     distribution = _distribution(database) or distribution
-    # Columns that the first recorders did not write yet.
-    later = {"serialization_format": "'cdr'", "offered_qos_profiles": "''"}
-    present = database.columns("topics")
-    columns = ", ".join(
-        f"coalesce({column}, {default})" if column in present else default
-        for column, default in later.items()
-    )
-    found = database.rows(
-        f"SELECT id, name, type, {columns} FROM topics "  # noqa: S608
-        "WHERE typeof(id) = 'integer' AND typeof(name) = 'text' AND typeof(type) = 'text' "
-        "ORDER BY id LIMIT ?",
-        (_MOST_TOPICS,),
-    )
-    rows = _each_once(found, losses)
+    names = ("id", "name", "type", "serialization_format", "offered_qos_profiles")
+    found = [
+        (number, name, kind, "cdr" if serialisation is None else str(serialisation), profiles)
+        for number, name, kind, serialisation, profiles in database.rows("topics", names)
+        if isinstance(number, int) and isinstance(name, str) and isinstance(kind, str)
+    ]
+    found.sort(key=itemgetter(0))
+    rows = _each_once(found[:_MOST_TOPICS], losses)
     schemas: dict[str, Schema] = {}
     channels: dict[int, Channel] = {}
     for number, (_, name, type_name, serialisation, profiles) in enumerate(rows, start=1):
-        kind = long_type_name(str(type_name))
+        kind = long_type_name(type_name)
         if kind not in schemas:
             encoding, text = recorded.get(kind) or _known(kind, distribution)
             schemas[kind] = Schema(len(schemas) + 1, kind, encoding, text.encode())
         metadata = {"offered_qos_profiles": str(profiles)} if profiles else {}
-        channels[number] = Channel(number, str(name), str(serialisation), schemas[kind], metadata)
+        channels[number] = Channel(number, name, serialisation, schemas[kind], metadata)
     ids = ChannelIds({row[0]: number for number, row in enumerate(rows, start=1)})
     return Topics(channels, ids, tuple(losses))
 
@@ -114,10 +118,7 @@ def _recorded_definitions(database: Database, losses: list[Loss]) -> dict[str, t
 
     The first definition of a type is taken; a definition that differs is a loss.
     """
-    needed = ("topic_type", "encoding", "encoded_message_definition")
-    if not database.columns("message_definitions").issuperset(needed):
-        return {}
-    rows = database.rows(f"SELECT {', '.join(needed)} FROM message_definitions")  # noqa: S608
+    rows = database.rows(_DEFINITIONS, ("topic_type", "encoding", "encoded_message_definition"))
     chosen: dict[str, tuple[str, str]] = {}
     contradicted: set[str] = set()
     for name, encoding, text in rows:
@@ -137,7 +138,5 @@ def _definition(one: tuple[str, str]) -> str:
 
 
 def _distribution(database: Database) -> str:
-    if "ros_distro" not in database.columns("schema"):
-        return ""
-    rows = database.rows("SELECT ros_distro FROM schema WHERE typeof(ros_distro) = 'text' LIMIT 1")
-    return str(rows[0][0]) if rows else ""
+    rows = database.rows(_SCHEMA, ("ros_distro",))
+    return next((name for (name,) in rows if isinstance(name, str)), "")

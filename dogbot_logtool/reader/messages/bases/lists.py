@@ -4,8 +4,6 @@ from typing import Final
 
 import numpy as np
 
-from dogbot_logtool.core.geometry.arrays import Ints
-from dogbot_logtool.reader.decode.columns import Nested
 from dogbot_logtool.reader.decode.fields import HEADER, table, texts, vector
 from dogbot_logtool.reader.decode.message_layout import ELEMENT
 from dogbot_logtool.reader.messages.bases.source import BasePoses, BaseSource, poses_of
@@ -23,9 +21,8 @@ def _gazebo_poses(messages: DecodedMessages, element: str) -> BasePoses:
     code, known = names.table.texts(ELEMENT).encode()
     wanted = known.index(element) if element in known else -1
     named = np.flatnonzero(code == wanted)
-    keys = (names.parent << 32 | names.index)[named]
     message = names.parent[named]
-    at, kept = _rows_at(poses, keys)
+    at, kept = poses.rows_at(message, names.index[named])
     order = np.argsort(message[kept], kind="stable")
     message, at = message[kept][order], at[kept][order]
     return BasePoses(
@@ -38,17 +35,6 @@ def _gazebo_poses(messages: DecodedMessages, element: str) -> BasePoses:
         channel=messages.channel[message],
         malformed=messages.malformed,
     )
-
-
-def _rows_at(nested: Nested, keys: Ints) -> tuple[Ints, Ints]:
-    """Return the rows of elements by message and index, and which of them exist."""
-    own = nested.parent << 32 | nested.index
-    order = np.argsort(own)
-    index = np.minimum(np.searchsorted(own[order], keys), max(len(own) - 1, 0))
-    if not len(own):
-        return np.zeros(len(keys), np.int64), np.zeros(len(keys), np.bool_)
-    rows = order[index]
-    return rows, own[rows] == keys
 
 
 def _last_poses(messages: DecodedMessages, element: str) -> BasePoses:

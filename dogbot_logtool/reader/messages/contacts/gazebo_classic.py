@@ -21,6 +21,7 @@ from dogbot_logtool.reader.decode.columns import Texts, gather_bytes
 from dogbot_logtool.reader.decode.fields import HEADER, table, text, vector
 from dogbot_logtool.reader.messages.contacts.collisions import foot_sides, link_of_collision
 from dogbot_logtool.reader.messages.contacts.source import (
+    UNTIMED,
     ContactSamples,
     ContactSource,
     FootChannels,
@@ -33,6 +34,10 @@ from dogbot_logtool.reader.messages.messages import DecodedMessages
 _INFO_TAIL: Final = 48
 """Bytes at the end of `info` that hold the time of the physics step, and more."""
 _TIME: Final = np.frombuffer(b"time:", np.uint8)
+_NANOSECOND_DIGITS: Final = 9
+_NINE: Final = 9
+_MOST_DIGITS: Final = 19
+"""Of times since 1970 in ns; more may not fit into an int64."""
 _FIELDS: Final = (
     *HEADER,
     table(
@@ -58,9 +63,6 @@ def to_contact_samples(messages: DecodedMessages, feet: FootChannels) -> Contact
     stamp = messages.table.nanoseconds("header.stamp")
     info = states.table.texts("info")
     newest, untimed = newest_step(info, states.parent, messages.table.rows)
-    if feet.left_after_ns is not None:
-        left = newest_lag(info, states.parent, stamp) > feet.left_after_ns
-        newest &= ~left[states.parent]
     side = _sides(messages, feet, foot)
     contacts = Contacts(
         foot=foot,
@@ -81,18 +83,20 @@ def to_contact_samples(messages: DecodedMessages, feet: FootChannels) -> Contact
     return ContactSamples(contact_samples(contacts), contacts, untimed, foreign)
 
 
-def foot_links(messages: DecodedMessages, feet: FootChannels) -> FootLinks:
+def foot_links(
+    messages: DecodedMessages, _feet: FootChannels, contacts: Contacts | None
+) -> FootLinks:
     """Return the links that the feet's own collisions belong to, by foot.
 
     Only pairs with the foot named first count: their wrenches are in that link's frame.
     """
+    if contacts is None:
+        return {}
     states = messages.table.nested("states")
-    foot = feet.single(messages.channel)
-    side = _sides(messages, feet, foot)
     code, names = states.table.texts("collision1_name").encode()
-    pairs = foot[states.parent] * len(names) + code
+    pairs = contacts.foot[contacts.state_message] * len(names) + code
     links: dict[int, set[str]] = {}
-    for pair in distinct(pairs[side == FOOT_IS_COLLISION1]).tolist():
+    for pair in distinct(pairs[contacts.foot_side == FOOT_IS_COLLISION1]).tolist():
         link = link_of_collision(names[pair % len(names)])
         if link is not None:
             links.setdefault(pair // len(names), set()).add(link)
@@ -109,8 +113,9 @@ def _sides(messages: DecodedMessages, feet: FootChannels, foot: Ints) -> NDArray
 def step_timing(messages: DecodedMessages) -> StepTiming:
     """Tell how the physics steps of messages lie to their stamps."""
     states = messages.table.nested("states")
-    return steps_of_messages(
-        states.table.texts("info"), states.parent, messages.table.nanoseconds("header.stamp")
+    info, stamp = states.table.texts("info"), messages.table.nanoseconds("header.stamp")
+    return StepTiming(
+        newest_lag(info, states.parent, stamp), steps_of_messages(info, states.parent)
     )
 
 
@@ -193,29 +198,27 @@ def newest_lag(info: Texts, message: Ints, stamp: Ints) -> Ints:
         stamp: (n,) ns.
 
     Returns:
-        (n,) ns; 0 where a message has no state, or one that tells no time.
+        (n,) ns; `UNTIMED` where a message has no state, or one that tells no time.
     """
     last_state = np.full(len(stamp), -1, np.int64)
     last_state[message] = np.arange(len(message))
     known = np.flatnonzero(last_state >= 0)
     time, timed = _nanoseconds(info.pick(last_state[known]))
-    lag = np.zeros(len(stamp), np.int64)
+    lag = np.full(len(stamp), UNTIMED)
     lag[known[timed]] = stamp[known[timed]] - time[timed]
     return lag
 
 
-def steps_of_messages(info: Texts, message: Ints, stamp: Ints) -> StepTiming:
-    """Look at the messages that hold several steps; arguments as for `newest_lag`."""
+def steps_of_messages(info: Texts, message: Ints) -> Ints:
+    """(k,) ns between neighbouring steps in one message; arguments as for `newest_lag`."""
     rows = _in_several(message)
     time, timed = _nanoseconds(info.pick(rows))
     time, message = time[timed], message[rows[timed]]
     order = np.lexsort((time, message))
     time, message = time[order], message[order]
     step = np.diff(time)
-    later = (message[1:] == message[:-1]) & (step > 0)
-    several = distinct(message[1:][later])
-    newest = time[np.searchsorted(message, several, side="right") - 1]
-    return StepTiming(stamp[several] - newest, step[later])
+    later: Ints = step[(message[1:] == message[:-1]) & (step > 0)]
+    return later
 
 
 def _nanoseconds(info: Texts) -> tuple[Ints, Flags]:
@@ -227,6 +230,9 @@ def _nanoseconds(info: Texts) -> tuple[Ints, Flags]:
         return info.start, np.ones(0, np.bool_)
     time, timed = _step_times(info)
     characters: Bytes = time.view(np.uint8).reshape(len(time), -1)
+    padded = _padded_nanoseconds(characters)
+    if padded is not None:
+        return padded, timed
     seconds, nanoseconds = np.zeros((2, len(time)), np.int64)
     behind_point = np.zeros(len(time), np.bool_)
     for column in characters.T:
@@ -235,6 +241,23 @@ def _nanoseconds(info: Texts) -> tuple[Ints, Flags]:
             number[here] = 10 * number[here] + column[here] - ord("0")
         behind_point |= column == ord(".")
     return seconds * 1_000_000_000 + nanoseconds, timed
+
+
+def _padded_nanoseconds(characters: Bytes) -> Ints | None:
+    """(s,) ns of texts that end in seconds, a point and nine digits, as in ROS 1; None: others."""
+    points = np.flatnonzero(characters[0] == ord("."))
+    point = int(points[0]) if len(points) == 1 else 0
+    end = point + 1 + _NANOSECOND_DIGITS
+    if point <= len(_TIME) or (characters[:, point] != ord(".")).any():
+        return None
+    if (characters[:, end:] != ord("\n")).any():
+        return None
+    digits = np.delete(characters[:, :end], point, axis=1)[:, len(_TIME) :] - np.uint8(ord("0"))
+    powers = np.arange(digits.shape[1] - 1, -1, -1)
+    if end > characters.shape[1] or len(powers) > _MOST_DIGITS or (digits > _NINE).any():
+        return None
+    nanoseconds: Ints = digits.astype(np.int64) @ 10**powers
+    return nanoseconds
 
 
 SOURCE: Final = ContactSource(

@@ -120,7 +120,7 @@ class DecodedContacts:
     def links(self) -> FootLinks:
         """Frames that the forces may be in, by foot."""
         find = self.source.links
-        return find(self.messages, self.feet) if find else {}
+        return find(self.messages, self.feet, self.reduced.contacts) if find else {}
 
     @property
     def timing(self) -> StepTiming | None:

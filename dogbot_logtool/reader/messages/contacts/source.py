@@ -27,9 +27,6 @@ class FootChannels:
     """Indices in `feet` by channel id; several where one message tells of several feet."""
     contact_on_counts: float | None = None
     """Counts from which a raw sensor without a scale touches; None: it cannot be told."""
-    left_after_ns: int | None = None
-    """ns: where a message's newest physics step is older than its stamp by more, the foot has left
-    the ground since. None: not known, the newest step stands for the stamp."""
     ignores_flags: bool = False
     """Whether forces decide contact although messages have flags, which forces contradict."""
 
@@ -68,14 +65,18 @@ FootLinks = Mapping[int, set[str]]
 """Frames of the wrenches of each foot, by its index."""
 
 
+UNTIMED: Final = int(np.iinfo(np.int64).min)
+"""The lag of a message that tells no physics step."""
+
+
 @dataclass(frozen=True, slots=True)
 class StepTiming:
-    """Messages that hold several physics steps."""
+    """How the physics steps of n messages lie to their stamps."""
 
     lag: Ints
-    """(m,) ns by which a message's newest step is older than its stamp."""
+    """(n,) ns by which a message's newest step is older than its stamp; `UNTIMED`: not known."""
     step: Ints
-    """(k,) ns between neighbouring steps of a message."""
+    """(k,) ns between neighbouring steps of one message."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -130,10 +131,11 @@ class ContactSource:
     """Fields that are read of each message."""
     read: Callable[[DecodedMessages, FootChannels], ContactSamples] | None = None
     """Reduces decoded messages to samples; None: `values` are reduced."""
-    links: Callable[[DecodedMessages, FootChannels], FootLinks] | None = None
-    """Finds the links in whose frames the forces are; None: they are in no link's."""
+    links: Callable[[DecodedMessages, FootChannels, Contacts | None], FootLinks] | None = None
+    """Finds the links in whose frames the forces are; None: they are in no link's. The contacts are
+    those that `read` made of the messages."""
     timing: Callable[[DecodedMessages], StepTiming] | None = None
-    """Finds the physics steps in messages; None: a message holds one moment."""
+    """Finds the physics steps of messages; None: a message holds one moment."""
     elements: tuple[str, ...] = ()
     """Names of the feet in the order of the message, where one message tells of all feet."""
     feet_in: Callable[[DecodedMessages], Sequence[MessageFoot]] | None = None

@@ -2,6 +2,7 @@
 
 from typing import Final
 
+from dogbot_logtool.core.contact.contacts import Contacts
 from dogbot_logtool.core.frames.wrench_frame import WrenchFrame
 from dogbot_logtool.core.geometry.order_statistics import distinct
 from dogbot_logtool.reader.decode.fields import HEADER, vector
@@ -27,7 +28,9 @@ def to_contact_samples(messages: DecodedMessages, feet: FootChannels) -> Contact
     )
 
 
-def sensor_frames(messages: DecodedMessages, feet: FootChannels) -> FootLinks:
+def sensor_frames(
+    messages: DecodedMessages, feet: FootChannels, _contacts: Contacts | None
+) -> FootLinks:
     """Return the frames that the sensors' headers name, by foot."""
     code, names = messages.table.texts("header.frame_id").encode()
     pairs = feet.single(messages.channel) * len(names) + code

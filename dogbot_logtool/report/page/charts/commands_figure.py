@@ -1,13 +1,10 @@
 """Commanded and measured velocity over time."""
 
-from typing import TYPE_CHECKING, Final
+from typing import Final
 
 from dogbot_logtool.core.statistics import Stats
 from dogbot_logtool.report.page.charts.drawing import SECOND, Drawing
 from dogbot_logtool.report.page.charts.stacked_rows import Line, Row, stacked
-
-if TYPE_CHECKING:
-    from dogbot_logtool.core.commands.tracking import AxisTracking
 
 _ROWS: Final = (
     (0, "forward", "forward", "m/s", 0.1),
@@ -32,7 +29,7 @@ def tracked_commands(stats: Stats) -> Drawing | None:
             Line("commanded", track.time, track.commanded[:, column], SECOND, "dash"),
         )
         rows.append(Row(title, unit, 3, least, lines))
-        words.append(_axis_words(title, unit, axis))
+        words.append(f"{title.capitalize()}: error {axis.rms_error:.3f} {unit} (root mean square).")
     if not rows:
         return None
     caption = (
@@ -43,14 +40,3 @@ def tracked_commands(stats: Stats) -> Drawing | None:
     alt = f"Commanded and measured velocity over time. {' '.join(words)}"
     figure = stacked(stats, rows, track.breaks)
     return Drawing("commands", "Commands", alt, caption, figure, over_time=True)
-
-
-def _axis_words(title: str, unit: str, axis: "AxisTracking") -> str:
-    text = f"{title.capitalize()}: error {axis.rms_error:.3f} {unit} (root mean square)"
-    if axis.delay is None or axis.because:
-        return f"{text}."
-    found = axis.delay
-    return (
-        f"{text}, delay {found.delay_s:.2f} s (known to {found.uncertainty_s:.2f} s), "
-        f"gain {found.gain:.2f}."
-    )

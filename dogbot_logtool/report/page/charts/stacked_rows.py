@@ -5,7 +5,7 @@ from typing import Final
 
 import numpy as np
 
-from dogbot_logtool.core.contact.curves import CurveDetail, CurveRecorder
+from dogbot_logtool.core.contact.curves import CurveDetail, curve_of
 from dogbot_logtool.core.geometry import timespans
 from dogbot_logtool.core.geometry.arrays import Floats, Ints
 from dogbot_logtool.core.statistics import Stats
@@ -84,9 +84,7 @@ def _extent(row: Row) -> list[float]:
 
 
 def _trace(stats: Stats, row: Row, line: Line, breaks: Ints, end: str) -> Trace:
-    recorder = CurveRecorder(DETAIL)
-    recorder.add(line.time, line.value)
-    curve = recorder.finish()
+    curve = curve_of(line.time, line.value, DETAIL)
     time, value = np.empty(0, np.int64), np.empty(0)
     if curve is not None:
         unknown = timespans.spans_where(line.time, np.isnan(line.value[:-1]))

@@ -75,10 +75,10 @@ function overlay(node, kind, shade) {
   mark.className = `mark ${kind}`;
   if (shade) mark.style.background = shade;
   node.append(mark);
-  return (x, y, height, turn) => {
+  return (x, y, height) => {
     mark.hidden = x === null;
     if (x === null) return;
-    mark.style.transform = `translate(${x}px, ${y}px)${turn === undefined ? "" : ` rotate(${turn}turn)`}`;
+    mark.style.transform = `translate(${x}px, ${y}px)`;
     if (height !== undefined) mark.style.height = `${height}px`;
   };
 }
@@ -120,15 +120,6 @@ function addCursors() {
       const { xaxis, yaxis } = ground.node._fullLayout;
       const x = row < 0 ? null : pixel(xaxis, base.x[row]), y = row < 0 ? null : pixel(yaxis, base.y[row]);
       put(y === null ? null : x, y);
-    });
-  }
-  const clock = named("clock");
-  if (clock) {
-    const put = overlay(clock.node, "hand");
-    marks.push((now) => {
-      const phase = now === null ? null : phaseAt(times.reference, now);
-      const { xaxis, yaxis } = clock.node._fullLayout;
-      put(phase === null ? null : pixel(xaxis, 0), pixel(yaxis, 0), 0.87 * xaxis._length / 2, phase === null ? 0 : phase + 0.5);
     });
   }
   const cycle = named("cycle");

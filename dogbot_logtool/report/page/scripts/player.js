@@ -5,17 +5,21 @@ function startReplay() {
   const replay = new Replay(read("replay-data"), canvas);
   const first = replay.time[0], last = replay.time[replay.time.length - 1];
   let playing = false, before = 0;
-  Object.assign(scrub, { min: first, max: last, value: first });
+  // The slider counts frames: silences take no room on it.
+  const lastFrame = replay.time.length - 1;
+  const frame = (time) => Math.max(lastUpTo(replay.time, time + 1e-4), 0);
+  Object.assign(scrub, { max: lastFrame, value: 0 });
   const said = document.getElementById("happens"), ticks = document.getElementById("ticks");
   for (const event of replay.events) {
     const tick = document.createElement("i");
-    tick.style.left = `${100 * (event.at - first) / (last - first || 1)}%`;
+    tick.style.left = `${100 * frame(event.at) / (lastFrame || 1)}%`;
     tick.className = event.minor ? "minor" : "";
     ticks.append(tick);
   }
   function go(time, from) {
     replay.seek(time);
-    scrub.value = replay.now;
+    scrub.value = replay.row;
+    scrub.ariaValueText = `${replay.now.toFixed(3)} s`;
     const newest = replay.events.findLast((event) => event.at <= replay.now + 1e-3 && replay.now - event.at < 1.5);
     said.textContent = newest ? newest.what : "";
     if (from !== "cursor") cursor.set(replay.now, "replay");
@@ -32,7 +36,7 @@ function startReplay() {
     if (!playing) return;
     let time = replay.now + Math.min((now - before) / 1000, 0.25) * Number(speed.value);
     before = now;
-    // Where a long log is thinned, the replay goes on at the next part that is shown in full.
+    // The replay skips silences, and goes on where a long log is shown in full.
     const next = replay.time[Math.min(replay.row + 1, replay.time.length - 1)];
     if (next - replay.time[replay.row] > 0.5) time = Math.max(time, next);
     go(time);
@@ -43,7 +47,7 @@ function startReplay() {
     if (others.length) { setPlaying(false); go(direction > 0 ? Math.min(...others) : Math.max(...others)); }
   };
   play.addEventListener("click", () => setPlaying(!playing));
-  scrub.addEventListener("input", () => { setPlaying(false); go(Number(scrub.value)); });
+  scrub.addEventListener("input", () => { setPlaying(false); go(replay.time[Number(scrub.value)]); });
   for (const button of document.querySelectorAll("button[data-replay]")) {
     button.addEventListener("click", () => step(button.dataset.replay === "forth" ? 1 : -1));
   }

@@ -250,7 +250,7 @@ def test_efforts_of_joint_foot_are_feet(tmp_path: Path) -> None:
 
 def test_other_joint_states_are_not_of_feet(tmp_path: Path) -> None:
     told = describe(write_joint_foot(tmp_path, "/joint_states"), TopicOptions())
-    assert {t.topic: t.use for t in told.topics}["/joint_states"] == ""
+    assert {t.topic: t.use for t in told.topics}["/joint_states"] == "joints"
 
 
 @pytest.mark.parametrize("kind", ["old_xpp/msg/RobotStateCartesian", "anymal_msgs/msg/AnymalState"])

@@ -1,0 +1,36 @@
+"""Options of the last version that are gone, and what to use instead."""
+
+from collections.abc import Mapping
+from types import MappingProxyType
+from typing import Final
+
+import click
+
+_GONE: Final[Mapping[tuple[str, str], str]] = MappingProxyType(
+    {
+        ("compare", "--update"): "copy ACTUAL over EXPECTED",
+        ("convert", "--strict"): "exit code 3 says that a log is damaged",
+        ("info", "--dot"): "use `info --frames --json`, which has the tree",
+        ("info", "-o"): "results go to stdout",
+        ("info", "--output"): "results go to stdout",
+        ("info", "--overwrite"): "results go to stdout",
+        ("stats", "--csv"): "use `export --table strides`",
+        ("stats", "--events"): "use `export --table events -o FILE`",
+        ("stats", "--label"): "use `export --dataset DIR --label NAME=VALUE`",
+        ("stats", "--parquet"): "use `export --dataset DIR`",
+        ("stats", "--plot"): "it is --figure now",
+        ("stats", "--plot-size"): "scale the .pdf or .svg, which are 85 mm wide",
+        ("stats", "--prune"): "use `export --dataset DIR --prune`",
+        ("stats", "--window"): "use --start and --end",
+    }
+)
+"""What to do instead, by command and option."""
+
+
+def explained(error: click.ClickException) -> click.ClickException:
+    """Return an error that says what to use instead, if an option is gone; else the same error."""
+    if isinstance(error, click.NoSuchOption) and error.ctx is not None:
+        instead = _GONE.get((error.ctx.info_name or "", error.option_name))
+        if instead is not None:
+            return click.UsageError(f"{error.option_name} is gone: {instead}.", error.ctx)
+    return error

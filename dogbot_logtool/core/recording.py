@@ -1,0 +1,61 @@
+"""A whole log as columns: all that is measured is computed from these."""
+
+from collections.abc import Mapping
+from dataclasses import field
+
+from dogbot_logtool.core.base.odometry import Odometry, no_odometry
+from dogbot_logtool.core.contact.contacts import Samples
+from dogbot_logtool.core.frames.recorded_transforms import RecordedTransforms, no_transforms
+from dogbot_logtool.core.geometry.arrays import Ints
+from dogbot_logtool.core.legs.joint_track import JointTable
+from dogbot_logtool.core.recorded.vectors import VectorSamples
+from dogbot_logtool.dataclass import dataclass
+
+
+@dataclass(frozen=True, slots=True)
+class Times:
+    """Times of a topic's messages, in the order of their log times."""
+
+    log_time: Ints
+    """(n,) ns."""
+    stamp: Ints | None
+    """(n,) ns, header stamps as recorded; None for messages without a header, or of no use."""
+
+
+@dataclass(frozen=True, slots=True)
+class VectorTopic:
+    """Vectors of one topic: velocity commands, or accelerations."""
+
+    samples: VectorSamples
+    frames: tuple[str, ...]
+    """Header frame ids among them, sorted."""
+
+
+@dataclass(frozen=True, slots=True)
+class Recording:
+    """Everything that was recorded of the base, feet, joints and frames, by log time."""
+
+    feet: tuple[Samples, ...] = ()
+    """Contact samples of each foot, as recorded."""
+    planned: tuple[Samples, ...] = ()
+    """The same as a plan in the log has them."""
+    links: Mapping[int, frozenset[str]] = field(default_factory=dict)
+    """Links that the collisions of each foot belong to, in whose frames its forces may be."""
+    base: Odometry = field(default_factory=no_odometry)
+    """Poses of the base, also those that cannot be used."""
+    world_frames: tuple[str, ...] = ()
+    """Frames that these poses are in, as recorded, sorted; also `base_frames`, what they place."""
+    base_frames: tuple[str, ...] = ()
+    transforms: RecordedTransforms = field(default_factory=no_transforms)
+    """The log's own transforms."""
+    joints: tuple[JointTable, ...] = ()
+    """Joint states, the best topic first."""
+    commands: VectorTopic | None = None
+    """Velocity commands; None: the log has none. Likewise `accelerations` of the base."""
+    accelerations: VectorTopic | None = None
+    topics: Mapping[str, Times] = field(default_factory=dict)
+    """Times of every topic's messages."""
+    implausible: int = 0
+    """Poses and contact samples with numbers that no robot reaches; those are NaN."""
+    out_of_order: int = 0
+    """Messages that stand behind later ones of their channel in the file."""

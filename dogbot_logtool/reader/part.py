@@ -1,0 +1,210 @@
+"""A part of a log as columns: some neighbouring chunks, read and decoded in any process."""
+
+from collections import Counter
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from dogbot_logtool.core.base.odometry import Odometry
+from dogbot_logtool.core.contact.contacts import Samples, no_samples, samples_by_foot
+from dogbot_logtool.core.frames.recorded_transforms import (
+    RecordedTransforms,
+    concatenate_transforms,
+    no_transforms,
+)
+from dogbot_logtool.core.geometry.arrays import Ints, header_time, rows_by_group
+from dogbot_logtool.core.geometry.blocks import concatenated
+from dogbot_logtool.core.legs.joint_track import MOST_JOINTS, JointSamples, JointTable
+from dogbot_logtool.core.plausible import plausible_odometry
+from dogbot_logtool.dataclass import dataclass
+from dogbot_logtool.reader.containers.log import Batch, Log, Loss, Span
+from dogbot_logtool.reader.messages.bases.registry import joined_poses
+from dogbot_logtool.reader.messages.bases.source import BasePoses
+from dogbot_logtool.reader.messages.contacts.registry import DecodedContacts, read_contacts
+from dogbot_logtool.reader.messages.contacts.source import UNTIMED, StepTiming
+from dogbot_logtool.reader.messages.joints import read_joints
+from dogbot_logtool.reader.messages.messages import malformed_in
+from dogbot_logtool.reader.messages.transforms import (
+    decode_transforms,
+    is_static,
+    transform_columns,
+)
+from dogbot_logtool.reader.messages.vectors import ReadVectors, read_vectors
+from dogbot_logtool.reader.wanted import Wanted, WantedVectors
+
+
+@dataclass(frozen=True, slots=True)
+class Stamps:
+    """Times of messages with a header."""
+
+    log_time: Ints
+    """(n,) ns."""
+    stamp: Ints
+    """(n,) ns."""
+
+
+@dataclass(frozen=True, slots=True)
+class Lags:
+    """How old contact samples are at their stamps."""
+
+    lag: Ints
+    """(n,) ns by which a sample's newest physics step is older than its stamp; `UNTIMED`: not
+    known."""
+
+
+@dataclass(frozen=True, slots=True)
+class Part:
+    """The columns of some neighbouring chunks."""
+
+    feet: tuple[Samples, ...]
+    """Of each foot."""
+    lags: tuple[Lags, ...]
+    """Of each foot's samples."""
+    planned: tuple[Samples, ...]
+    step: Ints
+    """(k,) ns between neighbouring physics steps of a message."""
+    links: Mapping[int, set[str]]
+    base: Odometry
+    world_frames: set[str]
+    base_frames: set[str]
+    transforms: RecordedTransforms
+    joints: tuple[JointTable, ...]
+    commands: ReadVectors | None
+    accelerations: ReadVectors | None
+    log_times: Mapping[int, Ints]
+    """ns, of all messages in file order, by channel id."""
+    stamps: Mapping[str, Stamps]
+    """By topic, of contacts and poses with a header."""
+    implausible: int
+    malformed: Mapping[int, int]
+    losses: tuple[Loss, ...]
+
+
+def read_part(wanted: Wanted, log: Log, span: Span) -> Part:
+    """Read and decode some chunks."""
+    whole = log.read(span)
+    recorded = whole.cropped(*wanted.limits)
+    batch = recorded.in_time_order()
+    base = wanted.base.read(batch, wanted.base_channels) if wanted.base else []
+    poses, implausible = plausible_odometry(joined_poses(base))
+    contacts = read_contacts(batch, wanted.contacts, wanted.feet)
+    planned: Sequence[DecodedContacts] = ()
+    if wanted.planned_feet is not None:
+        planned = read_contacts(batch, wanted.planned, wanted.planned_feet)
+    # Transforms that hold for ever do so within the limits, too, wherever they stand.
+    static = [channel for channel in wanted.transforms if is_static(channel)]
+    moving = [channel for channel in wanted.transforms if not is_static(channel)]
+    transforms = [*decode_transforms(batch, moving), *decode_transforms(whole, static)]
+    commands, accelerations = _read(batch, wanted.commands), _read(batch, wanted.accelerations)
+    malformed = Counter(malformed_in([*(read.messages for read in contacts), *transforms]))
+    for each in (*base, commands, accelerations):
+        malformed.update(each.malformed if each else {})
+    joints = tuple(_joint_tables(batch, wanted, malformed))
+    timings = [read.timing for read in contacts]
+    feet, lags = _by_foot(contacts, timings, len(wanted.feet.feet))
+    return Part(
+        feet=feet,
+        lags=lags,
+        planned=_by_foot(planned, [None] * len(planned), len(wanted.feet.feet))[0],
+        step=np.concatenate([np.empty(0, np.int64), *(each.step for each in timings if each)]),
+        links=_links(contacts),
+        base=poses,
+        world_frames={name for each in base for name in each.worlds},
+        base_frames={name for each in base for name in each.bases},
+        transforms=concatenate_transforms([no_transforms(), *map(transform_columns, transforms)]),
+        joints=joints,
+        commands=commands,
+        accelerations=accelerations,
+        log_times=_by_channel(recorded),
+        stamps=_stamped(log, wanted, base, [*contacts, *planned]),
+        implausible=implausible + sum(read.reduced.implausible for read in contacts),
+        malformed=malformed,
+        losses=batch.losses,
+    )
+
+
+def _read(batch: Batch, topic: WantedVectors | None) -> ReadVectors | None:
+    return read_vectors(batch, topic.channels, topic.sources) if topic else None
+
+
+def _by_foot(
+    contacts: Sequence[DecodedContacts], timings: Sequence[StepTiming | None], feet: int
+) -> tuple[tuple[Samples, ...], tuple[Lags, ...]]:
+    """Return the contact samples of each foot, small enough to keep them all, and their lags."""
+    lags = [np.empty(0, np.int64)]
+    for read, timing in zip(contacts, timings, strict=True):
+        count = len(read.reduced.samples.foot)
+        lags.append(np.full(count, UNTIMED) if timing is None else timing.lag)
+    samples = concatenated([no_samples(), *(read.reduced.samples for read in contacts)])
+    lag = np.concatenate(lags)
+    return (
+        tuple(_compact(each) for each in samples_by_foot(samples, feet)),
+        tuple(Lags(lag[samples.foot == foot]) for foot in range(feet)),
+    )
+
+
+def _compact(samples: Samples) -> Samples:
+    """Return samples in half the memory: places need all digits, forces and counts do not."""
+    few = np.minimum(samples.points, np.iinfo(np.uint8).max)
+    return replace(
+        samples,
+        foot=samples.foot.astype(np.uint8),
+        force=samples.force.astype(np.float32),
+        normal=samples.normal.astype(np.float32),
+        points=few.astype(np.uint8),
+    )
+
+
+def _links(contacts: Sequence[DecodedContacts]) -> dict[int, set[str]]:
+    found: dict[int, set[str]] = {}
+    for read in contacts:
+        for foot, names in read.links.items():
+            found.setdefault(foot, set()).update(names)
+    return found
+
+
+def _joint_tables(batch: Batch, wanted: Wanted, malformed: Counter[int]) -> Iterator[JointTable]:
+    """Yield the joint states of each channel; count malformed messages by channel id."""
+    for joints in wanted.joints:
+        for read in read_joints(batch, joints.channel):
+            malformed.update(read.malformed)
+            columns = [
+                column for column, name in enumerate(read.names) if name not in joints.left_out
+            ][:MOST_JOINTS]
+            if columns and len(read.log_time):
+                stamp = header_time(read.stamp, read.log_time)
+                values = read.position, read.velocity, read.effort
+                samples = JointSamples(read.log_time, stamp, *values).only(np.array(columns))
+                names = tuple(read.names[column] for column in columns)
+                yield JointTable(joints.channel.topic, names, samples)
+
+
+def _by_channel(batch: Batch) -> dict[int, Ints]:
+    """Return the log times of the messages of each channel, by its id."""
+    messages = batch.messages
+    return {channel: messages.log_time[rows] for channel, rows in rows_by_group(messages.channel)}
+
+
+def _stamped(
+    log: Log, wanted: Wanted, base: Sequence[BasePoses], contacts: Sequence[DecodedContacts]
+) -> dict[str, Stamps]:
+    """Return the times of messages with a header, by topic."""
+    stamps: dict[str, list[Stamps]] = {}
+    source = wanted.base.source if wanted.base else None
+    if source is not None and source.has_header and source.has_one_pose:
+        for each in base:
+            for channel, rows in rows_by_group(each.channel):
+                topic = log.channels[channel].topic
+                times = Stamps(each.poses.log_time[rows], each.poses.stamp[rows])
+                stamps.setdefault(topic, []).append(times)
+    for read in contacts:
+        if not read.source.has_header:
+            continue
+        messages = read.messages
+        stamp = messages.table.nanoseconds("header.stamp")
+        for channel, rows in rows_by_group(messages.channel):
+            topic = log.channels[channel].topic
+            times = Stamps(messages.log_time[rows], stamp[rows])
+            stamps.setdefault(topic, []).append(times)
+    return {topic: concatenated(parts) for topic, parts in stamps.items()}

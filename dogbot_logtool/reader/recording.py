@@ -1,0 +1,276 @@
+"""Read a log whole: every chunk is decoded once, in any process, and joined by log time."""
+
+from collections import Counter
+from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import replace
+from functools import partial
+from typing import Any, Final, Protocol, TypeVar
+
+import numpy as np
+
+from dogbot_logtool.core.base.odometry import Odometry, no_odometry
+from dogbot_logtool.core.contact.contacts import Samples, no_samples, without_contact
+from dogbot_logtool.core.frames.recorded_transforms import concatenate_transforms, no_transforms
+from dogbot_logtool.core.geometry.arrays import Flags, Ints
+from dogbot_logtool.core.geometry.blocks import Record, concatenated, picked
+from dogbot_logtool.core.geometry.order_statistics import median_of
+from dogbot_logtool.core.legs.joint_track import MOST_JOINTS, JointSamples, JointTable
+from dogbot_logtool.core.recording import Recording, Times, VectorTopic
+from dogbot_logtool.dataclass import dataclass
+from dogbot_logtool.reader.containers.log import Chunk, Log, Loss, Span
+from dogbot_logtool.reader.growing import LARGEST_IN_MEMORY, GrowingColumns
+from dogbot_logtool.reader.messages.contacts.source import UNTIMED
+from dogbot_logtool.reader.messages.transforms import is_static
+from dogbot_logtool.reader.messages.vectors import ReadVectors
+from dogbot_logtool.reader.part import Lags, Part, read_part
+from dogbot_logtool.reader.salvage.losses import malformed_messages
+from dogbot_logtool.reader.wanted import Wanted
+from dogbot_logtool.reader.workers import Start, in_order
+
+Key = TypeVar("Key", bound=Hashable)
+_REGULAR: Final = 0.75
+"""Share of messages that must have the usual lag. Only the last of each stance should not."""
+_MOST_CELLS: Final = 1 << 27
+"""States of joints that are kept of a topic: half a gigabyte of each kind."""
+_SAMPLE_BYTES: Final = 80
+"""Of the columns of a contact sample."""
+
+
+class _Timed(Record, Protocol):
+    """Columns with log times."""
+
+    @property
+    def log_time(self) -> Ints:
+        """(n,) ns."""
+
+
+Columns = TypeVar("Columns", bound=_Timed)
+
+
+@dataclass(frozen=True, slots=True)
+class ReadLog:
+    """A log's columns, and what could not be read of it."""
+
+    recording: Recording
+    losses: tuple[Loss, ...]
+    """Beside those that were found when it was opened."""
+    counts: Mapping[int, int]
+    """Messages by channel id."""
+
+
+def read_recording(
+    log: Log,
+    wanted: Wanted,
+    jobs: int,
+    progress: Callable[[int, int], None] | None = None,
+    spans: Iterable[Span] | None = None,
+    start: Start | None = None,
+) -> ReadLog:
+    """Read a log as columns.
+
+    Args:
+        log: the log.
+        wanted: what is read of it.
+        jobs: processes that decode at once.
+        progress: called with bytes done and bytes in all.
+        spans: some of its chunks; None: all within the limits.
+        start: how processes start; None: as the system and the log allow.
+    """
+    chosen = list(log.grouped(_chunks(log, wanted)) if spans is None else spans)
+    joined = _Joined(wanted, on_disk=_expected_bytes(log, wanted) > LARGEST_IN_MEMORY)
+    done, total = 0, sum(chunk.data_size for chunk in log.chunks)
+    read = partial(read_part, wanted)
+    for span, part in zip(chosen, in_order(read, log, chosen, jobs, start), strict=True):
+        joined.add(part)
+        done += sum(chunk.data_size for chunk in span)
+        if progress is not None:
+            progress(done, total)
+    return joined.finish(log)
+
+
+def _chunks(log: Log, wanted: Wanted) -> Iterator[Chunk]:
+    """Yield the chunks within the limits, and those of transforms that hold for ever."""
+    static = {channel.id for channel in wanted.transforms if is_static(channel)}
+    for chunk in log.chunks:
+        holds_static = chunk.counts is not None and not static.isdisjoint(chunk.counts)
+        if holds_static or log.overlaps(chunk, *wanted.limits):
+            yield chunk
+
+
+def _expected_bytes(log: Log, wanted: Wanted) -> int:
+    """Return about how much memory contact samples take, by the log's counts of messages."""
+    feet = wanted.feet.of_channel
+    samples = (log.counts.get(channel.id, 0) * len(feet[channel.id]) for channel in wanted.contacts)
+    return _SAMPLE_BYTES * sum(samples)
+
+
+class _Joined:
+    """Joins the parts of a log, in file order."""
+
+    def __init__(self, wanted: Wanted, *, on_disk: bool) -> None:
+        feet = wanted.feet.feet
+        self._wanted = wanted
+        self._feet = [GrowingColumns[Samples](on_disk=on_disk) for _ in feet]
+        self._lags = [GrowingColumns[Lags](on_disk=on_disk) for _ in feet]
+        self._planned = [GrowingColumns[Samples](on_disk=on_disk) for _ in feet]
+        self._base = GrowingColumns[Odometry]()
+        self._parts: list[Part] = []
+        """Without the columns that are joined already."""
+
+    def add(self, part: Part) -> None:
+        """Take the next part."""
+        for columns, samples in zip(self._feet, part.feet, strict=True):
+            columns.add(samples)
+        for lags, own in zip(self._lags, part.lags, strict=True):
+            lags.add(own)
+        for columns, samples in zip(self._planned, part.planned, strict=True):
+            columns.add(samples)
+        self._base.add(part.base)
+        self._parts.append(replace(part, feet=(), lags=(), planned=(), base=no_odometry()))
+
+    def finish(self, log: Log) -> ReadLog:
+        """Return the columns of the whole log."""
+        parts, counts, malformed = self._parts, Counter[int](), Counter[int]()
+        for part in parts:
+            counts.update({channel: len(times) for channel, times in part.log_times.items()})
+            malformed.update(part.malformed)
+        topics, out_of_order = _topics(log, parts)
+        recording = Recording(
+            feet=self._all_feet(),
+            planned=tuple(_of_foot(foot, each) for foot, each in enumerate(self._planned)),
+            links=_merged(part.links for part in parts),
+            base=_in_order(self._base.finish(no_odometry())),
+            world_frames=tuple(sorted({name for part in parts for name in part.world_frames})),
+            base_frames=tuple(sorted({name for part in parts for name in part.base_frames})),
+            transforms=concatenate_transforms(
+                [no_transforms(), *(part.transforms for part in parts)]
+            ),
+            joints=_all_joints(parts, self._wanted),
+            commands=_all_vectors([part.commands for part in parts]),
+            accelerations=_all_vectors([part.accelerations for part in parts]),
+            topics=topics,
+            implausible=sum(part.implausible for part in parts),
+            out_of_order=out_of_order,
+        )
+        losses = [loss for part in parts for loss in part.losses]
+        losses.extend(malformed_messages(log.channels, malformed))
+        return ReadLog(recording, tuple(losses), counts)
+
+    def _all_feet(self) -> tuple[Samples, ...]:
+        """Join contact samples; a foot whose newest physics step is too old has left the ground."""
+        nothing = Lags(np.empty(0, np.int64))
+        lags = [columns.finish(nothing).lag for columns in self._lags]
+        step = np.concatenate([nothing.lag, *(part.step for part in self._parts)])
+        timed = np.concatenate([nothing.lag, *(lag[lag != UNTIMED] for lag in lags)])
+        left_after = left_after_ns(timed, step)
+        found = []
+        for foot, (columns, lag) in enumerate(zip(self._feet, lags, strict=True)):
+            left = None if left_after is None else lag > left_after
+            found.append(_of_foot(foot, columns, left))
+        return tuple(found)
+
+
+def _of_foot(foot: int, columns: GrowingColumns[Samples], left: Flags | None = None) -> Samples:
+    """Return all samples of one foot; its number takes no memory.
+
+    Args:
+        foot: its number.
+        columns: its samples.
+        left: (n,) whether the foot has left the ground; None: as the samples tell.
+    """
+    samples = columns.finish(no_samples())
+    samples = replace(samples, foot=np.broadcast_to(np.int64(foot), len(samples.log_time)))
+    return _in_order(samples if left is None else without_contact(samples, left))
+
+
+def left_after_ns(lag: Ints, step: Ints) -> int | None:
+    """Return the lag, ns, beyond which a foot has left the ground; None where that is not known.
+
+    While a foot stands, each physics step has a contact. So the newest step of a message lies as
+    far from its stamp as in any other, unless the foot left in between. Where lags vary for other
+    reasons, as with a simulation that runs ahead of its sensors, a lag tells nothing.
+
+    Args:
+        lag: (n,) ns, of messages that tell a step.
+        step: (k,) ns, between neighbouring steps of one message; none: messages hold one each.
+    """
+    if not len(step):
+        return None
+    usual, half_a_step = float(median_of(lag)), float(median_of(step)) / 2.0
+    regular = np.abs(lag - usual) < half_a_step
+    return round(usual + half_a_step) if regular.mean() >= _REGULAR else None
+
+
+def _all_joints(parts: Sequence[Part], wanted: Wanted) -> tuple[JointTable, ...]:
+    """Join the joint states of each topic; NaN where a message does not have a joint."""
+    by_topic: dict[str, list[JointTable]] = {each.channel.topic: [] for each in wanted.joints}
+    for part in parts:
+        for table in part.joints:
+            by_topic[table.topic].append(table)
+    return tuple(_one_table(topic, tables) for topic, tables in by_topic.items() if tables)
+
+
+def _one_table(topic: str, tables: Sequence[JointTable]) -> JointTable:
+    """Join tables of one topic, whose joints may differ."""
+    rows = sum(len(table.samples.log_time) for table in tables)
+    most = min(MOST_JOINTS, max(_MOST_CELLS // rows, 1))
+    names = tuple(dict.fromkeys(name for table in tables for name in table.names))[:most]
+    column = {name: number for number, name in enumerate(names)}
+    samples = []
+    for table in tables:
+        own = [number for number, name in enumerate(table.names) if name in column]
+        into = [column[table.names[number]] for number in own]
+        each = table.samples
+        wide: list[Any] = []  # float32
+        for values in (each.position, each.velocity, each.effort):
+            filled = np.full((len(values), len(names)), np.nan, np.float32)
+            filled[:, into] = values[:, own]
+            wide.append(filled)
+        samples.append(JointSamples(each.log_time, each.stamp, *wide))
+    return JointTable(topic, names, _in_order(concatenated(samples)))
+
+
+def _all_vectors(parts: Sequence[ReadVectors | None]) -> VectorTopic | None:
+    read = [part for part in parts if part is not None]
+    if not read:
+        return None
+    frames = sorted({name for part in read for name in part.frames})
+    return VectorTopic(_in_order(concatenated([part.samples for part in read])), tuple(frames))
+
+
+def _topics(log: Log, parts: Sequence[Part]) -> tuple[dict[str, Times], int]:
+    """Return the times of all topics, and how many messages stand behind later ones."""
+    times: dict[str, list[Ints]] = {}
+    backwards = 0
+    for channel in sorted({number for part in parts for number in part.log_times}):
+        own = [part.log_times[channel] for part in parts if channel in part.log_times]
+        joined = np.concatenate(own)
+        backwards += int((np.diff(joined) < 0).sum())
+        times.setdefault(log.channels[channel].topic, []).append(joined)
+    found = {}
+    for topic, columns in times.items():
+        stamped = [part.stamps[topic] for part in parts if topic in part.stamps]
+        if stamped:
+            sent = concatenated(stamped)
+            order = np.argsort(sent.log_time, kind="stable")
+            found[topic] = Times(sent.log_time[order], sent.stamp[order])
+        else:
+            found[topic] = Times(np.sort(np.concatenate(columns), kind="stable"), None)
+    return found, backwards
+
+
+def _merged(parts: Iterable[Mapping[Key, set[str]]]) -> dict[Key, frozenset[str]]:
+    """Join sets of names by key."""
+    found: dict[Key, set[str]] = {}
+    for part in parts:
+        for key, names in part.items():
+            found.setdefault(key, set()).update(names)
+    return {key: frozenset(names) for key, names in found.items()}
+
+
+def _in_order(columns: Columns) -> Columns:
+    """Sort columns by log time, unless they are."""
+    time = columns.log_time
+    if (time[1:] >= time[:-1]).all():
+        return columns
+    return picked(columns, np.argsort(time, kind="stable"))

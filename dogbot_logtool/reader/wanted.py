@@ -1,0 +1,52 @@
+"""What is read of a log, and as what."""
+
+from collections.abc import Mapping
+
+from dogbot_logtool.dataclass import dataclass
+from dogbot_logtool.reader.containers.contents import Channel
+from dogbot_logtool.reader.messages.bases.registry import Base
+from dogbot_logtool.reader.messages.contacts.source import FootChannels
+from dogbot_logtool.reader.messages.vectors import VectorSource
+
+TimeLimits = tuple[int | None, int | None]
+"""ns, log times from which and up to which messages are taken; None: no limit."""
+
+
+@dataclass(frozen=True, slots=True)
+class WantedVectors:
+    """A topic of vectors, with all of its senders."""
+
+    topic: str
+    channels: tuple[Channel, ...]
+    """All of one type."""
+    sources: Mapping[str, VectorSource]
+    """How each type is read."""
+
+
+@dataclass(frozen=True, slots=True)
+class WantedJoints:
+    """A channel of joint states."""
+
+    channel: Channel
+    left_out: frozenset[str]
+    """Joints that a better channel tells of."""
+
+
+@dataclass(frozen=True, slots=True)
+class Wanted:
+    """The channels of a log that are read, by what they tell."""
+
+    contacts: tuple[Channel, ...]
+    feet: FootChannels
+    base: Base | None = None
+    """How the base's poses are read; None: there are none."""
+    base_channels: tuple[Channel, ...] = ()
+    transforms: tuple[Channel, ...] = ()
+    joints: tuple[WantedJoints, ...] = ()
+    """The best first."""
+    commands: WantedVectors | None = None
+    accelerations: WantedVectors | None = None
+    planned: tuple[Channel, ...] = ()
+    """Channels of contacts that a plan has for the same feet."""
+    planned_feet: FootChannels | None = None
+    limits: TimeLimits = (None, None)

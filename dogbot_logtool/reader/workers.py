@@ -1,0 +1,119 @@
+"""Work on the parts of a log in several processes: a pool of the standard library."""
+
+import os
+import sys
+import threading
+from collections.abc import Callable, Iterator, Sequence
+from typing import TYPE_CHECKING, Any, Final, Literal, TypeVar
+
+from dogbot_logtool.errors import LogtoolError
+from dogbot_logtool.reader.containers.log import Log
+from dogbot_logtool.signals import held_back, leave_to_parent
+
+# Pools take as long to load as a short log to read, and such a log needs none.
+if TYPE_CHECKING:
+    from concurrent.futures import Executor, Future
+
+Item = TypeVar("Item")
+Result = TypeVar("Result")
+Work = Callable[[Log, Item], Result]
+_FEWEST_ITEMS: Final = 2
+"""Items for each worker: to start one takes as long as to read one or two parts."""
+Start = Literal["fork", "spawn", "threads"]
+"""How workers start: as copies of this process, as new processes, or as its threads."""
+
+
+def start_method(log: Log) -> Start:
+    """Return how workers that read a log can start.
+
+    Apple's libraries do not survive a fork, and daemonic processes may have no children. A log
+    that only this process can read is read by its threads.
+    """
+    import multiprocessing  # noqa: PLC0415 - see above
+
+    if multiprocessing.current_process().daemon or not log.can_fork:
+        return "threads"
+    if sys.platform == "linux":
+        return "fork"
+    return "threads" if log.reopen is None else "spawn"
+
+
+def in_order(
+    work: Work[Item, Result],
+    log: Log,
+    items: Sequence[Item],
+    jobs: int,
+    start: Start | None = None,
+) -> Iterator[Result]:
+    """Yield `work(log, item)` for every item, in order.
+
+    Args:
+        work: what is done to an item; new processes receive it pickled.
+        log: forked workers and threads read it as it is, new processes open it again.
+        items: one for each call.
+        jobs: how many work at once; 1: this thread alone.
+        start: how workers start; None: as `start_method` says.
+
+    Raises:
+        LogtoolError: a process died.
+    """
+    jobs = min(jobs, len(items) // _FEWEST_ITEMS)
+    if jobs <= 1:
+        yield from (work(log, item) for item in items)
+        return
+    from concurrent.futures import BrokenExecutor  # noqa: PLC0415 - see above
+
+    with held_back():
+        pool = _pool(work, log, jobs, start or start_method(log))
+        waiting: list[Future[Result]] = [pool.submit(_work, item) for item in items]
+        waiting.reverse()
+    try:
+        while waiting:
+            yield waiting.pop().result()
+    except BrokenExecutor as error:
+        raise LogtoolError(
+            "a process that worked on it died, perhaps because memory ran out; try --jobs 1"
+        ) from error
+    finally:
+        with held_back():
+            pool.shutdown(cancel_futures=True)
+
+
+def _pool(work: Work[Any, Any], log: Log, jobs: int, start: Start) -> "Executor":
+    import multiprocessing  # noqa: PLC0415 - see above
+    from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor  # noqa: PLC0415
+
+    if start == "threads":
+        return ThreadPoolExecutor(jobs, "part", _begin_thread, (work, log))
+    context = multiprocessing.get_context(start)
+    opened = log if start == "fork" or log.reopen is None else log.reopen
+    return ProcessPoolExecutor(jobs, context, _begin_process, (work, opened))
+
+
+_own = threading.local()
+"""The work and the log of each worker."""
+
+
+def _begin_thread(work: Work[Any, Any], log: Log) -> None:
+    _own.work, _own.log = work, log
+
+
+def _begin_process(work: Work[Any, Any], log: Log | Callable[[], Log]) -> None:
+    """Begin a worker, which ends with its parent, however that ends."""
+    leave_to_parent()
+    threading.Thread(target=_end_with_parent, daemon=True).start()
+    _begin_thread(work, log if isinstance(log, Log) else log())
+
+
+def _end_with_parent() -> None:
+    import multiprocessing  # noqa: PLC0415 - see above
+    from multiprocessing.connection import wait  # noqa: PLC0415
+
+    parent = multiprocessing.parent_process()
+    if parent is not None:
+        wait([parent.sentinel])
+        os._exit(1)
+
+
+def _work(item: object) -> Any:  # noqa: ANN401 - what the work returns
+    return _own.work(_own.log, item)

@@ -1,0 +1,30 @@
+"""Figures of contact samples and poses, as if they were the columns of a log."""
+
+from collections.abc import Sequence
+
+from dogbot_logtool.core.base.odometry import Odometry, no_odometry
+from dogbot_logtool.core.contact.contacts import Samples, no_samples
+from dogbot_logtool.core.recording import Recording, Times, VectorTopic
+from dogbot_logtool.core.settings import StatsSettings
+from dogbot_logtool.core.statistics import Stats
+from dogbot_logtool.core.walk import analyse
+
+
+def analysed(
+    settings: StatsSettings,
+    samples: Sequence[Samples] = (),
+    odometry: Odometry | None = None,
+    accelerations: VectorTopic | None = None,
+) -> Stats:
+    """Analyse the samples of some feet, each with its own topic, and the poses of a base."""
+    poses = odometry or no_odometry()
+    topics = {
+        settings.feet[int(each.foot[0])].topic: Times(each.log_time, each.stamp) for each in samples
+    }
+    if settings.odometry_topic and len(poses.stamp):
+        topics[settings.odometry_topic] = Times(poses.log_time, poses.stamp)
+    feet = [no_samples()] * len(settings.feet)
+    for each in samples:
+        feet[int(each.foot[0])] = each
+    recording = Recording(feet=tuple(feet), base=poses, accelerations=accelerations, topics=topics)
+    return analyse(recording, settings)

@@ -1,0 +1,125 @@
+"""Logs of odd spans and counts end in bounded time and memory, with a sentence."""
+
+import os
+import subprocess
+import sys
+from dataclasses import replace
+from functools import cache
+from pathlib import Path
+from typing import Any, Final
+
+import pytest
+
+from tests.oracles.repacked import Message, Recorded, read_bag, write_mcap
+from tests.paths import SAMPLE_LOGS
+
+YEARS_NS: Final = 56 * 365 * 86400 * 10**9
+CONTACTS: Final = "gazebo_msgs/msg/ContactsState"
+recorded = cache(read_bag)
+TROT: Final = SAMPLE_LOGS / "dogbot_trot.bag"
+
+
+def run(folder: Path, *words: str, file_bytes: int = -1) -> subprocess.CompletedProcess[bytes]:
+    """Run the program with a gigabyte, half a minute of processor time, and small files."""
+    code = (
+        "import resource, sys\n"
+        "from dogbot_logtool.__main__ import main\n"
+        "resource.setrlimit(resource.RLIMIT_DATA, (1 << 30, 1 << 30))\n"
+        "resource.setrlimit(resource.RLIMIT_CPU, (30, 30))\n"
+        f"resource.setrlimit(resource.RLIMIT_FSIZE, ({file_bytes}, {file_bytes}))\n"
+        f"sys.argv = ['dogbot-logtool', *{list(words)!r}]\n"
+        "sys.exit(main())\n"
+    )
+    return subprocess.run(  # noqa: S603 - the program itself
+        [sys.executable, "-c", code],
+        cwd=folder,
+        env={**os.environ, "MPLCONFIGDIR": str(folder)},
+        capture_output=True,
+        check=False,
+    )
+
+
+@cache
+def set_right() -> Recorded:
+    """The clock of the recorder, which begins in 1970, is set right in the middle."""
+    whole = recorded(TROT)
+    half = len(whole.messages) // 2
+    late = tuple(replace(each, log_time=each.log_time + YEARS_NS) for each in whole.messages[half:])
+    return replace(whole, messages=(*whole.messages[:half], *late))
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        "info {log}",
+        "stats {log} --time-source log",
+        "stats {log} --json",
+        "report {log} -o page.html",
+        "convert {log} -o out.mcap",
+        "export {log} --table events -o events.csv",
+        "check --suggest {log}",
+    ],
+)
+def test_a_clock_that_is_set_right_by_56_years_costs_nothing(tmp_path: Path, words: str) -> None:
+    log = write_mcap(tmp_path / "log.mcap", set_right(), "ros1", 1_000_000)
+    done = run(tmp_path, *words.format(log=log).split())
+    assert done.returncode in {0, 3}, done.stderr[-500:]
+    assert b"Traceback" not in done.stderr
+
+
+def many_states(states: int) -> Recorded:
+    """27 messages of a foot, each with many contact states."""
+    whole = recorded(TROT)
+    of_kind = [each for each in whole.messages if each.kind == CONTACTS]
+    topic = of_kind[0].topic
+    read: list[Any] = [
+        whole.types.deserialize_cdr(each.cdr, CONTACTS) for each in of_kind if each.topic == topic
+    ]
+    full = next(message for message in read if message.states)
+    full.states = [full.states[0]] * states
+    ros1 = bytes(whole.types.serialize_ros1(full, CONTACTS))
+    cdr = bytes(whole.types.serialize_cdr(full, CONTACTS))
+    start = whole.messages[0].log_time
+    messages = tuple(
+        Message(topic, CONTACTS, start + 10_000_000 * number, ros1, cdr) for number in range(27)
+    )
+    return replace(whole, messages=messages)
+
+
+@pytest.mark.parametrize("words", ["stats {log}", "convert {log} -o out.mcap"])
+def test_thousands_of_contact_states_in_a_message_are_read_in_linear_time(
+    tmp_path: Path, words: str
+) -> None:
+    log = write_mcap(tmp_path / "log.mcap", many_states(10_000), "ros2", 1_000_000)
+    done = run(tmp_path, *words.format(log=log).split())
+    assert done.returncode in {0, 1, 3}, done.stderr[-500:]
+    assert b"Traceback" not in done.stderr
+
+
+def test_a_figure_of_one_message_says_what_the_log_lacks(tmp_path: Path) -> None:
+    whole = recorded(TROT)
+    (first, *_) = [each for each in whole.messages if each.kind == CONTACTS]
+    log = write_mcap(tmp_path / "log.mcap", replace(whole, messages=(first,)), "ros2", 1_000_000)
+    done = run(tmp_path, "stats", str(log), "--figure", "figure.svg")
+    assert done.returncode == 1, done.stderr
+    assert b"--window" not in done.stderr
+    assert b"Traceback" not in done.stderr
+    assert not (tmp_path / "figure.svg").exists()
+
+
+@pytest.mark.parametrize(
+    ("words", "target"),
+    [
+        ("stats {log} --figure out.png", "out.png"),
+        ("convert {log} -o out.mcap", "out.mcap"),
+        ("report {log} -o out.html", "out.html"),
+        ("export {log} --table samples -o out.csv", "out.csv"),
+    ],
+)
+def test_an_output_that_is_too_large_leaves_nothing(
+    tmp_path: Path, words: str, target: str
+) -> None:
+    done = run(tmp_path, *words.format(log=TROT).split(), file_bytes=4096)
+    assert done.returncode == 1, done.stderr[-500:]
+    assert b"Traceback" not in done.stderr
+    assert not (tmp_path / target).exists()

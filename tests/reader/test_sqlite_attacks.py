@@ -1,0 +1,139 @@
+"""Journals and schemas made by hand that would have SQLite write, delete, hang or swell."""
+
+import os
+import struct
+import subprocess
+import sys
+from pathlib import Path
+from typing import Final
+
+import pytest
+
+from tests.reader.sqlite_files import make
+
+PAGE: Final = 4096
+SECTOR: Final = 512
+MAGIC: Final = bytes.fromhex("d9d505f920a163d7")
+LOCK_PAGE: Final = (1 << 30) // PAGE + 1
+
+
+def journal(pages: int, records: bytes = b"", count: int = 0, tail: bytes = b"") -> bytes:
+    head = MAGIC + struct.pack(">5I", count, 7, pages, SECTOR, PAGE)
+    return head.ljust(SECTOR, b"\0") + records + tail
+
+
+def saved(number: int, page: bytes) -> bytes:
+    total = 7 + sum(page[at] for at in range(PAGE - 200, 0, -200))
+    return struct.pack(">I", number) + page + struct.pack(">I", total & 0xFFFFFFFF)
+
+
+def super_journal(name: bytes) -> bytes:
+    total = sum(name) & 0xFFFFFFFF
+    return struct.pack(">I", LOCK_PAGE) + name + struct.pack(">2I", len(name), total) + MAGIC
+
+
+def run(folder: Path, *words: str) -> subprocess.CompletedProcess[bytes]:
+    """Run the program with half a gigabyte and ten seconds; more of either ends it."""
+    code = (
+        "import resource, sys\n"
+        "from dogbot_logtool.__main__ import main\n"
+        "resource.setrlimit(resource.RLIMIT_DATA, (1 << 29, 1 << 29))\n"
+        f"sys.argv = ['dogbot-logtool', *{list(words)!r}]\n"
+        "sys.exit(main())\n"
+    )
+    return subprocess.run(  # noqa: S603 - the program itself
+        [sys.executable, "-c", code],
+        cwd=folder,
+        env={**os.environ, "TMPDIR": str(folder / "scratch")},
+        capture_output=True,
+        check=False,
+        timeout=60,
+    )
+
+
+def contents(folder: Path) -> dict[str, bytes | None]:
+    files = [path for path in sorted(folder.rglob("*")) if not path.is_dir()]
+    return {
+        str(path.relative_to(folder)): path.read_bytes() if path.is_file() else None
+        for path in files
+    }
+
+
+@pytest.fixture
+def folder(tmp_path: Path) -> Path:
+    for name in ("work/scratch", "logs", "victim"):
+        (tmp_path / name).mkdir(parents=True)
+    (tmp_path / "victim" / "keep").write_bytes(MAGIC + b"of great value")
+    (tmp_path / "work" / "keep").write_bytes(MAGIC + b"of great value")
+    os.mkfifo(tmp_path / "victim" / "pipe")
+    return tmp_path
+
+
+@pytest.mark.parametrize("command", ["info", "stats", "convert -o out.mcap", "compare"])
+@pytest.mark.parametrize(
+    "victim", ["{folder}/victim/keep", "keep", "../victim/keep", "log.db3", "{folder}/victim/pipe"]
+)
+def test_the_name_of_another_journal_is_never_followed(
+    folder: Path, victim: str, command: str
+) -> None:
+    log = make(folder / "logs" / "log.db3")
+    page = log.read_bytes()[:PAGE]
+    name = victim.format(folder=folder).encode()
+    count = log.stat().st_size // PAGE
+    (folder / "logs" / "log.db3-journal").write_bytes(
+        journal(count, saved(1, page), 1, super_journal(name))
+    )
+    before = contents(folder)
+    words = [*command.split(), str(log), *([str(log)] if command == "compare" else [])]
+    done = run(folder / "work", *words)
+    assert done.returncode in {0, 1, 3}, done.stderr
+    assert b"Traceback" not in done.stderr
+    assert contents(folder) == before
+
+
+@pytest.mark.parametrize("pages", [1 << 27, (1 << 32) - 1])
+@pytest.mark.parametrize("count", [0, (1 << 32) - 1])
+def test_a_journal_makes_no_log_larger(folder: Path, pages: int, count: int) -> None:
+    log = make(folder / "logs" / "log.db3")
+    (folder / "logs" / "log.db3-journal").write_bytes(journal(pages, count=count))
+    before = contents(folder)
+    done = run(folder / "work", "compare", str(log), str(log))
+    assert done.returncode in {0, 1, 3}, done.stderr
+    assert b"Traceback" not in done.stderr
+    assert contents(folder) == before
+
+
+@pytest.mark.parametrize("suffix", ["-wal", "-journal"])
+@pytest.mark.parametrize("kind", ["byte", "link", "pipe", "folder"])
+def test_what_is_no_journal_is_left_alone(folder: Path, suffix: str, kind: str) -> None:
+    log = make(folder / "logs" / "log.db3")
+    beside = folder / "logs" / f"log.db3{suffix}"
+    if kind == "byte":
+        beside.write_bytes(b"\x37")
+    elif kind == "link":
+        beside.symlink_to("/dev/zero")
+    elif kind == "pipe":
+        os.mkfifo(beside)
+    else:
+        beside.mkdir()
+    done = run(folder / "work", "info", str(log))
+    assert done.returncode in {0, 3}, done.stderr
+    assert b"Traceback" not in done.stderr
+    assert b"/a" in done.stdout
+
+
+@pytest.mark.parametrize("cut", [0, PAGE])
+def test_a_view_behind_the_name_of_a_table_is_no_table(folder: Path, cut: int) -> None:
+    log = make(
+        folder / "logs" / "log.db3",
+        "ALTER TABLE topics RENAME TO own",
+        "CREATE VIEW topics AS SELECT 1 AS id, printf('%.*c', 900000000, 'x') AS name, "
+        "'std_msgs/msg/String' AS type, 'cdr' AS serialization_format",
+        rows=5000,
+    )
+    if cut:
+        log.write_bytes(log.read_bytes()[:-cut])
+    done = run(folder / "work", "info", str(log))
+    assert done.returncode in {1, 3}, done.stderr
+    assert b"Traceback" not in done.stderr
+    assert not list((folder / "work" / "scratch").iterdir())
