@@ -67,14 +67,15 @@ def work_between(time: Floats, power: Floats, start: float, end: float) -> float
 
 @pytest.mark.parametrize("run", RUNS)
 def test_ranges_torques_and_work_of_the_whole_log(run: str) -> None:
+    """As near as float32 tells, in which the columns of joints are kept."""
     time, joints = columns(run)
     told = found(run).stats["legs"]["joints"]
     for name, (position, velocity, effort) in ((name, c.T) for name, c in joints.items()):
         joint = told[name]
         assert joint["foot"] == name.split("_")[1]
-        assert joint["range_of_motion"] == pytest.approx(np.ptp(position), abs=1e-9)
-        assert joint["peak_effort"] == pytest.approx(np.abs(effort).max(), abs=1e-9)
-        assert joint["peak_speed"] == pytest.approx(np.abs(velocity).max(), abs=1e-9)
+        assert joint["range_of_motion"] == pytest.approx(np.ptp(position), abs=1e-6)
+        assert joint["peak_effort"] == pytest.approx(np.abs(effort).max(), rel=1e-6)
+        assert joint["peak_speed"] == pytest.approx(np.abs(velocity).max(), rel=1e-6)
         power = effort * velocity
         rms = np.sqrt(np.trapezoid(effort**2, time) / (time[-1] - time[0]))
         assert joint["rms_effort"] == pytest.approx(rms, rel=1e-6)

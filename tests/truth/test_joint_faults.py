@@ -128,8 +128,9 @@ def test_positions_that_wrap_change_nothing(measure: Measure, told: float) -> No
         assert known == pytest.approx(expected.strides[column], rel=1e-3, nan_ok=True)
     for name, joint in found.stats["legs"]["joints"].items():
         true = expected.stats["legs"]["joints"][name]
-        assert joint["range_of_motion"] == pytest.approx(true["range_of_motion"])
-        assert joint["peak_speed"] == pytest.approx(true["peak_speed"])
+        # Joints are kept in float32, which near pi tells 2.4e-7 rad apart; speeds every 2 ms.
+        assert joint["range_of_motion"] == pytest.approx(true["range_of_motion"], abs=1e-6)
+        assert joint["peak_speed"] == pytest.approx(true["peak_speed"], abs=5e-4)
 
 
 def test_names_of_another_robot_do_not_place_its_feet(measure: Measure) -> None:
