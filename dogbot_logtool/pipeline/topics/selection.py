@@ -114,7 +114,7 @@ class Selection:
         """Return the different sources of channels, by type name."""
         feet = self.robot.feet_of
         found = [source for c in channels if (source := source_of(c, feet(c.topic)))]
-        different = {source.key: source for source in found}.values()
+        different = {id(source): source for source in found}.values()
         ordered = sorted(different, key=lambda source: source.type_name)
         return tuple(without_flags(source, ignores=self.ignores_flags) for source in ordered)
 

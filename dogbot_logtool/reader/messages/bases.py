@@ -43,7 +43,6 @@ _ANGLES, _QUATERNION = 6, 7
 _JOINTS: Final = 6
 """Of a base that is told as a list of joints: roll, pitch, yaw, x, y, z."""
 _ORDERS: Final = {
-    "xyzw": [0, 1, 2, 3],
     "wxyz": [1, 2, 3, 0],
     "xyz": [0, 1, 2],
     "zyx": [2, 1, 0],
@@ -100,9 +99,9 @@ def read_base(source: Source, messages: DecodedMessages, element: str = "") -> B
         return _chosen_poses(source, messages, element)
     if source.row.numbered:
         position, orientation = _poses_of_joints(source, messages.table)
-        return _poses(source, messages, np.arange(messages.table.rows), position, orientation)
+        return _poses(source, messages, slice(None), position, orientation)
     path, table = source.paths["position"][0], messages.table
-    message = np.arange(table.rows)
+    message: Ints | slice = slice(None)
     if path.is_array_of_elements:
         held = np.bincount(table.nested(path.arrays[0].path).parent, minlength=table.rows)
         message = np.flatnonzero(held)
@@ -192,7 +191,7 @@ def _poses_of_joints(source: Source, table: Table) -> tuple[Floats, Floats]:
 def _poses(
     source: Source,
     messages: DecodedMessages,
-    message: Ints,
+    message: Ints | slice,
     position: Floats,
     orientation: Floats,
     linear: Floats | None = None,
@@ -200,11 +199,12 @@ def _poses(
     *,
     stamp: Ints | None = None,
 ) -> BasePoses:
-    """Return poses as columns; without velocities these are NaN."""
-    orientation = orientation[:, _ORDERS[source.row.turned]]
+    """Return poses of some messages as columns; without velocities these are NaN."""
+    if source.row.turned != "xyzw":
+        orientation = orientation[:, _ORDERS[source.row.turned]]
     if len(source.row.turned) < len("xyzw"):
         orientation = from_roll_pitch_yaw(orientation)
-    unknown = np.full((len(message), 3), np.nan)
+    unknown = np.full((len(position), 3), np.nan)
     poses = Odometry(
         log_time=messages.log_time[message],
         stamp=source.stamps(messages)[message] if stamp is None else stamp,

@@ -165,11 +165,11 @@ def _by_source(
     channels: Sequence[Channel], feet: FootChannels
 ) -> list[tuple[Source, list[Channel]]]:
     """Group channels by their source, in the order of the table; fields of other types last."""
-    groups: dict[object, tuple[Source, list[Channel]]] = {}
+    groups: dict[int, tuple[Source, list[Channel]]] = {}
     for channel in channels:
         source = source_of(channel, feet.of(channel.id))
         if source is not None:
-            groups.setdefault(source.key, (source, []))[1].append(channel)
+            groups.setdefault(id(source), (source, []))[1].append(channel)
     order = {name: index for index, name in enumerate(FOOT_TYPES)}
     return sorted(groups.values(), key=lambda group: order.get(group[0].type_name, len(order)))
 

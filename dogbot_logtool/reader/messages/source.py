@@ -1,6 +1,7 @@
 """Rows of the table, fitted to the definitions of a log: how a channel's messages are read."""
 
 from collections.abc import Iterator, Mapping
+from dataclasses import replace
 from functools import lru_cache
 from typing import Final
 
@@ -42,11 +43,6 @@ class Source:
     """What is decoded of each message."""
     uses_flags: bool = True
     """Whether flags decide contact; else forces do, which contradict them."""
-
-    @property
-    def key(self) -> tuple[object, ...]:
-        """Equal for sources that read messages alike."""
-        return self.row.name, self.row.words, self.fields
 
     @property
     def type_name(self) -> str:
@@ -241,10 +237,17 @@ def foot_source_by_type(channel: Channel) -> Source | None:
     A type is known by its name and its fields. Some are known in any package, since drivers copy
     them into packages of their own.
     """
-    rows = [row for row in rows_of(channel.type_name) if row.tells_feet]
-    rows = [row for row in rows if channel.topic.rstrip("/").endswith(row.topic_end)]
-    if not rows:
+    ends = (row.topic_end for row in rows_of(channel.type_name) if row.tells_feet)
+    if not any(channel.topic.rstrip("/").endswith(end) for end in ends):
         return None
+    # The senders of one definition share a source.
+    schema = channel.schema and replace(channel.schema, id=0)
+    return _foot_source(replace(channel, id=0, topic="", schema=schema, metadata={}))
+
+
+@lru_cache(maxsize=1024)
+def _foot_source(channel: Channel) -> Source | None:
+    rows = [row for row in rows_of(channel.type_name) if row.tells_feet]
     try:
         return fitting(channel, iter(rows), FEET)
     except DefinitionError:
