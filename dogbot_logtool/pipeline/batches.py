@@ -22,10 +22,9 @@ from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.pipeline.frames.world_frames import BatchFrames, WorldFrames
 from dogbot_logtool.pipeline.topics.selection import Selection
 from dogbot_logtool.reader.containers.log import Batch, Chunk, Log, Span
-from dogbot_logtool.reader.messages.bases.registry import joined_poses
-from dogbot_logtool.reader.messages.bases.source import BasePoses
-from dogbot_logtool.reader.messages.contacts.registry import DecodedContacts, read_contacts
-from dogbot_logtool.reader.messages.contacts.source import FootChannels
+from dogbot_logtool.reader.messages.bases import BasePoses, joined_poses
+from dogbot_logtool.reader.messages.contact_messages import DecodedContacts, read_contacts
+from dogbot_logtool.reader.messages.feet import FootChannels
 from dogbot_logtool.reader.messages.messages import DecodedMessages, malformed_in
 from dogbot_logtool.reader.messages.transforms import (
     decode_transforms,

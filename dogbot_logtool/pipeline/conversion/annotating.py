@@ -22,7 +22,7 @@ from dogbot_logtool.pipeline.conversion.batch_state import BatchState
 from dogbot_logtool.pipeline.conversion.plan import ConversionPlan
 from dogbot_logtool.reader.containers.log import Log
 from dogbot_logtool.reader.decode.definition import short_type_name
-from dogbot_logtool.reader.messages.contacts.registry import DecodedContacts
+from dogbot_logtool.reader.messages.contact_messages import DecodedContacts
 from dogbot_logtool.writer.annotations import AnnotationColumns, Annotations, WantedAnnotations
 from dogbot_logtool.writer.channels import AddedChannels, IdSource
 from dogbot_logtool.writer.encodings.encoding import MessageType

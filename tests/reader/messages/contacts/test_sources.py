@@ -18,7 +18,7 @@ from dogbot_logtool.errors import CallError
 from dogbot_logtool.pipeline.options import ConvertOptions, StatsOptions, TopicOptions
 from dogbot_logtool.pipeline.probe import probe_log
 from dogbot_logtool.pipeline.topics.selection import select_topics
-from dogbot_logtool.reader.messages.contacts.registry import read_contacts
+from dogbot_logtool.reader.messages.contact_messages import read_contacts
 from dogbot_logtool.reader.opening import open_log
 from dogbot_logtool.report.documents.stats_json import stats_json
 from tests.oracles import walks
