@@ -1,4 +1,4 @@
-"""SQLite logs whose recorder was killed while it wrote, as SQLite itself recovers copies of them."""
+"""SQLite logs whose recorder was killed while it wrote, as SQLite itself recovers copies."""
 
 import shutil
 import signal
@@ -12,24 +12,24 @@ import pytest
 from tests.reader.reading import Read, read_file
 from tests.reader.sqlite_files import MESSAGES, TOPICS
 
-RECORDER = f"""
+RECORDER = """
 import os, random, signal, sqlite3, sys
 
-path, page_size, vacuum, encoding, journal, synchronous, where = sys.argv[1:]
+topics, messages, path, page_size, vacuum, encoding, journal, synchronous, where = sys.argv[1:]
 numbers = random.Random(page_size + journal)
 connection = sqlite3.connect(path, isolation_level=None)
 for setting in (
-    f"page_size = {{page_size}}",
-    f"auto_vacuum = {{vacuum}}",
-    f"encoding = '{{encoding}}'",
-    f"journal_mode = {{journal}}",
-    f"synchronous = {{synchronous}}",
+    f"page_size = {page_size}",
+    f"auto_vacuum = {vacuum}",
+    f"encoding = '{encoding}'",
+    f"journal_mode = {journal}",
+    f"synchronous = {synchronous}",
     "cache_size = 5",
     "wal_autocheckpoint = 20",
 ):
     connection.execute("PRAGMA " + setting)
-connection.execute("{TOPICS}")
-connection.execute("{MESSAGES}")
+connection.execute(topics)
+connection.execute(messages)
 connection.execute("CREATE INDEX timestamp_idx ON messages (timestamp ASC)")
 connection.execute("INSERT INTO topics VALUES (1, '/a', 'std_msgs/msg/String', 'cdr')")
 time = 0
@@ -66,7 +66,7 @@ def test_as_much_is_read_as_sqlite_recovers(
 ) -> None:
     (tmp_path / "log").mkdir()
     path = tmp_path / "log" / "log.db3"
-    words = [str(path), *pages, journal, synchronous, where]
+    words = [TOPICS, MESSAGES, str(path), *pages, journal, synchronous, where]
     killed = subprocess.run([sys.executable, "-c", RECORDER, *words], check=False)  # noqa: S603
     assert killed.returncode == -signal.SIGKILL
     before = contents(path.parent)
