@@ -173,7 +173,7 @@ def aligned(data: bytes, position: int, size: int) -> bytes:
         (
             "champ_msgs/ContactsStamped",
             "bool[] contacts",
-            "bool[4] contacts",
+            "string contacts",
             "contacts",
             "a sequence of numbers",
         ),

@@ -188,7 +188,7 @@ def _touching(
     if force is None or (by_flag and flag is None):
         return None
     if by_flag and flag is not None:
-        known, touches = _flagged(row, foot, flag[:, 0])
+        known, touches = flagged(row, foot, flag[:, 0])
     else:
         # What tells of one foot and nothing else tells of it in each message.
         known = ~np.asarray(np.isnan(values["force"]).all(axis=1))
@@ -196,7 +196,7 @@ def _touching(
     return known, touches, np.where(touches[:, None], force, 0.0)
 
 
-def _flagged(row: MessageType, foot: Foot, flag: Floats) -> tuple[Flags, Flags]:
+def flagged(row: MessageType, foot: Foot, flag: Floats) -> tuple[Flags, Flags]:
     """Return whether contact is known, (n,), and whether the foot touches, (n,)."""
     if row.closed:
         touches = np.isin(flag, row.closed)
@@ -218,7 +218,7 @@ def contact_flags(
     flags, forces = [np.empty((0, messages.table.rows))], [np.empty((0, messages.table.rows, 3))]
     for foot, values in zip(feet, foot_values(source, messages, feet), strict=True):
         if values is not None and {"flag", "force"} <= values.keys():
-            known, touches = _flagged(source.row, foot, values["flag"][:, 0])
+            known, touches = flagged(source.row, foot, values["flag"][:, 0])
             flags.append(np.where(known, touches, np.nan)[None])
             forces.append(values["force"][None])
     return np.concatenate(flags).T, np.concatenate(forces).swapaxes(0, 1)

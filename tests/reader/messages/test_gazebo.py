@@ -1,4 +1,4 @@
-"""gazebo_msgs/ContactsState as columns: physics steps, bodies and links by their names."""
+"""Gazebo's contact sensors as columns: physics steps, bodies and links by their names."""
 
 from collections.abc import Callable
 from itertools import pairwise
