@@ -3,7 +3,9 @@
 import os
 import sys
 import threading
-from collections.abc import Callable, Iterator, Sequence
+from collections import deque
+from collections.abc import Callable, Generator, Sequence
+from itertools import islice
 from typing import TYPE_CHECKING, Any, Final, Literal, TypeVar
 
 from dogbot_logtool.errors import LogtoolError
@@ -17,6 +19,8 @@ if TYPE_CHECKING:
 Item = TypeVar("Item")
 Result = TypeVar("Result")
 Work = Callable[[Log, Item], Result]
+_AHEAD: Final = 2
+"""Items that are worked on, or done, beside one for each worker."""
 _FEWEST_ITEMS: Final = 2
 """Items for each worker: to start one takes as long as to read one or two parts."""
 Start = Literal["fork", "spawn", "threads"]
@@ -44,7 +48,7 @@ def in_order(
     items: Sequence[Item],
     jobs: int,
     start: Start | None = None,
-) -> Iterator[Result]:
+) -> Generator[Result, None, None]:
     """Yield `work(log, item)` for every item, in order.
 
     Args:
@@ -65,11 +69,15 @@ def in_order(
 
     with held_back():
         pool = _pool(work, log, jobs, start or start_method(log))
-        waiting: list[Future[Result]] = [pool.submit(_work, item) for item in items]
-        waiting.reverse()
+        # Few results wait for the one that is next: each may be as large as its item.
+        coming = iter(items)
+        waiting: deque[Future[Result]] = deque()
+        waiting.extend(pool.submit(_work, item) for item in islice(coming, jobs + _AHEAD))
     try:
         while waiting:
-            yield waiting.pop().result()
+            result = waiting.popleft().result()
+            waiting.extend(pool.submit(_work, item) for item in islice(coming, 1))
+            yield result
     except BrokenExecutor as error:
         raise LogtoolError(
             "a process that worked on it died, perhaps because memory ran out; try --jobs 1"

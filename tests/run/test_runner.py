@@ -16,7 +16,7 @@ import pytest
 from dogbot_logtool.errors import CallError, StoreError
 from dogbot_logtool.run import processes
 from dogbot_logtool.run.choice import runner_for
-from dogbot_logtool.run.in_order import OnProgress
+from dogbot_logtool.run.runner import OnProgress
 from dogbot_logtool.run.processes import ProcessRunner
 from dogbot_logtool.run.runner import Failure, Runner, attempt
 from tests.paths import ROOT
