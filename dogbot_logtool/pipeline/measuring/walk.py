@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from dogbot_logtool.core.contact.contacts import Samples, samples_by_foot, samples_together
+from dogbot_logtool.core.contact.contacts import Samples
 from dogbot_logtool.core.contact.offsets import without_offset
 from dogbot_logtool.core.contact.silent_swing import with_swings
 from dogbot_logtool.core.gait.planned import follow_plan
@@ -132,13 +132,12 @@ def _with_swings(
     if not learnt.sensors.silent.interval_ns:
         return feet
     start, end = plan.wanted.limits
-    samples = with_swings(
-        samples_together(feet),
+    return with_swings(
+        feet,
         learnt.sensors.silent,
         log.start_time if start is None else None,
         log.end_time if end is None else None,
     )
-    return samples_by_foot(samples, len(feet))
 
 
 def _findings(recording: Recording, learnt: LearntSettings, plan: MeasuringPlan) -> list[Finding]:
