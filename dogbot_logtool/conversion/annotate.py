@@ -137,8 +137,8 @@ def _feet(plan: ConversionPlan, samples: Sequence[Samples], stats: Stats) -> tup
         drawn_foot(
             number,
             each,
-            foot,
-            settings.clock,
+            foot.record,
+            contact_known=foot.contact_fraction is not None,
             has_force=plan.selection.knows_force(number),
             force_in_world=settings.force_in_world,
         )

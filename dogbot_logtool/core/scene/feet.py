@@ -11,10 +11,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dogbot_logtool.core.contact.contacts import Samples
-from dogbot_logtool.core.gait.foot_statistics import FootStatistics
+from dogbot_logtool.core.contact.foot_history import FootHistory
 from dogbot_logtool.core.geometry import timespans
 from dogbot_logtool.core.geometry.arrays import Flags, Floats, Ints, all_finite
-from dogbot_logtool.core.geometry.clock import SILENCE_NS, TimeSource
+from dogbot_logtool.core.geometry.clock import SILENCE_NS
 from dogbot_logtool.core.geometry.order_statistics import median_of
 from dogbot_logtool.core.geometry.support_polygon import NEAR_NS
 from dogbot_logtool.dataclass import dataclass
@@ -118,9 +118,9 @@ class DrawnFoot:
 def drawn_foot(
     number: int,
     samples: Samples,
-    foot: FootStatistics,
-    clock: TimeSource,
+    record: FootHistory,
     *,
+    contact_known: bool,
     has_force: bool,
     force_in_world: bool,
 ) -> DrawnFoot:
@@ -129,13 +129,14 @@ def drawn_foot(
     Args:
         number: its index among the robot's feet.
         samples: (n,) of the recording that was measured, by log time.
-        foot: what was measured.
-        clock: that is measured on.
+        record: what was measured.
+        contact_known: whether nothing refutes its contacts.
         has_force: whether its sensor tells a force.
         force_in_world: whether all forces are in the world frame.
     """
-    record = foot.record
-    state = _states(samples, foot, clock)
+    state = np.full(len(samples.log_time), LoadState.UNKNOWN, np.int8)
+    if contact_known and len(record.row):
+        state = _states(samples, record)
     known = state != LoadState.UNKNOWN
     rows = np.arange(len(state), dtype=np.int32)
     has_point = (samples.points > 0) & all_finite(samples.position)
@@ -147,7 +148,7 @@ def drawn_foot(
         samples=samples,
         state=state,
         touching=np.where(known, state == LoadState.STANCE, samples.in_contact),
-        ends=_ends(len(state), foot),
+        ends=_ends(len(state), record),
         placed=np.maximum.accumulate(np.where(has_point, rows, -1)),
         touchdown=samples.log_time[begins],
         footfall=np.concatenate([samples.position[begins], np.full((1, 3), np.nan)]),
@@ -157,26 +158,22 @@ def drawn_foot(
     )
 
 
-def _states(samples: Samples, foot: FootStatistics, clock: TimeSource) -> NDArray[np.int8]:
+def _states(samples: Samples, record: FootHistory) -> NDArray[np.int8]:
     """(n,) `LoadState` of samples, by contact detection.
 
     A sample whose time does not advance is measured with the one before it.
     """
-    record, time = foot.record, clock.of(samples)
-    state = np.full(len(time), LoadState.UNKNOWN, np.int8)
-    # Contact is not known of a sensor that cannot tell it, or never does.
-    if not len(record.row) or foot.contact_fraction is None:
-        return state
-    last = np.searchsorted(record.row, np.arange(len(time)), side="right") - 1
+    count = len(samples.log_time)
+    state = np.full(count, LoadState.UNKNOWN, np.int8)
+    last = np.searchsorted(record.row, np.arange(count), side="right") - 1
     told = (last >= 0) & (all_finite(samples.force) | (not record.has_force))
     told &= ~timespans.covers(record.stopped, record.track.time)[last]
     state[told] = np.where(record.down[last[told]], LoadState.STANCE, LoadState.SWING)
     return state
 
 
-def _ends(count: int, foot: FootStatistics) -> Flags:
+def _ends(count: int, record: FootHistory) -> Flags:
     """(n,) tell which samples a silence follows: those before a gap, and the last."""
-    record = foot.record
     ends = np.zeros(count, np.bool_)
     ends[-1:] = True
     silences = timespans.subtract(record.gaps, record.stopped)
