@@ -2,14 +2,11 @@
 
 from pathlib import Path
 
-import numpy as np
 import pytest
 
 from dogbot_logtool.commands.convert import convert
-from dogbot_logtool.core.contact.stances import Cut, Stances
-from dogbot_logtool.core.geometry.arrays import Flags, Ints
 from dogbot_logtool.pipeline.options import ConvertOptions
-from tests.measured import measured
+from tests.measured import measured, measured_contact
 from tests.oracles.annotated_file import Written, read_written, written_arrows, written_loads
 from tests.paths import TROT, TROUBLED, WALK
 
@@ -23,37 +20,24 @@ def drawn(
     return request.param, read_written(target)
 
 
-def in_stance(stances: Stances, time: Ints) -> Flags:
-    """(n,) whether measured stances hold some times; one that the log ends has its last sample."""
-    begun = np.searchsorted(stances.touchdown, time, side="right") - 1
-    behind = np.where(stances.cut == Cut.LOG_END, stances.liftoff + 1, stances.liftoff)
-    ends = np.append(behind, np.iinfo(np.int64).min)
-    held: Flags = time < ends[begun]
-    return held
-
-
 def test_every_sample_is_drawn_in_the_contact_state_that_is_measured(
     drawn: tuple[Path, Written],
 ) -> None:
     log, written = drawn
     for foot in measured(log).stats.feet:
-        record = foot.record
-        known = foot.contact_fraction is not None
-        down = in_stance(record.stances, record.track.time)
+        contact = measured_contact(log, foot.name)
         loads = {load.log_time: load for load in written_loads(written, foot.name, "foxglove")}
         arrows = {
             arrow.log_time: arrow
             for arrow in written_arrows(written, foot.name, "foxglove", "pressure")
         }
-        assert len(record.log_time) > 400
-        for log_time, is_down, force in zip(
-            record.log_time.tolist(), down.tolist(), record.track.force.tolist(), strict=True
-        ):
-            if not known:
-                continue
+        for log_time, is_down in ({} if contact is None else contact).items():
             assert loads[log_time].in_contact == is_down
             # A bounce within a stance has no force to draw.
-            assert bool(arrows[log_time].position) == (is_down and force > 0.0)
+            assert bool(arrows[log_time].position) == (is_down and loads[log_time].force > 0.0)
+        # Of a dead sensor nothing is known, and nothing is drawn.
+        if contact is None:
+            assert not any(arrow.position for arrow in arrows.values())
 
 
 def test_load_states_and_contact_say_the_same(drawn: tuple[Path, Written]) -> None:
