@@ -22,6 +22,7 @@ FLOORS: Final = (
     ("commands",),
     ("report",),
     ("results",),
+    ("conversion",),
     ("pipeline",),
     ("comparison", "run"),
     ("reader",),

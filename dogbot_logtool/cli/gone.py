@@ -9,6 +9,12 @@ import click
 _GONE: Final[Mapping[tuple[str, str], str]] = MappingProxyType(
     {
         ("compare", "--update"): "copy ACTUAL over EXPECTED",
+        ("convert", "--events"): "events are always written",
+        ("convert", "--labels"): "labels are always written",
+        ("convert", "--no-events"): "events are always written",
+        ("convert", "--no-labels"): "labels are always written; hide their topics in the viewer",
+        ("convert", "--no-scene"): "/support is always written; hide it in the viewer",
+        ("convert", "--scene"): "/support is always written",
         ("convert", "--strict"): "exit code 3 says that a log is damaged",
         ("info", "--dot"): "use `info --frames --json`, which has the tree",
         ("info", "-o"): "results go to stdout",

@@ -3,8 +3,10 @@
 import os
 import sys
 import threading
+from collections import deque
 from collections.abc import Callable, Generator, Sequence
 from contextlib import suppress
+from itertools import islice
 from typing import TYPE_CHECKING, Any, Final, Literal, TypeVar
 
 from dogbot_logtool.errors import LogtoolError
@@ -19,6 +21,8 @@ if TYPE_CHECKING:
 Item = TypeVar("Item")
 Result = TypeVar("Result")
 Work = Callable[[Log, Item], Result]
+_AHEAD: Final = 2
+"""Items that are worked on, or done, beside one for each worker."""
 _FEWEST_ITEMS: Final = 2
 """Items for each worker: to start one takes as long as to read one or two parts."""
 _LOOK_EVERY_S: Final = 1.0
@@ -69,11 +73,15 @@ def in_order(
 
     with held_back():
         pool = _pool(work, log, jobs, start or start_method(log))
-        waiting: list[Future[Result]] = [pool.submit(_work, item) for item in items]
-        waiting.reverse()
+        # Few results wait for the one that is next: each may be as large as its item.
+        coming = iter(items)
+        waiting: deque[Future[Result]] = deque()
+        waiting.extend(pool.submit(_work, item) for item in islice(coming, jobs + _AHEAD))
     try:
         while waiting:
-            yield _result(pool, waiting.pop())
+            result = _result(pool, waiting.popleft())
+            waiting.extend(pool.submit(_work, item) for item in islice(coming, 1))
+            yield result
     except BrokenExecutor as error:
         raise LogtoolError(
             "a process that worked on it died, perhaps because memory ran out; try --jobs 1"

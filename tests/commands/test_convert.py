@@ -35,6 +35,7 @@ from tests.commands.conversions import (
     converted,
     opening_of,
 )
+from tests.measured import measured_contact
 from tests.oracles.annotated_file import (
     described_robots,
     of_encoding,
@@ -80,14 +81,15 @@ def test_annotations_are_what_message_by_message_conversion_gives(
     done = converted(folder, log, style=style, encoding=encoding)
     assert done.conversion.damage.exit_code == 0
     for foot in FEET:
-        arrows = expected_arrows(log, foot, style, in_world=IN_WORLD[log])
+        contact = measured_contact(log, foot)
+        arrows = expected_arrows(log, foot, style, in_world=IN_WORLD[log], contact=contact)
         assert_same_arrows(
             written_arrows(done.written, foot, encoding, style),
             arrows,
             exactly=style == "classic",
         )
         loads = written_loads(done.written, foot, encoding)
-        assert_same_loads(loads, expected_loads(log, foot), opening_of(log))
+        assert_same_loads(loads, expected_loads(log, foot, contact), opening_of(log))
         assert done.conversion.annotations[arrow_topic(foot)] == len(arrows)
     # The logs have a /tf of their own; only transforms of its own ROS fit on it.
     joined = encoding == ("ros2" if log == WALK else "ros1")

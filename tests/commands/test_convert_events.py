@@ -14,7 +14,7 @@ from mcap_ros1.decoder import DecoderFactory as Ros1Decoder
 from mcap_ros2.decoder import DecoderFactory as Ros2Decoder
 
 from dogbot_logtool.commands.convert import convert
-from dogbot_logtool.pipeline.conversion import plan
+from dogbot_logtool.conversion import plan
 from dogbot_logtool.pipeline.options import ConvertOptions
 from dogbot_logtool.report.documents.stats_json import stats_json
 from dogbot_logtool.writer.encodings import registry
@@ -40,7 +40,7 @@ _FOLDER = tempfile.TemporaryDirectory(prefix="events")
 @cache
 def converted(source: Path, encoding: str) -> Path:
     target = Path(_FOLDER.name) / f"{source.stem}.{encoding}.mcap"
-    convert(source, target, ConvertOptions(events=True, copy=False, encoding=encoding))
+    convert(source, target, ConvertOptions(copy=False, encoding=encoding))
     return target
 
 
@@ -117,21 +117,15 @@ def test_without_spans_in_the_schemas_the_rest_is_written(
     older = replace(registry.ENCODINGS["foxglove"], load=FoxgloveEncoding)
     monkeypatch.setattr(plan, "ENCODINGS", {"foxglove": older})
     target = tmp_path / "out.mcap"
-    convert(TROUBLED, target, ConvertOptions(events=True, copy=False, jobs=1))
+    convert(TROUBLED, target, ConvertOptions(copy=False, jobs=1))
     assert messages_of(target, "/events/spans") == []
     assert messages_of(target, "/events")
-
-
-def test_without_the_option_neither_is_written(tmp_path: Path) -> None:
-    convert(TROT, tmp_path / "out.mcap", ConvertOptions(copy=False))
-    assert messages_of(tmp_path / "out.mcap", "/events") == []
-    assert messages_of(tmp_path / "out.mcap", "/gait") == []
 
 
 def test_bytes_do_not_depend_on_the_number_of_jobs(tmp_path: Path) -> None:
     written = set()
     for jobs in (1, 2):
         target = tmp_path / f"{jobs}.mcap"
-        convert(TROT, target, ConvertOptions(events=True, jobs=jobs))
+        convert(TROT, target, ConvertOptions(jobs=jobs))
         written.add(target.read_bytes())
     assert len(written) == 1

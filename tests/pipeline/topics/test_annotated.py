@@ -17,7 +17,7 @@ from dogbot_logtool.commands import convert as convert_module
 from dogbot_logtool.commands.compare import compare
 from dogbot_logtool.commands.convert import convert
 from dogbot_logtool.commands.stats import measure
-from dogbot_logtool.pipeline.conversion import plan as plan_module
+from dogbot_logtool.conversion import plan as plan_module
 from dogbot_logtool.pipeline.options import (
     CompareOptions,
     ConvertOptions,
@@ -210,7 +210,7 @@ def test_files_without_marks_are_told_by_topics_and_definitions(
         before.setattr(plan_module, "robot_description", lambda *_, **__: RobotDescription(None))
         for number in range(times):
             target = tmp_path / f"old{number}.mcap"
-            converted(old, target, encoding=encoding, labels=False)
+            converted(old, target, encoding=encoding)
             old = target
     assert not any(channel.metadata.get("dogbot_logtool") for channel in channels(old))
     assert len(records(old)) == times

@@ -9,10 +9,11 @@ from dogbot_logtool.errors import CallError
 from dogbot_logtool.finding import Finding
 from dogbot_logtool.io.printable import listed
 from dogbot_logtool.pipeline.options import ConvertOptions
-from dogbot_logtool.reader.containers.log import Batch, LoadedChunk, Log, Messages
+from dogbot_logtool.reader.containers.log import Batch, LoadedChunk, Log, Messages, Span
 from dogbot_logtool.writer.chunks import (
     Compression,
     FinishedChunk,
+    as_indexed,
     chunk_rows,
     finish_chunk,
     indexed_chunk,
@@ -61,6 +62,22 @@ def _new_chunks(
             part.end,
         )
         yield finish_chunk(records, compression or "zstd")
+
+
+def unread_chunks(log: Log, span: Span) -> Iterator[FinishedChunk]:
+    """Yield the chunks of an MCAP and their indexes as they stand; all are known to be sound."""
+    ranges = [(chunk.offset, chunk.index_end - chunk.offset) for chunk in span]
+    for chunk, stored in zip(span, log.source.read_many(ranges), strict=True):
+        data = np.frombuffer(stored, np.uint8)
+        record, index = np.split(data, [chunk.end - chunk.offset])
+        yield as_indexed(
+            record,
+            index,
+            (chunk.start_time or 0, chunk.end_time or 0),
+            chunk.compression,
+            chunk.data_size,
+            chunk.size,
+        )
 
 
 def _unchanged(messages: Messages, loaded: LoadedChunk) -> FinishedChunk:
