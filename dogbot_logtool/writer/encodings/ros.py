@@ -91,11 +91,11 @@ class RosEncoding(ABC):
         self.event_type = self._message_type(self.log_name)
         self.gait_type = self._message_type(_GAIT)
 
-    @abstractmethod
     def __reduce__(self) -> "tuple[type[Self], tuple[()]]":
         """Be made anew in another process: classes of messages are made when it runs."""
         return type(self), ()
 
+    @abstractmethod
     def _message_type(self, name: str) -> MessageType:
         """Return how an MCAP file names a type."""
 
