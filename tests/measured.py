@@ -36,9 +36,13 @@ def in_stance(stances: Stances, time: Ints) -> Flags:
 
 
 @cache
-def measured_contact(log: Path, foot: str) -> Mapping[int, bool] | None:
+def measured_contact(
+    log: Path,
+    foot: str,
+    options: StatsOptions = StatsOptions(),  # noqa: B008 - frozen
+) -> Mapping[int, bool] | None:
     """Whether a foot is in contact by log time of its samples, ns; None: that is not known."""
-    found = next(each for each in measured(log).stats.feet if each.name == foot)
+    found = next(each for each in measured(log, options).stats.feet if each.name == foot)
     if found.contact_fraction is None:
         return None
     record = found.record

@@ -5,6 +5,7 @@ from pathlib import Path
 import pytest
 
 from dogbot_logtool.commands.convert import convert
+from dogbot_logtool.core.scene.arrows import ArrowCounts
 from dogbot_logtool.pipeline.options import ConvertOptions
 from tests.measured import measured, measured_contact
 from tests.oracles.annotated_file import Written, read_written, written_arrows, written_loads
@@ -14,16 +15,17 @@ from tests.paths import TROT, TROUBLED, WALK
 @pytest.fixture(scope="module", params=[TROT, WALK, TROUBLED], ids=lambda log: log.stem)
 def drawn(
     request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory
-) -> tuple[Path, Written]:
+) -> tuple[Path, Written, ArrowCounts]:
     target = tmp_path_factory.mktemp("drawn") / "out.mcap"
-    convert(request.param, target, ConvertOptions(copy=False))
-    return request.param, read_written(target)
+    done = convert(request.param, target, ConvertOptions(copy=False))
+    return request.param, read_written(target), done.counts.arrows
 
 
 def test_every_sample_is_drawn_in_the_contact_state_that_is_measured(
-    drawn: tuple[Path, Written],
+    drawn: tuple[Path, Written, ArrowCounts],
 ) -> None:
-    log, written = drawn
+    log, written, counts = drawn
+    missing = 0
     for foot in measured(log).stats.feet:
         contact = measured_contact(log, foot.name)
         loads = {load.log_time: load for load in written_loads(written, foot.name, "foxglove")}
@@ -34,15 +36,20 @@ def test_every_sample_is_drawn_in_the_contact_state_that_is_measured(
         for log_time, is_down in ({} if contact is None else contact).items():
             assert loads[log_time].in_contact == is_down
             # A bounce within a stance has no force to draw.
-            assert bool(arrows[log_time].position) == (is_down and loads[log_time].force > 0.0)
+            is_drawn = bool(arrows[log_time].position)
+            assert is_drawn <= is_down
+            missing += is_down and not is_drawn and loads[log_time].force > 0.0
         # Of a dead sensor nothing is known, and nothing is drawn.
         if contact is None:
             assert not any(arrow.position for arrow in arrows.values())
+    # Points that are not finite; forces that are not are no samples that are measured.
+    assert missing <= counts.not_finite
+    assert (missing > 0) == (log == TROUBLED)
 
 
-def test_load_states_and_contact_say_the_same(drawn: tuple[Path, Written]) -> None:
+def test_load_states_and_contact_say_the_same(drawn: tuple[Path, Written, ArrowCounts]) -> None:
     """Stances have the state `stance`, and silences, or a dead sensor, `unknown`."""
-    log, written = drawn
+    log, written, _ = drawn
     for foot in measured(log).stats.feet:
         states = written.of(f"/load/{foot.name}", "protobuf")
         assert len(states) >= len(foot.record.log_time)

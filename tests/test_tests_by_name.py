@@ -68,6 +68,7 @@ TOGETHER: Final[Mapping[str, str]] = {
     "core/legs/joint_cycles": "core/legs/test_effort_signs",
     "core/legs/joint_values": "truth/test_joint_faults",
     "core/legs/leg_figures": "truth/test_physics_legs",
+    "core/load/loads": "core/scene/test_loads",
     "core/scene/foot_style": "commands/test_layout",
     "core/scene/legs": "commands/test_convert_legs",
     "core/quality/log_clock": "core/test_faulty_walks",

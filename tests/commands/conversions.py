@@ -52,7 +52,7 @@ def assert_same_arrows(actual: list[Arrow], expected: list[Arrow], *, exactly: b
     if exactly:
         np.testing.assert_array_equal(colours.astype(np.float32), wanted_colours)
     else:
-        np.testing.assert_allclose(colours, wanted_colours, rtol=1e-5, atol=1e-6)
+        np.testing.assert_allclose(colours, wanted_colours, rtol=1e-5, atol=1e-5)
 
 
 def assert_same_loads(actual: list[Load], expected: list[Load], opening: int) -> None:
