@@ -68,10 +68,14 @@ TOGETHER: Final[Mapping[str, str]] = {
     "core/legs/joint_cycles": "core/legs/test_effort_signs",
     "core/legs/joint_values": "truth/test_joint_faults",
     "core/legs/leg_figures": "truth/test_physics_legs",
+    "core/load/loads": "core/scene/test_loads",
     "core/scene/foot_style": "commands/test_layout",
     "core/scene/legs": "commands/test_convert_legs",
     "core/quality/log_clock": "core/test_faulty_walks",
     "core/sensors/": "core/sensors/test_sensor_level",
+    # The annotated log.
+    "conversion/": "commands/test_convert",
+    "conversion/provenance": "pipeline/topics/test_annotated",
     # Files, stores and words from a user.
     "io/local_file": "io/test_output",
     "io/printable": "cli/test_hostile_names",
@@ -79,12 +83,8 @@ TOGETHER: Final[Mapping[str, str]] = {
     "io/storage": "reader/containers/sources/test_remote_source",
     "io/toml_table": "test_robot_errors",
     # A log before it is read through, and while it is.
-    "pipeline/batches": "commands/test_convert",
     "pipeline/options": "api/test_parity",
     "pipeline/probe_findings": "commands/test_info",
-    "pipeline/conversion/": "commands/test_convert",
-    "pipeline/conversion/events": "commands/test_convert_events",
-    "pipeline/conversion/provenance_record": "pipeline/topics/test_annotated",
     "pipeline/feet/candidates": "pipeline/feet/test_field_feet",
     "pipeline/feet/cells": "pipeline/feet/test_field_feet",
     "pipeline/feet/elements": "pipeline/feet/test_field_feet",
@@ -161,7 +161,6 @@ TOGETHER: Final[Mapping[str, str]] = {
     "report/text/stats_text": "report/test_stats_report",
     # Many logs at once, and one on several cores.
     "run/": "run/test_runner",
-    "run/forked": "run/test_in_order",
     "run/search": "run/test_inputs",
     # Messages that are written.
     "writer/encodings/": "writer/encodings/test_ros1",

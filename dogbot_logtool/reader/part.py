@@ -53,6 +53,17 @@ class Lags:
 
 
 @dataclass(frozen=True, slots=True)
+class ReadSpan:
+    """Some neighbouring chunks that were read once."""
+
+    chunks: Span
+    start: int | None
+    """ns, log time of the earliest message in them within the limits; None: there is none."""
+    is_whole: bool
+    """Whether all are sound, truthfully indexed and of an MCAP: they can be copied unread."""
+
+
+@dataclass(frozen=True, slots=True)
 class Part:
     """The columns of some neighbouring chunks."""
 
@@ -76,8 +87,11 @@ class Part:
     stamps: Mapping[str, Stamps]
     """By topic, of contacts and poses with a header."""
     implausible: int
+    untimed_messages: int
+    foreign_states: int
     malformed: Mapping[int, int]
     losses: tuple[Loss, ...]
+    read: ReadSpan
 
 
 def read_part(wanted: Wanted, log: Log, span: Span) -> Part:
@@ -118,9 +132,19 @@ def read_part(wanted: Wanted, log: Log, span: Span) -> Part:
         log_times=_by_channel(recorded),
         stamps=_stamped(log, wanted, base, [*contacts, *planned]),
         implausible=implausible + sum(read.reduced.implausible for read in contacts),
+        untimed_messages=sum(read.reduced.untimed_messages for read in contacts),
+        foreign_states=sum(read.reduced.foreign_states for read in contacts),
         malformed=malformed,
         losses=batch.losses,
+        read=_read_span(log, span, recorded),
     )
+
+
+def _read_span(log: Log, span: Span, recorded: Batch) -> ReadSpan:
+    time, found = recorded.messages.log_time, recorded.chunks
+    sound = len(found) == len(span) and all(each.whole and each.indexed for each in found)
+    start = int(time.min()) if len(time) else None
+    return ReadSpan(span, start, is_whole=log.copies_chunks and sound)
 
 
 def _read(batch: Batch, topic: WantedVectors | None) -> ReadVectors | None:

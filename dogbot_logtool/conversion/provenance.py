@@ -6,9 +6,9 @@ from typing import Final
 from mcap import records
 
 from dogbot_logtool import __version__
+from dogbot_logtool.conversion.plan import ConversionPlan
 from dogbot_logtool.io.printable import printable
 from dogbot_logtool.io.storage import file_name
-from dogbot_logtool.pipeline.conversion.plan import ConversionPlan
 from dogbot_logtool.pipeline.topics.annotated import annotations_left_out
 from dogbot_logtool.provenance import PROVENANCE
 from dogbot_logtool.reader.containers.log import Log, Loss, lost_messages
@@ -17,7 +17,9 @@ from dogbot_logtool.writer.mcap_writer import metadata_record
 _LONGEST_NUMBER: Final = 18
 
 
-def provenance_record(log: Log, plan: ConversionPlan, losses: Sequence[Loss]) -> records.Metadata:
+def provenance_record(
+    log: Log, plan: ConversionPlan, losses: Sequence[Loss], *, force_in_world: bool
+) -> records.Metadata:
     """Return the record of a conversion."""
     options, robot = plan.options, plan.selection.robot
     values: dict[str, object] = {
@@ -26,11 +28,9 @@ def provenance_record(log: Log, plan: ConversionPlan, losses: Sequence[Loss]) ->
         "encoding": options.encoding,
         "copy": options.copy,
         "wrench_frame": options.wrench_frame,
-        "force_in_world": plan.force_in_world,
+        "force_in_world": force_in_world,
         "tf": options.tf,
         "tf_rate_hz": options.tf_rate_hz,
-        "scene": plan.draws_support,
-        **({"events": True} if options.events else {}),
         "robot": robot.name,
         "mass_kg": robot.mass_kg,
         "world_frame": plan.world_frame,

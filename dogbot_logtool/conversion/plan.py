@@ -4,32 +4,24 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import replace
 from typing import Final, TypeVar
 
-from dogbot_logtool.core.contact.contact_rule import FootSensor
-from dogbot_logtool.core.contact.foot_tracker import ContactSensor
-from dogbot_logtool.core.contact.silent_swing import LONGEST_SWING_S, SilentFeet
+from dogbot_logtool.conversion.copying import channels_left_out, copy_findings
 from dogbot_logtool.core.findings.sensors import sensor_findings
 from dogbot_logtool.core.frames.wrench_frame import WrenchFrame
-from dogbot_logtool.core.geometry.arrays import Floats
 from dogbot_logtool.core.load.loads import body_weight_n
-from dogbot_logtool.core.load.silences import MessageRate, message_rate
 from dogbot_logtool.core.scene.arrows import ArrowScale, arrow_scale
-from dogbot_logtool.core.scene.styles import ARROW_STYLES, LIFETIME_S, ArrowStyle
+from dogbot_logtool.core.scene.styles import ARROW_STYLES, ArrowStyle
 from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.errors import CallError, LogError
-from dogbot_logtool.finding import Finding, by_severity
-from dogbot_logtool.pipeline.batches import BatchReader
-from dogbot_logtool.pipeline.conversion.copying import channels_left_out, copy_findings
+from dogbot_logtool.finding import Finding
 from dogbot_logtool.pipeline.frames.world_frames import WorldFrames, follow_frames
 from dogbot_logtool.pipeline.options import ConvertOptions
 from dogbot_logtool.pipeline.probe import Probe, frame_names, usable_clock
 from dogbot_logtool.pipeline.probe_findings import probe_findings
-from dogbot_logtool.pipeline.robot_model.description import robot_description
-from dogbot_logtool.pipeline.robot_model.joint_motion import JointMotion
-from dogbot_logtool.pipeline.sensors import LearntSensors, learn_sensors
-from dogbot_logtool.pipeline.time_span import TimeLimits, time_limits
+from dogbot_logtool.pipeline.robot_model.description import RobotDescription, robot_description
+from dogbot_logtool.pipeline.sensors import LearntSensors
+from dogbot_logtool.pipeline.time_span import time_limits
 from dogbot_logtool.pipeline.topics.selection import Selection, nothing_to_do
 from dogbot_logtool.reader.containers.log import Channel, Log
-from dogbot_logtool.writer.encodings.encoding import ArrowLook, SupportLook
 from dogbot_logtool.writer.encodings.registry import ENCODINGS, OutputEncoding
 
 Entry = TypeVar("Entry")
@@ -48,74 +40,32 @@ class ConversionPlan:
     world_frame: str
     base_frame: str
     write_tf: bool
-    force_in_world: bool
-    """Whether wrenches are recorded in the world frame."""
     frames: WorldFrames | None
     """How the links' frames are connected to the world; None: not needed, or not connected."""
     body_weight_n: float | None
     arrow_scale: ArrowScale
-    arrow_look: ArrowLook
-    support_look: SupportLook
-    force_sensors: tuple[FootSensor, ...]
-    """How each foot's sensor reads with and without load."""
-    sensors: tuple[ContactSensor, ...]
-    """The contact sensor of each foot."""
-    rates: tuple[MessageRate, ...]
-    """How the messages of each foot follow one another."""
     draws_support: bool
     """Whether `/support` is written."""
-    urdf: str | None
-    """The robot description that is written; None: none."""
-    hips: Floats | None
-    """(feet, 3) m, base frame: where the lines of `/legs` begin; None: there is no such topic."""
-    motion: JointMotion | None
-    """How joint states move the robot's links; None: they do not, or it is recorded."""
-    opening_time: int | None
+    description: RobotDescription
+    """Of the robot, with hips only where the lines of `/legs` are drawn."""
+    opening: int | None
     """ns, log time of the output's first message; None: the log is empty."""
-    silent: SilentFeet
-    """The feet that are silent in swing."""
-    swings_from: int | None
-    """ns, log time from which a foot without messages counts as swinging; None: at no time."""
-    start_time: int | None
-    """ns, log time of the first message to take; None: the log's first; also `end_time`."""
-    end_time: int | None
     findings: tuple[Finding, ...]
     left_out: frozenset[int] = frozenset()
     """Ids of the channels that are not copied."""
 
-    @property
-    def limits(self) -> TimeLimits:
-        """Log times of the messages that are taken."""
-        return self.start_time, self.end_time
-
-    @property
-    def reader(self) -> BatchReader:
-        """The reader of the log's batches."""
-        return BatchReader(
-            self.selection,
-            self.selection.foot_channels(),
-            self.frames,
-            self.force_sensors,
-            self.limits,
-            reads_transforms=self.base_may_have_parent,
-        )
-
-    @property
-    def draws_labels(self) -> bool:
-        """Whether each foot's load is written beside it; not where arrows are those of old."""
-        return self.options.labels and not self.style.needs_contact_states
-
-    @property
-    def base_may_have_parent(self) -> bool:
-        """Whether copied transforms may give the base another parent than ours does."""
-        copies = _copies(self.selection.transforms, self.options, self.left_out)
-        return self.write_tf and copies and self.options.tf != "always"
-
 
 def make_plan(
-    log: Log, selection: Selection, probe: Probe, options: ConvertOptions
+    log: Log, selection: Selection, probe: Probe, learnt: LearntSensors, options: ConvertOptions
 ) -> ConversionPlan:
     """Decide what to do.
+
+    Args:
+        log: the log.
+        selection: its topics.
+        probe: what was seen of its frames.
+        learnt: how the feet's sensors read.
+        options: what the user asks for.
 
     Raises:
         LogError: the log has neither odometry nor contacts.
@@ -125,33 +75,29 @@ def make_plan(
     encoding = _registered(ENCODINGS, "encoding", options.encoding)
     if not selection.odometry and not selection.contacts:
         raise LogError(nothing_to_do(log, selection))
-    selection = selection.without_forces(probe.forceless)
     robot = selection.robot
     findings = [*selection.findings, *probe_findings(selection, probe)]
     world, base = frame_names(robot, probe)
     wrench_frame = _wrench_frame(probe, options)
-    learnt = learn_sensors(selection, probe, options.topics)
     known_weight_n = body_weight_n(robot.mass_kg)
     weight_n = known_weight_n or learnt.estimated_weight_n
     findings.extend(sensor_findings([foot.name for foot in robot.feet], learnt.feet, weight_n))
-    wants_support = style.draws_support if options.scene is None else options.scene
-    draws_support = wants_support and _can_draw_support(selection, probe, findings)
+    draws_support = _can_draw_support(selection, probe, findings)
     frames = follow_frames(
         selection,
         probe,
         world,
         base,
         usable_clock(selection, probe),
-        # The centre of pressure needs vertical forces.
-        turn_forces=wrench_frame is WrenchFrame.LINK and (style.needs_directions or draws_support),
-        place_sensors=style.needs_sensor_positions,
+        turn_forces=wrench_frame is WrenchFrame.LINK,
+        place_sensors=True,
     )
     # A scale of the robot's file has colours of its own.
     scale_n = known_weight_n if robot.newtons_per_metre is not None else weight_n
     findings.extend(_arrow_findings(selection, style, frames, wrench_frame, scale_n))
     left_out = channels_left_out(log, options)
     findings.extend(copy_findings(log, options, left_out))
-    start_time, end_time = time_limits(log, options.start_s, options.end_s)
+    start_time, _ = time_limits(log, options.start_s, options.end_s)
     description = robot_description(log, selection, probe, base, options.urdf, copy=options.copy)
     findings.extend(description.findings)
     return ConversionPlan(
@@ -162,25 +108,17 @@ def make_plan(
         world_frame=world,
         base_frame=base,
         write_tf=_write_tf(selection, probe, options, (world, base), left_out, findings),
-        force_in_world=wrench_frame is WrenchFrame.WORLD,
         frames=frames,
         body_weight_n=known_weight_n,
         arrow_scale=arrow_scale(robot.newtons_per_metre, weight_n, description.height_m),
-        arrow_look=_arrow_look(style, robot.shaft_diameter_m),
-        support_look=_support_look(robot.shaft_diameter_m, options.tf_rate_hz),
-        force_sensors=learnt.feet,
-        sensors=_contact_sensors(selection, probe, learnt),
-        rates=_message_rates(probe),
         draws_support=draws_support,
-        urdf=description.urdf,
-        hips=description.hips if draws_support else None,
-        motion=description.motion if options.tf != "never" else None,
-        opening_time=log.start_time if start_time is None else start_time,
-        silent=learnt.silent,
-        swings_from=log.start_time if start_time is None else None,
-        start_time=start_time,
-        end_time=end_time,
-        findings=tuple(sorted(findings, key=by_severity)),
+        description=replace(
+            description,
+            hips=description.hips if draws_support else None,
+            motion=description.motion if options.tf != "never" else None,
+        ),
+        opening=log.start_time if start_time is None else start_time,
+        findings=tuple(dict.fromkeys(findings)),
         left_out=left_out,
     )
 
@@ -220,14 +158,6 @@ def _registered(registry: Mapping[str, Entry], kind: str, name: str) -> Entry:
     if name not in registry:
         raise CallError(f"there is no {kind} {name!r}; known: {', '.join(registry)}")
     return registry[name]
-
-
-def without_tf(plan: ConversionPlan, parent: str) -> ConversionPlan:
-    """Return the plan for a log whose own transforms give the base another parent."""
-    finding = _second_parent(plan.base_frame, [parent])
-    return replace(
-        plan, write_tf=False, findings=tuple(sorted((*plan.findings, finding), key=by_severity))
-    )
 
 
 def _wrench_frame(probe: Probe, options: ConvertOptions) -> WrenchFrame:
@@ -322,20 +252,6 @@ def _second_parent(base: str, parents: list[str]) -> Finding:
     return Finding("W_TF_HAS_PARENT", text)
 
 
-def _arrow_look(style: ArrowStyle, shaft_diameter_m: float) -> ArrowLook:
-    fixed = style.shaft_diameter_m
-    return ArrowLook(shaft_diameter_m if fixed is None else fixed, style.lifetime_s)
-
-
-def _support_look(shaft_diameter_m: float, tf_rate_hz: float) -> SupportLook:
-    return SupportLook(
-        line_m=shaft_diameter_m / 2.0,
-        mark_m=shaft_diameter_m,
-        # At a low rate, support lasts until the next message.
-        lifetime_s=max(LIFETIME_S, 2.0 / tf_rate_hz if tf_rate_hz else 0.0),
-    )
-
-
 def _can_draw_support(selection: Selection, probe: Probe, findings: list[Finding]) -> bool:
     """Tell whether the log has what support needs; a finding says what it lacks."""
     robot = selection.robot
@@ -351,32 +267,6 @@ def _can_draw_support(selection: Selection, probe: Probe, findings: list[Finding
         return False
     idle = [foot.name for number, foot in enumerate(robot.feet) if number not in probe.touching]
     if idle:
-        text = f"no contact seen yet, no /support polygon until the first one: {', '.join(idle)}"
+        text = f"no contact was seen of {', '.join(idle)}: /support has no polygon"
         findings.append(Finding("N_NOT_SEEN_TOUCHING", text))
     return True
-
-
-def _contact_sensors(
-    selection: Selection, probe: Probe, learnt: LearntSensors
-) -> tuple[ContactSensor, ...]:
-    """Return the contact sensor of each foot."""
-    return tuple(
-        ContactSensor(
-            sensor.rule,
-            learnt.silent.swing_from_ns(foot) if foot in probe.intervals else None,
-            works=foot in probe.touching,
-            has_force=selection.knows_force(foot),
-        )
-        for foot, sensor in enumerate(learnt.feet)
-    )
-
-
-def _message_rates(probe: Probe) -> tuple[MessageRate, ...]:
-    """Return how the messages of each foot follow one another."""
-    return tuple(
-        message_rate(
-            samples.log_time,
-            round(LONGEST_SWING_S * 1e9) if foot in probe.intervals else None,
-        )
-        for foot, samples in enumerate(probe.feet)
-    )

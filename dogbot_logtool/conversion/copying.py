@@ -9,10 +9,11 @@ from dogbot_logtool.errors import CallError
 from dogbot_logtool.finding import Finding
 from dogbot_logtool.io.printable import listed
 from dogbot_logtool.pipeline.options import ConvertOptions
-from dogbot_logtool.reader.containers.log import Batch, LoadedChunk, Log, Messages
+from dogbot_logtool.reader.containers.log import Batch, Chunk, LoadedChunk, Log, Messages, Span
 from dogbot_logtool.writer.chunks import (
     Compression,
     FinishedChunk,
+    as_indexed,
     chunk_rows,
     finish_chunk,
     indexed_chunk,
@@ -63,9 +64,31 @@ def _new_chunks(
         yield finish_chunk(records, compression or "zstd")
 
 
+def unread_chunks(log: Log, span: Span) -> Iterator[FinishedChunk]:
+    """Yield the chunks of an MCAP and their indexes as they stand; all are known to be sound."""
+    ranges = [(chunk.offset, chunk.index_end - chunk.offset) for chunk in span]
+    for chunk, stored in zip(span, log.source.read_many(ranges), strict=True):
+        yield _as_it_stands(chunk, stored)
+
+
+def _as_it_stands(chunk: Chunk, stored: bytes | memoryview) -> FinishedChunk:
+    """Return a recorded chunk with its own index.
+
+    Args:
+        chunk: in the log.
+        stored: its bytes, those of the index included.
+    """
+    record, index = np.split(np.frombuffer(stored, np.uint8), [chunk.end - chunk.offset])
+    times = chunk.start_time or 0, chunk.end_time or 0
+    sizes = chunk.data_size, chunk.size
+    return as_indexed(record, index, times, chunk.compression, *sizes)
+
+
 def _unchanged(messages: Messages, loaded: LoadedChunk) -> FinishedChunk:
-    """Return a recorded chunk verbatim, with a new message index."""
+    """Return a recorded chunk verbatim, with a new message index if its own is not sound."""
     chunk = loaded.chunk
+    if loaded.indexed:
+        return _as_it_stands(chunk, loaded.stored)
     rows = messages.pick(loaded.rows)
     return indexed_chunk(
         np.frombuffer(loaded.stored[: chunk.end - chunk.offset], np.uint8),
