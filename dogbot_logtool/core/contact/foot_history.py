@@ -189,7 +189,14 @@ def foot_history(
         in_contact=timespans.intersect([contacts, known]),
         filled_swings=rows.filled_swings,
         dropped_stances=rows.dropped_stances,
-        track=foot_track(time, force, signal.vertical, signal.samples.position, longest),
+        track=foot_track(
+            time,
+            force,
+            signal.vertical,
+            signal.samples.force[:, :2],
+            signal.samples.position,
+            longest,
+        ),
     )
     return history if has_force else history.without_force()
 
