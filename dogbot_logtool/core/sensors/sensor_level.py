@@ -94,8 +94,6 @@ class SensorLevel:
     """The origin of the offset."""
     limit_n: float | None = None
     """N, where one of the sensor's axes is cut off; None: none is seen to be."""
-    resolution_n: float = 0.0
-    """N, the step in which its coarsest axis counts."""
     drops_out: bool = False
     """Whether single samples are zero under load, as where messages are lost on a sensor's bus."""
     reason: str = ""
@@ -159,7 +157,6 @@ def zero_level(force: Floats, interval_s: float | None) -> SensorLevel | None:
         drift_n_per_min=0.0,
         loaded_n=loaded,
         limit_n=saturated_limit_n(force, np.zeros(3), loaded) if loaded else None,
-        resolution_n=resolution_n(force),
         mean_n=float(magnitude.mean()),
         interval_s=interval_s,
         origin="estimated",
@@ -276,7 +273,6 @@ def level_of(
         mean_n=float(load.mean()),
         mean_recorded_n=float(np.linalg.norm(force.mean(axis=0))),
         limit_n=saturated_limit_n(force, level.offset_n, loaded),
-        resolution_n=resolution_n(force),
         drops_out=_drops_out(force, loaded),
     )
 
