@@ -100,7 +100,8 @@ def fore_aft_impulses(foot: FootHistory, heading: Floats) -> ForeAftImpulses:
     if not known.any():
         return ForeAftImpulses(braking, propulsive)
     before = np.maximum(np.searchsorted(track.time, stances.touchdown[known]) - 1, 0)
-    behind = np.searchsorted(track.time, stances.liftoff[known]) + 1
+    # A foot that stopped to speak in a stance has no sample at its end.
+    behind = np.minimum(np.searchsorted(track.time, stances.liftoff[known]) + 1, len(track.time))
     rows, stance, first = rows_of_runs(before, behind)
     along, _ = along_heading(track.horizontal_force[rows], heading[known][stance])
     time = (track.time[rows] - track.time[0]) / 1e9

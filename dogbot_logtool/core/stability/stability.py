@@ -11,7 +11,7 @@ from dogbot_logtool.core.contact.foot_history import FootHistory
 from dogbot_logtool.core.contact.track import POINT_RATE_HZ
 from dogbot_logtool.core.geometry import timespans
 from dogbot_logtool.core.geometry.aggregates import Aggregate, aggregate
-from dogbot_logtool.core.geometry.arrays import Flags, Floats, Ints
+from dogbot_logtool.core.geometry.arrays import Flags, Floats, Ints, nearest_rows
 from dogbot_logtool.core.geometry.blocks import concatenated
 from dogbot_logtool.core.geometry.clock import first_at_each_tick
 from dogbot_logtool.core.geometry.rotations import along_heading
@@ -236,22 +236,13 @@ def feet_down(instants: Ints, feet: Sequence[FootHistory]) -> tuple[Floats, Floa
         time, point = track.contact_points
         if not len(time):
             continue
-        row, near = nearest_rows(time, instants)
-        points[down & near, column] = point[row[down & near]]
-        row, measured = nearest_rows(track.time, instants)
-        vertical = np.maximum(np.nan_to_num(track.vertical_force[row]), 0.0)
-        load[:, column] = np.where(down & near & measured, vertical, 0.0)
+        row = nearest_rows(time, instants)
+        near = down & (np.abs(time[row] - instants) <= NEAR_NS)
+        points[near, column] = point[row[near]]
+        row = nearest_rows(track.time, instants)
+        near &= np.abs(track.time[row] - instants) <= NEAR_NS
+        load[near, column] = np.maximum(np.nan_to_num(track.vertical_force[row[near]]), 0.0)
     return points, load
-
-
-def nearest_rows(time: Ints, instants: Ints) -> tuple[Ints, Flags]:
-    """(n,) row nearest to each instant, and whether it is near enough."""
-    after = np.minimum(np.searchsorted(time, instants), len(time) - 1)
-    before = np.maximum(after - 1, 0)
-    later = np.abs(time[after] - instants) < np.abs(time[before] - instants)
-    row = np.where(later, after, before)
-    near: Flags = np.abs(time[row] - instants) <= NEAR_NS
-    return row, near
 
 
 @np.errstate(over="ignore", invalid="ignore")
