@@ -174,7 +174,7 @@ def _path(x: Floats, y: Floats, goes: Flags, first: Ints) -> NDArray[np.complex1
         first: (m,) first row of each stance.
     """
     total = np.cumsum(np.where(goes, np.diff(x + 1j * y, prepend=0.0), 0.0))
-    return total - np.repeat(total[first], np.diff(first, append=len(x)))
+    return np.asarray(total - np.repeat(total[first], np.diff(first, append=len(x))))
 
 
 def _ways(

@@ -63,7 +63,8 @@ class Visits:
         """(m,) rows of all visits."""
         length = self.end - self.start
         shift = self.start - (np.cumsum(length) - length)
-        return np.arange(int(length.sum())) + np.repeat(shift, length)
+        rows: Ints = np.arange(int(length.sum())) + np.repeat(shift, length)
+        return rows
 
     def middle(self, time: Ints) -> Ints:
         """(v,) ns, the time in the middle of each visit, of the samples' (n,) times."""

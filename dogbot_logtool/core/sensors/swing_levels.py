@@ -153,4 +153,5 @@ def _lightest(values: Floats, rows: int, walks_n: float) -> Floats | None:
     if not len(known):
         return None
     filled = np.interp(np.arange(len(parts)), known, of_part[known])
-    return filled[np.minimum(np.arange(len(values)) // hop, len(parts) - 1)]
+    part = np.minimum(np.arange(len(values)) // hop, len(parts) - 1)
+    return np.asarray(filled[part])
