@@ -103,7 +103,8 @@ def fore_aft_impulses(foot: FootHistory, heading: Floats) -> ForeAftImpulses:
     # A foot that stopped to speak in a stance has no sample at its end.
     behind = np.minimum(np.searchsorted(track.time, stances.liftoff[known]) + 1, len(track.time))
     rows, stance, first = rows_of_runs(before, behind)
-    along, _ = along_heading(track.horizontal_force[rows], heading[known][stance])
+    force = track.horizontal_force[rows].astype(np.float64)
+    along, _ = along_heading(force, heading[known][stance])
     time = (track.time[rows] - track.time[0]) / 1e9
     braking[known] = -trapezoids(np.minimum(along, 0.0), time, first)
     propulsive[known] = trapezoids(np.maximum(along, 0.0), time, first)

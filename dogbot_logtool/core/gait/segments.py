@@ -116,9 +116,14 @@ def find_segments(gait: GaitInput) -> tuple[Segment, ...]:
     nothing = (None,) * len(gait.feet)
     stand = GaitClass(STAND, None, STAND, 0.0)
     still, moving, lifted = (spans.tolist() for spans in gait.standing)
-    found += [Segment(*span, stand, 0, nothing) for span in still]
-    found += [Segment(*span, UNKNOWN_GAIT, 0, nothing, moves_without_steps=True) for span in moving]
-    found += [Segment(*span, UNKNOWN_GAIT, 0, nothing, is_lifted=True) for span in lifted]
+    found += [Segment(start, end, stand, 0, nothing) for start, end in still]
+    found += [
+        Segment(start, end, UNKNOWN_GAIT, 0, nothing, moves_without_steps=True)
+        for start, end in moving
+    ]
+    found += [
+        Segment(start, end, UNKNOWN_GAIT, 0, nothing, is_lifted=True) for start, end in lifted
+    ]
     return tuple(sorted(found, key=lambda segment: segment.start))
 
 
