@@ -1,13 +1,26 @@
 """Figures of contact samples and poses, as if they were the columns of a log."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 from dogbot_logtool.core.base.odometry import Odometry, no_odometry
+from dogbot_logtool.core.contact.contact_rule import FootSensor, contact_rule
 from dogbot_logtool.core.contact.contacts import Samples, no_samples
 from dogbot_logtool.core.recording import Recording, Times, VectorTopic
+from dogbot_logtool.core.sensors.sensor_level import estimate_level
 from dogbot_logtool.core.settings import StatsSettings
 from dogbot_logtool.core.statistics import Stats
 from dogbot_logtool.core.walk import analyse
+
+
+def with_learnt_sensors(settings: StatsSettings, samples: Sequence[Samples]) -> StatsSettings:
+    """Return settings that know what each foot's own samples show of its sensor."""
+    feet = []
+    for foot, own in zip(settings.feet, samples, strict=True):
+        level = estimate_level(own.log_time, own.force)
+        rule = contact_rule(level, settings.body_weight_n, settings.thresholds)
+        feet.append(replace(foot, sensor=FootSensor(level, rule)))
+    return replace(settings, feet=tuple(feet))
 
 
 def analysed(

@@ -28,7 +28,6 @@ from dogbot_logtool.core.geometry.order_statistics import median_of
 from dogbot_logtool.core.load.load_figures import (
     LoadFigures,
     dead_feet,
-    is_saturated,
     is_stuck,
     load_figures,
 )
@@ -364,7 +363,7 @@ def _foot_checks(
 def _is_saturated(
     settings: StatsSettings, records: Sequence[FootHistory], row: int, loads: LoadFigures
 ) -> bool:
-    """Tell whether a foot's sensor is cut off at a limit, in an axis or in the magnitude.
+    """Tell whether an axis of a foot's sensor is cut off at a limit.
 
     Flat forces that carry the whole weight, as some simulators make them, are not.
     """
@@ -372,8 +371,7 @@ def _is_saturated(
     ratio = loads.vertical_impulse_over_weight
     if ratio is not None and abs(ratio - 1.0) <= WHOLE_WEIGHT and _is_flat(records[row]):
         return False
-    others = [each for other, each in enumerate(records) if other != row]
-    return level.limit_n is not None or is_saturated(records[row], others, level.resolution_n)
+    return level.limit_n is not None
 
 
 def _is_flat(foot: FootHistory) -> bool:

@@ -11,7 +11,7 @@ from dogbot_logtool.core.findings.findings import findings_of
 from dogbot_logtool.core.geometry.arrays import Ints
 from dogbot_logtool.core.geometry.clock import TimeSource
 from dogbot_logtool.core.statistics import Stats
-from tests.analysed import analysed
+from tests.analysed import analysed, with_learnt_sensors
 from tests.oracles.straight_walk import (
     SETTINGS,
     START,
@@ -164,7 +164,8 @@ def test_a_stuck_and_a_saturated_sensor_are_told() -> None:
     points = walk.points(0, time)
     feet[0] = foot_samples(0, time, np.where(down, 55.0, 0.0), points)
     feet[1] = foot_samples(1, time, np.minimum(walk.force(1, time), 100.0), points)
-    found = {(each.code, each.where) for each in findings_of(measure(feet, walk.odometry()))}
+    stats = analysed(with_learnt_sensors(SETTINGS, feet), feet, walk.odometry())
+    found = {(each.code, each.where) for each in findings_of(stats)}
     assert ("W_STUCK", "feet.front_left") in found
     assert ("W_SATURATED", "feet.front_right") in found
     assert not {("W_STUCK", "feet.back_left"), ("W_SATURATED", "feet.back_left")} & found

@@ -35,13 +35,12 @@ class StanceRows:
     dropped_stances: int
 
 
-def schmitt(force: Floats, rule: ContactRule, *, on: bool) -> Flags:
-    """Trigger with two thresholds: between them, the state stays what it was.
+def schmitt(force: Floats, rule: ContactRule) -> Flags:
+    """Trigger with two thresholds: between them, the state stays what it was, at first off.
 
     Args:
         force: (n,) N.
         rule: thresholds.
-        on: the state before these samples.
 
     Returns:
         (n,) bool.
@@ -49,8 +48,7 @@ def schmitt(force: Floats, rule: ContactRule, *, on: bool) -> Flags:
     loaded = force >= rule.on_n
     says = loaded | (force < rule.off_n) | (force == 0.0)
     last = np.maximum.accumulate(np.where(says, np.arange(len(force)), -1))
-    state: Flags = np.where(last >= 0, loaded[last], on)
-    return state
+    return (last >= 0) & loaded[last]
 
 
 def silent_before(time: Ints) -> Flags:
@@ -96,32 +94,6 @@ def _last_up_to(rows: Ints, marks: Ints) -> Ints:
     return last
 
 
-def contact_groups(
-    time: Ints, contact: Flags, fill_ns: int, silent: Flags | None = None
-) -> tuple[Ints, Ints]:
-    """Join the runs of contact over short swings.
-
-    Args:
-        time: (n,) ns, strictly increasing.
-        contact: (n,) state of the Schmitt trigger.
-        fill_ns: shorter swings are short.
-        silent: (n,) nothing was known just before: a swing that begins so is not short.
-
-    Returns:
-        first row in contact, and first row after it, of each; the number of rows where contact
-        lasts to the last row.
-    """
-    padded = np.concatenate([[False], contact, [False]])
-    edges = np.flatnonzero(padded[1:] != padded[:-1])
-    starts, ends = edges[::2], edges[1::2]
-    filled = time[starts[1:]] - time[ends[:-1]] < fill_ns
-    if silent is not None:
-        filled &= ~silent[ends[:-1]]
-    first = np.concatenate([[True], ~filled])[: len(starts)]
-    last = np.concatenate([~filled, [True]])[: len(starts)]
-    return starts[first], ends[last]
-
-
 def find_stances(time: Ints, contact: Flags, rule: ContactRule) -> StanceRows:
     """Fill swings that are too short, then drop stances that are.
 
@@ -131,8 +103,12 @@ def find_stances(time: Ints, contact: Flags, rule: ContactRule) -> StanceRows:
         rule: what is too short.
     """
     silent, fill_ns = silent_before(time), round(rule.fill_s * 1e9)
-    starts, ends = contact_groups(time, contact, fill_ns, silent)
-    runs = int(contact[:1].sum()) + int((contact[1:] & ~contact[:-1]).sum())
+    edges = np.flatnonzero(np.diff(contact, prepend=False, append=False))
+    runs, begins, breaks = len(edges) // 2, edges[::2], edges[1::2]
+    # Of a swing that begins with a silence it is not known that it is short.
+    parts = (time[begins[1:]] - time[breaks[:-1]] >= fill_ns) | silent[breaks[:-1]]
+    starts = begins[np.append(True, parts)[:runs]]
+    ends = breaks[np.append(parts, True)[:runs]]
     # Where the log ends in a stance, its last sample ends it.
     last = np.minimum(ends, len(time) - 1)
     brief = _loaded_ns(time, contact, starts, last) < round(rule.debounce_s * 1e9)

@@ -76,7 +76,7 @@ class FootHistory:
     """Load over time; None unless asked for, and where forces are not known."""
     stopped: Ints = field(default_factory=timespans.no_spans)
     """(s, 2) ns, gaps in which the sensor speaks, but has stopped to feel the foot."""
-    row: Ints = field(default_factory=lambda: np.empty(0, np.int32))
+    row: Ints = field(default_factory=lambda: np.empty(0, np.int64))
     """(n,) the sample of the recording that each sample of `track` is."""
     log_time: Ints = field(default_factory=lambda: np.empty(0, np.int64))
     """(n,) ns, when those were recorded."""
@@ -195,7 +195,14 @@ def foot_history(
         in_contact=timespans.intersect([contacts, known]),
         filled_swings=rows.filled_swings,
         dropped_stances=rows.dropped_stances,
-        track=foot_track(time, force, signal.vertical, signal.samples.position, longest),
+        track=foot_track(
+            time,
+            force,
+            signal.vertical,
+            signal.samples.force[:, :2],
+            signal.samples.position,
+            longest,
+        ),
         row=row,
         log_time=signal.samples.log_time,
         down=_down(contact, rows),
@@ -221,7 +228,7 @@ def _signal(
     finite = np.isfinite(force)
     usable = finite & (time != 0) if clock is TimeSource.HEADER else finite.copy()
     usable[usable] = advancing(time[usable], None)
-    row = np.flatnonzero(usable).astype(np.int32)
+    row = np.flatnonzero(usable)
     counts = int((~finite).sum()), int((finite & ~usable).sum())
     if not usable.all():
         samples, time, force = samples.pick(usable), time[usable], force[usable]
@@ -232,7 +239,7 @@ def _signal(
 
 def _contact_states(signal: FootSignal, rule: ContactRule) -> Flags:
     """(n,) tell which samples are in contact, by the messages' flags or by the force."""
-    return signal.samples.in_contact if rule.by_flag else schmitt(signal.force, rule, on=False)
+    return signal.samples.in_contact if rule.by_flag else schmitt(signal.force, rule)
 
 
 def _down(contact: Flags, rows: StanceRows) -> Flags:

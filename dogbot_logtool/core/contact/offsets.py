@@ -1,6 +1,5 @@
 """Sensor offsets taken off contact samples, so that what is drawn is what is measured."""
 
-from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -8,31 +7,6 @@ import numpy as np
 from dogbot_logtool.core.contact.contact_rule import FootSensor
 from dogbot_logtool.core.contact.contacts import Samples
 from dogbot_logtool.core.geometry.arrays import norms
-
-
-def without_offsets(
-    samples: Samples, sensors: Sequence[FootSensor], *, lists_contacts: bool, only_presses: bool
-) -> Samples:
-    """Return samples of any feet less their sensors' offsets; see `without_offset`.
-
-    Args:
-        samples: n samples.
-        sensors: of every foot.
-        lists_contacts: whether messages say what touches.
-        only_presses: whether the sensors have one axis.
-    """
-    force, in_contact = samples.force, samples.in_contact
-    for foot, sensor in enumerate(sensors):
-        rows = np.flatnonzero(samples.foot == foot)
-        own = samples.pick(rows)
-        less = without_offset(own, sensor, lists_contacts=lists_contacts, only_presses=only_presses)
-        if less is not own:
-            if force is samples.force:
-                force, in_contact = force.copy(), in_contact.copy()
-            force[rows], in_contact[rows] = less.force, less.in_contact
-    return (
-        samples if force is samples.force else replace(samples, force=force, in_contact=in_contact)
-    )
 
 
 def without_offset(

@@ -34,8 +34,6 @@ SPIKE: Final = 2.0
 """Times its neighbours and the rest of its stance that a lone spike is at least."""
 FEWEST_FOR_SPIKES: Final = 5
 """Samples of a stance from which one of them can stand out."""
-ROUNDING: Final = 1e-6
-"""Share of a stance's peak below which a difference of forces says nothing."""
 
 
 class Cut(IntEnum):
@@ -65,12 +63,6 @@ class StanceFigures(NamedTuple):
     calm_peak_n: Floats
     """N, highest |F| of the other samples; also `calm_peak_vertical_n`, of the vertical force."""
     calm_peak_vertical_n: Floats
-    peak_samples: Floats
-    """Number of samples in a row that equal the peak, in the longest such run."""
-    peak_rise_n: Floats
-    """N, by how much that run exceeds the force as many samples before it."""
-    resolution_n: Floats
-    """N, smallest difference of two forces of the stance: the sensor's resolution, or near 0."""
     peak_vertical_n: Floats
     mean_vertical_n: Floats
     vertical_impulse_ns: Floats
@@ -143,7 +135,6 @@ def reduce_stances(samples: StanceSamples) -> StanceFigures:
     travel, reach = contact_ways(samples)
     mean = sums(force, begin, end) / (end - begin)
     loaded, quick = ways_under_load(samples, mean)
-    peak_samples, peak_rise = _plateaus(samples, peak)
     impact_end = np.minimum(first_where(samples.time > IMPACT_S, begin), end)
     impact, median = highest(force, begin, impact_end), quantiles(ordered, begin, end, 0.5)
     return StanceFigures(
@@ -153,9 +144,6 @@ def reduce_stances(samples: StanceSamples) -> StanceFigures:
         spike_phase=_spike_phases(samples, spike),
         calm_peak_n=highest(np.where(spike, -np.inf, force), begin, end),
         calm_peak_vertical_n=highest(np.where(spike, -np.inf, vertical), begin, end),
-        peak_samples=peak_samples,
-        peak_rise_n=peak_rise,
-        resolution_n=_resolutions(ordered, samples, peak),
         peak_vertical_n=highest(vertical, begin, end),
         mean_vertical_n=sums(vertical, begin, end) / (end - begin),
         vertical_impulse_ns=trapezoids(vertical, samples.time, samples.first),
@@ -197,37 +185,6 @@ def _spike_phases(samples: StanceSamples, spike: Flags) -> Floats:
     phase = np.full(len(samples.end), np.nan)
     phase[stance] = samples.time[rows] / samples.time[samples.end[stance]]
     return phase
-
-
-def _plateaus(samples: StanceSamples, peak: Floats) -> tuple[Floats, Floats]:
-    """(k,) length of each stance's longest run of samples at its peak, and N, the rise to it.
-
-    The rise is that over as many samples before the run, or from the stance's first.
-    """
-    stance, own = samples.stance, own_rows(samples)
-    at_peak = np.concatenate([[False], own & (samples.force == peak[stance]), [False]])
-    edges = np.flatnonzero(at_peak[1:] != at_peak[:-1])
-    starts, lengths = edges[::2], edges[1::2] - edges[::2]
-    longest = np.zeros(len(peak))
-    np.maximum.at(longest, stance[starts], lengths)
-    run = np.flatnonzero(lengths == longest[stance[starts]])[::-1]
-    of = stance[starts[run]]
-    before = np.maximum(starts[run] - lengths[run], samples.first[of])
-    rise = np.full(len(peak), np.nan)
-    rise[of] = peak[of] - samples.force[before]
-    return longest, rise
-
-
-def _resolutions(ordered: Floats, samples: StanceSamples, peak: Floats) -> Floats:
-    """(k,) N, smallest difference of two of a stance's forces; inf where all are equal.
-
-    Differences that are next to nothing against the peak come from rounding.
-    """
-    step = np.full(len(ordered), np.inf)
-    step[1:] = np.diff(ordered)
-    step[samples.touchdown] = np.inf
-    step[step <= ROUNDING * peak[samples.stance]] = np.inf
-    return -highest(-step, samples.touchdown, samples.end)
 
 
 def _friction_use(samples: StanceSamples) -> Floats:

@@ -25,6 +25,8 @@ class FootTrack:
     """(n,) N, |F|."""
     vertical_force: Float32s
     """(n,) N; NaN where its direction is not known."""
+    horizontal_force: Float32s
+    """(n, 2) N, along the world's x and y where the direction is known."""
     point: Floats | Float32s
     """(n, 3) m, contact point in the world; not finite where there is none."""
     placed: Ints
@@ -78,6 +80,7 @@ def foot_track(
     time: Ints,
     force: Floats,
     vertical: Floats,
+    horizontal: Floats | Float32s,
     point: Floats | Float32s,
     longest_interval_ns: float,
 ) -> FootTrack:
@@ -87,16 +90,18 @@ def foot_track(
         time: (n,) ns, strictly increasing.
         force: (n,) N, |F|.
         vertical: (n,) N; NaN where not known.
+        horizontal: (n, 2) N, where that is known.
         point: (n, 3) m; not finite where there is none.
         longest_interval_ns: a longer interval is a gap, over which nothing is added.
     """
     with np.errstate(over="ignore"):
-        stored = force.astype(np.float32), vertical.astype(np.float32)
+        stored = [each.astype(np.float32) for each in (force, vertical, horizontal)]
     gap = np.diff(time) > longest_interval_ns
     return FootTrack(
         time=time,
         force=stored[0],
         vertical_force=stored[1],
+        horizontal_force=stored[2],
         point=point,
         placed=_placed(time, point),
         force_impulse=_running_total(time, force, gap),

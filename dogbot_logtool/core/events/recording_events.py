@@ -1,6 +1,7 @@
 """Events of the recording: gaps, and sensors at fault."""
 
 from collections.abc import Iterator
+from typing import Final
 
 import numpy as np
 
@@ -8,9 +9,12 @@ from dogbot_logtool.core.events.event import Event, EventType
 from dogbot_logtool.core.gait.foot_statistics import FootStatistics
 from dogbot_logtool.core.geometry import timespans
 from dogbot_logtool.core.geometry.arrays import Ints
-from dogbot_logtool.core.load.load_figures import is_saturated, is_stuck, saturated_stances
+from dogbot_logtool.core.load.load_figures import is_stuck
 from dogbot_logtool.core.load.spikes import has_lone_spikes
 from dogbot_logtool.core.statistics import Stats
+
+AT_LIMIT: Final = 0.99
+"""Share of the highest force from which a stance of a saturated sensor is cut off."""
 
 
 def gaps(stats: Stats) -> Iterator[Event]:
@@ -39,11 +43,10 @@ def sensor_faults(stats: Stats) -> Iterator[Event]:
             yield _fault(int(stances.touchdown[0]), int(stances.liftoff[-1]), row, "W_STUCK")
         for start, end in stopped:
             yield _fault(start, end, row, "W_STOPPED")
-        if foot.is_saturated and is_saturated(record, others):
-            cut_off = np.flatnonzero(saturated_stances(record))
-            first, last = int(cut_off[0]), int(cut_off[-1])
-            limit = float(stances.figures.peak_n[first])
-            times = int(stances.touchdown[first]), int(stances.liftoff[last])
+        if foot.is_saturated and np.isfinite(stances.figures.peak_n).any():
+            limit = float(np.nanmax(stances.figures.peak_n))
+            cut_off = np.flatnonzero(stances.figures.peak_n >= AT_LIMIT * limit)
+            times = int(stances.touchdown[cut_off[0]]), int(stances.liftoff[cut_off[-1]])
             yield _fault(*times, row, "W_SATURATED", limit)
         yield from _spikes(row, foot)
 

@@ -12,6 +12,8 @@ from dogbot_logtool.core.contact.stances import Stances
 from dogbot_logtool.core.gait.strides import Strides
 from dogbot_logtool.core.geometry.arrays import Floats
 from dogbot_logtool.core.geometry.order_statistics import percentiles_of
+from dogbot_logtool.core.geometry.rotations import along_heading
+from dogbot_logtool.core.geometry.runs import rows_of_runs, trapezoids
 from dogbot_logtool.dataclass import dataclass
 
 CYCLE_POINTS: Final = 51
@@ -42,6 +44,10 @@ class ForeAftImpulses:
     propulsive: Floats
     """(n,) N s, at least 0: what drives it forward."""
 
+    def unknown(self) -> "ForeAftImpulses":
+        """Return the same where the direction of the force is not known."""
+        return ForeAftImpulses(*np.full((2, len(self.braking)), np.nan))
+
 
 @dataclass(frozen=True, slots=True)
 class ForceCurves:
@@ -65,28 +71,44 @@ def force_curves(vertical: Floats, forward: Floats, strides: Strides) -> ForceCu
     )
 
 
-def forward_forces(foot: FootHistory, base: BaseHistory, forward_axis: str) -> Floats:
-    """(stances, PARTS) N, mean force along the base's forward axis in each part of each stance."""
-    stances = foot.stances
-    middle = stances.touchdown + (stances.liftoff - stances.touchdown) // 2
-    heading = base.angles_at(middle)[:, 2] + FORWARD_ANGLES[forward_axis]
+def forward_forces(foot: FootHistory, heading: Floats) -> Floats:
+    """(stances, PARTS) N, mean force along a heading, (stances,) rad, in each part of a stance."""
     x, y = foot.stance_forces[:, 0], foot.stance_forces[:, 1]
     forward: Floats = x * np.cos(heading)[:, None] + y * np.sin(heading)[:, None]
     return forward
 
 
-def fore_aft_impulses(forward: Floats, stances: Stances) -> ForeAftImpulses:
+def stance_headings(stances: Stances, base: BaseHistory, forward_axis: str) -> Floats:
+    """(stances,) rad, where the base's forward axis points in the middle of each stance."""
+    middle = stances.touchdown + (stances.liftoff - stances.touchdown) // 2
+    heading: Floats = base.angles_at(middle)[:, 2] + FORWARD_ANGLES[forward_axis]
+    return heading
+
+
+def fore_aft_impulses(foot: FootHistory, heading: Floats) -> ForeAftImpulses:
     """Integrate the braking and the propulsive part of the force over each stance.
 
+    Each sample counts by its own sign.
+
     Args:
-        forward: (n, PARTS) N; see `forward_forces`.
-        stances: of the same foot.
+        foot: its history.
+        heading: (stances,) rad; see `stance_headings`.
     """
-    part_s = stances.duration_s / PARTS
-    return ForeAftImpulses(
-        braking=-np.minimum(forward, 0.0).sum(axis=1) * part_s,
-        propulsive=np.maximum(forward, 0.0).sum(axis=1) * part_s,
-    )
+    track, stances = foot.track, foot.stances
+    braking, propulsive = np.full((2, len(heading)), np.nan)
+    known = np.isfinite(heading) & np.isfinite(foot.stance_forces).all(axis=(1, 2))
+    if not known.any():
+        return ForeAftImpulses(braking, propulsive)
+    before = np.maximum(np.searchsorted(track.time, stances.touchdown[known]) - 1, 0)
+    # A foot that stopped to speak in a stance has no sample at its end.
+    behind = np.minimum(np.searchsorted(track.time, stances.liftoff[known]) + 1, len(track.time))
+    rows, stance, first = rows_of_runs(before, behind)
+    force = track.horizontal_force[rows].astype(np.float64)
+    along, _ = along_heading(force, heading[known][stance])
+    time = (track.time[rows] - track.time[0]) / 1e9
+    braking[known] = -trapezoids(np.minimum(along, 0.0), time, first)
+    propulsive[known] = trapezoids(np.maximum(along, 0.0), time, first)
+    return ForeAftImpulses(braking, propulsive)
 
 
 def stride_curve(force: Floats, strides: Strides) -> CycleCurve | None:

@@ -8,11 +8,7 @@ from dogbot_logtool.core.base.base_history import BaseHistory
 from dogbot_logtool.core.base.base_motion import stride_lengths
 from dogbot_logtool.core.contact.foot_history import FootHistory
 from dogbot_logtool.core.contact.stances import Cut, StanceFigures, Stances
-from dogbot_logtool.core.gait.cycle_curves import (
-    ForceCurves,
-    force_curves,
-    fore_aft_impulses,
-)
+from dogbot_logtool.core.gait.cycle_curves import ForceCurves, force_curves
 from dogbot_logtool.core.gait.foot_steps import FootChecks, FootSteps
 from dogbot_logtool.core.gait.segments import FootEvents
 from dogbot_logtool.core.gait.strides import (
@@ -117,7 +113,6 @@ def foot_statistics(
     largest_slip = slip_m(stances.figures.contact_reach_m, foot_rolling_m)
     whole = stances.whole
     figures = _known_forces(stances.figures, checks)
-    fore_aft = fore_aft_impulses(steps.forward, stances)
     # A spike of a leaning force is as large as all that brakes.
     clean = whole & ~(stances.figures.spikes > 0)
     return FootStatistics(
@@ -151,8 +146,8 @@ def foot_statistics(
             if checks.vertical_known and not checks.is_dead
             else None
         ),
-        braking_impulse_ns=aggregate(fore_aft.braking[clean]),
-        propulsive_impulse_ns=aggregate(fore_aft.propulsive[clean]),
+        braking_impulse_ns=aggregate(steps.fore_aft.braking[clean]),
+        propulsive_impulse_ns=aggregate(steps.fore_aft.propulsive[clean]),
         force_curves=force_curves(steps.vertical, steps.forward, strides),
         loading_rate_nps=aggregate(figures.loading_rate_nps[whole]),
         impact_ratio=aggregate(figures.impact_ratio[whole]),

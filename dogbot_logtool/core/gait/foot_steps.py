@@ -9,7 +9,12 @@ import numpy as np
 from dogbot_logtool.core.base.base_history import BaseHistory
 from dogbot_logtool.core.contact.foot_history import FootHistory
 from dogbot_logtool.core.contact.stances import Stances
-from dogbot_logtool.core.gait.cycle_curves import forward_forces
+from dogbot_logtool.core.gait.cycle_curves import (
+    ForeAftImpulses,
+    fore_aft_impulses,
+    forward_forces,
+    stance_headings,
+)
 from dogbot_logtool.core.gait.standing import Standing, steps_apart
 from dogbot_logtool.core.gait.strides import Strides, cut_by_fall, cut_by_standing, strides_of
 from dogbot_logtool.core.geometry.arrays import Flags, Floats, Ints
@@ -65,6 +70,8 @@ class FootSteps:
     """(stances, PARTS) N, mean vertical force in each part of each stance; NaN: not known."""
     forward: Floats
     """(stances, PARTS) N, the same along the base's forward axis."""
+    fore_aft: ForeAftImpulses
+    """N s, along that axis, in each stance."""
 
     def without_direction(self) -> "FootSteps":
         """Return the steps for a force whose direction is not what it seems."""
@@ -72,6 +79,7 @@ class FootSteps:
             self,
             checks=replace(self.checks, direction_known=False),
             forward=np.full_like(self.forward, np.nan),
+            fore_aft=self.fore_aft.unknown(),
         )
 
 
@@ -126,7 +134,8 @@ def foot_steps(
     stances = cut_by_standing(stances, steps_apart(standing.without_steps, stances))
     strides, discarded = strides_of(stances, record.gaps, fallen)
     vertical = record.stance_forces[:, 2]
-    forward = forward_forces(record, base, forward_axis)
+    heading = stance_headings(record.stances, base, forward_axis)
+    forward, fore_aft = forward_forces(record, heading), fore_aft_impulses(record, heading)
     unknown = np.full_like(forward, np.nan)
     return FootSteps(
         settings=settings,
@@ -138,4 +147,5 @@ def foot_steps(
         has_spikes=has_lone_spikes(stances),
         vertical=vertical if checks.vertical_known else unknown,
         forward=forward if checks.direction_known else unknown,
+        fore_aft=fore_aft if checks.direction_known else fore_aft.unknown(),
     )

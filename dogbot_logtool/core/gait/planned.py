@@ -7,7 +7,7 @@ import numpy as np
 from dogbot_logtool.core.gait.foot_statistics import FootStatistics
 from dogbot_logtool.core.geometry import timespans
 from dogbot_logtool.core.geometry.aggregates import Aggregate, aggregate
-from dogbot_logtool.core.geometry.arrays import Ints
+from dogbot_logtool.core.geometry.arrays import Ints, nearest_rows
 from dogbot_logtool.core.geometry.order_statistics import median_of
 from dogbot_logtool.dataclass import dataclass
 
@@ -93,20 +93,11 @@ def _matches(plan: Ints, steps: Ints, reach: Ints) -> Ints:
     """(p,) measured touchdown of each planned one; -1: none."""
     if not len(plan) or not len(steps):
         return np.full(len(plan), -1, np.int64)
-    nearest = _nearest(steps, plan)
-    mutual = _nearest(plan, steps)[nearest] == np.arange(len(plan))
+    nearest = nearest_rows(steps, plan)
+    mutual = nearest_rows(plan, steps)[nearest] == np.arange(len(plan))
     near = np.abs(steps[nearest] - plan) <= reach
     match: Ints = np.where(mutual & near, nearest, -1)
     return match
-
-
-def _nearest(among: Ints, times: Ints) -> Ints:
-    """(n,) row of the nearest of sorted times."""
-    after = np.clip(np.searchsorted(among, times), 0, len(among) - 1)
-    before = np.maximum(after - 1, 0)
-    nearer = np.abs(among[before] - times) <= np.abs(among[after] - times)
-    rows: Ints = np.where(nearer, before, after)
-    return rows
 
 
 def _agreement(both: Ints, measured: FootStatistics, planned: FootStatistics) -> float | None:

@@ -14,7 +14,9 @@ from dogbot_logtool.core.gait.strides import Strides
 from dogbot_logtool.core.gait.support_pattern import Support
 from dogbot_logtool.core.geometry import timespans
 from dogbot_logtool.core.geometry.aggregates import CircularMean, circular_mean
-from dogbot_logtool.core.geometry.arrays import Floats, Ints
+from dogbot_logtool.core.geometry.arrays import Ints
+from dogbot_logtool.core.geometry.blocks import picked
+from dogbot_logtool.core.geometry.order_statistics import median_of
 from dogbot_logtool.dataclass import dataclass
 
 LASTING: Final = 2
@@ -107,15 +109,21 @@ def find_segments(gait: GaitInput) -> tuple[Segment, ...]:
     strides = gait.feet[gait.reference].strides
     apart = gait.standing.without_steps
     steps = ~timespans.touches(apart, strides.touchdown, strides.end)
-    walked = Strides(*(getattr(strides, name)[steps] for name in Strides.__dataclass_fields__))
-    found = [
-        _segment(gait, _spans_of(walked, parts))
-        for parts in _runs(_distances_by_stride(gait, walked), walked, apart)
+    walked = picked(strides, steps)
+    stood = np.searchsorted(apart[:, 0], walked.touchdown)
+    runs = _runs(_kinds(gait, walked), stood)
+    found = [_segment(gait, _spans_of(walked, parts)) for parts in runs]
+    nothing = (None,) * len(gait.feet)
+    stand = GaitClass(STAND, None, STAND, 0.0)
+    still, moving, lifted = (spans.tolist() for spans in gait.standing)
+    found += [Segment(start, end, stand, 0, nothing) for start, end in still]
+    found += [
+        Segment(start, end, UNKNOWN_GAIT, 0, nothing, moves_without_steps=True)
+        for start, end in moving
     ]
-    count = len(gait.feet)
-    found += [_stand(int(start), int(end), count) for start, end in gait.standing.still]
-    found += [_without_steps(span, count) for span in gait.standing.moving]
-    found += [_lifted(span, count) for span in gait.standing.lifted]
+    found += [
+        Segment(start, end, UNKNOWN_GAIT, 0, nothing, is_lifted=True) for start, end in lifted
+    ]
     return tuple(sorted(found, key=lambda segment: segment.start))
 
 
@@ -124,115 +132,102 @@ def transition_strides(segments: Sequence[Segment], strides: Strides) -> int:
     return len(strides.stance) - sum(segment.strides for segment in segments)
 
 
-def _distances_by_stride(gait: GaitInput, walked: Strides) -> Floats:
-    """(n, classes) distance of every stride from each class; (n, 0) where they have no names."""
-    count = len(walked.touchdown)
-    if gait.order is None or count == 0:
-        return np.empty((count, 0))
-    phases = [phases_by_stride(walked, gait.feet[foot].touchdown) for foot in gait.order]
-    distances = class_distances(np.stack(phases, axis=1), walked.duty_factor)
-    return np.stack(list(distances.values()), axis=1)
-
-
 _NONE: Final = -1
 """No class: irregular, or unknown."""
-
-
-class _StrideKinds:
-    """The class and the period of each stride."""
-
-    def __init__(self, distances: Floats, walked: Strides) -> None:
-        self._distances = np.where(np.isnan(distances), np.inf, distances)
-        self._period = walked.period_s.tolist()
-        self.named = distances.shape[1] > 0
-        count = len(self._period)
-        self.label = [_NONE] * count
-        if self.named and count:
-            fits = self._distances.min(axis=1) <= TOLERANCE
-            self.label = np.where(fits, self._distances.argmin(axis=1), _NONE).tolist()
-
-    def agree(self, one: int, other: int) -> bool:
-        """Tell whether two strides are of one kind."""
-        shorter, longer = sorted((self._period[one], self._period[other]))
-        similar = longer - shorter <= PERIOD_CHANGE * shorter
-        return similar and self.label[one] == self.label[other]
-
-    def goes_on(self, label: int, before: Sequence[int], stride: int) -> bool:
-        """Tell whether a stride goes on with a run of a class; `before` are strides of it."""
-        typical = _median([self._period[each] for each in before])
-        if abs(self._period[stride] - typical) > PERIOD_CHANGE * typical:
-            return False
-        if self.label[stride] == label:
-            return True
-        if label == _NONE:
-            return False
-        limit = DRIFT if self.label[stride] == _NONE else BORDER
-        return float(self._distances[stride, label]) <= limit
-
-    def similar_runs(self, one: tuple[int, int], other: tuple[int, int]) -> bool:
-        """Tell whether two runs are of one gait, with something in between."""
-        first = _median(self._period[one[0] : one[1]])
-        then = _median(self._period[other[0] : other[1]])
-        same = self.label[one[0]] == self.label[other[0]]
-        return same and abs(first - then) <= PERIOD_CHANGE * first
-
-    def is_brief(self, one: tuple[int, int], other: tuple[int, int]) -> bool:
-        """Tell whether two runs are of one gait, with too little in between for another one."""
-        usual = _median(self._period[one[0] : one[1]])
-        between = sum(self._period[one[1] : other[0]])
-        return self.similar_runs(one, other) and between < LASTING * (1.0 - PERIOD_CHANGE) * usual
-
-
-_RECENT: Final = 9
-"""Strides that a stride's period is compared with."""
-
-
-def _median(values: Sequence[float]) -> float:
-    """Return the median of a few values; numpy takes longer to begin than to end with them."""
-    ordered = sorted(values)
-    middle = len(ordered) // 2
-    return (ordered[middle] + ordered[~middle]) / 2.0
-
-
 _Parts = tuple[tuple[int, int], ...]
 """First stride, and stride after the last, of each part of a run that others interrupt."""
 
 
-def _runs(distances: Floats, walked: Strides, apart: Ints) -> list[_Parts]:
-    """Return the runs of one gait each."""
-    kinds = _StrideKinds(distances, walked)
-    stood = np.searchsorted(apart[:, 0], walked.touchdown)
+@dataclass(frozen=True, slots=True)
+class _Kinds:
+    """The class and the period of n strides."""
+
+    fits: Ints
+    """(n,) the class that each fits best by itself; `_NONE`: it fits none."""
+    label: Ints
+    """(n,) its class, as it goes on from the strides before it."""
+    period: Ints
+    """(n,) ns."""
+    named: bool
+    """Whether gaits of so many feet have names."""
+
+    def usual(self, run: tuple[int, int]) -> float:
+        """Return the median period of a run, ns."""
+        return float(median_of(self.period[run[0] : run[1]]))
+
+    def alike(self, one: tuple[int, int], other: tuple[int, int]) -> bool:
+        """Tell whether two runs are of one gait."""
+        same = self.label[one[0]] == self.label[other[0]]
+        usual = self.usual(one)
+        return bool(same) and abs(usual - self.usual(other)) <= PERIOD_CHANGE * usual
+
+    def is_brief(self, one: tuple[int, int], other: tuple[int, int]) -> bool:
+        """Tell whether too little lies between two runs of one gait for another one."""
+        between = float(self.period[one[1] : other[0]].sum())
+        least = LASTING * (1.0 - PERIOD_CHANGE) * self.usual(one)
+        return self.alike(one, other) and between < least
+
+
+def _kinds(gait: GaitInput, walked: Strides) -> _Kinds:
+    """Return the class and the period of each stride."""
+    period = walked.end - walked.touchdown
+    none = np.full(len(period), _NONE)
+    phases = [phases_by_stride(walked, gait.feet[foot].touchdown) for foot in gait.order or ()]
+    if not phases or not len(period):
+        return _Kinds(none, none, period, named=False)
+    classes = class_distances(np.stack(phases, axis=1), walked.duty_factor)
+    if not classes:
+        return _Kinds(none, none, period, named=False)
+    distance = np.nan_to_num(np.stack(list(classes.values()), axis=1), nan=np.inf)
+    fits = np.where(distance.min(axis=1) <= TOLERANCE, distance.argmin(axis=1), _NONE)
+    label = fits.tolist()
+    for row in range(1, len(label)):
+        before = label[row - 1]
+        limit = DRIFT if label[row] == _NONE else BORDER
+        if before not in {_NONE, label[row]} and distance[row, before] <= limit:
+            label[row] = before
+    return _Kinds(fits, np.array(label), period, named=True)
+
+
+def _runs(kinds: _Kinds, stood: Ints) -> list[_Parts]:
+    """Return the runs of one gait each.
+
+    Args:
+        kinds: of n strides.
+        stood: (n,) how often the robot has stood before each.
+    """
     edges = [0, *(np.flatnonzero(np.diff(stood)) + 1).tolist(), len(stood)]
     runs: list[_Parts] = []
     for first, last in pairwise(edges):
         if first < last:
-            runs += _runs_between(kinds, first, last)
+            settled = _settled(kinds, first, last)
+            runs += _joined(kinds, _with_unsettled(settled, first, last))
     return runs
 
 
-def _runs_between(kinds: _StrideKinds, first: int, last: int) -> list[_Parts]:
-    """Return the runs of strides `first` to `last` (exclusive), between which nothing stands."""
+def _settled(kinds: _Kinds, first: int, last: int) -> list[tuple[int, int]]:
+    """Return the runs of at least `LASTING` strides of one kind, first to last (exclusive)."""
+    label, period = kinds.label[first:last], kinds.period[first:last]
+    shorter, longer = np.minimum(period[1:], period[:-1]), np.maximum(period[1:], period[:-1])
+    cut = (label[1:] != label[:-1]) | (longer > (1.0 + PERIOD_CHANGE) * shorter)
     settled: list[tuple[int, int]] = []
-    stride = first
-    while stride < last - 1:
-        if not kinds.agree(stride, stride + 1):
-            stride += 1
+    for begin, end in pairwise([first, *(np.flatnonzero(cut) + first + 1).tolist(), last]):
+        # What only drifts from the class at the end of a run is no part of it.
+        own = np.flatnonzero(kinds.fits[begin:end] == kinds.label[begin])
+        run = (begin, begin + int(own[-1]) + 1) if len(own) else (begin, begin)
+        if run[1] - run[0] < LASTING:
             continue
-        run = (stride, _end_of_run(kinds, stride, last))
-        if settled and kinds.similar_runs(settled[-1], run):
+        if settled and kinds.alike(settled[-1], run):
             run = (settled.pop()[0], run[1])
         settled.append(run)
-        stride = run[1]
-    if kinds.named:
-        settled = [
-            run
-            for run in settled
-            if kinds.label[run[0]] != _NONE or run[1] - run[0] > LONGEST_TRANSITION
-        ]
-    return _joined(kinds, _with_unsettled(settled, first, last))
+    return [
+        run
+        for run in settled
+        if not kinds.named or kinds.label[run[0]] != _NONE or run[1] - run[0] > LONGEST_TRANSITION
+    ]
 
 
-def _joined(kinds: _StrideKinds, runs: Sequence[tuple[int, int]]) -> list[_Parts]:
+def _joined(kinds: _Kinds, runs: Sequence[tuple[int, int]]) -> list[_Parts]:
     """Join runs of one gait around others that last less than `LASTING` strides of that gait.
 
     One touchdown too many splits a stride into two short ones, which agree with each other.
@@ -245,34 +240,19 @@ def _joined(kinds: _StrideKinds, runs: Sequence[tuple[int, int]]) -> list[_Parts
     return joined
 
 
-def _end_of_run(kinds: _StrideKinds, first: int, last: int) -> int:
-    """Return the stride after the last one of the run that begins at `first`.
-
-    Strides that only drift from the run's class belong to it if others follow that do not.
-    """
-    label, members = kinds.label[first], [first]
-    end = first + 1
-    for stride in range(first + 1, last):
-        if kinds.goes_on(label, members[-_RECENT:], stride):
-            members.append(stride)
-            end = stride + 1 if kinds.label[stride] == label else end
-        elif stride - members[-1] >= LASTING:
-            break
-    return end
-
-
 def _with_unsettled(
     settled: Sequence[tuple[int, int]], first: int, last: int
 ) -> list[tuple[int, int]]:
     """Add what is too long for a transition, or is all that there is."""
     if not settled:
         return [(first, last)]
-    runs = list(settled)
     edges = [first, *(edge for run in settled for edge in run), last]
-    for start, end in zip(edges[::2], edges[1::2], strict=True):
-        if end - start > LONGEST_TRANSITION:
-            runs.append((start, end))
-    return sorted(runs)
+    rest = [
+        (start, end)
+        for start, end in zip(edges[::2], edges[1::2], strict=True)
+        if end - start > LONGEST_TRANSITION
+    ]
+    return sorted([*settled, *rest])
 
 
 def _spans_of(walked: Strides, parts: _Parts) -> Ints:
@@ -323,21 +303,6 @@ def _phases(
 ) -> tuple[CircularMean | None, ...]:
     strides = feet[reference].strides.within(spans)
     return tuple(circular_mean(phases_in(strides, foot.touchdown)) for foot in feet)
-
-
-def _stand(start: int, end: int, feet: int) -> Segment:
-    gait = GaitClass(STAND, None, STAND, 0.0)
-    return Segment(start, end, gait, 0, (None,) * feet)
-
-
-def _without_steps(span: Ints, feet: int) -> Segment:
-    start, end = span.tolist()
-    return Segment(start, end, UNKNOWN_GAIT, 0, (None,) * feet, moves_without_steps=True)
-
-
-def _lifted(span: Ints, feet: int) -> Segment:
-    start, end = span.tolist()
-    return Segment(start, end, UNKNOWN_GAIT, 0, (None,) * feet, is_lifted=True)
 
 
 def main_segment(segments: Sequence[Segment]) -> Segment | None:

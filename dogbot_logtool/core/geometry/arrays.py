@@ -118,3 +118,11 @@ def all_finite(vectors: Floats | Float32s) -> Flags:
     for column in vectors.T:
         finite &= np.isfinite(column)
     return finite
+
+
+def nearest_rows(among: Ints, times: Ints) -> Ints:
+    """(n,) row of the nearest of sorted times, at least one, to each of others."""
+    after = np.minimum(np.searchsorted(among, times), len(among) - 1)
+    before = np.maximum(after - 1, 0)
+    later = np.abs(among[after] - times) < np.abs(among[before] - times)
+    return np.where(later, after, before)

@@ -13,6 +13,22 @@ def sorted_runs(values: Floats, begin: Ints, end: Ints) -> Floats:
     return ordered
 
 
+def rows_of_runs(begin: Ints, end: Ints) -> tuple[Ints, Ints, Ints]:
+    """Lay runs of rows end to end.
+
+    Args:
+        begin: (k,) first row of each run.
+        end: (k,) row after its last.
+
+    Returns:
+        (n,) rows, (n,) the run of each, and (k,) where each run begins among them.
+    """
+    length = end - begin
+    first = np.cumsum(length) - length
+    run = np.repeat(np.arange(len(begin)), length)
+    return np.arange(len(run)) + (begin - first)[run], run, first
+
+
 def first_where(flags: Flags, start: Ints) -> Ints:
     """(k,) the first row that is flagged, at or after each start; n: there is none."""
     rows = np.append(np.flatnonzero(flags), len(flags))

@@ -4,13 +4,10 @@ from collections.abc import Mapping, Sequence
 from enum import StrEnum
 from typing import Final
 
-import numpy as np
-
 from dogbot_logtool.core.contact.foot_history import FootHistory
 from dogbot_logtool.core.geometry import timespans
-from dogbot_logtool.core.geometry.arrays import Flags, Ints
+from dogbot_logtool.core.geometry.arrays import Ints
 from dogbot_logtool.core.leg_position import LegPosition
-from dogbot_logtool.core.sensors.saturation import SATURATED_SAMPLES, SATURATED_STANCES, STEEP
 from dogbot_logtool.dataclass import dataclass
 
 NEAR_ZERO: Final = 1e-9
@@ -357,39 +354,3 @@ def is_stuck(foot: FootHistory, others: Sequence[FootHistory]) -> bool:
     Where no force varies the robot stands still, in a simulator without noise.
     """
     return _is_constant(foot) and any(_varies(other) for other in others)
-
-
-def is_saturated(
-    foot: FootHistory, others: Sequence[FootHistory], resolution_n: float = 0.0
-) -> bool:
-    """Tell whether several stances are cut off at the sensor's limit while other feet's vary.
-
-    Args:
-        foot: its history.
-        others: those of the other feet.
-        resolution_n: N, the coarsest step of the sensor that is known.
-    """
-    if _is_constant(foot) or not any(_varies(other) for other in others):
-        return False
-    return int(saturated_stances(foot, resolution_n).sum()) >= SATURATED_STANCES
-
-
-def saturated_stances(foot: FootHistory, resolution_n: float = 0.0) -> Flags:
-    """(n,) tell which stances are cut off at the foot's highest force.
-
-    The round top of a force that is recorded in coarse steps repeats its highest value, too, but
-    the rise to it is not steep.
-
-    Args:
-        foot: its history.
-        resolution_n: N, the step in which the sensor counts.
-    """
-    figures = foot.stances.figures
-    known = np.isfinite(figures.peak_n)
-    if not known.any():
-        return known
-    resolution = max(figures.resolution_n[known].min(), resolution_n)
-    cut_off: Flags = figures.peak_n == figures.peak_n[known].max()
-    cut_off &= figures.peak_samples >= SATURATED_SAMPLES
-    cut_off &= figures.peak_rise_n > STEEP * resolution
-    return cut_off

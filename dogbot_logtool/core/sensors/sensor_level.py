@@ -4,16 +4,22 @@ A simulated sensor reads exactly zero in swing. A real one reads tens of newtons
 drifts and is noisy. In a walk a foot's forces have two modes, swing and stance. The swing mode is
 narrow against the distance between both and is visited once a stride, and its visits agree with
 each other. Shifting weight in a stand does not look like that, and then the level stays unknown.
+The level is that of the swings around each moment, so that it may drift, or be re-zeroed.
 """
 
 from dataclasses import replace
 from typing import Final, Literal
 
 import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
 
 from dogbot_logtool.core.geometry.arrays import Floats, Ints, all_finite, norms
 from dogbot_logtool.core.geometry.clock import usual_interval_s
-from dogbot_logtool.core.geometry.order_statistics import median_of, percentiles_of
+from dogbot_logtool.core.geometry.order_statistics import (
+    median_of,
+    median_of_known,
+    percentiles_of,
+)
 from dogbot_logtool.core.sensors.saturation import resolution_n, saturated_limit_n
 from dogbot_logtool.core.sensors.sensor_modes import (
     ALTERNATE,
@@ -37,23 +43,19 @@ CLEAR_OF_NOISE: Final = 5.0
 """Least distance between both modes, in standard deviations of the noise."""
 DROPOUTS: Final = 3
 """Lone zeros under load that make a sensor one that drops out."""
-_LOADED: Final = 75.0
-"""Percentile of the forces that stands for the usual load where swings are not told apart."""
-_RANGE: Final = (3.0, 97.0)
-"""The same for the lightest and for the heaviest load."""
 SURE: Final = 3.0
 """Lead in score from which it is certain which way a load turns what a sensor reads."""
 UNSURE: Final = 1.0
 """Lead in score up to which that is not known, unless the weight tells."""
+AROUND: Final = 9
+"""Swings around each moment whose median is the level."""
 _STRAYS: Final = 98.0
 """Percentile of the unloaded forces, against the offset, that stands for the furthest."""
 _LONG_ROWS: Final = 8
 """Samples in the middle of a visit, from which its ends are surely left out."""
-_KNOT_VISITS: Final = 4
-_KNOT_S: Final = 15.0
-"""A knot of the drift needs so many visits over so long a time."""
 _DRIFT_S: Final = 30.0
 """Shortest time from the first to the last swing over which a drift is stated."""
+_FEWEST_FOR_DRIFT: Final = 8
 _NORMAL_SD: Final = 1.4826
 """Standard deviation over median absolute deviation, of a normal distribution."""
 
@@ -92,8 +94,6 @@ class SensorLevel:
     """The origin of the offset."""
     limit_n: float | None = None
     """N, where one of the sensor's axes is cut off; None: none is seen to be."""
-    resolution_n: float = 0.0
-    """N, the step in which its coarsest axis counts."""
     drops_out: bool = False
     """Whether single samples are zero under load, as where messages are lost on a sensor's bus."""
     reason: str = ""
@@ -140,67 +140,6 @@ def zero_reading() -> SensorLevel:
     return SensorLevel(*no_offset(), zero_in_swing=True)
 
 
-def estimate_level(log_time: Ints, force: Floats) -> SensorLevel:
-    """Estimate offset, noise and drift of one foot's sensor from its own samples.
-
-    Args:
-        log_time: (n,) ns, ascending; there may be gaps, as in a probe spread over a log.
-        force: (n, 3) N, as recorded; rows that are not finite are left out.
-    """
-    finite = all_finite(force)
-    log_time, force = log_time[finite], force[finite]
-    interval_s = usual_interval_s(log_time)
-    if len(force) < FEWEST_SAMPLES:
-        return _unknown("too few samples", interval_s, force)
-    zero = zero_level(force, interval_s)
-    if zero is not None:
-        return zero
-    axis = load_axis(force)
-    along = without_spikes(force @ axis)
-    runs = run_numbers(log_time)
-    modes = [two_modes(along, runs), two_modes(-along, runs)]
-    step = resolution_n(force)
-    judged = (
-        judge_modes(modes[0], modes[1].swing.width, raises=True, step=step),
-        judge_modes(modes[1], modes[0].swing.width, raises=False, step=step),
-    )
-    likely, other = sorted(judged, key=lambda each: each.score, reverse=True)
-    level, opposite = (
-        _judged_level(each, log_time, force, axis, interval_s) for each in (likely, other)
-    )
-    lead = likely.fit - other.fit
-    if level.reason:
-        return level
-    if not opposite.reason and (level.limit_n is None) != (opposite.limit_n is None):
-        # What is cut off at a limit does not vary there: that says nothing of swing.
-        lead -= 2.0 * likely.width_fit
-    if opposite.reason and lead < (SURE if opposite.reason == ONCE else UNSURE):
-        return replace(opposite, alternative=None)
-    if lead < 0.0:
-        level, opposite, lead = opposite, level, -lead
-    return replace(level, lead=lead, opposite=replace(opposite, lead=lead))
-
-
-def _judged_level(
-    judged: Modes, log_time: Ints, force: Floats, axis: Floats, interval_s: float | None
-) -> SensorLevel:
-    """Return the level that modes stand for, or why it is not known; see `_level_of`."""
-    if judged.reason not in {"", ALTERNATE, ONCE, WIDE}:
-        return _unknown(judged.reason, interval_s, force)
-    level = _level_of(judged, log_time, force, axis if judged.raises else -axis, interval_s)
-    reason = judged.reason or (NOISY if _is_noisy(level) else "")
-    if not reason:
-        return level
-    unknown = _unknown(reason, interval_s, force)
-    if reason == ONCE:
-        return replace(unknown, wobble_n=level.wobble_n)
-    return replace(unknown, alternative=level)
-
-
-def _is_noisy(level: SensorLevel) -> bool:
-    return (level.loaded_n or 0.0) < CLEAR_OF_NOISE * (level.noise_n or 0.0)
-
-
 def zero_level(force: Floats, interval_s: float | None) -> SensorLevel | None:
     """Return the level of a sensor that reads exactly zero in swing; None: it does not.
 
@@ -212,75 +151,91 @@ def zero_level(force: Floats, interval_s: float | None) -> SensorLevel | None:
         return None
     magnitude = norms(force)
     loaded = float(median_of(magnitude[magnitude > 0.0])) if magnitude.any() else None
-    knots, offset = no_offset()
-    return SensorLevel(
-        knots,
-        offset,
+    return replace(
+        zero_reading(),
         noise_n=0.0,
         drift_n_per_min=0.0,
         loaded_n=loaded,
-        limit_n=saturated_limit_n(force, offset[0], loaded) if loaded else None,
-        resolution_n=resolution_n(force),
+        limit_n=saturated_limit_n(force, np.zeros(3), loaded) if loaded else None,
         mean_n=float(magnitude.mean()),
         interval_s=interval_s,
-        zero_in_swing=True,
         origin="estimated",
     )
 
 
-def _drops_out(force: Floats, loaded_n: float) -> bool:
-    """Tell whether lone samples are zero between loaded ones, (n, 3) N as recorded."""
-    magnitude = norms(force)
-    high = magnitude > loaded_n / 2.0
-    lone = (magnitude[1:-1] == 0.0) & high[:-2] & high[2:]
-    return int(lone.sum()) >= DROPOUTS
+def estimate_level(log_time: Ints, force: Floats) -> SensorLevel:
+    """Estimate offset, noise and drift of one foot's sensor from its own samples.
+
+    Args:
+        log_time: (n,) ns, ascending; there may be gaps.
+        force: (n, 3) N, as recorded; rows that are not finite are left out.
+    """
+    finite = all_finite(force)
+    log_time, force = log_time[finite], force[finite]
+    interval_s = usual_interval_s(log_time)
+    if len(force) < FEWEST_SAMPLES:
+        return _unknown("too few samples", interval_s, force)
+    zero = zero_level(force, interval_s)
+    if zero is not None:
+        return zero
+    axis, runs = load_axis(force), run_numbers(log_time)
+    along, step = without_spikes(force @ axis), resolution_n(force)
+    up, down = two_modes(along, runs), two_modes(-along, runs)
+    judged = (
+        (judge_modes(up, down.swing.width, raises=True, step=step), True),
+        (judge_modes(down, up.swing.width, raises=False, step=step), False),
+    )
+    (likely, _), (other, _) = ordered = sorted(judged, key=lambda each: -each[0].score)
+    level, opposite = (
+        _judged_level(modes, log_time, force, axis, raises=raises) for modes, raises in ordered
+    )
+    if level.reason:
+        return level
+    lead = likely.fit - other.fit
+    if not opposite.reason and (level.limit_n is None) != (opposite.limit_n is None):
+        # What is cut off at a limit does not vary there: that says nothing of swing.
+        lead -= 2.0 * likely.width_fit
+    if opposite.reason and lead < (SURE if opposite.reason == ONCE else UNSURE):
+        return replace(opposite, alternative=None)
+    if lead < 0.0:
+        level, opposite, lead = opposite, level, -lead
+    return replace(level, lead=lead, opposite=replace(opposite, lead=lead))
+
+
+def _judged_level(
+    modes: Modes, log_time: Ints, force: Floats, axis: Floats, *, raises: bool
+) -> SensorLevel:
+    """Return the level that modes stand for, or why it is not known; see `level_of`."""
+    interval_s = usual_interval_s(log_time)
+    if modes.reason not in {"", ALTERNATE, ONCE, WIDE}:
+        return _unknown(modes.reason, interval_s, force)
+    level = level_of(modes, log_time, force, axis, raises=raises)
+    noisy = (level.loaded_n or 0.0) < CLEAR_OF_NOISE * (level.noise_n or 0.0)
+    reason = modes.reason or (NOISY if noisy else "")
+    if not reason:
+        return level
+    unknown = _unknown(reason, interval_s, force)
+    if reason == ONCE:
+        return replace(unknown, wobble_n=level.wobble_n)
+    return replace(unknown, alternative=level)
 
 
 def _unknown(reason: str, interval_s: float | None, force: Floats) -> SensorLevel:
     """Return the level of a sensor that does not show it; its noise shows between samples."""
-    usual = float(percentiles_of(norms(force), _LOADED)) if len(force) else None
-    noise = lightest = heaviest = None
-    if len(force) >= FEWEST_SAMPLES:
-        lightest, heaviest = percentiles_of(without_spikes(norms(force)), _RANGE).tolist()
-        steps = np.abs(np.diff(force, axis=0))
-        noise = _NORMAL_SD * float(median_of(steps, axis=0).max()) / np.sqrt(2.0)
-    return SensorLevel(
-        *no_offset(),
-        noise_n=noise,
-        loaded_n=usual,
-        mean_n=usual,
-        interval_s=interval_s,
-        reason=reason,
-        lightest_n=lightest,
-        heaviest_n=heaviest,
-    )
+    level = SensorLevel(*no_offset(), interval_s=interval_s, reason=reason)
+    if not len(force):
+        return level
+    usual = float(percentiles_of(norms(force), 75.0))
+    level = replace(level, loaded_n=usual, mean_n=usual)
+    if len(force) < FEWEST_SAMPLES:
+        return level
+    lightest, heaviest = percentiles_of(without_spikes(norms(force)), (3.0, 97.0)).tolist()
+    noise = noisiest_sd(np.diff(force, axis=0)) / np.sqrt(2.0)
+    return replace(level, noise_n=noise, lightest_n=lightest, heaviest_n=heaviest)
 
 
-def load_axis(force: Floats) -> Floats:
-    """(3,) unit vector along which the force varies most; lone spikes do not count."""
-    low, high = percentiles_of(force, [1.0, 99.0], axis=0)
-    _, vectors = np.linalg.eigh(np.cov(np.clip(force, low, high).T))
-    axis: Floats = vectors[:, -1]
-    return axis if axis[np.abs(axis).argmax()] > 0.0 else -axis
-
-
-def without_spikes(values: Floats) -> Floats:
-    """(n,): the median of each value and its two neighbours."""
-    padded = np.concatenate([values[:1], values, values[-1:]])
-    smooth: Floats = median_of(np.stack([padded[:-2], padded[1:-1], padded[2:]]), axis=0)
-    return smooth
-
-
-def run_numbers(log_time: Ints) -> Ints:
-    """(n,): samples with the same number have no silence between them."""
-    steps = np.diff(log_time, prepend=log_time[:1])
-    usual = median_of(steps[1:])
-    runs: Ints = np.cumsum(steps > max(5.0 * usual, 5e7))
-    return runs
-
-
-def _level_of(
-    modes: Modes, log_time: Ints, force: Floats, axis: Floats, interval_s: float | None
+def level_of(
+    modes: Modes, log_time: Ints, force: Floats, axis: Floats, *, raises: bool
 ) -> SensorLevel:
     """Work out the level of a sensor with two clear modes.
 
@@ -288,64 +243,45 @@ def _level_of(
         modes: swing and stance.
         log_time: (n,) ns.
         force: (n, 3) N.
-        axis: (3,) unit vector towards the load.
-        interval_s: s, the usual sampling interval.
+        axis: (3,) unit vector along which the force varies.
+        raises: whether load raises what the sensor reads along it.
     """
-    visits = modes.swing.visits
-    levels = visits.medians(force)
-    middle = visits.middle(log_time)
-    residual = visits.strays(force)
-    noise = noisiest_sd(residual)
-    inside = np.diff(visits.rows()) == 1
-    steps = np.abs(np.diff(residual, axis=0))[inside]
+    swings, towards = modes.swing.visits, axis if raises else -axis
+    levels, middle = swings.medians(force), swings.middle(log_time)
+    strays = swings.strays(force)
+    noise = noisiest_sd(strays)
+    steps = np.diff(strays, axis=0)[np.diff(swings.rows()) == 1]
     if len(steps):
-        noise = min(noise, _NORMAL_SD * float(median_of(steps, axis=0).max()) / np.sqrt(2.0))
-    knots, offset = _knots(middle, levels)
+        noise = min(noise, noisiest_sd(steps) / np.sqrt(2.0))
     level = SensorLevel(
-        knots,
-        offset,
+        middle,
+        rolling_median(levels, AROUND),
         noise_n=noise,
         wobble_n=_wobble_n(modes.rest, force),
-        drift_n_per_min=_drift(middle, levels @ axis),
-        interval_s=interval_s,
-        swing_s=visit_s(visits, log_time),
+        drift_n_per_min=_drift(middle, levels @ towards),
+        interval_s=usual_interval_s(log_time),
+        swing_s=float(median_of(log_time[swings.end - 1] - log_time[swings.start]))
+        / (MIDDLE_SHARE * 1e9),
         origin="estimated",
-        raises=modes.raises,
+        raises=raises,
     )
-    level = with_loads(level, log_time, force, axis, modes.stance.visits)
-    loaded = level.loaded_n or 0.0
+    load = (force - level.offset_at(log_time)) @ towards
+    loaded = float(median_of(modes.stance.visits.quantiles(load, 0.5)))
     return replace(
         level,
+        loaded_n=loaded,
+        mean_n=float(load.mean()),
+        mean_recorded_n=float(np.linalg.norm(force.mean(axis=0))),
         limit_n=saturated_limit_n(force, level.offset_n, loaded),
-        resolution_n=resolution_n(force),
         drops_out=_drops_out(force, loaded),
     )
 
 
-def noisiest_sd(residual: Floats) -> float:
-    """Return the standard deviation of the noisiest component, N, of (m, 3) N; robust."""
-    return _NORMAL_SD * float(median_of(np.abs(residual), axis=0).max())
-
-
-def with_loads(
-    level: SensorLevel, log_time: Ints, force: Floats, axis: Floats, stances: Visits
-) -> SensorLevel:
-    """Return a level with the loads above it.
-
-    Args:
-        level: of the unloaded sensor.
-        log_time: (n,) ns.
-        force: (n, 3) N.
-        axis: (3,) unit vector towards the load.
-        stances: of the foot.
-    """
-    load = (force - level.offset_at(log_time)) @ axis
-    return replace(
-        level,
-        loaded_n=float(median_of(stances.quantiles(load, 0.5))),
-        mean_n=float(load.mean()),
-        mean_recorded_n=float(np.linalg.norm(force.mean(axis=0))),
-    )
+def _drops_out(force: Floats, loaded_n: float) -> bool:
+    """Tell whether lone samples are zero between loaded ones, (n, 3) N as recorded."""
+    magnitude = norms(force)
+    high = magnitude > loaded_n / 2.0
+    return int(((magnitude[1:-1] == 0.0) & high[:-2] & high[2:]).sum()) >= DROPOUTS
 
 
 def _wobble_n(swings: Visits, force: Floats) -> float:
@@ -355,41 +291,49 @@ def _wobble_n(swings: Visits, force: Floats) -> float:
         swings: without the rise to stance at their ends.
         force: (n, 3) N.
     """
-    length = swings.end - swings.start
-    long = Visits(swings.start[length >= _LONG_ROWS], swings.end[length >= _LONG_ROWS])
-    if not len(long):
+    long = swings.end - swings.start >= _LONG_ROWS
+    if not long.any():
         return 0.0
-    return float(percentiles_of(norms(long.strays(force)), _STRAYS))
-
-
-def visit_s(visits: Visits, log_time: Ints) -> float:
-    """Return how long a usual visit lasts, s; its ends were cut off."""
-    length = (log_time[visits.end - 1] - log_time[visits.start]) / 1e9
-    return float(median_of(length)) / MIDDLE_SHARE
-
-
-def _knots(time: Ints, levels: Floats) -> tuple[Ints, Floats]:
-    """Reduce the levels of single swings to knots that single ones cannot move.
-
-    Args:
-        time: (v,) ns.
-        levels: (v, 3) N.
-    """
-    span_s = float(time[-1] - time[0]) / 1e9
-    parts = int(max(1, min(len(time) // _KNOT_VISITS, span_s // _KNOT_S)))
-    groups = np.array_split(np.arange(len(time)), parts)
-    # Times since the first: the largest that there can be are none as floats.
-    since = time - time[0]
-    knots = time[0] + np.array([int(median_of(since[group])) for group in groups], np.int64)
-    return knots, np.array([median_of(levels[group], axis=0) for group in groups])
+    strays = Visits(swings.start[long], swings.end[long]).strays(force)
+    return float(percentiles_of(norms(strays), _STRAYS))
 
 
 def _drift(time: Ints, level: Floats) -> float | None:
-    """Return the slope of levels, N a minute: between the median swings of both halves."""
-    span_s = float(time[-1] - time[0]) / 1e9
-    if span_s < _DRIFT_S or len(time) < 2 * _KNOT_VISITS:
+    """Return the slope of levels, N a minute, from their first third to their last."""
+    if time[-1] - time[0] < _DRIFT_S * 1e9 or len(time) < _FEWEST_FOR_DRIFT:
         return None
-    minutes = (time - time[0]) / 6e10
     third = len(time) // 3
-    rise = median_of(level[-third:]) - median_of(level[:third])
-    return float(rise / (median_of(minutes[-third:]) - median_of(minutes[:third])))
+    minutes = (time - time[0]) / 6e10
+    rise, run = (median_of(each[-third:]) - median_of(each[:third]) for each in (level, minutes))
+    return float(rise / run)
+
+
+def load_axis(force: Floats) -> Floats:
+    """(3,) unit vector along which the force varies most; lone spikes do not count."""
+    low, high = percentiles_of(force, [1.0, 99.0], axis=0)
+    axis: Floats = np.linalg.eigh(np.cov(np.clip(force, low, high).T))[1][:, -1]
+    return axis if axis[np.abs(axis).argmax()] > 0.0 else -axis
+
+
+def without_spikes(values: Floats) -> Floats:
+    """(n,): the median of each value and its two neighbours."""
+    padded = np.concatenate([values[:1], values, values[-1:]])
+    return np.asarray(median_of(np.stack([padded[:-2], padded[1:-1], padded[2:]]), axis=0))
+
+
+def rolling_median(values: Floats, width: int) -> Floats:
+    """(v, k): the median of each row and its neighbours, fewer at the ends."""
+    half = min(width, len(values)) // 2
+    padded = np.pad(values, ((half, half), (0, 0)), constant_values=np.nan)
+    return np.asarray(median_of_known(sliding_window_view(padded, 2 * half + 1, axis=0), axis=2))
+
+
+def run_numbers(log_time: Ints) -> Ints:
+    """(n,): samples with the same number have no silence between them."""
+    steps = np.diff(log_time, prepend=log_time[:1])
+    return np.cumsum(steps > max(5.0 * median_of(steps[1:]), 5e7))
+
+
+def noisiest_sd(residual: Floats) -> float:
+    """Return the standard deviation of the noisiest component, N, of (m, 3) N; robust."""
+    return _NORMAL_SD * float(median_of(np.abs(residual), axis=0).max())

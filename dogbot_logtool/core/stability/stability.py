@@ -11,39 +11,46 @@ from dogbot_logtool.core.contact.foot_history import FootHistory
 from dogbot_logtool.core.contact.track import POINT_RATE_HZ
 from dogbot_logtool.core.geometry import timespans
 from dogbot_logtool.core.geometry.aggregates import Aggregate, aggregate
-from dogbot_logtool.core.geometry.arrays import Flags, Floats, Ints
+from dogbot_logtool.core.geometry.arrays import Flags, Floats, Ints, nearest_rows
+from dogbot_logtool.core.geometry.blocks import concatenated
 from dogbot_logtool.core.geometry.clock import first_at_each_tick
 from dogbot_logtool.core.geometry.rotations import along_heading
 from dogbot_logtool.core.geometry.support_polygon import (
     NEAR_NS,
+    Hulls,
     centre_of_pressure,
     hulls,
-    margin_in_hull,
+    margin_in,
 )
 from dogbot_logtool.dataclass import dataclass
 
 FEWEST_FEET: Final = 3
 """Feet that span a polygon."""
+AT_BASE: Final = (0.0, 0.0, 0.0)
+"""m, a centre of mass at the base's frame."""
 _CHUNK_NUMBERS: Final = 500_000
 """Pairs of feet, times instants, that are looked at in one go."""
 
 
 @dataclass(frozen=True, slots=True)
 class Stability:
-    """Figures at up to 100 Hz over the time in which the base and all feet down are known."""
+    """Figures at up to 100 Hz over the time in which the base and all feet down are known.
+
+    Of all the time, what is stable, unstable, undefined and unknown adds up to 1.
+    """
 
     static_margin_m: Aggregate | None
     """m, signed distance of the body's ground projection to the support polygon's edge, positive
     inside (McGhee and Frank 1968)."""
     energy_margin_m: Aggregate | None
-    """m, see `energy_margin_m`; None where the body's height over the feet is not known."""
+    """m, see `energy_margin_in`; None where the body's height over the feet is not known."""
     unknown_fraction: float
-    """Share of the log's time in which the base, or whether and where a foot stands, is not known;
-    the other figures leave it out."""
+    """Share of the time in which the base, or whether and where a foot stands, is not known; the
+    other figures leave it out."""
     undefined_fraction: float | None
-    """Share of instants with fewer than three feet down: no polygon. None where all is unknown."""
+    """Share of the time with fewer than three feet down: no polygon. None where all is unknown."""
     unstable_fraction: float | None
-    """Share of the instants with a polygon whose margin is negative."""
+    """Share of the time with a polygon whose margin is negative; None without a margin."""
     pressure_forward_m: Aggregate | None
     """m, centre of pressure ahead of the base."""
     pressure_left_m: Aggregate | None
@@ -54,6 +61,25 @@ class Stability:
     """(b,) m, the least margin in each of them."""
 
 
+@dataclass(frozen=True, slots=True)
+class _Instants:
+    """Base and feet at n instants."""
+
+    time: Ints
+    """(n,) ns."""
+    placed: Flags
+    """(n,) whether the base and every foot that is down have a known place."""
+    margin: Floats
+    """(n,) m, static margin; NaN without a polygon, and where not all is placed."""
+    energy: Floats
+    """(n,) m, energy margin, likewise."""
+    polygon: Flags
+    """(n,) whether all is placed, and enough feet are down."""
+    ahead: Floats
+    """(n,) m, centre of pressure ahead of the base; NaN where not known; also `left`."""
+    left: Floats
+
+
 def stability(
     feet: Sequence[FootHistory],
     base: BaseHistory,
@@ -61,7 +87,7 @@ def stability(
     *,
     vertical_known: bool,
     height_known: bool = True,
-    com_offset_m: Sequence[float] = (0.0, 0.0, 0.0),
+    com_offset_m: Sequence[float] = AT_BASE,
     within: Ints | None = None,
 ) -> Stability | None:
     """Measure static stability; None where feet and base have no time in common.
@@ -75,34 +101,33 @@ def stability(
         com_offset_m: m, the centre of mass from the base's frame, in its axes.
         within: (w, 2) ns, a part of the log; None: all of it.
     """
-    known = _common_time(feet, base)
     extent = _extent(feet, base) if within is None else within
-    known = timespans.intersect([known, extent])
-    instants = _instants(feet, base, known)
-    if not len(instants):
+    known = timespans.intersect([_common_time(feet, base), extent])
+    found = _instants(feet, base, known, forward_axis, com_offset_m)
+    if found is None:
         return None
-    offset = np.array(com_offset_m, np.float64)
-    parts = _at_all(instants, feet, base, forward_axis, offset)
-    margin, polygon, placed, ahead, left, energy = parts
-    margins = aggregate(margin[placed])
-    unstable = float((margin[polygon & placed] < 0.0).mean()) if margins else None
-    below_zero, least = _below_zero(instants, np.where(polygon & placed, margin, 0.0))
+    # Each instant speaks for the same part of the known time.
     known_share = timespans.total(known) / max(timespans.total(extent), 1)
+    unstable = found.polygon & (found.margin < 0.0)
+    margins = aggregate(found.margin)
+    below_zero, least = _below_zero(found.time, np.where(unstable, found.margin, 0.0))
     return Stability(
         static_margin_m=margins,
-        energy_margin_m=aggregate(energy[placed]) if height_known else None,
-        unknown_fraction=1.0 - known_share * float(placed.mean()),
-        undefined_fraction=float(1.0 - polygon[placed].mean()) if placed.any() else None,
-        unstable_fraction=unstable,
-        pressure_forward_m=aggregate(ahead[placed]) if vertical_known else None,
-        pressure_left_m=aggregate(left[placed]) if vertical_known else None,
+        energy_margin_m=aggregate(found.energy) if height_known else None,
+        unknown_fraction=1.0 - known_share * float(found.placed.mean()),
+        undefined_fraction=known_share * float((found.placed & ~found.polygon).mean())
+        if found.placed.any()
+        else None,
+        unstable_fraction=known_share * float(unstable.mean()) if margins else None,
+        pressure_forward_m=aggregate(found.ahead) if vertical_known else None,
+        pressure_left_m=aggregate(found.left) if vertical_known else None,
         below_zero=below_zero,
         least_margin_m=least,
     )
 
 
 def margins(
-    feet: Sequence[FootHistory], base: BaseHistory, com_offset_m: Sequence[float] = (0.0, 0.0, 0.0)
+    feet: Sequence[FootHistory], base: BaseHistory, com_offset_m: Sequence[float] = AT_BASE
 ) -> tuple[Ints, Floats]:
     """Return the static margin at up to 100 Hz, over the time in which base and feet are known.
 
@@ -114,31 +139,8 @@ def margins(
     Returns:
         (n,) ns and (n,) m, NaN where there is no polygon, or some foot's place is not known.
     """
-    instants = _instants(feet, base, _common_time(feet, base))
-    if not len(instants):
-        return instants, np.empty(0)
-    offset = np.array(com_offset_m, np.float64)
-    margin, polygon, placed, *_ = _at_all(instants, feet, base, "+x", offset)
-    return instants, np.where(polygon & placed, margin, np.nan)
-
-
-def _at_all(
-    instants: Ints,
-    feet: Sequence[FootHistory],
-    base: BaseHistory,
-    forward_axis: str,
-    com_offset_m: Floats,
-) -> tuple[Floats, Flags, Flags, Floats, Floats, Floats]:
-    """Measure at instants, a part at a time; see `_at`."""
-    chunk = max(_CHUNK_NUMBERS // max(len(feet), 1) ** 2, 1)
-    parts = [
-        _at(instants[start : start + chunk], feet, base, forward_axis, com_offset_m)
-        for start in range(0, len(instants), chunk)
-    ]
-    margin, polygon, placed, ahead, left, energy = (
-        np.concatenate(column) for column in zip(*parts, strict=True)
-    )
-    return margin, polygon, placed, ahead, left, energy
+    found = _instants(feet, base, _common_time(feet, base), "+x", com_offset_m)
+    return (np.empty(0, np.int64), np.empty(0)) if found is None else (found.time, found.margin)
 
 
 def _below_zero(instants: Ints, margin: Floats) -> tuple[Ints, Floats]:
@@ -147,8 +149,7 @@ def _below_zero(instants: Ints, margin: Floats) -> tuple[Ints, Floats]:
     An instant speaks for the time until the next one, if that is near.
     """
     near = np.diff(instants) <= 2 * NEAR_NS
-    held = (margin[:-1] < 0.0) & near
-    spans = timespans.spans_where(instants, held)
+    spans = timespans.spans_where(instants, (margin[:-1] < 0.0) & near)
     rows = np.searchsorted(instants, spans)
     least = [margin[first:last].min() for first, last in rows.tolist()]
     return spans, np.array(least, np.float64)
@@ -166,45 +167,53 @@ def _extent(feet: Sequence[FootHistory], base: BaseHistory) -> Ints:
     return np.array([[min(times), max(times)]] if times else [], np.int64).reshape(-1, 2)
 
 
-def _instants(feet: Sequence[FootHistory], base: BaseHistory, known: Ints) -> Ints:
-    """(n,) ns: up to `POINT_RATE_HZ` samples a second of the first foot, where all is known."""
-    if not feet or len(base.time) == 0:
-        return np.empty(0, np.int64)
-    return instants_of(feet[0], known)
-
-
 def instants_of(foot: FootHistory, known: Ints) -> Ints:
     """(n,) ns: up to `POINT_RATE_HZ` samples a second of a foot, in spans, (k, 2) ns."""
     time = foot.track.time[timespans.covers(known, foot.track.time)]
     return time[first_at_each_tick(time, POINT_RATE_HZ, None)]
 
 
-def _at(
-    instants: Ints,
+def _instants(
     feet: Sequence[FootHistory],
     base: BaseHistory,
+    known: Ints,
     forward_axis: str,
-    com_offset_m: Floats,
-) -> tuple[Floats, Flags, Flags, Floats, Floats, Floats]:
-    """Measure at some instants.
+    com_offset_m: Sequence[float],
+) -> _Instants | None:
+    """Measure at the first foot's samples in the known time; None without any."""
+    time = instants_of(feet[0], known) if feet and len(base.time) else np.empty(0, np.int64)
+    chunk = max(_CHUNK_NUMBERS // max(len(feet), 1) ** 2, 1)
+    parts = [
+        _at(time[start : start + chunk], feet, base, FORWARD_ANGLES[forward_axis], com_offset_m)
+        for start in range(0, len(time), chunk)
+    ]
+    return concatenated(parts) if parts else None
 
-    Returns:
-        (n,) m, margin; whether there is a polygon; whether the base and every foot that is down
-        have a known place; m, centre of pressure ahead and to the left of the base; m, energy
-        margin.
-    """
-    place = base.position_at(instants)[:, :2]
-    body = base.point_at(instants, com_offset_m)
-    heading = base.angles_at(instants)[:, 2] + FORWARD_ANGLES[forward_axis]
-    points, load = feet_down(instants, feet)
-    standing = np.isfinite(points[:, :, 0])
-    down = np.stack([timespans.covers(foot.in_contact, instants) for foot in feet], axis=1)
+
+def _at(
+    time: Ints,
+    feet: Sequence[FootHistory],
+    base: BaseHistory,
+    forward_rad: float,
+    com_offset_m: Sequence[float],
+) -> _Instants:
+    """Measure at some instants, (n,) ns."""
+    body = base.point_at(time, np.array(com_offset_m, np.float64))
+    points, load = feet_down(time, feet)
+    hull, standing = hulls(points[:, :, :2]), np.isfinite(points[:, :, 0])
+    down = np.stack([timespans.covers(foot.in_contact, time) for foot in feet], axis=1)
     placed = (standing == down).all(axis=1) & np.isfinite(body[:, 0])
-    polygon = (standing.sum(axis=1) >= FEWEST_FEET) & np.isfinite(body[:, 0])
-    margin = margin_in_hull(points[:, :, :2], body[:, :2])
-    pressure = centre_of_pressure(points[:, :, :2], load)
-    ahead, left = along_heading(pressure - place, heading)
-    return margin, polygon, placed, ahead, left, energy_margin_m(points, body)
+    pressure = centre_of_pressure(points[:, :, :2], load) - base.position_at(time)[:, :2]
+    ahead, left = along_heading(pressure, base.angles_at(time)[:, 2] + forward_rad)
+    return _Instants(
+        time,
+        placed,
+        np.where(placed, margin_in(hull, body[:, :2]), np.nan),
+        np.where(placed, energy_margin_in(hull, points, body), np.nan),
+        placed & (standing.sum(axis=1) >= FEWEST_FEET),
+        np.where(placed, ahead, np.nan),
+        np.where(placed, left, np.nan),
+    )
 
 
 def feet_down(instants: Ints, feet: Sequence[FootHistory]) -> tuple[Floats, Floats]:
@@ -227,26 +236,17 @@ def feet_down(instants: Ints, feet: Sequence[FootHistory]) -> tuple[Floats, Floa
         time, point = track.contact_points
         if not len(time):
             continue
-        row, near = _nearest(time, instants)
-        points[down & near, column] = point[row[down & near]]
-        row, measured = _nearest(track.time, instants)
-        vertical = np.maximum(np.nan_to_num(track.vertical_force[row]), 0.0)
-        load[:, column] = np.where(down & near & measured, vertical, 0.0)
+        row = nearest_rows(time, instants)
+        near = down & (np.abs(time[row] - instants) <= NEAR_NS)
+        points[near, column] = point[row[near]]
+        row = nearest_rows(track.time, instants)
+        near &= np.abs(track.time[row] - instants) <= NEAR_NS
+        load[near, column] = np.maximum(np.nan_to_num(track.vertical_force[row[near]]), 0.0)
     return points, load
 
 
-def _nearest(time: Ints, instants: Ints) -> tuple[Ints, Flags]:
-    """(n,) row nearest to each instant, and whether it is near enough."""
-    after = np.minimum(np.searchsorted(time, instants), len(time) - 1)
-    before = np.maximum(after - 1, 0)
-    later = np.abs(time[after] - instants) < np.abs(time[before] - instants)
-    row = np.where(later, after, before)
-    near: Flags = np.abs(time[row] - instants) <= NEAR_NS
-    return row, near
-
-
 @np.errstate(over="ignore", invalid="ignore")
-def energy_margin_m(points: Floats, body: Floats) -> Floats:
+def energy_margin_in(hull: Hulls, points: Floats, body: Floats) -> Floats:
     """Return the energy stability margin over the weight.
 
     The robot tips over an edge of its support polygon when its centre of gravity turns about that
@@ -256,13 +256,13 @@ def energy_margin_m(points: Floats, body: Floats) -> Floats:
     ground (Messuri and Klein 1985, IEEE J. Robotics and Automation 1:132, as a height).
 
     Args:
+        hull: of the feet seen from above.
         points: (n, feet, 3) m, where feet stand; NaN where a foot is not down.
         body: (n, 3) m, the centre of gravity, in the same world.
 
     Returns:
         (n,) m; NaN where the points span no area, or the body's ground projection is outside.
     """
-    hull = hulls(points[:, :, :2])
     lowest = np.full(len(body), np.inf)
     inside = hull.area.copy()
     for first, second in np.argwhere(hull.edge.any(axis=2)).tolist():

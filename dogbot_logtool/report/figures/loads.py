@@ -258,22 +258,21 @@ STABILITY: Final[Sequence[Figure[Stability]]] = (
         "unknown_fraction",
         Kind.FRACTION,
         lambda found: found.unknown_fraction,
-        "share of the log's time in which the base, or whether and where a foot stands, is not "
-        "known; the other figures leave it out",
+        "share of the time in which the base, or whether and where a foot stands, is not known",
     ),
     Figure(
         "undefined_fraction",
         Kind.FRACTION,
         lambda found: found.undefined_fraction,
-        "share of the instants with fewer than three feet down: no polygon",
-        null="there are no instants",
+        "share of the time with fewer than three feet down: no polygon",
+        null="the base and the feet are never known together",
     ),
     Figure(
         "unstable_fraction",
         Kind.FRACTION,
         lambda found: found.unstable_fraction,
-        "share of the instants with a polygon whose margin is negative",
-        null="there is no instant with a polygon",
+        "share of the time with a polygon whose margin is negative; what is left of 1 is stable",
+        null="there is never a polygon",
     ),
     Figure(
         "centre_of_pressure_forward_m",
@@ -291,4 +290,4 @@ STABILITY: Final[Sequence[Figure[Stability]]] = (
         null=_NO_PRESSURE,
     ),
 )
-"""Figures of stability, at 25 instants a second over the time known to all feet and the base."""
+"""Figures of stability, at up to 100 Hz over the time known to all feet and the base."""

@@ -64,7 +64,7 @@ def foot(corner: Sequence[float], phase: float, seconds: float, turn_radps: floa
     point = np.column_stack([x, y, np.zeros_like(x)])
     point[cycle % 1.0 >= DUTY] = np.nan
     none = np.zeros_like(time)
-    return foot_track(ns(time), none, none, point, np.inf)
+    return foot_track(ns(time), none, none, np.zeros((len(time), 2)), point, np.inf)
 
 
 def feet(seconds: float = 20.0, turn_radps: float = 0.0) -> list[FootTrack]:

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from dogbot_logtool.core.contact.loaded_way import loaded_ways, quick_ways
+from dogbot_logtool.core.contact.contact_way import loaded_ways, quick_ways
 
 
 def test_a_jump_without_load_is_no_way() -> None:

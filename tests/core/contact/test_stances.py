@@ -94,18 +94,6 @@ def test_an_impact_stands_out_of_the_stance() -> None:
     assert figures(stance(force, 0.04))["impact_ratio"] == pytest.approx(3.0)
 
 
-def test_the_longest_run_at_the_peak_is_counted() -> None:
-    row = figures(stance(np.array([0.0, 90.0, 40.0, 70.0, 90.0, 90.0, 60.0, 90.0, 0.0]), 0.01))
-    assert (row["peak_samples"], row["peak_rise_n"]) == (2.0, 50.0)
-    assert row["resolution_n"] == 10.0
-
-
-def test_a_constant_force_has_no_resolution() -> None:
-    row = figures(stance(np.array([0.0, 90.0, 90.0, 90.0, 0.0]), 0.01))
-    assert (row["peak_samples"], row["peak_rise_n"]) == (3.0, 90.0)
-    assert row["resolution_n"] == np.inf
-
-
 def test_an_unknown_direction_leaves_only_the_magnitude() -> None:
     samples = stance(np.array([0.0, 50.0, 60.0, 0.0]), 0.01)
     samples = samples._replace(vertical=np.array([0.0, 50.0, np.nan, 0.0]))

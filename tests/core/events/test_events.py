@@ -10,9 +10,10 @@ from dogbot_logtool.core.events.event import STEPS, Event, EventType
 from dogbot_logtool.core.events.events import find_events
 from dogbot_logtool.core.events.steps import early_touchdowns
 from dogbot_logtool.core.statistics import Stats
+from tests.analysed import with_learnt_sensors
 from tests.truth import gaits, planted, scenes, time_faults, world_faults
 from tests.truth import sensor_faults as sensor
-from tests.truth.core_columns import measure, stats_settings
+from tests.truth.core_columns import foot_samples, measure, stats_settings
 from tests.truth.recording import Disturbance, Recording, disturbed
 from tests.truth.robots import biped, hexapod, quadruped
 from tests.truth.scenes import Scene
@@ -267,9 +268,11 @@ def test_tipping_is_found_where_the_recording_ends() -> None:
 def test_a_sensor_at_fault_is_found(fault: Disturbance, code: str) -> None:
     if code == "W_STUCK":
         fault = both(fault, always_touching)
-    found = [
-        e for _, e in odd_events(walk(fault, traction=0.0)) if e.type is EventType.SENSOR_FAULT
-    ]
+    recording = walk(fault, traction=0.0)
+    samples = [foot_samples(recording, foot) for foot in range(4)]
+    stats = measure(recording, with_learnt_sensors(stats_settings(recording), samples))
+    events = odd_events(recording, stats)
+    found = [each for _, each in events if each.type is EventType.SENSOR_FAULT]
     assert {each.code for each in found} == {code}
 
 

@@ -11,6 +11,7 @@ from dogbot_logtool.core.gait.cycle_curves import (
     force_curves,
     fore_aft_impulses,
     forward_forces,
+    stance_headings,
 )
 from dogbot_logtool.core.gait.strides import strides_of
 from dogbot_logtool.core.geometry import timespans
@@ -50,12 +51,15 @@ def walking_foot(yaw: float, lateral_n: float = 0.0, *, world: bool = True) -> F
     return foot(TIME, np.where((stance < 1.0)[:, None], force, 0.0), world=world)
 
 
+def headings(record: FootHistory, base: BaseHistory, axis: str = "+x") -> Floats:
+    return stance_headings(record.stances, base, axis)
+
+
 @pytest.mark.parametrize("yaw", [0.0, 0.7, 2.5, -1.6])
 @pytest.mark.parametrize("lateral_n", [0.0, 40.0])
 def test_braking_and_propulsion_are_the_halves_of_a_sine(yaw: float, lateral_n: float) -> None:
     record = walking_foot(yaw, lateral_n)
-    forward = forward_forces(record, heading_base(yaw), "+x")
-    found = fore_aft_impulses(forward, record.stances)
+    found = fore_aft_impulses(record, headings(record, heading_base(yaw)))
     whole = record.stances.whole
     # The integral of a half sine is 2 / pi of its height times its duration.
     expected = 2.0 / np.pi * FORE_AFT_N * STANCE_S / 2.0
@@ -65,9 +69,11 @@ def test_braking_and_propulsion_are_the_halves_of_a_sine(yaw: float, lateral_n: 
 
 def test_the_forward_axis_is_the_robots_own() -> None:
     record = walking_foot(np.pi / 2.0)
-    expected = forward_forces(record, heading_base(np.pi / 2.0), "+x")
-    assert forward_forces(record, heading_base(0.0), "+y") == pytest.approx(expected, abs=1e-9)
-    backwards = forward_forces(record, heading_base(0.0), "-y")
+    expected = forward_forces(record, headings(record, heading_base(np.pi / 2.0), "+x"))
+    assert forward_forces(record, headings(record, heading_base(0.0), "+y")) == pytest.approx(
+        expected, abs=1e-9
+    )
+    backwards = forward_forces(record, headings(record, heading_base(0.0), "-y"))
     assert backwards == pytest.approx(-expected, abs=1e-9)
 
 
@@ -84,9 +90,9 @@ def test_without_heading_or_direction_nothing_is_known() -> None:
     record = walking_foot(0.0)
     early = heading_base(0.0, TIME[TIME < 2.0])
     late = record.stances.touchdown > 4_000_000_000
-    assert np.isnan(forward_forces(record, early, "+x")[late]).all()
+    assert np.isnan(forward_forces(record, headings(record, early, "+x"))[late]).all()
     hidden = walking_foot(0.0, world=False)
-    forward = forward_forces(hidden, heading_base(0.0), "+x")
+    forward = forward_forces(hidden, headings(hidden, heading_base(0.0), "+x"))
     strides = strides_of(hidden.stances, hidden.gaps, timespans.no_spans())[0]
     curves = force_curves(hidden.stance_forces[:, 2], forward, strides)
     assert (curves.vertical_over_stride, curves.forward_over_stride) == (None, None)
@@ -99,7 +105,7 @@ def value_at(curve: CycleCurve | None, percent: float) -> float:
 
 def test_curves_follow_the_force_over_the_stride() -> None:
     record = walking_foot(0.4)
-    forward = forward_forces(record, heading_base(0.4), "+x")
+    forward = forward_forces(record, headings(record, heading_base(0.4), "+x"))
     strides = strides_of(record.stances, record.gaps, timespans.no_spans())[0]
     curves = force_curves(record.stance_forces[:, 2], forward, strides)
     # Contact begins where the force reaches the threshold.
@@ -120,7 +126,7 @@ def test_quartiles_are_those_of_the_strides() -> None:
     stance = stance_phase(TIME, 0.0)
     heavier = 1.0 + 0.2 * (np.floor((TIME - 0.002) / PERIOD_S) % 2.0)
     record = foot(TIME, np.where(stance < 1.0, heavier * TOP_N * np.sin(np.pi * stance), 0.0))
-    forward = forward_forces(record, heading_base(0.0), "+x")
+    forward = forward_forces(record, headings(record, heading_base(0.0), "+x"))
     strides = strides_of(record.stances, record.gaps, timespans.no_spans())[0]
     curve = force_curves(record.stance_forces[:, 2], forward, strides).vertical_over_stride
     assert curve is not None

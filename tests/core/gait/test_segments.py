@@ -10,7 +10,6 @@ from dogbot_logtool.core.gait.segments import (
     FootEvents,
     GaitInput,
     Segment,
-    _StrideKinds,
     find_segments,
     transition_strides,
 )
@@ -153,26 +152,3 @@ def test_a_stride_that_is_split_in_two_does_not_cut_and_is_left_out() -> None:
 def test_two_strides_of_another_gait_between_are_a_segment() -> None:
     walked = gait([(WALK, 8, 1.0, 0.7), (PRONK, 3, 1.0, 0.7), (WALK, 8, 1.0, 0.7)])
     assert names(find_segments(walked)) == ["walk", "pronk", "walk"]
-
-
-@pytest.mark.parametrize(
-    ("between_s", "same", "brief"),
-    [
-        ([1.5, 1.5], True, True),
-        ([1.6, 1.6], True, False),
-        ([1.7, 1.7], True, False),
-        ([1.5, 1.5], False, False),
-    ],
-)
-def test_less_than_two_of_the_shortest_strides_of_a_gait_are_brief(
-    between_s: list[float], *, same: bool, brief: bool
-) -> None:
-    """Two strides of a gait of 2 s last at least 3.2 s, a fifth less than that."""
-    period = [2.0, 2.0, *between_s, 2.0, 2.0]
-    end = np.round(np.cumsum(period) * S).astype(np.int64)
-    touchdown = np.concatenate([[0], end[:-1]])
-    distances = np.tile([0.0, 1.0], (6, 1))
-    if not same:
-        distances[4:] = [1.0, 0.0]
-    kinds = _StrideKinds(distances, Strides(np.arange(6), touchdown, touchdown, end))
-    assert kinds.is_brief((0, 2), (4, 6)) is brief

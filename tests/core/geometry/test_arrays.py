@@ -3,7 +3,13 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from dogbot_logtool.core.geometry.arrays import all_finite, dots, rows_by_group, stable_order
+from dogbot_logtool.core.geometry.arrays import (
+    all_finite,
+    dots,
+    nearest_rows,
+    rows_by_group,
+    stable_order,
+)
 
 
 @pytest.mark.parametrize("highest", [0, 5, (1 << 16) - 1, 1 << 16, 1 << 40])
@@ -39,3 +45,10 @@ def test_a_row_is_finite_when_all_its_numbers_are() -> None:
 def test_scalar_products_are_added_up_row_by_row() -> None:
     first, second = np.array([[1.0, 2.0, 3.0], [0.0, 0.0, 1e200]]), np.array([[4.0, -5.0, 6.0]] * 2)
     assert dots(first, second).tolist() == [12.0, 6e200]
+
+
+def test_the_nearest_row_is_found_between_and_beyond_all_rows() -> None:
+    time = np.array([0, 10, 30], np.int64)
+    at = np.array([-11, 4, 5, 6, 19, 21, 29, 41], np.int64)
+    assert nearest_rows(time, at).tolist() == [0, 0, 0, 1, 1, 2, 2, 2]
+    assert set(nearest_rows(time[:1], at).tolist()) == {0}

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from dogbot_logtool.core.geometry.arrays import Floats
-from dogbot_logtool.core.sensors.sensor_level import SensorLevel, estimate_level, visit_s
-from dogbot_logtool.core.sensors.sensor_modes import ALTERNATE, Visits
+from dogbot_logtool.core.sensors.sensor_level import SensorLevel, estimate_level
+from dogbot_logtool.core.sensors.sensor_modes import ALTERNATE
 from tests.core.contact.feet_forces import FootForces, walking_foot
 
 NOISE_N = 5.0
@@ -185,10 +185,3 @@ def test_two_loads_that_alternate_keep_what_they_may_be() -> None:
     assert level.reason == ALTERNATE
     assert level.alternative is not None
     assert level.alternative.offset_n[2] == pytest.approx(0.4 * float(foot.load.max()), abs=1.5)
-
-
-def test_a_usual_swing_lasts_longer_than_its_middle() -> None:
-    """Visits are 20 to 80 % of swings: 0.5, 0.6 and 0.7 s here, from first to last sample."""
-    time = 10**15 + np.arange(300, dtype=np.int64) * 10_000_000
-    visits = Visits(np.array([10, 100, 200]), np.array([61, 161, 271]))
-    assert visit_s(visits, time) == pytest.approx(1.0, rel=1e-12)

@@ -5,7 +5,7 @@ import pytest
 
 from dogbot_logtool.core.geometry.arrays import Floats, Ints
 from dogbot_logtool.core.sensors.sensor_level import SensorLevel, estimate_level
-from dogbot_logtool.core.sensors.swing_levels import follow_level, knots_of
+from dogbot_logtool.core.sensors.swing_levels import follow_level
 
 RATE_HZ = 200.0
 PERIOD_S, DUTY, LOAD_N = 0.8, 0.6, 100.0
@@ -52,7 +52,7 @@ def test_a_sensor_that_is_zeroed(at_s: float, step_n: float, below: bool) -> Non
     sign = -1.0 if below else 1.0
     assert level.moved_n == pytest.approx(abs(step_n), abs=1.5)
     assert level.drift_n_per_min is None
-    assert level.loaded_n == pytest.approx(LOAD_N * 0.85, rel=0.1)
+    assert level.loaded_n == pytest.approx(LOAD_N * 0.9, rel=0.1)
     at = np.array([5.0, 9.0, 12.0, 18.0])
     read = level.offset_at(np.round(at * 1e9).astype(np.int64))[:, 2]
     assert sign * read == pytest.approx([0.0, 0.0, step_n, step_n], abs=1.0)
@@ -61,7 +61,9 @@ def test_a_sensor_that_is_zeroed(at_s: float, step_n: float, below: bool) -> Non
 def test_a_step_is_where_it_is_seen() -> None:
     time, force = walked(20.0)
     _, level = followed(time, force + np.outer(time >= 10.6, (0.0, 0.0, -60.0)))
-    assert level.knots[1:3].tolist() == [10_595_000_000, 10_600_000_000]
+    at: Ints = np.array([10_595_000_000, 10_600_000_000], np.int64)
+    assert np.isin(at, level.knots).all()
+    assert level.offset_at(at)[:, 2] == pytest.approx([0.0, -60.0], abs=1.0)
 
 
 def test_a_sensor_that_warms_up() -> None:
@@ -77,11 +79,3 @@ def test_what_is_not_known_is_not_followed() -> None:
     level, same = followed(np.arange(4000) / RATE_HZ, np.full((4000, 3), 50.0))
     assert level.reason
     assert same is level
-
-
-def test_knots_keep_a_level_as_long_as_it_stays() -> None:
-    time: Ints = np.arange(8, dtype=np.int64)
-    levels = np.outer([1.0, 1.2, 0.9, 5.0, 5.1, 5.0, 5.2, 4.9], (0.0, 0.0, 1.0))
-    knots, offset = knots_of(time, levels, np.array([0.0, 0.0, 1.0]), 0.5)
-    assert knots.tolist() == [0, 2, 3, 7]
-    assert offset[:, 2] == pytest.approx([1.0, 1.0, 5.0, 5.0])

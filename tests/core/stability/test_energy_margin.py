@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from dogbot_logtool.core.geometry.arrays import Floats
-from dogbot_logtool.core.stability.stability import energy_margin_m
+from dogbot_logtool.core.geometry.support_polygon import hulls
+from dogbot_logtool.core.stability.stability import energy_margin_in
 
 FEET = np.array([[0.3, 0.15, 0.0], [0.3, -0.15, 0.0], [-0.3, 0.15, 0.0], [-0.3, -0.15, 0.0]])
 BODY = np.array([0.05, 0.02, 0.4])
@@ -37,7 +38,7 @@ def test_the_least_rise_over_an_edge(
     body = turned(BODY[None], np.array(lean), slope_rad)[0]
     points = np.full((1, 4, 3), np.nan)
     points[0, list(feet)] = standing[list(feet)]
-    found = float(energy_margin_m(points, body[None])[0])
+    found = float(energy_margin_in(hulls(points[:, :, :2]), points, body[None])[0])
     around = {(0, 1, 2, 3): [0, 1, 3, 2], (0, 1, 2): [0, 1, 2]}[feet]
     corner = standing[around]
     edge, away = np.roll(corner, -1, axis=0) - corner, body - corner
@@ -50,5 +51,5 @@ def test_the_least_rise_over_an_edge(
 
 def test_nothing_outside_and_without_an_area() -> None:
     outside = np.array([[0.5, 0.0, 0.4]])
-    assert np.isnan(energy_margin_m(FEET[None], outside)).all()
-    assert np.isnan(energy_margin_m(FEET[None, :2], BODY[None])).all()
+    assert np.isnan(energy_margin_in(hulls(FEET[None, :, :2]), FEET[None], outside)).all()
+    assert np.isnan(energy_margin_in(hulls(FEET[None, :2, :2]), FEET[None, :2], BODY[None])).all()

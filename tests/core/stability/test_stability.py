@@ -14,7 +14,6 @@ from dogbot_logtool.core.geometry.support_polygon import NEAR_NS
 from dogbot_logtool.core.stability.stability import (
     Stability,
     _below_zero,
-    _nearest,
     stability,
 )
 from tests.core.load.feet import TROT, WEIGHT_N, foot, seconds, vertical
@@ -77,6 +76,7 @@ def test_two_feet_down_are_undefined_not_unknown() -> None:
     """Each pair of a trot is down for 0.6 of the stride, so both are for 0.2 of it."""
     found = robot(TROTTING)
     assert found.undefined_fraction == pytest.approx(0.8, abs=0.03)
+    assert found.unstable_fraction == 0.0
     assert found.unknown_fraction == pytest.approx(0.0, abs=0.01)
 
 
@@ -99,13 +99,3 @@ def test_an_instant_speaks_until_the_next_one_if_that_is_near() -> None:
     spans, least = _below_zero(instants, np.array([0.1, -0.2, -0.3, -0.1, 0.2]))
     assert spans.tolist() == [instants[1:3].tolist(), instants[3:].tolist()]
     assert least.tolist() == [-0.2, -0.1]
-
-
-def test_the_nearest_row_is_found_between_and_beyond_all_rows() -> None:
-    time = np.array([0, 10, 30], np.int64) * (NEAR_NS // 10)
-    instants = np.array([-10, -11, 4, 6, 19, 21, 29, 40, 41], np.int64) * (NEAR_NS // 10)
-    row, near = _nearest(time, instants)
-    assert row.tolist() == [0, 0, 0, 1, 1, 2, 2, 2, 2]
-    assert near.tolist() == [True, False, True, True, True, True, True, True, False]
-    row, near = _nearest(time[:1], instants)
-    assert set(row.tolist()) == {0}
