@@ -76,7 +76,7 @@ class FootHistory:
     """Load over time; None unless asked for, and where forces are not known."""
     stopped: Ints = field(default_factory=timespans.no_spans)
     """(s, 2) ns, gaps in which the sensor speaks, but has stopped to feel the foot."""
-    row: Ints = field(default_factory=lambda: np.empty(0, np.int32))
+    row: Ints = field(default_factory=lambda: np.empty(0, np.int64))
     """(n,) the sample of the recording that each sample of `track` is."""
     log_time: Ints = field(default_factory=lambda: np.empty(0, np.int64))
     """(n,) ns, when those were recorded."""
@@ -221,7 +221,7 @@ def _signal(
     finite = np.isfinite(force)
     usable = finite & (time != 0) if clock is TimeSource.HEADER else finite.copy()
     usable[usable] = advancing(time[usable], None)
-    row = np.flatnonzero(usable).astype(np.int32)
+    row = np.flatnonzero(usable)
     counts = int((~finite).sum()), int((finite & ~usable).sum())
     if not usable.all():
         samples, time, force = samples.pick(usable), time[usable], force[usable]
