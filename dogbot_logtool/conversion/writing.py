@@ -1,6 +1,7 @@
 """The second pass: spans of chunks are copied and annotated, by any worker, in any order."""
 
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import field
 
 import numpy as np
 
@@ -134,6 +135,25 @@ def _records(channel: int, payloads: Sequence[bytes], log_time: Ints) -> Message
     )
 
 
+@dataclass(frozen=True, slots=True)
+class _FreeTopics:
+    """Finds topics that carry no other type or encoding."""
+
+    taken: Mapping[str, tuple[str, str]]
+    """Type and encoding of the recorded topics that are copied."""
+    moved: dict[str, str] = field(default_factory=dict)
+    """New names of topics of ours, by their own."""
+
+    def __call__(self, topic: str, kind: MessageType) -> str:
+        """Return a topic for messages of a type."""
+        name, ours = topic, (short_type_name(kind.name), kind.message_encoding)
+        while self.taken.get(name, ours) != ours:
+            name = FALLBACK_PREFIX + name
+        if name != topic:
+            self.moved[topic] = name
+        return name
+
+
 def annotations_of(log: Log, plan: ConversionPlan) -> tuple[Annotations, Mapping[str, str]]:
     """Return the annotation channels of a log's output.
 
@@ -142,21 +162,13 @@ def annotations_of(log: Log, plan: ConversionPlan) -> tuple[Annotations, Mapping
     """
     options, robot = plan.options, plan.selection.robot
     copied = log.channels.values() if options.copy else ()
-    taken = {channel.topic: channel for channel in copied if channel.id not in plan.left_out}
-    moved: dict[str, str] = {}
-
-    def resolve_topic(topic: str, kind: MessageType) -> str:
-        """Return a topic that carries no other type or encoding."""
-        name = topic
-        while (existing := taken.get(name)) is not None:
-            ours = short_type_name(kind.name), kind.message_encoding
-            if (existing.type_name, existing.message_encoding) == ours:
-                break
-            name = FALLBACK_PREFIX + name
-        if name != topic:
-            moved[topic] = name
-        return name
-
+    free = _FreeTopics(
+        {
+            channel.topic: (channel.type_name, channel.message_encoding)
+            for channel in copied
+            if channel.id not in plan.left_out
+        }
+    )
     profile = plan.encoding.profile or (log.profile if options.copy else "")
     description, fixed = plan.description, plan.style.shaft_diameter_m
     # At a low rate, support lasts until the next message.
@@ -177,5 +189,5 @@ def annotations_of(log: Log, plan: ConversionPlan) -> tuple[Annotations, Mapping
     # Chunks that are copied as they are may describe channels that are left out.
     schema_ids = IdSource({channel.schema.id for channel in copied if channel.schema})
     channel_ids = IdSource({channel.id for channel in copied})
-    added = AddedChannels(schema_ids, channel_ids, resolve_topic)
-    return Annotations(plan.encoding.load(), wanted, added), moved
+    added = AddedChannels(schema_ids, channel_ids, free)
+    return Annotations(plan.encoding.load(), wanted, added), free.moved

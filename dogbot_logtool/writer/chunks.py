@@ -168,7 +168,7 @@ def as_indexed(
     counts: dict[int, int] = {}
     first = 0
     while first < len(index):
-        opcode, length, channel, entries = _INDEX_HEAD.unpack_from(index, first)
+        opcode, length, channel, entries = _INDEX_HEAD.unpack_from(index.data, first)
         if opcode == Opcode.MESSAGE_INDEX and entries:
             index_offsets[channel] = first
             counts[channel] = entries // _INDEX_ENTRY.itemsize

@@ -169,13 +169,13 @@ def test_a_chunk_without_messages(tmp_path: Path, compression: Compression) -> N
     log.write_bytes(b"".join([*pieces, builder.end(), b"\x89MCAP0\r\n"]))
     conversion = convert(log, tmp_path / "out.mcap", ConvertOptions(compression=compression))
     assert (conversion.damage.exit_code, conversion.copied) == (0, 100)
-    # Besides one of every message: the robot, the first time's load (of the one foot with
-    # messages), labels, and what happened.
+    # Besides one of every message: the robot, the first time's loads (unknown of the three feet
+    # without messages), labels, and what happened.
     labels = conversion.annotations[label_topic("front_left")]
     assert 0 < labels <= 10
     events = sum(conversion.annotations[topic] for topic in ("/events", "/events/spans", "/gait"))
     written = read_written(tmp_path / "out.mcap")
-    assert len(written.messages) == 100 + 120 + 1 + 1 + labels + events
+    assert len(written.messages) == 100 + 120 + 1 + 4 + labels + events
 
 
 def test_extras_are_not_copied_without_copy(tmp_path: Path) -> None:

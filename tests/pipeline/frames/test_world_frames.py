@@ -44,8 +44,8 @@ def messages(path: Path) -> dict[str, list[tuple[int, bytes]]]:
 
 
 def counted(done: Conversion, code: str) -> int:
-    """The number after the colon in a finding's text."""
-    (text,) = {finding.text for finding in done.findings if finding.code == code}
+    """The number after the colon in the text of a note or warning."""
+    (text,) = {finding.text for finding in done.findings if finding.code[2:] == code}
     return int(text.split(": ")[1].split(";")[0].replace(",", ""))
 
 
@@ -58,7 +58,7 @@ def test_where_batches_end_changes_nothing(tmp_path: Path, monkeypatch: pytest.M
         done, target = converted(log, tmp_path, style="force", jobs=jobs)
         assert messages(target) == whole
         assert done.findings == at_once.findings
-        assert counted(done, "N_FORCES_TURNED") > 1000
+        assert counted(done, "FORCES_TURNED") > 1000
 
 
 def test_arrows_carry_the_robot_s_weight(tmp_path: Path) -> None:
@@ -138,7 +138,7 @@ def test_arrows_of_force_sensors_stand_at_their_frames_along_the_force(tmp_path:
         sample = (log_time - walks.START) // walks.STEP
         force = walks.FORCES[leg][sample]
         assert 100.0 * marker.scale.x * matrix_of(marker.pose.orientation)[:, 0] == pytest.approx(
-            force, abs=1e-6
+            force, abs=1e-5
         )
         place = walks.LEGS.index(leg)
         position = marker.pose.position
@@ -147,7 +147,7 @@ def test_arrows_of_force_sensors_stand_at_their_frames_along_the_force(tmp_path:
         )
         count += 1
     assert count == sum(int(touch.sum()) for touch in walks.TOUCHES.values())
-    assert counted(done, "N_FORCES_TURNED") == counted(done, "N_FEET_PLACED") == count
+    assert counted(done, "FORCES_TURNED") == counted(done, "FEET_PLACED") == count
     codes = {finding.code for finding in done.findings}
     assert {"N_FORCES_TURNED", "N_FEET_PLACED", "N_FEET_AT_FRAMES"} <= codes
 
@@ -198,7 +198,7 @@ def test_a_robot_s_file_names_frame_and_point_of_feet_that_only_count(tmp_path: 
         (topic, round((log_time - walks.START) / walks.STEP)): marker.pose.position
         for topic, log_time, marker in arrows(target)
     }
-    assert counted(done, "N_FEET_PLACED") >= len(seen) > 1000
+    assert counted(done, "FEET_PLACED") >= len(seen) > 1000
     for (topic, sample), position in seen.items():
         place = next(n for n, leg in enumerate(walks.LEGS) if leg in topic)
         # Such messages have no stamps, so both stand at log times, and /tf comes 30 ms late.
@@ -224,6 +224,6 @@ def test_frames_that_end_early_leave_the_rest_where_it_is(tmp_path: Path) -> Non
     done, target = converted(log, tmp_path, style="force", topics=options)
     last = (frames[-1].log_time - walks.START) // walks.STEP - 3
     touching = {leg: int(touch[: last + 1].sum()) for leg, touch in walks.TOUCHES.items()}
-    assert counted(done, "W_FORCES_TURNED") == sum(touching.values())
+    assert counted(done, "FORCES_TURNED") == sum(touching.values())
     assert len(list(arrows(target))) == sum(touching.values())
     assert {"W_FORCES_TURNED", "W_FEET_PLACED"} <= {f.code for f in done.findings}
