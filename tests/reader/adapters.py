@@ -21,7 +21,6 @@ from dogbot_logtool.reader.messages.transforms import (
     TRANSFORM_TYPES,
     check_transforms,
     decode_transforms,
-    frame_pairs,
     transform_columns,
 )
 from dogbot_logtool.robot import Foot
@@ -215,8 +214,6 @@ def read(of: Channel, given: Batch) -> Outcome:
         return Outcome(joined_poses(parts).log_time, malformed)
     if of.type_name in TRANSFORM_TYPES:
         decoded = decode_transforms(given, [of])
-        for messages in decoded:
-            frame_pairs(messages)
         return Outcome(
             _times([transform_columns(m).log_time for m in decoded]), malformed_in(decoded)
         )

@@ -118,7 +118,7 @@ def choices(source: Source, messages: DecodedMessages) -> frozenset[str]:
     return frozenset(name for name, _ in _names(source, messages.table)[1])
 
 
-def pair_name(parent: str, child: str) -> str:
+def _pair_name(parent: str, child: str) -> str:
     """Return the name of a pair of frames, without leading slashes."""
     return f"{parent.lstrip('/')}/{child.lstrip('/')}"
 
@@ -129,11 +129,11 @@ def _names(source: Source, table: Table) -> tuple[Ints, list[tuple[str, tuple[st
     if len(texts) == 1:
         code, names = texts[0].encode()
         return code, [(name, ()) for name in names]
-    code, pairs = pairs_of(*texts)
-    return code, [(pair_name(*pair), pair) for pair in pairs]
+    code, pairs = _pairs_of(*texts)
+    return code, [(_pair_name(*pair), pair) for pair in pairs]
 
 
-def pairs_of(first: Texts, second: Texts) -> tuple[Ints, list[tuple[str, str]]]:
+def _pairs_of(first: Texts, second: Texts) -> tuple[Ints, list[tuple[str, str]]]:
     """Return which pair each two texts are, (m,), and the different pairs."""
     (one, ones), (other, others) = first.encode(), second.encode()
     different, code = np.unique(one * max(len(others), 1) + other, return_inverse=True)

@@ -9,7 +9,6 @@ from dogbot_logtool.core.frames.recorded_transforms import RecordedTransforms
 from dogbot_logtool.core.plausible import plausible_translations
 from dogbot_logtool.reader.containers.batch import Batch
 from dogbot_logtool.reader.containers.contents import Channel
-from dogbot_logtool.reader.messages.bases import pairs_of
 from dogbot_logtool.reader.messages.message_type import BASE
 from dogbot_logtool.reader.messages.messages import DecodedMessages, check_channel, decode_channels
 from dogbot_logtool.reader.messages.source import Source, fitted
@@ -74,9 +73,3 @@ def _source_of(messages: DecodedMessages) -> Source:
     return next(
         source for source in _SOURCES.values() if source.paths["choose"][0].is_in(messages.table)
     )
-
-
-def frame_pairs(messages: DecodedMessages) -> set[tuple[str, str]]:
-    """Return the different (parent, child) pairs of frames, as recorded."""
-    paths = _source_of(messages).paths["choose"]
-    return {*pairs_of(*(path.texts(messages.table)[1] for path in paths))[1]}
