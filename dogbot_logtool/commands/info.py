@@ -19,7 +19,7 @@ from dogbot_logtool.pipeline.sensors import learn_sensors
 from dogbot_logtool.pipeline.topics.annotated import without_annotations
 from dogbot_logtool.pipeline.topics.selection import Selection, select_topics
 from dogbot_logtool.reader.containers.log import Log
-from dogbot_logtool.reader.messages.bases.poses import ODOMETRY
+from dogbot_logtool.reader.messages.bases import ODOMETRY_TYPE
 from dogbot_logtool.reader.messages.transforms import TRANSFORM_TYPES
 from dogbot_logtool.reader.opening import open_joined
 from dogbot_logtool.reader.salvage.losses import damage_of
@@ -118,7 +118,7 @@ def _outlook(
 def _base_use(selection: Selection) -> str:
     """Return what the channels of the base's poses are used for."""
     base = selection.base
-    if base is None or base.source is ODOMETRY:
+    if base is None or (base.source.type_name == ODOMETRY_TYPE and not base.element):
         return "odometry"
     return f"base {base.element}".rstrip()
 

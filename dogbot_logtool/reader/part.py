@@ -19,10 +19,9 @@ from dogbot_logtool.core.legs.joint_track import MOST_JOINTS, JointSamples, Join
 from dogbot_logtool.core.plausible import plausible_odometry
 from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.reader.containers.log import Batch, Log, Loss, Span
-from dogbot_logtool.reader.messages.bases.registry import joined_poses
-from dogbot_logtool.reader.messages.bases.source import BasePoses
-from dogbot_logtool.reader.messages.contacts.registry import DecodedContacts, read_contacts
-from dogbot_logtool.reader.messages.contacts.source import UNTIMED, StepTiming
+from dogbot_logtool.reader.messages.bases import BasePoses, joined_poses
+from dogbot_logtool.reader.messages.contact_messages import DecodedContacts, read_contacts
+from dogbot_logtool.reader.messages.gazebo import UNTIMED, StepTiming
 from dogbot_logtool.reader.messages.joints import read_joints
 from dogbot_logtool.reader.messages.messages import malformed_in
 from dogbot_logtool.reader.messages.transforms import (
@@ -149,7 +148,7 @@ def _read_span(log: Log, span: Span, recorded: Batch) -> ReadSpan:
 
 
 def _read(batch: Batch, topic: WantedVectors | None) -> ReadVectors | None:
-    return read_vectors(batch, topic.channels, topic.sources) if topic else None
+    return read_vectors(batch, topic.channels, topic.rows) if topic else None
 
 
 def _by_foot(
@@ -226,7 +225,7 @@ def _stamped(
         if not read.source.has_header:
             continue
         messages = read.messages
-        stamp = messages.table.nanoseconds("header.stamp")
+        stamp = read.source.stamps(messages)
         for channel, rows in rows_by_group(messages.channel):
             topic = log.channels[channel].topic
             times = Stamps(messages.log_time[rows], stamp[rows])

@@ -19,7 +19,7 @@ from dogbot_logtool.core.recording import Recording, Times, VectorTopic
 from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.reader.containers.log import Chunk, Log, Loss, Span
 from dogbot_logtool.reader.growing import LARGEST_IN_MEMORY, GrowingColumns
-from dogbot_logtool.reader.messages.contacts.source import UNTIMED
+from dogbot_logtool.reader.messages.gazebo import UNTIMED
 from dogbot_logtool.reader.messages.transforms import is_static
 from dogbot_logtool.reader.messages.vectors import ReadVectors
 from dogbot_logtool.reader.part import Lags, Part, ReadSpan, read_part

@@ -27,6 +27,7 @@ from multiprocessing.context import BaseContext
 from typing import Any, Final
 
 from dogbot_logtool.errors import LogtoolError
+from dogbot_logtool.reader.workers import kill_processes
 from dogbot_logtool.run.executor import ExecutorRunner
 from dogbot_logtool.run.runner import Failure, Progress, Result, Work, attempt
 from dogbot_logtool.signals import (
@@ -92,13 +93,7 @@ class _Worker:
 
     def kill(self) -> None:
         """End the process at once, if it has not ended yet."""
-        # Python 3.14 has a method for this, which takes them from there, too.
-        for process in list((self._pool._processes or {}).values()):  # noqa: SLF001
-            process.kill()
-        # One that ended while it sent a result leaves a part of it: with our own end of the pipe
-        # closed, the pool's thread does not wait for the rest.
-        with suppress(AttributeError, OSError):
-            self._pool._result_queue._writer.close()  # type: ignore[attr-defined]  # noqa: SLF001
+        kill_processes(self._pool)
 
 
 class ProcessRunner(ExecutorRunner[Result]):

@@ -27,7 +27,7 @@ from dogbot_logtool.core.sensors.sensor_level import zero_reading
 from dogbot_logtool.core.stability.stability import feet_down
 from dogbot_logtool.pipeline.options import ConvertOptions, TopicOptions
 from dogbot_logtool.pipeline.topics.selection import select_topics
-from dogbot_logtool.reader.messages.contacts.registry import read_contacts
+from dogbot_logtool.reader.messages.contact_messages import read_contacts
 from dogbot_logtool.reader.opening import open_log
 from dogbot_logtool.results import Conversion
 from tests.measured import measured_contact

@@ -1,4 +1,4 @@
-"""gazebo_msgs/ContactsState as columns: physics steps, bodies and links by their names."""
+"""Gazebo's contact sensors as columns: physics steps, bodies and links by their names."""
 
 from collections.abc import Callable
 from itertools import pairwise
@@ -9,13 +9,13 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from dogbot_logtool.reader.decode.columns import Texts
-from dogbot_logtool.reader.messages.contacts.collisions import link_of_collision
-from dogbot_logtool.reader.messages.contacts.gazebo_classic import (
+from dogbot_logtool.reader.messages.gazebo import (
+    UNTIMED,
+    link_of_collision,
     newest_lag,
     newest_step,
     steps_of_messages,
 )
-from dogbot_logtool.reader.messages.contacts.source import UNTIMED
 
 
 def texts(strings: list[str]) -> Texts:

@@ -1,9 +1,13 @@
-"""gazebo_msgs/ContactsState: the bumpers of Gazebo classic.
+"""Gazebo's contact sensors: pairs of bodies that touch, and several physics steps a message.
 
-A sensor that is slower than the simulation puts the states of several physics steps into one
-message. Which of them a contact state belongs to is told by its text `info` alone.
+The foot may be either body of a pair. A sensor of Gazebo classic that is slower than the simulation
+puts the states of several steps into one message; which of them a state belongs to is told by its
+text `info` alone. The new Gazebo's messages are one step each.
 """
 
+from collections.abc import Sequence
+from dataclasses import replace
+from fnmatch import fnmatchcase
 from typing import Final
 
 import numpy as np
@@ -11,26 +15,23 @@ from numpy.typing import NDArray
 
 from dogbot_logtool.core.contact.contacts import (
     FOOT_IS_COLLISION1,
+    FOOT_IS_COLLISION2,
     NOT_THIS_FOOT,
     Contacts,
     contact_samples,
 )
-from dogbot_logtool.core.geometry.arrays import Bytes, Flags, Ints
+from dogbot_logtool.core.geometry.arrays import Bytes, Flags, Ints, sum_by_group
 from dogbot_logtool.core.geometry.order_statistics import distinct
+from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.reader.decode.columns import Texts, gather_bytes
-from dogbot_logtool.reader.decode.fields import HEADER, table, text, vector
-from dogbot_logtool.reader.messages.contacts.collisions import foot_sides, link_of_collision
-from dogbot_logtool.reader.messages.contacts.source import (
-    UNTIMED,
-    ContactSamples,
-    ContactSource,
-    FootChannels,
-    FootLinks,
-    StepTiming,
-    vectors_inside,
-)
+from dogbot_logtool.reader.messages.feet import ContactSamples, FootChannels
+from dogbot_logtool.reader.messages.message_type import Pairs
 from dogbot_logtool.reader.messages.messages import DecodedMessages
+from dogbot_logtool.robot import Foot
 
+UNTIMED: Final = int(np.iinfo(np.int64).min)
+"""The lag of a message that tells no physics step."""
+_GROUND_WORDS: Final = ("ground", "plane", "terrain", "heightmap", "floor", "world")
 _INFO_TAIL: Final = 48
 """Bytes at the end of `info` that hold the time of the physics step, and more."""
 _TIME: Final = np.frombuffer(b"time:", np.uint8)
@@ -38,32 +39,45 @@ _NANOSECOND_DIGITS: Final = 9
 _NINE: Final = 9
 _MOST_DIGITS: Final = 19
 """Of times since 1970 in ns; more may not fit into an int64."""
-_FIELDS: Final = (
-    *HEADER,
-    table(
-        "states",
-        text("info"),
-        text("collision1_name"),
-        text("collision2_name"),
-        table("wrenches", *vector("force")),
-        *vector("total_wrench.force"),
-        table("contact_positions", *vector("")),
-        table("contact_normals", *vector("")),
-    ),
-)
 
 
-def to_contact_samples(messages: DecodedMessages, feet: FootChannels) -> ContactSamples:
-    """Reduce messages to samples; see `ContactSource.read`."""
-    states = messages.table.nested("states")
-    point_state, point = vectors_inside(states.table, "contact_positions")
-    wrenches = states.table.nested("wrenches")
-    normal_state, normal = vectors_inside(states.table, "contact_normals")
+@dataclass(frozen=True, slots=True)
+class StepTiming:
+    """How the physics steps of n messages lie to their stamps."""
+
+    lag: Ints
+    """(n,) ns by which a message's newest step is older than its stamp; `UNTIMED`: not known."""
+    step: Ints
+    """(k,) ns between neighbouring steps of one message."""
+
+
+def read_pairs(
+    pairs: Pairs, messages: DecodedMessages, stamp: Ints, feet: FootChannels
+) -> ContactSamples:
+    """Reduce n messages of pairs to one sample each, of the newest physics step.
+
+    Args:
+        pairs: where they have the pairs.
+        messages: their channels tell of one foot each.
+        stamp: (n,) ns.
+        feet: the feet.
+    """
+    states = messages.table.nested(pairs.array)
+    inside = states.table
+    points, wrenches, normals = (
+        inside.nested(name) for name in (pairs.points, "wrenches", pairs.normals)
+    )
+    force = wrenches.table.vectors(pairs.force, "xyz")
+    if pairs.total:
+        total = inside.vectors(pairs.total, "xyz")
+    else:
+        total = sum_by_group(force, wrenches.parent, inside.rows)
+    newest, untimed = np.ones(inside.rows, np.bool_), 0
+    if pairs.info:
+        newest, untimed = newest_step(inside.texts(pairs.info), states.parent, messages.table.rows)
     foot = feet.single(messages.channel)
-    stamp = messages.table.nanoseconds("header.stamp")
-    info = states.table.texts("info")
-    newest, untimed = newest_step(info, states.parent, messages.table.rows)
-    side = _sides(messages, feet, foot)
+    names = inside.texts(pairs.bodies[0]), inside.texts(pairs.bodies[1])
+    side = foot_sides(*names, foot[states.parent], feet.feet)
     contacts = Contacts(
         foot=foot,
         log_time=messages.log_time,
@@ -71,49 +85,41 @@ def to_contact_samples(messages: DecodedMessages, feet: FootChannels) -> Contact
         state_message=states.parent,
         foot_side=side,
         newest=newest,
-        total_force=states.table.vectors("total_wrench.force", "xyz"),
-        point_state=point_state,
-        point=point,
+        total_force=total,
+        point_state=points.parent,
+        point=points.table.vectors("", "xyz"),
         wrench_state=wrenches.parent,
-        wrench_force=wrenches.table.vectors("force", "xyz"),
-        normal_state=normal_state,
-        normal=normal,
+        wrench_force=force,
+        normal_state=normals.parent,
+        normal=normals.table.vectors("", "xyz"),
     )
-    foreign = int((side == NOT_THIS_FOOT).sum())
-    return ContactSamples(contact_samples(contacts), contacts, untimed, foreign)
+    samples = contact_samples(contacts)
+    if not pairs.info:
+        # The new Gazebo writes wrenches along the world's axes.
+        samples = replace(samples, in_world=samples.in_contact)
+    return ContactSamples(samples, contacts, untimed, int((side == NOT_THIS_FOOT).sum()))
 
 
-def foot_links(
-    messages: DecodedMessages, _feet: FootChannels, contacts: Contacts | None
-) -> FootLinks:
+def foot_links(pairs: Pairs, messages: DecodedMessages, contacts: Contacts) -> dict[int, set[str]]:
     """Return the links that the feet's own collisions belong to, by foot.
 
     Only pairs with the foot named first count: their wrenches are in that link's frame.
     """
-    if contacts is None:
-        return {}
-    states = messages.table.nested("states")
-    code, names = states.table.texts("collision1_name").encode()
-    pairs = contacts.foot[contacts.state_message] * len(names) + code
+    inside = messages.table.nested(pairs.array).table
+    code, names = inside.texts(pairs.bodies[0]).encode()
+    pair = contacts.foot[contacts.state_message] * len(names) + code
     links: dict[int, set[str]] = {}
-    for pair in distinct(pairs[contacts.foot_side == FOOT_IS_COLLISION1]).tolist():
-        link = link_of_collision(names[pair % len(names)])
+    for number in distinct(pair[contacts.foot_side == FOOT_IS_COLLISION1]).tolist():
+        link = link_of_collision(names[number % len(names)])
         if link is not None:
-            links.setdefault(pair // len(names), set()).add(link)
+            links.setdefault(number // len(names), set()).add(link)
     return links
 
 
-def _sides(messages: DecodedMessages, feet: FootChannels, foot: Ints) -> NDArray[np.int8]:
-    """(s,) which body of each state's pair is the foot."""
-    states = messages.table.nested("states")
-    names = states.table.texts("collision1_name"), states.table.texts("collision2_name")
-    return foot_sides(*names, foot[states.parent], feet.feet)
-
-
-def step_timing(messages: DecodedMessages) -> StepTiming:
-    """Tell how the physics steps of messages lie to their stamps."""
-    states = messages.table.nested("states")
-    info, stamp = states.table.texts("info"), messages.table.nanoseconds("header.stamp")
+def step_timing(pairs: Pairs, messages: DecodedMessages, stamp: Ints) -> StepTiming:
+    """Tell how the physics steps of messages lie to their stamps, (n,) ns."""
+    states = messages.table.nested(pairs.array)
+    info = states.table.texts(pairs.info)
     return StepTiming(
         newest_lag(info, states.parent, stamp), steps_of_messages(info, states.parent)
     )
@@ -260,10 +266,68 @@ def _padded_nanoseconds(characters: Bytes) -> Ints | None:
     return nanoseconds
 
 
-SOURCE: Final = ContactSource(
-    type_name="gazebo_msgs/ContactsState",
-    fields=_FIELDS,
-    read=to_contact_samples,
-    links=foot_links,
-    timing=step_timing,
-)
+def foot_sides(
+    first_names: Texts, second_names: Texts, foot: Ints, feet: Sequence[Foot]
+) -> NDArray[np.int8]:
+    """Tell which body of each pair is the foot.
+
+    Args:
+        first_names: (s,) names of body 1.
+        second_names: (s,) names of body 2.
+        foot: (s,) index of the foot whose sensor tells of the pair.
+        feet: the robot's feet.
+
+    Returns:
+        (s,) as in `Contacts.foot_side`.
+    """
+    # Few pairs of names make few cases: each is judged once, and looked up. Whatever stands between
+    # two names, their lengths for one, can only make more pairs of them. Each foot has its own.
+    start = np.minimum(first_names.start, second_names.start)
+    end = np.maximum(first_names.end, second_names.end)
+    pair, rows = Texts(first_names.buffer, start, end - start).alike(foot)
+    sides = [
+        _side(feet[int(foot[row])], first_names.text(row), second_names.text(row)) for row in rows
+    ]
+    side: NDArray[np.int8] = np.array(sides, np.int8)[pair]
+    return side
+
+
+def _side(foot: Foot, first: str, second: str) -> int:
+    """Tell which of two bodies is the foot, by their names."""
+    if _of_same_robot(first, second):
+        return NOT_THIS_FOOT
+    is_first, is_second = _is_foot(foot, first), _is_foot(foot, second)
+    if is_first != is_second:
+        return FOOT_IS_COLLISION1 if is_first else FOOT_IS_COLLISION2
+    if is_first or foot.collision:
+        return NOT_THIS_FOOT
+    # Without a pattern, and with names that do not tell, the ground's name may; else the sensor's
+    # own body stands first.
+    only_first_is_ground = _is_ground(first) and not _is_ground(second)
+    return FOOT_IS_COLLISION2 if only_first_is_ground else FOOT_IS_COLLISION1
+
+
+def _of_same_robot(first: str, second: str) -> bool:
+    """Tell whether two bodies belong to one model that is not the ground's."""
+    models = [name.split("::")[0] for name in (first, second) if name.count("::") >= 2]
+    ground = _is_ground(first) or _is_ground(second)
+    return len(models) == 2 and models[0] == models[1] and not ground
+
+
+def link_of_collision(collision: str) -> str | None:
+    """Return the link in Gazebo's name of a collision, ``model::link::collision``; None: none.
+
+    Nested models add parts in front; the link is always the last but one.
+    """
+    parts = collision.split("::")
+    return parts[-2] if len(parts) >= 3 else None
+
+
+def _is_foot(foot: Foot, name: str) -> bool:
+    if foot.collision:
+        return fnmatchcase(name, foot.collision)
+    return foot.name.lower() in name.lower()
+
+
+def _is_ground(name: str) -> bool:
+    return any(word in name.lower() for word in _GROUND_WORDS)
