@@ -28,7 +28,6 @@ TOGETHER: Final[Mapping[str, str]] = {
     "reader/part": "test_one_walk_anywhere",
     "reader/recording": "test_one_walk_anywhere",
     "reader/wanted": "test_one_walk_anywhere",
-    "reader/workers": "test_one_walk_anywhere",
     # The command line, as a user calls it.
     "api/export": "cli/test_export",
     "api/keywords": "api/test_parity",

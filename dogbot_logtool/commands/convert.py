@@ -1,7 +1,7 @@
 """`dogbot-logtool convert`: write an annotated MCAP of a log."""
 
 from collections import Counter
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import closing
 from dataclasses import field, replace
 from typing import BinaryIO
@@ -233,7 +233,7 @@ def _conversion(
     span_writer: SpanWriter,
     measured: MeasuredLog,
     written: _Written,
-    findings: Sequence[Finding],
+    findings: Iterable[Finding],
 ) -> Conversion:
     plan, read = span_writer.scene.plan, measured.read
     topics = span_writer.annotations.added.topics()

@@ -14,7 +14,7 @@ def test_convert_says_what_it_did_on_stderr_only(shell: Shell) -> None:
     done = shell("convert", TROUBLED)
     assert (done.code, done.out) == (0, "")
     assert shell.files() == ["dogbot_troubled.annotated.mcap"]
-    assert "dogbot_troubled.annotated.mcap: 3,659 recorded messages and 4,708 ann" in done.err
+    assert "dogbot_troubled.annotated.mcap: 3,659 recorded messages and 4,738 ann" in done.err
     assert "warning" in done.err
     assert "note" in done.err
 
@@ -141,5 +141,6 @@ def test_options_reach_the_conversion(shell: Shell) -> None:
         "/marker_basic_paw_foot",
         "/load/paw",
         "/label/paw",
+        "/support",
     }
     assert told["annotations"]["/robot_description"] == 1

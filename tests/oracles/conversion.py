@@ -108,9 +108,13 @@ def scaled(vector: Iterable[float], by: float) -> tuple[float, float, float]:
     return x * by, y * by, z * by
 
 
-def stamp_of(decoded: Decoded) -> int:
+def header_stamp(decoded: Decoded) -> int:
     stamp = decoded.message.header.stamp
-    return (int(stamp.sec) * S + int(stamp.nanosec)) or decoded.log_time
+    return int(stamp.sec) * S + int(stamp.nanosec)
+
+
+def stamp_of(decoded: Decoded) -> int:
+    return header_stamp(decoded) or decoded.log_time
 
 
 def step_of(state: Any) -> int:
@@ -263,7 +267,7 @@ def left_within(messages: Sequence[Decoded]) -> set[int]:
     }
     between = [b - a for each in steps.values() for a, b in pairwise(each)]
     lags = {
-        one.log_time: stamp_of(one) - steps[one.log_time][-1]
+        one.log_time: header_stamp(one) - steps[one.log_time][-1]
         for one in messages
         if steps[one.log_time]
     }

@@ -120,19 +120,6 @@ class TransformBuffer:
         kept = {child: track for child, track in self.frames.items() if child in frames}
         return TransformBuffer(kept)
 
-    def tail(self, log_time: int) -> "TransformBuffer":
-        """Return what lookups for samples that are recorded from a time, ns, on may need.
-
-        The last row of every frame stays in any case: it tells which rows advance.
-        """
-        earliest = log_time - round(LONGEST_DELAY_S * 1e9)
-        kept = {}
-        for child, track in self.frames.items():
-            late = np.flatnonzero(track.log_time >= earliest)
-            first = int(late[0]) if len(late) else len(track.time) - 1
-            kept[child] = track.pick(slice(first, None))
-        return TransformBuffer(kept)
-
     def chain(self, frame: str, ancestor: str) -> tuple[str, ...] | None:
         """Return the frames from one up to the child of an ancestor; None: not connected."""
         parents = {child: track.parent for child, track in self.frames.items()}

@@ -1,14 +1,10 @@
-from itertools import pairwise
-
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
 
 from dogbot_logtool.core.frames.transform_buffer import Poses, TransformBuffer
 from dogbot_logtool.core.geometry.arrays import Ints
 from dogbot_logtool.core.geometry.rotations import rotate
-from tests.core.frames.turning import MS, about_z, at, buffer_of, spinning
+from tests.core.frames.turning import about_z, at, buffer_of, spinning
 
 
 def look(buffer: TransformBuffer, time: Ints, world: str = "world") -> Poses:
@@ -92,23 +88,3 @@ def test_huge_numbers_are_no_error() -> None:
     shift = np.full((2, 3), 1e308) * np.array([[1.0], [-1.0]])
     buffer = buffer_of("world", "leg", at(0, 20), at(0, 20), shift, still)
     assert look(buffer, at(10)).known.all()
-
-
-@given(st.lists(st.integers(0, 5000), max_size=6), st.integers(0, 5000))
-def test_it_does_not_matter_where_a_log_is_cut(cuts: list[int], asked: int) -> None:
-    """Handing on tails, part by part, answers as the whole log does."""
-    times = at(*range(0, 5000, 20))
-    edges = [0, *sorted({20 * (cut // 20) for cut in cuts}), 5000]
-    buffer = TransformBuffer()
-    here = at(asked)
-    for start, end in pairwise(edges):
-        part = spinning(times[(times >= start * MS) & (times < end * MS)])
-        ahead = spinning(times[(times >= end * MS) & (times < (end + 2000) * MS)])
-        if start <= asked < end:
-            got = look(buffer.then(part).then(ahead), here)
-        buffer = buffer.then(part).tail(max(end * MS - 20 * MS, 0))
-    whole = look(spinning(times), here)
-    if asked < 5000:
-        np.testing.assert_array_equal(got.known, whole.known)
-        np.testing.assert_array_equal(got.rotation, whole.rotation)
-        np.testing.assert_array_equal(got.translation, whole.translation)
