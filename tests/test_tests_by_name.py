@@ -17,7 +17,7 @@ TOGETHER: Final[Mapping[str, str]] = {
     # The root.
     "__main__": "cli/test_processes",
     "errors": "cli/test_cli",
-    "finding": "core/findings/test_checks",
+    "finding": "core/checks/test_checks",
     "provenance": "pipeline/topics/test_annotated",
     "results": "commands/test_convert",
     "signals": "run/test_signals",
@@ -57,7 +57,7 @@ TOGETHER: Final[Mapping[str, str]] = {
     "core/contact/offsets": "pipeline/test_sensors",
     "core/events/": "core/events/test_events",
     "core/events/messages": "core/events/test_log_messages",
-    "core/findings/": "core/test_faulty_walks",
+    "core/checks/": "core/test_faulty_walks",
     "core/frames/recorded_transforms": "core/frames/test_frame_edges",
     "core/gait/": "core/test_statistics",
     "core/gait/gait_classes": "core/gait/test_gait",

@@ -294,32 +294,35 @@ def _findings(plan: ConversionPlan, tally: _Tally) -> Iterator[Finding]:
         yield from frame_findings(plan.frames, tally.counts.frames)
     for topic, name in tally.moved_topics.items():
         text = f"the log has a topic {topic} of another type: ours is {name}"
-        yield Finding("N_TOPIC_MOVED", text, name)
+        yield Finding("TOPIC_MOVED", text, name)
     counts = tally.counts
     untimed = 0 if plan.style.needs_contact_states else counts.untimed_messages
     for count, finding in (
-        (counts.bad_poses, Finding("W_BAD_POSES", "poses with NaN or a zero quaternion (no /tf)")),
-        (counts.implausible, Finding("W_IMPLAUSIBLE", IMPLAUSIBLE)),
+        (
+            counts.bad_poses,
+            Finding("NOT_FINITE", "poses with NaN or a zero quaternion (no /tf)", cases=("base",)),
+        ),
+        (counts.implausible, Finding("NOT_FINITE", IMPLAUSIBLE)),
         (
             untimed,
-            Finding("W_UNTIMED_STATES", "contacts without a physics step (taken as one step)"),
+            Finding("STATES_IGNORED", "contacts without a physics step (taken as one step)"),
         ),
         (
             counts.foreign_states,
-            Finding("N_FOREIGN_STATES", "contact states between other bodies (ignored)"),
+            Finding("STATES_IGNORED", "contact states between other bodies (ignored)"),
         ),
         *_arrow_findings(counts.arrows),
         (
             counts.support_unknown,
             Finding(
-                "N_SUPPORT_UNKNOWN",
+                "NO_SUPPORT_DRAWN",
                 "/support messages without a polygon (contact of some foot unknown)",
             ),
         ),
         (
             counts.support_unweighed,
             Finding(
-                "N_NO_PRESSURE",
+                "NO_SUPPORT_DRAWN",
                 "/support messages without a centre of pressure (vertical forces unknown)",
             ),
         ),
@@ -332,11 +335,11 @@ def _arrow_findings(skipped: ArrowCounts) -> Iterator[tuple[int, Finding]]:
     """Yield the contacts without an arrow by reason, with their finding."""
     yield (
         skipped.not_finite,
-        Finding("W_NOT_FINITE", "contacts with NaN or infinity (not drawn)"),
+        Finding("NOT_FINITE", "contacts with NaN or infinity (not drawn)"),
     )
-    yield skipped.no_position, Finding("W_NO_POSITION", "contacts without a point (not drawn)")
-    yield skipped.no_direction, Finding("W_NO_DIRECTION", "contacts without a normal (not drawn)")
+    yield skipped.no_position, Finding("NOT_DRAWN", "contacts without a point (not drawn)")
+    yield skipped.no_direction, Finding("NOT_DRAWN", "contacts without a normal (not drawn)")
     yield (
         skipped.overflow,
-        Finding("W_OVERFLOW", "contacts whose force squared overflows (not drawn, as live)"),
+        Finding("NOT_FINITE", "contacts whose force squared overflows (not drawn, as live)"),
     )

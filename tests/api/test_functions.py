@@ -134,5 +134,5 @@ def test_damage_is_told(tmp_path: Path) -> None:
     (tmp_path / "cut.bag").write_bytes(data[: len(data) // 2])
     cut = dl.measure(tmp_path / "cut.bag")
     assert cut.damaged
-    assert "W_LOST" in {each["code"] for each in cut.stats["findings"]}
+    assert "LOST" in {each["code"] for each in cut.stats["findings"]}
     assert not np.isnan(cut.strides["duty_factor"]).any()

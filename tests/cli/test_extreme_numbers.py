@@ -123,8 +123,8 @@ def test_no_number_is_too_large_or_too_small(
     path = write(tmp_path / "walk.mcap", Extreme(where, value, every), GAZEBO, usual)
     figures, converted = outputs(tmp_path, path)
     is_said = where in {"position", "velocity", "force", "point"} and value > FARTHEST_M
-    assert ("W_IMPLAUSIBLE" in codes(figures)) == (is_said and math.isfinite(value))
-    assert ("W_IMPLAUSIBLE" in converted) == (is_said and math.isfinite(value))
+    assert ("NOT_FINITE" in codes(figures)) == (is_said and math.isfinite(value))
+    assert ("NOT_FINITE" in converted) == (is_said and math.isfinite(value))
     base = figures["base"]
     if base is not None:
         assert base["path_length_m"] < 10.0
@@ -139,8 +139,8 @@ def test_what_no_robot_reaches_is_counted(tmp_path: Path, value: float) -> None:
     Reports([path], target, StatsOptions(), overwrite=False).write(path)
     texts = {each["code"]: each["text"] for each in figures["findings"]}
     # The base's position is wrong in every 50th message, and so is nothing else.
-    assert texts["W_IMPLAUSIBLE"].startswith("4 poses or contacts")
-    assert texts["W_BAD_POSES"].startswith("4 poses")
+    assert texts["NOT_FINITE"].startswith("4 poses or contacts")
+    assert texts["NOT_FINITE"].startswith("4 poses")
 
 
 @pytest.mark.parametrize("value", [1e300, math.inf, math.nan])

@@ -145,8 +145,8 @@ def test_the_troubled_log_is_told_as_it_is() -> None:
     said = {each["code"]: each for each in got["findings"]}
 
     assert got["settings"]["time_source"] == "log"
-    assert said["W_DEAD"]["where"] == f"feet.{known['dead_foot']}"
-    assert "W_GAPS" in said
+    assert said["DEAD"]["where"] == f"feet.{known['dead_foot']}"
+    assert "GAPS" in said
     gaps = got["quality"]["topics"][known["silence"]["topic"]]["gaps"]
     assert gaps["count"] == 1
     assert gaps["total_s"] == pytest.approx(known["silence"]["duration_s"], abs=0.05)
@@ -213,5 +213,5 @@ def test_an_odometry_of_nothing_but_nan_is_said(tmp_path: Path) -> None:
     write_mcap(tmp_path / "walk.mcap", walk, entries)
     got = figures(str(tmp_path / "walk.mcap"))
     assert got["base"] is None
-    (said,) = [one for one in got["findings"] if one["code"] == "W_BAD_POSES"]
+    (said,) = [one for one in got["findings"] if one["code"] == "NOT_FINITE"]
     assert "all with NaN, infinity or a zero quaternion" in said["text"]

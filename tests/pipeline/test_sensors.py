@@ -39,7 +39,7 @@ def test_offsets_are_estimated_and_reported(log: Path) -> None:
         assert foot["force_noise_n"] == pytest.approx(1.0, rel=0.2)
         assert foot["contact_fraction"] == pytest.approx(0.6, abs=0.03)
     assert {each["offset_from"] for each in got["settings"]["sensors"].values()} == {"estimated"}
-    assert "N_SENSOR_OFFSET" in {each["code"] for each in got["findings"]}
+    assert "SENSOR_OFFSET" in {each["code"] for each in got["findings"]}
 
 
 def test_a_given_offset_stands(log: Path) -> None:
@@ -62,7 +62,7 @@ def test_without_a_mass_the_weight_is_estimated(log: Path) -> None:
     on = got["settings"]["sensors"]["front_left"]["contact_on_n"]
     assert on == pytest.approx(0.08 * 20.0 * 9.81, rel=0.03)
     assert got["forces"]["vertical_impulse_over_weight"] is None
-    assert "N_WEIGHT_ESTIMATED" in {each["code"] for each in got["findings"]}
+    assert "MASS_UNKNOWN" in {each["code"] for each in got["findings"]}
 
 
 def test_an_offset_of_no_foot_is_refused(log: Path) -> None:

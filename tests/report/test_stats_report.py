@@ -160,22 +160,22 @@ def test_every_null_of_a_foot_has_a_reason() -> None:
 
 
 def test_what_the_reader_lost_and_found_is_in_the_quality(trot: Stats) -> None:
-    said = [Finding("N_ROBOT_GUESSED", "a robot", ""), Finding("E_UNREADABLE", "bad", "/x")]
+    said = [Finding("ROBOT_GUESSED", "a robot", ""), Finding("UNREADABLE", "bad", "/x")]
     damage = Damage("a", (Loss(9, "a chunk", 77, None),))
     log = LogFacts("a", "MCAP", "", None, None, 1, damage, said)
     document = valid_json(trot, log)
     quality = document["quality"]
     assert (quality["lost_messages"], quality["lost_bytes"]) == (None, 77)
     assert quality["losses"] == ["a chunk"]
-    assert [each["code"] for each in document["findings"][:2]] == ["E_UNREADABLE", "W_LOST"]
+    assert [each["code"] for each in document["findings"][:2]] == ["UNREADABLE", "LOST"]
     assert document["findings"][0] == {
-        "code": "E_UNREADABLE",
+        "code": "UNREADABLE",
         "severity": "error",
         "text": "bad",
-        "remedy": finding_kinds()["E_UNREADABLE"].remedy,
+        "remedy": finding_kinds()["UNREADABLE"].remedy,
         "where": "/x",
     }
-    robot = next(each for each in document["findings"] if each["code"] == "N_ROBOT_GUESSED")
+    robot = next(each for each in document["findings"] if each["code"] == "ROBOT_GUESSED")
     assert (robot["severity"], robot["where"]) == ("note", None)
     assert "unknown number of messages and 77 bytes" in text_of(trot, 140, log=log)
 

@@ -100,7 +100,7 @@ def slopes() -> Iterator[Case]:
         yield Case(f"{name}, world forces", recorder(walk))
         yield Case(f"{name}, link forces, /tf", recorder(walk, sensor.in_link_frame))
     steep, flat = Walk(slope_rad=radians(20)), Walk()
-    frame = "VERTICAL_UNKNOWN|FRAME_UNKNOWN|W_FORCES_TURNED|IMPULSE_IS_NOT"
+    frame = "VERTICAL_UNKNOWN|FRAME_UNKNOWN|TRANSFORMS_MISSING|IMPULSE_IS_NOT"
     no_tf = sensor.in_link_frame, sensor.without_tf
     yield Case("flat, link forces, no /tf", recorder(flat, *no_tf), frame, frame)
     yield Case("slope +20 degrees, link forces, no /tf", recorder(steep, *no_tf), frame, frame)

@@ -52,7 +52,7 @@ def measured(tmp_path_factory: pytest.TempPathFactory) -> Callable[..., dl.Walk]
 
 
 def doubts(walk: dl.Walk) -> list[str]:
-    return [each["text"] for each in walk.stats["findings"] if each["code"] == "W_EFFORT_SIGN"]
+    return [each["text"] for each in walk.stats["findings"] if each["code"] == "EFFORT_SIGN"]
 
 
 def true_work(slope_rad: float) -> tuple[float, float]:

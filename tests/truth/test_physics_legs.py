@@ -200,9 +200,9 @@ def in_milliamperes(*states: Floats) -> tuple[Floats, ...]:
 @pytest.mark.parametrize(
     ("change", "code"),
     [
-        (without_effort, "N_NO_EFFORT"),
-        (in_degrees, "W_JOINT_VALUES"),
-        (in_milliamperes, "W_JOINT_VALUES"),
+        (without_effort, "JOINTS_MISSING"),
+        (in_degrees, "JOINT_VALUES"),
+        (in_milliamperes, "JOINT_VALUES"),
     ],
 )
 def test_work_is_null_where_it_cannot_be_known(

@@ -32,7 +32,7 @@ NEEDED: Final[Mapping[str, str]] = {
 
 
 DAMAGE: Final = Rule(
-    Subject.FINDING, "W_LOST", high=0, level=Level.WARN, name="the log is not damaged"
+    Subject.FINDING, "LOST", high=0, level=Level.WARN, name="the log is not damaged"
 )
 """A rule that every log is judged by, beside those of the limits."""
 

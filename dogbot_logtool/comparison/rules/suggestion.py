@@ -67,7 +67,7 @@ _EVENTS: Final = (
     "gait_change",
 )
 """Types of events of the robot; those of its recording are among the findings."""
-_SENSORS: Final = ("W_DEAD", "W_STUCK", "W_SATURATED", "W_FALL")
+_SENSORS: Final = ("DEAD", "STUCK", "SATURATED", "FALL")
 
 
 def suggest_limits(documents: Sequence[Json], names: Sequence[str]) -> str:
@@ -117,7 +117,7 @@ def _damage(documents: Sequence[Json], names: Sequence[str]) -> Iterator[str]:
     """Yield which runs are damaged, and how."""
     for document, name in zip(documents, names, strict=True):
         for each in findings_in(document):
-            if each["code"] == "W_LOST":
+            if each["code"] == "LOST":
                 yield f"{name} is damaged: {printable(each['text'])}"
 
 
@@ -185,6 +185,6 @@ def _findings(document: Json) -> dict[str, int]:
     """Count the warnings of a run by code."""
     counts: dict[str, int] = {}
     for each in findings_in(document):
-        if each["code"].startswith("W_"):
+        if each["severity"] == "warning":
             counts[each["code"]] = counts.get(each["code"], 0) + 1
     return counts

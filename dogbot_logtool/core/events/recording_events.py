@@ -23,7 +23,7 @@ def gaps(stats: Stats) -> Iterator[Event]:
 def _gaps(spans: Ints, foot: int | None) -> Iterator[Event]:
     for start, end in spans.tolist():
         lasts = end - start
-        yield Event(start, lasts, EventType.GAP, foot, lasts / 1e9, "s", "W_GAPS")
+        yield Event(start, lasts, EventType.GAP, foot, lasts / 1e9, "s", "GAPS")
 
 
 def sensor_faults(stats: Stats) -> Iterator[Event]:
@@ -34,17 +34,17 @@ def sensor_faults(stats: Stats) -> Iterator[Event]:
         stopped = () if is_stuck(record, others) else record.stopped.tolist()
         never = foot.is_dead and not len(record.stopped)
         if never and record.start is not None and record.end is not None:
-            yield _fault(record.start, record.end, row, "W_DEAD")
+            yield _fault(record.start, record.end, row, "DEAD")
         if is_stuck(record, others):
-            yield _fault(int(stances.touchdown[0]), int(stances.liftoff[-1]), row, "W_STUCK")
+            yield _fault(int(stances.touchdown[0]), int(stances.liftoff[-1]), row, "STUCK")
         for start, end in stopped:
-            yield _fault(start, end, row, "W_STOPPED")
+            yield _fault(start, end, row, "STOPPED")
         if foot.is_saturated and is_saturated(record, others):
             cut_off = np.flatnonzero(saturated_stances(record))
             first, last = int(cut_off[0]), int(cut_off[-1])
             limit = float(stances.figures.peak_n[first])
             times = int(stances.touchdown[first]), int(stances.liftoff[last])
-            yield _fault(*times, row, "W_SATURATED", limit)
+            yield _fault(*times, row, "SATURATED", limit)
         yield from _spikes(row, foot)
 
 
@@ -55,7 +55,7 @@ def _spikes(row: int, foot: FootStatistics) -> Iterator[Event]:
         share = float(foot.stances.figures.spike_phase[stance])
         onset = int(stances.touchdown[stance])
         at = onset + round(share * (int(stances.liftoff[stance]) - onset))
-        yield _fault(at, at, row, "W_SPIKES", float(stances.figures.peak_n[stance]))
+        yield _fault(at, at, row, "SPIKES", float(stances.figures.peak_n[stance]))
 
 
 def _fault(start: int, end: int, foot: int, code: str, newtons: float | None = None) -> Event:

@@ -79,6 +79,8 @@ class LoadFigures:
     """Whether it misses 1 by so much that the direction of the forces is doubtful: by
     `WEIGHT_TOLERANCE`, or by `REFUTED` where the mass is only assumed. The load on a foot that is
     never seen to touch may be missing instead."""
+    weight_refuted: bool = False
+    """Whether it misses 1 by over `REFUTED`, so that the weight itself is doubtful."""
     magnitude_misses_weight: bool = False
     """Whether the sum of |F| is below the weight, or far above it: a wrong mass or sensor."""
     other_units: bool = False
@@ -246,6 +248,7 @@ def load_figures(
         magnitude_over_weight=magnitude,
         mean_magnitude_n=mean_magnitude,
         direction_refuted=direction_refuted,
+        weight_refuted=refuted,
         magnitude_misses_weight=magnitude_misses,
         other_units=complete
         and over_strides

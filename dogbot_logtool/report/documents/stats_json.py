@@ -17,5 +17,5 @@ def stats_json(stats: Stats, log: LogFacts) -> Json:
     # Comparing is far quicker than looking for paths, of which there are nearly never any.
     if finite != document and (overflowed := list(not_finite(document))):
         text = f"figures that are too large for a number are null: {listed(overflowed)}"
-        finite["findings"].append(finding_json(Finding("N_OVERFLOW", text)))
+        finite["findings"].append(finding_json(Finding("NOT_FINITE", text, cases=("result",))))
     return finite

@@ -4,8 +4,8 @@ from collections.abc import Sequence
 from typing import Final
 
 from dogbot_logtool import __version__
-from dogbot_logtool.core.findings.checks import checks_of
-from dogbot_logtool.core.findings.findings import findings_of
+from dogbot_logtool.core.checks.engine import findings_of
+from dogbot_logtool.core.checks.questions import checks_of
 from dogbot_logtool.core.statistics import Stats
 from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.finding import Finding
@@ -50,7 +50,7 @@ class LogSource:
 
 def log_source(stats: Stats, log: LogFacts) -> LogSource:
     """Gather what the figures of a log are taken from."""
-    damage = [Finding("W_LOST", log.damage.text)] if log.damage.losses else []
+    damage = [Finding("LOST", log.damage.text)] if log.damage.losses else []
     found = [*damage, *findings_of(stats), *log.findings]
     return LogSource(stats, log, tuple(sorted(found, key=lambda each: each.severity)))
 

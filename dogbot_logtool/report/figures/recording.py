@@ -61,9 +61,8 @@ FINDING: Final[Sequence[Figure[Finding]]] = (
     Figure(
         "remedy",
         Kind.TEXT,
-        lambda each: each.remedy or None,
+        lambda each: each.remedy,
         "what to do about it",
-        null="nothing is to be done",
     ),
     Figure(
         "where",
@@ -71,6 +70,12 @@ FINDING: Final[Sequence[Figure[Finding]]] = (
         lambda each: each.where or None,
         "the figure or topic that it is about",
         null="it is about the whole log",
+    ),
+    Figure(
+        "voids",
+        Kind.TEXTS,
+        lambda each: list(each.voids),
+        "patterns of the figures that it sets to null",
     ),
 )
 """A finding about a log."""

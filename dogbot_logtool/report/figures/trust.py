@@ -3,8 +3,8 @@
 from collections.abc import Iterator, Sequence
 from typing import Final
 
+from dogbot_logtool.core.checks.questions import Check, Outcome
 from dogbot_logtool.core.consistency.worlds import Worlds
-from dogbot_logtool.core.findings.checks import Check, Outcome
 from dogbot_logtool.core.quality.clocks import ClockDifference
 from dogbot_logtool.core.statistics import Stats
 from dogbot_logtool.dataclass import dataclass

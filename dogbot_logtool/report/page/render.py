@@ -107,7 +107,7 @@ def page(
         replay_json=json_in_html(replay),
         feet=_feet(stats),
         summary=summary(stats, log),
-        findings=grouped([each for each in source.findings if each.code != "W_LOST"]),
+        findings=grouped([each for each in source.findings if each.code != "LOST"]),
         events=events,
         damage=log.damage.text,
         losses=[loss.what for loss in log.damage.losses],

@@ -3,8 +3,8 @@
 from collections.abc import Iterator, Sequence
 from typing import Final
 
-from dogbot_logtool.core.findings.checks import Check, Outcome, checks_of
-from dogbot_logtool.core.findings.findings import GRAVE, first_of
+from dogbot_logtool.core.checks.engine import first_of
+from dogbot_logtool.core.checks.questions import Check, Outcome, checks_of
 from dogbot_logtool.core.gait.gait import STAND
 from dogbot_logtool.core.statistics import Stats
 from dogbot_logtool.dataclass import dataclass
@@ -20,8 +20,8 @@ from dogbot_logtool.report.verdict import (
 )
 from dogbot_logtool.results import LogFacts
 
-_DOUBTFUL: Final = frozenset(GRAVE[: GRAVE.index("W_FORWARD_AXIS")]) - {"W_FALL"}
-"""Findings that make all figures doubtful."""
+_LEAST_RANK: Final = 20
+"""Findings of a lower rank make some figures doubtful, not all."""
 _LONGEST: Final = 110
 """Characters of a doubt in the headline; it stands in full below."""
 
@@ -109,7 +109,9 @@ def _doubt(stats: Stats, log: LogFacts) -> str:
     if log.damage.losses:
         return "In doubt: the log is damaged"
     found = log_source(stats, log).findings
-    grave = [each for each in first_of(found) if each.code in _DOUBTFUL]
+    grave = [
+        each for each in first_of(found) if each.code != "FALL" and (each.rank or 0) <= _LEAST_RANK
+    ]
     errors = [each for each in found if each.severity is Severity.ERROR]
     if not (grave or errors):
         return ""
@@ -139,7 +141,7 @@ def grouped(findings: Sequence[Finding]) -> list[FindingGroup]:
 def trust(stats: Stats, log: LogFacts) -> Trust:
     """Say whether the numbers can be relied on."""
     # Damage has a sentence of its own.
-    found = [each for each in log_source(stats, log).findings if each.code != "W_LOST"]
+    found = [each for each in log_source(stats, log).findings if each.code != "LOST"]
     severities = [each.severity for each in found]
     above_all = tuple(f"{each.text}. {each.remedy}".strip() for each in first_of(found))
     errors, warnings = severities.count(Severity.ERROR), severities.count(Severity.WARNING)

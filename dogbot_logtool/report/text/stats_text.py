@@ -9,8 +9,8 @@ from rich.console import Console, Group, RenderableType
 from rich.padding import Padding
 from rich.text import Text
 
+from dogbot_logtool.core.checks.engine import first_of
 from dogbot_logtool.core.events.event import STEPS
-from dogbot_logtool.core.findings.findings import first_of
 from dogbot_logtool.core.gait.gait import STAND
 from dogbot_logtool.core.geometry.aggregates import Aggregate
 from dogbot_logtool.core.scene.foot_style import short_names
@@ -71,7 +71,7 @@ def print_report(
     if any(glyphs.unknown in line.plain for line in diagram):
         legend += f"; {glyphs.unknown}: not known"
     # The damage has a line of its own, at the top.
-    findings = [each for each in source.findings if each.code != "W_LOST"]
+    findings = [each for each in source.findings if each.code != "LOST"]
     parts: list[RenderableType] = [
         Text(),
         verdict(stats),

@@ -11,7 +11,7 @@ LOG: Final[dict[str, Any]] = {
     "schema_version": 2,
     "findings": [
         {"code": "W_SLIP", "severity": "warning", "text": "left slips", "where": "feet.left"},
-        {"code": "N_NO_MASS", "severity": "note", "text": "no mass", "where": "forces.ratio"},
+        {"code": "MASS_UNKNOWN", "severity": "note", "text": "no mass", "where": "forces.ratio"},
     ],
     "feet": {
         "left": {"duty_factor": {"median": 0.71, "max": 0.9}, "slip_m": {"max": 0.02}},

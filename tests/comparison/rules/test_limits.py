@@ -108,7 +108,7 @@ def test_a_baseline_is_taken_by_value_or_percent() -> None:
         ("[[rule]]\nevent = 'slip'\nbetween = [1, 2]", "at_most and at_least only"),
         ("[[rule]]\nevent = 'slips'", "no event is called 'slips'; there are slip"),
         ("[[rule]]\nevent = 'x'", "there are fall, tipping"),
-        ("[[rule]]\nfinding = 'W_FAL'", "no finding is called 'W_FAL'; there are W_FALL"),
+        ("[[rule]]\nfinding = 'W_FAL'", "no finding is called 'W_FAL'; there are FALL"),
         ("[[rule]]\nfigure = 'a'\nat_most = 1\nnull = 'ok'", "must be unknown, fail, pass"),
         ("[[rule]]\nevent = 'gap'\n\n[[rule]]\nevent = 1", "line 4: rule 2: event is 1"),
         ("not toml", "not valid TOML"),

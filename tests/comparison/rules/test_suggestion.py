@@ -56,8 +56,8 @@ def test_the_good_runs_pass(log: dict[str, Any]) -> None:
     [
         run(0.63),
         run(slip_m=0.01),
-        run(code="W_DEAD"),
-        run(code="E_UNREADABLE"),
+        run(code="DEAD"),
+        run(code="UNREADABLE"),
         run(events=("slip",)),
         run(events=("touchdown", "stumble")),
     ],
@@ -94,7 +94,7 @@ def test_what_a_run_does_not_have_gets_no_rule() -> None:
 
 
 def test_a_warning_that_a_good_run_has_is_no_failure() -> None:
-    log = run(code="W_DEAD")
+    log = run(code="DEAD")
     rules = parse_limits(suggest_limits([log], ["a.bag"]), "suggested")
     assert worst(judge(log, rules, None)) is Status.GOOD
 
@@ -116,8 +116,8 @@ def test_slips_that_cannot_be_told_get_no_rule_and_are_unknown_where_there_is_on
 
 def test_runs_that_are_no_good_examples_are_named() -> None:
     walk = {**run(0.8), "gait": {"class": "walk", "class_distance": 0.01}}
-    found = doubts([GOOD[0], run(code="W_FALL"), walk], NAMES)
-    assert found[0] == "b.bag has W_FALL: is it a good run?"
+    found = doubts([GOOD[0], run(code="FALL"), walk], NAMES)
+    assert found[0] == "b.bag has FALL: is it a good run?"
     assert "(trot, walk)" in found[1]
-    assert f"# {found[0]}\n" in suggest_limits([GOOD[0], run(code="W_FALL")], NAMES[:2])
+    assert f"# {found[0]}\n" in suggest_limits([GOOD[0], run(code="FALL")], NAMES[:2])
     assert doubts(GOOD, NAMES) == []

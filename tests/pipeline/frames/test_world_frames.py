@@ -143,7 +143,7 @@ def test_arrows_of_force_sensors_stand_at_their_frames_along_the_force(tmp_path:
     assert count == sum(int(touch.sum()) for touch in walks.TOUCHES.values())
     assert done.counts.frames.turned == done.counts.frames.placed == count
     codes = {finding.code for finding in done.findings}
-    assert {"N_FORCES_TURNED", "N_FEET_PLACED", "N_FEET_AT_FRAMES"} <= codes
+    assert {"TRANSFORMS_MISSING"} <= codes
 
 
 def test_stats_take_forces_but_no_places_from_frames(tmp_path: Path) -> None:
@@ -205,7 +205,7 @@ def test_without_frames_there_are_no_arrows_and_that_is_said(tmp_path: Path) -> 
     options = TopicOptions(robot=str(walks.robot_file(tmp_path, WRENCHES)))
     done, target = converted(log, tmp_path, style="force", topics=options)
     assert not list(arrows(target))
-    assert {"N_NO_POINTS", "W_MAGNITUDE_ONLY", "W_NO_POSITION"} <= {f.code for f in done.findings}
+    assert {"NOT_DRAWN"} <= {f.code for f in done.findings}
 
 
 def test_frames_that_end_early_leave_the_rest_where_it_is(tmp_path: Path) -> None:
@@ -220,4 +220,4 @@ def test_frames_that_end_early_leave_the_rest_where_it_is(tmp_path: Path) -> Non
     touching = {leg: int(touch[: last + 1].sum()) for leg, touch in walks.TOUCHES.items()}
     assert done.counts.frames.turned == sum(touching.values())
     assert len(list(arrows(target))) == sum(touching.values())
-    assert {"W_FORCES_TURNED", "W_FEET_PLACED"} <= {f.code for f in done.findings}
+    assert {"TRANSFORMS_MISSING"} <= {f.code for f in done.findings}

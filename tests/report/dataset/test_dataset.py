@@ -338,5 +338,5 @@ def test_events_are_a_table_of_their_own(tmp_path: Path) -> None:
     events = rows(tmp_path, "events")
     assert {each["log_id"] for each in events} == {log["log_id"]}
     (gap,) = [each for each in events if each["type"] == "gap"]
-    assert (gap["foot"], gap["unit"], gap["code"]) == ("front_right", "s", "W_GAPS")
+    assert (gap["foot"], gap["unit"], gap["code"]) == ("front_right", "s", "GAPS")
     assert gap["value"] == pytest.approx(1.01, abs=0.01)

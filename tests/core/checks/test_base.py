@@ -5,8 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from dogbot_logtool.core.findings.findings import findings_of
-from tests.core.findings.measured_walk import WALK, feet, measure
+from dogbot_logtool.core.checks.engine import findings_of
+from tests.core.checks.measured_walk import WALK, feet, measure
 
 
 @pytest.mark.parametrize(("speed", "legs"), [(0.02, "stretches"), (-0.02, "bends")])
@@ -15,7 +15,7 @@ def test_a_steady_rise_is_not_blamed_on_odometry_alone(speed: float, legs: str) 
     seconds = (odometry.log_time - odometry.log_time[0]) / 1e9
     risen = odometry.position + np.outer(speed * seconds, (0.0, 0.0, 1.0))
     stats = measure(feet(), replace(odometry, position=risen))
-    (finding,) = [each for each in findings_of(stats) if each.code == "W_HEIGHT_DRIFTS"]
+    (finding,) = [each for each in findings_of(stats) if each.code == "HEIGHT_DRIFTS"]
     assert "z of the odometry or of the contact points drifts" in finding.text
     assert f"the robot {legs} its legs" in finding.text
     assert stats.base is not None

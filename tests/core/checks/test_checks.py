@@ -2,13 +2,13 @@
 
 from dataclasses import replace
 
+from dogbot_logtool.core.checks.engine import findings_of
+from dogbot_logtool.core.checks.questions import KINDS, Outcome, checks_of
 from dogbot_logtool.core.contact.contact_rule import FootSensor, contact_rule
-from dogbot_logtool.core.findings.checks import KINDS, Outcome, checks_of
-from dogbot_logtool.core.findings.findings import findings_of
 from dogbot_logtool.core.sensors.sensor_level import zero_reading
 from dogbot_logtool.core.statistics import Stats
 from dogbot_logtool.finding import finding_kinds
-from tests.core.findings.measured_walk import WALK, feet, late, measure
+from tests.core.checks.measured_walk import WALK, feet, late, measure
 from tests.oracles.straight_walk import SETTINGS
 
 
