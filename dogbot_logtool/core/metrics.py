@@ -8,7 +8,7 @@ for each segment.
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from typing import Annotated, Final, Literal
+from typing import Annotated, Final
 
 from dogbot_logtool.core import records
 from dogbot_logtool.core.records import Count, Number, Numbers, Of, Shape, Spread, Text
@@ -27,6 +27,7 @@ NEEDS: Final[Mapping[str, str]] = {
     "base": "no poses of the base",
     "points": "no contact points",
     "foot frame": "no transforms or joints of the legs",
+    "leg rate": "legs or contacts sampled below 100 Hz",
     "rolling": "foot_rolling_m not known: --set foot_rolling_m=M",
     "three feet": "never three feet down",
     "force": "no forces, contact only",
@@ -273,10 +274,10 @@ class Foot:
     the stances before and after."""
     swing_length_m: Annotated[Spread, Of("m", "strides", "base", "foot frame")]
     """Horizontal distance of the foot's places in the stances before and after a swing."""
-    touchdown_down_mps: Annotated[Spread, Of("m/s", "strides", "base", "foot frame")]
+    touchdown_down_mps: Annotated[Spread, Of("m/s", "strides", "base", "foot frame", "leg rate")]
     """Downward velocity of the foot one contact sample before touchdown: slope there of the
     parabola that fits its places of the 30 ms before."""
-    touchdown_along_mps: Annotated[Spread, Of("m/s", "strides", "base", "foot frame")]
+    touchdown_along_mps: Annotated[Spread, Of("m/s", "strides", "base", "foot frame", "leg rate")]
     """Horizontal speed of the foot, likewise."""
     height_over_stride_m: Annotated[Shape, Of("m", "strides", "base", "foot frame")]
     """Height of the foot above the line of its clearance over the gait cycle."""
@@ -397,11 +398,12 @@ class Stability:
     """Height that the base must rise to tip over an edge: the energy stability margin over the
     weight (Messuri and Klein 1985)."""
     unstable_fraction: Annotated[Number, Of("", "feet", "base", "points", "all feet")]
-    """Share of the time with a support polygon in which the static margin is negative."""
+    """Share of all time with a support polygon outside of which the base's projection lies."""
     undefined_fraction: Annotated[Number, Of("", "feet", "base", "points", "all feet")]
-    """Share of the time in which all is known with fewer than three feet down."""
+    """Share of all time in which all is known and fewer than three feet are down."""
     unknown_fraction: Annotated[Number, Of("", "feet", "base", "points", "all feet")]
-    """Share of the time in which the base, or whether and where a foot stands, is not known."""
+    """Share of all time in which the base, or whether and where a foot stands, is not known. The
+    rest of the time is stable."""
     centre_of_pressure_forward_m: Annotated[
         Spread, Of("m", "feet", "base", "points", "force", "vertical force", "all feet")
     ]
@@ -566,7 +568,7 @@ class Finding:
 
     code: str
     """Name of the finding, as `check` rules use it."""
-    severity: Literal["error", "warning", "note"]
+    severity: str
     """error, warning or note."""
     text: str
     """What was found."""
@@ -631,8 +633,8 @@ class Check:
 
     name: str
     """What holds if it passes."""
-    outcome: Literal["passed", "failed", "not made", "does not apply"]
-    """passed, failed, not made, does not apply."""
+    outcome: str
+    """passed, failed, not made or does not apply."""
     reason: Text
     """Why, unless it passed."""
 

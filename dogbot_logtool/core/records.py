@@ -21,7 +21,6 @@ from typing import (
     Annotated,
     Any,
     Final,
-    Literal,
     NamedTuple,
     TypeVar,
     get_args,
@@ -326,8 +325,6 @@ def _field_schema(field: Field, defs: dict[str, Json]) -> Json:
 
 
 def _item_schema(kind: Any, defs: dict[str, Json]) -> Json:  # noqa: ANN401 - any type
-    if get_origin(kind) is Literal:
-        return {"enum": list(get_args(kind))}
     if is_dataclass(kind):
         return _reference(kind, defs)
     return {"type": _PRIMITIVES[kind]}

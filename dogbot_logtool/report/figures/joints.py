@@ -31,8 +31,7 @@ _SPREAD: Final = "standard deviation over strides (divisor n)"
 _CURVE: "Final[Sequence[Figure[JointCurve]]]" = (
     Figure("n", Kind.COUNT, lambda curve: curve.number, "number of strides"),
     points("percent", lambda curve: curve.percent, "of the stride", "%"),
-    points("position", lambda curve: curve.position, "mean over strides", _UNIT),
-    points("position_sd", lambda curve: curve.position_sd, _SPREAD, _UNIT),
+    points("position", lambda curve: curve.median, "mean over strides", _UNIT),
 )
 
 
