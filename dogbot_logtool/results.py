@@ -158,12 +158,15 @@ class StrideTable:
 
 @dataclass(frozen=True, slots=True)
 class Figures:
-    """The results of `stats` for one log, small enough to send and store."""
+    """The metrics of one log, small enough to send and store."""
 
     summary: tuple[str, ...]
     """Its row among several logs."""
     json: dict[str, Any]
+    """Its `stats --json`."""
     strides: "StrideTable"
+    interval_s: float
+    """s, the longest sampling interval of its feet: no time is known more finely."""
     robot: str
     damage: Damage
     whole: "Measurement | None" = None

@@ -681,6 +681,44 @@ class WalkMetrics:
     Segments have only those that the whole log does not have."""
 
 
+@dataclass(frozen=True, slots=True)
+class Stride:
+    """A whole stride of a foot: a row of `export --table strides`."""
+
+    start_s: Annotated[float, Of("s")]
+    """Touchdown, from the log's start."""
+    stance_s: Annotated[float, Of("s")]
+    """Touchdown to lift-off."""
+    swing_s: Annotated[float, Of("s")]
+    """Lift-off to the next touchdown."""
+    duty_factor: Annotated[float, Of()]
+    """Stance over stride period."""
+    length_m: Annotated[Number, Of("m", "base")]
+    """Horizontal distance of the base between touchdown and next touchdown."""
+    peak_force_n: Annotated[Number, Of("N", "force")]
+    """Highest |F| of the stance."""
+    vertical_impulse_ns: Annotated[Number, Of("N s", "force", "vertical force")]
+    """Integral of the vertical force over the stance."""
+    slip_m: Annotated[Number, Of("m", "points", "rolling")]
+    """Slip of the stance, as in the metrics of a foot."""
+    clearance_m: Annotated[Number, Of("m", "base", "foot frame")]
+    """Likewise of its swing, as all below."""
+    swing_length_m: Annotated[Number, Of("m", "base", "foot frame")]
+    """Horizontal distance of the swing."""
+    step_length_m: Annotated[Number, Of("m", "base", "foot frame", "leg positions")]
+    """Distance ahead of the opposite foot's footfall."""
+    step_width_m: Annotated[Number, Of("m", "base", "foot frame", "leg positions")]
+    """The same across the swing."""
+    touchdown_down_mps: Annotated[Number, Of("m/s", "base", "foot frame", "leg rate")]
+    """Downward velocity before the touchdown that ends the stride."""
+    touchdown_along_mps: Annotated[Number, Of("m/s", "base", "foot frame", "leg rate")]
+    """Horizontal speed there."""
+    positive_work_j: Annotated[Number, Of("J", "joints", "efforts")]
+    """Positive work of the leg's joints in the stride."""
+    absolute_work_j: Annotated[Number, Of("J", "joints", "efforts")]
+    """Absolute work of them."""
+
+
 def void(walk: WalkMetrics, patterns: Sequence[str]) -> WalkMetrics:
     """Set the metrics that match patterns to null, of the whole log and of each segment.
 
