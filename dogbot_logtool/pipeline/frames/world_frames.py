@@ -271,7 +271,7 @@ def frame_findings(frames: WorldFrames, counts: FrameCounts) -> Iterator[Finding
         ),
     ):
         if wanted and left:
-            text += f": {done:,}; transforms were missing for {left:,}"
-            yield Finding("TRANSFORMS_MISSING", text, cases=(case,) if case else ())
+            missing = f"{text}: {done:,}; transforms were missing for {left:,}"
+            yield Finding("TRANSFORMS_MISSING", missing, cases=(case,) if case else ())
         elif wanted:
             yield Finding("TRANSFORMS_MISSING", f"{text}: {done:,}", cases=("none",))
