@@ -1,7 +1,6 @@
 """A walk as it was recorded, and after the checks that its figures rest on."""
 
 from collections.abc import Sequence
-from dataclasses import replace
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
@@ -13,7 +12,6 @@ from dogbot_logtool.core.base.forward_axis import with_forward_axis
 from dogbot_logtool.core.base.ground import height_drift_m, height_over_feet
 from dogbot_logtool.core.base.pose_jumps import PoseJumps, find_jumps, without_jumps
 from dogbot_logtool.core.base.travel import find_travel
-from dogbot_logtool.core.command_tracking import tracking_in
 from dogbot_logtool.core.consistency.stopped import without_stopped
 from dogbot_logtool.core.consistency.worlds import Worlds, placed_poses
 from dogbot_logtool.core.contact.foot_history import FootHistory
@@ -32,7 +30,6 @@ from dogbot_logtool.core.load.load_figures import (
     is_stuck,
     load_figures,
 )
-from dogbot_logtool.core.load.loads import GRAVITY_MPS2
 from dogbot_logtool.core.quality.clocks import ClockDifference, too_far_apart
 from dogbot_logtool.core.quality.quality import TopicQuality
 from dogbot_logtool.core.settings import StatsSettings
@@ -40,7 +37,6 @@ from dogbot_logtool.core.stability.stability import Stability, stability
 from dogbot_logtool.dataclass import dataclass
 
 if TYPE_CHECKING:
-    from dogbot_logtool.core.commands.tracking import CommandTrack, Tracking
     from dogbot_logtool.core.geometry.delay import Delay
     from dogbot_logtool.core.recorded.vectors import VectorHistory
 
@@ -49,8 +45,6 @@ WHOLE_WEIGHT: Final = 0.005
 """Share of the weight by which forces that nothing cuts off may miss it."""
 FLAT: Final = 0.8
 """Mean over highest force of a nearly rectangular stance; that of half a sine is 0.64."""
-MOST_PUSH: Final = 0.05
-"""Share of the weight that feet may push a robot on, over whole stances, that does not speed up."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -91,12 +85,10 @@ class CheckedWalk:
     """By how much the base comes after the forces that drive it; None: not known, or little."""
     worlds: Worlds | None
     push: float | None
-    """Share of the weight by which the feet seem to push the robot on, which its motion refutes;
-    None: they do not."""
+    """Share of the weight by which the feet push the robot on over whole stances; None: not
+    known."""
     rise_m: float
     """m, how far the base rises steadily over the contact points while it walks."""
-    loses_way: bool
-    """Whether the base drifts so far among the contact points that speeds are not known."""
     vertical_known: bool
 
     @property
@@ -127,12 +119,9 @@ class CheckedWalk:
 
     def base_motion(self, within: Ints | None = None) -> BaseMotion | None:
         """Return how the base moved."""
-        motion = self.motion
-        if within is not None:
-            motion = base_motion(self.track, self.settings.forward_axis, within)
-        if motion is not None and self.rise_m:
-            motion = replace(motion, climb_m=None)
-        return motion.without_way() if motion is not None and self.loses_way else motion
+        if within is None:
+            return self.motion
+        return base_motion(self.track, self.settings.forward_axis, within)
 
     def support(self, within: Ints | None = None) -> Support | None:
         """Return the support pattern; where one foot's state is not known, none is."""
@@ -154,22 +143,13 @@ class CheckedWalk:
 
     def loads(self, strides: Ints, within: Ints | None = None) -> LoadFigures:
         """Return the loads of all feet over whole strides, (s, 2) ns."""
-        loads = load_figures(
+        return load_figures(
             self.records,
             self.settings.body_weight_n,
             strides,
             within,
             mass_is_assumed=self.settings.mass_is_assumed,
         )
-        any_dead = any(foot.checks.is_dead for foot in self.steps)
-        return replace(loads, share_of=None, shares=None) if any_dead else loads
-
-    def tracking(
-        self, track: "CommandTrack | None", within: Ints | None = None
-    ) -> "Tracking | None":
-        """Return how the base follows its commands."""
-        found = tracking_in(track, within)
-        return found.without_way() if found is not None and self.loses_way else found
 
 
 def check_walk(settings: StatsSettings, recorded: Recorded) -> CheckedWalk:
@@ -199,13 +179,10 @@ def check_walk(settings: StatsSettings, recorded: Recorded) -> CheckedWalk:
     )
     delay = None if apart else _long_delay(records, base, period_s, strides)
     apart = apart | {settings.odometry_topic} if delay else apart
-    parted = worlds is not None and not worlds.agree
     rise_m = height_drift_m(base, height, strides)
-    over_feet = np.full_like(height, np.nan) if parted or rise_m else height
-    track = BaseTrack(base, find_travel(base), over_feet, records, standing.still, jumps)
+    track = BaseTrack(base, find_travel(base), height, records, standing.still, jumps)
     guessed = settings.forward_axis
     motion = base_motion(track, guessed)
-    loses_way = _loses_way(worlds, motion)
     settings = with_forward_axis(settings, track, motion)
     if settings.forward_axis != guessed:
         motion = base_motion(track, settings.forward_axis)
@@ -214,9 +191,7 @@ def check_walk(settings: StatsSettings, recorded: Recorded) -> CheckedWalk:
         records,
         dead,
         loads,
-        apart,
         steps_missing=len(standing.moving) > 0,
-        lost=loses_way,
     )
     steps = tuple(
         foot_steps(
@@ -224,7 +199,6 @@ def check_walk(settings: StatsSettings, recorded: Recorded) -> CheckedWalk:
         )
         for foot in zip(settings.feet, checks, records, strict=True)
     )
-    push = _refuted_push(steps, motion)
     return CheckedWalk(
         settings=settings,
         records=records,
@@ -235,13 +209,12 @@ def check_walk(settings: StatsSettings, recorded: Recorded) -> CheckedWalk:
         motion=motion,
         fallen=fallen,
         standing=standing,
-        steps=steps if push is None else tuple(foot.without_direction() for foot in steps),
-        push=push,
+        steps=steps,
+        push=net_push(steps),
         rise_m=rise_m,
         apart=apart,
         base_delay=delay,
         worlds=worlds,
-        loses_way=loses_way,
         vertical_known=weighed.share_of == "vertical_impulse",
     )
 
@@ -311,29 +284,13 @@ def _long_delay(
     return long_delay(records, base, period_s, strides)
 
 
-def _refuted_push(steps: Sequence[FootSteps], motion: BaseMotion | None) -> float | None:
-    """Return the share of the weight that the feet push on; None: no more than motion explains."""
-    push = net_push(steps)
-    if push is None or motion is None or not motion.duration_s:
-        return None
-    speeds = abs(motion.forward_speed_mps or 0.0) / (GRAVITY_MPS2 * motion.duration_s)
-    return push if abs(push) > MOST_PUSH + 2.0 * speeds else None
-
-
-def _loses_way(worlds: Worlds | None, motion: BaseMotion | None) -> bool:
-    path_m = 0.0 if motion is None else motion.path_length_m or 0.0
-    return worlds is not None and worlds.lose_way(path_m)
-
-
 def _foot_checks(
     settings: StatsSettings,
     records: Sequence[FootHistory],
     dead: Sequence[bool],
     loads: LoadFigures,
-    apart: frozenset[str],
     *,
     steps_missing: bool,
-    lost: bool,
 ) -> tuple[FootChecks, ...]:
     """Bring together what is known of each foot.
 
@@ -342,22 +299,15 @@ def _foot_checks(
         records: of all feet.
         dead: which feet's sensors seem dead.
         loads: of the feet over whole strides.
-        apart: topics whose clocks are too far from the others'.
         steps_missing: whether the robot moves, for a time, without steps.
-        lost: whether the base loses its way among the contact points.
     """
-    tilted = settings.wrench_frame_is_inferred and loads.may_be_tilted
     return tuple(
         FootChecks(
             is_dead=is_dead,
             is_saturated=_is_saturated(settings, records, row, loads),
             is_refuted=bool(settings.sensor(row).level.reason and steps_missing),
-            direction_known=not (loads.direction_refuted or tilted),
-            vertical_known=not (loads.vertical_refuted or loads.other_units),
-            in_newtons=not loads.other_units,
-            length_known=not (lost or apart & {foot.topic, settings.odometry_topic}),
         )
-        for row, (foot, is_dead) in enumerate(zip(settings.feet, dead, strict=True))
+        for row, is_dead in enumerate(dead)
     )
 
 

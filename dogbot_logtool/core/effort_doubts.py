@@ -9,6 +9,7 @@ from typing import Final
 
 from dogbot_logtool.core.base.base_history import BaseHistory
 from dogbot_logtool.core.base.pose_jumps import without_jumps
+from dogbot_logtool.core.checks.loads import direction_is_doubtful
 from dogbot_logtool.core.gait.foot_statistics import FootStatistics
 from dogbot_logtool.core.geometry.order_statistics import median_of
 from dogbot_logtool.core.legs.effort_signs import LegSigns, leg_signs, shortfall
@@ -34,9 +35,10 @@ def with_effort_doubts(stats: Stats, history: LegHistory, legs: LegFigures) -> L
         return legs
     base = without_jumps(stats.base_history, stats.jumps)
     rows = zip(stats.feet, legs.feet, history.paths, strict=True)
+    rows = () if direction_is_doubtful(stats) else rows
     judged = [_leg(foot, leg, path, base, legs) for foot, leg, path in rows]
     named = {
-        leg.name: signs for leg, signs in zip(legs.feet, judged, strict=True) if signs is not None
+        leg.name: signs for leg, signs in zip(legs.feet, judged, strict=False) if signs is not None
     }
     unit = _other_unit(stats, named)
     if unit:

@@ -10,7 +10,7 @@ from dogbot_logtool.core.base.ground import swapped_pairs
 from dogbot_logtool.core.base.tipping import find_tipping
 from dogbot_logtool.core.base.up_axis import leaning_walk_rad
 from dogbot_logtool.core.checked_walk import CheckedWalk, Recorded, check_walk
-from dogbot_logtool.core.command_tracking import command_track
+from dogbot_logtool.core.command_tracking import command_track, tracking_in
 from dogbot_logtool.core.consistency.stopped import all_silent
 from dogbot_logtool.core.contact.foot_history import FootHistory
 from dogbot_logtool.core.gait.foot_statistics import (
@@ -97,11 +97,10 @@ def work_out(settings: StatsSettings, recorded: Recorded) -> Stats:
         worlds=walk.worlds,
         push=walk.push,
         rise_m=walk.rise_m,
-        loses_way=walk.loses_way,
         all_silent=all_silent(records, walk.base),
         beside=tuple(each for each in (recorded.commands, recorded.inertial) if each),
         command_track=track,
-        commands=walk.tracking(track),
+        commands=tracking_in(track, None),
         imu=_imu(walk, recorded.inertial),
     )
 
@@ -116,7 +115,7 @@ def _segment_figures(
         support=walk.support(spans),
         loads=walk.loads(strides.within(spans).spans, spans),
         stability=walk.stability(spans),
-        commands=walk.tracking(track, spans),
+        commands=tracking_in(track, spans),
     )
 
 

@@ -58,7 +58,7 @@ class Outcome:
 
     def warnings(self) -> list[str]:
         """Return codes of all findings that are more than notes."""
-        return [each["code"] for each in self.findings() if not each["code"].startswith("N_")]
+        return [each["code"] for each in self.findings() if each["severity"] != "note"]
 
 
 def _foot_topics(recording: Recording) -> Mapping[str, str] | None:

@@ -4,6 +4,7 @@ from collections.abc import Iterator
 from typing import Final
 
 from dogbot_logtool.core.load.load_figures import is_stuck
+from dogbot_logtool.core.load.loads import GRAVITY_MPS2
 from dogbot_logtool.core.statistics import Stats
 from dogbot_logtool.finding import Finding
 
@@ -13,6 +14,8 @@ MOST_STEPS: Final = 100
 """Physics steps that one message may hold."""
 NOT_VERTICAL: Final = 0.1
 """Ratio below which the force is hardly along the world's z."""
+MOST_PUSH: Final = 0.05
+"""Share of the weight that feet may push a robot on, over whole stances, that does not speed up."""
 _RATIO: Final = "forces.vertical_impulse_over_weight"
 
 
@@ -50,7 +53,7 @@ def impulse_is_not_weight(stats: Stats) -> Iterator[Finding]:
     """Yield that the feet's forces do not add up to the weight, and what that refutes."""
     loads = stats.loads
     cases = _refuted(stats)
-    magnitude, ratio = loads.magnitude_over_weight, loads.mean_over_weight
+    magnitude, ratio = loads.magnitude_over_weight, loads.vertical_impulse_over_weight
     if magnitude is not None and loads.magnitude_misses_weight:
         text = f"the mean sum of the feet's |F| is {magnitude:.2f} of the weight: "
         text += _likely_cause(stats, magnitude)
@@ -84,7 +87,7 @@ def _refuted(stats: Stats) -> tuple[str, ...]:
 def forces_lean(stats: Stats) -> Iterator[Finding]:
     """Yield that forces may be in the frames of legs that swing."""
     loads = stats.loads
-    if stats.settings.wrench_frame_is_inferred and loads.may_be_tilted:
+    if _may_lean(stats):
         text = (
             f"the sum of |F| is {loads.mean_magnitude_n:.4g} N, that of vertical forces "
             f"{loads.mean_vertical_n:.4g} N: these lean, and nothing tells a push along the "
@@ -95,14 +98,37 @@ def forces_lean(stats: Stats) -> Iterator[Finding]:
 
 def forces_push(stats: Stats) -> Iterator[Finding]:
     """Yield that the forces along the ground do not add up to nothing."""
-    if stats.push is not None:
+    push = _refuted_push(stats)
+    if push is not None:
         text = (
-            f"over whole stances, the feet push the robot {'on' if stats.push > 0.0 else 'back'} "
-            f"with {abs(stats.push):.0%} of its weight, and it does not change its speed so: the "
+            f"over whole stances, the feet push the robot {'on' if push > 0.0 else 'back'} "
+            f"with {abs(push):.0%} of its weight, and it does not change its speed so: the "
             "wrenches are in another frame than transforms or evidence say, or something pulls at "
             "the robot"
         )
         yield Finding("DIRECTION_UNKNOWN", text, "feet")
+
+
+def direction_is_doubtful(stats: Stats) -> bool:
+    """Tell whether the feet's forces are refuted, or their direction is."""
+    loads = stats.loads
+    refuted = loads.direction_refuted or loads.vertical_refuted or loads.other_units
+    return refuted or _may_lean(stats) or _refuted_push(stats) is not None
+
+
+def _may_lean(stats: Stats) -> bool:
+    return stats.settings.wrench_frame_is_inferred and stats.loads.may_be_tilted
+
+
+def _refuted_push(stats: Stats) -> float | None:
+    """Return the share of the weight that the feet push on; None: no more than motion explains."""
+    push, base = stats.push, stats.base
+    if push is None or base is None or not base.duration_s:
+        return None
+    if stats.loads.direction_refuted or _may_lean(stats):
+        return None
+    speeds = abs(base.forward_speed_mps or 0.0) / (GRAVITY_MPS2 * base.duration_s)
+    return push if abs(push) > MOST_PUSH + 2.0 * speeds else None
 
 
 def _likely_cause(stats: Stats, ratio: float) -> str:

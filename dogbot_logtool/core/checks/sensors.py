@@ -1,11 +1,12 @@
 """Checks of the feet's sensors: what they read without load, and whether they work."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import Final
 
 import numpy as np
 
 from dogbot_logtool.core.checks.wording import counted
+from dogbot_logtool.core.contact.contact_rule import FootSensor
 from dogbot_logtool.core.gait.foot_statistics import FootStatistics
 from dogbot_logtool.core.geometry import timespans
 from dogbot_logtool.core.load.load_figures import is_stuck
@@ -19,21 +20,37 @@ SOME_S: Final = 0.1
 """s, time in contact without poses from which that is worth a warning."""
 
 
-def unloaded_level(stats: Stats) -> Iterator[Finding]:
-    """Yield what sensors read without load, where that is not known or not about zero."""
+def unloaded_levels(stats: Stats) -> Iterator[Finding]:
+    """Yield feet whose contact cannot be told, and offsets of sensors."""
     settings = stats.settings
+    names = [foot.name for foot in settings.feet]
+    sensors = [settings.sensor(row) for row in range(len(names))]
     weight_n = settings.body_weight_n or settings.estimated_weight_n
-    for row, foot in enumerate(settings.feet):
-        level = settings.sensor(row).level
-        where = f"feet.{foot.name}.force_offset_n"
-        if level.reason:
-            text = f"what the sensor of {foot.name} reads without load is not known, zero is "
-            yield Finding("OFFSET_UNKNOWN", f"{text}assumed: {level.reason}", where)
-        else:
-            yield from _offset(foot.name, level, weight_n, where)
+    return sensor_findings(names, sensors, weight_n)
+
+
+def sensor_findings(
+    names: Sequence[str], sensors: Sequence[FootSensor], weight_n: float | None
+) -> Iterator[Finding]:
+    """Yield what a user should know of the feet's sensors.
+
+    Args:
+        names: of the feet.
+        sensors: of the feet.
+        weight_n: N, given or estimated; None: not known.
+    """
+    for name, sensor in zip(names, sensors, strict=True):
+        if reason := sensor.rule.unusable:
+            text = f"contact of {name} is not known: {reason}"
+            yield Finding("CONTACT_UNKNOWN", text, f"feet.{name}.contact_fraction", feet=(name,))
+        yield from _offset(name, sensor.level, weight_n, f"feet.{name}.force_offset_n")
 
 
 def _offset(name: str, level: SensorLevel, weight_n: float | None, where: str) -> Iterator[Finding]:
+    if level.reason:
+        text = f"what the sensor of {name} reads without load is not known, zero is assumed: "
+        yield Finding("OFFSET_UNKNOWN", text + level.reason, where)
+        return
     offset = float(np.linalg.norm(level.offset_n))
     scale = weight_n or level.loaded_n
     if level.moved_n:
@@ -49,15 +66,6 @@ def _offset(name: str, level: SensorLevel, weight_n: float | None, where: str) -
             f"{of_what} ({level.origin}); it is taken off all forces (--tare changes that)"
         )
         yield Finding("SENSOR_OFFSET", text, where)
-
-
-def contact_unknown(stats: Stats) -> Iterator[Finding]:
-    """Yield feet whose sensors cannot tell contact."""
-    for row, foot in enumerate(stats.settings.feet):
-        if reason := stats.settings.sensor(row).rule.unusable:
-            text = f"contact of {foot.name} is not known: {reason}"
-            where = f"feet.{foot.name}.contact_fraction"
-            yield Finding("CONTACT_UNKNOWN", text, where, feet=(foot.name,))
 
 
 def silent_feet(stats: Stats) -> Iterator[Finding]:

@@ -7,13 +7,13 @@ import numpy as np
 from dogbot_logtool.core.base.base_history import BaseHistory
 from dogbot_logtool.core.base.base_motion import stride_lengths
 from dogbot_logtool.core.contact.foot_history import FootHistory
-from dogbot_logtool.core.contact.stances import Cut, StanceFigures, Stances
+from dogbot_logtool.core.contact.stances import Cut, Stances
 from dogbot_logtool.core.gait.cycle_curves import (
     ForceCurves,
     force_curves,
     fore_aft_impulses,
 )
-from dogbot_logtool.core.gait.foot_steps import FootChecks, FootSteps
+from dogbot_logtool.core.gait.foot_steps import FootSteps
 from dogbot_logtool.core.gait.segments import FootEvents
 from dogbot_logtool.core.gait.strides import (
     Strides,
@@ -112,11 +112,10 @@ def foot_statistics(
     if within is not None:
         stances, strides = cut_outside(stances, within), strides.within(within)
     length = stride_lengths(base, strides.touchdown, strides.end)
-    length = length if checks.length_known else np.full_like(length, np.nan)
     slip = slip_m(stances.figures.contact_travel_m, foot_rolling_m)
     largest_slip = slip_m(stances.figures.contact_reach_m, foot_rolling_m)
     whole = stances.whole
-    figures = _known_forces(stances.figures, checks)
+    figures = stances.figures
     fore_aft = fore_aft_impulses(steps.forward, stances)
     # A spike of a leaning force is as large as all that brakes.
     clean = whole & ~(stances.figures.spikes > 0)
@@ -146,11 +145,7 @@ def foot_statistics(
         mean_force_n=aggregate(figures.mean_n[whole]),
         peak_vertical_force_n=aggregate(figures.peak_vertical_n[whole]),
         mean_vertical_force_n=aggregate(figures.mean_vertical_n[whole]),
-        vertical_impulse_ns=(
-            vertical_impulse_ns(record, within)
-            if checks.vertical_known and not checks.is_dead
-            else None
-        ),
+        vertical_impulse_ns=vertical_impulse_ns(record, within),
         braking_impulse_ns=aggregate(fore_aft.braking[clean]),
         propulsive_impulse_ns=aggregate(fore_aft.propulsive[clean]),
         force_curves=force_curves(steps.vertical, steps.forward, strides),
@@ -159,21 +154,9 @@ def foot_statistics(
         contact_travel_m=aggregate(figures.contact_travel_m[whole]),
         slip_distance_m=aggregate(slip[whole]),
         largest_slip_m=aggregate(largest_slip[whole]),
-        friction_use=aggregate(figures.friction_use[whole]) if checks.direction_known else None,
+        friction_use=aggregate(figures.friction_use[whole]),
         slip_source="contact_points" if np.isfinite(slip[whole]).any() else None,
     )
-
-
-def _known_forces(figures: StanceFigures, checks: FootChecks) -> StanceFigures:
-    """Return figures without the forces that are not known."""
-    unknown = np.full_like(figures.peak_n, np.nan)
-    if not checks.in_newtons:
-        figures = figures._replace(peak_n=unknown, mean_n=unknown, loading_rate_nps=unknown)
-    if not checks.vertical_known:
-        figures = figures._replace(peak_vertical_n=unknown, mean_vertical_n=unknown)
-    if checks.is_saturated:
-        figures = figures._replace(peak_n=unknown, peak_vertical_n=unknown)
-    return figures
 
 
 def _seen(time: Ints, record: FootHistory, unseen: Cut, stances: Stances) -> Ints:

@@ -1,7 +1,6 @@
 """A foot's steps over a whole log, and what is known of the sensor that tells of them."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
 from typing import Final
 
 import numpy as np
@@ -23,23 +22,15 @@ FEWEST_STANCES: Final = 8
 
 @dataclass(frozen=True, slots=True)
 class FootChecks:
-    """The assumptions that hold for a foot; figures that rest on another are None."""
+    """What is known of a foot's sensor; contact that it refutes counts for nothing."""
 
     is_dead: bool = False
     """Whether its sensor never reports a contact, and nothing says that the foot is lifted."""
     is_saturated: bool = False
-    """Whether its sensor is cut off at a limit: the peaks are not known."""
+    """Whether its sensor is cut off at a limit."""
     is_refuted: bool = False
     """Whether its sensor was taken to read zero without load, on a robot that then makes no steps
     although it moves."""
-    direction_known: bool = True
-    """Whether nothing contradicts the direction of its force."""
-    vertical_known: bool = True
-    """Whether the vertical part of its force may be what it seems."""
-    in_newtons: bool = True
-    """Whether forces may be in N."""
-    length_known: bool = True
-    """Whether the odometry tells how far its strides go."""
 
     @property
     def contact_known(self) -> bool:
@@ -65,14 +56,6 @@ class FootSteps:
     """(stances, PARTS) N, mean vertical force in each part of each stance; NaN: not known."""
     forward: Floats
     """(stances, PARTS) N, the same along the base's forward axis."""
-
-    def without_direction(self) -> "FootSteps":
-        """Return the steps for a force whose direction is not what it seems."""
-        return replace(
-            self,
-            checks=replace(self.checks, direction_known=False),
-            forward=np.full_like(self.forward, np.nan),
-        )
 
 
 def net_push(feet: Sequence[FootSteps]) -> float | None:
@@ -125,9 +108,6 @@ def foot_steps(
     stances = without_spikes(cut_by_fall(record.stances, fallen))
     stances = cut_by_standing(stances, steps_apart(standing.without_steps, stances))
     strides, discarded = strides_of(stances, record.gaps, fallen)
-    vertical = record.stance_forces[:, 2]
-    forward = forward_forces(record, base, forward_axis)
-    unknown = np.full_like(forward, np.nan)
     return FootSteps(
         settings=settings,
         checks=checks,
@@ -136,6 +116,6 @@ def foot_steps(
         strides=strides,
         discarded=discarded,
         has_spikes=has_lone_spikes(stances),
-        vertical=vertical if checks.vertical_known else unknown,
-        forward=forward if checks.direction_known else unknown,
+        vertical=record.stance_forces[:, 2],
+        forward=forward_forces(record, base, forward_axis),
     )

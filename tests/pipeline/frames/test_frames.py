@@ -21,6 +21,7 @@ from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
 from dogbot_logtool.commands.convert import convert
 from dogbot_logtool.commands.info import describe
+from dogbot_logtool.finding import Severity
 from dogbot_logtool.pipeline.frames.frames import Frames
 from dogbot_logtool.pipeline.options import ConvertOptions, TopicOptions
 from dogbot_logtool.report.info_report import info_json, print_info
@@ -128,7 +129,7 @@ def test_our_own_output_has_the_base_in_the_world(tmp_path: Path) -> None:
     assert uses["/dogbot_logtool/tf"] == "frames"
     tree = info_json(info)["frames"]
     assert (tree["roots"], len(tree["trees"]), tree["loops"]) == (["world"], 1, [])
-    assert not [f for f in info.findings if f.code.startswith("W_")]
+    assert not [f for f in info.findings if f.severity is Severity.WARNING]
 
 
 # ---- logs of our own making ----
