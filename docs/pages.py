@@ -5,8 +5,9 @@ from itertools import groupby
 from pathlib import Path
 from typing import Final
 
+from dogbot_logtool.core.events.event import MEANINGS
 from dogbot_logtool.core.geometry.aggregates import Aggregate
-from dogbot_logtool.core.metrics import Stride, WalkMetrics
+from dogbot_logtool.core.metrics import Event, Stride, WalkMetrics
 from dogbot_logtool.core.records import Field, definitions, fields_of, is_record, metric_paths
 from dogbot_logtool.finding import finding_kinds
 from dogbot_logtool.io.plain_json import to_json
@@ -45,7 +46,8 @@ the name of a foot, pair, joint or topic, `[]` for the items of a list. Curves, 
 the touchdowns and lift-offs among the events are printed with `--json -v` only.
 This page is made of the records in `dogbot_logtool/core/metrics.py` by `make docs`.
 
-An **aggregate** holds {statistics}; a **curve** quartiles over strides by percent of the gait cycle:
+An **aggregate** holds {statistics}; a **curve** quartiles over strides by percent of the gait
+cycle:
 `percent`, `lower`, `median`, `upper`.
 """
 _METRICS_COLUMNS: Final = "| key | unit | kind | definition | needs |\n|---|---|---|---|---|\n"
@@ -75,6 +77,9 @@ def _section(field: Field, words: str) -> Iterator[str]:
         for path, each, definition in metric_paths(field.inner):
             if not path.startswith("segments[].") or path.count(".") == 1:
                 yield _metric_row(f"{field.name}{items}.{path}", each, definition)
+    if field.inner is Event:
+        yield "\n"
+        yield from (f"- `{kind}`: {meaning}.\n" for kind, meaning in MEANINGS.items())
 
 
 def _metric_row(path: str, field: Field, definition: str) -> str:

@@ -10,6 +10,7 @@ from dataclasses import field
 from enum import IntEnum
 from functools import cache
 from pathlib import Path
+from typing import Any
 
 from dogbot_logtool.dataclass import dataclass
 
@@ -79,13 +80,14 @@ def _kinds(declarations: str) -> Mapping[str, FindingKind]:
     }
 
 
-def _with_types(words: Mapping[str, object]) -> dict[str, object]:
-    """Return the words of a declaration with a severity, and its cases, for what they are."""
+def _with_types(words: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the words of a declaration, with records for its severity and its cases."""
     found = dict(words)
-    if isinstance(severity := found.get("severity"), str):
-        found["severity"] = Severity[severity.upper()]
-    if isinstance(cases := found.get("cases"), dict):
-        found["cases"] = {name: FindingCase(**_with_types(each)) for name, each in cases.items()}
+    if "severity" in found:
+        found["severity"] = Severity[found["severity"].upper()]
+    if "cases" in found:
+        cases = found["cases"].items()
+        found["cases"] = {name: FindingCase(**_with_types(each)) for name, each in cases}
     return found
 
 

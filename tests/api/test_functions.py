@@ -67,7 +67,7 @@ def test_strides_are_those_of_json_to_the_bit(walk: dl.Walk) -> None:
     """Figures of stances count those that belong to no whole stride, too."""
     equal = set()
     for foot, figures in walk.stats["feet"].items():
-        both = {**walk.stats["legs"]["feet"][foot], **figures}
+        both = {**walk.stats["feet"][foot], **figures}
         for name in walk.strides:
             column = walk.strides[name][walk.strides["foot"] == foot]
             told = column[~np.isnan(column)] if column.dtype == np.float64 else column
@@ -112,7 +112,7 @@ def test_convert_compare_info_and_check(tmp_path: Path) -> None:
     assert dl.compare(WALK, str(WALK)).exit_code == 0
     assert dl.info(tmp_path / "walk.mcap").robot == "dogbot"
     limits = tmp_path / "limits.toml"
-    limits.write_text('[[rule]]\nfigure = "gait.class"\nequals = "trot"\n')
+    limits.write_text('[[rule]]\nfigure = "gait.name"\nequals = "trot"\n')
     (judgement,) = dl.check(WALK, limits)
     assert (judgement.status, judgement.value) == ("FAIL", "walk")
 

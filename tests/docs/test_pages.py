@@ -7,12 +7,12 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from dogbot_logtool.report.figures.document import DOCUMENT, STRIDE_ROWS
+from dogbot_logtool.report.figures.figure import all_figures
 from pages import PAGES
 
 import dogbot_logtool as dl
 from dogbot_logtool.finding import finding_kinds
-from dogbot_logtool.report.figures.document import DOCUMENT, STRIDE_ROWS
-from dogbot_logtool.report.figures.figure import all_figures
 from tests.commands.test_planned import GRF, Plan, figures, write
 from tests.paths import ROOT, SAMPLE_LOGS
 from tests.truth.commanded import ALL_KINDS, Commanded, commanded_walk

@@ -6,6 +6,7 @@ from typing import Final
 from dogbot_logtool.core.checks.engine import first_of
 from dogbot_logtool.core.checks.questions import Check, Outcome, checks_of
 from dogbot_logtool.core.gait.gait import STAND
+from dogbot_logtool.core.metrics import WalkMetrics
 from dogbot_logtool.core.statistics import Stats
 from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.finding import Finding, Severity
@@ -91,7 +92,7 @@ def summary(measured: Measurement) -> Summary:
         name if alarm else "",
         words,
         trust(measured),
-        tuple(_tiles(stats)),
+        tuple(_tiles(stats, measured.metrics)),
         tuple(_segments(stats)) if len(stats.segments) > 1 else (),
     )
 
@@ -175,9 +176,9 @@ def _listed(checks: Sequence[Check], outcome: Outcome) -> str:
     return "; ".join(f"{each.name} ({each.reason})" for each in checks if each.outcome is outcome)
 
 
-def _tiles(stats: Stats) -> Iterator[Tile]:
-    base, main = stats.base, stats.main
-    if base is not None:
+def _tiles(stats: Stats, walk: WalkMetrics) -> Iterator[Tile]:
+    base, main = walk.base, stats.main
+    if base.path_length_m is not None:
         yield Tile(
             "distance",
             f"{decimal(base.path_length_m, 2)} m",
@@ -199,10 +200,10 @@ def _tiles(stats: Stats) -> Iterator[Tile]:
     if main is not None and main.duty_factor is not None:
         kind = "below one half" if main.duty_below_half else "one half or more"
         yield Tile("duty factor", decimal(main.duty_factor, 3), kind)
-    yield from _load_tiles(stats)
+    yield from _load_tiles(stats, walk)
 
 
-def _load_tiles(stats: Stats) -> Iterator[Tile]:
+def _load_tiles(stats: Stats, walk: WalkMetrics) -> Iterator[Tile]:
     peaks = [
         (float(curves.force.high.max()), foot.name)
         for foot in stats.feet
@@ -210,10 +211,10 @@ def _load_tiles(stats: Stats) -> Iterator[Tile]:
     ]
     if peaks:
         highest, name = max(peaks)
-        weight = stats.loads.weight_n
+        weight = walk.settings.body_weight_n
         of = "" if weight is None else f", {decimal(highest / weight, 2)} body weights"
         yield Tile("highest load", f"{decimal(highest, 1)} N", f"{name}{of}")
-    ratio = stats.loads.vertical_impulse_over_weight
+    ratio = walk.forces.vertical_impulse_over_weight
     if ratio is not None:
         yield Tile("impulse over weight", decimal(ratio, 3), "1 is right")
     stability = stats.stability

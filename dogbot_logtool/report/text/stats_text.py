@@ -83,7 +83,7 @@ def print_report(console: Console, measured: Measurement, *, verbose: bool = Fal
     findings = [each for each in measured.findings if each.code != "LOST"]
     parts: list[RenderableType] = [
         Text(),
-        verdict(stats),
+        verdict(stats, walk),
         *_segments(stats),
         *_first(findings),
         Text(),
@@ -126,16 +126,21 @@ def _heading(words: str, aside: str = "") -> Text:
     return Text.assemble((words, "bold"), (f"  {aside}" if aside else "", "dim"))
 
 
-def verdict(stats: Stats) -> Text:
+def verdict(stats: Stats, walk: WalkMetrics) -> Text:
     """Say in a line or two which gait it is, and how sure that is."""
     fall = fall_headline(stats)
-    return Text.assemble((f"{fall}\n", "bold red"), _gait(stats)) if fall else _gait(stats)
+    return (
+        Text.assemble((f"{fall}\n", "bold red"), _gait(stats, walk)) if fall else _gait(stats, walk)
+    )
 
 
-def _gait(stats: Stats) -> Text:
+def _gait(stats: Stats, walk: WalkMetrics) -> Text:
     main = stats.main
     if main is None:
         return Text("Gait not known: no foot makes a whole stride.", style="bold yellow")
+    if main.gait.name is not None and walk.gait.name is None:
+        cause = walk.null_because.get("gait.name", "")
+        return Text(f"Gait not known ({cause}).", style="bold yellow")
     if main.gait.name == STAND:
         extent = "throughout" if len(stats.segments) == 1 else "for the longest time"
         return Text.assemble(("Stand", "bold green"), f": all feet are down {extent}.")
@@ -147,9 +152,10 @@ def _gait(stats: Stats) -> Text:
         line.append(f"\nduty factor {main.duty_factor:.3f}")
     if main.stride_frequency_hz is not None:
         line.append(f", {main.stride_frequency_hz:.3f} strides a second")
-    if stats.base is not None and stats.base.forward_speed_mps is not None:
+    speed = walk.base.forward_speed_mps
+    if speed is not None:
         # Rounded first: -0.0001 is no -0.000.
-        line.append(f", {round(stats.base.forward_speed_mps, 3) + 0.0:.3f} m/s forward")
+        line.append(f", {round(speed, 3) + 0.0:.3f} m/s forward")
     return line
 
 
@@ -201,8 +207,8 @@ def _support(stats: Stats) -> HangingIndent:
 def _load_lines(stats: Stats, walk: WalkMetrics) -> list[RenderableType]:
     loads = stats.loads
     lines: list[RenderableType] = []
-    if loads.vertical_impulse_over_weight is not None:
-        ratio = loads.vertical_impulse_over_weight
+    ratio = walk.forces.vertical_impulse_over_weight
+    if ratio is not None:
         lines.append(_line("vertical impulse over weight", f"{ratio:.4f}  (1 is right)"))
     if walk.forces.load_share.feet is not None:
         words = [f"{name} {share:.1%}" for name, share in grouped_load(walk.forces.load_share)]

@@ -68,7 +68,7 @@ def test_a_bad_run_fails(bad: dict[str, Any]) -> None:
 
 def test_another_gait_fails() -> None:
     other = run()
-    other["gait"]["class"] = "walk"
+    other["gait"]["name"] = "walk"
     assert verdict(other) is Status.FAIL
 
 
