@@ -14,8 +14,10 @@ from dogbot_logtool.api.curves import POINTS, Curves, curves_of
 from dogbot_logtool.api.keywords import PathOrName
 from dogbot_logtool.api.table import Table, texts
 from dogbot_logtool.commands.stats import measure_log
+from dogbot_logtool.core.checks.voids import void_columns, void_patterns
 from dogbot_logtool.core.contact.contacts import Samples
 from dogbot_logtool.core.contact.stances import Cut
+from dogbot_logtool.core.gait.foot_statistics import FootStatistics
 from dogbot_logtool.core.geometry.arrays import Floats, Ints, norms
 from dogbot_logtool.core.geometry.timespans import covers
 from dogbot_logtool.core.metrics import (
@@ -115,7 +117,7 @@ class Walk:
     @cached_property
     def strides(self) -> Table:
         """Whole strides, foot by foot: the rows of `export --table strides`."""
-        strides = stride_table(self._stats)
+        strides = stride_table(self._stats, void_patterns(self._measured.findings))
         return Table({"foot": texts(list(strides.foot)), **strides.columns})
 
     @cached_property
@@ -134,8 +136,10 @@ class Walk:
             "lift_off_s": self._seconds(_joined([each.liftoff for each in rows])),
             "cut": texts(list(cuts)),
         }
-        for name, figure in _STANCE_FIGURES.items():
-            columns[name] = _joined([getattr(each.figures, figure) for each in rows])
+        void = void_patterns(self._measured.findings)
+        known = [_stance_columns(foot, void) for foot in feet]
+        for name in _STANCE_FIGURES:
+            columns[name] = _joined([each[name] for each in known])
         return Table(columns)
 
     @cached_property
@@ -325,6 +329,13 @@ class Walk:
         cut = ends & np.isin(time, record.in_contact[:, 1]) & ~np.isin(time, figures.liftoff)
         states[covers(record.in_contact, time) | cut] = "stance"
         return states
+
+
+def _stance_columns(foot: FootStatistics, void: Sequence[str]) -> Mapping[str, Floats]:
+    """Return metrics of a foot's stances, (k,) by name; NaN where not known or void."""
+    figures = foot.stances.figures
+    columns = {name: getattr(figures, figure) for name, figure in _STANCE_FIGURES.items()}
+    return void_columns(columns, foot.name, void)
 
 
 _FEWEST_POINTS = 2

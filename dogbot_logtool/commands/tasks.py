@@ -110,6 +110,7 @@ def figures_of(measured: "Measurement", *, whole: bool = False, detail: bool = T
         whole: with the whole measurement.
         detail: with curves and lists of times.
     """
+    from dogbot_logtool.core.checks.voids import void_patterns  # noqa: PLC0415
     from dogbot_logtool.report.documents.stats_json import stats_json  # noqa: PLC0415
     from dogbot_logtool.report.files.stride_table import stride_table  # noqa: PLC0415
     from dogbot_logtool.report.text.stats_summary import summary_row  # noqa: PLC0415
@@ -118,7 +119,7 @@ def figures_of(measured: "Measurement", *, whole: bool = False, detail: bool = T
     return Figures(
         summary_row(measured),
         stats_json(measured, detail=detail),
-        stride_table(measured.stats),
+        stride_table(measured.stats, void_patterns(measured.findings)),
         max((each for each in intervals if each is not None), default=0.0),
         measured.facts.robot,
         measured.damage,

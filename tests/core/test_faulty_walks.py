@@ -12,6 +12,7 @@ from dogbot_logtool.core.geometry.arrays import Ints
 from dogbot_logtool.core.geometry.clock import TimeSource
 from dogbot_logtool.core.statistics import Stats
 from tests.analysed import analysed
+from tests.core.checks.voided import metrics
 from tests.oracles.straight_walk import (
     SETTINGS,
     START,
@@ -141,7 +142,9 @@ def test_a_foot_that_never_touches_is_dead_and_leaves_the_class_open() -> None:
     stats = measure(feet, walk.odometry())
     assert stats.feet[2].contact_fraction is None
     assert stats.support is None
-    assert stats.loads.shares is None
+    walk_metrics = metrics(stats)
+    assert walk_metrics.forces.load_share.feet is None
+    assert walk_metrics.null_because["forces.load_share.feet"] == "DEAD"
     assert main_class(stats) is None
     assert {"DEAD", "CLASS_UNKNOWN"} <= codes(stats)
 

@@ -113,7 +113,9 @@ def stopped(stats: Stats) -> Iterator[Finding]:
             "base goes away; its sensor has stopped, or what it reads without load is not what it "
             "seems; contact and load are not known then"
         )
-        yield Finding("STOPPED", text, f"feet.{foot.name}")
+        cases = ("throughout",) if foot.is_dead else ()
+        where = f"feet.{foot.name}"
+        yield Finding("STOPPED", text, where, cases=cases, feet=(foot.name,))
 
 
 def saturated(stats: Stats) -> Iterator[Finding]:

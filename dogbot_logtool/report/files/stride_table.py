@@ -1,10 +1,11 @@
 """The whole strides of a log, a row each: what CSV and Parquet hold."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
+from dogbot_logtool.core.checks.voids import void_columns
 from dogbot_logtool.core.geometry.arrays import Floats
 from dogbot_logtool.core.metrics import Stride
 from dogbot_logtool.core.records import fields_of
@@ -15,10 +16,15 @@ if TYPE_CHECKING:
     from dogbot_logtool.core.legs.leg_figures import LegFoot
 
 
-def stride_table(stats: Stats) -> StrideTable:
-    """Gather the strides of all feet."""
+def stride_table(stats: Stats, void: Sequence[str] = ()) -> StrideTable:
+    """Gather the strides of all feet.
+
+    Args:
+        stats: what was worked out of a log.
+        void: patterns of metrics that are void.
+    """
     names = [foot.name for foot in stats.feet for _ in foot.strides.stance]
-    feet = [foot_strides(stats, row) for row in range(len(stats.feet))]
+    feet = [foot_strides(stats, row, void) for row in range(len(stats.feet))]
     columns = {
         field.name: np.concatenate([np.empty(0), *(foot[field.name] for foot in feet)])
         for field in fields_of(Stride)
@@ -26,7 +32,7 @@ def stride_table(stats: Stats) -> StrideTable:
     return StrideTable(tuple(names), columns)
 
 
-def foot_strides(stats: Stats, row: int) -> Mapping[str, Floats]:
+def foot_strides(stats: Stats, row: int, void: Sequence[str] = ()) -> Mapping[str, Floats]:
     """Return the metrics of each stride of a foot, (strides,) by name; NaN where not known."""
     foot = stats.feet[row]
     strides, figures = foot.strides, foot.stances.figures
@@ -46,7 +52,7 @@ def foot_strides(stats: Stats, row: int) -> Mapping[str, Floats]:
         found = unknown if legs is None else of(legs.feet[row])
         # One NaN for all: tables are compared to the bit.
         columns[name] = np.where(np.isnan(found), np.nan, found)
-    return columns
+    return void_columns(columns, foot.name, void)
 
 
 _OF_LEG: "Final[Mapping[str, Callable[[LegFoot], Floats]]]" = {

@@ -8,6 +8,7 @@ from typing import Any, Final
 from markupsafe import Markup
 
 from dogbot_logtool import __version__
+from dogbot_logtool.core.checks.voids import void_patterns
 from dogbot_logtool.core.scene.foot_style import foot_colour, short_names
 from dogbot_logtool.core.statistics import Stats
 from dogbot_logtool.dataclass import dataclass
@@ -116,7 +117,7 @@ def page(
             "symmetry": symmetry_table(walk.forces),
             "legs": leg_table(feet),
             "joints": joint_table(walk),
-            "strides": stride_table(stats),
+            "strides": stride_table(stats, void_patterns(measured.findings)),
             "topics": topic_table(walk),
         },
         settings=_settings(stats),

@@ -76,11 +76,16 @@ def _cells(*texts: str) -> tuple[Cell, ...]:
     return tuple(Cell(text) for text in texts)
 
 
-def stride_table(stats: Stats) -> Table:
-    """Return the strides in the order of time; outliers against the foot's own segment."""
+def stride_table(stats: Stats, void: Sequence[str]) -> Table:
+    """Return the strides in the order of time; outliers against the foot's own segment.
+
+    Args:
+        stats: what was worked out of a log.
+        void: patterns of metrics that are void.
+    """
     rows: list[tuple[float, int, tuple[Cell, ...]]] = []
     for foot, figures in enumerate(stats.feet):
-        rows.extend(_stride_rows(stats, foot, figures))
+        rows.extend(_stride_rows(stats, foot, figures, void))
     rows.sort(key=lambda row: row[:2])
     marked = [row for row in rows if any(cell.mark for cell in row[2])]
     shown = rows if len(rows) <= MOST_STRIDES else marked[:MOST_STRIDES]
@@ -107,10 +112,10 @@ def _stride_caption(every: int, marked: int, shown: int) -> str:
 
 
 def _stride_rows(
-    stats: Stats, foot: int, figures: FootStatistics
+    stats: Stats, foot: int, figures: FootStatistics, void: Sequence[str]
 ) -> list[tuple[float, int, tuple[Cell, ...]]]:
     strides = figures.strides
-    columns = foot_strides(stats, foot)
+    columns = foot_strides(stats, foot, void)
     segment = _segment_of(stats, strides.touchdown + (strides.end - strides.touchdown) // 2)
     cells = [
         _column(columns[name] * scale, decimals, segment)

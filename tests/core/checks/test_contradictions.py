@@ -10,6 +10,7 @@ from dogbot_logtool.core.geometry.clock import TimeSource
 from dogbot_logtool.core.statistics import Stats
 from dogbot_logtool.finding import Finding, Severity
 from tests.core.checks.measured_walk import WALK, S, feet, late, measure
+from tests.core.checks.voided import metrics
 
 
 def found(stats: Stats, code: str) -> list[Finding]:
@@ -34,7 +35,9 @@ def test_an_odometry_on_another_clock_makes_what_rests_on_both_null(seconds: flo
     # The feet's messages are logged 0.7 ms after their stamps, the odometry's at once.
     assert stats.clocks[-1].behind_s == pytest.approx(seconds - 0.0007, abs=1e-6)
     assert stats.stability is None
-    assert [foot.stride_length_m for foot in stats.feet] == [None] * 4
+    walk = metrics(stats)
+    assert [foot.stride_length_m for foot in walk.feet.values()] == [None] * 4
+    assert walk.null_because["feet.front_left.stride_length_m"] == "CLOCK_OFFSET"
     assert {"stability.*", "feet.*.stride_length_*"} <= set(finding.voids)
     assert stats.main is not None
     assert stats.main.gait.name == "trot"

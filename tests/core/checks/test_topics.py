@@ -22,6 +22,6 @@ def test_stamps_that_run_at_another_speed(stamp_ms: int, rate: str | None) -> No
         measure(feet(), WALK.odometry()), topics=(topic_quality(times, TimeSource.HEADER),)
     )
     found = topics_timed(stats)
-    texts = [each.text for each in found if each.code == "CLOCK_OFFSET"]
+    texts = [each.text for each in found if "stamps run" in each.text]
     wanted = [f"/foot: its stamps run at {rate} times the speed of log time"] if rate else []
     assert texts == wanted

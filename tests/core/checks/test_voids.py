@@ -2,8 +2,10 @@
 
 from fnmatch import fnmatchcase
 
+import numpy as np
 import pytest
 
+from dogbot_logtool.core.checks.voids import void_columns, void_patterns
 from dogbot_logtool.core.metrics import WalkMetrics
 from dogbot_logtool.core.records import metric_paths
 from dogbot_logtool.finding import Finding, FindingKind, finding_kinds
@@ -63,3 +65,17 @@ def test_what_the_design_says_is_voided(code: str, case: str, voids: set[str]) -
 def test_masks_void_nothing() -> None:
     masks = ("GAPS", "CLOCK_SET", "ALL_FEET_SILENT", "STOPPED", "LIFTED", "FALL", "POSE_JUMP")
     assert [code for code in masks if patterns(finding_kinds()[code])] == []
+
+
+def test_columns_of_tables_are_voided_by_the_same_patterns() -> None:
+    columns = {name: np.ones(2) for name in ("length_m", "peak_force_n", "positive_work_j")}
+    found = [
+        Finding("SATURATED", "", feet=("left",)),
+        Finding("EFFORT_SIGN", ""),
+        Finding("CLOCK_OFFSET", "", cases=("base",)),
+    ]
+    patterns = void_patterns(found)
+    left, right = (void_columns(columns, foot, patterns) for foot in ("left", "right"))
+    assert all(np.isnan(each).all() for each in left.values())
+    assert right["peak_force_n"].tolist() == [1.0, 1.0]
+    assert np.isnan(right["length_m"]).all()
