@@ -9,7 +9,6 @@ from dogbot_logtool.core.base.base_motion import FORWARD_ANGLES
 from dogbot_logtool.core.base.ground import swapped_pairs
 from dogbot_logtool.core.base.tipping import find_tipping
 from dogbot_logtool.core.base.up_axis import leaning_walk_rad
-from dogbot_logtool.core.checked_walk import CheckedWalk, Recorded, check_walk
 from dogbot_logtool.core.command_tracking import command_track, tracking_in
 from dogbot_logtool.core.consistency.stopped import all_silent
 from dogbot_logtool.core.contact.foot_history import FootHistory
@@ -27,6 +26,7 @@ from dogbot_logtool.core.gait.strides import Strides
 from dogbot_logtool.core.geometry import timespans
 from dogbot_logtool.core.geometry.arrays import Ints
 from dogbot_logtool.core.leg_position import quadruped
+from dogbot_logtool.core.masked_walk import MaskedWalk, Recorded, mask_walk
 from dogbot_logtool.core.settings import StatsSettings
 from dogbot_logtool.core.statistics import SegmentFigures, Stats
 
@@ -46,7 +46,7 @@ def work_out(settings: StatsSettings, recorded: Recorded) -> Stats:
     leaning = leaning_walk_rad(recorded.base, recorded.feet)
     if leaning is not None:
         recorded = replace(recorded, base=recorded.base.without_poses())
-    walk = check_walk(settings, recorded)
+    walk = mask_walk(settings, recorded)
     settings, records = walk.settings, walk.records
     feet = walk.feet()
     supported = walk.support()
@@ -106,7 +106,7 @@ def work_out(settings: StatsSettings, recorded: Recorded) -> Stats:
 
 
 def _segment_figures(
-    walk: CheckedWalk, spans: Ints, strides: Strides, track: "CommandTrack | None"
+    walk: MaskedWalk, spans: Ints, strides: Strides, track: "CommandTrack | None"
 ) -> SegmentFigures:
     """Measure a segment."""
     return SegmentFigures(
@@ -119,7 +119,7 @@ def _segment_figures(
     )
 
 
-def _imu(walk: CheckedWalk, inertial: "VectorHistory | None") -> "ImuComparison | None":
+def _imu(walk: MaskedWalk, inertial: "VectorHistory | None") -> "ImuComparison | None":
     """Compare accelerometer, forces and poses, in logs that have all of them."""
     if inertial is None:
         return None

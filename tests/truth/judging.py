@@ -72,14 +72,14 @@ class Judged:
     why: str = ""
 
 
-SILENCE: Final = r"W_\w*(GAP|SILEN)"
+SILENCE: Final = r"GAPS|SILEN"
 """Pattern of findings that name silences, in which events are not known."""
 HIDDEN: Final = 0.1
 """Largest part of the events that they may hide outside of the silences that a case knows of."""
 STRUCTURAL: Final = {
-    "peak force": "VERTICAL_UNKNOWN|FRAME_UNKNOWN",
-    "braking": "VERTICAL_UNKNOWN|FRAME_UNKNOWN",
-    "impulse": "VERTICAL_UNKNOWN|FRAME_UNKNOWN|NO_MASS",
+    "peak force": "WRENCH_FRAME",
+    "braking": "WRENCH_FRAME",
+    "impulse": "WRENCH_FRAME|NO_MASS",
     "height": "height",
     "froude": "height|FROUDE",
     "slip": "slip|rolling|travel",
@@ -105,7 +105,7 @@ def faults(judged: Sequence[Judged]) -> list[Judged]:
 def _excused(case: Case, figure: str, found: Outcome) -> Status:
     """Judge that a figure is null."""
     patterns = [case.cause, STRUCTURAL.get(figure, "")]
-    named = any(pattern and found.says(pattern) for pattern in patterns)
+    named = any(pattern and (found.says(pattern) or found.lacks(pattern)) for pattern in patterns)
     return "null" if named else "unexplained"
 
 

@@ -56,6 +56,11 @@ class Outcome:
             if re.search(pattern, f"{each['code']} {each['text']}", re.IGNORECASE)
         ]
 
+    def lacks(self, pattern: str) -> bool:
+        """Tell whether a pattern is in a reason why some metric is null."""
+        reasons = set(self.json["null_because"].values())
+        return any(re.search(pattern, each, re.IGNORECASE) for each in reasons)
+
     def warnings(self) -> list[str]:
         """Return codes of all findings that are more than notes."""
         return [each["code"] for each in self.findings() if each["severity"] != "note"]

@@ -7,15 +7,21 @@ import numpy as np
 
 from dogbot_logtool.core.checks.wording import counted
 from dogbot_logtool.core.contact.contact_rule import FootSensor
+from dogbot_logtool.core.contact.foot_history import FootHistory
 from dogbot_logtool.core.gait.foot_statistics import FootStatistics
 from dogbot_logtool.core.geometry import timespans
-from dogbot_logtool.core.load.load_figures import is_stuck
+from dogbot_logtool.core.geometry.order_statistics import median_of
+from dogbot_logtool.core.load.load_figures import is_saturated, is_stuck
 from dogbot_logtool.core.sensors.sensor_level import SensorLevel
 from dogbot_logtool.core.statistics import Stats
 from dogbot_logtool.finding import Finding
 
 PLAIN: Final = 0.02
 """Share of the weight from which an offset is worth a finding."""
+WHOLE_WEIGHT: Final = 0.005
+"""Share of the weight by which forces that nothing cuts off may miss it."""
+FLAT: Final = 0.8
+"""Mean over highest force of a nearly rectangular stance; that of half a sine is 0.64."""
 SOME_S: Final = 0.1
 """s, time in contact without poses from which that is worth a warning."""
 
@@ -121,11 +127,31 @@ def stopped(stats: Stats) -> Iterator[Finding]:
 def saturated(stats: Stats) -> Iterator[Finding]:
     """Yield sensors that are cut off at a limit."""
     for row, foot in enumerate(stats.feet):
-        if foot.is_saturated and len(foot.stances.touchdown):
+        if foot_is_saturated(stats, row) and len(foot.stances.touchdown):
             limit_n = stats.settings.sensor(row).level.limit_n
             at = "" if limit_n is None else f" at {limit_n:.4g} N"
             text = f"forces of {foot.name} are cut off{at}: its sensor seems saturated"
             yield Finding("SATURATED", text, f"feet.{foot.name}", feet=(foot.name,))
+
+
+def foot_is_saturated(stats: Stats, row: int) -> bool:
+    """Tell whether a foot's sensor is cut off at a limit, in an axis or in the magnitude.
+
+    Flat forces that carry the whole weight, as some simulators make them, are not.
+    """
+    level, record = stats.settings.sensor(row).level, stats.feet[row].record
+    ratio = stats.loads.vertical_impulse_over_weight
+    if ratio is not None and abs(ratio - 1.0) <= WHOLE_WEIGHT and _is_flat(record):
+        return False
+    others = [foot.record for foot in stats.feet if foot.record is not record]
+    return level.limit_n is not None or is_saturated(record, others, level.resolution_n)
+
+
+def _is_flat(foot: FootHistory) -> bool:
+    """Tell whether a foot's force is near its highest for most of a stance."""
+    figures = foot.stances.figures
+    share = (figures.mean_n / figures.peak_n)[figures.peak_n > 0.0]
+    return len(share) > 0 and float(median_of(share)) >= FLAT
 
 
 def spikes(stats: Stats) -> Iterator[Finding]:

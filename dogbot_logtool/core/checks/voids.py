@@ -9,12 +9,8 @@ import numpy as np
 from dogbot_logtool.core.geometry.arrays import Floats
 from dogbot_logtool.finding import Finding
 
-_METRICS: Final[Mapping[str, str]] = {
-    "length_m": "feet.{foot}.stride_length_m",
-    "absolute_work_j": "legs.absolute_work_j",
-    "positive_work_j": "legs.positive_work_j",
-}
-"""Metrics of columns that are no metric of a foot of the same name."""
+_METRICS: Final[Mapping[str, str]] = {"length_m": "stride_length_m"}
+"""Metrics of a foot whose columns have another name."""
 
 
 def void_patterns(findings: Iterable[Finding]) -> tuple[str, ...]:
@@ -39,5 +35,5 @@ def void_columns(
 
 
 def _is_void(column: str, foot: str, patterns: Sequence[str]) -> bool:
-    path = _METRICS.get(column, f"feet.{{foot}}.{column}").format(foot=foot)
+    path = f"feet.{foot}.{_METRICS.get(column, column)}"
     return any(fnmatchcase(path, pattern) for pattern in patterns)

@@ -4,6 +4,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from dogbot_logtool.core.checks.sensors import foot_is_saturated
 from dogbot_logtool.core.events.event import Event, EventType
 from dogbot_logtool.core.gait.foot_statistics import FootStatistics
 from dogbot_logtool.core.geometry import timespans
@@ -39,7 +40,7 @@ def sensor_faults(stats: Stats) -> Iterator[Event]:
             yield _fault(int(stances.touchdown[0]), int(stances.liftoff[-1]), row, "STUCK")
         for start, end in stopped:
             yield _fault(start, end, row, "STOPPED")
-        if foot.is_saturated and is_saturated(record, others):
+        if is_saturated(record, others) and foot_is_saturated(stats, row):
             cut_off = np.flatnonzero(saturated_stances(record))
             first, last = int(cut_off[0]), int(cut_off[-1])
             limit = float(stances.figures.peak_n[first])

@@ -54,8 +54,7 @@ class FootStatistics:
     liftoff: Ints
     """(l,) ns, lift-offs that were seen."""
     is_dead: bool
-    """See `FootChecks`; likewise `is_saturated`."""
-    is_saturated: bool
+    """Whether its sensor never reports a contact, and nothing says that it is lifted."""
     spikes: int
     """Lone spikes of its force in whole stances; kept out of the peaks."""
     contact_fraction: float | None
@@ -96,7 +95,12 @@ class FootStatistics:
 
 
 def foot_statistics(
-    steps: FootSteps, base: BaseHistory, foot_rolling_m: float | None, within: Ints | None = None
+    steps: FootSteps,
+    base: BaseHistory,
+    foot_rolling_m: float | None,
+    within: Ints | None = None,
+    *,
+    is_dead: bool = False,
 ) -> FootStatistics:
     """Aggregate what was recorded of one foot.
 
@@ -107,8 +111,9 @@ def foot_statistics(
             not known.
         within: (w, 2) ns, a part of the log; its stances and strides are those with their middle in
             it. None: all of it.
+        is_dead: whether its sensor never reports a contact, and nothing says that it is lifted.
     """
-    record, checks, stances, strides = steps.record, steps.checks, steps.stances, steps.strides
+    record, stances, strides = steps.record, steps.stances, steps.strides
     if within is not None:
         stances, strides = cut_outside(stances, within), strides.within(within)
     length = stride_lengths(base, strides.touchdown, strides.end)
@@ -131,10 +136,9 @@ def foot_statistics(
         discarded=steps.discarded,
         touchdown=_seen(stances.touchdown, record, Cut.LOG_START, stances),
         liftoff=_seen(stances.liftoff, record, Cut.LOG_END, stances),
-        is_dead=checks.is_dead,
-        is_saturated=checks.is_saturated,
+        is_dead=is_dead,
         spikes=int(stances.figures.spikes[steps.has_spikes & whole].sum()),
-        contact_fraction=record.contact_fraction(within) if checks.contact_known else None,
+        contact_fraction=record.contact_fraction(within),
         stance_s=aggregate(stances.duration_s[whole]),
         swing_s=aggregate(strides.swing_s),
         stride_period_s=aggregate(strides.period_s),

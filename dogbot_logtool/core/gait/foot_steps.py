@@ -21,29 +21,10 @@ FEWEST_STANCES: Final = 8
 
 
 @dataclass(frozen=True, slots=True)
-class FootChecks:
-    """What is known of a foot's sensor; contact that it refutes counts for nothing."""
-
-    is_dead: bool = False
-    """Whether its sensor never reports a contact, and nothing says that the foot is lifted."""
-    is_saturated: bool = False
-    """Whether its sensor is cut off at a limit."""
-    is_refuted: bool = False
-    """Whether its sensor was taken to read zero without load, on a robot that then makes no steps
-    although it moves."""
-
-    @property
-    def contact_known(self) -> bool:
-        """Whether nothing refutes its contacts."""
-        return not (self.is_dead or self.is_refuted)
-
-
-@dataclass(frozen=True, slots=True)
 class FootSteps:
     """Stances and strides of a foot over the whole log, and the forces in them."""
 
     settings: FootSettings
-    checks: FootChecks
     record: FootHistory
     stances: Stances
     """All stances, those in a fall or a stand marked as cut; peaks are without lone spikes."""
@@ -86,7 +67,6 @@ def _impulses(foot: FootSteps) -> Floats:
 
 def foot_steps(
     settings: FootSettings,
-    checks: FootChecks,
     record: FootHistory,
     base: BaseHistory,
     *,
@@ -98,7 +78,6 @@ def foot_steps(
 
     Args:
         settings: of the foot.
-        checks: what is known of it.
         record: its stances and track.
         base: poses.
         forward_axis: the body's axis that points forward.
@@ -110,7 +89,6 @@ def foot_steps(
     strides, discarded = strides_of(stances, record.gaps, fallen)
     return FootSteps(
         settings=settings,
-        checks=checks,
         record=record,
         stances=stances,
         strides=strides,

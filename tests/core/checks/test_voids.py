@@ -68,10 +68,9 @@ def test_masks_void_nothing() -> None:
 
 
 def test_columns_of_tables_are_voided_by_the_same_patterns() -> None:
-    columns = {name: np.ones(2) for name in ("length_m", "peak_force_n", "positive_work_j")}
+    columns = {name: np.ones(2) for name in ("length_m", "peak_force_n")}
     found = [
         Finding("SATURATED", "", feet=("left",)),
-        Finding("EFFORT_SIGN", ""),
         Finding("CLOCK_OFFSET", "", cases=("base",)),
     ]
     patterns = void_patterns(found)

@@ -10,4 +10,6 @@ from dogbot_logtool.core.walk_metrics.walk import metrics_of
 def metrics(stats: Stats) -> WalkMetrics:
     """Return what is reported of a walk."""
     log = Log("walk.bag", "ROS 1 bag", "ros1", 0.0, 1.0, 1, 0, 0)
-    return metrics_of(stats, log, Chosen("dogbot", False, False), findings_of(stats))
+    return metrics_of(
+        stats, log, Chosen("dogbot", robot_guessed=False, contact_planned=False), findings_of(stats)
+    )

@@ -1,7 +1,7 @@
-"""A walk as it was recorded, and after the checks that its figures rest on."""
+"""The masks of a walk: jumps, falls, stands, clocks and worlds apart, dead sensors."""
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -16,17 +16,15 @@ from dogbot_logtool.core.consistency.stopped import without_stopped
 from dogbot_logtool.core.consistency.worlds import Worlds, placed_poses
 from dogbot_logtool.core.contact.foot_history import FootHistory
 from dogbot_logtool.core.gait.foot_statistics import FootStatistics, foot_statistics
-from dogbot_logtool.core.gait.foot_steps import FootChecks, FootSteps, foot_steps, net_push
+from dogbot_logtool.core.gait.foot_steps import FootSteps, foot_steps, net_push
 from dogbot_logtool.core.gait.reference_foot import any_strides
 from dogbot_logtool.core.gait.standing import Standing, standing_in, typical_period_s
 from dogbot_logtool.core.gait.support_pattern import Support, support
 from dogbot_logtool.core.geometry import timespans
 from dogbot_logtool.core.geometry.arrays import Floats, Ints
-from dogbot_logtool.core.geometry.order_statistics import median_of
 from dogbot_logtool.core.load.load_figures import (
     LoadFigures,
     dead_feet,
-    is_saturated,
     is_stuck,
     load_figures,
 )
@@ -39,12 +37,6 @@ from dogbot_logtool.dataclass import dataclass
 if TYPE_CHECKING:
     from dogbot_logtool.core.geometry.delay import Delay
     from dogbot_logtool.core.recorded.vectors import VectorHistory
-
-
-WHOLE_WEIGHT: Final = 0.005
-"""Share of the weight by which forces that nothing cuts off may miss it."""
-FLAT: Final = 0.8
-"""Mean over highest force of a nearly rectangular stance; that of half a sine is 0.64."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -62,8 +54,8 @@ class Recorded:
 
 
 @dataclass(frozen=True, slots=True)
-class CheckedWalk:
-    """The source of the figures of a log, or of a part of it, and their assumptions."""
+class MaskedWalk:
+    """The source of the metrics of a log, or of a part of it, and what of it counts."""
 
     settings: StatsSettings
     records: tuple[FootHistory, ...]
@@ -79,6 +71,11 @@ class CheckedWalk:
     standing: Standing
     steps: tuple[FootSteps, ...]
     """Steps of each foot."""
+    dead: tuple[bool, ...]
+    """Which feet never touch, and nothing says that they are lifted."""
+    refuted: tuple[bool, ...]
+    """Which feet's sensors were taken to read zero without load, on a robot that then makes no
+    steps although it moves."""
     apart: frozenset[str]
     """Topics whose clocks are too far from the others'."""
     base_delay: "Delay | None"
@@ -110,12 +107,15 @@ class CheckedWalk:
     @property
     def contacts_known(self) -> bool:
         """Whether the contacts of all feet are known, on one clock."""
-        return all(foot.checks.contact_known for foot in self.steps) and not self.feet_apart
+        return not (any(self.dead) or any(self.refuted) or self.feet_apart)
 
     def feet(self, within: Ints | None = None) -> tuple[FootStatistics, ...]:
         """Return the figures of all feet, in some spans or in the whole log."""
         rolling_m = self.settings.foot_rolling_m
-        return tuple(foot_statistics(foot, self.base, rolling_m, within) for foot in self.steps)
+        return tuple(
+            foot_statistics(foot, self.base, rolling_m, within, is_dead=is_dead)
+            for foot, is_dead in zip(self.steps, self.dead, strict=True)
+        )
 
     def base_motion(self, within: Ints | None = None) -> BaseMotion | None:
         """Return how the base moved."""
@@ -152,7 +152,7 @@ class CheckedWalk:
         )
 
 
-def check_walk(settings: StatsSettings, recorded: Recorded) -> CheckedWalk:
+def mask_walk(settings: StatsSettings, recorded: Recorded) -> MaskedWalk:
     """Find jumps, falls, stands, dead sensors, clocks and worlds that cannot be compared.
 
     Args:
@@ -174,9 +174,6 @@ def check_walk(settings: StatsSettings, recorded: Recorded) -> CheckedWalk:
     supported = None if any(dead) or _feet_apart(settings, apart) else support(records)
     standing = _standing(settings, records, supported, base, fallen)
     strides = any_strides(records, fallen, standing.without_steps)
-    loads = load_figures(
-        records, settings.body_weight_n, strides, mass_is_assumed=settings.mass_is_assumed
-    )
     delay = None if apart else _long_delay(records, base, period_s, strides)
     apart = apart | {settings.odometry_topic} if delay else apart
     rise_m = height_drift_m(base, height, strides)
@@ -186,20 +183,13 @@ def check_walk(settings: StatsSettings, recorded: Recorded) -> CheckedWalk:
     settings = with_forward_axis(settings, track, motion)
     if settings.forward_axis != guessed:
         motion = base_motion(track, settings.forward_axis)
-    checks = _foot_checks(
-        settings,
-        records,
-        dead,
-        loads,
-        steps_missing=len(standing.moving) > 0,
-    )
     steps = tuple(
         foot_steps(
             *foot, base, forward_axis=settings.forward_axis, fallen=fallen, standing=standing
         )
-        for foot in zip(settings.feet, checks, records, strict=True)
+        for foot in zip(settings.feet, records, strict=True)
     )
-    return CheckedWalk(
+    return MaskedWalk(
         settings=settings,
         records=records,
         base=base,
@@ -210,6 +200,11 @@ def check_walk(settings: StatsSettings, recorded: Recorded) -> CheckedWalk:
         fallen=fallen,
         standing=standing,
         steps=steps,
+        dead=dead,
+        refuted=tuple(
+            bool(settings.sensor(row).level.reason and len(standing.moving))
+            for row in range(len(records))
+        ),
         push=net_push(steps),
         rise_m=rise_m,
         apart=apart,
@@ -282,52 +277,3 @@ def _long_delay(
     from dogbot_logtool.core.consistency.heave import long_delay  # noqa: PLC0415
 
     return long_delay(records, base, period_s, strides)
-
-
-def _foot_checks(
-    settings: StatsSettings,
-    records: Sequence[FootHistory],
-    dead: Sequence[bool],
-    loads: LoadFigures,
-    *,
-    steps_missing: bool,
-) -> tuple[FootChecks, ...]:
-    """Bring together what is known of each foot.
-
-    Args:
-        settings: what decides the figures.
-        records: of all feet.
-        dead: which feet's sensors seem dead.
-        loads: of the feet over whole strides.
-        steps_missing: whether the robot moves, for a time, without steps.
-    """
-    return tuple(
-        FootChecks(
-            is_dead=is_dead,
-            is_saturated=_is_saturated(settings, records, row, loads),
-            is_refuted=bool(settings.sensor(row).level.reason and steps_missing),
-        )
-        for row, is_dead in enumerate(dead)
-    )
-
-
-def _is_saturated(
-    settings: StatsSettings, records: Sequence[FootHistory], row: int, loads: LoadFigures
-) -> bool:
-    """Tell whether a foot's sensor is cut off at a limit, in an axis or in the magnitude.
-
-    Flat forces that carry the whole weight, as some simulators make them, are not.
-    """
-    level = settings.sensor(row).level
-    ratio = loads.vertical_impulse_over_weight
-    if ratio is not None and abs(ratio - 1.0) <= WHOLE_WEIGHT and _is_flat(records[row]):
-        return False
-    others = [each for other, each in enumerate(records) if other != row]
-    return level.limit_n is not None or is_saturated(records[row], others, level.resolution_n)
-
-
-def _is_flat(foot: FootHistory) -> bool:
-    """Tell whether a foot's force is near its highest for most of a stance."""
-    figures = foot.stances.figures
-    share = (figures.mean_n / figures.peak_n)[figures.peak_n > 0.0]
-    return len(share) > 0 and float(median_of(share)) >= FLAT
