@@ -59,6 +59,8 @@ class FindingKind:
     voids: Sequence[str] = ()
     """Patterns of the metrics that it sets to null; ``{foot}`` stands for a foot's name."""
     cases: Mapping[str, FindingCase] = field(default_factory=dict)
+    was: Sequence[str] = ()
+    """Codes of before that are now this one, without their prefix."""
 
 
 @cache

@@ -62,7 +62,7 @@ def test_several_logs_as_json_and_junit(tmp_path: Path) -> None:
 
 def test_a_log_that_cannot_be_read_is_an_error_of_its_own(tmp_path: Path) -> None:
     (tmp_path / "odd.bag").write_bytes(b"nothing")
-    limits = '[[rule]]\nfinding = "E_*"'
+    limits = '[[rule]]\nfinding = "error"'
     ended = check(tmp_path, limits, TROT, "odd.bag", "--junit", "checked.xml", "--jobs", 1)
 
     assert ended.returncode == 1

@@ -77,14 +77,14 @@ SILENCE: Final = r"GAPS|SILEN"
 HIDDEN: Final = 0.1
 """Largest part of the events that they may hide outside of the silences that a case knows of."""
 STRUCTURAL: Final = {
-    "peak force": "WRENCH_FRAME",
-    "braking": "WRENCH_FRAME",
-    "impulse": "WRENCH_FRAME|NO_MASS",
-    "height": "height",
-    "froude": "height|FROUDE",
-    "slip": "slip|rolling|travel",
+    "peak force": "frame of the forces",
+    "braking": "frame of the forces",
+    "impulse": "frame of the forces|mass not known",
+    "height": "height|no contact points",
+    "froude": "height|no contact points",
+    "slip": "foot_rolling_m|no contact points",
 }
-"""Findings that excuse a figure's being null in any log: what it needs was not recorded."""
+"""Reasons that excuse a metric's being null in any log: what it needs was not recorded."""
 
 
 def judge(case: Case, recording: Recording, found: Outcome) -> list[Judged]:

@@ -94,7 +94,11 @@ def _judged(document: Json, rule: Rule, baseline: Json | None) -> Iterator[Judge
 
 
 def _of_findings(document: Json, rule: Rule) -> Judgement:
-    found = [each for each in findings_in(document) if fnmatchcase(each["code"], rule.pattern)]
+    found = [
+        each
+        for each in findings_in(document)
+        if each["severity"] == rule.pattern or fnmatchcase(each["code"], rule.pattern)
+    ]
     look = "; ".join(each["text"] for each in found[:3])
     return _counted(rule, len(found), look)
 

@@ -49,10 +49,10 @@ _HEAD: Final = """\
 _FINDINGS: Final = """
 # What must not be found in a good run; the page docs/findings.md has all codes.
 [[rule]]
-finding = "E_*"
+finding = "error"
 
 [[rule]]
-finding = "W_*"
+finding = "warning"
 at_most = {most}
 level = "warn"
 """
