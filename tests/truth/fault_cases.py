@@ -240,7 +240,7 @@ def masses() -> Iterator[Case]:
                 f"mass {percent:+d} % wrong, {kind}",
                 recorder(Walk(), *more, sensor.wrong_mass(20.0 * (1.0 + percent / 100.0))),
                 "mass|weight",
-                "IMPULSE_IS_NOT_WEIGHT" if seen or abs(percent) > 25 else "mass|weight",
+                "IMPULSE_IS_NOT_WEIGHT" if seen or abs(percent) > 25 else "",
                 skip=("impulse",),
             )  # fmt: skip
 

@@ -139,7 +139,7 @@ def _verdict(case: Case, truth: Truth, found: Outcome) -> Iterator[Judged]:
         # Care without a warning: a check could not be made.
         sound = found.trust_level == "good" or (found.trust_level == "care" and not codes)
         yield Judged("verdict", "good", f"{found.trust_level} [{codes}]", _right(sound))
-    fell = bool(found.says(r"_FALL|^fall\b"))
+    fell = bool(found.says("the robot falls"))
     if truth.falls_s or fell:
         yield Judged(
             "fall", str(bool(truth.falls_s)), str(fell), _right(fell == bool(truth.falls_s))

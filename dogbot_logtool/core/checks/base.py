@@ -15,7 +15,10 @@ from dogbot_logtool.finding import Finding
 def worlds_differ(stats: Stats) -> Iterator[Finding]:
     """Yield where base and contact points are not in one world, or drift apart."""
     worlds = stats.worlds
-    if worlds is None or not stats.worlds_differ:
+    if worlds is None:
+        return
+    if not stats.worlds_differ:
+        yield from _heights_differ(stats)
         return
     text = (
         "contact points and odometry are not in one world, or one drifts: the base is "
@@ -23,8 +26,15 @@ def worlds_differ(stats: Stats) -> Iterator[Finding]:
         f"m), which are {worlds.spread_m:.2f} m from it; from the log's start to its end that "
         f"changes by {max(worlds.change_m, worlds.drift_m):.2f} m"
     )
-    cases = ("loses_way",) if stats.loses_way else ()
+    cases = ("aside", "loses_way") if stats.loses_way else ("aside",)
     yield Finding("WORLDS_DIFFER", text, "stability", cases=cases)
+
+
+def _heights_differ(stats: Stats) -> Iterator[Finding]:
+    """Yield that the base is not above the contact points although it is among them."""
+    if stats.base is not None and stats.base.height_m is None:
+        text = "the base is not above the contact points: z of one is counted from elsewhere"
+        yield Finding("WORLDS_DIFFER", text, "base.height_m", cases=("below",))
 
 
 def falls(stats: Stats) -> Iterator[Finding]:
