@@ -29,8 +29,9 @@ def stats_json(measured: Measurement, *, detail: bool = True) -> Json:
     # Comparing is far quicker than looking for paths, of which there are nearly never any.
     if finite != document and (overflowed := list(not_finite(document))):
         text = f"metrics that are too large for a number are null: {listed(overflowed)}"
-        finite["findings"].append(finding_json(Finding("N_OVERFLOW", text)))
-        finite["null_because"] |= dict.fromkeys(overflowed, "OVERFLOW")
+        finding = Finding("N_OVERFLOW", text)
+        finite["findings"].append(finding_json(finding))
+        finite["null_because"] |= dict.fromkeys(overflowed, finding.code)
     return finite
 
 
