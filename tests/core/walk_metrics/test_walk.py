@@ -55,19 +55,6 @@ def test_few_strides_are_little_confidence(seconds: float) -> None:
     assert gait.confidence == pytest.approx(fit * min(1.0, gait.strides / 3))
 
 
-def test_shares_of_stability_are_of_all_the_time() -> None:
-    stats = Walk().measure()
-    found, core = metrics(stats).stability, stats.stability
-    assert core is not None
-    assert core.undefined_fraction is not None
-    assert found.unknown_fraction is not None
-    assert found.undefined_fraction is not None
-    assert found.unstable_fraction is not None
-    known = 1.0 - found.unknown_fraction
-    assert found.undefined_fraction == pytest.approx(core.undefined_fraction * known)
-    assert 0.0 <= found.unstable_fraction <= known - found.undefined_fraction
-
-
 def test_a_finding_voids_metrics_of_the_log_and_of_its_segments() -> None:
     doubt = Finding("W_DEAD", "it is dead", "feet.front_left", voids=("feet.front_left.*",))
     walk = metrics(Walk().measure(), [doubt])
