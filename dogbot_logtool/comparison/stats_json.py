@@ -12,7 +12,7 @@ from dogbot_logtool.comparison.tolerances import FieldRules, Rules, nothing_left
 from dogbot_logtool.errors import CallError, LogError
 from dogbot_logtool.io.storage import content, is_folder, open_file
 
-_PROVENANCE: Final = ("log.path",)
+_PROVENANCE: Final = ("tool.version", "log.path")
 """Keys that say where figures come from."""
 _WHOLE: Final = "(document)"
 _NOTHING: Final = object()

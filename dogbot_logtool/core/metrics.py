@@ -23,6 +23,7 @@ NEEDS: Final[Mapping[str, str]] = {
     "contact": "no contacts of this foot",
     "all feet": "contact of some foot not known",
     "strides": "no whole stride",
+    "phases": "no touchdowns of some foot in whole strides",
     "leg positions": "leg positions not known",
     "base": "no poses of the base",
     "points": "no contact points",
@@ -169,9 +170,11 @@ class Phase:
 class LimbPhase:
     """Hind against fore feet, a side."""
 
-    left: Annotated[Number, Of("cycles", "feet", "four feet", "strides", "leg positions")]
+    left: Annotated[Number, Of("cycles", "feet", "four feet", "strides", "phases", "leg positions")]
     """Share of the stride by which the left hind footfall precedes the left fore one."""
-    right: Annotated[Number, Of("cycles", "feet", "four feet", "strides", "leg positions")]
+    right: Annotated[
+        Number, Of("cycles", "feet", "four feet", "strides", "phases", "leg positions")
+    ]
     """The same on the right."""
 
 
@@ -189,22 +192,24 @@ class SupportSet:
 class Gait:
     """Coordination of the feet over a span."""
 
-    name: Annotated[Text, Of("", "feet", "strides", "leg positions")]
+    name: Annotated[Text, Of("", "feet", "strides", "phases", "leg positions")]
     """Class of the gait by its phases (walk, amble, trot, pace, gallop, canter, half-bound, bound,
     pronk; run and hop of two feet; tripod, tetrapod and wave of six): the nearest one, if the
     phases deviate by at most 0.1 cycles and every R exceeds 0.8; else irregular. stand: all feet
     are down for longer than 1 s and than a stride."""
-    confidence: Annotated[Number, Of("", "feet", "strides", "leg positions")]
+    confidence: Annotated[Number, Of("", "feet", "strides", "phases", "leg positions")]
     """(1 - class_distance / 0.2) x lowest R of the phases x min(1, strides / 3), 0 to 1; 1 for a
     stand. High from 0.8, fair from 0.5, low below."""
-    sequence: Annotated[Text, Of("", "feet", "strides", "leg positions")]
+    sequence: Annotated[Text, Of("", "feet", "strides", "phases", "leg positions")]
     """Order of the feet, where the class leaves it open: lateral or diagonal in a walk, rotary or
     transverse in a gallop."""
-    nearest_name: Annotated[Text, Of("", "feet", "strides", "leg positions")]
+    nearest_name: Annotated[Text, Of("", "feet", "strides", "phases", "leg positions")]
     """Class whose phases are nearest, whether it fits or not."""
-    class_distance: Annotated[Number, Of("cycles", "feet", "strides", "leg positions")]
+    class_distance: Annotated[Number, Of("cycles", "feet", "strides", "phases", "leg positions")]
     """Largest deviation of the phases from what defines the nearest class."""
-    diagonality: Annotated[Number, Of("cycles", "feet", "four feet", "strides", "leg positions")]
+    diagonality: Annotated[
+        Number, Of("cycles", "feet", "four feet", "strides", "phases", "leg positions")
+    ]
     """Share of the stride by which a hind footfall precedes the fore one of its side, mean of both
     sides on the circle (Cartmill, Lemelin and Schmitt 2002)."""
     limb_phase: LimbPhase

@@ -14,7 +14,7 @@ from mcap.reader import make_reader
 from mcap.writer import Writer
 
 from dogbot_logtool.commands.stats import measure
-from dogbot_logtool.core.metrics import WalkMetrics
+from dogbot_logtool.core.metrics import NEEDS, WalkMetrics
 from dogbot_logtool.errors import CallError, LogError
 from dogbot_logtool.pipeline.options import StatsOptions, TopicOptions
 from dogbot_logtool.report.documents.metrics_schema import schema
@@ -214,6 +214,7 @@ def test_an_odometry_of_nothing_but_nan_is_said(tmp_path: Path) -> None:
     ]
     write_mcap(tmp_path / "walk.mcap", walk, entries)
     got = figures(str(tmp_path / "walk.mcap"))
-    assert got["base"] is None
+    assert set(got["base"].values()) == {None}
+    assert got["null_because"]["base.path_length_m"] == NEEDS["base"]
     (said,) = [one for one in got["findings"] if one["code"] == "NOT_FINITE"]
     assert "all with NaN, infinity or a zero quaternion" in said["text"]

@@ -200,7 +200,7 @@ def _check_name(subject: Subject, pattern: str, where: str) -> None:
 
 
 def _new_codes(pattern: str) -> list[str]:
-    """Return the codes that stand for a code or a pattern of before, such as ``W_DEAD``."""
+    """Return the codes that stand for a code or a pattern of before, such as ``DEAD``."""
     letter, _, name = pattern.partition("_")
     if letter not in {"E", "N", "W"}:
         return []

@@ -60,6 +60,7 @@ def _log(stats: Stats) -> dict[str, bool]:
         "leg positions": any(foot.leg_position is None for foot in feet),
         "all feet": stats.support is None,
         "strides": stats.main is None or not stats.main.strides,
+        "phases": stats.main is not None and None in stats.main.phases,
         "base": stats.base is None,
         "points": not any(_has_points(foot) for foot in feet),
         "foot frame": legs is None or not any(leg.frame for leg in legs.feet),

@@ -52,21 +52,15 @@ def _index(left: Aggregate | None, right: Aggregate | None) -> Number:
 
 
 def stability_metrics(span: Span) -> Stability:
-    """Return the stability over a span; the three fractions are shares of all its time."""
+    """Return the stability over a span."""
     found = span.stability
     if found is None:
         return unknown(Stability)
-    known = 1.0 - found.unknown_fraction
-    undefined = found.undefined_fraction
-    unstable = found.unstable_fraction
-    with_polygon = None if undefined is None else known * (1.0 - undefined)
     return Stability(
         static_margin_m=found.static_margin_m,
         energy_margin_m=found.energy_margin_m,
-        unstable_fraction=(
-            None if unstable is None or with_polygon is None else unstable * with_polygon
-        ),
-        undefined_fraction=None if undefined is None else undefined * known,
+        unstable_fraction=found.unstable_fraction,
+        undefined_fraction=found.undefined_fraction,
         unknown_fraction=found.unknown_fraction,
         centre_of_pressure_forward_m=found.pressure_forward_m,
         centre_of_pressure_left_m=found.pressure_left_m,

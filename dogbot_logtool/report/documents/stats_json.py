@@ -29,8 +29,9 @@ def stats_json(measured: Measurement, *, detail: bool = True) -> Json:
     # Comparing is far quicker than looking for paths, of which there are nearly never any.
     if finite != document and (overflowed := list(not_finite(document))):
         text = f"metrics that are too large for a number are null: {listed(overflowed)}"
-        finite["findings"].append(finding_json(Finding("NOT_FINITE", text, cases=("result",))))
-        finite["null_because"] |= dict.fromkeys(overflowed, "NOT_FINITE")
+        finding = Finding("NOT_FINITE", text, cases=("result",))
+        finite["findings"].append(finding_json(finding))
+        finite["null_because"] |= dict.fromkeys(overflowed, finding.code)
     return finite
 
 

@@ -19,11 +19,11 @@ LOG: Final[dict[str, Any]] = {
     },
     "forces": {"ratio": None},
     "gait": {
-        "class": "trot",
+        "name": "trot",
         "running": False,
         "segments": [
-            {"class": "walk", "start_s": 0.0, "end_s": 4.0, "duty_factor": 0.8},
-            {"class": "trot", "start_s": 4.0, "end_s": 9.0, "duty_factor": 0.6},
+            {"start_s": 0.0, "end_s": 4.0, "gait": {"name": "walk", "duty_factor": 0.8}},
+            {"start_s": 4.0, "end_s": 9.0, "gait": {"name": "trot", "duty_factor": 0.6}},
         ],
     },
     "events": [
@@ -160,8 +160,8 @@ def test_a_baseline_gives_the_range() -> None:
 
 def test_a_baseline_of_a_text_must_be_the_same() -> None:
     lines = 'figure = "gait.name"\nbaseline = { by = 0 }'
-    assert judged(lines, {"gait": {"class": "trot"}})[0].status is Status.GOOD
-    assert judged(lines, {"gait": {"class": "walk"}})[0].status is Status.FAIL
+    assert judged(lines, {"gait": {"name": "trot"}})[0].status is Status.GOOD
+    assert judged(lines, {"gait": {"name": "walk"}})[0].status is Status.FAIL
 
 
 def test_the_worst_is_what_a_log_comes_to() -> None:
