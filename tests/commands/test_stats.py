@@ -132,7 +132,10 @@ def test_without_its_transforms_a_link_frame_log_has_no_vertical_figures(tmp_pat
     for foot in got["feet"].values():
         assert foot["peak_vertical_force_n"] is None
         assert foot["peak_force_n"]["n"] > 0
-    assert got["null_because"]["feet.front_left.peak_vertical_force_n"] == "WRENCH_FRAME"
+    assert (
+        got["null_because"]["feet.front_left.peak_vertical_force_n"]
+        == "frame of the forces not known"
+    )
 
 
 def test_figures_do_not_depend_on_threads() -> None:

@@ -26,7 +26,9 @@ def run(
     return {
         "events": [{"type": event, "onset_s": 1.0} for event in events],
         "base": {"duration_s": 9.0},
-        "findings": [{"code": code, "text": "", "where": ""}] if code else [],
+        "findings": [{"code": code, "severity": "warning", "text": "", "where": ""}]
+        if code
+        else [],
         "feet": {"left": foot, "right": copy.deepcopy(foot)},
         "gait": {"name": "trot", "class_distance": 0.01},
         "forces": {

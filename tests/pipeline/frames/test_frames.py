@@ -22,7 +22,6 @@ from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 from dogbot_logtool.commands.convert import convert
 from dogbot_logtool.commands.info import describe
 from dogbot_logtool.finding import Severity
-from dogbot_logtool.finding import Severity
 from dogbot_logtool.pipeline.frames.frames import Frames
 from dogbot_logtool.pipeline.options import ConvertOptions, TopicOptions
 from dogbot_logtool.report.info_report import info_json, print_info
