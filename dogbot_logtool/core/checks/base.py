@@ -33,7 +33,7 @@ def worlds_differ(stats: Stats) -> Iterator[Finding]:
 def _heights_differ(stats: Stats) -> Iterator[Finding]:
     """Yield that the base is not above the contact points although it is among them."""
     if stats.base is not None and stats.base.height_m is None:
-        text = "the base is not above the contact points: z of one is counted from elsewhere"
+        text = "no height of the base over the contact points: z of one is counted from elsewhere"
         yield Finding("WORLDS_DIFFER", text, "base.height_m", cases=("below",))
 
 

@@ -10,6 +10,11 @@ from dogbot_logtool.comparison.rules.limits import parse_limits
 from dogbot_logtool.comparison.rules.suggestion import doubts, suggest_limits
 
 
+def finding(code: str) -> dict[str, Any]:
+    severity = "error" if code == "UNREADABLE" else "warning"
+    return {"code": code, "severity": severity, "text": "", "where": ""}
+
+
 def run(
     duty: float = 0.7, slip_m: float = 0.001, code: str = "", events: tuple[str, ...] = ()
 ) -> dict[str, Any]:
@@ -26,9 +31,7 @@ def run(
     return {
         "events": [{"type": event, "onset_s": 1.0} for event in events],
         "base": {"duration_s": 9.0},
-        "findings": [{"code": code, "severity": "warning", "text": "", "where": ""}]
-        if code
-        else [],
+        "findings": [finding(code)] if code else [],
         "feet": {"left": foot, "right": copy.deepcopy(foot)},
         "gait": {"name": "trot", "class_distance": 0.01},
         "forces": {

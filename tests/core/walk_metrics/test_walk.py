@@ -56,7 +56,7 @@ def test_few_strides_are_little_confidence(seconds: float) -> None:
 
 
 def test_a_finding_voids_metrics_of_the_log_and_of_its_segments() -> None:
-    doubt = Finding("DEAD", "it is dead", "feet.front_left", voids=("feet.front_left.*",))
+    doubt = Finding("DEAD", "it is dead", "feet.front_left", feet=("front_left",))
     walk = metrics(Walk().measure(), [doubt])
 
     for part in (walk, *walk.gait.segments):
