@@ -12,7 +12,6 @@ and writing files.
 import sys
 import time
 from collections.abc import Callable, Iterator
-from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -22,7 +21,7 @@ from zlib_ng.zlib_ng import crc32
 from dogbot_logtool.reader.containers.chunks.compression import decompress_into
 from dogbot_logtool.reader.containers.log import Chunk, Log
 from dogbot_logtool.reader.opening import open_log
-from dogbot_logtool.run.in_order import in_order
+from dogbot_logtool.reader.workers import in_order
 from dogbot_logtool.writer.chunks import ZSTD
 
 _CODEC = zstandard.ZstdCompressor(compression_params=ZSTD)
@@ -83,9 +82,9 @@ def packed_anew(source: Log, target: Log) -> Iterator[Chunk]:
 
 def main(source: Log, target: Log, jobs: int) -> None:
     """Measure."""
-    seconds = sum(in_order(partial(read, source), source.chunks, jobs, forks=True))
+    seconds = sum(in_order(read, source, source.chunks, jobs))
     anew = list(packed_anew(source, target))
-    seconds += sum(in_order(partial(write, target), anew, jobs, forks=True))
+    seconds += sum(in_order(write, target, anew, jobs))
     print(f"{seconds / jobs:.4f} {seconds:.4f}")
 
 

@@ -20,7 +20,7 @@ from dogbot_logtool.commands.stats import measure
 from dogbot_logtool.pipeline.options import ConvertOptions, StatsOptions, TopicOptions
 from dogbot_logtool.reader.containers.sources.remote_source import RemoteSource
 from dogbot_logtool.run.cluster import ClusterRunner
-from dogbot_logtool.run.in_order import OnProgress
+from dogbot_logtool.run.runner import OnProgress
 
 TASKS: Final = 10_000
 

@@ -79,7 +79,7 @@ def prepare() -> None:
     """Convert the sample logs, and write their layouts and a page."""
     for log, _ in (*LOGS.values(), TROUBLED):
         source, stem = SAMPLES / log, Path(log).stem
-        convert(source, WORKSHOP / f"{stem}.mcap", ConvertOptions(events=True, overwrite=True))
+        convert(source, WORKSHOP / f"{stem}.mcap", ConvertOptions(overwrite=True))
         layout = foxglove_layout(view_of(source, TopicOptions()))
         (WORKSHOP / f"{stem}.json").write_text(to_json(layout))
     page = ["report", str(SAMPLES / LOGS["trot"][0]), "-o", str(WORKSHOP / "report.html")]

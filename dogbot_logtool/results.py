@@ -9,12 +9,12 @@ from dogbot_logtool.reader.containers.loss import SOUND, Damage
 
 # A command needs not load what only other commands' records are made of.
 if TYPE_CHECKING:
+    from dogbot_logtool.conversion.annotate import DrawnCounts
     from dogbot_logtool.core.geometry.arrays import Floats
     from dogbot_logtool.core.metrics import WalkMetrics
     from dogbot_logtool.core.statistics import Stats
     from dogbot_logtool.finding import Finding
     from dogbot_logtool.io.storage import Location
-    from dogbot_logtool.pipeline.conversion.batch import Counts
     from dogbot_logtool.pipeline.frames.frames import Frames
     from dogbot_logtool.robot import Robot
 
@@ -85,7 +85,9 @@ class Conversion:
     """Recorded messages in the output."""
     annotations: Mapping[str, int]
     """Messages that were added, by topic."""
-    counts: "Counts"
+    counts: "DrawnCounts"
+    bad_poses: int
+    """Odometry messages with a zero quaternion or a number that is not finite."""
     findings: "tuple[Finding, ...]"
     damage: Damage
 

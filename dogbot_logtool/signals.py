@@ -22,6 +22,7 @@ _ENDING: Final = [
 _CLEAN_UP_S: Final = 10.0
 _AGAIN_AFTER_S: Final = 0.01
 _last_raised = -math.inf
+_stopped: "Stopped | None" = None
 
 
 class Stopped(SystemExit):
@@ -102,8 +103,14 @@ def held_back() -> Iterator[None]:
 
 def raise_stopped(number: int, _frame: FrameType | None) -> None:
     """Raise `Stopped`, but not again soon: the clean-up that it began must not be cut short."""
-    global _last_raised  # noqa: PLW0603 - a process has one
+    global _last_raised, _stopped  # noqa: PLW0603 - a process has one
     now = time.monotonic()
     if now - _last_raised > _CLEAN_UP_S:
         _last_raised = now
-        raise Stopped(number)
+        _stopped = Stopped(number)
+        raise _stopped
+
+
+def stopped() -> Stopped | None:
+    """Return what was raised, if anything was: libraries may make another error of it."""
+    return _stopped

@@ -56,8 +56,6 @@ class GoldenLog:
             copy=False,
             start_s=start_s,
             end_s=end_s,
-            # It does not depend on the style: once is enough.
-            scene=self.style == "pressure",
         )
         target = folder / self.name
         convert(SAMPLES / self.log, target, options)

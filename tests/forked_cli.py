@@ -133,15 +133,15 @@ class _Server:
         self.begin(words, folder, environment, streams)
         self._socket.settimeout(timeout)
         try:
-            return self.end()
+            ended = self.end()
         except TimeoutError:
             self.close()
             # The next call starts another server.
             _server.cache_clear()
             os.killpg(self._pid, signal.SIGKILL)
             raise subprocess.TimeoutExpired([*map(str, words)], timeout) from None
-        finally:
-            self._socket.settimeout(None)
+        self._socket.settimeout(None)
+        return ended
 
     def begin(
         self,

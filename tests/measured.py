@@ -1,10 +1,15 @@
 """Sample logs as they are measured: once for all tests that only look at what comes out."""
 
+from collections.abc import Mapping
 from functools import cache
 from pathlib import Path
 
+import numpy as np
+
 import dogbot_logtool as dl
 from dogbot_logtool.commands.stats import measure
+from dogbot_logtool.core.contact.stances import Cut, Stances
+from dogbot_logtool.core.geometry.arrays import Flags, Ints
 from dogbot_logtool.pipeline.options import StatsOptions
 from dogbot_logtool.results import Measurement
 
@@ -19,3 +24,27 @@ def measured(log: Path, options: StatsOptions = StatsOptions()) -> Measurement: 
 def walk_of(log: Path) -> dl.Walk:
     """Measure a log, as `import dogbot_logtool` does."""
     return dl.measure(log)
+
+
+def in_stance(stances: Stances, time: Ints) -> Flags:
+    """(n,) whether measured stances hold some times; one that the log ends has its last sample."""
+    begun = np.searchsorted(stances.touchdown, time, side="right") - 1
+    behind = np.where(stances.cut == Cut.LOG_END, stances.liftoff + 1, stances.liftoff)
+    ends = np.append(behind, np.iinfo(np.int64).min)
+    held: Flags = time < ends[begun]
+    return held
+
+
+@cache
+def measured_contact(
+    log: Path,
+    foot: str,
+    options: StatsOptions = StatsOptions(),  # noqa: B008 - frozen
+) -> Mapping[int, bool] | None:
+    """Whether a foot is in contact by log time of its samples, ns; None: that is not known."""
+    found = next(each for each in measured(log, options).stats.feet if each.name == foot)
+    if found.contact_fraction is None:
+        return None
+    record = found.record
+    down = in_stance(record.stances, record.track.time)
+    return dict(zip(record.log_time.tolist(), down.tolist(), strict=True))

@@ -22,6 +22,7 @@ FLOORS: Final = (
     ("commands",),
     ("report",),
     ("results",),
+    ("conversion",),
     ("pipeline",),
     ("comparison", "run"),
     ("reader",),
@@ -105,7 +106,7 @@ def test_relative_imports_are_seen(tmp_path: Path, monkeypatch: pytest.MonkeyPat
 def test_there_is_something_to_look_at() -> None:
     rooms = {room_of(file) for file in FILES}
     assert rooms == {room for floor in FLOORS for room in floor}
-    assert set(own_imports(ROOT / "core" / "load" / "loads.py")) >= {
+    assert set(own_imports(ROOT / "core" / "scene" / "feet.py")) >= {
         "core.contact.contacts",
         "core.geometry.arrays",
     }

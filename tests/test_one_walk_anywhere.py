@@ -1,4 +1,4 @@
-"""A walk has the same figures in every container, however it is cut into chunks, and read."""
+"""A walk is measured and drawn alike in every container, however it is cut, and by any workers."""
 
 from collections.abc import Callable
 from functools import cache
@@ -9,13 +9,16 @@ import numpy as np
 import pytest
 from rosbags.rosbag2.enums import StoragePlugin
 
+from dogbot_logtool.commands.convert import convert
 from dogbot_logtool.commands.stats import measure
 from dogbot_logtool.pipeline.measuring.plan import make_plan
-from dogbot_logtool.pipeline.options import StatsOptions
+from dogbot_logtool.pipeline.options import ConvertOptions, StatsOptions
 from dogbot_logtool.pipeline.topics.annotated import open_recorded
 from dogbot_logtool.reader.recording import read_recording
 from dogbot_logtool.reader.workers import Start
 from dogbot_logtool.report.documents.stats_json import stats_json
+from dogbot_logtool.writer.encodings.registry import ENCODINGS
+from tests.oracles.annotated_file import read_written
 from tests.oracles.repacked import Recorded, read_bag, write_bag, write_mcap, write_rosbag2
 from tests.paths import SAMPLE_LOGS
 
@@ -89,3 +92,55 @@ def test_however_processes_start_they_read_the_same(
     np.testing.assert_array_equal(alone.base.position, together.base.position)
     assert alone.topics.keys() == together.topics.keys()
     assert alone.links == together.links
+
+
+# --- Annotations ----------------------------------------------------------------------------------
+
+Annotation = tuple[str, int, int, bytes]
+"""Topic, log time and publish time, ns, and payload."""
+
+
+def annotations(
+    folder: Path, log: Path, encoding: str, jobs: int = 1, start: Start | None = None
+) -> list[Annotation]:
+    """Every message that is added to a log."""
+    target = folder / "annotated.mcap"
+    options = ConvertOptions(encoding=encoding, copy=False, jobs=jobs, overwrite=True)
+    convert(log, target, options, start=start)
+    written = read_written(target)
+    return sorted(
+        (written.channels[each.channel_id].topic, each.log_time, each.publish_time, each.data)
+        for each in written.messages
+    )
+
+
+@pytest.fixture(scope="module")
+def expected_annotations(tmp_path_factory: pytest.TempPathFactory) -> dict[str, list[Annotation]]:
+    folder = tmp_path_factory.mktemp("expected")
+    return {encoding: annotations(folder, TROT, encoding) for encoding in ENCODINGS}
+
+
+@pytest.mark.parametrize("encoding", ENCODINGS)
+@pytest.mark.parametrize("written", WRITERS)
+def test_every_container_and_chunking_gets_the_same_annotations(
+    tmp_path: Path,
+    expected_annotations: dict[str, list[Annotation]],
+    written: str,
+    encoding: str,
+) -> None:
+    found = annotations(tmp_path, WRITERS[written](tmp_path), encoding)
+    assert found == expected_annotations[encoding]
+
+
+@pytest.mark.parametrize("start", ["fork", "spawn", "threads"])
+@pytest.mark.parametrize("jobs", [2, 5])
+def test_any_workers_write_the_same_annotations(
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    expected_annotations: dict[str, list[Annotation]],
+    jobs: int,
+    start: Start,
+) -> None:
+    monkeypatch.setattr("dogbot_logtool.reader.containers.log.BATCH_SIZE", 300_000)
+    log = write_mcap(tmp_path / "x.mcap", recorded(TROT), "ros1", 100_000)
+    assert annotations(tmp_path, log, "foxglove", jobs, start) == expected_annotations["foxglove"]

@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from dogbot_logtool.pipeline.options import StatsOptions
     from dogbot_logtool.report.files.table_file import TableFile
     from dogbot_logtool.results import Measurement
-    from dogbot_logtool.run.in_order import OnProgress
+    from dogbot_logtool.run.runner import OnProgress
 
 
 @dataclass(frozen=True, slots=True)

@@ -84,10 +84,7 @@ class ConvertKeywords(RobotKeywords, total=False):
     tf: TfOption
     tf_rate: float
     """Hz; 0 writes every pose."""
-    scene: bool
-    labels: bool
     urdf: PathOrName
-    events: bool
     start: float
     """s since the log's start, also `end`."""
     end: float
@@ -258,10 +255,7 @@ def convert_options(options: ConvertKeywords) -> ConvertOptions:
         tf_rate_hz=given.get("tf_rate", 50.0),
         start_s=given.get("start"),
         end_s=given.get("end"),
-        scene=given.get("scene"),
         urdf=None if urdf is None else Path(urdf),
-        labels=given.get("labels", True),
-        events=given.get("events", False),
         compression=given.get("compression"),
         jobs=given.get("jobs", 1),
         overwrite=given.get("overwrite", False),

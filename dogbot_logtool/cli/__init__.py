@@ -17,7 +17,7 @@ from dogbot_logtool.cli.gone import explained
 from dogbot_logtool.cli.outcomes import say, say_error
 from dogbot_logtool.errors import LogtoolError
 from dogbot_logtool.io.streams import safe_streams
-from dogbot_logtool.signals import Stopped, raise_on_signals
+from dogbot_logtool.signals import raise_on_signals, stopped
 
 _COMMANDS: Final = (
     "check",
@@ -88,21 +88,27 @@ def _run() -> int:
     try:
         # On Windows click would take the globs of --topics and --ignore for files.
         cli.main(standalone_mode=False, windows_expand_args=False)
-    except Stopped as stopped:
-        click.echo("interrupted: nothing was left behind", err=True)
-        code = stopped.exit_code
     except SystemExit as ended:
         code = ended.code if isinstance(ended.code, int) else 0
-    except click.ClickException as error:
-        explained(error).show()
-        code = error.exit_code
-    except LogtoolError as error:
-        say_error(error)
-        code = error.exit_code
     except Exception as error:  # noqa: BLE001 - a fault of ours is shown as a whole, on a stream that is safe
-        _show_fault(error)
-        code = 1
+        # Python and libraries may make another error of the one that a signal raised.
+        code = 1 if stopped() else _show(error)
+    if code and (interruption := stopped()):
+        click.echo("interrupted: nothing was left behind", err=True)
+        code = interruption.exit_code
     return code
+
+
+def _show(error: Exception) -> int:
+    """Print an error; return its exit code."""
+    if isinstance(error, click.ClickException):
+        explained(error).show()
+        return error.exit_code
+    if isinstance(error, LogtoolError):
+        say_error(error)
+        return error.exit_code
+    _show_fault(error)
+    return 1
 
 
 def _show_fault(error: Exception) -> None:

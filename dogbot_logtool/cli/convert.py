@@ -3,7 +3,7 @@
 from collections.abc import Iterable
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Final, cast
+from typing import TYPE_CHECKING, Any, cast
 
 import click
 
@@ -30,10 +30,6 @@ from dogbot_logtool.writer.encodings.registry import DEFAULT_ENCODING, ENCODINGS
 if TYPE_CHECKING:
     from dogbot_logtool.pipeline.options import TopicOptions
     from dogbot_logtool.results import Conversion
-
-_NO_SUPPORT: Final = ", ".join(
-    each.name for each in ARROW_STYLES.values() if not each.draws_support
-)
 
 
 def _summaries(entries: Iterable[ArrowStyle | OutputEncoding]) -> str:
@@ -99,28 +95,10 @@ def _summaries(entries: Iterable[ArrowStyle | OutputEncoding]) -> str:
     help="Transforms a second; 0 writes every odometry message.",
 )
 @click.option(
-    "--scene/--no-scene",
-    default=None,
-    help=f"Draw what the robot stands on in /support; default: yes, but not in {_NO_SUPPORT}.",
-)
-@click.option(
-    "--labels/--no-labels",
-    default=True,
-    show_default=True,
-    help="Write each foot's load beside it.",
-)
-@click.option(
     "--urdf",
     type=click.Path(path_type=Path),
     metavar="FILE",
     help="Robot to draw; default: the log's own, else one of boxes and cylinders.",
-)
-@click.option(
-    "--events/--no-events",
-    default=False,
-    show_default=True,
-    help="Measure the log first and write /events for log panels (slips, falls, gaps ...) and the "
-    "/gait as it changes; takes half as long again.",
 )
 @time_range
 @click.option(
@@ -147,7 +125,7 @@ def convert(
     verbose: bool,
     **options: Any,  # noqa: ANN401 - click's words are the keywords
 ) -> None:
-    """Write an annotated MCAP: the log, arrows and loads of its feet.
+    """Write an annotated MCAP: the log, arrows and loads of its feet, and what happened.
 
     The topics that are added: /tf, an arrow, a label and /load for each foot, /support, /legs,
     /events, /gait and /robot_description.

@@ -1,64 +1,49 @@
 """`dogbot-logtool convert`: write an annotated MCAP of a log."""
 
 from collections import Counter
-from collections.abc import Generator, Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import closing
 from dataclasses import field, replace
 from typing import BinaryIO
 
 from mcap import records
 
-from dogbot_logtool.core.plausible import IMPLAUSIBLE
+from dogbot_logtool.commands.stats import MeasuredLog, measure_log
+from dogbot_logtool.conversion.annotate import DrawnCounts, Scene, draw
+from dogbot_logtool.conversion.plan import ConversionPlan, make_plan
+from dogbot_logtool.conversion.provenance import provenance_record
+from dogbot_logtool.conversion.writing import SpanWriter, annotations_of, cut_spans
+from dogbot_logtool.core.base.odometry import usable_poses
+from dogbot_logtool.core.recording import Recording
 from dogbot_logtool.core.scene.arrows import ArrowCounts
 from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.finding import Finding, by_severity
 from dogbot_logtool.io.output import refuse_bad_target, whole_file
 from dogbot_logtool.io.storage import Location
-from dogbot_logtool.pipeline.conversion.annotating import annotations_of
-from dogbot_logtool.pipeline.conversion.batch import BatchConverter, ConvertedBatch, Counts
-from dogbot_logtool.pipeline.conversion.batch_state import BatchState
-from dogbot_logtool.pipeline.conversion.events import WalkEvents, event_records, walk_events
-from dogbot_logtool.pipeline.conversion.plan import ConversionPlan, make_plan, without_tf
-from dogbot_logtool.pipeline.conversion.provenance_record import provenance_record
-from dogbot_logtool.pipeline.frames.world_frames import frame_findings
 from dogbot_logtool.pipeline.options import ConvertOptions, StatsOptions
-from dogbot_logtool.pipeline.probe import probe_recording
-from dogbot_logtool.pipeline.probe_findings import order_findings
-from dogbot_logtool.pipeline.time_span import refuse_empty_span, time_limits
+from dogbot_logtool.pipeline.time_span import time_limits
 from dogbot_logtool.pipeline.topics.annotated import open_recorded
-from dogbot_logtool.pipeline.topics.selection import select_topics
 from dogbot_logtool.reader.containers.log import Log, Loss
 from dogbot_logtool.reader.containers.mcap.records import channel_record, read_extra, schema_record
-from dogbot_logtool.reader.recording import read_recording
+from dogbot_logtool.reader.part import ReadSpan
 from dogbot_logtool.reader.salvage.losses import damage_of, malformed_messages, wrong_statistics
+from dogbot_logtool.reader.workers import Start, in_order
 from dogbot_logtool.results import Conversion
-from dogbot_logtool.run.in_order import OnProgress, in_order_with_state
+from dogbot_logtool.run.runner import OnProgress
 from dogbot_logtool.writer.annotations import Annotations
-from dogbot_logtool.writer.chunks import finish_chunk, finish_chunks
+from dogbot_logtool.writer.chunks import FinishedChunk, finish_chunk
 from dogbot_logtool.writer.mcap_writer import McapWriter
 
 
 @dataclass(slots=True)
-class _Tally:
-    """Counts of what was converted so far."""
+class _Written:
+    """What was written."""
 
-    counts: Counts = field(default_factory=Counts)
     by_channel: Counter[int] = field(default_factory=Counter)
-    malformed: Counter[int] = field(default_factory=Counter)
-    recorded: Counter[int] = field(default_factory=Counter)
+    """Messages by channel id."""
+    counts: DrawnCounts = field(default_factory=DrawnCounts)
     losses: list[Loss] = field(default_factory=list)
-    moved_topics: Mapping[str, str] = field(default_factory=dict)
-    second_parent: str | None = None
-    """See `ConvertedBatch.second_parent`."""
-
-    def add(self, batch: ConvertedBatch) -> None:
-        self.second_parent = batch.second_parent
-        self.counts += batch.counts
-        self.losses.extend(batch.losses)
-        self.malformed.update(batch.malformed)
-        self.recorded.update(batch.recorded)
-        for chunk in batch.chunks:
-            self.by_channel.update(chunk.counts)
+    """All that could not be read."""
 
 
 def convert(
@@ -66,6 +51,7 @@ def convert(
     target: Location,
     options: ConvertOptions,
     progress: OnProgress | None = None,
+    start: Start | None = None,
 ) -> Conversion:
     """Write the annotated MCAP of a log.
 
@@ -74,6 +60,7 @@ def convert(
         target: the file to write; it appears when it is complete.
         options: what the user asks for.
         progress: called with the bytes done and the bytes in all.
+        start: how processes start; None: as the system and the log allow.
 
     Raises:
         CallError: no such file, a target that may not be written, a topic or time that the log
@@ -86,126 +73,126 @@ def convert(
         refuse_bad_target(target, file, overwrite=overwrite, makes_folder=makes_folder)
     log = open_recorded(source, options.topics.joined)
     try:
-        selection = select_topics(log, options.topics)
-        limits = time_limits(log, options.start_s, options.end_s)
-        wanted = replace(selection.wanted(), limits=limits)
-        recording = read_recording(log, wanted, options.jobs).recording
-        probe = probe_recording(recording, selection, with_soles=True)
-        plan = make_plan(log, selection, probe, options)
-        events = _events(source, log, options, progress)
-        annotations, tally = _write(log, target, plan, events, progress)
-        if tally.second_parent is not None:
-            # The probe, which reads a few chunks only, had not seen it: begin anew without /tf.
-            plan = without_tf(plan, tally.second_parent)
-            annotations, tally = _write(log, target, plan, events, progress)
-        return _conversion(log, target, plan, annotations, tally)
+        first, second = _halves(progress)
+        measured = measure_log(log, _measuring(options), first, with_soles=True)
+        learnt = measured.learnt
+        plan = make_plan(log, learnt.selection, learnt.probe, learnt.sensors, options)
+        scene = draw(plan, measured.recording, measured.measurement.stats, _end(log, options))
+        annotations, moved = annotations_of(log, plan)
+        writer = SpanWriter(scene, annotations, time_limits(log, options.start_s, options.end_s))
+        written = _write(log, target, writer, measured, second, start)
+        findings = _findings(scene, measured, moved, written.counts)
+        return _conversion(log, target, writer, measured, written, findings)
     finally:
         log.close()
 
 
-def _events(
-    source: Location, log: Log, options: ConvertOptions, progress: OnProgress | None
-) -> WalkEvents | None:
-    """Measure the log for its events; None: they are not wanted."""
-    if not options.events:
-        return None
-    from dogbot_logtool.commands.stats import measure  # noqa: PLC0415 - only where it is wanted
-
-    wanted = StatsOptions(
+def _measuring(options: ConvertOptions) -> StatsOptions:
+    """Return the options of what is drawn, as `stats` takes them."""
+    return StatsOptions(
         topics=options.topics,
         wrench_frame=options.wrench_frame,
         start_s=options.start_s,
         end_s=options.end_s,
         jobs=options.jobs,
     )
-    stats = measure(source, wanted, progress).stats
-    return walk_events(stats, log.start_time, log.end_time)
+
+
+def _halves(progress: OnProgress | None) -> tuple[OnProgress | None, OnProgress | None]:
+    """Return callbacks of the two passes over a log."""
+    if progress is None:
+        return None, None
+
+    def first(done: int, total: int) -> None:
+        progress(done, 2 * total)
+
+    def second(done: int, total: int) -> None:
+        progress(total + done, 2 * total)
+
+    return first, second
+
+
+def _end(log: Log, options: ConvertOptions) -> int:
+    """Return the log time, ns, of the last message that is taken."""
+    _, end = time_limits(log, options.start_s, options.end_s)
+    last = log.end_time or 0
+    return last if end is None else min(end, last)
 
 
 def _write(
     log: Log,
     target: Location,
-    plan: ConversionPlan,
-    events: WalkEvents | None,
+    span_writer: SpanWriter,
+    measured: MeasuredLog,
     progress: OnProgress | None,
-) -> tuple[Annotations, _Tally]:
-    """Write the output, or nothing where a second parent of the base contradicts the plan."""
+    start: Start | None,
+) -> _Written:
+    """Write the output."""
+    plan = span_writer.scene.plan
     options = plan.options
-    annotations, moved_topics = annotations_of(log, plan)
-    tally = _Tally(losses=list(log.losses), moved_topics=moved_topics)
-    with whole_file(
-        target,
-        overwrite=options.overwrite,
-        makes_folder=options.makes_folder,
-        is_wanted=lambda: tally.second_parent is None,
-    ) as file:
-        writer = _start(file, log, plan, annotations)
-        _write_robot_description(writer, plan, annotations, tally)
-        _write_batches(writer, log, plan, annotations, tally, progress)
-        if tally.second_parent is None and events is not None:
-            _write_events(writer, plan, annotations, events, tally)
-        if tally.second_parent is None:
-            _write_end(writer, log, plan, tally)
-    return annotations, tally
+    with whole_file(target, overwrite=options.overwrite, makes_folder=options.makes_folder) as file:
+        writer = _start(file, log, plan, span_writer.annotations)
+        written = _Written()
+        for chunk in _robot_description(plan, span_writer.annotations):
+            _add(chunk, writer, written)
+        _write_spans(writer, log, span_writer, measured.read.spans, written, progress, start)
+        _write_end(writer, log, span_writer, measured, written)
+    return written
 
 
-def _write_batches(
+def _write_spans(
     writer: McapWriter,
     log: Log,
-    plan: ConversionPlan,
-    annotations: Annotations,
-    tally: _Tally,
+    span_writer: SpanWriter,
+    spans: Sequence[ReadSpan],
+    written: _Written,
     progress: OnProgress | None,
+    start: Start | None,
 ) -> None:
-    """Convert and write all batches, up to a second parent of the base."""
-    total = sum(chunk.data_size for chunk in log.chunks)
-    done = 0
-    with closing(_converted(log, plan, annotations)) as converted:
-        for batch in converted:
-            tally.add(batch)
-            if tally.second_parent is not None:
-                return
-            for chunk in batch.chunks:
-                writer.add_chunk(chunk)
-            done += batch.stored_size
+    """Copy and annotate all spans of the log."""
+    options = span_writer.scene.plan.options
+    done, total = 0, sum(chunk.data_size for chunk in log.chunks)
+    with closing(in_order(span_writer, log, cut_spans(spans), options.jobs, start)) as results:
+        for span, result in zip(spans, results, strict=True):
+            for chunk in (*span_writer.unread(log, span), *result.chunks):
+                _add(chunk, writer, written)
+            written.counts += result.counts
+            done += sum(chunk.data_size for chunk in span.chunks)
             if progress is not None:
                 progress(done, total)
 
 
-def _write_robot_description(
-    writer: McapWriter, plan: ConversionPlan, annotations: Annotations, tally: _Tally
-) -> None:
-    """Write the robot's description at the output's first time."""
-    if plan.urdf is None or plan.opening_time is None:
-        return
-    message = annotations.robot_description(plan.urdf, plan.opening_time)
-    chunk = finish_chunk(message, plan.options.compression or "zstd")
+def _add(chunk: FinishedChunk, writer: McapWriter, written: _Written) -> None:
     writer.add_chunk(chunk)
-    tally.by_channel.update(chunk.counts)
+    written.by_channel.update(chunk.counts)
 
 
-def _write_events(
+def _robot_description(plan: ConversionPlan, annotations: Annotations) -> Iterator[FinishedChunk]:
+    """Yield the robot's description at the output's first time."""
+    urdf = plan.description.urdf
+    if urdf is not None and plan.opening is not None:
+        message = annotations.robot_description(urdf, plan.opening)
+        yield finish_chunk(message, plan.options.compression or "zstd")
+
+
+def _write_end(
     writer: McapWriter,
-    plan: ConversionPlan,
-    annotations: Annotations,
-    events: WalkEvents,
-    tally: _Tally,
+    log: Log,
+    span_writer: SpanWriter,
+    measured: MeasuredLog,
+    written: _Written,
 ) -> None:
-    """Write the messages of `/gait` and `/events`, in chunks of their own."""
-    for messages in event_records(annotations, events):
-        for chunk in finish_chunks(messages, plan.options.compression or "zstd"):
-            writer.add_chunk(chunk)
-            tally.by_channel.update(chunk.counts)
-
-
-def _write_end(writer: McapWriter, log: Log, plan: ConversionPlan, tally: _Tally) -> None:
     """Write what follows the messages."""
-    if not tally.losses:
-        refuse_empty_span(log, plan.limits, tally.recorded.total())
+    plan, read = span_writer.scene.plan, measured.read
+    losses = [*log.losses, *read.losses]
     if plan.options.copy:
-        _copy_extras(log, writer, tally)
-    _account_for_damage(log, plan, tally)
-    writer.add_metadata(provenance_record(log, plan, tally.losses))
+        losses.extend(_copy_extras(log, writer))
+    if span_writer.limits == (None, None):
+        losses.extend(wrong_statistics(log, read.counts, losses))
+    losses.extend(malformed_messages(log.channels, read.malformed, ": copied, but not annotated"))
+    written.losses.extend(losses)
+    in_world = measured.learnt.settings.force_in_world
+    writer.add_metadata(provenance_record(log, plan, losses, force_in_world=in_world))
     writer.finish()
 
 
@@ -226,21 +213,8 @@ def _start(file: BinaryIO, log: Log, plan: ConversionPlan, annotations: Annotati
     return writer
 
 
-def _converted(
-    log: Log, plan: ConversionPlan, annotations: Annotations
-) -> Generator[ConvertedBatch, None, None]:
-    """Convert all batches of a log."""
-    return in_order_with_state(
-        BatchConverter(log, plan, annotations),
-        log.spans(*plan.limits),
-        plan.options.jobs,
-        BatchState.initial(plan),
-        forks=log.can_fork,
-    )
-
-
-def _copy_extras(log: Log, writer: McapWriter, tally: _Tally) -> None:
-    """Copy attachments and metadata records."""
+def _copy_extras(log: Log, writer: McapWriter) -> Iterator[Loss]:
+    """Copy attachments and metadata records; yield those that cannot be read."""
     for extra in log.extras:
         match read_extra(log.source_of(extra), extra):
             case (record, records.Metadata() as metadata):
@@ -250,25 +224,21 @@ def _copy_extras(log: Log, writer: McapWriter, tally: _Tally) -> None:
                 writer.copy_attachment(record, attachment)
                 continue
         what = f"the attachment or metadata record at byte {extra.offset} is damaged; left out"
-        tally.losses.append(Loss(extra.offset, what, extra.size))
-
-
-def _account_for_damage(log: Log, plan: ConversionPlan, tally: _Tally) -> None:
-    """Turn malformed messages and a wrong index into losses."""
-    if plan.limits == (None, None):
-        tally.losses.extend(wrong_statistics(log, tally.recorded, tally.losses))
-    consequence = ": copied, but not annotated"
-    tally.losses.extend(malformed_messages(log.channels, tally.malformed, consequence))
+        yield Loss(extra.offset, what, extra.size)
 
 
 def _conversion(
-    log: Log, target: Location, plan: ConversionPlan, annotations: Annotations, tally: _Tally
+    log: Log,
+    target: Location,
+    span_writer: SpanWriter,
+    measured: MeasuredLog,
+    written: _Written,
+    findings: Sequence[Finding],
 ) -> Conversion:
-    topics = annotations.added.topics()
-    ours = {topic: tally.by_channel.get(channel, 0) for channel, topic in topics.items()}
-    copied = sum(n for channel, n in tally.by_channel.items() if channel not in topics)
-    ordered = order_findings(log, tally.counts.out_of_order)
-    findings = (*plan.findings, *ordered, *_findings(plan, tally))
+    plan, read = span_writer.scene.plan, measured.read
+    topics = span_writer.annotations.added.topics()
+    ours = {topic: written.by_channel.get(channel, 0) for channel, topic in topics.items()}
+    copied = sum(n for channel, n in written.by_channel.items() if channel not in topics)
     return Conversion(
         source=log.source.path,
         target=target,
@@ -279,36 +249,41 @@ def _conversion(
         odometry_topics=tuple(sorted({each.topic for each in plan.selection.odometry})),
         world_frame=plan.world_frame,
         base_frame=plan.base_frame,
-        messages=tally.recorded.total(),
+        messages=sum(read.counts.values()),
         copied=copied,
         annotations=ours,
-        counts=tally.counts,
-        findings=tuple(sorted(findings, key=by_severity)),
-        damage=damage_of(log, tally.losses),
+        counts=written.counts,
+        bad_poses=_bad_poses(read.recording),
+        findings=tuple(sorted(dict.fromkeys(findings), key=by_severity)),
+        damage=damage_of(log, written.losses),
     )
 
 
-def _findings(plan: ConversionPlan, tally: _Tally) -> Iterator[Finding]:
-    """Yield findings about what was counted while converting."""
-    if plan.frames is not None:
-        yield from frame_findings(plan.frames, tally.counts.frames)
-    for topic, name in tally.moved_topics.items():
+def _bad_poses(recording: Recording) -> int:
+    return int((~usable_poses(recording.base)).sum())
+
+
+def _findings(
+    scene: Scene, measured: MeasuredLog, moved: Mapping[str, str], counts: DrawnCounts
+) -> Iterator[Finding]:
+    """Yield what was found in planning, measuring and drawing."""
+    plan, recording = scene.plan, measured.recording
+    yield from (*plan.findings, *measured.measurement.facts.findings, *scene.findings)
+    for topic, name in moved.items():
         text = f"the log has a topic {topic} of another type: ours is {name}"
         yield Finding("TOPIC_MOVED", text, name)
-    counts = tally.counts
-    untimed = 0 if plan.style.needs_contact_states else counts.untimed_messages
+    untimed = 0 if plan.style.needs_contact_states else recording.untimed_messages
     for count, finding in (
         (
-            counts.bad_poses,
+            _bad_poses(recording),
             Finding("NOT_FINITE", "poses with NaN or a zero quaternion (no /tf)", cases=("base",)),
         ),
-        (counts.implausible, Finding("NOT_FINITE", IMPLAUSIBLE)),
         (
             untimed,
             Finding("STATES_IGNORED", "contacts without a physics step (taken as one step)"),
         ),
         (
-            counts.foreign_states,
+            recording.foreign_states,
             Finding("STATES_IGNORED", "contact states between other bodies (ignored)"),
         ),
         *_arrow_findings(counts.arrows),

@@ -3,10 +3,10 @@
 from collections.abc import Set as AbstractSet
 from dataclasses import replace
 
+from dogbot_logtool.conversion.plan import make_plan
 from dogbot_logtool.core.quality.quality import mean_rate_hz
 from dogbot_logtool.finding import Finding, by_severity
 from dogbot_logtool.io.storage import Location
-from dogbot_logtool.pipeline.conversion.plan import make_plan
 from dogbot_logtool.pipeline.feet.message_feet import is_planned
 from dogbot_logtool.pipeline.frames.frame_findings import frame_findings
 from dogbot_logtool.pipeline.frames.frames import Frames, read_frames
@@ -15,15 +15,16 @@ from dogbot_logtool.pipeline.options import ConvertOptions, StatsOptions, TopicO
 from dogbot_logtool.pipeline.probe import Probe, probe_log
 from dogbot_logtool.pipeline.probe_findings import probe_findings
 from dogbot_logtool.pipeline.robot_model.joint_motion import joint_channels
+from dogbot_logtool.pipeline.sensors import learn_sensors
 from dogbot_logtool.pipeline.topics.annotated import without_annotations
 from dogbot_logtool.pipeline.topics.selection import Selection, select_topics
 from dogbot_logtool.reader.containers.log import Log
-from dogbot_logtool.reader.messages.bases.poses import ODOMETRY
+from dogbot_logtool.reader.messages.bases import ODOMETRY_TYPE
 from dogbot_logtool.reader.messages.transforms import TRANSFORM_TYPES
 from dogbot_logtool.reader.opening import open_joined
 from dogbot_logtool.reader.salvage.losses import damage_of
 from dogbot_logtool.results import LogInfo, TopicInfo
-from dogbot_logtool.run.in_order import OnProgress
+from dogbot_logtool.run.runner import OnProgress
 
 
 def describe(
@@ -107,7 +108,9 @@ def _outlook(
     """Return the findings, and the transform that `convert` would add."""
     if not selection.odometry and not selection.contacts:
         return [*selection.findings, *probe_findings(selection, probe)], None
-    plan = make_plan(log, selection, probe, ConvertOptions())
+    selection, options = selection.without_forces(probe.forceless), ConvertOptions()
+    learnt = learn_sensors(selection, probe, options.topics)
+    plan = make_plan(log, selection, probe, learnt, options)
     added = (plan.world_frame, plan.base_frame) if plan.write_tf else None
     return list(plan.findings), added
 
@@ -115,7 +118,7 @@ def _outlook(
 def _base_use(selection: Selection) -> str:
     """Return what the channels of the base's poses are used for."""
     base = selection.base
-    if base is None or base.source is ODOMETRY:
+    if base is None or (base.source.type_name == ODOMETRY_TYPE and not base.element):
         return "odometry"
     return f"base {base.element}".rstrip()
 

@@ -9,12 +9,18 @@ import numpy as np
 from dogbot_logtool.core.geometry.arrays import norms
 from dogbot_logtool.core.load.loads import body_weight_n
 from dogbot_logtool.core.plausible import STRONGEST_N
-from dogbot_logtool.pipeline.conversion.plan import ConversionPlan, make_plan
 from dogbot_logtool.pipeline.feet.selection import assign_feet
-from dogbot_logtool.pipeline.options import ConvertOptions, TopicOptions
-from dogbot_logtool.pipeline.probe import DEFAULT_BASE, DEFAULT_WORLD, Probe, probe_log
+from dogbot_logtool.pipeline.options import TopicOptions
+from dogbot_logtool.pipeline.probe import (
+    DEFAULT_BASE,
+    DEFAULT_WORLD,
+    Probe,
+    frame_names,
+    probe_log,
+)
 from dogbot_logtool.pipeline.robot_model.primitives import body_size_m
 from dogbot_logtool.pipeline.robot_model.shape import robot_shape
+from dogbot_logtool.pipeline.sensors import LearntSensors, learn_sensors
 from dogbot_logtool.pipeline.topics.annotated import open_recorded
 from dogbot_logtool.pipeline.topics.selection import select_topics
 from dogbot_logtool.reader.salvage.losses import damage_of
@@ -43,12 +49,13 @@ def view_of(log: Path | None, options: TopicOptions) -> View:
     try:
         selection = select_topics(opened, options)
         probe = probe_log(opened, selection, with_soles=True)
-        plan = make_plan(opened, selection, probe, ConvertOptions())
-        view = _view(selection.robot, plan.world_frame, plan.base_frame)
+        selection = selection.without_forces(probe.forceless)
+        learnt = learn_sensors(selection, probe, options)
+        view = _view(selection.robot, *frame_names(selection.robot, probe))
         shape = robot_shape(selection, probe)
         return replace(
             view,
-            peak_n=_peak_n(plan, probe) or view.peak_n,
+            peak_n=_peak_n(learnt, probe) or view.peak_n,
             forward_axis=shape.forward_axis,
             size_m=shape.size_m,
             turned_deg=probe.turned_deg,
@@ -71,10 +78,10 @@ def _view(robot: Robot, world: str, base: str) -> View:
     )
 
 
-def _peak_n(plan: ConversionPlan, probe: Probe) -> float | None:
+def _peak_n(learnt: LearntSensors, probe: Probe) -> float | None:
     """Return a round bound, N, of the loads that were seen, above their sensors' offsets."""
     largest = 0.0
-    for foot, sensor in enumerate(plan.force_sensors):
+    for foot, sensor in enumerate(learnt.feet):
         samples = probe.feet[foot]
         force = norms(samples.force - sensor.level.offset_at(samples.log_time))
         force = force[np.isfinite(force) & (force < STRONGEST_N)]

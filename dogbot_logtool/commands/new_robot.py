@@ -15,7 +15,7 @@ from dogbot_logtool.pipeline.topics.selection import Selection, nothing_to_do, s
 from dogbot_logtool.reader.containers.loss import Damage
 from dogbot_logtool.report.files.robot_file import RobotEvidence, robot_file
 from dogbot_logtool.robot import Robot
-from dogbot_logtool.run.in_order import OnProgress
+from dogbot_logtool.run.runner import OnProgress
 
 
 @dataclass(frozen=True, slots=True)

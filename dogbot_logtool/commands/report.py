@@ -19,7 +19,7 @@ from dogbot_logtool.report.page.index_page import IndexRow, index, index_row
 from dogbot_logtool.report.page.render import ALONE, Beside, page
 from dogbot_logtool.report.page.replay import frame_times, replay
 from dogbot_logtool.results import Measurement, Page
-from dogbot_logtool.run.in_order import OnProgress
+from dogbot_logtool.run.runner import OnProgress
 
 
 class Reports:

@@ -1,6 +1,7 @@
 """`dogbot-logtool stats`: which gait, how loaded, and can the recording be trusted."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 from operator import attrgetter
 
 from dogbot_logtool.core import metrics
@@ -20,9 +21,9 @@ from dogbot_logtool.pipeline.time_span import TimeLimits, refuse_empty_span
 from dogbot_logtool.pipeline.topics.annotated import open_recorded
 from dogbot_logtool.reader.containers.log import Log, Loss
 from dogbot_logtool.reader.recording import ReadLog, read_recording
-from dogbot_logtool.reader.salvage.losses import damage_of, wrong_statistics
+from dogbot_logtool.reader.salvage.losses import damage_of, malformed_messages, wrong_statistics
 from dogbot_logtool.results import LogFacts, Measurement
-from dogbot_logtool.run.in_order import OnProgress
+from dogbot_logtool.run.runner import OnProgress
 
 
 def measure(
@@ -56,20 +57,25 @@ class MeasuredLog:
     recording: Recording
     learnt: LearntSettings
     """What the columns told of how to measure them."""
+    read: ReadLog
+    """How they were read; its own columns are the corrected ones, too."""
 
 
 def measure_log(
     log: Log,
     options: StatsOptions,
     progress: OnProgress | None = None,
+    *,
+    with_soles: bool = False,
 ) -> MeasuredLog:
-    """Work out all figures of an open log; see `measure`."""
+    """Work out all figures of an open log; see `measure` and `measure_recording`."""
     plan = make_plan(log, options)
     read = read_recording(log, plan.wanted, options.jobs, progress)
     losses = _losses(log, read, plan.wanted.limits)
-    measured = measure_recording(log, read.recording, plan, options)
+    measured = measure_recording(log, read.recording, plan, options, with_soles=with_soles)
     measurement = measurement_of(measured.stats, _facts(log, read, measured, losses))
-    return MeasuredLog(measurement, measured.recording, measured.learnt)
+    read = replace(read, recording=measured.recording)
+    return MeasuredLog(measurement, measured.recording, measured.learnt, read)
 
 
 def measurement_of(stats: Stats, facts: LogFacts) -> Measurement:
@@ -103,7 +109,7 @@ def _losses(log: Log, read: ReadLog, limits: TimeLimits) -> list[Loss]:
     Raises:
         CallError: nothing was recorded in the span that is asked for.
     """
-    losses = [*log.losses, *read.losses]
+    losses = [*log.losses, *read.losses, *malformed_messages(log.channels, read.malformed)]
     if not losses:
         refuse_empty_span(log, limits, sum(read.counts.values()))
     if limits == (None, None):

@@ -13,7 +13,7 @@ from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.io import storage
 from dogbot_logtool.io.storage import Location
 from dogbot_logtool.results import Figures
-from dogbot_logtool.run.in_order import OnProgress
+from dogbot_logtool.run.runner import OnProgress
 
 if TYPE_CHECKING:
     from dogbot_logtool.pipeline.options import (

@@ -57,5 +57,9 @@ class Recording:
     """Times of every topic's messages."""
     implausible: int = 0
     """Poses and contact samples with numbers that no robot reaches; those are NaN."""
+    untimed_messages: int = 0
+    """Contact messages of several states without the time of their physics step."""
+    foreign_states: int = 0
+    """Contact states between other bodies than the foot."""
     out_of_order: int = 0
     """Messages that stand behind later ones of their channel in the file."""

@@ -63,14 +63,8 @@ class ConvertOptions:
     start_s: float | None = None
     """s since the log's start; messages recorded earlier are left out."""
     end_s: float | None = None
-    scene: bool | None = None
-    """Whether `/support` is written; None: where the style draws it."""
     urdf: Path | None = None
     """The robot description to write; None: the log's own, else one of primitives."""
-    labels: bool = True
-    """Whether each foot's load is written beside it."""
-    events: bool = False
-    """Whether the log is measured first, for `/events` and `/gait`."""
     compression: "Compression | None" = None
     """None: zstd, and the chunks of an MCAP input as they are."""
     jobs: int = 1

@@ -19,10 +19,9 @@ from dogbot_logtool.core.legs.joint_track import MOST_JOINTS, JointSamples, Join
 from dogbot_logtool.core.plausible import plausible_odometry
 from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.reader.containers.log import Batch, Log, Loss, Span
-from dogbot_logtool.reader.messages.bases.registry import joined_poses
-from dogbot_logtool.reader.messages.bases.source import BasePoses
-from dogbot_logtool.reader.messages.contacts.registry import DecodedContacts, read_contacts
-from dogbot_logtool.reader.messages.contacts.source import UNTIMED, StepTiming
+from dogbot_logtool.reader.messages.bases import BasePoses, joined_poses
+from dogbot_logtool.reader.messages.contact_messages import DecodedContacts, read_contacts
+from dogbot_logtool.reader.messages.gazebo import UNTIMED, StepTiming
 from dogbot_logtool.reader.messages.joints import read_joints
 from dogbot_logtool.reader.messages.messages import malformed_in
 from dogbot_logtool.reader.messages.transforms import (
@@ -54,6 +53,17 @@ class Lags:
 
 
 @dataclass(frozen=True, slots=True)
+class ReadSpan:
+    """Some neighbouring chunks that were read once."""
+
+    chunks: Span
+    start: int | None
+    """ns, log time of the earliest message in them within the limits; None: there is none."""
+    is_whole: bool
+    """Whether all are sound, truthfully indexed and of an MCAP: they can be copied unread."""
+
+
+@dataclass(frozen=True, slots=True)
 class Part:
     """The columns of some neighbouring chunks."""
 
@@ -77,8 +87,11 @@ class Part:
     stamps: Mapping[str, Stamps]
     """By topic, of contacts and poses with a header."""
     implausible: int
+    untimed_messages: int
+    foreign_states: int
     malformed: Mapping[int, int]
     losses: tuple[Loss, ...]
+    read: ReadSpan
 
 
 def read_part(wanted: Wanted, log: Log, span: Span) -> Part:
@@ -119,13 +132,23 @@ def read_part(wanted: Wanted, log: Log, span: Span) -> Part:
         log_times=_by_channel(recorded),
         stamps=_stamped(log, wanted, base, [*contacts, *planned]),
         implausible=implausible + sum(read.reduced.implausible for read in contacts),
+        untimed_messages=sum(read.reduced.untimed_messages for read in contacts),
+        foreign_states=sum(read.reduced.foreign_states for read in contacts),
         malformed=malformed,
         losses=batch.losses,
+        read=_read_span(log, span, recorded),
     )
 
 
+def _read_span(log: Log, span: Span, recorded: Batch) -> ReadSpan:
+    time, found = recorded.messages.log_time, recorded.chunks
+    sound = len(found) == len(span) and all(each.whole and each.indexed for each in found)
+    start = int(time.min()) if len(time) else None
+    return ReadSpan(span, start, is_whole=log.copies_chunks and sound)
+
+
 def _read(batch: Batch, topic: WantedVectors | None) -> ReadVectors | None:
-    return read_vectors(batch, topic.channels, topic.sources) if topic else None
+    return read_vectors(batch, topic.channels, topic.rows) if topic else None
 
 
 def _by_foot(
@@ -202,7 +225,7 @@ def _stamped(
         if not read.source.has_header:
             continue
         messages = read.messages
-        stamp = messages.table.nanoseconds("header.stamp")
+        stamp = read.source.stamps(messages)
         for channel, rows in rows_by_group(messages.channel):
             topic = log.channels[channel].topic
             times = Stamps(messages.log_time[rows], stamp[rows])

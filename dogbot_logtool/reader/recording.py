@@ -19,11 +19,10 @@ from dogbot_logtool.core.recording import Recording, Times, VectorTopic
 from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.reader.containers.log import Chunk, Log, Loss, Span
 from dogbot_logtool.reader.growing import LARGEST_IN_MEMORY, GrowingColumns
-from dogbot_logtool.reader.messages.contacts.source import UNTIMED
+from dogbot_logtool.reader.messages.gazebo import UNTIMED
 from dogbot_logtool.reader.messages.transforms import is_static
 from dogbot_logtool.reader.messages.vectors import ReadVectors
-from dogbot_logtool.reader.part import Lags, Part, read_part
-from dogbot_logtool.reader.salvage.losses import malformed_messages
+from dogbot_logtool.reader.part import Lags, Part, ReadSpan, read_part
 from dogbot_logtool.reader.wanted import Wanted
 from dogbot_logtool.reader.workers import Start, in_order
 
@@ -53,9 +52,13 @@ class ReadLog:
 
     recording: Recording
     losses: tuple[Loss, ...]
-    """Beside those that were found when it was opened."""
+    """Beside those that were found when it was opened, and messages that are malformed."""
     counts: Mapping[int, int]
     """Messages by channel id."""
+    malformed: Mapping[int, int]
+    """Messages that could not be decoded, by channel id."""
+    spans: tuple[ReadSpan, ...]
+    """What was read, in file order."""
 
 
 def read_recording(
@@ -150,11 +153,13 @@ class _Joined:
             accelerations=_all_vectors([part.accelerations for part in parts]),
             topics=topics,
             implausible=sum(part.implausible for part in parts),
+            untimed_messages=sum(part.untimed_messages for part in parts),
+            foreign_states=sum(part.foreign_states for part in parts),
             out_of_order=out_of_order,
         )
-        losses = [loss for part in parts for loss in part.losses]
-        losses.extend(malformed_messages(log.channels, malformed))
-        return ReadLog(recording, tuple(losses), counts)
+        losses = tuple(loss for part in parts for loss in part.losses)
+        spans = tuple(part.read for part in parts)
+        return ReadLog(recording, losses, counts, malformed, spans)
 
     def _all_feet(self) -> tuple[Samples, ...]:
         """Join contact samples; a foot whose newest physics step is too old has left the ground."""

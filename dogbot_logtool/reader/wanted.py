@@ -4,9 +4,9 @@ from collections.abc import Mapping
 
 from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.reader.containers.contents import Channel
-from dogbot_logtool.reader.messages.bases.registry import Base
-from dogbot_logtool.reader.messages.contacts.source import FootChannels
-from dogbot_logtool.reader.messages.vectors import VectorSource
+from dogbot_logtool.reader.messages.bases import Base
+from dogbot_logtool.reader.messages.feet import FootChannels
+from dogbot_logtool.reader.messages.message_type import MessageType
 
 TimeLimits = tuple[int | None, int | None]
 """ns, log times from which and up to which messages are taken; None: no limit."""
@@ -19,7 +19,7 @@ class WantedVectors:
     topic: str
     channels: tuple[Channel, ...]
     """All of one type."""
-    sources: Mapping[str, VectorSource]
+    rows: Mapping[str, MessageType]
     """How each type is read."""
 
 

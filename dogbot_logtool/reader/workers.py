@@ -3,7 +3,10 @@
 import os
 import sys
 import threading
-from collections.abc import Callable, Iterator, Sequence
+from collections import deque
+from collections.abc import Callable, Generator, Sequence
+from contextlib import suppress
+from itertools import islice
 from typing import TYPE_CHECKING, Any, Final, Literal, TypeVar
 
 from dogbot_logtool.errors import LogtoolError
@@ -13,12 +16,17 @@ from dogbot_logtool.signals import held_back, leave_to_parent
 # Pools take as long to load as a short log to read, and such a log needs none.
 if TYPE_CHECKING:
     from concurrent.futures import Executor, Future
+    from multiprocessing.process import BaseProcess
 
 Item = TypeVar("Item")
 Result = TypeVar("Result")
 Work = Callable[[Log, Item], Result]
+_AHEAD: Final = 2
+"""Items that are worked on, or done, beside one for each worker."""
 _FEWEST_ITEMS: Final = 2
 """Items for each worker: to start one takes as long as to read one or two parts."""
+_LOOK_EVERY_S: Final = 1.0
+"""Between two looks at whether all workers are alive."""
 Start = Literal["fork", "spawn", "threads"]
 """How workers start: as copies of this process, as new processes, or as its threads."""
 
@@ -44,7 +52,7 @@ def in_order(
     items: Sequence[Item],
     jobs: int,
     start: Start | None = None,
-) -> Iterator[Result]:
+) -> Generator[Result, None, None]:
     """Yield `work(log, item)` for every item, in order.
 
     Args:
@@ -65,18 +73,55 @@ def in_order(
 
     with held_back():
         pool = _pool(work, log, jobs, start or start_method(log))
-        waiting: list[Future[Result]] = [pool.submit(_work, item) for item in items]
-        waiting.reverse()
+        # Few results wait for the one that is next: each may be as large as its item.
+        coming = iter(items)
+        waiting: deque[Future[Result]] = deque()
+        waiting.extend(pool.submit(_work, item) for item in islice(coming, jobs + _AHEAD))
     try:
         while waiting:
-            yield waiting.pop().result()
+            result = _result(pool, waiting.popleft())
+            waiting.extend(pool.submit(_work, item) for item in islice(coming, 1))
+            yield result
     except BrokenExecutor as error:
         raise LogtoolError(
             "a process that worked on it died, perhaps because memory ran out; try --jobs 1"
         ) from error
     finally:
         with held_back():
+            kill_processes(pool)
             pool.shutdown(cancel_futures=True)
+
+
+def _result(pool: "Executor", future: "Future[Result]") -> Result:
+    """Wait for a result; where a process has died meanwhile, end the others.
+
+    One that dies while it sends leaves a part of a result, for whose rest the pool waits for ever.
+    """
+    from concurrent.futures import wait  # noqa: PLC0415 - see above
+
+    while not wait([future], _LOOK_EVERY_S).done:
+        if not all(process.is_alive() for process in _processes(pool)):
+            kill_processes(pool)
+    return future.result()
+
+
+def kill_processes(pool: "Executor") -> None:
+    """End the processes of a pool at once, whatever they do.
+
+    `shutdown` alone waits until they have done what they have begun.
+    """
+    # Python 3.14 has a method for this.
+    for process in _processes(pool):
+        process.kill()
+    # One that ended while it sent a result leaves a part of it: with our own end of the pipe
+    # closed, the pool's thread does not wait for the rest.
+    with suppress(AttributeError, OSError):
+        pool._result_queue._writer.close()  # type: ignore[attr-defined]  # noqa: SLF001
+
+
+def _processes(pool: "Executor") -> "list[BaseProcess]":
+    """Return the processes of a pool; a pool of threads has none, nor has one that has ended."""
+    return list((getattr(pool, "_processes", None) or {}).values())
 
 
 def _pool(work: Work[Any, Any], log: Log, jobs: int, start: Start) -> "Executor":

@@ -15,6 +15,7 @@ import importlib
 import multiprocessing
 import os
 import signal
+import sys
 import threading
 import time
 from collections.abc import Iterator
@@ -26,8 +27,8 @@ from multiprocessing.context import BaseContext
 from typing import Any, Final
 
 from dogbot_logtool.errors import LogtoolError
+from dogbot_logtool.reader.workers import kill_processes
 from dogbot_logtool.run.executor import ExecutorRunner
-from dogbot_logtool.run.in_order import can_fork
 from dogbot_logtool.run.runner import Failure, Progress, Result, Work, attempt
 from dogbot_logtool.signals import (
     Stopped,
@@ -92,13 +93,7 @@ class _Worker:
 
     def kill(self) -> None:
         """End the process at once, if it has not ended yet."""
-        # Python 3.14 has a method for this, which takes them from there, too.
-        for process in list((self._pool._processes or {}).values()):  # noqa: SLF001
-            process.kill()
-        # One that ended while it sent a result leaves a part of it: with our own end of the pipe
-        # closed, the pool's thread does not wait for the rest.
-        with suppress(AttributeError, OSError):
-            self._pool._result_queue._writer.close()  # type: ignore[attr-defined]  # noqa: SLF001
+        kill_processes(self._pool)
 
 
 class ProcessRunner(ExecutorRunner[Result]):
@@ -117,7 +112,7 @@ class ProcessRunner(ExecutorRunner[Result]):
         # A signal that reaches all processes must not end what is started here.
         with held_back(), _started(workers):
             ends, self._lifeline = _SPAWN.Pipe(duplex=False)
-            forks = can_fork() and threading.active_count() == 1
+            forks = _can_fork() and threading.active_count() == 1
             if forks and load is not None:
                 importlib.import_module(load)
             self._workers = [_Worker(ends, self._lifeline, forks=forks) for _ in range(workers)]
@@ -164,6 +159,11 @@ class ProcessRunner(ExecutorRunner[Result]):
     def _kill(self) -> None:
         for worker in self._workers:
             worker.kill()
+
+
+def _can_fork() -> bool:
+    """Tell whether this process may fork: Apple's libraries do not survive it."""
+    return sys.platform == "linux" and not multiprocessing.current_process().daemon
 
 
 @contextmanager

@@ -11,10 +11,11 @@ from typing import Any, Final, Generic, Protocol, Self, TypeVar
 
 from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.errors import LogtoolError, StoreError
-from dogbot_logtool.run.in_order import OnProgress
 
 Item = TypeVar("Item")
 Result = TypeVar("Result")
+OnProgress = Callable[[int, int], None]
+"""Called with bytes done and bytes in all while work goes on."""
 Work = Callable[[Any, OnProgress | None], Result]
 
 _PROGRESS_EVERY_S: Final = 0.2

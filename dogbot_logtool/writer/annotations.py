@@ -7,10 +7,10 @@ from numpy.typing import NDArray
 
 from dogbot_logtool.core.base.odometry import Transforms
 from dogbot_logtool.core.frames.kinematics import LinkTransforms
-from dogbot_logtool.core.load.loads import Loads
 from dogbot_logtool.core.scene.arrows import Arrows
 from dogbot_logtool.core.scene.labels import Labels
 from dogbot_logtool.core.scene.legs import LegLines
+from dogbot_logtool.core.scene.loads import Loads
 from dogbot_logtool.core.scene.support_scene import SupportScene
 from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.writer.channels import AddedChannels
@@ -75,10 +75,8 @@ class WantedAnnotations:
     support: SupportLook | None = None
     """None: there is no such topic; likewise `legs`."""
     legs: SupportLook | None = None
-    labels: bool = False
     description: MessageType | None = None
     """Type of the robot's description; None: there is none."""
-    events: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -122,8 +120,9 @@ class Annotations:
         self._arrows = ArrowWriter(arrows, encoding, frame, wanted.arrows)
         loads = [added.declare(load_topic(foot), encoding.load_type) for foot in wanted.feet]
         self._loads = LoadWriter(loads, encoding)
-        labelled = wanted.feet if wanted.labels else ()
-        labels = {foot: added.declare(label_topic(foot), encoding.arrow_type) for foot in labelled}
+        labels = {
+            foot: added.declare(label_topic(foot), encoding.arrow_type) for foot in wanted.feet
+        }
         self._labels = LabelWriter(labels, encoding, frame)
         self._support: SupportWriter | None = None
         if wanted.support is not None:
@@ -137,7 +136,7 @@ class Annotations:
         self._description_channel = 0
         if wanted.description is not None:
             self._description_channel = added.declare(ROBOT_DESCRIPTION_TOPIC, wanted.description)
-        self.event_channels = _event_channels(encoding, added) if wanted.events else None
+        self.event_channels = _event_channels(encoding, added)
 
     def robot_description(self, urdf: str, log_time: int) -> MessageRecords:
         """Return the message that describes the robot."""

@@ -26,6 +26,7 @@ a twelfth less time, for files of the same size. Level -1 would take another qua
 that are 2 to 3 % larger."""
 _INDEX_HEAD: Final = struct.Struct("<BQHI")
 """A message index record up to its entries: opcode, length, channel, bytes of the entries."""
+_RECORD_HEAD_SIZE: Final = 9
 _INDEX_ENTRY: Final = np.dtype([("log_time", "<i8"), ("offset", "<u8")])
 
 
@@ -142,6 +143,38 @@ def indexed_chunk(
         compression=compression,
         compressed_size=compressed_size,
         size=size,
+    )
+
+
+def as_indexed(
+    record: Bytes,
+    index: Bytes,
+    times: tuple[int, int],
+    compression: str,
+    compressed_size: int,
+    size: int,
+) -> FinishedChunk:
+    """Return a recorded chunk with its recorded message index.
+
+    Args:
+        record: the chunk record.
+        index: the message index records that follow it.
+        times: ns, earliest and latest log time.
+        compression: of the chunk.
+        compressed_size: bytes of its messages as they are stored.
+        size: bytes of them when decompressed.
+    """
+    index_offsets: dict[int, int] = {}
+    counts: dict[int, int] = {}
+    first = 0
+    while first < len(index):
+        opcode, length, channel, entries = _INDEX_HEAD.unpack_from(index, first)
+        if opcode == Opcode.MESSAGE_INDEX and entries:
+            index_offsets[channel] = first
+            counts[channel] = entries // _INDEX_ENTRY.itemsize
+        first += _RECORD_HEAD_SIZE + length
+    return FinishedChunk(
+        record, index, index_offsets, counts, *times, compression, compressed_size, size
     )
 
 

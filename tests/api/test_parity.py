@@ -116,7 +116,7 @@ def test_the_same_words_measure_the_same() -> None:
 def test_the_same_words_convert_to_the_same_bytes(tmp_path: Path) -> None:
     words = [
         *("--style", "force", "--encoding", "ros1", "--topics", "/dogbot/*", "--without", "*imu"),
-        *("--tf", "always", "--tf-rate", 0, "--scene", "--no-labels", "--events", "--start", 1),
+        *("--tf", "always", "--tf-rate", 0, "--start", 1),
         *("--end", 4, "--compression", "lz4", "--tare", "none", "--jobs", 1),
     ]
     assert run("convert", TROT, *words, "-o", tmp_path / "words.mcap").returncode == 0
@@ -129,9 +129,6 @@ def test_the_same_words_convert_to_the_same_bytes(tmp_path: Path) -> None:
         without=["*imu"],
         tf="always",
         tf_rate=0,
-        scene=True,
-        labels=False,
-        events=True,
         start=1,
         end=4,
         compression="lz4",

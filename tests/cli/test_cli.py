@@ -244,6 +244,7 @@ def test_stats_draws_a_figure(shell: Shell) -> None:
         (["stats", WALK, "--csv"], "use `export --table strides`"),
         (["stats", WALK, "--plot=walk.svg"], "it is --figure now"),
         (["info", WALK, "-o", "tree.gv"], "results go to stdout"),
+        (["layout", "--viewer", "rerun"], "Rerun opens the MCAP that `convert` writes"),
     ],
 )
 def test_an_option_that_is_gone_says_what_to_use(

@@ -124,7 +124,7 @@ def test_a_long_name_that_the_disk_takes_is_taken(shell: Shell) -> None:
 
 def test_options_reach_the_conversion(shell: Shell) -> None:
     words = ["--start", "1", "--end", "2", "--tf-rate", "0", "--no-copy", "--compression", "none"]
-    words += ["--no-scene", "--odom-topic", "/dogbot/odom", "--robot", "generic", "--mass", "10"]
+    words += ["--odom-topic", "/dogbot/odom", "--robot", "generic", "--mass", "10"]
     feet = ["--foot", "paw=/dogbot/back_left_contactsensor_state"]
     done = shell("convert", TROT, "-o", "x.mcap", "--json", *words, *feet)
     told = done.json

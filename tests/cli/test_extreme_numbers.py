@@ -164,10 +164,12 @@ TIMES: dict[str, Callable[[int], int]] = {
 }
 
 
-@pytest.mark.parametrize("name", TIMES)
-def test_times_at_the_ends_of_their_range(tmp_path: Path, name: str) -> None:
-    path = write(tmp_path / "walk.mcap", walks.Walk(2), GAZEBO, TIMES[name])
-    topics = TopicOptions(robot=str(walks.robot_file(tmp_path, GAZEBO)))
+@pytest.mark.parametrize(
+    ("name", "kind"), [*((name, GAZEBO) for name in TIMES), ("all at the end", WRENCH)]
+)
+def test_times_at_the_ends_of_their_range(tmp_path: Path, name: str, kind: str) -> None:
+    path = write(tmp_path / "walk.mcap", walks.Walk(2), kind, TIMES[name])
+    topics = TopicOptions(robot=str(walks.robot_file(tmp_path, kind)))
     for clock in ("header", "log"):
         done = measure(path, StatsOptions(topics, time_source=clock))
         strict(json.dumps(stats_json(done)))

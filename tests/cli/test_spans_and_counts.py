@@ -10,23 +10,32 @@ from typing import Any, Final
 
 import pytest
 
+from tests import forked_cli
+from tests.forked_cli import Ended
 from tests.oracles.repacked import Message, Recorded, read_bag, write_mcap
 from tests.paths import SAMPLE_LOGS
 
+MOST_MB: Final = 1000
 YEARS_NS: Final = 56 * 365 * 86400 * 10**9
 CONTACTS: Final = "gazebo_msgs/msg/ContactsState"
 recorded = cache(read_bag)
 TROT: Final = SAMPLE_LOGS / "dogbot_trot.bag"
 
 
-def run(folder: Path, *words: str, file_bytes: int = -1) -> subprocess.CompletedProcess[bytes]:
-    """Run the program with a gigabyte, half a minute of processor time, and small files."""
+def run(folder: Path, *words: str) -> Ended:
+    """Run the program, which must end within half a minute and a gigabyte."""
+    done = forked_cli.run(*words, folder=folder, timeout=30.0)
+    assert done.peak_mb < MOST_MB
+    assert "Traceback" not in done.stderr
+    return done
+
+
+def run_on_full_disk(folder: Path, *words: str) -> subprocess.CompletedProcess[str]:
+    """Run the program where files can have no more than a few kilobytes."""
     code = (
         "import resource, sys\n"
         "from dogbot_logtool.__main__ import main\n"
-        "resource.setrlimit(resource.RLIMIT_DATA, (1 << 30, 1 << 30))\n"
-        "resource.setrlimit(resource.RLIMIT_CPU, (30, 30))\n"
-        f"resource.setrlimit(resource.RLIMIT_FSIZE, ({file_bytes}, {file_bytes}))\n"
+        "resource.setrlimit(resource.RLIMIT_FSIZE, (4096, 4096))\n"
         f"sys.argv = ['dogbot-logtool', *{list(words)!r}]\n"
         "sys.exit(main())\n"
     )
@@ -35,6 +44,7 @@ def run(folder: Path, *words: str, file_bytes: int = -1) -> subprocess.Completed
         cwd=folder,
         env={**os.environ, "MPLCONFIGDIR": str(folder)},
         capture_output=True,
+        text=True,
         check=False,
     )
 
@@ -64,11 +74,11 @@ def test_a_clock_that_is_set_right_by_56_years_costs_nothing(tmp_path: Path, wor
     log = write_mcap(tmp_path / "log.mcap", set_right(), "ros1", 1_000_000)
     done = run(tmp_path, *words.format(log=log).split())
     assert done.returncode in {0, 3}, done.stderr[-500:]
-    assert b"Traceback" not in done.stderr
 
 
+@cache
 def many_states(states: int) -> Recorded:
-    """27 messages of a foot, each with many contact states."""
+    """A few messages of a foot, each with many contact states."""
     whole = recorded(TROT)
     of_kind = [each for each in whole.messages if each.kind == CONTACTS]
     topic = of_kind[0].topic
@@ -81,7 +91,7 @@ def many_states(states: int) -> Recorded:
     cdr = bytes(whole.types.serialize_cdr(full, CONTACTS))
     start = whole.messages[0].log_time
     messages = tuple(
-        Message(topic, CONTACTS, start + 10_000_000 * number, ros1, cdr) for number in range(27)
+        Message(topic, CONTACTS, start + 10_000_000 * number, ros1, cdr) for number in range(6)
     )
     return replace(whole, messages=messages)
 
@@ -90,10 +100,9 @@ def many_states(states: int) -> Recorded:
 def test_thousands_of_contact_states_in_a_message_are_read_in_linear_time(
     tmp_path: Path, words: str
 ) -> None:
-    log = write_mcap(tmp_path / "log.mcap", many_states(10_000), "ros2", 1_000_000)
+    log = write_mcap(tmp_path / "log.mcap", many_states(30_000), "ros2", 1_000_000)
     done = run(tmp_path, *words.format(log=log).split())
     assert done.returncode in {0, 1, 3}, done.stderr[-500:]
-    assert b"Traceback" not in done.stderr
 
 
 def test_a_figure_of_one_message_says_what_the_log_lacks(tmp_path: Path) -> None:
@@ -102,8 +111,7 @@ def test_a_figure_of_one_message_says_what_the_log_lacks(tmp_path: Path) -> None
     log = write_mcap(tmp_path / "log.mcap", replace(whole, messages=(first,)), "ros2", 1_000_000)
     done = run(tmp_path, "stats", str(log), "--figure", "figure.svg")
     assert done.returncode == 1, done.stderr
-    assert b"--window" not in done.stderr
-    assert b"Traceback" not in done.stderr
+    assert "--window" not in done.stderr
     assert not (tmp_path / "figure.svg").exists()
 
 
@@ -119,7 +127,7 @@ def test_a_figure_of_one_message_says_what_the_log_lacks(tmp_path: Path) -> None
 def test_an_output_that_is_too_large_leaves_nothing(
     tmp_path: Path, words: str, target: str
 ) -> None:
-    done = run(tmp_path, *words.format(log=TROT).split(), file_bytes=4096)
+    done = run_on_full_disk(tmp_path, *words.format(log=TROT).split())
     assert done.returncode == 1, done.stderr[-500:]
-    assert b"Traceback" not in done.stderr
+    assert "Traceback" not in done.stderr
     assert not (tmp_path / target).exists()

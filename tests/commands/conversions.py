@@ -43,15 +43,16 @@ def assert_same_arrows(actual: list[Arrow], expected: list[Arrow], *, exactly: b
         if exactly and name != "length":
             np.testing.assert_array_equal(told, wanted)
         else:
-            # A length is written as shaft and head, which round; anything else is a sum's order,
-            # or the way in which rotations are computed.
-            np.testing.assert_allclose(told, wanted, rtol=1e-13, atol=1e-12)
+            # Forces are kept with 24 bits, positions with all; a length is written as shaft and
+            # head, which round; in `classic` nothing else does.
+            rtol = 1e-13 if exactly or name == "position" else 3e-7
+            np.testing.assert_allclose(told, wanted, rtol=rtol, atol=1e-12 if exactly else 3e-7)
     colours = np.array([arrow.colour for arrow in actual if arrow.position])
     wanted_colours = np.array([arrow.colour for arrow in expected if arrow.position], np.float32)
     if exactly:
         np.testing.assert_array_equal(colours.astype(np.float32), wanted_colours)
     else:
-        np.testing.assert_allclose(colours, wanted_colours, rtol=2e-7, atol=1e-7)
+        np.testing.assert_allclose(colours, wanted_colours, rtol=1e-5, atol=1e-5)
 
 
 def assert_same_loads(actual: list[Load], expected: list[Load], opening: int) -> None:
@@ -66,7 +67,8 @@ def assert_same_loads(actual: list[Load], expected: list[Load], opening: int) ->
     for name in ("force", "body_weights"):
         told = [getattr(one, name) for one in actual]
         wanted = [getattr(one, name) for one in expected]
-        np.testing.assert_allclose(told, wanted, rtol=1e-13, atol=1e-14)
+        # Forces are kept with 24 bits, and may be turned into the world.
+        np.testing.assert_allclose(told, wanted, rtol=3e-7, atol=1e-14)
 
 
 @dataclass(frozen=True)

@@ -22,7 +22,7 @@ import pytest
 from dogbot_logtool.commands.convert import convert
 from dogbot_logtool.core.scene.styles import ARROW_STYLES
 from dogbot_logtool.errors import CallError
-from dogbot_logtool.pipeline.options import ConvertOptions, TopicOptions
+from dogbot_logtool.pipeline.options import ConvertOptions, StatsOptions, TopicOptions
 from dogbot_logtool.writer.encodings.registry import ENCODINGS
 from tests.commands.conversions import (
     COMPRESSIONS,
@@ -35,6 +35,7 @@ from tests.commands.conversions import (
     converted,
     opening_of,
 )
+from tests.measured import measured_contact
 from tests.oracles.annotated_file import (
     described_robots,
     of_encoding,
@@ -80,14 +81,15 @@ def test_annotations_are_what_message_by_message_conversion_gives(
     done = converted(folder, log, style=style, encoding=encoding)
     assert done.conversion.damage.exit_code == 0
     for foot in FEET:
-        arrows = expected_arrows(log, foot, style, in_world=IN_WORLD[log])
+        contact = measured_contact(log, foot)
+        arrows = expected_arrows(log, foot, style, in_world=IN_WORLD[log], contact=contact)
         assert_same_arrows(
             written_arrows(done.written, foot, encoding, style),
             arrows,
             exactly=style == "classic",
         )
         loads = written_loads(done.written, foot, encoding)
-        assert_same_loads(loads, expected_loads(log, foot), opening_of(log))
+        assert_same_loads(loads, expected_loads(log, foot, contact), opening_of(log))
         assert done.conversion.annotations[arrow_topic(foot)] == len(arrows)
     # The logs have a /tf of their own; only transforms of its own ROS fit on it.
     joined = encoding == ("ros2" if log == WALK else "ros1")
@@ -131,7 +133,7 @@ def test_counts_of_what_cannot_be_drawn_are_told(folder: Path) -> None:
     )
     counts = converted(folder, TROUBLED).conversion.counts
     assert counts.arrows.not_finite == not_finite
-    assert counts.bad_poses == len(damage["zero_quaternion"])
+    assert converted(folder, TROUBLED).conversion.bad_poses == len(damage["zero_quaternion"])
     assert codes(converted(folder, TROUBLED).conversion) >= {"NOT_FINITE"}
 
 
@@ -193,7 +195,10 @@ def test_forces_of_all_kinds(tmp_path: Path, style: str) -> None:
     )
     conversion = convert(log, tmp_path / "out.mcap", options)
     written = read_written(tmp_path / "out.mcap")
-    expected = expected_arrows(log, "front_left", style, in_world=True)
+    contact = measured_contact(
+        log, "front_left", StatsOptions(topics=options.topics, wrench_frame="world")
+    )
+    expected = expected_arrows(log, "front_left", style, in_world=True, contact=contact)
     told = written_arrows(written, "front_left", "ros1", style)
     assert_same_arrows(told, expected, exactly=style == "classic")
     if style == "classic":
@@ -202,7 +207,8 @@ def test_forces_of_all_kinds(tmp_path: Path, style: str) -> None:
         assert (counts.overflow, counts.no_position, counts.not_finite) == (1, 1, 0)
         assert "NOT_FINITE" in codes(conversion)
     else:
-        assert conversion.counts.arrows.no_position == 1
+        # The touch without a point is too light, and too short, to be a stance.
+        assert conversion.counts.arrows.no_position == 0
         assert conversion.counts.arrows.not_finite == 8
 
 

@@ -84,10 +84,10 @@ def test_without_copy_there_are_annotations_only(
 ) -> None:
     log = first_seconds(TROUBLED)
     done = converted(folder, log, copy=False, compression=compression, encoding=encoding)
-    topics = {"/tf", "/support"}
+    topics = {"/tf", "/support", "/events", "/gait"}
     topics |= {topic(foot) for topic in (arrow_topic, load_topic, label_topic) for foot in FEET}
     channels = done.written.channels.values()
-    assert {channel.topic for channel in channels} == topics | {DESCRIPTION}
+    assert {channel.topic for channel in channels} - {"/events/spans"} == topics | {DESCRIPTION}
     assert done.written.encodings(DESCRIPTION) == {"ros1" if encoding == "ros1" else "cdr"}
     assert described_robots(done.written) == [(opening_of(log), "dogbot")]
     encodings = {c.message_encoding for c in channels if c.topic != DESCRIPTION}
@@ -170,11 +170,12 @@ def test_a_chunk_without_messages(tmp_path: Path, compression: Compression) -> N
     conversion = convert(log, tmp_path / "out.mcap", ConvertOptions(compression=compression))
     assert (conversion.damage.exit_code, conversion.copied) == (0, 100)
     # Besides one of every message: the robot, the first time's load (of the one foot with
-    # messages), and labels.
+    # messages), labels, and what happened.
     labels = conversion.annotations[label_topic("front_left")]
     assert 0 < labels <= 10
+    events = sum(conversion.annotations[topic] for topic in ("/events", "/events/spans", "/gait"))
     written = read_written(tmp_path / "out.mcap")
-    assert len(written.messages) == 100 + 120 + 1 + 1 + labels
+    assert len(written.messages) == 100 + 120 + 1 + 1 + labels + events
 
 
 def test_extras_are_not_copied_without_copy(tmp_path: Path) -> None:

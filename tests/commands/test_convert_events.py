@@ -14,8 +14,7 @@ from mcap_ros1.decoder import DecoderFactory as Ros1Decoder
 from mcap_ros2.decoder import DecoderFactory as Ros2Decoder
 
 from dogbot_logtool.commands.convert import convert
-from dogbot_logtool.commands.stats import measurement_of
-from dogbot_logtool.pipeline.conversion import plan
+from dogbot_logtool.conversion import plan
 from dogbot_logtool.pipeline.options import ConvertOptions
 from dogbot_logtool.report.documents.stats_json import stats_json
 from dogbot_logtool.writer.encodings import registry
@@ -41,7 +40,7 @@ _FOLDER = tempfile.TemporaryDirectory(prefix="events")
 @cache
 def converted(source: Path, encoding: str) -> Path:
     target = Path(_FOLDER.name) / f"{source.stem}.{encoding}.mcap"
-    convert(source, target, ConvertOptions(events=True, copy=False, encoding=encoding))
+    convert(source, target, ConvertOptions(copy=False, encoding=encoding))
     return target
 
 
@@ -54,7 +53,7 @@ def test_every_event_is_a_log_message_at_its_log_time(
 ) -> None:
     target = converted(TROUBLED, encoding)
     stats = measured(TROUBLED).stats
-    events = stats_json(measurement_of(stats, measured(TROUBLED).facts))["events"]
+    events = stats_json(stats, measured(TROUBLED).facts)["events"]
     found = messages_of(target, "/events")
     assert len(found) == len(events)
     for (log_time, message), event in zip(found, events, strict=True):
@@ -69,11 +68,16 @@ def test_every_event_is_a_log_message_at_its_log_time(
 def test_onsets_on_stamps_are_written_at_log_times() -> None:
     target = converted(TROT, "foxglove")
     stats = measured(TROT).stats
-    offset = next(each.offset_median_s for each in stats.topics if "contact" in each.topic)
-    assert offset is not None
-    for log_time, message in messages_of(target, "/events"):
-        stamp = message.timestamp.ToNanoseconds()
-        assert log_time - stamp == pytest.approx(offset * 1e9, abs=2e5)
+    record = stats.feet[0].record
+    recorded = dict(zip(record.track.time.tolist(), record.log_time.tolist(), strict=True))
+    found = [
+        (log_time, message.timestamp.ToNanoseconds())
+        for log_time, message in messages_of(target, "/events")
+    ]
+    at_samples = [(log_time, stamp) for log_time, stamp in found if stamp in recorded]
+    assert len(at_samples) > 20
+    assert all(log_time == recorded[stamp] for log_time, stamp in at_samples)
+    assert all(0 < log_time - stamp < 5e6 for log_time, stamp in found)
 
 
 @pytest.mark.parametrize("encoding", ["foxglove", "ros1", "ros2"])
@@ -92,7 +96,7 @@ def test_events_are_spans_where_the_schemas_have_them() -> None:
     pytest.importorskip("foxglove_schemas_protobuf.Event_pb2")
     target = converted(TROUBLED, "foxglove")
     stats = measured(TROUBLED).stats
-    events = stats_json(measurement_of(stats, measured(TROUBLED).facts))["events"]
+    events = stats_json(stats, measured(TROUBLED).facts)["events"]
     odd = [each for each in events if each["type"] not in {"touchdown", "lift_off"}]
     found = messages_of(target, "/events/spans")
     assert [message.start_time.ToNanoseconds() for _, message in found] == [
@@ -118,21 +122,15 @@ def test_without_spans_in_the_schemas_the_rest_is_written(
     older = replace(registry.ENCODINGS["foxglove"], load=FoxgloveEncoding)
     monkeypatch.setattr(plan, "ENCODINGS", {"foxglove": older})
     target = tmp_path / "out.mcap"
-    convert(TROUBLED, target, ConvertOptions(events=True, copy=False, jobs=1))
+    convert(TROUBLED, target, ConvertOptions(copy=False, jobs=1))
     assert messages_of(target, "/events/spans") == []
     assert messages_of(target, "/events")
-
-
-def test_without_the_option_neither_is_written(tmp_path: Path) -> None:
-    convert(TROT, tmp_path / "out.mcap", ConvertOptions(copy=False))
-    assert messages_of(tmp_path / "out.mcap", "/events") == []
-    assert messages_of(tmp_path / "out.mcap", "/gait") == []
 
 
 def test_bytes_do_not_depend_on_the_number_of_jobs(tmp_path: Path) -> None:
     written = set()
     for jobs in (1, 2):
         target = tmp_path / f"{jobs}.mcap"
-        convert(TROT, target, ConvertOptions(events=True, jobs=jobs))
+        convert(TROT, target, ConvertOptions(jobs=jobs))
         written.add(target.read_bytes())
     assert len(written) == 1

@@ -1,7 +1,5 @@
 """Topics and transforms of a converted log beside those that are recorded."""
 
-import multiprocessing
-import threading
 from collections import defaultdict
 from collections.abc import Iterator
 from pathlib import Path
@@ -118,20 +116,6 @@ def test_a_second_parent_that_comes_late_is_noticed(tmp_path: Path, jobs: int) -
     assert conversion.annotations[arrow_topic("front_left")] == 60
     assert conversion.copied == 240
     assert sorted(file.name for file in tmp_path.iterdir()) == ["log.bag", "out.mcap"]
-
-
-def test_the_first_attempt_s_workers_are_gone_when_the_second_works(tmp_path: Path) -> None:
-    log = walk_with_late_parent(tmp_path / "log.bag")
-    workers: set[str] = set()
-
-    def look(_done: int, _total: int) -> None:
-        threads = (each.name for each in threading.enumerate() if each.name.startswith("batch"))
-        now = {*threads, *(each.name for each in multiprocessing.active_children())}
-        assert len(now) <= 2
-        workers.update(now)
-
-    convert(log, tmp_path / "out.mcap", ConvertOptions(jobs=2), look)
-    assert workers
 
 
 def test_tf_always_writes_a_second_parent(tmp_path: Path) -> None:

@@ -3,7 +3,7 @@
 import math
 import re
 from bisect import bisect_left
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
@@ -221,23 +221,49 @@ def classic_arrow(decoded: Decoded, stamp: int) -> Arrow | None:
     return Arrow(decoded.log_time, stamp, position, CLASSIC_TILT, p, (*light(wavelength), 1.0))
 
 
-def expected_arrows(path: Path, foot: str, style: str, *, in_world: bool) -> list[Arrow]:
+def expected_arrows(
+    path: Path,
+    foot: str,
+    style: str,
+    *,
+    in_world: bool,
+    contact: Mapping[int, bool] | None = None,
+) -> list[Arrow]:
+    """Return what the messages of a foot draw.
+
+    Args:
+        path: the log.
+        foot: its name.
+        style: of the arrows.
+        in_world: whether wrenches are in the world frame.
+        contact: whether the foot is in contact by log time, as it is measured; None, and where it
+            is not measured: as the messages say.
+    """
     turned = style == "force" and path in LOGS and not in_world
     frames = frames_in(path) if turned else None
     arrows = (
         expected_arrow(one, foot, style, in_world=in_world, frames=frames)
         for one in decoded_log(path).get(contact_topic(foot), ())
     )
-    return sorted((a for a in arrows if a is not None), key=lambda arrow: arrow.log_time)
+    found = sorted((a for a in arrows if a is not None), key=lambda arrow: arrow.log_time)
+    if style == "classic" or contact is None:
+        return found
+    return [a if contact.get(a.log_time, True) else Arrow(a.log_time, a.stamp) for a in found]
 
 
-def expected_loads(path: Path, foot: str) -> list[Load]:
+def expected_loads(path: Path, foot: str, contact: Mapping[int, bool] | None = None) -> list[Load]:
     loads: list[Load] = []
     for one in decoded_log(path).get(contact_topic(foot), ()):
         sample = sample_of(one.message, foot)
         force = norm(sample.force)
         loads.append(
-            Load(one.log_time, stamp_of(one), sample.in_contact, force, force / BODY_WEIGHT_N)
+            Load(
+                one.log_time,
+                stamp_of(one),
+                (contact or {}).get(one.log_time, sample.in_contact),
+                force,
+                force / BODY_WEIGHT_N,
+            )
         )
     return sorted(loads, key=lambda load: load.log_time)
 

@@ -11,20 +11,12 @@ from foxglove_schemas_protobuf.FrameTransforms_pb2 import FrameTransforms
 
 from dogbot_logtool.core.geometry.arrays import Ints
 from dogbot_logtool.reader.containers.log import Batch, Channel, Messages, Schema
-from dogbot_logtool.reader.messages.bases.registry import (
-    BASE_SOURCES,
-    Base,
-    base_source,
-    check_base,
-    joined_poses,
-)
-from dogbot_logtool.reader.messages.contacts.registry import (
-    SOURCES,
-    check_contacts,
-    read_contacts,
-)
-from dogbot_logtool.reader.messages.contacts.source import FootChannels, StepTiming
+from dogbot_logtool.reader.messages.bases import Base, check_base, joined_poses
+from dogbot_logtool.reader.messages.contact_messages import check_contacts, read_contacts
+from dogbot_logtool.reader.messages.feet import FootChannels
+from dogbot_logtool.reader.messages.gazebo import StepTiming
 from dogbot_logtool.reader.messages.messages import malformed_in
+from dogbot_logtool.reader.messages.source import BASE_TYPES, FOOT_TYPES, base_source
 from dogbot_logtool.reader.messages.transforms import (
     TRANSFORM_TYPES,
     check_transforms,
@@ -51,11 +43,11 @@ VARIANTS: Final = (
 """Earlier definitions of types, by the packages that the tests give them."""
 BASES: Final = tuple(
     name
-    for name in BASE_SOURCES
-    if name not in SOURCES and name not in TRANSFORM_TYPES and not name.startswith("foxglove")
+    for name in BASE_TYPES
+    if name not in FOOT_TYPES and name not in TRANSFORM_TYPES and not name.startswith("foxglove")
 )
 """Types of base poses; their elements are those of `base_walks`."""
-DECODED: Final = (*BASES, *sorted(TRANSFORM_TYPES), *SOURCES, *VARIANTS)
+DECODED: Final = (*BASES, *sorted(TRANSFORM_TYPES), *FOOT_TYPES, *VARIANTS)
 """Types whose definitions stand in the log."""
 POSES: Final = ("foxglove.Odometry", "foxglove.PoseInFrame")
 ALL: Final = (*DECODED, *FOXGLOVE, *POSES)

@@ -18,7 +18,7 @@ from dogbot_logtool.reader.decode.definition import (
     VariableArray,
     parse_definition,
 )
-from dogbot_logtool.reader.messages.contacts.registry import source_of
+from dogbot_logtool.reader.messages.contact_messages import source_of
 from tests.reader import adapters
 from tests.reader.adapters import DECODED
 
@@ -173,7 +173,7 @@ def aligned(data: bytes, position: int, size: int) -> bytes:
         (
             "champ_msgs/ContactsStamped",
             "bool[] contacts",
-            "bool[4] contacts",
+            "string contacts",
             "contacts",
             "a sequence of numbers",
         ),

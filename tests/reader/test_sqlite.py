@@ -234,10 +234,13 @@ def test_rows_behind_a_damaged_page_are_read(tmp_path: Path, which: int) -> None
     assert found == sorted(set(found))
     missing = sorted(set(range(1, count + 1)) - set(found))
     assert missing == list(range(missing[0], missing[-1] + 1))
-    # Python's sqlite3 steps ahead, so that an error also costs the row next to the damage.
-    assert lost <= len(missing) <= lost + 2
+    assert len(missing) == lost
     if which == 0:
         assert missing[0] == 1
     if which == -1:
         assert missing[-1] == count
     assert "the database is damaged" in reading.sentences
+    (loss,) = reading.losses
+    assert (loss.offset, loss.bytes) == (start, PAGE)
+    assert loss.start_time == (None if which == 0 else missing[0] - 1)
+    assert loss.end_time == (None if which == -1 else missing[-1] + 1)

@@ -16,9 +16,8 @@ import pytest
 from dogbot_logtool.errors import CallError, StoreError
 from dogbot_logtool.run import processes
 from dogbot_logtool.run.choice import runner_for
-from dogbot_logtool.run.in_order import OnProgress
 from dogbot_logtool.run.processes import ProcessRunner
-from dogbot_logtool.run.runner import Failure, Runner, attempt
+from dogbot_logtool.run.runner import Failure, OnProgress, Runner, attempt
 from tests.paths import ROOT
 from tests.run.work import Progress, wait_for_the_end_of, work
 

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from dogbot_logtool.errors import CallError
-from dogbot_logtool.run.in_order import OnProgress
+from dogbot_logtool.run.runner import OnProgress
 
 
 class Progress:

@@ -34,7 +34,7 @@ COMMANDS: Final = (
     "convert {log} -o out.mcap",
     "convert {log} -o own.mcap --no-copy --encoding ros1 --style force",
     "convert {log} -o own.mcap --encoding ros2 --style classic --jobs 1 --compression lz4",
-    "convert {log} -o own.mcap --events --tf-rate 0",
+    "convert {log} -o own.mcap --tf-rate 0",
     "stats {log}",
     "stats {log} --json",
     "export {log} --start 0.1",

@@ -9,8 +9,8 @@ from mcap import records
 from mcap.data_stream import ReadDataStream
 
 from dogbot_logtool.core.base.odometry import Transforms
-from dogbot_logtool.core.load.loads import Loads
 from dogbot_logtool.core.scene.arrows import Arrows
+from dogbot_logtool.core.scene.loads import Loads
 from dogbot_logtool.writer.annotations import (
     AnnotationColumns,
     Annotations,
@@ -31,7 +31,6 @@ def declared(
     feet: Sequence[str] = FEET,
     *,
     with_tf: bool = True,
-    with_labels: bool = False,
     description: MessageType | None = None,
     used: frozenset[int] = frozenset(),
     resolve: Callable[[str, MessageType], str] = lambda topic, _: topic,
@@ -42,7 +41,6 @@ def declared(
         "base",
         ArrowLook(0.04, 0.5),
         base_transform=with_tf,
-        labels=with_labels,
         description=description,
     )
     return Annotations(encoding, wanted, AddedChannels(IdSource(used), IdSource(used), resolve))

@@ -26,20 +26,23 @@ def test_channels(encoding: Encoding) -> None:
     annotations = declared(encoding)
     topics = {channel.topic for channel in annotations.added.channels}
     wanted = {"/tf", *(f"/marker_basic_{foot}_foot" for foot in FEET)}
-    assert topics == wanted | {f"/load/{foot}" for foot in FEET}
-    assert len(annotations.added.schemas) == 3
+    wanted |= {f"/{kind}/{foot}" for kind in ("load", "label") for foot in FEET}
+    wanted |= {"/events", "/gait"} | ({"/events/spans"} if encoding.span_type else set())
+    assert topics == wanted
+    assert len(annotations.added.schemas) == (6 if encoding.span_type else 5)
     names = {schema.id: schema.name for schema in annotations.added.schemas}
     types = {channel.topic: names[channel.schema_id] for channel in annotations.added.channels}
     assert types["/tf"] == encoding.transform_type.name
     assert types[arrow_topic("left")] == types[arrow_topic("right")] == encoding.arrow_type.name
     assert types[load_topic("left")] == encoding.load_type.name
     assert annotations.added.topics() == {c.id: c.topic for c in annotations.added.channels}
-    assert len(annotations.added.topics()) == 5
+    assert len(annotations.added.topics()) == len(wanted)
 
 
-def test_without_tf_and_feet_there_is_nothing() -> None:
+def test_without_tf_and_feet_there_are_events_only() -> None:
     annotations = declared(ENCODINGS[0], (), with_tf=False)
-    assert (annotations.added.schemas, annotations.added.channels) == ([], [])
+    topics = {channel.topic for channel in annotations.added.channels}
+    assert {"/events", "/gait"} <= topics <= {"/events", "/events/spans", "/gait"}
     assert list(annotations.messages(AnnotationColumns(no_transforms(), [], []))) == []
 
 

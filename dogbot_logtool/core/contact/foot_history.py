@@ -76,6 +76,12 @@ class FootHistory:
     """Load over time; None unless asked for, and where forces are not known."""
     stopped: Ints = field(default_factory=timespans.no_spans)
     """(s, 2) ns, gaps in which the sensor speaks, but has stopped to feel the foot."""
+    row: Ints = field(default_factory=lambda: np.empty(0, np.int32))
+    """(n,) the sample of the recording that each sample of `track` is."""
+    log_time: Ints = field(default_factory=lambda: np.empty(0, np.int64))
+    """(n,) ns, when those were recorded."""
+    down: Flags = field(default_factory=lambda: np.empty(0, np.bool_))
+    """(n,) whether each of them is in a stance."""
 
     def contact_fraction(self, within: Ints | None = None) -> float | None:
         """Return time in contact over time known; None where nothing is known.
@@ -159,7 +165,7 @@ def foot_history(
         samples = replace(samples, force=_touches(samples.in_contact))
     if rule.unusable:
         samples = no_samples()
-    signal, not_finite, not_advancing = _signal(samples, clock, force_in_world=force_in_world)
+    signal, row, not_finite, not_advancing = _signal(samples, clock, force_in_world=force_in_world)
     time, force = signal.time, signal.force
     contact = _contact_states(signal, rule)
     loaded, repeated = int(contact.sum()), _repeats(force, contact)
@@ -190,6 +196,9 @@ def foot_history(
         filled_swings=rows.filled_swings,
         dropped_stances=rows.dropped_stances,
         track=foot_track(time, force, signal.vertical, signal.samples.position, longest),
+        row=row,
+        log_time=signal.samples.log_time,
+        down=_down(contact, rows),
     )
     return history if has_force else history.without_force()
 
@@ -201,28 +210,39 @@ def _touches(in_contact: Flags) -> Floats:
 
 def _signal(
     samples: Samples, clock: TimeSource, *, force_in_world: bool
-) -> tuple[FootSignal, int, int]:
+) -> tuple[FootSignal, Ints, int, int]:
     """Choose the samples that can be used.
 
     Returns:
-        those with a finite force and a time later than all before; how many have no such force,
-        and how many of the others no such time.
+        those with a finite force and a time later than all before, and their rows; how many have
+        no such force, and how many of the others no such time.
     """
     time, force = clock.of(samples), norms(samples.force.astype(np.float64, copy=False))
     finite = np.isfinite(force)
     usable = finite & (time != 0) if clock is TimeSource.HEADER else finite.copy()
     usable[usable] = advancing(time[usable], None)
+    row = np.flatnonzero(usable).astype(np.int32)
     counts = int((~finite).sum()), int((finite & ~usable).sum())
     if not usable.all():
         samples, time, force = samples.pick(usable), time[usable], force[usable]
     known = samples.in_world | force_in_world | (force == 0.0)
     vertical = np.where(known, samples.force[:, 2].astype(np.float64), np.nan)
-    return FootSignal(samples, time, force, vertical), *counts
+    return FootSignal(samples, time, force, vertical), row, *counts
 
 
 def _contact_states(signal: FootSignal, rule: ContactRule) -> Flags:
     """(n,) tell which samples are in contact, by the messages' flags or by the force."""
     return signal.samples.in_contact if rule.by_flag else schmitt(signal.force, rule, on=False)
+
+
+def _down(contact: Flags, rows: StanceRows) -> Flags:
+    """(n,) tell which samples are in a stance; the last one is where the log ends in one."""
+    change = np.zeros(len(contact) + 1, np.int8)
+    change[rows.touchdown] += 1
+    change[rows.liftoff] -= 1
+    down = np.cumsum(change[:-1], dtype=np.int8) > 0
+    down[-1:] |= contact[-1:]
+    return down
 
 
 def _repeats(force: Floats, contact: Flags) -> int:

@@ -6,8 +6,8 @@ Lost messages are silence too. One is shorter than any swing of the foot; one of
 a drop-out, unless it is no longer than the flight of every stride.
 """
 
-from collections.abc import Mapping
-from dataclasses import field, replace
+from collections.abc import Mapping, Sequence
+from dataclasses import field
 from typing import Final
 
 import numpy as np
@@ -16,7 +16,7 @@ from dogbot_logtool.core.contact.contacts import Samples
 from dogbot_logtool.core.geometry.arrays import Flags, Floats, Ints
 from dogbot_logtool.core.geometry.blocks import concatenated
 from dogbot_logtool.core.geometry.clock import SILENCE_NS, Stamped, TimeSource
-from dogbot_logtool.core.geometry.order_statistics import distinct, median_of
+from dogbot_logtool.core.geometry.order_statistics import median_of
 from dogbot_logtool.dataclass import dataclass
 
 MISSED_INTERVALS: Final = 2.5
@@ -129,151 +129,88 @@ def _usual_stance_ns(time: Ints, swing_from_ns: int) -> int:
     return round(float(median_of(time[ends[1:]] - time[ends[:-1] + 1])))
 
 
-@dataclass(frozen=True, slots=True)
-class LastMessage:
-    """When a foot last sent a message."""
-
-    log_time: int
-    """ns."""
-    stamp: int
-    """ns."""
-    interrupted: bool = False
-    """Whether all feet dropped out since."""
-    swing: tuple[int, int] = (-1, -1)
-    """ns, when the last certain swing of the foot began and ended, on the clock of the silences;
-    -1: none yet."""
-
-    def on(self, clock: TimeSource) -> int:
-        """Return its time, ns."""
-        return self.stamp if clock is TimeSource.HEADER else self.log_time
-
-
-LastMessages = Mapping[int, LastMessage]
-"""By foot."""
-
-
-def last_messages(
-    samples: Samples, before: LastMessages, silent: SilentFeet | None = None
-) -> dict[int, LastMessage]:
-    """Return the last message of each foot up to the end of some samples."""
-    clock = TimeSource.LOG if silent is None else silent.clock
-    dropouts = _dropouts(samples, before, silent)
-    messages = {
-        foot: replace(last, interrupted=True) if _interrupts(dropouts, last, clock) else last
-        for foot, last in before.items()
-    }
-    all_times = clock.of(samples)
-    for foot in distinct(samples.foot).tolist():
-        rows = np.flatnonzero(samples.foot == foot)
-        message = LastMessage(int(samples.log_time[rows[-1]]), int(samples.stamp[rows[-1]]))
-        swing = (-1, -1)
-        if silent is not None and foot in silent.stance_ns:
-            swing = _last_swing(all_times[rows], before.get(foot), foot, silent)
-        interrupted = _interrupts(dropouts, message, clock)
-        messages[foot] = replace(message, interrupted=interrupted, swing=swing)
-    return messages
-
-
-def _last_swing(
-    time: Ints, before: LastMessage | None, foot: int, silent: SilentFeet
-) -> tuple[int, int]:
-    """Return the last certain swing of a foot that sent messages at some times, ns."""
-    first = time[:1] if before is None else np.array([before.on(silent.clock)])
-    last = _certain_swings(np.concatenate([first, time]), before, foot, silent)[-1]
-    return int(last[0]), int(last[1])
-
-
-def _certain_swings(time: Ints, before: LastMessage | None, foot: int, silent: SilentFeet) -> Ints:
-    """(n, 2) ns, the last certain swing up to each of n messages; negative: none."""
-    step = np.diff(time, prepend=time[0])
-    certain = (step > silent.swing_from_ns(foot)) & (step <= LONGEST_SWING_S * 1e9)
-    row = np.maximum.accumulate(np.where(certain, np.arange(len(step)), -1))
-    earlier = (-1, -1) if before is None else before.swing
-    spans = np.stack([time[row - 1], time[row]], axis=1)
-    swings: Ints = np.where(row[:, None] >= 0, spans, np.array(earlier))
-    return swings
-
-
-def _dropouts(samples: Samples, before: LastMessages, silent: SilentFeet | None) -> Ints:
-    """(d, 2) ns: the last message of any foot before each drop-out of all, and the next."""
-    if silent is None or silent.dropout_ns is None:
-        return np.empty((0, 2), np.int64)
-    earlier = [max(last.on(silent.clock) for last in before.values())] if before else []
-    times = np.sort(np.concatenate([np.array(earlier, np.int64), silent.clock.of(samples)]))
-    long = np.flatnonzero(np.diff(times) > silent.dropout_ns)
-    return np.stack([times[long], times[long + 1]], axis=1)
-
-
-def _interrupts(dropouts: Ints, last: LastMessage, clock: TimeSource) -> bool:
-    return last.interrupted or bool((dropouts[:, 0] >= last.on(clock)).any())
-
-
 def with_swings(
-    samples: Samples, silent: SilentFeet, log_start: int | None, log_end: int | None
-) -> Samples:
+    feet: Sequence[Samples], silent: SilentFeet, log_start: int | None, log_end: int | None
+) -> tuple[Samples, ...]:
     """Insert samples without contact into the silences of feet that are silent in swing.
-
-    Args:
-        samples: of all feet, each foot's in the order of the log.
-        silent: the feet that are silent in swing; the others stay as they are.
-        log_start: ns, log time from which silence counts; None: from the first contact.
-        log_end: ns, log time up to which it counts; None: up to the last contact.
-
-    Returns:
-        the samples and the inserted ones, each foot's in order.
-    """
-    if not silent.interval_ns:
-        return samples
-    told = swings_in_batch(samples, silent, {}, log_start)
-    last = last_messages(samples, {}, silent)
-    return concatenated([told, *_trailing_swings(silent, last, log_end)])
-
-
-def swings_in_batch(
-    samples: Samples, silent: SilentFeet, before: LastMessages, log_start: int | None
-) -> Samples:
-    """Insert the swings of a batch; what `convert` still needs.
 
     The first sample without contact stands one interval after the last contact, and the last one
     interval before the next, where an always-speaking sensor would have said so. Both clocks are
     interpolated.
 
     Args:
-        samples: a run of the log's samples.
+        feet: samples of each foot, in the order of the log.
         silent: the feet that are silent in swing; the others stay as they are.
-        before: the last message of each foot before these samples.
-        log_start: ns, log time from which a foot without an earlier message may be swinging.
+        log_start: ns, log time from which silence counts; None: from the first contact.
+        log_end: ns, log time up to which it counts; None: up to the last contact.
+
+    Returns:
+        the samples and the inserted ones of each foot, in order.
     """
-    parts = [samples]
+    dropouts = _dropouts(feet, silent)
+    return tuple(
+        _swinging(foot, samples, silent, dropouts, (log_start, log_end))
+        if foot in silent.interval_ns and len(samples.log_time)
+        else samples
+        for foot, samples in enumerate(feet)
+    )
+
+
+def _dropouts(feet: Sequence[Samples], silent: SilentFeet) -> Ints:
+    """(d, 2) ns: the last message of any foot before each drop-out of all, and the next."""
+    if silent.dropout_ns is None:
+        return np.empty((0, 2), np.int64)
+    times = np.sort(np.concatenate([silent.clock.of(samples) for samples in feet]))
+    long = np.flatnonzero(np.diff(times) > silent.dropout_ns)
+    return np.stack([times[long], times[long + 1]], axis=1)
+
+
+def _swinging(
+    foot: int,
+    samples: Samples,
+    silent: SilentFeet,
+    dropouts: Ints,
+    limits: tuple[int | None, int | None],
+) -> Samples:
+    """Insert the swings of a foot, of which there are n samples."""
+    interval, (log_start, log_end) = silent.interval_ns[foot], limits
+    before = _at_start(samples, silent, log_start, interval)
+    log_time = np.concatenate([before[:1], samples.log_time])
+    stamp = np.concatenate([before[1:], samples.stamp])
+    time = silent.clock.of(_Times(log_time, stamp))
+    step = np.diff(time)
+    known = ~_within(dropouts, time[:-1], time[1:])
+    lasts_from = np.full(len(step), silent.swing_from_ns(foot))
+    if foot in silent.stance_ns:
+        # What comes before the foot's first message is no certain swing.
+        swings = _certain_swings(np.maximum(time, time[1]), foot, silent)[:-1]
+        long = round(_LONG_INTERVALS * interval)
+        lasts_from[silent.may_swing(foot, time[:-1], swings)] = long
+    # The log's ends may cut a swing.
+    lasts_from[0] = silent.cut_swing_from_ns(foot)
+    if log_end is not None:
+        # No message comes on any clock but the log's.
+        last = log_end + interval - log_time[-1]
+        log_time, stamp = (np.append(each, each[-1] + last) for each in (log_time, stamp))
+        step, lasts_from = np.append(step, last), np.append(lasts_from, lasts_from[0])
+        known = np.append(known, not (dropouts[:, 0] >= time[-1]).any())
+    silence, *times = _swings(_Times(log_time, stamp), step, interval, lasts_from, known)
+    if not len(silence):
+        return samples
     # A filling comes before the sample that ends its silence.
-    keys: list[Ints] = [2 * np.arange(len(samples.foot))]
-    dropouts = _dropouts(samples, before, silent)
-    for foot, interval in silent.interval_ns.items():
-        rows = np.flatnonzero(samples.foot == foot)
-        if not len(rows):
-            continue
-        first = LastMessage(int(samples.log_time[rows[0]]), int(samples.stamp[rows[0]]))
-        last = before.get(foot) or _at_start(first, silent, log_start, interval)
-        log_time = np.concatenate([[last.log_time], samples.log_time[rows]])
-        stamp = np.concatenate([[last.stamp], samples.stamp[rows]])
-        times = _Times(log_time, stamp)
-        time = silent.clock.of(times)
-        known = ~_within(dropouts, time[:-1], time[1:])
-        known[0] &= not last.interrupted
-        lasts_from = np.full(len(rows), silent.swing_from_ns(foot))
-        if foot in silent.stance_ns:
-            # What comes before the foot's first message is no certain swing.
-            begun = time if foot in before else np.maximum(time, time[1])
-            swings = _certain_swings(begun, before.get(foot), foot, silent)[:-1]
-            long = round(_LONG_INTERVALS * interval)
-            lasts_from[silent.may_swing(foot, time[:-1], swings)] = long
-        if foot not in before:
-            lasts_from[0] = silent.cut_swing_from_ns(foot)
-        silence, log_time, stamp = _swings(times, np.diff(time), interval, lasts_from, known)
-        parts.append(_free(foot, log_time, stamp))
-        keys.append(2 * rows[silence] - 1)
-    order = np.argsort(np.concatenate(keys), kind="stable")
-    return concatenated(parts).pick(order) if len(order) > len(samples.foot) else samples
+    keys = np.concatenate([2 * np.arange(len(samples.log_time)), 2 * silence - 1])
+    whole = concatenated([samples, _free(foot, *times)])
+    return whole.pick(np.argsort(keys, kind="stable"))
+
+
+def _certain_swings(time: Ints, foot: int, silent: SilentFeet) -> Ints:
+    """(n, 2) ns, the last certain swing up to each of n messages; negative: none."""
+    step = np.diff(time, prepend=time[0])
+    certain = (step > silent.swing_from_ns(foot)) & (step <= LONGEST_SWING_S * 1e9)
+    row = np.maximum.accumulate(np.where(certain, np.arange(len(step)), -1))
+    spans = np.stack([time[row - 1], time[row]], axis=1)
+    swings: Ints = np.where(row[:, None] >= 0, spans, -1)
+    return swings
 
 
 def _within(dropouts: Ints, start: Ints, end: Ints) -> Flags:
@@ -283,39 +220,22 @@ def _within(dropouts: Ints, start: Ints, end: Ints) -> Flags:
     return within
 
 
-def _trailing_swings(
-    silent: SilentFeet, before: LastMessages, log_end: int | None
-) -> list[Samples]:
-    """Return the samples without contact between the last contacts and the log's end."""
-    found: list[Samples] = []
-    for foot, last in sorted(before.items()):
-        interval = silent.interval_ns.get(foot)
-        if interval is not None and log_end is not None and not last.interrupted:
-            end = log_end + interval
-            log_time = np.array([last.log_time, end])
-            stamp = np.array([last.stamp, last.stamp + end - last.log_time])
-            lasts_from = np.array([silent.cut_swing_from_ns(foot)])
-            known = np.ones(1, np.bool_)
-            _, log_time, stamp = _swings(
-                _Times(log_time, stamp), np.diff(log_time), interval, lasts_from, known
-            )
-            found.append(_free(foot, log_time, stamp))
-    return found
-
-
-def _at_start(
-    first: LastMessage, silent: SilentFeet, log_start: int | None, interval: int
-) -> LastMessage:
+def _at_start(samples: Samples, silent: SilentFeet, log_start: int | None, interval: int) -> Ints:
     """Place a contact before the log's start, so that the foot swings from there on.
 
     Where messages come in bursts it is not known when the log starts on the clock of their stamps.
+
+    Returns:
+        (2,) ns, its log time and stamp; those of the first sample where it is not placed.
     """
-    if log_start is None or silent.clock is TimeSource.HEADER:
-        return first
-    time = log_start - interval
-    stamp = first.stamp - (first.log_time - time)
-    # A stamp of 0 or less would say that there are none.
-    return LastMessage(time, stamp) if stamp > -interval and first.stamp > 0 else first
+    log_time, stamp = int(samples.log_time[0]), int(samples.stamp[0])
+    if log_start is not None and silent.clock is not TimeSource.HEADER:
+        time = log_start - interval
+        placed = stamp - (log_time - time)
+        # A stamp of 0 or less would say that there are none.
+        if placed > -interval and stamp > 0:
+            return np.array([time, placed])
+    return np.array([log_time, stamp])
 
 
 @dataclass(frozen=True, slots=True)

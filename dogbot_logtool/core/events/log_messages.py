@@ -10,8 +10,6 @@ from dogbot_logtool.core.events.events import find_events
 from dogbot_logtool.core.events.messages import UNKNOWN, EventMessage, GaitState, Level
 from dogbot_logtool.core.gait.segments import Segment
 from dogbot_logtool.core.geometry.arrays import Ints
-from dogbot_logtool.core.geometry.clock import TimeSource
-from dogbot_logtool.core.geometry.order_statistics import median_of
 from dogbot_logtool.core.statistics import Stats
 
 _LEVELS: Final = {
@@ -84,22 +82,24 @@ def _or_nan(value: float | None) -> float:
     return float("nan") if value is None else value
 
 
-def to_log_time(stats: Stats, time: Ints) -> Ints:
-    """Return the log times of times on the clock that was measured on.
+def to_log_time(stats: Stats, time: Ints, start: int, end: int) -> Ints:
+    """Return when times on the clock that was measured on were recorded.
 
-    The feet's topics say how far log time is from their header stamps, and how that drifts.
+    As long after as the sample around it of the foot that has the most.
 
     Args:
         stats: figures of the log.
-        time: (n,) ns.
+        time: (n,) ns, ascending.
+        start: ns, log time of its first message.
+        end: ns, of its last.
+
+    Returns:
+        (n,) ns, ascending, within the log.
     """
-    feet = {foot.topic for foot in stats.settings.feet}
-    topics = [each for each in stats.topics if each.topic in feet]
-    offsets = [each.offset_median_s for each in topics if each.offset_median_s is not None]
-    if stats.settings.clock is TimeSource.LOG or not offsets:
-        return time
-    drifts = [each.offset_drift_ppm or 0.0 for each in topics]
-    middle = (stats.origin + stats.end) // 2
-    late = median_of(offsets) * 1e9 + median_of(drifts) / 1e6 * (time - middle)
-    shifted: Ints = time + np.round(late).astype(np.int64)
-    return shifted
+    foot = max((foot.record for foot in stats.feet), key=lambda each: len(each.row), default=None)
+    if foot is not None and len(foot.row):
+        known = foot.track.time
+        row = np.minimum(np.searchsorted(known, time), len(known) - 1)
+        time = time + (foot.log_time - known)[row]
+    recorded: Ints = np.maximum.accumulate(np.clip(time, start, end))
+    return recorded

@@ -61,7 +61,7 @@ class LinkTransforms:
     """(n,) ns, when the poses hold."""
     poses: LinkPoses
 
-    def pick(self, rows: Flags) -> "LinkTransforms":
+    def pick(self, rows: Flags | slice) -> "LinkTransforms":
         """Return the chosen rows."""
         poses = LinkPoses(self.poses.translation[rows], self.poses.rotation[rows])
         return LinkTransforms(self.log_time[rows], self.stamp[rows], poses)

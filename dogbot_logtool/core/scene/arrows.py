@@ -123,6 +123,22 @@ def no_arrows() -> Arrows:
     )
 
 
+def removals(samples: Samples) -> Arrows:
+    """Return the removal of the arrows of samples without contact."""
+    count = len(samples.log_time)
+    unused = np.empty((0, 4))
+    return Arrows(
+        foot=samples.foot,
+        log_time=samples.log_time,
+        stamp=samples.time,
+        shown=np.zeros(count, np.bool_),
+        position=unused,
+        orientation=unused,
+        length=unused[:, 0],
+        colour=unused.astype(np.float32),
+    )
+
+
 def classic_arrows(contacts: Contacts) -> tuple[Arrows, ArrowCounts]:
     """Compute the markers of `arrows_rviz.py`.
 

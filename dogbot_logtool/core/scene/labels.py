@@ -1,16 +1,12 @@
 """Labels beside the feet: their loads in newtons."""
 
-from collections.abc import Mapping
-from collections.abc import Set as AbstractSet
 from typing import Final
 
 import numpy as np
 
-from dogbot_logtool.core.contact.contacts import Samples
-from dogbot_logtool.core.geometry.arrays import Flags, Floats, Ints, norms
+from dogbot_logtool.core.geometry.arrays import Flags, Floats, Ints, all_finite, norms
 from dogbot_logtool.core.geometry.clock import first_at_each_tick
-from dogbot_logtool.core.geometry.order_statistics import distinct
-from dogbot_logtool.core.scene.arrows import Arrows
+from dogbot_logtool.core.scene.feet import DrawnFoot
 from dogbot_logtool.dataclass import dataclass
 
 RATE_HZ: Final = 20.0
@@ -37,31 +33,31 @@ class Labels:
     """(n,) N, magnitude."""
 
 
-def foot_labels(
-    samples: Samples, arrows: Arrows, last_time: Mapping[int, int], down: AbstractSet[int]
-) -> Labels:
-    """Return labels for the arrows of samples, at most `RATE_HZ` for each foot.
+def foot_labels(foot: DrawnFoot, rows: slice) -> Labels:
+    """Return labels of a foot's samples, at most `RATE_HZ`.
 
     A label is removed at once when its foot leaves the ground.
 
     Args:
-        samples: (n,).
-        arrows: (n,) of the same samples.
-        last_time: ns, log time of each foot's last sample before these.
-        down: feet whose last sample before these was in contact.
+        foot: the foot.
+        rows: of its samples; the one before them tells whether a tick or a swing begins.
     """
-    chosen = [np.empty(0, np.int64)]
-    for foot in distinct(arrows.foot).tolist():
-        rows = np.flatnonzero(arrows.foot == foot)
-        at_ticks = first_at_each_tick(arrows.log_time[rows], RATE_HZ, last_time.get(foot))
-        was_down = np.concatenate([[foot in down], samples.in_contact[rows][:-1]])
-        chosen.append(rows[at_ticks | (was_down & ~samples.in_contact[rows])])
-    rows = np.concatenate(chosen)
+    first = max(rows.start - 1, 0)
+    log_time = foot.samples.log_time[first : rows.stop]
+    touching = foot.touching[first : rows.stop]
+    chosen = first_at_each_tick(log_time, RATE_HZ, None)
+    chosen[1:] |= touching[:-1] & ~touching[1:]
+    row = first + np.flatnonzero(chosen)
+    row = row[row >= rows.start]
+    samples = foot.samples.pick(row)
+    force = norms(samples.force.astype(np.float64))
+    shown = foot.touching[row] & (samples.points > 0) & (force > 0.0)
+    shown &= np.isfinite(force) & all_finite(samples.position)
     return Labels(
-        foot=arrows.foot[rows],
-        log_time=arrows.log_time[rows],
-        stamp=arrows.stamp[rows],
-        shown=arrows.shown[rows],
-        position=arrows.position[rows] - np.array([0.0, 0.0, _BELOW_M]),
-        force=norms(samples.force[rows]),
+        foot=np.full(len(row), foot.number),
+        log_time=samples.log_time,
+        stamp=samples.time,
+        shown=shown,
+        position=samples.position - np.array([0.0, 0.0, _BELOW_M]),
+        force=force,
     )

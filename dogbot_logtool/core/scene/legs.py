@@ -5,9 +5,11 @@ from collections.abc import Sequence
 import numpy as np
 
 from dogbot_logtool.core.base.odometry import Odometry
-from dogbot_logtool.core.contact.foot_tracker import FootTracker
 from dogbot_logtool.core.geometry.arrays import Floats, Ints
+from dogbot_logtool.core.geometry.blocks import concatenated
 from dogbot_logtool.core.geometry.rotations import normalised, rotate
+from dogbot_logtool.core.geometry.support_polygon import NEAR_NS
+from dogbot_logtool.core.scene.feet import DrawnFoot
 from dogbot_logtool.dataclass import dataclass
 
 
@@ -24,13 +26,17 @@ class LegLines:
     where that or its position is not known."""
 
 
-def leg_lines(poses: Odometry, feet: Sequence[FootTracker], hips: Floats) -> LegLines:
+def leg_lines(
+    poses: Odometry, feet: Sequence[DrawnFoot], hips: Floats, opening: int | None = None
+) -> LegLines:
     """Return the legs that stand at the times of poses.
 
     Args:
         poses: usable ones of the base, (n).
         feet: all feet of the robot.
         hips: (feet, 3) m, base frame; NaN where not known.
+        opening: ns, the log's first time, at which the first of its poses stands, too, if it
+            follows at once; None: these are later ones.
     """
     states = [foot.at(poses.log_time) for foot in feet]
     point = np.stack([state.point for state in states], axis=1)
@@ -40,4 +46,13 @@ def leg_lines(poses: Odometry, feet: Sequence[FootTracker], hips: Floats) -> Leg
     hip = poses.position[:, None] + turned.reshape(point.shape)
     ends = np.stack([hip, point], axis=2)
     told = down & np.isfinite(ends).all(axis=(2, 3))
-    return LegLines(poses.log_time, poses.time, np.where(told[:, :, None, None], ends, np.nan))
+    legs = LegLines(poses.log_time, poses.time, np.where(told[:, :, None, None], ends, np.nan))
+    if opening is None or not _follows(poses.log_time, opening):
+        return legs
+    first = LegLines(np.array([opening]), np.array([opening]), legs.ends[:1])
+    return concatenated([first, legs])
+
+
+def _follows(log_time: Ints, opening: int) -> bool:
+    """Tell whether the first of some log times, ns, follows the log's first time at once."""
+    return len(log_time) > 0 and 0 < int(log_time[0]) - opening <= NEAR_NS

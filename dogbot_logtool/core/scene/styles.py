@@ -25,18 +25,14 @@ class ArrowStyle:
     summary: str
     """Description of the arrows for ``--help``."""
     compute: Callable[["ArrowInput"], tuple["Arrows", "ArrowCounts"]]
-    """Called once for each batch and contact message type."""
+    """Called for some samples of a foot, or for contact states of one type of messages."""
     needs_contact_states: bool = False
     """Arrows are made of the recorded contact states, not of contact samples."""
     needs_directions: bool = False
     """Arrows point along the force: link-frame forces are turned into the world frame, and contact
     normals are read for forces of which only the magnitude is known."""
-    needs_sensor_positions: bool = True
-    """Samples without a contact point are drawn at the frame of their sensor."""
     coloured_by_weight: bool = False
     """The colour is the force in body weights, where the mass is known."""
-    draws_support: bool = True
-    """`/support` is written unless the user says otherwise."""
     lifetime_s: float = LIFETIME_S
     """0: for ever."""
     shaft_diameter_m: float | None = None
@@ -78,8 +74,6 @@ _STYLES: Final = (
         summary="as arrows_rviz.py drew them",
         compute=_classic,
         needs_contact_states=True,
-        needs_sensor_positions=False,
-        draws_support=False,
         lifetime_s=0.0,
         shaft_diameter_m=0.1,
     ),

@@ -1,6 +1,6 @@
 """The scene of `/support`: support polygon, centre of pressure, ground projection, touchdowns.
 
-Definitions are those of `support_polygon.py`; the state of the feet is that of `foot_tracker.py`.
+Definitions are those of `support_polygon.py`; the state of the feet is that of `feet.py`.
 What is not known is left out. While the contact or the contact point of some foot is unknown, there
 is neither a polygon nor a centre of pressure.
 """
@@ -12,7 +12,6 @@ from typing import Final
 import numpy as np
 
 from dogbot_logtool.core.base.odometry import Odometry
-from dogbot_logtool.core.contact.foot_tracker import TRAIL, FootTracker
 from dogbot_logtool.core.geometry.arrays import Float32s, Floats, Ints, all_finite
 from dogbot_logtool.core.geometry.rotations import normalised, rotate
 from dogbot_logtool.core.geometry.support_polygon import (
@@ -22,6 +21,7 @@ from dogbot_logtool.core.geometry.support_polygon import (
     hulls,
     margin_in,
 )
+from dogbot_logtool.core.scene.feet import TRAIL, DrawnFoot
 from dogbot_logtool.dataclass import dataclass
 
 SAFE_MARGIN_M: Final = 0.05
@@ -69,7 +69,7 @@ class SupportScene:
 
 @np.errstate(over="ignore", invalid="ignore")
 def support_scene(
-    poses: Odometry, feet: Sequence[FootTracker], com_offset_m: Sequence[float] = (0.0, 0.0, 0.0)
+    poses: Odometry, feet: Sequence[DrawnFoot], com_offset_m: Sequence[float] = (0.0, 0.0, 0.0)
 ) -> SupportScene:
     """Compute what the robot stands on.
 
@@ -124,7 +124,7 @@ def _body(poses: Odometry, com_offset_m: Sequence[float]) -> Floats:
 
 def opening_support(
     poses: Odometry,
-    feet: Sequence[FootTracker],
+    feet: Sequence[DrawnFoot],
     opening: int,
     known_from: int,
     com_offset_m: Sequence[float],

@@ -378,7 +378,9 @@ def _knots(time: Ints, levels: Floats) -> tuple[Ints, Floats]:
     span_s = float(time[-1] - time[0]) / 1e9
     parts = int(max(1, min(len(time) // _KNOT_VISITS, span_s // _KNOT_S)))
     groups = np.array_split(np.arange(len(time)), parts)
-    knots = np.array([int(median_of(time[group])) for group in groups], np.int64)
+    # Times since the first: the largest that there can be are none as floats.
+    since = time - time[0]
+    knots = time[0] + np.array([int(median_of(since[group])) for group in groups], np.int64)
     return knots, np.array([median_of(levels[group], axis=0) for group in groups])
 
 

@@ -28,8 +28,8 @@ from dogbot_logtool.pipeline.feet.words import MERITS, Part, words_of
 from dogbot_logtool.reader.containers.log import Channel, Log
 from dogbot_logtool.reader.decode.definition import FieldType, FixedArray, Struct
 from dogbot_logtool.reader.decode.field_path import is_vector, readable_fields
-from dogbot_logtool.reader.messages.contacts.registry import read_contacts, source_of
-from dogbot_logtool.reader.messages.contacts.source import FootChannels
+from dogbot_logtool.reader.messages.contact_messages import read_contacts, source_of
+from dogbot_logtool.reader.messages.feet import FootChannels
 from dogbot_logtool.reader.messages.messages import definition_of
 from dogbot_logtool.robot import Foot, FootField
 

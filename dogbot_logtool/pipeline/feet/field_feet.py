@@ -14,7 +14,7 @@ from dogbot_logtool.pipeline.feet.candidates import FootCandidates, word_of
 from dogbot_logtool.reader.containers.log import Channel, Log
 from dogbot_logtool.reader.decode.definition import type_text
 from dogbot_logtool.reader.decode.field_path import readable_fields
-from dogbot_logtool.reader.messages.contacts.registry import source_of
+from dogbot_logtool.reader.messages.contact_messages import source_of
 from dogbot_logtool.reader.messages.messages import definition_of
 from dogbot_logtool.robot import Foot, FootField
 

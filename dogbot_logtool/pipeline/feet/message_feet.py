@@ -1,38 +1,30 @@
 """The feet of messages that tell of all feet at once, whether their flags are used, and plans."""
 
 from collections.abc import Iterator, Sequence
-from dataclasses import field, replace
+from dataclasses import replace
 from typing import Final
 
 import numpy as np
 
 from dogbot_logtool.core.geometry.order_statistics import distinct
-from dogbot_logtool.dataclass import dataclass
-from dogbot_logtool.finding import Finding
-from dogbot_logtool.io.printable import listed
 from dogbot_logtool.pipeline.feet.names import label_names, leg_position
 from dogbot_logtool.pipeline.feet.words import Part, words_of
 from dogbot_logtool.pipeline.topics.readable import why_unreadable
 from dogbot_logtool.pipeline.topics.topics import most_frequent
 from dogbot_logtool.reader.containers.log import Channel, Log
-from dogbot_logtool.reader.messages.contacts import joint_foot
-from dogbot_logtool.reader.messages.contacts.registry import source_of
-from dogbot_logtool.reader.messages.contacts.source import (
-    ContactSource,
-    MessageFoot,
-    is_named_as_planned,
-)
-from dogbot_logtool.reader.messages.contacts.whole_robot import FlagCheck, check_flags
+from dogbot_logtool.reader.messages.contact_messages import source_of
+from dogbot_logtool.reader.messages.feet import MessageFoot, feet_in
+from dogbot_logtool.reader.messages.message_type import is_named_as_planned
 from dogbot_logtool.reader.messages.messages import DecodedMessages, decode_channels
+from dogbot_logtool.reader.messages.source import Source
 from dogbot_logtool.robot import Foot, FootField, Robot
 
 _LOOKS: Final = 4
 """Chunks of a topic that are looked at."""
-_CONTRADICTED: Final = 0.2
-"""Share of contradicted flags from which constant flags are taken for not filled in."""
-_DOUBTFUL: Final = 0.05
-"""Share of contradicted flags from which it is said."""
-
+_JOINT_FOOT: Final = "sensor_msgs/JointState"
+"""Type of messages of joints and feet; the velocities of the feet are planned contacts."""
+_JOINTS: Final = 12
+"""Joints before the feet."""
 _HALF: Final = 0.5
 
 
@@ -48,8 +40,8 @@ def feet_of_messages(log: Log, topic: str) -> tuple[Foot, ...]:
         source = source_of(channel)
         if source is None or why_unreadable(channel):
             continue
-        if source.elements:
-            found: Sequence[MessageFoot] = [MessageFoot(name=leg) for leg in source.elements]
+        if source.legs:
+            found: Sequence[MessageFoot] = [MessageFoot(name=leg) for leg in source.legs]
         else:
             found = _feet_in(log, channel, source)
         if found:
@@ -57,11 +49,11 @@ def feet_of_messages(log: Log, topic: str) -> tuple[Foot, ...]:
     return ()
 
 
-def _feet_in(log: Log, channel: Channel, source: ContactSource) -> Sequence[MessageFoot]:
+def _feet_in(log: Log, channel: Channel, source: Source) -> Sequence[MessageFoot]:
     """Find the feet in a few messages; all labels that these have."""
-    if source.feet_in is None:
+    if not source.tells_all_feet:
         return ()
-    found = [source.feet_in(messages) for messages in sampled_messages(log, channel, source)]
+    found = [feet_in(source, messages) for messages in sampled_messages(log, channel, source)]
     most = max(found, key=len, default=())
     if not any(foot.label for foot in most):
         return most
@@ -113,7 +105,7 @@ def front_to_back(foot: Foot) -> tuple[int, int, str]:
 
 
 def sampled_messages(
-    log: Log, channel: Channel, source: ContactSource, looks: int = _LOOKS
+    log: Log, channel: Channel, source: Source, looks: int = _LOOKS
 ) -> Iterator[DecodedMessages]:
     """Decode messages of a few chunks, spread over the log."""
     useful = [c for c in log.chunks if c.counts is None or channel.id in c.counts]
@@ -122,47 +114,6 @@ def sampled_messages(
     rows = distinct(np.linspace(0, len(useful) - 1, looks).round().astype(int))
     for span in log.grouped([useful[row] for row in rows.tolist()]):
         yield from decode_channels(log.read(span), [channel], source.fields)
-
-
-@dataclass(frozen=True, slots=True)
-class FlagUse:
-    """Whether the contact flags of a log are used."""
-
-    topics: tuple[str, ...] = ()
-    check: FlagCheck = field(default_factory=FlagCheck)
-
-    @property
-    def contradicted(self) -> float:
-        """Share of flags that forces contradict."""
-        return self.check.contradicted / self.check.samples if self.check.samples else 0.0
-
-    @property
-    def are_useless(self) -> bool:
-        """Whether the flags never change although forces do: they are not filled in."""
-        return self.check.constant and self.contradicted > _CONTRADICTED
-
-
-def compare_flags(log: Log, contacts: Sequence[Channel], robot: Robot) -> FlagUse:
-    """Compare contact flags with the forces beside them, in a few messages of each topic."""
-    check, topics = FlagCheck(), []
-    for channel in contacts:
-        source = source_of(channel, robot.feet_of(channel.topic))
-        if source is None or source.values is None or not source.has_flags:
-            continue
-        topics.append(channel.topic)
-        for messages in sampled_messages(log, channel, source):
-            check += check_flags(source.values(messages, robot.feet))
-    return FlagUse(tuple(topics), check)
-
-
-def flag_findings(use: FlagUse) -> Iterator[Finding]:
-    """Say where flags and forces disagree, and which of them decides."""
-    share = f"{use.contradicted:.0%} of the contact flags of {listed(use.topics)}"
-    if use.are_useless:
-        text = f"{share} contradict the forces, and no flag ever changes: forces decide contact"
-        yield Finding("FLAGS_CONTRADICTED", text)
-    elif use.contradicted > _DOUBTFUL:
-        yield Finding("FLAGS_CONTRADICTED", f"{share} contradict the forces; flags decide contact")
 
 
 def planned_feet(log: Log, robot: Robot, contacts: Sequence[Channel]) -> tuple[Foot, ...]:
@@ -178,7 +129,7 @@ def planned_feet(log: Log, robot: Robot, contacts: Sequence[Channel]) -> tuple[F
         return ()
     for channel in contacts:
         source = source_of(channel, robot.feet_of(channel.topic))
-        if source is not None and source.type_name == joint_foot.SOURCE.type_name:
+        if source is not None and source.type_name == _JOINT_FOOT:
             return tuple(_by_velocity(foot) for foot in robot.feet if foot.element is not None)
     topics: dict[str, list[str]] = {}
     for channel in log.channels.values():
@@ -199,6 +150,6 @@ def planned_feet(log: Log, robot: Robot, contacts: Sequence[Channel]) -> tuple[F
 
 def _by_velocity(foot: Foot) -> Foot:
     """Return a foot whose planned contact is the velocity beside its count."""
-    index = joint_foot.JOINTS + (foot.element or 0)
+    index = _JOINTS + (foot.element or 0)
     field = FootField(f"velocity[{index}]", kind="contact", threshold=_HALF)
     return replace(foot, element=None, field=field, newtons_per_count=None, offset=0.0)

@@ -18,9 +18,8 @@ from dogbot_logtool.core.sensors.sensor_level import SensorLevel, estimate_level
 from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.pipeline.feet.message_feet import sampled_messages
 from dogbot_logtool.reader.containers.log import Channel, Log
-from dogbot_logtool.reader.messages.contacts.registry import source_of
-from dogbot_logtool.reader.messages.contacts.source import FootChannels
-from dogbot_logtool.reader.messages.contacts.whole_robot import read_messages
+from dogbot_logtool.reader.messages.contact_messages import read_messages, source_of
+from dogbot_logtool.reader.messages.feet import FootChannels
 from dogbot_logtool.robot import Robot
 
 _LOOKS: Final = 24

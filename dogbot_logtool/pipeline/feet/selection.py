@@ -32,8 +32,9 @@ from dogbot_logtool.pipeline.topics.topics import (
     topics_of_type,
 )
 from dogbot_logtool.reader.containers.log import Channel, Log
-from dogbot_logtool.reader.messages.contacts.registry import SOURCES, contact_types, source_of
-from dogbot_logtool.reader.messages.contacts.source import ContactSource, is_named_as_planned
+from dogbot_logtool.reader.messages.contact_messages import contact_types, source_of
+from dogbot_logtool.reader.messages.message_type import is_named_as_planned
+from dogbot_logtool.reader.messages.source import FOOT_TYPES, Source
 from dogbot_logtool.robot import Foot, Robot
 
 _RARE: Final = 2
@@ -248,35 +249,34 @@ def _of_part(
     return tuple(sorted(found, key=front_to_back))
 
 
-def _candidates(log: Log) -> list[tuple[ContactSource, list[str]]]:
+def _candidates(log: Log) -> list[tuple[Source, list[str]]]:
     """Return the topics of each source, the best first: measured before planned.
 
     Of Unitree's states, those with positions come first, unless others are much more frequent.
     """
-    groups: dict[tuple[int, str], list[str]] = {}
+    groups: dict[tuple[int, str], tuple[Source, list[str]]] = {}
     frequencies: dict[tuple[int, str], int] = {}
     for channel in log.channels.values():
         source = source_of(channel)
         if source is None or why_unreadable(channel):
             continue
         key = _planning(channel, source), source.type_name
-        topics = groups.setdefault(key, [])
+        _, topics = groups.setdefault(key, (source, []))
         if channel.topic not in topics:
             topics.append(channel.topic)
         count = log.counts.get(channel.id, 0)
         frequencies[key] = max(frequencies.get(key, 0), count)
-    order = list(SOURCES)
-    most_raw = max((frequencies[key] for key in groups if SOURCES[key[1]].is_raw), default=0)
+    raw = {key for key, (source, _) in groups.items() if source.is_raw}
+    most_raw = max((frequencies[key] for key in raw), default=0)
 
     def rank(key: tuple[int, str]) -> tuple[int, bool, int]:
         planned, name = key
-        rare = SOURCES[name].is_raw and _RARE * frequencies[key] < most_raw
-        return planned, rare, order.index(name)
+        return planned, key in raw and _RARE * frequencies[key] < most_raw, FOOT_TYPES.index(name)
 
-    return [(SOURCES[key[1]], sorted(groups[key])) for key in sorted(groups, key=rank)]
+    return [(groups[key][0], sorted(groups[key][1])) for key in sorted(groups, key=rank)]
 
 
-def _planning(channel: Channel, source: ContactSource) -> int:
+def _planning(channel: Channel, source: Source) -> int:
     """Return 0 for a measurement, 1 for what only planners write, 2 for what is named a plan."""
     named = source.tells_all_feet and is_named_as_planned(channel.topic)
     return int(is_planned(channel)) + int(named)
@@ -349,7 +349,7 @@ def _with_element(log: Log, foot: Foot, findings: list[Finding]) -> Foot:
     sources = [source for channel in channels if (source := source_of(channel))]
     if not sources or not sources[0].tells_all_feet:
         return foot
-    if foot.element is not None and sources[0].elements:
+    if foot.element is not None and sources[0].legs:
         return foot
     found = feet_of_messages(log, foot.topic)
     positions = (foot.leg_position, leg_position(foot.name))

@@ -3,6 +3,7 @@
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from collections.abc import Set as AbstractSet
+from functools import partial
 
 from dogbot_logtool.core.frames.frame_edges import FrameEdge, RecordedFrames, recorded_frames
 from dogbot_logtool.core.frames.recorded_transforms import (
@@ -21,7 +22,8 @@ from dogbot_logtool.reader.messages.transforms import (
     transform_columns,
 )
 from dogbot_logtool.reader.salvage.losses import malformed_messages
-from dogbot_logtool.run.in_order import OnProgress, in_order
+from dogbot_logtool.reader.workers import in_order
+from dogbot_logtool.run.runner import OnProgress
 
 
 @dataclass(frozen=True, slots=True)
@@ -88,14 +90,11 @@ def read_frames(
     channels = {channel.id: channel for channel in (*ros_channels, *readable)}
     spans = useful_spans(log, channels)
     total, done = sum(chunk.data_size for span in spans for chunk in span), 0
-
-    def work(span: Span) -> _ReadBatch:
-        return _read_batch(log, span, ros_channels, readable)
-
+    work = partial(_read_batch, ros_channels, readable)
     parts = [no_transforms()]
     losses: list[Loss] = []
     malformed: Counter[int] = Counter()
-    for batch in in_order(work, spans, jobs, forks=log.can_fork):
+    for batch in in_order(work, log, spans, jobs):
         parts.append(batch.transforms)
         losses.extend(batch.losses)
         malformed.update(batch.malformed)
@@ -121,7 +120,7 @@ def useful_spans(log: Log, channels: Mapping[int, Channel]) -> list[Span]:
 
 
 def _read_batch(
-    log: Log, span: Span, ros_channels: Sequence[Channel], foxglove: Sequence[Channel]
+    ros_channels: Sequence[Channel], foxglove: Sequence[Channel], log: Log, span: Span
 ) -> _ReadBatch:
     batch = log.read(span)
     ours, ros = (decode_transforms(batch, channels) for channels in (foxglove, ros_channels))

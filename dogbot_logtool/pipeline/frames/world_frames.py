@@ -1,9 +1,4 @@
-"""The log's own frames: link-frame forces turned into the world, positions of sensors.
-
-Transforms before and after a sample are needed, so a reader of a log in parts keeps the tail of
-what came before, and looks a little ahead. What is found does not depend on where the parts end:
-`LONGEST_DELAY_S` says how far a transform may stand from a sample that it is used for.
-"""
+"""The log's own frames: link-frame forces turned into the world, positions of sensors."""
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import field
@@ -79,8 +74,8 @@ class WorldFrames:
         """Turn forces into the world and give sensors their positions, where frames tell.
 
         Args:
-            samples: of one batch.
-            around: the moving frames before, in, and after that batch.
+            samples: of any feet.
+            around: the moving frames around them.
         """
         buffer = self.statics.then(around)
         counts = FrameCounts()
@@ -91,12 +86,6 @@ class WorldFrames:
             found.append(placed)
             counts += forces + points
         return Placed(tuple(found), counts)
-
-    def tell_until(self, tracks: TransformBuffer, time: int) -> bool:
-        """Tell whether no later transform changes what is known up to a time, ns."""
-        moving = {*self.moving, self.base} if self.odometry_places_base else set(self.moving)
-        known = tracks.frames
-        return all(frame in known and known[frame].time[-1] >= time for frame in moving)
 
 
 @dataclass(frozen=True, slots=True)
@@ -204,45 +193,6 @@ def _sensor(
     if described.frame is None and described.leg_position is not None and not is_placed:
         frame = named.get(described.leg_position, frame)
     return FramePoint(frame, described.contact_point_m) if frame else None
-
-
-@dataclass(frozen=True, slots=True)
-class BatchFrames:
-    """Transforms of a batch and of what follows it."""
-
-    own: TransformBuffer
-    ahead: TransformBuffer
-    end: int | None
-    """ns, latest log time in the batch; None: it is empty."""
-
-    def around(self, before: TransformBuffer) -> TransformBuffer:
-        """Return all that samples of the batch may need; `before` was handed on to it."""
-        return before.then(self.own).then(self.ahead)
-
-    def handed_on(self, before: TransformBuffer) -> TransformBuffer:
-        """Return what the batch after this one must know of all earlier ones."""
-        known = before.then(self.own)
-        return known if self.end is None else known.tail(self.end)
-
-
-class StreamedFrames:
-    """GroundPoints the samples of a log that streams past, batch by batch and in order."""
-
-    def __init__(self, frames: WorldFrames) -> None:
-        self._frames = frames
-        self._before = TransformBuffer()
-        self._counts = FrameCounts()
-
-    def add(self, samples: Sequence[Samples], batch: BatchFrames) -> tuple[Samples, ...]:
-        """Return the samples of a batch in the world, where the frames tell."""
-        placed = self._frames.place(samples, batch.around(self._before))
-        self._before = batch.handed_on(self._before)
-        self._counts += placed.counts
-        return placed.samples
-
-    def findings(self) -> Iterator[Finding]:
-        """Say how often the frames told what was asked of them."""
-        return frame_findings(self._frames, self._counts)
 
 
 def frame_findings(frames: WorldFrames, counts: FrameCounts) -> Iterator[Finding]:

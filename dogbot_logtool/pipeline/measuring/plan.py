@@ -6,7 +6,6 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 
 from dogbot_logtool.core.contact.contact_rule import Thresholds
-from dogbot_logtool.core.contact.silent_swing import SilentFeet
 from dogbot_logtool.core.frames.wrench_frame import WrenchFrame
 from dogbot_logtool.core.geometry.clock import TimeSource
 from dogbot_logtool.core.quality.log_clock import LogClock
@@ -51,8 +50,7 @@ class LearntSettings:
     selection: Selection
     probe: Probe
     settings: StatsSettings
-    silent: SilentFeet
-    """The feet that are silent in swing."""
+    sensors: LearntSensors
     frames: WorldFrames | None
     """How the frames of forces are connected to the world; None: no force must be turned."""
 
@@ -99,21 +97,21 @@ def learn_settings(
     selection: Selection,
     side: "SideTopics | None",
     options: StatsOptions,
+    *,
+    with_soles: bool = False,
 ) -> LearntSettings:
-    """Learn from the columns of a recording how it is to be measured.
+    """Learn from the columns of a recording how it is to be measured, or also drawn, with soles.
 
     Raises:
         CallError: an option names a foot that the log does not have.
     """
-    may_have_legs = bool(recording.joints or selection.transforms)
-    probe = probe_recording(recording, selection, with_soles=may_have_legs)
+    with_soles |= bool(recording.joints or selection.transforms)
+    probe = probe_recording(recording, selection, with_soles=with_soles)
     selection = selection.without_forces(probe.forceless)
     given = Thresholds(options.contact_on_n, options.contact_off_n, options.debounce_s)
     sensors = learn_sensors(selection, probe, options.topics, given)
     settings = _settings(recording, selection, probe, sensors, options, side)
-    return LearntSettings(
-        selection, probe, settings, sensors.silent, _frames(selection, probe, settings)
-    )
+    return LearntSettings(selection, probe, settings, sensors, _frames(selection, probe, settings))
 
 
 def learnt_on_clock(learnt: LearntSettings, clock: LogClock) -> LearntSettings:

@@ -11,10 +11,10 @@ from dogbot_logtool.io.printable import listed
 from dogbot_logtool.io.storage import shown
 from dogbot_logtool.pipeline.options import StatsOptions
 from dogbot_logtool.reader.containers.log import Channel, Log
+from dogbot_logtool.reader.messages.message_type import MessageType
 from dogbot_logtool.reader.messages.vectors import (
     COMMANDS,
     INERTIAL_UNITS,
-    VectorSource,
     check_vectors,
 )
 from dogbot_logtool.reader.wanted import WantedVectors
@@ -90,40 +90,40 @@ def _inertial_rank(topic: str) -> tuple[int, ...] | None:
     return (int("raw" in words),)
 
 
-def _ranked(log: Log, sources: Mapping[str, VectorSource], rank: Rank) -> list[WantedVectors]:
+def _ranked(log: Log, rows: Mapping[str, MessageType], rank: Rank) -> list[WantedVectors]:
     """Return the topics of some types that may be meant, the best first.
 
     Of equally good ones that of the better type comes first, then that with the most messages.
     """
     found = []
-    for topic in {c.topic for c in log.channels.values() if c.type_name in sources}:
-        readable = _readable(log, topic, sources)
+    for topic in {c.topic for c in log.channels.values() if c.type_name in rows}:
+        readable = _readable(log, topic, rows)
         order = rank(topic)
         if readable and order is not None:
-            kind = list(sources).index(readable[0].type_name)
+            kind = list(rows).index(readable[0].type_name)
             count = sum(log.counts.get(channel.id, 0) for channel in readable)
             found.append(((order, kind, -count, len(topic), topic), readable))
-    return [WantedVectors(key[-1], readable, sources) for key, readable in sorted(found, key=_key)]
+    return [WantedVectors(key[-1], readable, rows) for key, readable in sorted(found, key=_key)]
 
 
 def _key(found: tuple[tuple[object, ...], tuple[Channel, ...]]) -> Any:  # noqa: ANN401 - an order
     return found[0]
 
 
-def _readable(log: Log, topic: str, sources: Mapping[str, VectorSource]) -> tuple[Channel, ...]:
+def _readable(log: Log, topic: str, rows: Mapping[str, MessageType]) -> tuple[Channel, ...]:
     """Return the channels of a topic that can be decoded, all of one type."""
     channels = log.channels_by_topic.get(topic, ())
-    for type_name in sources:
-        found = [c for c in channels if c.type_name == type_name and not _unreadable(c, sources)]
+    for type_name in rows:
+        found = [c for c in channels if c.type_name == type_name and not _unreadable(c, rows)]
         if found:
             return tuple(found)
     return ()
 
 
-def _unreadable(channel: Channel, sources: Mapping[str, VectorSource]) -> str:
+def _unreadable(channel: Channel, rows: Mapping[str, MessageType]) -> str:
     """Return why a channel's messages cannot be decoded; empty if they can be."""
     try:
-        check_vectors(channel, sources)
+        check_vectors(channel, rows)
     except DefinitionError as reason:
         return str(reason)
     return ""
@@ -143,19 +143,19 @@ def _first(
 
 
 def _named(
-    log: Log, topic: str | None, sources: Mapping[str, VectorSource], option: str
+    log: Log, topic: str | None, rows: Mapping[str, MessageType], option: str
 ) -> WantedVectors | None:
     """Return the topic that the user names."""
     if topic is None:
         return None
     where = f"{shown(log.source.path)}: {option}"
-    channels = [c for c in log.channels_by_topic.get(topic, ()) if c.type_name in sources]
-    readable = _readable(log, topic, sources)
+    channels = [c for c in log.channels_by_topic.get(topic, ()) if c.type_name in rows]
+    readable = _readable(log, topic, rows)
     if readable:
-        return WantedVectors(topic, readable, sources)
+        return WantedVectors(topic, readable, rows)
     if channels:
-        raise LogError(f"{where}: {topic} cannot be read: {_unreadable(channels[0], sources)}")
-    usable = sorted({c.topic for c in log.channels.values() if c.type_name in sources})
+        raise LogError(f"{where}: {topic} cannot be read: {_unreadable(channels[0], rows)}")
+    usable = sorted({c.topic for c in log.channels.values() if c.type_name in rows})
     is_there = topic in log.channels_by_topic
     problem = "is of another type" if is_there else "is not in the log"
     raise CallError(

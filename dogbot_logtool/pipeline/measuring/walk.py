@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from dogbot_logtool.core.contact.contacts import Samples, samples_by_foot, samples_together
+from dogbot_logtool.core.contact.contacts import Samples
 from dogbot_logtool.core.contact.offsets import without_offset
 from dogbot_logtool.core.contact.silent_swing import with_swings
 from dogbot_logtool.core.gait.planned import follow_plan
@@ -50,6 +50,8 @@ def measure_recording(
     recording: Recording,
     plan: MeasuringPlan,
     options: StatsOptions,
+    *,
+    with_soles: bool = False,
 ) -> Measured:
     """Work out all figures of a recording, and how the feet follow their plan.
 
@@ -58,11 +60,12 @@ def measure_recording(
         recording: its columns.
         plan: what they tell of.
         options: what is asked for.
+        with_soles: find where the feet's soles are, too, which pictures of the robot need.
 
     Raises:
         CallError: an option names a foot that the log does not have.
     """
-    learnt = learn_settings(recording, plan.selection, plan.side, options)
+    learnt = learn_settings(recording, plan.selection, plan.side, options, with_soles=with_soles)
     measured = _measured(log, recording, learnt, plan)
     if plan.planned is None:
         return measured
@@ -126,16 +129,15 @@ def _with_swings(
     log: Log, feet: tuple[Samples, ...], learnt: LearntSettings, plan: MeasuringPlan
 ) -> tuple[Samples, ...]:
     """Insert samples without contact where silence is swing; up to the ends of a log read whole."""
-    if not learnt.silent.interval_ns:
+    if not learnt.sensors.silent.interval_ns:
         return feet
     start, end = plan.wanted.limits
-    samples = with_swings(
-        samples_together(feet),
-        learnt.silent,
+    return with_swings(
+        feet,
+        learnt.sensors.silent,
         log.start_time if start is None else None,
         log.end_time if end is None else None,
     )
-    return samples_by_foot(samples, len(feet))
 
 
 def _findings(recording: Recording, learnt: LearntSettings, plan: MeasuringPlan) -> list[Finding]:

@@ -34,16 +34,15 @@ from dogbot_logtool.pipeline.topics.topics import (
     split_topic,
 )
 from dogbot_logtool.reader.containers.log import Channel, Log
-from dogbot_logtool.reader.messages.bases.numbers import path_source
-from dogbot_logtool.reader.messages.bases.poses import ODOMETRY_TYPE
-from dogbot_logtool.reader.messages.bases.registry import (
-    BASE_SOURCES,
-    Base,
+from dogbot_logtool.reader.messages.bases import ODOMETRY_TYPE, Base, base_types, path_source
+from dogbot_logtool.reader.messages.source import (
+    BASE_TYPES,
+    Source,
     base_source,
     base_type,
-    base_types,
+    lists_poses,
 )
-from dogbot_logtool.reader.messages.bases.source import BaseSource
+from dogbot_logtool.reader.messages.transforms import FOXGLOVE_TYPES, TRANSFORM_TYPES
 from dogbot_logtool.robot import Robot
 
 _MOST_OFFERED: Final = 3
@@ -112,7 +111,7 @@ def check_named_base(log: Log, robot: Robot, name: str) -> None:
         source, element = _source(channels[0], element)
     except DefinitionError as error:
         raise CallError(f"{where}: {topic}: {error}") from error
-    if source.elements is None:
+    if not source.lists_poses:
         return
     names = elements_in(log, topic, source)
     known = listed(sorted(names), _MOST_LISTED) or "none"
@@ -125,14 +124,13 @@ def check_named_base(log: Log, robot: Robot, name: str) -> None:
         )
 
 
-def _source(channel: Channel, element: str) -> tuple[BaseSource, str]:
+def _source(channel: Channel, element: str) -> tuple[Source, str]:
     """Return the source of a channel for an element, and the element for its reader.
 
     Raises:
         DefinitionError: the channel has no such poses.
     """
-    known = BASE_SOURCES.get(base_type(channel.type_name), ())
-    if any(source.elements for source in known):
+    if lists_poses(channel.type_name):
         return base_source(channel), element.lstrip("/")
     if element:
         return path_source(channel, element), element
@@ -147,7 +145,7 @@ def _named(log: Log, robot: Robot, name: str, findings: list[Finding]) -> Chosen
             source, element = _source(channel, element)
         except DefinitionError:
             continue
-        if source.elements and not element:
+        if source.lists_poses and not element:
             offers = [o for o in elements_of(log, robot, topic, source) if o.is_sure]
             if not offers:
                 return None
@@ -172,8 +170,8 @@ def _chosen(
     if is_planned_base(candidate):
         text = f"{candidate.name}: these poses are planned, not measured"
         findings.append(Finding("PLANNED", text, topic, cases=("base",)))
-    if source.remark:
-        findings.append(Finding("TOPICS_CHOSEN", f"{candidate.name}: {source.remark}", topic))
+    if remark := source.row.remark:
+        findings.append(Finding("TOPICS_CHOSEN", f"{candidate.name}: {remark}", topic))
     if not source.has_header:
         text = f"{source.type_name} has no header: log time is used for it"
         findings.append(Finding("LOG_TIME_USED", text, cases=("no_header",)))
@@ -207,8 +205,8 @@ def _other_poses(log: Log) -> list[str]:
     """Return the topics whose poses may be the base's, besides odometry and transforms."""
     types = [
         type_name
-        for type_name, (source, *_) in BASE_SOURCES.items()
-        if type_name != ODOMETRY_TYPE and not source.is_transform
+        for type_name in BASE_TYPES
+        if type_name not in {ODOMETRY_TYPE, *TRANSFORM_TYPES, *FOXGLOVE_TYPES}
     ]
     return [
         topic for topic in pose_topics(log, types) if topic_words(topic).isdisjoint(OTHER_WORDS)

@@ -15,10 +15,9 @@ from dogbot_logtool.pipeline.chunks import spread_chunks
 from dogbot_logtool.pipeline.topics.readable import why_no_poses
 from dogbot_logtool.reader.containers.log import Channel, Log
 from dogbot_logtool.reader.decode.definition import Primitive, Struct
-from dogbot_logtool.reader.messages.bases.numbers import path_source
-from dogbot_logtool.reader.messages.bases.registry import BASE_SOURCES, Base, base_source, base_type
-from dogbot_logtool.reader.messages.bases.source import BaseSource
+from dogbot_logtool.reader.messages.bases import Base, choices, path_source
 from dogbot_logtool.reader.messages.messages import decode_channels, definition_of
+from dogbot_logtool.reader.messages.source import BASE_TYPES, Source, base_source, base_type
 from dogbot_logtool.reader.messages.transforms import TRANSFORM_TYPES, is_static
 from dogbot_logtool.robot import Robot
 
@@ -62,7 +61,7 @@ class BaseCandidate:
     """Poses that may be the base's."""
 
     topic: str
-    source: BaseSource
+    source: Source
     element: str = ""
     is_sure: bool = True
     """Whether they are taken without asking, if nothing better is there."""
@@ -73,7 +72,7 @@ class BaseCandidate:
         return f"{self.topic}:{self.element}" if self.element else self.topic
 
 
-def base_source_of(log: Log, topic: str) -> BaseSource:
+def base_source_of(log: Log, topic: str) -> Source:
     """Return the source of the first channel of a topic that can be read.
 
     Raises:
@@ -88,7 +87,7 @@ def base_source_of(log: Log, topic: str) -> BaseSource:
 def is_planned_base(candidate: BaseCandidate) -> bool:
     """Tell whether its poses are what a planner wants."""
     words = topic_words(candidate.topic)
-    return (candidate.source.is_planned and words.isdisjoint(_CURRENT_WORDS)) or not (
+    return (candidate.source.row.planned == "always" and words.isdisjoint(_CURRENT_WORDS)) or not (
         words.isdisjoint(_PLANNED_WORDS)
     )
 
@@ -155,14 +154,14 @@ def base_candidates(log: Log, robot: Robot, feet: Collection[str]) -> list[BaseC
         feet: topics of its feet; of two robots' poses, these tell which are the base's.
     """
     found: list[BaseCandidate] = []
-    for type_name in BASE_SOURCES:
+    for type_name in BASE_TYPES:
         topics = pose_topics(log, (type_name,))
         sure = []
         for topic in topics:
             source = base_source_of(log, topic)
             if any(is_static(channel) for channel in log.channels_by_topic[topic]):
                 continue
-            if source.elements:
+            if source.lists_poses:
                 sure += elements_of(log, robot, topic, source, feet)
             else:
                 sure.append(BaseCandidate(topic, source, "", _is_base(topic, source)))
@@ -186,9 +185,9 @@ def _in_unknown_messages(log: Log) -> list[BaseCandidate]:
     return sorted(found, key=lambda each: topic_words(each.name).isdisjoint(_BASE_WORDS))
 
 
-def _is_base(topic: str, source: BaseSource) -> bool:
+def _is_base(topic: str, source: Source) -> bool:
     """Tell whether a topic's poses are surely the base's."""
-    if source.on_request:
+    if source.row.on_request:
         return False
     if not source.anything:
         # Such states have the feet relative to the base, whose own pose is zero.
@@ -198,7 +197,7 @@ def _is_base(topic: str, source: BaseSource) -> bool:
     return named and words.isdisjoint(OTHER_WORDS)
 
 
-def elements_in(log: Log, topic: str, source: BaseSource) -> frozenset[str]:
+def elements_in(log: Log, topic: str, source: Source) -> frozenset[str]:
     """Return what a topic's messages hold poses of, in some chunks of the log."""
     channels = [
         channel
@@ -208,12 +207,12 @@ def elements_in(log: Log, topic: str, source: BaseSource) -> frozenset[str]:
     found: set[str] = set()
     for span in log.grouped(spread_chunks(log, {channel.id for channel in channels})):
         for messages in decode_channels(log.read(span), channels, source.fields):
-            found |= source.elements(messages) if source.elements else frozenset()
+            found |= choices(source, messages)
     return frozenset(found)
 
 
 def elements_of(
-    log: Log, robot: Robot, topic: str, source: BaseSource, feet: Collection[str] = ()
+    log: Log, robot: Robot, topic: str, source: Source, feet: Collection[str] = ()
 ) -> list[BaseCandidate]:
     """Return the poses in a topic's messages that may be the base's, the best first.
 
@@ -245,7 +244,7 @@ _NEVER: Final = 2
 _Rank = tuple[int, int, int]
 
 
-def _rank(name: str, robot: Robot, source: BaseSource) -> _Rank:
+def _rank(name: str, robot: Robot, source: Source) -> _Rank:
     """Return what sorts elements: 0 surely the base, 1 perhaps, 2 never; then by preference."""
     if source.is_transform:
         parent, child = (frame.rpartition("/")[2].lower() for frame in frame_pair(name))

@@ -7,10 +7,10 @@ from dogbot_logtool.errors import DefinitionError
 from dogbot_logtool.finding import Finding
 from dogbot_logtool.io.printable import listed
 from dogbot_logtool.reader.containers.log import Channel
-from dogbot_logtool.reader.messages.bases.poses import ODOMETRY_TYPE
-from dogbot_logtool.reader.messages.bases.registry import base_type, check_base
-from dogbot_logtool.reader.messages.contacts.registry import check_contacts, source_of
+from dogbot_logtool.reader.messages.bases import ODOMETRY_TYPE, check_base
+from dogbot_logtool.reader.messages.contact_messages import check_contacts, source_of
 from dogbot_logtool.reader.messages.messages import SERIALISATIONS
+from dogbot_logtool.reader.messages.source import base_type
 from dogbot_logtool.reader.messages.transforms import (
     FOXGLOVE_TYPES,
     TRANSFORM_TYPES,

@@ -7,8 +7,8 @@ from dogbot_logtool.finding import Finding
 from dogbot_logtool.pipeline.options import TopicOptions
 from dogbot_logtool.pipeline.topics.topics import topics_of_type
 from dogbot_logtool.reader.containers.log import Log
-from dogbot_logtool.reader.messages.bases.poses import ODOMETRY_TYPE
-from dogbot_logtool.reader.messages.contacts.registry import contact_types, source_of
+from dogbot_logtool.reader.messages.bases import ODOMETRY_TYPE
+from dogbot_logtool.reader.messages.contact_messages import contact_types, source_of
 from dogbot_logtool.robot import GENERIC, Foot, Robot, known_robots, load_robot, robot_toml
 
 

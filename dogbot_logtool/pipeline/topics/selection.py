@@ -14,7 +14,8 @@ from dogbot_logtool.io.storage import shown
 from dogbot_logtool.pipeline.feet.candidates import FootCandidates, find_candidates
 from dogbot_logtool.pipeline.feet.cells import split_cells
 from dogbot_logtool.pipeline.feet.field_feet import candidates_finding
-from dogbot_logtool.pipeline.feet.message_feet import compare_flags, flag_findings, is_planned
+from dogbot_logtool.pipeline.feet.flag_check import compare_flags, flag_findings
+from dogbot_logtool.pipeline.feet.message_feet import is_planned
 from dogbot_logtool.pipeline.feet.raw_levels import RawLevels, with_raw_levels
 from dogbot_logtool.pipeline.feet.selection import (
     FootOffer,
@@ -36,10 +37,10 @@ from dogbot_logtool.pipeline.topics.readable import (
 from dogbot_logtool.pipeline.topics.robot_choice import choose_robot, usable_topics
 from dogbot_logtool.pipeline.topics.topics import readable_channels, recorded_topics, split_topic
 from dogbot_logtool.reader.containers.log import Batch, Channel, Log
-from dogbot_logtool.reader.messages.bases.registry import Base
-from dogbot_logtool.reader.messages.bases.source import BasePoses, BaseSource
-from dogbot_logtool.reader.messages.contacts.registry import source_of, without_flags
-from dogbot_logtool.reader.messages.contacts.source import ContactSource, FootChannels
+from dogbot_logtool.reader.messages.bases import Base, BasePoses
+from dogbot_logtool.reader.messages.contact_messages import source_of, without_flags
+from dogbot_logtool.reader.messages.feet import FootChannels
+from dogbot_logtool.reader.messages.source import Source
 from dogbot_logtool.reader.messages.transforms import TRANSFORM_TYPES, is_static
 from dogbot_logtool.reader.salvage.losses import damage_of
 from dogbot_logtool.reader.wanted import Wanted
@@ -79,7 +80,7 @@ class Selection:
     @property
     def without_header(self) -> tuple[str, ...]:
         """The types of used messages that have no header."""
-        used: list[ContactSource | BaseSource] = [*self.sources]
+        used: list[Source] = [*self.sources]
         used += [self.base.source] if self.base else []
         return tuple(source.type_name for source in used if not source.has_header)
 
@@ -101,19 +102,19 @@ class Selection:
         return frozenset(channel.id for channel in self.transforms if is_static(channel))
 
     @property
-    def sources(self) -> tuple[ContactSource, ...]:
+    def sources(self) -> tuple[Source, ...]:
         """The types of contact messages that are used."""
         return self._sources(self.contacts)
 
-    def sources_of(self, foot: int) -> tuple[ContactSource, ...]:
+    def sources_of(self, foot: int) -> tuple[Source, ...]:
         """Return the types of contact messages that tell of a foot."""
         return self._sources([c for c in self.contacts if foot in self.feet_of[c.id]])
 
-    def _sources(self, channels: Sequence[Channel]) -> tuple[ContactSource, ...]:
+    def _sources(self, channels: Sequence[Channel]) -> tuple[Source, ...]:
         """Return the different sources of channels, by type name."""
         feet = self.robot.feet_of
         found = [source for c in channels if (source := source_of(c, feet(c.topic)))]
-        different = {id(source): source for source in found}.values()
+        different = {source.key: source for source in found}.values()
         ordered = sorted(different, key=lambda source: source.type_name)
         return tuple(without_flags(source, ignores=self.ignores_flags) for source in ordered)
 

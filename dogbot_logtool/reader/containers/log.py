@@ -4,11 +4,9 @@ Other rooms import what they need of a log from here.
 """
 
 from abc import ABC, abstractmethod
-from bisect import bisect_right
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import replace
 from functools import cached_property
-from itertools import islice
 from typing import Final
 
 from dogbot_logtool.io.storage import Location, shown
@@ -153,11 +151,6 @@ class Log(ABC):
         """Return a loss in this file with the log times between which it lies, if known."""
         at_end = loss.offset and loss.offset + loss.bytes >= self.source.size
         return replace(loss, start_time=self.end_time) if at_end else loss
-
-    def after(self, span: Span) -> Iterator[Chunk]:
-        """Yield the chunks that follow a batch, in file order."""
-        following = bisect_right(self.chunks, span[-1].offset, key=lambda chunk: chunk.offset)
-        yield from islice(self.chunks, following, None)
 
     @abstractmethod
     def read(self, span: Span) -> Batch:

@@ -1,7 +1,7 @@
 """Joint states of ROS, Foxglove and Unitree's motors: positions, velocities and efforts by name."""
 
-from collections.abc import Callable, Mapping, Sequence
-from functools import partial
+from collections.abc import Mapping, Sequence
+from functools import lru_cache
 from typing import Final
 
 import numpy as np
@@ -11,24 +11,13 @@ from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.errors import DefinitionError
 from dogbot_logtool.reader.containers.batch import Batch
 from dogbot_logtool.reader.containers.contents import Channel
-from dogbot_logtool.reader.decode.columns import Nested, Texts
-from dogbot_logtool.reader.decode.fields import (
-    Fields,
-    number,
-    numbers,
-    optional_number,
-    table,
-    text,
-    texts,
-    time,
-)
-from dogbot_logtool.reader.decode.message_layout import ELEMENT
+from dogbot_logtool.reader.decode.columns import Texts
+from dogbot_logtool.reader.decode.paths import FieldPath
+from dogbot_logtool.reader.messages.message_type import JOINTS
 from dogbot_logtool.reader.messages.messages import DecodedMessages, check_channel, decode_channels
+from dogbot_logtool.reader.messages.source import Source, fitting
+from dogbot_logtool.reader.messages.table import TABLE
 
-_MOTORS: Final = tuple(
-    f"{leg}_{joint}_joint" for leg in ("FR", "FL", "RR", "RL") for joint in ("hip", "thigh", "calf")
-)
-"""Unitree's quadrupeds in the order of their messages, named as in their robot descriptions."""
 _MOST_CELLS: Final = 1 << 22
 """Values in a matrix of messages and joints: 32 MB."""
 
@@ -52,13 +41,66 @@ class JointStates:
     """Messages that could not be decoded, by channel id."""
 
 
-@dataclass(frozen=True, slots=True)
-class _JointSource:
-    """How messages of a type tell of joints."""
+JOINT_TYPES: Final = tuple(
+    row.name for row in sorted(TABLE, key=lambda row: not row.joint) if row.joint_position
+)
+"""The best first: those that name their joints."""
+_VALUES: Final = ("joint_position", "joint_velocity", "joint_effort")
 
-    type_name: str
-    fields: Fields
-    read: Callable[[DecodedMessages], JointStates]
+
+def check_joints(channel: Channel) -> str:
+    """Check that a channel's messages tell of joints and can be decoded; see `check_channel`.
+
+    Raises:
+        DefinitionError: they do not, or cannot.
+    """
+    return check_channel(channel, _source(channel).fields)
+
+
+def read_joints(batch: Batch, channel: Channel) -> list[JointStates]:
+    """Read the joint states of a batch that a channel has, one entry a definition.
+
+    Args:
+        batch: the batch.
+        channel: one that `check_joints` accepts.
+    """
+    source = _source(channel)
+    decoded = decode_channels(batch, [channel], source.fields)
+    return [_read(source, messages) for messages in decoded]
+
+
+@lru_cache(maxsize=256)
+def _source(channel: Channel) -> Source:
+    if channel.type_name not in JOINT_TYPES:
+        raise DefinitionError("it tells of no joints")
+    rows = (row for row in TABLE if row.name == channel.type_name and row.joint_position)
+    return fitting(channel, rows, JOINTS)
+
+
+def _read(source: Source, messages: DecodedMessages) -> JointStates:
+    paths = [source.paths[name][0] for name in _VALUES]
+    if not source.row.joint:
+        return _read_numbered(source, messages, paths)
+    name = source.paths["joint"][0]
+    alike = _read_alike(source, messages, name, paths)
+    if alike is not None:
+        return alike
+    parent, texts = name.texts(messages.table)
+    joint, names = texts.encode()
+    values = [path.beside(messages.table, name)[:, 0] for path in paths]
+    return _matrices(messages, source.stamps(messages), names, parent, joint, values)
+
+
+def _read_numbered(
+    source: Source, messages: DecodedMessages, paths: Sequence[FieldPath]
+) -> JointStates:
+    """Read joints that the type of the messages names, by their numbers."""
+    told = messages.table.nested(paths[0].arrays[0].path)
+    index, names = told.index, source.row.joints
+    rows = np.flatnonzero(index < len(names))
+    values = [path.all_values(messages.table)[rows, 0] for path in paths]
+    stamp = source.stamps(messages)
+    return _matrices(messages, stamp, names, told.parent[rows], index[rows], values)
 
 
 def _matrices(
@@ -101,28 +143,17 @@ def _matrices(
     )
 
 
-def _read_ros(messages: DecodedMessages) -> JointStates:
-    """Read arrays of names and values that stand side by side."""
-    named = messages.table.nested("name")
-    alike = _read_alike(messages, named)
-    if alike is not None:
-        return alike
-    joint, names = named.table.texts(ELEMENT).encode()
-    values = [
-        _beside(named, messages.table.nested(path)) for path in ("position", "velocity", "effort")
-    ]
-    stamp = messages.table.nanoseconds("header.stamp")
-    return _matrices(messages, stamp, names, named.parent, joint, values)
-
-
-def _read_alike(messages: DecodedMessages, named: Nested) -> JointStates | None:
+def _read_alike(
+    source: Source, messages: DecodedMessages, name: FieldPath, paths: Sequence[FieldPath]
+) -> JointStates | None:
     """Read messages that all name the same joints and tell of each; None: they differ."""
-    rows = len(messages.channel)
+    rows, table = len(messages.channel), messages.table
+    named = table.nested(name.arrays[0].path)
     count = len(named.parent) // max(rows, 1)
     # Texts stand element by element: all messages' first names, then all second ones.
     if count == 0 or not np.array_equal(named.parent, np.tile(np.arange(rows), count)):
         return None
-    called: Texts = named.table.texts(ELEMENT)
+    _, called = name.texts(table)
     start, length = called.start.reshape(count, rows), called.length.reshape(count, rows)
     names = tuple(called.text(row) for row in range(0, count * rows, rows))
     # All names of a message, with what lies between them.
@@ -133,104 +164,14 @@ def _read_alike(messages: DecodedMessages, named: Nested) -> JointStates | None:
     if len(set(names)) < count or differ:
         return None
     found: list[Floats] = []
-    for path in ("position", "velocity", "effort"):
-        told = messages.table.nested(path)
+    for path in paths:
+        told = table.nested(path.arrays[0].path)
         if len(told.parent) and not np.array_equal(told.parent, parents):
             return None
-        values = told.table.numbers(ELEMENT).astype(np.float64)
-        shape = rows, count
+        values, shape = path.all_values(table)[:, 0], (rows, count)
         found.append(values.reshape(shape) if len(values) else np.full(shape, np.nan))
     position, velocity, effort = found
-    stamp = messages.table.nanoseconds("header.stamp")
+    stamp = source.stamps(messages)
     return JointStates(
         messages.log_time, stamp, names, position, velocity, effort, messages.malformed
     )
-
-
-def _beside(named: Nested, told: Nested) -> Floats:
-    """(m,) value with the index of each name; NaN where an array is shorter than that of names."""
-    rows, exist = told.rows_at(named.parent, named.index)
-    values = np.full(len(rows), np.nan)
-    values[exist] = told.table.numbers(ELEMENT)[rows[exist]]
-    return values
-
-
-def _read_foxglove(messages: DecodedMessages) -> JointStates:
-    joints = messages.table.nested("joints")
-    called: Texts = joints.table.texts("name")
-    joint, names = called.encode()
-    values = [
-        joints.table.numbers(path).astype(np.float64) for path in ("position", "velocity", "effort")
-    ]
-    stamp = messages.table.nanoseconds("timestamp")
-    return _matrices(messages, stamp, names, joints.parent, joint, values)
-
-
-def _read_motors(messages: DecodedMessages, *, motors: str, values: Sequence[str]) -> JointStates:
-    told = messages.table.nested(motors)
-    rows = np.flatnonzero(told.index < len(_MOTORS))
-    columns = [told.table.numbers(path).astype(np.float64)[rows] for path in values]
-    stamp = np.zeros(len(messages.channel), np.int64)
-    return _matrices(messages, stamp, _MOTORS, told.parent[rows], told.index[rows], columns)
-
-
-def _motors(type_name: str, motors: str, effort: str) -> _JointSource:
-    values = ("q", "dq", effort)
-    return _JointSource(
-        type_name,
-        (table(motors, *map(number, values)),),
-        partial(_read_motors, motors=motors, values=values),
-    )
-
-
-def _foxglove(type_name: str) -> _JointSource:
-    joint = (text("name"), *map(optional_number, ("position", "velocity", "effort")))
-    return _JointSource(type_name, (time("timestamp"), table("joints", *joint)), _read_foxglove)
-
-
-_SOURCES: Final = {
-    source.type_name: source
-    for source in (
-        _JointSource(
-            "sensor_msgs/JointState",
-            (
-                time("header.stamp"),
-                texts("name"),
-                numbers("position"),
-                numbers("velocity"),
-                numbers("effort"),
-            ),
-            _read_ros,
-        ),
-        _foxglove("foxglove.JointStates"),
-        _foxglove("foxglove_msgs/JointStates"),
-        _motors("unitree_go/LowState", "motor_state", "tau_est"),
-        _motors("go2_interfaces/LowState", "motor_state", "tau_est"),
-        _motors("unitree_legged_msgs/LowState", "motorState", "tauEst"),
-        _motors("ros2_unitree_legged_msgs/LowState", "motor_state", "tau_est"),
-    )
-}
-JOINT_TYPES: Final = tuple(_SOURCES)
-"""The best first."""
-
-
-def check_joints(channel: Channel) -> str:
-    """Check that a channel's messages tell of joints and can be decoded; see `check_channel`.
-
-    Raises:
-        DefinitionError: they do not, or cannot.
-    """
-    if channel.type_name not in _SOURCES:
-        raise DefinitionError("it tells of no joints")
-    return check_channel(channel, _SOURCES[channel.type_name].fields)
-
-
-def read_joints(batch: Batch, channel: Channel) -> list[JointStates]:
-    """Read the joint states of a batch that a channel has, one entry a definition.
-
-    Args:
-        batch: the batch.
-        channel: one that `check_joints` accepts.
-    """
-    source = _SOURCES[channel.type_name]
-    return [source.read(messages) for messages in decode_channels(batch, [channel], source.fields)]

@@ -10,65 +10,20 @@ from dogbot_logtool.core.recorded.vectors import VectorSamples
 from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.reader.containers.batch import Batch
 from dogbot_logtool.reader.containers.contents import Channel
-from dogbot_logtool.reader.decode.fields import Fields, fixed_numbers, number, text, time, vector
+from dogbot_logtool.reader.messages.message_type import VECTOR, MessageType
 from dogbot_logtool.reader.messages.messages import (
     DecodedMessages,
     check_channel,
     decode_channels,
     malformed_in,
 )
+from dogbot_logtool.reader.messages.source import Source, fitted, known_definition_of
+from dogbot_logtool.reader.messages.table import TABLE
 
-
-@dataclass(frozen=True, slots=True)
-class VectorSource:
-    """How messages of a type hold three numbers."""
-
-    type_name: str
-    numbers: tuple[str, ...]
-    """Paths of three numbers, or of one fixed array of three."""
-    header: str = ""
-    """Path of the header; empty: there is none, and log time is the only time."""
-
-    @property
-    def fields(self) -> Fields:
-        """Fields that are read of each message."""
-        values = (
-            tuple(number(path) for path in self.numbers)
-            if len(self.numbers) > 1
-            else (fixed_numbers(self.numbers[0], 3),)
-        )
-        head = (time(f"{self.header}.stamp"), text(f"{self.header}.frame_id"))
-        return (*values, *head) if self.header else values
-
-
-def _velocity(twist: str = "") -> tuple[str, ...]:
-    paths = ("linear.x", "linear.y", "angular.z")
-    return tuple(f"{twist}.{path}" if twist else path for path in paths)
-
-
-def _parts(path: str) -> tuple[str, ...]:
-    return tuple(each.path for each in vector(path))
-
-
-COMMANDS: Final = {
-    source.type_name: source
-    for source in (
-        VectorSource("geometry_msgs/Twist", _velocity()),
-        VectorSource("geometry_msgs/TwistStamped", _velocity("twist"), "header"),
-    )
-}
+COMMANDS: Final = {row.name: row for row in TABLE if row.command}
 """Linear x and y in m/s and angular z in rad/s, by type."""
-INERTIAL_UNITS: Final = {
-    source.type_name: source
-    for source in (
-        VectorSource("sensor_msgs/Imu", _parts("linear_acceleration"), "header"),
-        VectorSource("unitree_go/LowState", ("imu_state.accelerometer",)),
-        VectorSource("go2_interfaces/LowState", ("imu_state.accelerometer",)),
-        VectorSource("unitree_legged_msgs/LowState", ("imu.accelerometer",)),
-        VectorSource("ros2_unitree_legged_msgs/LowState", ("imu.accelerometer",)),
-    )
-}
-"""Fields of accelerations, m/s^2, by type; the best first."""
+INERTIAL_UNITS: Final = {row.name: row for row in TABLE if row.acceleration}
+"""Accelerations, m/s^2, by type; the best first."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -82,26 +37,26 @@ class ReadVectors:
     """Messages that could not be decoded, by channel id."""
 
 
-def check_vectors(channel: Channel, sources: Mapping[str, VectorSource]) -> str:
+def check_vectors(channel: Channel, rows: Mapping[str, MessageType]) -> str:
     """Check that a channel's messages can be decoded; see `check_channel`.
 
     Raises:
         DefinitionError: they cannot.
     """
-    return check_channel(channel, sources[channel.type_name].fields)
+    return check_channel(channel, _source(channel, rows).fields)
 
 
 def read_vectors(
-    batch: Batch, channels: Sequence[Channel], sources: Mapping[str, VectorSource]
+    batch: Batch, channels: Sequence[Channel], rows: Mapping[str, MessageType]
 ) -> ReadVectors:
     """Read the vectors of a batch, of the senders of one topic, in the order of their log times.
 
     Args:
         batch: the batch.
         channels: those that `check_vectors` accepts, all of one type.
-        sources: of that type.
+        rows: of that type.
     """
-    source = sources[channels[0].type_name]
+    source = _source(channels[0], rows)
     decoded = decode_channels(batch, channels, source.fields)
     parts = [_samples(messages, source) for messages in decoded]
     samples = concatenated([_NONE, *parts])
@@ -114,20 +69,17 @@ def read_vectors(
 _NONE: Final = VectorSamples(np.empty(0, np.int64), np.empty(0, np.int64), np.empty((0, 3)))
 
 
-def _samples(messages: DecodedMessages, source: VectorSource) -> VectorSamples:
-    table, count = messages.table, len(messages.channel)
-    if len(source.numbers) > 1:
-        columns = [table.numbers(path).astype(np.float64) for path in source.numbers]
-        values = np.stack(columns, axis=1)
-    else:
-        values = table.numbers(source.numbers[0]).astype(np.float64)[:, :3]
-    stamp = table.nanoseconds(f"{source.header}.stamp") if source.header else None
-    return VectorSamples(
-        messages.log_time, np.zeros(count, np.int64) if stamp is None else stamp, values
-    )
+def _source(channel: Channel, rows: Mapping[str, MessageType]) -> Source:
+    return fitted(rows[channel.type_name], VECTOR, known_definition_of(channel))
 
 
-def _frames(messages: DecodedMessages, source: VectorSource) -> tuple[str, ...]:
-    if not source.header:
+def _samples(messages: DecodedMessages, source: Source) -> VectorSamples:
+    paths = source.paths.get("command") or source.paths["acceleration"]
+    values = np.concatenate([path.first_values(messages.table) for path in paths], axis=1)
+    return VectorSamples(messages.log_time, source.stamps(messages), values)
+
+
+def _frames(messages: DecodedMessages, source: Source) -> tuple[str, ...]:
+    if "frame" not in source.paths:
         return ()
-    return messages.table.texts(f"{source.header}.frame_id").encode()[1]
+    return source.paths["frame"][0].texts(messages.table)[1].encode()[1]

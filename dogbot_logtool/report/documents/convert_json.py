@@ -27,7 +27,7 @@ def conversion_json(done: Conversion) -> dict[str, Any]:
         "frames": {"world": done.world_frame, "base": done.base_frame},
         "messages": {"read": done.messages, "copied": done.copied},
         "annotations": dict(done.annotations),
-        "skipped": {**asdict(done.counts.arrows), "bad_poses": done.counts.bad_poses},
+        "skipped": {**asdict(done.counts.arrows), "bad_poses": done.bad_poses},
         "findings": [finding_json(each) for each in done.findings],
         "damage": damage_json(done.damage),
     }

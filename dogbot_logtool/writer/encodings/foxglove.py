@@ -1,7 +1,7 @@
 """Annotations as Foxglove's protobuf messages."""
 
 from collections.abc import Mapping, Sequence
-from typing import Any, Final, cast
+from typing import Any, Final, Self, cast
 
 from foxglove_schemas_protobuf.Color_pb2 import Color
 from foxglove_schemas_protobuf.FrameTransforms_pb2 import FrameTransforms
@@ -190,6 +190,10 @@ class FoxgloveEncoding:
         self.span_type: MessageType | None = (
             _message_type(self._span_class) if self._span_class else None
         )
+
+    def __reduce__(self) -> "tuple[type[Self], tuple[()]]":
+        """Be made anew in another process: classes of messages are made when it runs."""
+        return type(self), ()
 
     def transform(self, parent: str, child: str) -> Template:
         """See `Encoding.transform`."""

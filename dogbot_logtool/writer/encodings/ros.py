@@ -2,7 +2,7 @@
 
 from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
-from typing import Any, ClassVar, Final
+from typing import Any, ClassVar, Final, Self
 
 import numpy as np
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
@@ -90,6 +90,10 @@ class RosEncoding(ABC):
         self.support_type = self._message_type(MARKERS)
         self.event_type = self._message_type(self.log_name)
         self.gait_type = self._message_type(_GAIT)
+
+    def __reduce__(self) -> "tuple[type[Self], tuple[()]]":
+        """Be made anew in another process: classes of messages are made when it runs."""
+        return type(self), ()
 
     @abstractmethod
     def _message_type(self, name: str) -> MessageType:

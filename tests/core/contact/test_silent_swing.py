@@ -1,20 +1,15 @@
-"""Silence of sensors that speak only in contact, told as swing, however the log is cut."""
+"""Silence of sensors that speak only in contact, told as swing."""
 
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
 
 from dogbot_logtool.core.contact.contacts import Samples
 from dogbot_logtool.core.contact.silent_swing import (
     LONGEST_SWING_S,
     SilentFeet,
-    last_messages,
     learn_silences,
-    swings_in_batch,
     with_swings,
 )
-from dogbot_logtool.core.geometry.blocks import concatenated
 
 MS = 1_000_000
 INTERVAL = 10 * MS
@@ -43,8 +38,13 @@ def told_ms(samples: Samples, *, contact: bool) -> list[int]:
     return times
 
 
+def swinging(samples: Samples, silent: SilentFeet, *ends: int) -> Samples:
+    (told,) = with_swings([samples], silent, *(ends or (None, None)))
+    return told
+
+
 def test_a_silence_begins_and_ends_one_interval_from_contact() -> None:
-    whole = with_swings(in_contact([0, 10, 20, 220, 230]), SilentFeet({0: INTERVAL}), None, None)
+    whole = swinging(in_contact([0, 10, 20, 220, 230]), SilentFeet({0: INTERVAL}))
     free = told_ms(whole, contact=False)
     assert (free[0], free[-1]) == (30, 210)
     assert max(np.diff([20, *free, 220])) <= 40
@@ -56,58 +56,27 @@ def test_a_silence_begins_and_ends_one_interval_from_contact() -> None:
 @pytest.mark.parametrize("silence_ms", [10, 20, 25, round(LONGEST_SWING_S * 1e3) + 1, 10**9])
 def test_jitter_and_drop_outs_are_no_swing(silence_ms: int) -> None:
     samples = in_contact([0, 10, 10 + silence_ms])
-    assert with_swings(samples, SilentFeet({0: INTERVAL}), None, None) is samples
+    assert swinging(samples, SilentFeet({0: INTERVAL})) is samples
 
 
 def test_feet_that_always_speak_stay_as_they_are() -> None:
-    samples = in_contact([0, 200], foot=1)
-    assert with_swings(samples, SilentFeet({0: INTERVAL}), None, None) is samples
+    feet = in_contact([0, 10]), in_contact([0, 200], foot=1)
+    assert with_swings(feet, SilentFeet({0: INTERVAL}), None, None) == feet
 
 
 def test_stamps_run_at_their_own_rate() -> None:
-    whole = with_swings(in_contact([0, 200], stamp_rate=0.5), SilentFeet({0: INTERVAL}), None, None)
+    whole = swinging(in_contact([0, 200], stamp_rate=0.5), SilentFeet({0: INTERVAL}))
     expected = 500 * MS + (whole.log_time - ZERO) // 2
     assert whole.stamp.tolist() == expected.tolist()
 
 
 def test_the_log_s_ends_count_as_swing() -> None:
     ends = ZERO - 100 * MS, ZERO + 100 * MS
-    whole = with_swings(in_contact([0, 10]), SilentFeet({0: INTERVAL}), *ends)
+    whole = swinging(in_contact([0, 10]), SilentFeet({0: INTERVAL}), *ends)
     free = told_ms(whole, contact=False)
     assert (free[0], free[-1]) == (-100, 100)
     assert -10 in free
     assert 20 in free
-
-
-@given(
-    st.lists(st.integers(1, 400), min_size=2, max_size=40),
-    st.lists(st.integers(0, 1), min_size=40, max_size=40),
-    st.integers(1, 39),
-)
-def test_where_a_log_is_cut_makes_no_difference(
-    steps: list[int], feet: list[int], cut: int
-) -> None:
-    samples = in_contact(np.cumsum(steps).tolist())
-    usual = {0: 150 * MS, 1: 100 * MS}, None, {0: 60 * MS, 1: 200 * MS}
-    samples = Samples(
-        np.array(feet[: len(steps)], np.int64),
-        *(getattr(samples, name) for name in list(Samples.__dataclass_fields__)[1:]),
-    )
-    intervals = SilentFeet({0: INTERVAL, 1: 20 * MS}, *usual)
-    rows = np.arange(len(steps))
-    first, second = samples.pick(rows < cut), samples.pick(rows >= cut)
-
-    whole = swings_in_batch(samples, intervals, {}, ZERO)
-    halves = [
-        swings_in_batch(first, intervals, {}, ZERO),
-        swings_in_batch(second, intervals, last_messages(first, {}, intervals), ZERO),
-    ]
-
-    for foot in (0, 1):
-        told = concatenated([half.pick(half.foot == foot) for half in halves])
-        mine = whole.pick(whole.foot == foot)
-        assert told.log_time.tolist() == mine.log_time.tolist()
-        assert told.stamp.tolist() == mine.stamp.tolist()
 
 
 STANCE_MS, SWING_MS = 400, 300
@@ -129,7 +98,7 @@ def test_a_foot_that_hits_something_swings_before_and_after_it(share: float) -> 
     at = round(share * SWING_MS / 10) * 10
     samples = in_contact(steps_ms([at, at + 10, at + 20], []))
     usual = learn_silences(in_contact(steps_ms([], [])), {0: INTERVAL})
-    free = told_ms(with_swings(samples, usual, None, None), contact=False)
+    free = told_ms(swinging(samples, usual), contact=False)
     liftoff = 3 * STANCE_MS + 2 * SWING_MS
     mine = [each - liftoff for each in free if liftoff < each < liftoff + SWING_MS]
     assert (mine[0], mine[-1]) == (10, SWING_MS - 10)
@@ -139,5 +108,5 @@ def test_a_foot_that_hits_something_swings_before_and_after_it(share: float) -> 
 def test_lost_messages_inside_a_stance_are_no_swing() -> None:
     lost = list(range(1500, 1600, 10))
     usual = learn_silences(in_contact(steps_ms([], [])), {0: INTERVAL})
-    free = told_ms(with_swings(in_contact(steps_ms([], lost)), usual, None, None), contact=False)
+    free = told_ms(swinging(in_contact(steps_ms([], lost)), usual), contact=False)
     assert not set(free) & set(range(1400, 1800))

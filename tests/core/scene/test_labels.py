@@ -2,58 +2,38 @@
 
 import numpy as np
 
-from dogbot_logtool.core.contact.contacts import Samples
-from dogbot_logtool.core.scene.arrows import pressure_arrows
-from dogbot_logtool.core.scene.labels import RATE_HZ, Labels, foot_labels
+from dogbot_logtool.core.scene.labels import RATE_HZ, foot_labels
+from tests.core.scene.drawn_feet import NOWHERE, foot_of
 
-MS = 1_000_000
 STEP_MS = 4
-
-
-def samples(down: list[bool], first_ms: int = 0) -> Samples:
-    """One foot's samples, 250 a second."""
-    count = len(down)
-    time = (np.arange(count) * STEP_MS + first_ms) * MS
-    load = np.where(down, 50.0, 0.0)
-    return Samples(
-        foot=np.zeros(count, np.int64),
-        log_time=time,
-        stamp=time,
-        in_contact=np.array(down),
-        force=np.column_stack([load * 0.0, load * 0.0, load]),
-        in_world=np.ones(count, np.bool_),
-        points=np.array(down).astype(np.int64),
-        position=np.where(np.array(down)[:, None], 1.0, np.nan) * np.ones((count, 3)),
-        normal=np.full((count, 3), np.nan),
-    )
-
-
-def labels(told: Samples, last_ms: int | None = None, *, was_down: bool = False) -> Labels:
-    arrows, _ = pressure_arrows(told)
-    last = {} if last_ms is None else {0: last_ms * MS}
-    return foot_labels(told, arrows, last, {0} if was_down else set())
+DOWN = [True] * 30 + [False] * 30
+FOOT = foot_of(
+    [(STEP_MS * row, 50.0 if down else 0.0, (1.0, 1.0, 1.0)) for row, down in enumerate(DOWN)]
+)
 
 
 def test_a_label_is_written_at_ticks_and_removed_at_once() -> None:
-    down = [True] * 30 + [False] * 30
-    found = labels(samples(down))
-    shown = (found.log_time[found.shown] / MS).tolist()
-    gone = (found.log_time[~found.shown] / MS).tolist()
+    found = foot_labels(FOOT, slice(0, len(DOWN)))
+    shown = (found.log_time[found.shown] / 1e6).tolist()
+    gone = (found.log_time[~found.shown] / 1e6).tolist()
     period = 1000.0 / RATE_HZ
     assert shown == [0.0, 52.0, 100.0]
     # Lifted between two ticks; then again at each tick.
     assert gone == [30.0 * STEP_MS, 152.0, 200.0]
     assert gone[0] % period != 0.0
+    np.testing.assert_allclose(found.position[found.shown], [[1.0, 1.0, 0.9]] * 3)
+    assert found.force[found.shown].tolist() == [50.0] * 3
 
 
-def test_it_does_not_matter_where_batches_end() -> None:
-    down = [True] * 30 + [False] * 30
-    whole = labels(samples(down))
-    for cut in (1, 29, 30, 31, 59):
-        parts = [
-            labels(samples(down[:cut])),
-            labels(samples(down[cut:], cut * STEP_MS), (cut - 1) * STEP_MS, was_down=down[cut - 1]),
-        ]
+def test_it_does_not_matter_where_spans_end() -> None:
+    whole = foot_labels(FOOT, slice(0, len(DOWN)))
+    for cut in (0, 1, 29, 30, 31, 59):
+        parts = [foot_labels(FOOT, slice(0, cut)), foot_labels(FOOT, slice(cut, len(DOWN)))]
         for name in ("log_time", "shown"):
             joined = np.concatenate([getattr(part, name) for part in parts])
             np.testing.assert_array_equal(joined, getattr(whole, name))
+
+
+def test_a_load_without_a_place_has_no_label() -> None:
+    foot = foot_of([(10.0 * row, 50.0, NOWHERE) for row in range(9)])
+    assert not foot_labels(foot, slice(0, 9)).shown.any()

@@ -25,13 +25,12 @@ TROT = SAMPLE_LOGS / "dogbot_trot.bag"
 
 def test_the_styles_of_the_design() -> None:
     described = {
-        name: (style.lifetime_s, style.shaft_diameter_m, style.draws_support)
-        for name, style in ARROW_STYLES.items()
+        name: (style.lifetime_s, style.shaft_diameter_m) for name, style in ARROW_STYLES.items()
     }
     assert described == {
-        "classic": (0.0, 0.1, False),
-        "pressure": (0.5, None, True),
-        "force": (0.5, None, True),
+        "classic": (0.0, 0.1),
+        "pressure": (0.5, None),
+        "force": (0.5, None),
     }
     assert DEFAULT_STYLE == "pressure"
 

@@ -10,8 +10,6 @@ from hypothesis import strategies as st
 
 from dogbot_logtool.core.base.odometry import Odometry
 from dogbot_logtool.core.contact.contact_rule import ContactRule
-from dogbot_logtool.core.contact.contacts import Samples
-from dogbot_logtool.core.contact.foot_tracker import ContactSensor, follow_feet, initial_memory
 from dogbot_logtool.core.geometry.arrays import Floats
 from dogbot_logtool.core.geometry.support_polygon import hulls
 from dogbot_logtool.core.scene.support_scene import (
@@ -25,12 +23,10 @@ from dogbot_logtool.core.scene.support_scene import (
     outlines,
     support_scene,
 )
+from tests.core.scene.drawn_feet import MS, NOWHERE, Point, foot_of
 
-MS = 1_000_000
-NOWHERE = (math.nan, math.nan, math.nan)
 RULE = ContactRule(on_n=10.0, off_n=0.0, debounce_s=0.020)
 SQUARE = ((1.0, 1.0, 0.1), (1.0, -1.0, 0.2), (-1.0, 1.0, 0.3), (-1.0, -1.0, 0.4))
-Point = tuple[float, float, float]
 
 
 def pose(time: int, x: float = 0.0, y: float = 0.0) -> Odometry:
@@ -40,40 +36,22 @@ def pose(time: int, x: float = 0.0, y: float = 0.0) -> Odometry:
     return Odometry(times, times + 5, np.array([[x, y, 0.6]]), turn, nothing, nothing)
 
 
-def messages(time: int, feet: Sequence[tuple[Point, float] | None]) -> Samples:
-    """Return a message of each foot: where it stands and its load; None: it says nothing."""
-    told = [(foot, *what) for foot, what in enumerate(feet) if what is not None]
-    loads = np.array([load for *_, load in told])
-    return Samples(
-        foot=np.array([foot for foot, *_ in told], np.int64),
-        log_time=np.full(len(told), time, np.int64),
-        stamp=np.full(len(told), time, np.int64),
-        in_contact=loads > 0.0,
-        force=np.column_stack([loads * 0.0, loads * 0.0, loads]),
-        in_world=np.ones(len(told), np.bool_),
-        points=(loads > 0.0).astype(np.int64),
-        position=np.array([point for _, point, _ in told]),
-        normal=np.full((len(told), 3), np.nan),
-    )
-
-
 def shown(
     *heard: tuple[int, Sequence[tuple[Point, float] | None]],
     base: tuple[float, float] = (0.0, 0.0),
     works: bool = True,
 ) -> SupportScene:
     """Return the scene at the last of some times, ms, at which the feet were heard."""
-    feet = len(heard[0][1])
-    memory = [initial_memory()] * feet
-    for time, told in heard:
-        trackers = follow_feet(
-            [messages(time * MS, told)],
-            memory,
-            [ContactSensor(RULE, works=works)] * feet,
-            force_in_world=False,
+    feet = [
+        foot_of(
+            [(time, told[1], told[0]) for time, each in heard if (told := each[number])],
+            RULE,
+            number=number,
+            contact_known=works,
         )
-        memory = [tracker.memory() for tracker in trackers]
-    return support_scene(pose(heard[-1][0] * MS, *base), trackers)
+        for number in range(len(heard[0][1]))
+    ]
+    return support_scene(pose(heard[-1][0] * MS, *base), feet)
 
 
 def corners(scene: SupportScene) -> list[list[float]]:
@@ -128,8 +106,6 @@ def test_a_foot_that_never_touched_may_be_dead() -> None:
     feet = [(SQUARE[0], 0.0), *((point, 50.0) for point in SQUARE[1:])]
     assert corners(shown((0, feet), works=False)) == []
     assert len(corners(shown((0, feet), works=True))) == 4
-    touched = [(point, 50.0) for point in SQUARE]
-    assert len(corners(shown((0, touched), (30, feet), works=False))) == 4
 
 
 def test_in_flight_the_ground_is_where_the_feet_last_touched_down() -> None:
@@ -153,10 +129,7 @@ def test_places_beyond_all_bounds_do_no_harm(size: float) -> None:
 
 
 def test_no_times_no_scene() -> None:
-    trackers = follow_feet(
-        [], [initial_memory()] * 4, [ContactSensor(RULE)] * 4, force_in_world=False
-    )
-    scene = support_scene(pose(0).pick(np.empty(0, np.int64)), trackers)
+    scene = support_scene(pose(0).pick(np.empty(0, np.int64)), [foot_of([])] * 4)
     assert (len(scene.log_time), len(scene.outline), scene.unknown) == (0, 0, 0)
 
 

@@ -9,7 +9,6 @@ from numpy.typing import NDArray
 from dogbot_logtool.core.contact.contacts import Samples
 from dogbot_logtool.core.geometry.blocks import concatenated
 from dogbot_logtool.pipeline.feet.content import judge_content
-from dogbot_logtool.reader.messages.contacts.source import flat_samples
 
 TIME = np.arange(600) * 10_000_000
 PHASE = TIME / 1e9
@@ -21,9 +20,15 @@ def samples(values: NDArray[np.floating[Any]]) -> Samples:
     for foot, column in enumerate(values.T):
         force = np.zeros((len(column), 3))
         force[:, 2] = column
-        number = np.full(len(column), foot)
-        parts.append(flat_samples(TIME[: len(column)], number, TIME[: len(column)] * 0, force))
+        parts.append(of_foot(foot, TIME[: len(column)], force))
     return concatenated(parts)
+
+
+def of_foot(foot: int, time: NDArray[np.int64], force: NDArray[np.float64]) -> Samples:
+    nothing, nowhere = np.zeros(len(time), np.int64), np.full((len(time), 3), np.nan)
+    touches = (force != 0.0).any(axis=1)
+    number = np.full(len(time), foot)
+    return Samples(number, time, nothing, touches, force, nothing > 0, nothing, nowhere, nowhere)
 
 
 def trot() -> NDArray[np.bool_]:
@@ -69,7 +74,7 @@ def changes(foot: int, down: NDArray[np.bool_]) -> Samples:
     """A foot's contact when it begins and when it ends."""
     rows = np.flatnonzero(np.diff(down.astype(np.int8), prepend=-1))
     force = np.outer(down[rows], (0.0, 0.0, 1.0))
-    return flat_samples(TIME[rows], np.full(len(rows), foot), TIME[rows] * 0, force)
+    return of_foot(foot, TIME[rows], force)
 
 
 def test_contacts_that_are_published_on_change_are_recognised() -> None:

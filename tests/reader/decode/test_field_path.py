@@ -7,7 +7,6 @@ import pytest
 from dogbot_logtool.errors import DefinitionError
 from dogbot_logtool.reader.decode.definition import Struct, parse_definition
 from dogbot_logtool.reader.decode.field_path import (
-    has_header,
     parse_field_path,
     readable_fields,
 )
@@ -90,7 +89,3 @@ def test_all_numbers_and_vectors_are_listed(state: Struct) -> None:
     paths = [path for path, _ in readable_fields(state)]
     assert {"legs[].force", "legs[].force.x", "legs[].flags[]", "loads[]", "down"} <= {*paths}
     assert not {"name", "legs[].turn"} & {*paths}
-
-
-def test_a_type_without_a_header_has_none(state: Struct) -> None:
-    assert not has_header(state)

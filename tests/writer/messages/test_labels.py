@@ -12,7 +12,7 @@ from tests.writer.annotated import ENCODINGS, declared, messages_of, no_transfor
 
 def test_labels_are_written_and_removed() -> None:
     feet = ("front_left", "front_right")
-    annotations = declared(ENCODINGS[0], feet, with_tf=False, with_labels=True)
+    annotations = declared(ENCODINGS[0], feet, with_tf=False)
     times = np.array([1, 2, 3], np.int64)
     labels = Labels(
         foot=np.array([0, 1, 1]),

@@ -22,7 +22,7 @@ def test_a_robot_description_is_a_string_of_ros(encoding: Encoding, profile: str
     stream = ReadDataStream(BytesIO(written))
     assert stream.read1() == 5
     message = records.Message.read(stream, stream.read8())
-    channel = annotations.added.channels[-1]
+    (channel,) = [c for c in annotations.added.channels if c.topic == "/robot_description"]
     assert (message.channel_id, message.log_time) == (channel.id, 42)
     assert channel.topic == "/robot_description"
     store = get_typestore(Stores.ROS1_NOETIC if profile == "ros1" else Stores.ROS2_HUMBLE)

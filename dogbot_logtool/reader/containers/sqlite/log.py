@@ -116,7 +116,7 @@ def _contents(table: MessageTable, topics: Topics, losses: list[Loss], damage: D
     counts: Counter[int] = Counter()
     for chunk in chunks:
         counts.update(chunk.counts or {})
-    if met := damage.loss():
+    if met := damage.loss(table.pages.size, table.times_around(damage.pages)):
         losses.append(met)
     for count, what in (
         (undescribed, "messages of topics that are nowhere described"),

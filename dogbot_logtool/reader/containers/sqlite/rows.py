@@ -91,6 +91,26 @@ class MessageTable:
             wanted |= (position >= first) & (position <= last)
         return self._decoded(index, with_overflow(self.pages, cells.pick(wanted)))
 
+    def times_around(self, pages: Ints) -> tuple[int | None, int | None]:
+        """Return the times, ns, of the last row before some pages and of the first behind them.
+
+        None: no such row, or the pages are none of those that hold rows.
+        """
+        index = np.flatnonzero(np.isin(self._leaves, pages))
+        if not len(index):
+            return None, None
+        before, behind = (self._times_in(int(leaf)) for leaf in (index[0] - 1, index[-1] + 1))
+        return (before[-1] if before else None), (behind[0] if behind else None)
+
+    def _times_in(self, leaf: int) -> list[int]:
+        """Return the times of the rows of a leaf page; none if there is no such page."""
+        if not 0 <= leaf < len(self._leaves):
+            return []
+        first = leaf << CELL_BITS
+        rows = self.between([(first, first | (1 << CELL_BITS) - 1)])
+        times: list[int] = rows.time[rows.sound].tolist()
+        return times
+
     def _decoded(self, index: Ints, cells: Cells) -> MessageRows:
         numbers = self._table.columns
         wanted = [numbers[name] for name in ("topic_id", "timestamp", "data")]

@@ -47,7 +47,7 @@ def check_tables(database: Database, path: Location) -> None:
     for name, needed in _NEEDED.items():
         table = database.tables.get(name)
         if table is None:
-            met = database.damage.loss()
+            met = database.damage.loss(database.pages.size, (None, None))
             what = f"but no ROS 2 bag: no table {name!r}" if met is None else f"but {met.what}"
             raise LogError(f"{shown(path)}: is a SQLite database, {what}")
         if missing := needed - table.columns.keys():

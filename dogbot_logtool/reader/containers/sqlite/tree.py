@@ -26,25 +26,43 @@ class Damage:
     """Damage that was met in the pages of a database."""
 
     def __init__(self) -> None:
-        self.pages = 0
-        """Pages that are no pages of a table, or that hold damaged rows."""
+        self._pages: list[Ints] = []
+        self.missing = 0
+        """Pages that are referred to, but not there."""
         self.rows = 0
         """Damaged rows in sound pages."""
         self.reasons: set[str] = set()
         """What else is wrong."""
+
+    @property
+    def pages(self) -> Ints:
+        """Numbers of pages that are no pages of a table, or that hold damaged rows, ascending."""
+        return np.unique(np.concatenate([*self._pages, np.empty(0, np.int64)]))
+
+    def add_pages(self, number: Ints) -> None:
+        """Take the numbers of some such pages."""
+        self._pages.append(number)
 
     def look_for_unknown(self, pages: Pages, number: Ints) -> None:
         """Look for pages that the header does not know: they were written, and it was not yet."""
         if pages.promised is not None and (number > pages.promised).any():
             self.reasons.add(UNFINISHED)
 
-    def loss(self) -> Loss | None:
-        """Return what to say of it."""
-        reasons = sorted(self.reasons)
-        for count, what in ((self.rows, "rows"), (self.pages, "pages")):
+    def loss(self, page_size: int, times: tuple[int | None, int | None]) -> Loss | None:
+        """Return what to say of it.
+
+        Args:
+            page_size: bytes.
+            times: ns, log times between which rows of these pages may be missing.
+        """
+        reasons, pages = sorted(self.reasons), self.pages
+        for count, what in ((self.rows, "rows"), (len(pages) + self.missing, "pages")):
             reasons += [f"{count} of its {what} cannot be read"] if count else []
+        if not reasons:
+            return None
         what = f"the database is damaged ({'; '.join(reasons)}): rows may be missing"
-        return Loss(0, what, 0, None) if reasons else None
+        offset = int(pages[0] - 1) * page_size if len(pages) else 0
+        return Loss(offset, what, len(pages) * page_size, None, *times)
 
 
 @dataclass(frozen=True, slots=True)
@@ -91,7 +109,7 @@ def leaves(pages: Pages, root: int, damage: Damage) -> Ints:
         if kind == _LEAF:
             return level
         if kind != _INTERIOR:
-            damage.pages += len(level)
+            damage.add_pages(level[pages.exist(level)])
             return level[:0]
         looked_at += len(level)
         level = _children(pages, level, pages.bytes // pages.size - looked_at, damage)
@@ -122,7 +140,8 @@ def _children(pages: Pages, level: Ints, most: int, damage: Damage) -> Ints:
         order = np.argsort(np.concatenate([page, last]), kind="stable")
         children = unsigned(buffer, place[order[: most + 1]], 4)
         there = pages.exist(children)
-        damage.pages += int((~sound).sum() + (~there).sum())
+        damage.add_pages(piece[~sound])
+        damage.missing += int((~there).sum())
         found.append(children[there])
         damage.look_for_unknown(pages, children)
         most -= len(children)
@@ -164,7 +183,7 @@ def cells_of(pages: Pages, number: Ints, damage: Damage) -> Cells:
     sound &= ~overfull[page]
     good &= ~overfull
     good[page[~sound]] = False
-    damage.pages += int((~good).sum())
+    damage.add_pages(number[~good])
     index = np.arange(len(page)) - np.searchsorted(page, page)
     return Cells(buffer, page, index, rowid, start, size, held, overflow).pick(sound)
 

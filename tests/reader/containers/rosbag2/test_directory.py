@@ -16,8 +16,8 @@ from dogbot_logtool.errors import CallError, LogError, LogtoolError
 from dogbot_logtool.pipeline.options import CompareOptions
 from dogbot_logtool.reader.containers.log import BATCH_SIZE
 from dogbot_logtool.reader.containers.mcap.records import read_extra
-from dogbot_logtool.reader.messages.contacts.registry import read_contacts
-from dogbot_logtool.reader.messages.contacts.source import FootChannels
+from dogbot_logtool.reader.messages.contact_messages import read_contacts
+from dogbot_logtool.reader.messages.feet import FootChannels
 from dogbot_logtool.reader.opening import open_log
 from dogbot_logtool.robot import Foot
 from tests.oracles.walks import LEGS, Entry, foot_topic, write_mcap

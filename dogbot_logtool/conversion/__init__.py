@@ -1,0 +1,1 @@
+"""The annotated log: walk and chunks, planned, annotated, copied."""

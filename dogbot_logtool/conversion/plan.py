@@ -1,0 +1,272 @@
+"""The plan of `convert` for a log, made before the first message is written."""
+
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import replace
+from typing import Final, TypeVar
+
+from dogbot_logtool.conversion.copying import channels_left_out, copy_findings
+from dogbot_logtool.core.checks.sensors import sensor_findings
+from dogbot_logtool.core.frames.wrench_frame import WrenchFrame
+from dogbot_logtool.core.load.loads import body_weight_n
+from dogbot_logtool.core.scene.arrows import ArrowScale, arrow_scale
+from dogbot_logtool.core.scene.styles import ARROW_STYLES, ArrowStyle
+from dogbot_logtool.dataclass import dataclass
+from dogbot_logtool.errors import CallError, LogError
+from dogbot_logtool.finding import Finding
+from dogbot_logtool.pipeline.frames.world_frames import WorldFrames, follow_frames
+from dogbot_logtool.pipeline.options import ConvertOptions
+from dogbot_logtool.pipeline.probe import Probe, frame_names, usable_clock
+from dogbot_logtool.pipeline.probe_findings import probe_findings
+from dogbot_logtool.pipeline.robot_model.description import RobotDescription, robot_description
+from dogbot_logtool.pipeline.sensors import LearntSensors
+from dogbot_logtool.pipeline.time_span import time_limits
+from dogbot_logtool.pipeline.topics.selection import Selection, nothing_to_do
+from dogbot_logtool.reader.containers.log import Channel, Log
+from dogbot_logtool.writer.encodings.registry import ENCODINGS, OutputEncoding
+
+Entry = TypeVar("Entry")
+_MOST_FEET: Final = 16
+"""Feet for which support is drawn: the work grows with the cube of their number."""
+
+
+@dataclass(frozen=True, slots=True)
+class ConversionPlan:
+    """The plan of `convert` for one log."""
+
+    selection: Selection
+    options: ConvertOptions
+    style: ArrowStyle
+    encoding: OutputEncoding
+    world_frame: str
+    base_frame: str
+    write_tf: bool
+    frames: WorldFrames | None
+    """How the links' frames are connected to the world; None: not needed, or not connected."""
+    body_weight_n: float | None
+    arrow_scale: ArrowScale
+    draws_support: bool
+    """Whether `/support` is written."""
+    description: RobotDescription
+    """Of the robot, with hips only where the lines of `/legs` are drawn."""
+    opening: int | None
+    """ns, log time of the output's first message; None: the log is empty."""
+    findings: tuple[Finding, ...]
+    left_out: frozenset[int] = frozenset()
+    """Ids of the channels that are not copied."""
+
+
+def make_plan(
+    log: Log, selection: Selection, probe: Probe, learnt: LearntSensors, options: ConvertOptions
+) -> ConversionPlan:
+    """Decide what to do.
+
+    Args:
+        log: the log.
+        selection: its topics.
+        probe: what was seen of its frames.
+        learnt: how the feet's sensors read.
+        options: what the user asks for.
+
+    Raises:
+        LogError: the log has neither odometry nor contacts.
+        CallError: no such style or encoding; the log has no messages at the wanted times.
+    """
+    style = _registered(ARROW_STYLES, "arrow style", options.style)
+    encoding = _registered(ENCODINGS, "encoding", options.encoding)
+    if not selection.odometry and not selection.contacts:
+        raise LogError(nothing_to_do(log, selection))
+    robot = selection.robot
+    findings = [*selection.findings, *probe_findings(selection, probe)]
+    world, base = frame_names(robot, probe)
+    wrench_frame = _wrench_frame(probe, options)
+    known_weight_n = body_weight_n(robot.mass_kg)
+    weight_n = known_weight_n or learnt.estimated_weight_n
+    findings.extend(sensor_findings([foot.name for foot in robot.feet], learnt.feet, weight_n))
+    draws_support = _can_draw_support(selection, probe, findings)
+    frames = follow_frames(
+        selection,
+        probe,
+        world,
+        base,
+        usable_clock(selection, probe),
+        turn_forces=wrench_frame is WrenchFrame.LINK,
+        place_sensors=True,
+    )
+    # A scale of the robot's file has colours of its own.
+    scale_n = known_weight_n if robot.newtons_per_metre is not None else weight_n
+    findings.extend(_arrow_findings(selection, style, frames, wrench_frame, scale_n))
+    left_out = channels_left_out(log, options)
+    findings.extend(copy_findings(log, options, left_out))
+    start_time, _ = time_limits(log, options.start_s, options.end_s)
+    description = robot_description(log, selection, probe, base, options.urdf, copy=options.copy)
+    findings.extend(description.findings)
+    return ConversionPlan(
+        selection=selection,
+        options=options,
+        style=style,
+        encoding=encoding,
+        world_frame=world,
+        base_frame=base,
+        write_tf=_write_tf(selection, probe, options, (world, base), left_out, findings),
+        frames=frames,
+        body_weight_n=known_weight_n,
+        arrow_scale=arrow_scale(robot.newtons_per_metre, weight_n, description.height_m),
+        draws_support=draws_support,
+        description=replace(
+            description,
+            hips=description.hips if draws_support else None,
+            motion=description.motion if options.tf != "never" else None,
+        ),
+        opening=log.start_time if start_time is None else start_time,
+        findings=tuple(dict.fromkeys(findings)),
+        left_out=left_out,
+    )
+
+
+def _arrow_findings(
+    selection: Selection,
+    style: ArrowStyle,
+    frames: WorldFrames | None,
+    wrench_frame: WrenchFrame,
+    weight_n: float | None,
+) -> Iterator[Finding]:
+    """Yield findings about what arrows of a style lack.
+
+    Args:
+        selection: topics of the feet.
+        style: of the arrows.
+        frames: how links hang in the world.
+        wrench_frame: of the recorded forces.
+        weight_n: N, by which arrows may be coloured; None: not known.
+    """
+    yield from _without_points(selection, frames)
+    if style.needs_directions and wrench_frame is not WrenchFrame.WORLD:
+        yield from _magnitude_only(selection, frames)
+    if style.coloured_by_weight and not weight_n:
+        text = "the robot's mass is unknown: arrows are coloured by newtons (give it with --mass)"
+        yield Finding("MASS_UNKNOWN", text)
+    if style.needs_contact_states:
+        yield from _without_states(selection, style)
+
+
+def _registered(registry: Mapping[str, Entry], kind: str, name: str) -> Entry:
+    """Return an entry of a registry.
+
+    Raises:
+        CallError: it has no such entry.
+    """
+    if name not in registry:
+        raise CallError(f"there is no {kind} {name!r}; known: {', '.join(registry)}")
+    return registry[name]
+
+
+def _wrench_frame(probe: Probe, options: ConvertOptions) -> WrenchFrame:
+    """Return the frame of the recorded wrenches: the user's, else the one that the probe found."""
+    if options.wrench_frame == "auto":
+        return probe.wrench_frame.frame
+    return WrenchFrame(options.wrench_frame)
+
+
+def _without_points(selection: Selection, frames: WorldFrames | None) -> Iterator[Finding]:
+    """Yield findings about sensors with forces but without contact points."""
+    points = frames.points if frames else (None,) * len(selection.robot.feet)
+    at_frames: list[str] = []
+    nowhere: list[str] = []
+    for number, (foot, point) in enumerate(zip(selection.robot.feet, points, strict=True)):
+        sources = selection.sources_of(number)
+        if point is not None and point.recorded:
+            continue
+        if point is not None:
+            at_frames.append(f"{foot.name} at {point.frame}")
+        elif selection.knows_force(number) and any(
+            source.in_base or not source.has_points for source in sources
+        ):
+            nowhere.append(foot.name)
+    if at_frames:
+        text = f"sensors without contact points: arrows start at frames, {', '.join(at_frames)}"
+        yield Finding("TRANSFORMS_MISSING", text, cases=("none",))
+    if nowhere:
+        text = (
+            f"no contact point and no frame known for {', '.join(nowhere)}: loads are written, "
+            "but no arrows (set `frame` in the robot's file)"
+        )
+        yield Finding("NOT_DRAWN", text, cases=("no_points",))
+
+
+def _magnitude_only(selection: Selection, frames: WorldFrames | None) -> Iterator[Finding]:
+    """Yield a finding about feet of which only the magnitude of the force is known."""
+    feet = selection.robot.feet
+    links = frames.links if frames else (None,) * len(feet)
+    lacking = [foot.name for foot, link in zip(feet, links, strict=True) if link is None]
+    if lacking:
+        whose = "" if len(lacking) == len(feet) else f" of {', '.join(lacking)}"
+        text = (
+            f"only the magnitude of forces{whose} is known: arrows point along the contact normals"
+        )
+        yield Finding("NOT_DRAWN", text)
+
+
+def _without_states(selection: Selection, style: ArrowStyle) -> list[Finding]:
+    return [
+        Finding("NOT_DRAWN", f"{source.type_name} has no contact states: no {style.name} arrows")
+        for source in selection.sources
+        if source.has_force and not source.has_points
+    ]
+
+
+def _write_tf(
+    selection: Selection,
+    probe: Probe,
+    options: ConvertOptions,
+    frames: tuple[str, str],
+    left_out: frozenset[int],
+    findings: list[Finding],
+) -> bool:
+    if not selection.odometry or options.tf == "never":
+        return False
+    world, base = frames
+    may_repeat = options.tf == "always"
+    from_transforms = selection.base is not None and selection.base.source.is_transform
+    if from_transforms and not may_repeat and _copies(selection.odometry, options, left_out):
+        text = f"the log's own transforms place {base} in {world}: /tf is not written again"
+        findings.append(Finding("TF_NOT_WRITTEN", text))
+        return False
+    # The same transform twice is harmless; only another parent breaks the tree.
+    others = probe.parents.get(base, frozenset()) - {world}
+    if others and not may_repeat and _copies(selection.transforms, options, left_out):
+        findings.append(_second_parent(base, sorted(others)))
+        return False
+    return True
+
+
+def _copies(channels: Iterable[Channel], options: ConvertOptions, left_out: frozenset[int]) -> bool:
+    """Tell whether the output has recorded messages of some channels."""
+    return options.copy and any(channel.id not in left_out for channel in channels)
+
+
+def _second_parent(base: str, parents: list[str]) -> Finding:
+    text = (
+        f"the log's own transforms already give {base} a parent ({', '.join(parents)}): /tf is not "
+        "written, since a second one would break the tree (--tf always writes it)"
+    )
+    return Finding("TF_NOT_WRITTEN", text, cases=("other_parent",))
+
+
+def _can_draw_support(selection: Selection, probe: Probe, findings: list[Finding]) -> bool:
+    """Tell whether the log has what support needs; a finding says what it lacks."""
+    robot = selection.robot
+    why_not = ""
+    if not selection.odometry:
+        why_not = "the log has no odometry"
+    elif not any(source.has_points for source in selection.sources):
+        why_not = "the log has no contact points"
+    elif len(robot.feet) > _MOST_FEET:
+        why_not = f"the robot has {len(robot.feet)} feet, more than {_MOST_FEET}"
+    if why_not:
+        findings.append(Finding("NO_SUPPORT_DRAWN", f"/support is not written: {why_not}"))
+        return False
+    idle = [foot.name for number, foot in enumerate(robot.feet) if number not in probe.touching]
+    if idle:
+        text = f"no contact was seen of {', '.join(idle)}: /support has no polygon"
+        findings.append(Finding("NO_SUPPORT_DRAWN", text))
+    return True

@@ -1,0 +1,181 @@
+"""The second pass: spans of chunks are copied and annotated, by any worker, in any order."""
+
+from collections.abc import Iterator, Mapping, Sequence
+
+import numpy as np
+
+from dogbot_logtool.conversion.annotate import DrawnCounts, Scene, annotations_between
+from dogbot_logtool.conversion.copying import copied_chunks, unread_chunks
+from dogbot_logtool.conversion.plan import ConversionPlan
+from dogbot_logtool.core.geometry.arrays import Ints
+from dogbot_logtool.core.scene.styles import LIFETIME_S
+from dogbot_logtool.dataclass import dataclass
+from dogbot_logtool.reader.containers.log import Log
+from dogbot_logtool.reader.decode.definition import short_type_name
+from dogbot_logtool.reader.part import ReadSpan
+from dogbot_logtool.reader.wanted import TimeLimits
+from dogbot_logtool.writer.annotations import Annotations, WantedAnnotations
+from dogbot_logtool.writer.channels import AddedChannels, IdSource
+from dogbot_logtool.writer.chunks import Compression, FinishedChunk, finish_chunks
+from dogbot_logtool.writer.encodings.encoding import ArrowLook, MessageType, SupportLook
+from dogbot_logtool.writer.message_records import MessageRecords, recorded
+from dogbot_logtool.writer.messages.robot_description import description_type
+from dogbot_logtool.writer.topics import FALLBACK_PREFIX
+
+_TIMES = np.iinfo(np.int64)
+
+
+@dataclass(frozen=True, slots=True)
+class WrittenSpan:
+    """A span of chunks as chunks of the output."""
+
+    chunks: tuple[FinishedChunk, ...]
+    counts: DrawnCounts
+
+
+@dataclass(frozen=True, slots=True)
+class CutSpan:
+    """A span of chunks, and the log times that are annotated with it."""
+
+    read: ReadSpan
+    start: int
+    """ns."""
+    end: int
+    """ns, the first that is not."""
+
+
+def cut_spans(spans: Sequence[ReadSpan]) -> list[CutSpan]:
+    """Give every log time to one span: up to where the next one begins."""
+    first = [_TIMES.min if span.start is None else span.start for span in spans]
+    cuts = np.maximum.accumulate(np.array([*first, _TIMES.max], np.int64))
+    cuts[0] = _TIMES.min
+    times = zip(cuts[:-1].tolist(), cuts[1:].tolist(), strict=True)
+    return [CutSpan(span, *each) for span, each in zip(spans, times, strict=True)]
+
+
+@dataclass(frozen=True, slots=True)
+class SpanWriter:
+    """Copies and annotates spans."""
+
+    scene: Scene
+    annotations: Annotations
+    limits: TimeLimits
+
+    @property
+    def _compression(self) -> Compression:
+        return self.scene.plan.options.compression or "zstd"
+
+    def __call__(self, log: Log, span: CutSpan) -> WrittenSpan:
+        """Return the chunks of a span; those that are copied unread are left to `unread`."""
+        plan, batch = self.scene.plan, None
+        if not self.copies_unread(span.read) or plan.style.needs_contact_states:
+            batch = log.read(span.read.chunks).cropped(*self.limits)
+        ordered = batch.in_time_order() if batch and plan.style.needs_contact_states else None
+        columns, counts = annotations_between(self.scene, span.start, span.end, ordered)
+        chunks: list[FinishedChunk] = []
+        if batch is not None and plan.options.copy and not self.copies_unread(span.read):
+            kept = batch.without(plan.left_out) if plan.left_out else batch
+            verbatim, wanted = log.copies_chunks, plan.options.compression
+            chunks += copied_chunks(kept, wanted, verbatim=verbatim)
+        for messages in self.annotations.messages(columns):
+            chunks += finish_chunks(messages, self._compression)
+        for messages in event_records(self.annotations, self.scene, span.start, span.end):
+            chunks += finish_chunks(messages, self._compression)
+        return WrittenSpan(tuple(chunks), counts)
+
+    def copies_unread(self, span: ReadSpan) -> bool:
+        """Tell whether the chunks of a span go into the output as they stand."""
+        plan = self.scene.plan
+        stored = {chunk.compression or "none" for chunk in span.chunks}
+        fits = plan.options.compression is None or stored == {plan.options.compression}
+        return span.is_whole and fits and plan.options.copy and not plan.left_out
+
+    def unread(self, log: Log, span: ReadSpan) -> Iterator[FinishedChunk]:
+        """Yield the chunks of a span that are copied as they stand."""
+        if self.copies_unread(span):
+            yield from unread_chunks(log, span.chunks)
+
+
+def event_records(
+    annotations: Annotations, scene: Scene, start: int, end: int
+) -> list[MessageRecords]:
+    """Return the messages of `/gait` and `/events` of a span of log time, ns, a group each."""
+    encoding, channels = annotations.encoding, annotations.event_channels
+    gait, event = (
+        slice(*np.searchsorted(each, [start, end]).tolist())
+        for each in (scene.gait_log_time, scene.event_log_time)
+    )
+    gaits, events = scene.gaits[gait], scene.events[event]
+    log_time = scene.event_log_time[event]
+    # A viewer's timeline shows what calls for a look; steps are in the log panel.
+    odd = [row for row, each in enumerate(events) if not each.is_step]
+    parts: list[tuple[int, list[bytes], Ints]] = [
+        (channels.gait, [encoding.gait(each) for each in gaits], scene.gait_log_time[gait]),
+        (channels.events, [encoding.event(each) for each in events], log_time),
+    ]
+    if channels.spans is not None:
+        spans = [encoding.span(events[row]) for row in odd]
+        parts.append((channels.spans, spans, log_time[odd]))
+    return [_records(*part) for part in parts if part[1]]
+
+
+def _records(channel: int, payloads: Sequence[bytes], log_time: Ints) -> MessageRecords:
+    size = np.array([len(each) for each in payloads], np.int64)
+    end = np.cumsum(size)
+    count = len(payloads)
+    return recorded(
+        np.full(count, channel, np.int64),
+        np.zeros(count, np.int64),
+        log_time,
+        log_time,
+        np.frombuffer(b"".join(payloads), np.uint8),
+        end - size,
+        end,
+    )
+
+
+def annotations_of(log: Log, plan: ConversionPlan) -> tuple[Annotations, Mapping[str, str]]:
+    """Return the annotation channels of a log's output.
+
+    Returns:
+        the channels, and by topic the new names of those that the log uses for something else.
+    """
+    options, robot = plan.options, plan.selection.robot
+    copied = log.channels.values() if options.copy else ()
+    taken = {channel.topic: channel for channel in copied if channel.id not in plan.left_out}
+    moved: dict[str, str] = {}
+
+    def resolve_topic(topic: str, kind: MessageType) -> str:
+        """Return a topic that carries no other type or encoding."""
+        name = topic
+        while (existing := taken.get(name)) is not None:
+            ours = short_type_name(kind.name), kind.message_encoding
+            if (existing.type_name, existing.message_encoding) == ours:
+                break
+            name = FALLBACK_PREFIX + name
+        if name != topic:
+            moved[topic] = name
+        return name
+
+    profile = plan.encoding.profile or (log.profile if options.copy else "")
+    description, fixed = plan.description, plan.style.shaft_diameter_m
+    # At a low rate, support lasts until the next message.
+    lifetime_s = max(LIFETIME_S, 2.0 / options.tf_rate_hz if options.tf_rate_hz else 0.0)
+    look = SupportLook(robot.shaft_diameter_m / 2.0, robot.shaft_diameter_m, lifetime_s)
+    shaft_m = robot.shaft_diameter_m if fixed is None else fixed
+    wanted = WantedAnnotations(
+        [foot.name for foot in robot.feet],
+        plan.world_frame,
+        plan.base_frame,
+        ArrowLook(shaft_m, plan.style.lifetime_s),
+        base_transform=plan.write_tf,
+        links=description.motion.pairs if description.motion else (),
+        support=look if plan.draws_support else None,
+        legs=None if description.hips is None else look,
+        description=description_type(profile) if description.urdf is not None else None,
+    )
+    # Chunks that are copied as they are may describe channels that are left out.
+    schema_ids = IdSource({channel.schema.id for channel in copied if channel.schema})
+    channel_ids = IdSource({channel.id for channel in copied})
+    added = AddedChannels(schema_ids, channel_ids, resolve_topic)
+    return Annotations(plan.encoding.load(), wanted, added), moved

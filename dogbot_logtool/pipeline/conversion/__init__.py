@@ -1,1 +1,0 @@
-"""The plan of `convert`, the way through a batch, and each step."""

@@ -1,1 +1,0 @@
-"""Sources of the base's poses: one file a kind of message."""

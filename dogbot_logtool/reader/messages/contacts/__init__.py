@@ -1,1 +1,0 @@
-"""Contacts of feet from every kind of message: one small adapter a message type."""

@@ -1,0 +1,119 @@
+"""The load on a foot, in newtons and in body weights, and where feet fall silent."""
+
+import math
+from typing import Final
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from dogbot_logtool.core.contact.contact_rule import ContactRule
+from dogbot_logtool.core.load.loads import body_weight_n
+from dogbot_logtool.core.scene.feet import LoadState
+from dogbot_logtool.core.scene.loads import Loads, foot_loads, silences
+from tests.core.scene.drawn_feet import MS, NOWHERE, foot_of
+
+DOGBOT_KG: Final = 21.261
+
+
+def loads_of(*vertical: float, weight_n: float | None = None, opening: int = 0) -> Loads:
+    """Loads of a foot that tells one each 10 ms, from 10 ms on."""
+    rule = ContactRule(on_n=10.0, off_n=4.0, debounce_s=0.0)
+    messages = [(10.0 * (row + 1), force, NOWHERE) for row, force in enumerate(vertical)]
+    return foot_loads(foot_of(messages, rule), slice(0, len(vertical)), weight_n, opening)
+
+
+def test_the_weight_of_dogbot() -> None:
+    assert body_weight_n(DOGBOT_KG) == pytest.approx(208.57, abs=0.01)
+
+
+def test_a_robot_of_unknown_mass_has_no_weight() -> None:
+    assert body_weight_n(None) is None
+
+
+@settings(max_examples=50, deadline=None)
+@given(st.lists(st.floats(-1e4, 1e4), max_size=10))
+def test_the_load_is_the_magnitude_of_the_force(forces: list[float]) -> None:
+    loads = loads_of(*forces, weight_n=208.5, opening=10 * MS)
+    magnitudes = [math.sqrt(force * force) for force in forces]
+    assert loads.force.tolist() == magnitudes
+    assert loads.body_weights.tolist() == [magnitude / 208.5 for magnitude in magnitudes]
+
+
+def test_body_weights_are_unknown_without_a_weight() -> None:
+    assert np.isnan(loads_of(12.0, 0.0).body_weights).all()
+
+
+@pytest.mark.parametrize("force", [math.nan, math.inf, 1e200])
+def test_what_is_not_finite_stays_so(force: float) -> None:
+    loads = loads_of(5.0, force, weight_n=100.0, opening=10 * MS)
+    assert np.isfinite(loads.force).tolist() == [True, False]
+    assert np.isfinite(loads.body_weights).tolist() == [True, False]
+
+
+def test_states_are_those_of_contact_detection() -> None:
+    loads = loads_of(5.0, 20.0, 5.0, 2.0, math.nan, 2.0, opening=10 * MS)
+    assert [LoadState(state) for state in loads.state.tolist()] == [
+        LoadState.SWING,
+        LoadState.STANCE,
+        LoadState.STANCE,
+        LoadState.SWING,
+        LoadState.UNKNOWN,
+        LoadState.SWING,
+    ]
+    assert loads.in_contact.tolist() == [False, True, True, False, True, False]
+
+
+def test_the_first_load_stands_at_the_log_s_first_time_if_near() -> None:
+    loads = loads_of(20.0, 30.0)
+    assert loads.log_time.tolist() == [0, 10 * MS, 20 * MS]
+    assert loads.stamp.tolist() == [0, 10 * MS + 5, 20 * MS + 5]
+    assert loads.force.tolist() == [20.0, 20.0, 30.0]
+    assert loads_of(20.0, opening=10 * MS).log_time.tolist() == [10 * MS]
+    assert loads_of(20.0, opening=-100 * MS).log_time.tolist() == [10 * MS]
+
+
+def silent(times_ms: list[int], end_ms: int, opening_ms: int = 0) -> list[int]:
+    """The times, ms, from which one foot is unknown."""
+    foot = foot_of([(time, 50.0, NOWHERE) for time in times_ms])
+    rows = silences([foot], opening_ms * MS, end_ms * MS)
+    assert set(rows.state.tolist()) <= {LoadState.UNKNOWN}
+    assert np.isnan(rows.force).all()
+    times: list[int] = (rows.log_time // MS).tolist()
+    return times
+
+
+def test_a_gap_begins_when_the_next_message_is_due() -> None:
+    assert silent([10, 20, 30, 200, 210], 215) == [40]
+
+
+def test_a_foot_that_speaks_throughout_is_never_unknown() -> None:
+    assert silent(list(range(0, 1000, 10)), 1000) == []
+
+
+def test_a_dead_foot_is_unknown_from_the_first_time_on() -> None:
+    assert silent([], 1000, 7) == [7]
+
+
+def test_a_foot_that_dies_is_unknown_to_the_end() -> None:
+    assert silent([0, 10, 20], 500) == [30]
+
+
+def test_a_foot_that_begins_late_is_unknown_before() -> None:
+    assert silent([300, 310], 320) == [0]
+
+
+def test_a_slow_sensor_is_not_silent() -> None:
+    assert silent(list(range(0, 4000, 200)), 4500) == []
+    assert silent(list(range(0, 4000, 200)), 6000) == [4000]
+
+
+def test_silences_of_all_feet_are_in_the_order_of_time() -> None:
+    feet = [
+        foot_of([(time, 50.0, NOWHERE) for time in times], number=number)
+        for number, times in enumerate([[0, 10, 20], [], [0, 10]])
+    ]
+    rows = silences(feet, 0, 500 * MS)
+    assert rows.foot.tolist() == [1, 2, 0]
+    assert (np.diff(rows.log_time) >= 0).all()

@@ -1,0 +1,106 @@
+"""Paths to fields of a message: which bytes they read, of whole and of odd arrays."""
+
+from typing import Final
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from dogbot_logtool.reader.decode.columns import Nested, Table
+from dogbot_logtool.reader.decode.definition import parse_definition
+from dogbot_logtool.reader.decode.fields import Kind, check_fields
+from dogbot_logtool.reader.decode.message_layout import ELEMENT
+from dogbot_logtool.reader.decode.paths import MOST_ELEMENTS, Want, merged, path_of
+
+STATE: Final = parse_definition(
+    "odd/State",
+    """\
+Leg[] legs
+float64[4] loads
+float32[] cells
+int8 mode
+================================================================================
+MSG: odd/Leg
+float64 force
+string name
+uint8[2] flags
+""",
+    "ros2msg",
+)
+
+
+@pytest.mark.parametrize(
+    ("text", "want"),
+    [
+        ("mode", "number"),
+        ("mode&8", "number"),
+        ("legs[].name", "text"),
+        ("legs[2].force", "number"),
+        ("legs[-1].force", "number"),
+        ("legs[].flags[1]", "number"),
+        ("loads[0:3 by 3]", "xyz"),
+        ("loads[3]", "number"),
+        ("cells[6:9 by 3 of 18+]", "xyz"),
+    ],
+)
+def test_paths_that_a_definition_has(text: str, want: Want) -> None:
+    check_fields(STATE, path_of(text, want, STATE).fields, "odd/State")
+
+
+@pytest.mark.parametrize("text", ["", ".", "a..b", "a[", "a[-2]", "a[1:2:3]", "a[9999999]", "1a"])
+def test_what_is_no_path_is_refused(text: str) -> None:
+    if text:
+        with pytest.raises(ValueError, match="is no path of a field"):
+            path_of(text, "number")
+    else:
+        assert path_of(text, "number").leaf == ""
+
+
+def test_fields_of_one_array_are_decoded_together() -> None:
+    paths = [path_of("legs[].name", "text", STATE), path_of("legs[].force", "number", STATE)]
+    (legs,) = merged(field for path in paths for field in path.fields)
+    assert (legs.kind, [field.path for field in legs.inside]) == (Kind.TABLE, ["name", "force"])
+
+
+def table(lists: list[list[float]], order: list[int]) -> Table:
+    """An array of numbers in each message; the messages' elements are interleaved as ordered."""
+    pairs = [(row, value) for row, values in enumerate(lists) for value in values]
+    pairs = sorted(pairs, key=lambda pair: order[pair[0]])
+    parent = np.array([row for row, _ in pairs], np.int64)
+    run = np.array([(value,) for _, value in pairs], [(ELEMENT, "<f8")])
+    return Table(len(lists), (), {"cells": Nested(parent, Table(len(pairs), (run,), {}))})
+
+
+@given(
+    st.lists(st.lists(st.floats(-9, 9), max_size=MOST_ELEMENTS + 3), min_size=1, max_size=6),
+    st.permutations(range(6)),
+    st.integers(0, 20),
+)
+def test_elements_are_those_of_each_message(
+    lists: list[list[float]], order: list[int], index: int
+) -> None:
+    given_lists = table(lists, order)
+    (one,) = path_of(f"cells[{index}]", "number").values(given_lists).T[0]
+    expected = [values[index] if index < len(values) else np.nan for values in lists]
+    np.testing.assert_array_equal(one, expected)
+
+    last = path_of("cells[-1]", "number").values(given_lists)[:, 0, 0]
+    np.testing.assert_array_equal(last, [values[-1] if values else np.nan for values in lists])
+
+    every = path_of("cells[]", "number").values(given_lists)[:, :, 0]
+    most = min(max(map(len, lists)), MOST_ELEMENTS)
+    padded = [(values + [np.nan] * most)[:most] for values in lists]
+    np.testing.assert_array_equal(every, np.array(padded).reshape(len(lists), most))
+
+
+@pytest.mark.parametrize(
+    ("condition", "fits"), [("of 6", [6]), ("of 6+", [6, 7]), ("", [4, 5, 6, 7])]
+)
+def test_vectors_of_arrays_of_another_length_are_not_known(condition: str, fits: list[int]) -> None:
+    lists = [[float(number) for number in range(length)] for length in (3, 4, 5, 6, 7)]
+    path = path_of(f"cells[1:4 by 3 {condition}]".replace(" ]", "]"), "xyz")
+    found = path.values(table(lists, list(range(6))))
+    assert found.shape == (5, 1, 3)
+    for values, row in zip(lists, found[:, 0], strict=True):
+        assert np.isnan(row).all() if len(values) not in fits else row.tolist() == [1.0, 2.0, 3.0]

@@ -1,0 +1,273 @@
+"""The synthetic walk in messages that tell of all feet: the same contacts, forces and arrows."""
+
+from collections.abc import Callable
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from mcap.reader import make_reader
+from mcap_ros2.decoder import DecoderFactory
+from rosbags.typesys import get_types_from_msg
+
+from dogbot_logtool.commands.convert import convert
+from dogbot_logtool.commands.info import describe
+from dogbot_logtool.commands.stats import measure
+from dogbot_logtool.pipeline.options import ConvertOptions, StatsOptions, TopicOptions
+from dogbot_logtool.report.documents.stats_json import stats_json
+from tests.oracles import state_walks, walks
+from tests.oracles.state_walks import StateWalk
+from tests.reader.messages.test_sources import steps
+
+Figures = Callable[[str], dict[str, Any]]
+POINTS = ("quad_msgs/msg/GRFArray", "go2_interfaces/msg/Go2State", "dwl_msgs/msg/WholeBodyState")
+"""Kinds with points in the world, and from the base in swing, too, or only in stance."""
+FRAMES = (
+    "quad_msgs/msg/GRFArray",
+    "anymal_msgs/msg/AnymalState",
+    "pronto_msgs/msg/QuadrupedForceTorqueSensors",
+)
+"""Kinds with forces in the world, by evidence, and in a frame that nobody knows."""
+
+
+def written(folder: Path, kind: str, walk: StateWalk | None = None) -> Path:
+    """Write the walk into an MCAP file."""
+    path = folder / "walk.mcap"
+    entries = state_walks.messages(kind) if walk is None else list(walk.messages(kind))
+    walks.write_mcap(path, walk or StateWalk(2), entries)
+    return path
+
+
+def options(folder: Path, kind: str) -> TopicOptions:
+    """Return no options but a mass; raw sensors need the robot's file."""
+    if kind in state_walks.RAW:
+        return TopicOptions(robot=str(robot_file(folder)))
+    return TopicOptions(mass_kg=walks.MASS_KG)
+
+
+def robot_file(folder: Path) -> Path:
+    return walks.robot_file(folder, "unitree_go/msg/SportModeState")
+
+
+def figures(path: Path, topics: TopicOptions) -> dict[str, Any]:
+    done = measure(path, StatsOptions(topics))
+    return stats_json(done.stats, done.facts)
+
+
+@pytest.fixture(scope="module")
+def figures_of(tmp_path_factory: pytest.TempPathFactory) -> Figures:
+    """Figures of the walk in a kind of message, measured once."""
+
+    @cache
+    def measured(kind: str) -> dict[str, Any]:
+        folder = tmp_path_factory.mktemp("walk")
+        return figures(written(folder, kind), options(folder, kind))
+
+    return measured
+
+
+@pytest.mark.parametrize("kind", FRAMES)
+def test_forces_are_those_of_the_walk(figures_of: Figures, kind: str) -> None:
+    got = figures_of(kind)
+    for leg in walks.LEGS:
+        vertical = walks.FORCES[leg][:, 2]
+        peak = got["feet"][leg]["peak_force_n"]
+        assert (peak["min"], peak["max"]) == pytest.approx((vertical.max(),) * 2, rel=2e-5)
+        impulse = got["feet"][leg]["vertical_impulse_ns"]
+        if kind in (*state_walks.IN_WORLD, "anymal_msgs/msg/AnymalState"):
+            times = np.arange(walks.SAMPLES) * walks.STEP / 1e9
+            assert impulse == pytest.approx(np.trapezoid(vertical, times), rel=1e-6)
+        else:
+            assert impulse is None
+
+
+@pytest.mark.parametrize("kind", POINTS)
+def test_arrows_start_at_the_feet(tmp_path: Path, kind: str) -> None:
+    path, target = written(tmp_path, kind), tmp_path / "out.mcap"
+    convert(path, target, ConvertOptions(options(tmp_path, kind), encoding="ros2", copy=False))
+    places, feet, lengths = [], [], set()
+    topics = [f"/marker_basic_{leg}_foot" for leg in walks.LEGS]
+    with target.open("rb") as stream:
+        reader = make_reader(stream, decoder_factories=[DecoderFactory()])
+        for _, channel, message, marker in reader.iter_decoded_messages(topics):
+            leg = channel.topic.removeprefix("/marker_basic_").removesuffix("_foot")
+            sample = (message.log_time - walks.START) // walks.STEP
+            if marker.action != 0:
+                continue
+            assert walks.TOUCHES[leg][sample]
+            at = marker.pose.position
+            places.append((at.x, at.y, at.z))
+            feet.append(state_walks.foot_position(leg, sample))
+            lengths.add(round(marker.scale.x / walks.FORCES[leg][sample, 2], 8))
+    assert len(lengths) == 1
+    assert len(places) == sum(int(touch.sum()) for touch in walks.TOUCHES.values())
+    np.testing.assert_allclose(places, feet, rtol=0.0, atol=1e-6)
+
+
+@pytest.mark.parametrize("kind", POINTS)
+def test_stride_length_comes_from_the_feet(figures_of: Figures, kind: str) -> None:
+    got = figures_of(kind)
+    for leg in walks.LEGS:
+        length = got["feet"][leg]["stride_length_m"]
+        assert length["median"] == pytest.approx(0.003 * walks.PERIOD, abs=1e-5)
+        assert got["feet"][leg]["contact_travel_m"]["max"] == pytest.approx(0.0, abs=1e-5)
+
+
+@pytest.mark.parametrize("kind", state_walks.KINDS)
+def test_what_is_planned_is_called_planned(tmp_path: Path, kind: str) -> None:
+    told = describe(written(tmp_path, kind), TopicOptions())
+    (use,) = [topic.use for topic in told.topics if topic.topic == "/feet"]
+    said = "PLANNED" in {finding.code for finding in told.findings}
+    assert (use.startswith("planned feet "), said) == ((kind in state_walks.PLANNED),) * 2
+
+
+def test_measured_forces_are_taken_before_commanded_ones(tmp_path: Path) -> None:
+    kind, walk = "quad_msgs/msg/GRFArray", StateWalk(2)
+    entries = [
+        walks.Entry(topic, entry.kind, entry.log_time, entry.data)
+        for entry in walk.messages(kind)
+        for topic in (("/control/grfs", "/state/grfs") if entry.kind == kind else (entry.topic,))
+    ]
+    walks.write_mcap(tmp_path / "walk.mcap", walk, entries)
+    uses = {t.topic: t.use for t in describe(tmp_path / "walk.mcap", TopicOptions()).topics}
+    assert uses["/state/grfs"].startswith("feet ")
+    assert uses["/control/grfs"] == ""
+
+
+class WithArm(StateWalk):
+    """A robot whose messages tell of a gripper, too."""
+
+    def _syropod_highlevel_controller(self, kind: str, sample: int) -> Any:
+        message = super()._syropod_highlevel_controller(kind, sample)
+        message.name = ["gripper", *(f"{name[:2]}_foot" for name in message.name)]
+        message.wrench = [self.wrench((0.0, 0.0, -12.0)), *message.wrench]
+        return message
+
+
+def test_a_gripper_among_feet_is_no_foot(tmp_path: Path) -> None:
+    path = written(tmp_path, "syropod_highlevel_controller/msg/TipState", WithArm(2))
+    got = figures(path, TopicOptions(mass_kg=walks.MASS_KG))
+    assert set(got["feet"]) == set(walks.LEGS)
+    for leg in walks.LEGS:
+        assert got["feet"][leg]["touchdown_s"] == pytest.approx(steps(leg)[0], abs=1e-6)
+
+
+class Unflagged(StateWalk):
+    """A publisher that never sets its flags."""
+
+    def _flags(self, sample: int, legs: Any = walks.LEGS) -> Any:
+        return np.zeros_like(super()._flags(sample, legs))
+
+
+def test_flags_that_are_never_set_do_not_decide(tmp_path: Path) -> None:
+    path = written(tmp_path, state_walks.KINDS[0], Unflagged(2))
+    got = figures(path, TopicOptions(mass_kg=walks.MASS_KG))
+    assert "FLAGS_CONTRADICTED" in {finding["code"] for finding in got["findings"]}
+    for leg in walks.LEGS:
+        assert got["feet"][leg]["touchdown_s"] == pytest.approx(steps(leg)[0], abs=1e-6)
+
+
+class Shifted(StateWalk):
+    """A plan whose flags end contact before the force does."""
+
+    def _flags(self, sample: int, legs: Any = walks.LEGS) -> Any:
+        return super()._flags(min(sample + 4, walks.SAMPLES - 1), legs)
+
+
+def test_flags_decide_contact_where_forces_say_otherwise(tmp_path: Path) -> None:
+    path = written(tmp_path, state_walks.KINDS[0], Shifted(2))
+    got = figures(path, TopicOptions(mass_kg=walks.MASS_KG))
+    assert "FLAGS_CONTRADICTED" in {finding["code"] for finding in got["findings"]}
+    for leg in walks.LEGS:
+        expected = [time - 0.04 for time in steps(leg)[0]]
+        assert got["feet"][leg]["touchdown_s"] == pytest.approx(expected, abs=1e-6)
+
+
+class Ballbot(StateWalk):
+    """A robot without legs that uses the same controller."""
+
+    def _ocs2_msgs(self, kind: str, sample: int) -> Any:
+        value = np.zeros(10, np.float32)
+        return self.make(
+            kind,
+            time=0.01 * sample,
+            state=self.make("ocs2_msgs/mpc_state", value=value),
+            input=self.make("ocs2_msgs/mpc_input", value=value[:3]),
+            mode=0,
+        )
+
+
+def test_an_observation_of_a_robot_without_legs_is_not_of_feet(tmp_path: Path) -> None:
+    path = written(tmp_path, "ocs2_msgs/msg/mpc_observation", Ballbot(2))
+    told = describe(path, TopicOptions())
+    assert not any("feet" in topic.use for topic in told.topics)
+
+
+def test_a_type_without_its_fields_is_not_of_feet(tmp_path: Path) -> None:
+    """Unitree's humanoids have a LowState without forces on feet."""
+    walk = StateWalk(2)
+    walk.store.register(
+        get_types_from_msg("uint32 tick\nfloat32[3] position", "unitree_hg/msg/LowState")
+    )
+    kind = "unitree_hg/msg/LowState"
+    message = walk.make(kind, tick=1, position=np.zeros(3, np.float32))
+    entry = walks.Entry("/lowstate", kind, walks.START, walk.bytes_of(kind, message))
+    walks.write_mcap(tmp_path / "log.mcap", walk, [entry])
+    told = describe(tmp_path / "log.mcap", TopicOptions())
+    assert [topic.use for topic in told.topics] == [""]
+    assert "NO_FEET" in {finding.code for finding in told.findings}
+
+
+def write_joint_foot(folder: Path, topic: str) -> Path:
+    kind, walk = "sensor_msgs/msg/JointState", StateWalk(2)
+    entries = [
+        walks.Entry(topic if e.kind == kind else e.topic, e.kind, e.log_time, e.data)
+        for e in walk.messages(kind)
+    ]
+    path = folder / "joints.mcap"
+    walks.write_mcap(path, walk, entries)
+    return path
+
+
+def test_efforts_of_joint_foot_are_feet(tmp_path: Path) -> None:
+    got = figures(write_joint_foot(tmp_path, "/hardware_a1/joint_foot"), TopicOptions())
+    for leg in walks.LEGS:
+        assert got["feet"][leg]["touchdown_s"] == pytest.approx(steps(leg)[0], abs=1e-6)
+        assert got["feet"][leg]["peak_force_n"] is None
+
+
+def test_other_joint_states_are_not_of_feet(tmp_path: Path) -> None:
+    told = describe(write_joint_foot(tmp_path, "/joint_states"), TopicOptions())
+    assert {t.topic: t.use for t in told.topics}["/joint_states"] == "joints"
+
+
+@pytest.mark.parametrize("kind", ["old_xpp/msg/RobotStateCartesian", "anymal_msgs/msg/AnymalState"])
+def test_the_base_is_part_of_a_state_in_any_package(tmp_path: Path, kind: str) -> None:
+    walk = StateWalk(2)
+    entries = [entry for entry in walk.messages(kind) if entry.kind == kind]
+    walks.write_mcap(tmp_path / "walk.mcap", walk, entries)
+    walked = 0.003 * (walks.SAMPLES - 1)
+    got = figures(tmp_path / "walk.mcap", TopicOptions())
+    assert got["base"]["net_displacement_m"] == pytest.approx(walked, rel=1e-6)
+
+
+class Rounded(StateWalk):
+    """Counts that are as good as constant on the ground, and jitter by one in the air."""
+
+    def counts(self, forces: Any) -> Any:
+        down = {leg: force[2] > 0.0 for leg, force in forces.items()}
+        order = ("front_right", "front_left", "back_right", "back_left")
+        jitter = int(next(self.ticks) % 2)
+        return np.array([140 if down[leg] else 20 + jitter for leg in order], np.int16)
+
+    def __init__(self, ros: int) -> None:
+        super().__init__(ros)
+        self.ticks = iter(range(10**6))
+
+
+def test_counts_of_two_levels_tell_contact(tmp_path: Path) -> None:
+    """The narrower level is that of stance here, but a load never lowers a count."""
+    got = figures(written(tmp_path, "go2_interfaces/msg/Go2State", Rounded(2)), TopicOptions())
+    for leg in walks.LEGS:
+        assert got["feet"][leg]["touchdown_s"] == pytest.approx(steps(leg)[0], abs=1e-6)

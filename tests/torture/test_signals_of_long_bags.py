@@ -1,0 +1,94 @@
+"""Signals end every command on a bag of many small messages, at any moment."""
+
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+from typing import Final
+
+import pytest
+
+from tests.oracles.long_bag import write_long_bag
+from tests.torture.signals import contents, interrupt, members, started, wait_until_ready
+
+pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="looks into /proc")
+COMMANDS: Final = (
+    "info {log}",
+    "stats {log}",
+    "convert {log} -o out.mcap",
+    "report {log} -o out.html",
+    "export {log} --table samples -o out.csv",
+    "check --suggest {log}",
+    "compare {log} {log}",
+    "robots new {log}",
+    "layout {log}",
+)
+SIGNALS: Final = (signal.SIGINT, signal.SIGTERM)
+PATIENCE_S: Final = 10.0
+"""An end takes a tenth of a second; one that takes longer than this never comes."""
+MOMENTS: Final = 12
+
+
+@pytest.fixture(scope="session")
+def bag(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A bag on which every command is busy for a second or two."""
+    return write_long_bag(tmp_path_factory.mktemp("long") / "log.db3", repeats=10, ticks=50)
+
+
+@pytest.fixture
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """The folder that a command works in; temporary files would lie in it, too."""
+    monkeypatch.setenv("TMPDIR", str(tmp_path))
+    return tmp_path
+
+
+def test_every_command_ends_at_once(bag: Path, folder: Path) -> None:
+    for number, command in enumerate(COMMANDS):
+        for order, each in enumerate(SIGNALS):
+            moment_s = 0.04 * (2 * number + order + 1)
+            words = command.format(log=bag).split()
+            ended_well(words, each, moment_s, bag, folder)
+            assert contents(folder) == {}, command
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("each", SIGNALS, ids=lambda each: each.name)
+@pytest.mark.parametrize("command", COMMANDS, ids=lambda command: command.split()[0])
+def test_every_command_ends_at_any_moment(
+    bag: Path, folder: Path, command: str, each: signal.Signals
+) -> None:
+    words = command.format(log=bag).split()
+    start = time.monotonic()
+    with started(words, folder) as process:
+        process.communicate()
+    takes_s = time.monotonic() - start
+    assert process.returncode == 0
+    whole = contents(folder)
+    for moment in range(MOMENTS):
+        for name in contents(folder):
+            (folder / name).unlink()
+        ended_well(words, each, takes_s * moment / MOMENTS, bag, folder)
+        assert contents(folder) in ({}, whole)
+
+
+def ended_well(
+    words: list[str], each: signal.Signals, moment_s: float, bag: Path, folder: Path
+) -> None:
+    """Send a signal to a command some time after its start, and look at how it ends."""
+    with started(words, folder) as process:
+        wait_until_ready(process)
+        time.sleep(moment_s)
+        interrupt(process, [each], everyone=True)
+        try:
+            out, err = process.communicate(timeout=PATIENCE_S)
+        except subprocess.TimeoutExpired:
+            os.killpg(process.pid, signal.SIGKILL)
+            raise
+    assert process.returncode in {0, 128 + each}, err
+    assert "Traceback" not in err
+    assert "Exception ignored" not in err
+    assert "damage:" not in out + err
+    assert members(process.pid) == []
+    assert list(bag.parent.iterdir()) == [bag]
