@@ -179,12 +179,8 @@ def test_findings_are_told_by_what_was_seen(trot: Case) -> None:
         world_frames=("a", "b"),
         wrench_frame=UNKNOWN,
     )
-    found = {f.code: f for f in probe_findings(trot.selection, trot.probe)}
-    assert set(found) == {
-        "BAD_STAMPS",
-        "FRAME_NAMES",
-        "WRENCH_FRAME",
-    }
-    assert "/dogbot/odom" in found["BAD_STAMPS"].text
-    assert "/map" in found["FRAME_NAMES"].text
-    assert all(finding.severity is Severity.WARNING for finding in found.values())
+    found = list(probe_findings(trot.selection, trot.probe))
+    assert {each.code for each in found} == {"BAD_STAMPS", "FRAME_NAMES", "WRENCH_FRAME"}
+    assert any(each.code == "BAD_STAMPS" and "/dogbot/odom" in each.text for each in found)
+    assert any(each.code == "FRAME_NAMES" and "/map" in each.text for each in found)
+    assert all(each.severity is Severity.WARNING for each in found)
