@@ -1,14 +1,16 @@
 """Findings about a log: one kind for the whole program.
 
-Every code is declared once, in ``findings.toml``, with its meaning and what to do about it.
+Every code is declared once, in ``findings.toml``, with its severity, its meaning, what to do about
+it and the metrics that it voids.
 """
 
 import tomllib
 from collections.abc import Mapping, Sequence
+from dataclasses import field
 from enum import IntEnum
 from functools import cache
 from pathlib import Path
-from typing import Final
+from typing import Any
 
 from dogbot_logtool.dataclass import dataclass
 
@@ -29,7 +31,14 @@ class Severity(IntEnum):
         return self.name.lower()
 
 
-_SEVERITIES: Final = {"E": Severity.ERROR, "W": Severity.WARNING, "N": Severity.NOTE}
+@dataclass(frozen=True, slots=True)
+class FindingCase:
+    """What is otherwise in one case of a finding; None: nothing is."""
+
+    severity: Severity | None = None
+    fails: Sequence[str] | None = None
+    voids: Sequence[str] = ()
+    """Beside those of the finding."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -37,14 +46,21 @@ class FindingKind:
     """The meaning of a code in any log."""
 
     code: str
-    """E (error), W (warning) or N (note), then what it is."""
     subject: str
+    severity: Severity
     meaning: str
     """A sentence."""
-    remedy: str = ""
-    """A sentence on what to do about it; empty: nothing."""
+    remedy: str
+    """A sentence on what to do about it."""
+    rank: int | None = None
+    """Of those that make metrics doubtful; 1 is of most consequence. None: it does not."""
     fails: Sequence[str] | None = None
-    """Names of the checks of a recording that fail with it; None: it is not about figures."""
+    """Questions about a recording that fail with it; None: it is not about metrics."""
+    voids: Sequence[str] = ()
+    """Patterns of the metrics that it sets to null; ``{foot}`` stands for a foot's name."""
+    cases: Mapping[str, FindingCase] = field(default_factory=dict)
+    was: Sequence[str] = ()
+    """Codes of before that are now this one, without their prefix."""
 
 
 @cache
@@ -60,18 +76,29 @@ def _declarations() -> str:
 
 def _kinds(declarations: str) -> Mapping[str, FindingKind]:
     return {
-        code: FindingKind(code, subject, **words)
+        code: FindingKind(code, subject, **_with_types(words))
         for subject, kinds in tomllib.loads(declarations).items()
         for code, words in kinds.items()
     }
 
 
+def _with_types(words: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the words of a declaration, with records for its severity and its cases."""
+    found = dict(words)
+    if "severity" in found:
+        found["severity"] = Severity[found["severity"].upper()]
+    if "cases" in found:
+        cases = found["cases"].items()
+        found["cases"] = {name: FindingCase(**_with_types(each)) for name, each in cases}
+    return found
+
+
 @cache
-def _kind(code: str) -> FindingKind | None:
+def _kind(code: str) -> FindingKind:
     """Return a kind of finding by its code; parsing the table of all takes long."""
     start = f".{code}]\n"
     own = (each for each in _declarations().split("\n\n") if start in each)
-    return _kinds(next(own, "")).get(code)
+    return _kinds(next(own))[code]
 
 
 @dataclass(frozen=True, slots=True)
@@ -79,30 +106,58 @@ class Finding:
     """One fact about a log."""
 
     code: str
-    """``W_ZERO_STAMPS`` ...: one of the `finding_kinds`."""
+    """One of the `finding_kinds`."""
     text: str
     """A sentence."""
     where: str = ""
-    """The topic or the figure, if it is about one."""
+    """The topic or the metric, if it is about one."""
     command: str = ""
     """A command to type, if one is known; `text` ends with it."""
+    cases: tuple[str, ...] = ()
+    """Cases of its kind that it is."""
+    feet: tuple[str, ...] = ()
+    """Names of the feet whose metrics it voids."""
+
+    @property
+    def kind(self) -> FindingKind:
+        """Its declaration."""
+        return _kind(self.code)
 
     @property
     def severity(self) -> Severity:
         """How much it matters."""
-        return _SEVERITIES[self.code[0]]
+        severities = [self.kind.cases[case].severity for case in self.cases]
+        return next((each for each in severities if each is not None), self.kind.severity)
 
     @property
     def remedy(self) -> str:
-        """The remedy; empty for a code that is not declared."""
-        kind = _kind(self.code)
-        return kind.remedy if kind else ""
+        """What to do about it."""
+        return self.kind.remedy
 
     @property
     def fails(self) -> Sequence[str]:
-        """Names of the checks of a recording that fail with it."""
-        kind = _kind(self.code)
-        return (kind.fails or ()) if kind else ()
+        """Questions about a recording that fail with it; a note fails none."""
+        if self.severity is Severity.NOTE:
+            return ()
+        declared = [self.kind.cases[case].fails for case in self.cases]
+        return next((each for each in declared if each is not None), self.kind.fails) or ()
+
+    @property
+    def voids(self) -> tuple[str, ...]:
+        """Patterns of the metrics that it sets to null."""
+        patterns = [*self.kind.voids]
+        for case in self.cases:
+            patterns += self.kind.cases[case].voids
+        found: dict[str, None] = {}
+        for pattern in patterns:
+            names = self.feet if "{foot}" in pattern else ("",)
+            found |= dict.fromkeys(pattern.replace("{foot}", name) for name in names)
+        return tuple(found)
+
+    @property
+    def rank(self) -> int | None:
+        """Its consequence among findings that make metrics doubtful; None: it does not."""
+        return None if self.severity is Severity.NOTE else self.kind.rank
 
     @property
     def sentence(self) -> str:

@@ -271,33 +271,33 @@ def _findings(
     yield from (*plan.findings, *measured.measurement.facts.findings, *scene.findings)
     for topic, name in moved.items():
         text = f"the log has a topic {topic} of another type: ours is {name}"
-        yield Finding("N_TOPIC_MOVED", text, name)
+        yield Finding("TOPIC_MOVED", text, name)
     untimed = 0 if plan.style.needs_contact_states else recording.untimed_messages
     for count, finding in (
         (
             _bad_poses(recording),
-            Finding("W_BAD_POSES", "poses with NaN or a zero quaternion (no /tf)"),
+            Finding("NOT_FINITE", "poses with NaN or a zero quaternion (no /tf)", cases=("base",)),
         ),
         (
             untimed,
-            Finding("W_UNTIMED_STATES", "contacts without a physics step (taken as one step)"),
+            Finding("STATES_IGNORED", "contacts without a physics step (taken as one step)"),
         ),
         (
             recording.foreign_states,
-            Finding("N_FOREIGN_STATES", "contact states between other bodies (ignored)"),
+            Finding("STATES_IGNORED", "contact states between other bodies (ignored)"),
         ),
         *_arrow_findings(counts.arrows),
         (
             counts.support_unknown,
             Finding(
-                "N_SUPPORT_UNKNOWN",
+                "NO_SUPPORT_DRAWN",
                 "/support messages without a polygon (contact of some foot unknown)",
             ),
         ),
         (
             counts.support_unweighed,
             Finding(
-                "N_NO_PRESSURE",
+                "NO_SUPPORT_DRAWN",
                 "/support messages without a centre of pressure (vertical forces unknown)",
             ),
         ),
@@ -310,11 +310,11 @@ def _arrow_findings(skipped: ArrowCounts) -> Iterator[tuple[int, Finding]]:
     """Yield the contacts without an arrow by reason, with their finding."""
     yield (
         skipped.not_finite,
-        Finding("W_NOT_FINITE", "contacts with NaN or infinity (not drawn)"),
+        Finding("NOT_FINITE", "contacts with NaN or infinity (not drawn)"),
     )
-    yield skipped.no_position, Finding("W_NO_POSITION", "contacts without a point (not drawn)")
-    yield skipped.no_direction, Finding("W_NO_DIRECTION", "contacts without a normal (not drawn)")
+    yield skipped.no_position, Finding("NOT_DRAWN", "contacts without a point (not drawn)")
+    yield skipped.no_direction, Finding("NOT_DRAWN", "contacts without a normal (not drawn)")
     yield (
         skipped.overflow,
-        Finding("W_OVERFLOW", "contacts whose force squared overflows (not drawn, as live)"),
+        Finding("NOT_FINITE", "contacts whose force squared overflows (not drawn, as live)"),
     )

@@ -128,12 +128,12 @@ def copy_findings(log: Log, options: ConvertOptions, left_out: frozenset[int]) -
     ):
         for glob in globs:
             if not any(fnmatchcase(topic, glob) for topic in topics):
-                yield Finding("W_NO_SUCH_TOPICS", f"{option} {glob} fits no topic of the log")
+                yield Finding("COPY", f"{option} {glob} fits no topic of the log")
     if left_out:
         names = sorted({log.channels[number].topic for number in left_out})
         messages = sum(log.counts.get(number, 0) for number in left_out)
         text = f"{messages:,} messages of topics left out of the copy: {listed(names)}"
-        yield Finding("N_TOPICS_LEFT_OUT", text)
+        yield Finding("COPY", text)
 
 
 def _fits(topic: str, globs: Sequence[str]) -> bool:

@@ -5,7 +5,7 @@ from dataclasses import replace
 from typing import Final, TypeVar
 
 from dogbot_logtool.conversion.copying import channels_left_out, copy_findings
-from dogbot_logtool.core.findings.sensors import sensor_findings
+from dogbot_logtool.core.checks.sensors import sensor_findings
 from dogbot_logtool.core.frames.wrench_frame import WrenchFrame
 from dogbot_logtool.core.load.loads import body_weight_n
 from dogbot_logtool.core.scene.arrows import ArrowScale, arrow_scale
@@ -144,7 +144,7 @@ def _arrow_findings(
         yield from _magnitude_only(selection, frames)
     if style.coloured_by_weight and not weight_n:
         text = "the robot's mass is unknown: arrows are coloured by newtons (give it with --mass)"
-        yield Finding("N_NO_MASS", text)
+        yield Finding("MASS_UNKNOWN", text)
     if style.needs_contact_states:
         yield from _without_states(selection, style)
 
@@ -184,13 +184,13 @@ def _without_points(selection: Selection, frames: WorldFrames | None) -> Iterato
             nowhere.append(foot.name)
     if at_frames:
         text = f"sensors without contact points: arrows start at frames, {', '.join(at_frames)}"
-        yield Finding("N_FEET_AT_FRAMES", text)
+        yield Finding("TRANSFORMS_MISSING", text, cases=("none",))
     if nowhere:
         text = (
             f"no contact point and no frame known for {', '.join(nowhere)}: loads are written, "
             "but no arrows (set `frame` in the robot's file)"
         )
-        yield Finding("N_NO_POINTS", text)
+        yield Finding("NOT_DRAWN", text, cases=("no_points",))
 
 
 def _magnitude_only(selection: Selection, frames: WorldFrames | None) -> Iterator[Finding]:
@@ -203,12 +203,12 @@ def _magnitude_only(selection: Selection, frames: WorldFrames | None) -> Iterato
         text = (
             f"only the magnitude of forces{whose} is known: arrows point along the contact normals"
         )
-        yield Finding("W_MAGNITUDE_ONLY", text)
+        yield Finding("NOT_DRAWN", text)
 
 
 def _without_states(selection: Selection, style: ArrowStyle) -> list[Finding]:
     return [
-        Finding("W_NO_CLASSIC", f"{source.type_name} has no contact states: no {style.name} arrows")
+        Finding("NOT_DRAWN", f"{source.type_name} has no contact states: no {style.name} arrows")
         for source in selection.sources
         if source.has_force and not source.has_points
     ]
@@ -229,7 +229,7 @@ def _write_tf(
     from_transforms = selection.base is not None and selection.base.source.is_transform
     if from_transforms and not may_repeat and _copies(selection.odometry, options, left_out):
         text = f"the log's own transforms place {base} in {world}: /tf is not written again"
-        findings.append(Finding("N_TF_IS_RECORDED", text))
+        findings.append(Finding("TF_NOT_WRITTEN", text))
         return False
     # The same transform twice is harmless; only another parent breaks the tree.
     others = probe.parents.get(base, frozenset()) - {world}
@@ -249,7 +249,7 @@ def _second_parent(base: str, parents: list[str]) -> Finding:
         f"the log's own transforms already give {base} a parent ({', '.join(parents)}): /tf is not "
         "written, since a second one would break the tree (--tf always writes it)"
     )
-    return Finding("W_TF_HAS_PARENT", text)
+    return Finding("TF_NOT_WRITTEN", text, cases=("other_parent",))
 
 
 def _can_draw_support(selection: Selection, probe: Probe, findings: list[Finding]) -> bool:
@@ -263,10 +263,10 @@ def _can_draw_support(selection: Selection, probe: Probe, findings: list[Finding
     elif len(robot.feet) > _MOST_FEET:
         why_not = f"the robot has {len(robot.feet)} feet, more than {_MOST_FEET}"
     if why_not:
-        findings.append(Finding("N_NO_SUPPORT", f"/support is not written: {why_not}"))
+        findings.append(Finding("NO_SUPPORT_DRAWN", f"/support is not written: {why_not}"))
         return False
     idle = [foot.name for number, foot in enumerate(robot.feet) if number not in probe.touching]
     if idle:
         text = f"no contact was seen of {', '.join(idle)}: /support has no polygon"
-        findings.append(Finding("N_NOT_SEEN_TOUCHING", text))
+        findings.append(Finding("NO_SUPPORT_DRAWN", text))
     return True

@@ -9,6 +9,7 @@ from typing import Final
 
 from dogbot_logtool.core.base.base_history import BaseHistory
 from dogbot_logtool.core.base.pose_jumps import without_jumps
+from dogbot_logtool.core.checks.loads import direction_is_doubtful
 from dogbot_logtool.core.gait.foot_statistics import FootStatistics
 from dogbot_logtool.core.geometry.order_statistics import median_of
 from dogbot_logtool.core.legs.effort_signs import LegSigns, leg_signs, shortfall
@@ -33,11 +34,12 @@ def with_effort_doubts(stats: Stats, history: LegHistory, legs: LegFigures) -> L
     if legs.work_unknown or not stats.feet:
         return legs
     base = without_jumps(stats.base_history, stats.jumps)
+    named: dict[str, LegSigns] = {}
+    # Forces whose direction is doubtful are no judges.
     rows = zip(stats.feet, legs.feet, history.paths, strict=True)
-    judged = [_leg(foot, leg, path, base, legs) for foot, leg, path in rows]
-    named = {
-        leg.name: signs for leg, signs in zip(legs.feet, judged, strict=True) if signs is not None
-    }
+    for foot, leg, path in () if direction_is_doubtful(stats) else rows:
+        if (signs := _leg(foot, leg, path, base, legs)) is not None:
+            named[leg.name] = signs
     unit = _other_unit(stats, named)
     if unit:
         return legs.without_work(unit)

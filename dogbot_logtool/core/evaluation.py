@@ -9,8 +9,7 @@ from dogbot_logtool.core.base.base_motion import FORWARD_ANGLES
 from dogbot_logtool.core.base.ground import swapped_pairs
 from dogbot_logtool.core.base.tipping import find_tipping
 from dogbot_logtool.core.base.up_axis import leaning_walk_rad
-from dogbot_logtool.core.checked_walk import CheckedWalk, Recorded, check_walk
-from dogbot_logtool.core.command_tracking import command_track
+from dogbot_logtool.core.command_tracking import command_track, tracking_in
 from dogbot_logtool.core.consistency.stopped import all_silent
 from dogbot_logtool.core.contact.foot_history import FootHistory
 from dogbot_logtool.core.gait.foot_statistics import (
@@ -27,6 +26,7 @@ from dogbot_logtool.core.gait.strides import Strides
 from dogbot_logtool.core.geometry import timespans
 from dogbot_logtool.core.geometry.arrays import Ints
 from dogbot_logtool.core.leg_position import quadruped
+from dogbot_logtool.core.masked_walk import MaskedWalk, Recorded, mask_walk
 from dogbot_logtool.core.settings import StatsSettings
 from dogbot_logtool.core.statistics import SegmentFigures, Stats
 
@@ -46,7 +46,7 @@ def work_out(settings: StatsSettings, recorded: Recorded) -> Stats:
     leaning = leaning_walk_rad(recorded.base, recorded.feet)
     if leaning is not None:
         recorded = replace(recorded, base=recorded.base.without_poses())
-    walk = check_walk(settings, recorded)
+    walk = mask_walk(settings, recorded)
     settings, records = walk.settings, walk.records
     feet = walk.feet()
     supported = walk.support()
@@ -97,17 +97,16 @@ def work_out(settings: StatsSettings, recorded: Recorded) -> Stats:
         worlds=walk.worlds,
         push=walk.push,
         rise_m=walk.rise_m,
-        loses_way=walk.loses_way,
         all_silent=all_silent(records, walk.base),
         beside=tuple(each for each in (recorded.commands, recorded.inertial) if each),
         command_track=track,
-        commands=walk.tracking(track),
+        commands=tracking_in(track, None),
         imu=_imu(walk, recorded.inertial),
     )
 
 
 def _segment_figures(
-    walk: CheckedWalk, spans: Ints, strides: Strides, track: "CommandTrack | None"
+    walk: MaskedWalk, spans: Ints, strides: Strides, track: "CommandTrack | None"
 ) -> SegmentFigures:
     """Measure a segment."""
     return SegmentFigures(
@@ -116,11 +115,11 @@ def _segment_figures(
         support=walk.support(spans),
         loads=walk.loads(strides.within(spans).spans, spans),
         stability=walk.stability(spans),
-        commands=walk.tracking(track, spans),
+        commands=tracking_in(track, spans),
     )
 
 
-def _imu(walk: CheckedWalk, inertial: "VectorHistory | None") -> "ImuComparison | None":
+def _imu(walk: MaskedWalk, inertial: "VectorHistory | None") -> "ImuComparison | None":
     """Compare accelerometer, forces and poses, in logs that have all of them."""
     if inertial is None:
         return None

@@ -92,8 +92,8 @@ class Stats:
     base_delay: "Delay | None" = None
     """By how much the base comes after the forces that drive it; None: not known, or little."""
     push: float | None = None
-    """Share of the weight by which the feet seem to push the robot on, which its motion refutes;
-    None: they do not."""
+    """Share of the weight by which the feet push the robot on over whole stances; None: not
+    known."""
     rise_m: float = 0.0
     """m, how far the base rises steadily over the contact points while it walks."""
     swapped: tuple[tuple[int, int], ...] = ()
@@ -102,8 +102,6 @@ class Stats:
     leaning_rad: float | None = None
     """rad, how far the base seems to lean while the robot walks: its poses are left out; None: it
     does not."""
-    loses_way: bool = False
-    """Whether the base drifts so far among the contact points that speeds are not known."""
     worlds: Worlds | None = None
     """Position of the base among the feet; None without contact points."""
     planned: tuple[PlannedFoot | None, ...] = ()
@@ -136,6 +134,12 @@ class Stats:
     def worlds_differ(self) -> bool:
         """Whether contact points and base are not in one world."""
         return self.worlds is not None and not self.worlds.agree
+
+    @property
+    def loses_way(self) -> bool:
+        """Whether the base drifts so far among the contact points that speeds are not known."""
+        path_m = 0.0 if self.base is None else self.base.path_length_m or 0.0
+        return self.worlds is not None and self.worlds.lose_way(path_m)
 
     def seconds(self, time: Ints) -> list[float]:
         """Return times as seconds since the origin, to the nanosecond."""

@@ -2,7 +2,9 @@
 
     stats = analyse(recording, StatsSettings(feet, mass_kg=19.2))
 
-The order is the same for every log: the clock, what is kept of each topic on it, the figures.
+The order is the same for every log: corrections here (clock, bad stamps), masks in
+`masked_walk.py`, metrics in `evaluation.py`. Checks (`checks/`) then look for reasons to doubt what
+was measured, and `walk_metrics/` sets to null what their findings void.
 """
 
 from collections.abc import Mapping, Sequence
@@ -10,13 +12,13 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from dogbot_logtool.core.base.base_history import base_history
-from dogbot_logtool.core.checked_walk import Recorded
 from dogbot_logtool.core.contact.contacts import Samples
 from dogbot_logtool.core.contact.foot_history import FootHistory, foot_history
 from dogbot_logtool.core.evaluation import work_out
 from dogbot_logtool.core.geometry import timespans
 from dogbot_logtool.core.geometry.arrays import Ints
 from dogbot_logtool.core.geometry.clock import TimeSource
+from dogbot_logtool.core.masked_walk import Recorded
 from dogbot_logtool.core.quality.clocks import ClockDifference, OffsetTrack, clock_differences
 from dogbot_logtool.core.quality.log_clock import LogClock, choose_clock
 from dogbot_logtool.core.quality.quality import (

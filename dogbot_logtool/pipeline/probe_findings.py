@@ -18,17 +18,17 @@ def probe_findings(selection: Selection, probe: Probe) -> list[Finding]:
         everywhere = probe.zero_stamps >= used
         topics = "everywhere" if everywhere else "on " + ", ".join(sorted(probe.zero_stamps))
         text = f"header stamps are zero {topics}: log time is used instead"
-        findings.append(Finding("W_ZERO_STAMPS", text))
+        findings.append(Finding("BAD_STAMPS", text))
     if probe.slashed_frames:
         frames = ", ".join(probe.slashed_frames)
         text = f"frame ids begin with a slash, which viewers of today do not accept: {frames}"
-        findings.append(Finding("W_SLASHED_FRAMES", text))
+        findings.append(Finding("FRAME_NAMES", text))
     feet = range(len(selection.robot.feet))
     if any(selection.sources_of(foot) and selection.knows_force(foot) for foot in feet):
         findings.append(_wrench_frame_finding(probe))
     if len(probe.world_frames) > 1 or len(probe.base_frames) > 1:
         frames = ", ".join((*probe.world_frames, *probe.base_frames))
-        findings.append(Finding("W_FRAMES_CHANGE", f"the odometry names several frames: {frames}"))
+        findings.append(Finding("FRAME_NAMES", f"the odometry names several frames: {frames}"))
     return findings
 
 
@@ -42,7 +42,7 @@ def order_findings(log: Log, out_of_order: int) -> Iterator[Finding]:
     if log.is_reordered or out_of_order:
         count = f": {out_of_order:,} go back" if out_of_order else ""
         text = f"messages stand out of order in the file{count}; they are read by their log times"
-        yield Finding("N_OUT_OF_ORDER", text)
+        yield Finding("OUT_OF_ORDER", text)
 
 
 def _wrench_frame_finding(probe: Probe) -> Finding:
@@ -52,13 +52,11 @@ def _wrench_frame_finding(probe: Probe) -> Finding:
             f"the frame of the wrenches is not known ({_evidence(seen)}): only magnitudes are "
             "used; --wrench-frame says which"
         )
-        return Finding("W_WRENCH_FRAME_UNKNOWN", text)
+        return Finding("WRENCH_FRAME", text, cases=("unknown",))
     if seen.frame is WrenchFrame.WORLD:
-        return Finding(
-            "N_WRENCH_FRAME_WORLD", f"wrenches are in the world frame ({_evidence(seen)})"
-        )
+        return Finding("WRENCH_FRAME", f"wrenches are in the world frame ({_evidence(seen)})")
     return Finding(
-        "N_WRENCH_FRAME_LINK",
+        "WRENCH_FRAME",
         f"wrenches are not in the world frame but in a link's ({_evidence(seen)})",
     )
 

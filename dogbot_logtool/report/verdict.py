@@ -3,7 +3,7 @@
 import math
 from typing import Final
 
-from dogbot_logtool.core.findings.wording import counted
+from dogbot_logtool.core.checks.wording import counted
 from dogbot_logtool.core.gait.gait import IRREGULAR, STAND
 from dogbot_logtool.core.gait.gait_classes import BIPED, HEXAPOD, QUADRUPED, TOLERANCE
 from dogbot_logtool.core.gait.segments import Segment

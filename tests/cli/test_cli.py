@@ -226,7 +226,7 @@ def test_info_with_all_frames(shell: Shell, monkeypatch: pytest.MonkeyPatch) -> 
 def test_stats_draws_a_figure(shell: Shell) -> None:
     done = shell("stats", WALK, "--figure", "walk.svg", "--start", 2, "--end", 6, "--json")
     assert done.code == 0
-    assert done.json["gait"]["class"] == "walk"
+    assert done.json["gait"]["name"] == "walk"
     assert re.search(r"walk.svg: \d\.\d\d to \d\.\d\d s", done.err)
     first = (shell.folder / "walk.svg").read_bytes()
     refused = shell("stats", WALK, "--figure", "walk.svg")

@@ -42,10 +42,10 @@ def test_feet_only(tmp_path: Path) -> None:
     entries = [entry for entry in small_walk() if entry.topic != ODOMETRY]
     log = write_bag(tmp_path / "log.bag", entries)
     conversion = convert(log, tmp_path / "out.mcap", ConvertOptions())
-    assert "W_NO_ODOMETRY" in codes(conversion)
+    assert "NO_BASE" in codes(conversion)
     assert conversion.annotations[arrow_topic("front_left")] == 250
     assert "/tf" not in conversion.annotations
-    missing = {f.where for f in conversion.findings if f.code == "W_FOOT_MISSING"}
+    missing = {f.where for f in conversion.findings if f.code == "NO_MESSAGES"}
     assert missing == {contact_topic(foot) for foot in FEET[1:]}
 
 
@@ -54,7 +54,7 @@ def test_odometry_only(tmp_path: Path, tf: Literal["auto", "never"]) -> None:
     entries = [entry for entry in small_walk() if entry.topic == ODOMETRY]
     log = write_bag(tmp_path / "log.bag", entries)
     conversion = convert(log, tmp_path / "out.mcap", ConvertOptions(tf=tf))
-    assert "W_NO_FEET" in codes(conversion)
+    assert "NO_FEET" in codes(conversion)
     written = {topic: count for topic, count in conversion.annotations.items() if count}
     assert written == {DESCRIPTION: 1} | ({"/tf": 50} if tf == "auto" else {})
     assert len(read_written(tmp_path / "out.mcap").messages) == (301 if tf == "auto" else 251)

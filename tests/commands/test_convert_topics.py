@@ -68,7 +68,7 @@ def test_a_topic_that_is_taken_twice_is_moved_twice(tmp_path: Path) -> None:
     assert conversion.annotations[topic] == 51  # with the first time's
     written = read_written(tmp_path / "out.mcap")
     assert {load.in_contact for load in _loads_at(written, topic)} == {True, False}
-    (moved,) = [finding for finding in conversion.findings if finding.code == "N_TOPIC_MOVED"]
+    (moved,) = [finding for finding in conversion.findings if finding.code == "TOPIC_MOVED"]
     assert moved.where == topic
     assert "/load/front_left" in moved.text
 
@@ -110,8 +110,8 @@ def test_a_second_parent_that_comes_late_is_noticed(tmp_path: Path, jobs: int) -
     assert {c.message_encoding for c in written.channels.values() if c.topic.endswith("/tf")} == {
         "ros1"
     }
-    assert "W_TF_HAS_PARENT" in codes(conversion)
-    (finding,) = [f for f in conversion.findings if f.code == "W_TF_HAS_PARENT"]
+    assert "TF_NOT_WRITTEN" in codes(conversion)
+    (finding,) = [f for f in conversion.findings if f.code == "TF_NOT_WRITTEN"]
     assert "base_link a parent (map)" in finding.text
     assert conversion.annotations[arrow_topic("front_left")] == 60
     assert conversion.copied == 240
@@ -122,7 +122,7 @@ def test_tf_always_writes_a_second_parent(tmp_path: Path) -> None:
     log = walk_with_late_parent(tmp_path / "log.bag")
     conversion = convert(log, tmp_path / "out.mcap", ConvertOptions(tf="always"))
     assert conversion.annotations["/dogbot_logtool/tf"] == 60
-    assert "W_TF_HAS_PARENT" not in codes(conversion)
+    assert "TF_NOT_WRITTEN" not in codes(conversion)
 
 
 def test_a_parent_that_is_not_copied_is_no_second_one(tmp_path: Path) -> None:

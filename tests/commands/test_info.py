@@ -91,9 +91,9 @@ def test_uses(log: Path) -> None:
 def test_findings(log: Path) -> None:
     codes = {finding.code for finding in describe(log, TopicOptions()).findings}
     frame = truth(log)["forces"]["wrench_frame"].upper()
-    wanted = {"N_ROBOT_GUESSED", f"N_WRENCH_FRAME_{frame}"}
+    wanted = {"ROBOT_GUESSED", f"N_WRENCH_FRAME_{frame}"}
     if log == TROUBLED:
-        wanted |= {"W_ZERO_STAMPS", "W_SLASHED_FRAMES", "N_NOT_SEEN_TOUCHING"}
+        wanted |= {"BAD_STAMPS", "FRAME_NAMES", "NO_SUPPORT_DRAWN"}
     assert codes == wanted
 
 

@@ -16,7 +16,7 @@ from tests.oracles.state_walks import StateWalk
 
 def figures(path: Path, topics: TopicOptions) -> dict[str, Any]:
     done = measure(path, StatsOptions(topics))
-    return stats_json(done.stats, done.facts)
+    return stats_json(done)
 
 
 def figures_with_file(path: Path, odometry_topic: str | None = None) -> dict[str, Any]:
@@ -59,7 +59,7 @@ def test_the_file_has_the_element_of_the_base_s_poses(
     name = f"/state:{element}"
     with_file = figures_with_file(path, name)
     assert with_file["base"] == figures(path, TopicOptions(odometry_topic=name))["base"]
-    assert "W_ROBOT_ABSENT" not in {finding["code"] for finding in with_file["findings"]}
+    assert "ROBOT_GUESSED" not in {finding["code"] for finding in with_file["findings"]}
     text = path.with_name("robot.toml").read_text(encoding="utf-8")
     assert f'odometry = "{name}"' in text
 

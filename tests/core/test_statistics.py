@@ -6,7 +6,7 @@ from functools import cache
 import numpy as np
 import pytest
 
-from dogbot_logtool.core.findings.findings import findings_of
+from dogbot_logtool.core.checks.engine import findings_of
 from dogbot_logtool.core.frames.wrench_frame import WrenchFrame
 from dogbot_logtool.core.statistics import Stats
 from tests.oracles.straight_walk import (
@@ -45,7 +45,7 @@ def test_a_trot_is_measured_right() -> None:
     assert stats.support is not None
     # Each pair is down for 0.6 of the stride: both are for 0.2 of it.
     assert stats.support.feet_down == pytest.approx([0, 0, 0.8, 0, 0.2], abs=0.01)
-    assert codes(stats) <= {"N_LOADING_RATE_UNRESOLVED"}
+    assert codes(stats) <= {"SAMPLED_SLOWLY"}
 
 
 def test_a_trot_with_a_duty_factor_above_one_half_is_a_trot_that_does_not_run() -> None:
@@ -70,7 +70,7 @@ def test_a_robot_that_seems_to_walk_sideways_is_told(
     axis: str, speed_mps: float, said: str
 ) -> None:
     stats = Walk(speed_mps=speed_mps).measure(replace(SETTINGS, forward_axis=axis))
-    found = [remark.text for remark in findings_of(stats) if remark.code == "W_MOVES_SIDEWAYS"]
+    found = [remark.text for remark in findings_of(stats) if remark.code == "FORWARD_AXIS"]
     assert len(found) == bool(said)
     assert all(f"to the {said} of its forward axis {axis}, at 0.50 m/s" in text for text in found)
 
@@ -140,7 +140,7 @@ def test_a_gait_change_cuts_the_time_line() -> None:
     assert stats.segments[0].stride_frequency_hz == pytest.approx(1.0, rel=0.02)
     assert stats.segments[1].stride_frequency_hz == pytest.approx(1.25, rel=0.02)
     assert main_class(stats) == "trot"
-    assert "N_SEVERAL_GAITS" in codes(stats)
+    assert "SEVERAL_GAITS" in codes(stats)
 
 
 def test_a_change_of_pace_cuts_the_time_line_too() -> None:
@@ -168,7 +168,6 @@ def test_a_robot_that_stands() -> None:
     assert [foot.contact_fraction for foot in stats.feet] == [1.0] * 4
     assert [foot.stride_frequency_hz for foot in stats.feet] == [None] * 4
     assert [foot.peak_force_n for foot in stats.feet] == [None] * 4
-    assert "N_NO_STRIDES" in codes(stats)
     assert stats.stability is not None
     assert stats.stability.static_margin_m is not None
     assert stats.stability.static_margin_m.mean == pytest.approx(0.15)
@@ -187,7 +186,7 @@ def test_what_a_fallen_robots_feet_do_is_not_walking() -> None:
     fallen = walk.times() >= 8.0
     odometry.orientation[fallen] = (np.sqrt(0.5), 0.0, 0.0, np.sqrt(0.5))
     stats = measure([walk.samples(foot) for foot in range(4)], odometry)
-    assert "W_FALL" in codes(stats)
+    assert "FALL" in codes(stats)
     assert (stats.fallen[0, 0] - stats.origin) / 1e9 == pytest.approx(8.0, abs=0.02)
     for foot in stats.feet:
         assert (foot.strides.end <= stats.fallen[0, 0]).all()
@@ -199,12 +198,12 @@ def test_a_collapse_without_a_lean_is_a_fall_too_but_climbing_is_not() -> None:
     feet = [walk.samples(foot) for foot in range(4)]
     down = walk.odometry()
     down.position[:, 2] = np.interp(walk.times(), [8.0, 8.3], [0.45, 0.1])
-    assert "W_FALL" in codes(measure(feet, down))
+    assert "FALL" in codes(measure(feet, down))
     up = walk.odometry()
     up.position[:, 2] += walk.times()
     for samples in feet:
         samples.position[:, 2] += walk.times()
-    assert "W_FALL" not in codes(measure(feet, up))
+    assert "FALL" not in codes(measure(feet, up))
 
 
 def test_link_frame_wrenches_have_magnitudes_only() -> None:
@@ -220,7 +219,6 @@ def test_link_frame_wrenches_have_magnitudes_only() -> None:
     assert stats.loads.share_of == "force_impulse"
     assert stats.stability is not None
     assert stats.stability.pressure_forward_m is None
-    assert "N_VERTICAL_UNKNOWN" in codes(stats)
 
 
 def test_two_feet_have_phases_but_no_class() -> None:
@@ -258,7 +256,7 @@ def test_wheels_and_wrong_contacts_are_no_stand_and_no_gait() -> None:
     stats = measure(feet, walk.odometry())
     assert [segment.gait.name for segment in stats.segments] == [None]
     assert stats.segments[0].moves_without_steps
-    assert "W_MOVES_WITHOUT_STEPS" in codes(stats)
+    assert "MOVES_WITHOUT_STEPS" in codes(stats)
 
 
 def test_a_crawl_whose_stances_last_half_a_minute_is_a_walk() -> None:
@@ -285,10 +283,10 @@ def test_the_feet_correct_a_guessed_forward_axis_but_not_a_given_one() -> None:
     assert stats.settings.forward_axis == "+x"
     assert stats.base is not None
     assert stats.base.forward_speed_mps == pytest.approx(0.5, rel=1e-3)
-    assert "W_FORWARD_AXIS" in codes(stats)
+    assert stats.settings.forward_axis_reason
     given = Walk().measure(replace(guessed, forward_axis_is_assumed=False))
     assert given.settings.forward_axis == "+y"
-    assert "W_FORWARD_AXIS" not in codes(given)
+    assert not given.settings.forward_axis_reason
 
 
 def test_without_contact_points_the_motion_corrects_it_unless_the_robot_walks_backward() -> None:
@@ -324,7 +322,6 @@ def test_heights_are_over_the_feet_and_unknown_in_another_world() -> None:
         other = walked(moved)
         assert other.base is not None
         assert (other.base.height_m, other.base.froude) == (None, None)
-        assert "N_NO_HEIGHT" in codes(other)
 
 
 def test_every_segment_has_its_own_base_and_steps() -> None:

@@ -13,7 +13,7 @@ from tests.truth.recorders import FORCE, recorder
 from tests.truth.robots import biped, hexapod, quadruped
 from tests.truth.walking import Walk
 
-_WORLDS = r"W_WORLDS_DIFFER|drifts"
+_WORLDS = r"WORLDS_DIFFER|drifts"
 
 
 def stopped() -> Iterator[Case]:

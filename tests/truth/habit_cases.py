@@ -49,16 +49,18 @@ def moving_levels() -> Iterator[Case]:
     for newtons in (-25.0, 40.0):
         yield Case(
             f"force sensors re-zeroed in mid-log, {newtons:+g} N before",
-            recorder(walk, FORCE, noise, sensor.rezeroed(10.03, newtons)), "", "SENSOR_MOVES",
+            recorder(walk, FORCE, noise, sensor.rezeroed(10.03, newtons)),
+            "", "without load moves",
         )  # fmt: skip
     yield Case(
         "one force sensor re-zeroed in mid-log, 30 N before",
-        recorder(walk, FORCE, noise, sensor.rezeroed(10.03, 30.0, "back_left")), "", "SENSOR_MOVES",
+        recorder(walk, FORCE, noise, sensor.rezeroed(10.03, 30.0, "back_left")),
+        "", "without load moves",
     )  # fmt: skip
     yield Case(
         "force sensors warm up by 40 N",
         recorder(replace(walk, seconds=40.0), FORCE, noise, sensor.warming(40.0, 20.0)),
-        "", "SENSOR_MOVES",
+        "", "without load moves",
     )  # fmt: skip
 
 

@@ -72,19 +72,19 @@ class Judged:
     why: str = ""
 
 
-SILENCE: Final = r"W_\w*(GAP|SILEN)"
+SILENCE: Final = r"GAPS|SILEN"
 """Pattern of findings that name silences, in which events are not known."""
 HIDDEN: Final = 0.1
 """Largest part of the events that they may hide outside of the silences that a case knows of."""
 STRUCTURAL: Final = {
-    "peak force": "VERTICAL_UNKNOWN|FRAME_UNKNOWN",
-    "braking": "VERTICAL_UNKNOWN|FRAME_UNKNOWN",
-    "impulse": "VERTICAL_UNKNOWN|FRAME_UNKNOWN|NO_MASS",
-    "height": "height",
-    "froude": "height|FROUDE",
-    "slip": "slip|rolling|travel",
+    "peak force": "frame of the forces",
+    "braking": "frame of the forces",
+    "impulse": "frame of the forces|mass not known",
+    "height": "height|no contact points",
+    "froude": "height|no contact points",
+    "slip": "foot_rolling_m|no contact points",
 }
-"""Findings that excuse a figure's being null in any log: what it needs was not recorded."""
+"""Reasons that excuse a metric's being null in any log: what it needs was not recorded."""
 
 
 def judge(case: Case, recording: Recording, found: Outcome) -> list[Judged]:
@@ -105,7 +105,7 @@ def faults(judged: Sequence[Judged]) -> list[Judged]:
 def _excused(case: Case, figure: str, found: Outcome) -> Status:
     """Judge that a figure is null."""
     patterns = [case.cause, STRUCTURAL.get(figure, "")]
-    named = any(pattern and found.says(pattern) for pattern in patterns)
+    named = any(pattern and (found.says(pattern) or found.lacks(pattern)) for pattern in patterns)
     return "null" if named else "unexplained"
 
 
@@ -118,7 +118,7 @@ def _unknown(judged: Sequence[Judged], found: Outcome) -> Iterator[Judged]:
 
 def _gait(case: Case, truth: Truth, found: Outcome) -> Iterator[Judged]:
     allowed = (truth.gait_class,) if case.classes is None else case.classes
-    name = found.figure("gait.class")
+    name = found.figure("gait.name")
     status: Status = "right" if name in allowed else "wrong"
     if name is None and None not in allowed:
         status = _excused(case, "class", found)
@@ -139,7 +139,7 @@ def _verdict(case: Case, truth: Truth, found: Outcome) -> Iterator[Judged]:
         # Care without a warning: a check could not be made.
         sound = found.trust_level == "good" or (found.trust_level == "care" and not codes)
         yield Judged("verdict", "good", f"{found.trust_level} [{codes}]", _right(sound))
-    fell = bool(found.says(r"_FALL|^fall\b"))
+    fell = bool(found.says("the robot falls"))
     if truth.falls_s or fell:
         yield Judged(
             "fall", str(bool(truth.falls_s)), str(fell), _right(fell == bool(truth.falls_s))
@@ -188,7 +188,7 @@ def _walk(case: Case, recording: Recording, found: Outcome) -> Iterator[Judged]:
         keys = [f"gait.support.{count}" for count in parts]
         yield _numbers(case, found, "support", keys, list(parts.values()), 3.5 * allow.contact)
     if recording.truth.segments:
-        classes = [each["class"] for each in found.figure("gait.segments")]
+        classes = [each["gait"]["name"] for each in found.figure("gait.segments")]
         wanted_classes = list(recording.truth.segments)
         yield Judged(
             "segments", _joined(wanted_classes), _joined(classes), _right(classes == wanted_classes)
@@ -261,7 +261,7 @@ def _phases(case: Case, recording: Recording, found: Outcome) -> Judged:
 
 
 def _events(case: Case, recording: Recording, found: Outcome) -> Iterator[Judged]:
-    for name, key in (("touchdowns", "touchdown_s"), ("lift-offs", "liftoff_s")):
+    for name, key in (("touchdowns", "touchdown_s"), ("lift-offs", "lift_off_s")):
         missed = invented = silent_feet = 0
         errors: list[float] = []
         for foot, truth in zip(recording.robot.feet, recording.truth.feet, strict=True):

@@ -30,7 +30,7 @@ def no_steps() -> Iterator[Case]:
         classes=("stand", None),
         skip=("path", "speed"),
     )
-    yield _scene("falling", scenes.falling(), says="_FALL", skip=("class",))
+    yield _scene("falling", scenes.falling(), says="FALL", skip=("class",))
     yield _scene("tipping", scenes.tipping(), says=r"\btip")
     yield _scene("rolling on wheels", scenes.rolling(), says=wheels, cause=wheels)
     yield _scene(
@@ -55,7 +55,7 @@ def sequences() -> Iterator[Case]:
 
     whole = ("contact fraction", "load share", "impulse", "margin")
     yield Case(
-        "walk, then a fall", walk_then(scenes.falling()), says="_FALL", skip=(*whole, "lift-offs")
+        "walk, then a fall", walk_then(scenes.falling()), says="FALL", skip=(*whole, "lift-offs")
     )
     yield Case(
         "walk, then carried",

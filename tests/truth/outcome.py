@@ -56,9 +56,14 @@ class Outcome:
             if re.search(pattern, f"{each['code']} {each['text']}", re.IGNORECASE)
         ]
 
+    def lacks(self, pattern: str) -> bool:
+        """Tell whether a pattern is in a reason why some metric is null."""
+        reasons = set(self.json["null_because"].values())
+        return any(re.search(pattern, each, re.IGNORECASE) for each in reasons)
+
     def warnings(self) -> list[str]:
         """Return codes of all findings that are more than notes."""
-        return [each["code"] for each in self.findings() if not each["code"].startswith("N_")]
+        return [each["code"] for each in self.findings() if each["severity"] != "note"]
 
 
 def _foot_topics(recording: Recording) -> Mapping[str, str] | None:
@@ -81,9 +86,9 @@ def outcome(recording: Recording, folder: Path) -> Outcome:
 def measured_log(path: Path, topics: TopicOptions | None = None) -> Outcome:
     """Measure a log."""
     measured = measure(path, StatsOptions(topics or TopicOptions()))
-    trusted = trust(measured.stats, measured.facts)
+    trusted = trust(measured)
     return Outcome(
-        stats_json(measured.stats, measured.facts),
+        stats_json(measured),
         headline(measured.stats),
         trusted.level,
         trusted.text,

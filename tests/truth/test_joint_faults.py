@@ -75,22 +75,26 @@ TWICE: Final = (physics.JOINTS[0], physics.JOINTS[0], *physics.JOINTS[2:])
 @pytest.mark.parametrize(
     ("options", "code", "cause"),
     [
-        ({"change": in_degrees}, "W_JOINT_VALUES", "half of the legs' joints move by 21"),
-        ({"change": of_the_motor}, "W_JOINT_VALUES", "times that of the forces on the feet"),
-        ({"change": velocities_turned}, "W_JOINT_VALUES", "are -1 times those of their pos"),
-        ({"change": one_velocity_turned}, "W_JOINT_VALUES", "positions: FL_calf_joint (-1 t"),
-        ({"change": other_velocities}, "W_JOINT_VALUES", "times those of their positions"),
-        ({"change": same_efforts}, "N_NO_EFFORT", "efforts are constant"),
-        ({"change": one_same_effort}, "N_NO_EFFORT", "tell no effort: FL_calf_joint"),
-        ({"change": no_efforts}, "N_NO_EFFORT", "efforts are empty"),
-        ({"names": RENAMED}, "N_NO_EFFORT", "fewer joints of front_left (2) than of front_right"),
-        ({"names": TWICE}, "N_NO_EFFORT", "fewer joints of front_left (1) than of front_right"),
+        ({"change": in_degrees}, "JOINT_VALUES", "half of the legs' joints move by 21"),
+        ({"change": of_the_motor}, "JOINT_VALUES", "times that of the forces on the feet"),
+        ({"change": velocities_turned}, "JOINT_VALUES", "are -1 times those of their pos"),
+        ({"change": one_velocity_turned}, "JOINT_VALUES", "positions: FL_calf_joint (-1 t"),
+        ({"change": other_velocities}, "JOINT_VALUES", "times those of their positions"),
+        ({"change": same_efforts}, "JOINTS_MISSING", "efforts are constant"),
+        ({"change": one_same_effort}, "JOINTS_MISSING", "tell no effort: FL_calf_joint"),
+        ({"change": no_efforts}, "JOINTS_MISSING", "efforts are empty"),
+        (
+            {"names": RENAMED},
+            "JOINTS_MISSING",
+            "fewer joints of front_left (2) than of front_right",
+        ),
+        ({"names": TWICE}, "JOINTS_MISSING", "fewer joints of front_left (1) than of front_right"),
         (
             {"names": RENAMED, "by_transforms": False},
-            "N_NO_EFFORT",
+            "JOINTS_MISSING",
             "joint states do not tell of FL_hip_joint",
         ),
-        ({"every": 25}, "N_LEGS_SLOW", "joint states come 10.1 times in a stride of 0.50 s"),
+        ({"every": 25}, "SAMPLED_SLOWLY", "joint states come 10.1 times in a stride of 0.50 s"),
     ],
 )
 def test_work_is_null_and_the_cause_is_named(
@@ -104,7 +108,7 @@ def test_work_is_null_and_the_cause_is_named(
     for name in ("positive_work_j", "absolute_work_j", "mechanical_cost_of_transport"):
         assert legs[name] is None
     assert np.isnan(walk.strides["absolute_work_j"]).all()
-    if code == "W_JOINT_VALUES":
+    if code == "JOINT_VALUES":
         for joint in legs["joints"].values():
             assert joint["absolute_work_j"] is None
 
@@ -136,9 +140,8 @@ def test_positions_that_wrap_change_nothing(measure: Measure, told: float) -> No
 def test_names_of_another_robot_do_not_place_its_feet(measure: Measure) -> None:
     names = tuple(f"robot/{joint}" for joint in physics.JOINTS)
     walk = measure(names=names, by_transforms=False)
-    texts = [f["text"] for f in walk.stats["findings"] if f["code"] == "N_NO_SWINGS"]
-    assert len(texts) == 4
-    assert "joint states do not tell of FL_calf_joint, FL_thigh_joint, FL_hip_joint" in texts[0]
+    because = walk.stats["null_because"]["feet.front_left.clearance_m"]
+    assert because == "no transforms or joints of the legs"
     assert np.isnan(walk.strides["clearance_m"]).all()
     # Which leg each is of, their names still tell.
     assert np.isfinite(walk.strides["absolute_work_j"]).any()

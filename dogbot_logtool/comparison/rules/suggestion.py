@@ -49,10 +49,10 @@ _HEAD: Final = """\
 _FINDINGS: Final = """
 # What must not be found in a good run; the page docs/findings.md has all codes.
 [[rule]]
-finding = "E_*"
+finding = "error"
 
 [[rule]]
-finding = "W_*"
+finding = "warning"
 at_most = {most}
 level = "warn"
 """
@@ -67,7 +67,7 @@ _EVENTS: Final = (
     "gait_change",
 )
 """Types of events of the robot; those of its recording are among the findings."""
-_SENSORS: Final = ("W_DEAD", "W_STUCK", "W_SATURATED", "W_FALL")
+_SENSORS: Final = ("DEAD", "STUCK", "SATURATED", "FALL")
 
 
 def suggest_limits(documents: Sequence[Json], names: Sequence[str]) -> str:
@@ -104,7 +104,7 @@ def doubts(documents: Sequence[Json], names: Sequence[str]) -> list[str]:
         bad = [code for code in _SENSORS if code in _findings(document)]
         if bad:
             found.append(f"{name} has {', '.join(bad)}: is it a good run?")
-    classes = sorted({str(document["gait"]["class"] or "no gait") for document in documents})
+    classes = sorted({str(document["gait"]["name"] or "no gait") for document in documents})
     if len(classes) > 1:
         found.append(
             f"The runs differ in gait ({', '.join(classes)}), and the ranges hold all of them: "
@@ -117,14 +117,14 @@ def _damage(documents: Sequence[Json], names: Sequence[str]) -> Iterator[str]:
     """Yield which runs are damaged, and how."""
     for document, name in zip(documents, names, strict=True):
         for each in findings_in(document):
-            if each["code"] == "W_LOST":
+            if each["code"] == "LOST":
                 yield f"{name} is damaged: {printable(each['text'])}"
 
 
 def _gait(documents: Sequence[Json]) -> Iterator[str]:
-    classes = {document["gait"]["class"] for document in documents}
+    classes = {document["gait"]["name"] for document in documents}
     if len(classes) == 1 and (name := classes.pop()) is not None:
-        yield f'\n[[rule]]\nfigure = "gait.class"\nequals = "{name}"\n'
+        yield f'\n[[rule]]\nfigure = "gait.name"\nequals = "{name}"\n'
 
 
 def _rules(documents: Sequence[Json], suggested: _Suggested) -> Iterator[str]:
@@ -185,6 +185,6 @@ def _findings(document: Json) -> dict[str, int]:
     """Count the warnings of a run by code."""
     counts: dict[str, int] = {}
     for each in findings_in(document):
-        if each["code"].startswith("W_"):
+        if each["severity"] == "warning":
             counts[each["code"]] = counts.get(each["code"], 0) + 1
     return counts

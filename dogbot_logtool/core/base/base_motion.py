@@ -1,7 +1,6 @@
 """How the base moved: path, speed, height, attitude. From poses, never from the recorded twist."""
 
 from collections.abc import Sequence
-from dataclasses import replace
 from typing import Final
 
 import numpy as np
@@ -32,7 +31,7 @@ class BaseMotion:
     """s, first to last pose, gaps left out."""
     path_length_m: float | None
     """m, horizontal path above the noise of the poses; steps over gaps, jumps and stands left
-    out. None, like all that the way decides: `without_way`."""
+    out."""
     net_displacement_m: float | None
     """m, horizontal distance of last and first pose, jumps left out."""
     mean_speed_mps: float | None
@@ -57,18 +56,6 @@ class BaseMotion:
     """rad, about the axis to its left; positive: its front is lower."""
     froude: float | None
     """v^2 / (g h), v the mean forward speed and h the mean height (Alexander 1984)."""
-
-    def without_way(self) -> "BaseMotion":
-        """Return the figures that hold where the odometry loses its way."""
-        return replace(
-            self,
-            path_length_m=None,
-            net_displacement_m=None,
-            mean_speed_mps=None,
-            forward_speed_mps=None,
-            lateral_speed_mps=None,
-            froude=None,
-        )
 
 
 @dataclass(frozen=True, slots=True)

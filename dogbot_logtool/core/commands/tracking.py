@@ -140,10 +140,6 @@ class Tracking:
     in_place: Drift | None
     """While the robot steps and no motion is commanded."""
 
-    def without_way(self) -> "Tracking":
-        """Return the figures that hold where the odometry loses its way."""
-        return replace(self, forward=None, lateral=None, straight=None, in_place=None)
-
 
 @dataclass(frozen=True, slots=True)
 class CommandTrack:

@@ -5,6 +5,7 @@ from typing import Final
 
 import numpy as np
 
+from dogbot_logtool.core.checks.sensors import foot_is_saturated
 from dogbot_logtool.core.events.event import Event, EventType
 from dogbot_logtool.core.gait.foot_statistics import FootStatistics
 from dogbot_logtool.core.geometry import timespans
@@ -27,7 +28,7 @@ def gaps(stats: Stats) -> Iterator[Event]:
 def _gaps(spans: Ints, foot: int | None) -> Iterator[Event]:
     for start, end in spans.tolist():
         lasts = end - start
-        yield Event(start, lasts, EventType.GAP, foot, lasts / 1e9, "s", "W_GAPS")
+        yield Event(start, lasts, EventType.GAP, foot, lasts / 1e9, "s", "GAPS")
 
 
 def sensor_faults(stats: Stats) -> Iterator[Event]:
@@ -38,16 +39,16 @@ def sensor_faults(stats: Stats) -> Iterator[Event]:
         stopped = () if is_stuck(record, others) else record.stopped.tolist()
         never = foot.is_dead and not len(record.stopped)
         if never and record.start is not None and record.end is not None:
-            yield _fault(record.start, record.end, row, "W_DEAD")
+            yield _fault(record.start, record.end, row, "DEAD")
         if is_stuck(record, others):
-            yield _fault(int(stances.touchdown[0]), int(stances.liftoff[-1]), row, "W_STUCK")
+            yield _fault(int(stances.touchdown[0]), int(stances.liftoff[-1]), row, "STUCK")
         for start, end in stopped:
-            yield _fault(start, end, row, "W_STOPPED")
-        if foot.is_saturated and np.isfinite(stances.figures.peak_n).any():
+            yield _fault(start, end, row, "STOPPED")
+        if foot_is_saturated(stats, row) and np.isfinite(stances.figures.peak_n).any():
             limit = float(np.nanmax(stances.figures.peak_n))
             cut_off = np.flatnonzero(stances.figures.peak_n >= AT_LIMIT * limit)
             times = int(stances.touchdown[cut_off[0]]), int(stances.liftoff[cut_off[-1]])
-            yield _fault(*times, row, "W_SATURATED", limit)
+            yield _fault(*times, row, "SATURATED", limit)
         yield from _spikes(row, foot)
 
 
@@ -58,7 +59,7 @@ def _spikes(row: int, foot: FootStatistics) -> Iterator[Event]:
         share = float(foot.stances.figures.spike_phase[stance])
         onset = int(stances.touchdown[stance])
         at = onset + round(share * (int(stances.liftoff[stance]) - onset))
-        yield _fault(at, at, row, "W_SPIKES", float(stances.figures.peak_n[stance]))
+        yield _fault(at, at, row, "SPIKES", float(stances.figures.peak_n[stance]))
 
 
 def _fault(start: int, end: int, foot: int, code: str, newtons: float | None = None) -> Event:

@@ -26,7 +26,7 @@ LOWER_M: Final = 0.02
 
 def falls(stats: Stats) -> Iterator[Event]:
     """Yield each fall, from the beginning of the descent until the robot lies no more."""
-    yield from _spans(stats.fallen, EventType.FALL, "W_FALL")
+    yield from _spans(stats.fallen, EventType.FALL, "FALL")
 
 
 def tipping(stats: Stats) -> Iterator[Event]:
@@ -34,7 +34,7 @@ def tipping(stats: Stats) -> Iterator[Event]:
     found = stats.tipping
     if found is not None and not len(stats.fallen):
         lasts = int(stats.base_history.time[-1]) - found.since
-        yield Event(found.since, lasts, EventType.TIPPING, None, found.last_rad, "rad", "W_TIPPING")
+        yield Event(found.since, lasts, EventType.TIPPING, None, found.last_rad, "rad", "FALL")
 
 
 def carried(stats: Stats) -> Iterator[Event]:
@@ -135,7 +135,7 @@ def pose_jumps(stats: Stats) -> Iterator[Event]:
     """Yield each jump of the base's pose, from the pose before it to the one after."""
     sizes = norms(stats.jumps.size_m).tolist()
     for (start, end), size in zip(stats.jumps.spans.tolist(), sizes, strict=True):
-        yield Event(start, end - start, EventType.POSE_JUMP, None, size, "m", "W_POSE_JUMP")
+        yield Event(start, end - start, EventType.POSE_JUMP, None, size, "m", "POSE_JUMP")
 
 
 def _spans(spans: Ints, kind: EventType, code: str) -> Iterator[Event]:

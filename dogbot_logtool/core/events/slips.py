@@ -67,7 +67,7 @@ def slips(
             times = known.quick_begins_s[row], known.quick_ends_s[row]
         begins, ends = _times(figures, row, *times)
         unknown = rolling_m is None and np.isnan(usual[row]) and np.isfinite(excess[row])
-        code = "W_SLIPS" if unknown else ""
+        code = "SLIPS" if unknown else ""
         yield Event(begins, ends - begins, EventType.SLIP, foot, float(metres[row]), "m", code)
 
 

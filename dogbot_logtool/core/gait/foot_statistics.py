@@ -7,9 +7,9 @@ import numpy as np
 from dogbot_logtool.core.base.base_history import BaseHistory
 from dogbot_logtool.core.base.base_motion import stride_lengths
 from dogbot_logtool.core.contact.foot_history import FootHistory
-from dogbot_logtool.core.contact.stances import Cut, StanceFigures, Stances
+from dogbot_logtool.core.contact.stances import Cut, Stances
 from dogbot_logtool.core.gait.cycle_curves import ForceCurves, force_curves
-from dogbot_logtool.core.gait.foot_steps import FootChecks, FootSteps
+from dogbot_logtool.core.gait.foot_steps import FootSteps
 from dogbot_logtool.core.gait.segments import FootEvents
 from dogbot_logtool.core.gait.strides import (
     Strides,
@@ -50,8 +50,7 @@ class FootStatistics:
     liftoff: Ints
     """(l,) ns, lift-offs that were seen."""
     is_dead: bool
-    """See `FootChecks`; likewise `is_saturated`."""
-    is_saturated: bool
+    """Whether its sensor never reports a contact, and nothing says that it is lifted."""
     spikes: int
     """Lone spikes of its force in whole stances; kept out of the peaks."""
     contact_fraction: float | None
@@ -92,7 +91,12 @@ class FootStatistics:
 
 
 def foot_statistics(
-    steps: FootSteps, base: BaseHistory, foot_rolling_m: float | None, within: Ints | None = None
+    steps: FootSteps,
+    base: BaseHistory,
+    foot_rolling_m: float | None,
+    within: Ints | None = None,
+    *,
+    is_dead: bool = False,
 ) -> FootStatistics:
     """Aggregate what was recorded of one foot.
 
@@ -103,16 +107,16 @@ def foot_statistics(
             not known.
         within: (w, 2) ns, a part of the log; its stances and strides are those with their middle in
             it. None: all of it.
+        is_dead: whether its sensor never reports a contact, and nothing says that it is lifted.
     """
-    record, checks, stances, strides = steps.record, steps.checks, steps.stances, steps.strides
+    record, stances, strides = steps.record, steps.stances, steps.strides
     if within is not None:
         stances, strides = cut_outside(stances, within), strides.within(within)
     length = stride_lengths(base, strides.touchdown, strides.end)
-    length = length if checks.length_known else np.full_like(length, np.nan)
     slip = slip_m(stances.figures.contact_travel_m, foot_rolling_m)
     largest_slip = slip_m(stances.figures.contact_reach_m, foot_rolling_m)
     whole = stances.whole
-    figures = _known_forces(stances.figures, checks)
+    figures = stances.figures
     # A spike of a leaning force is as large as all that brakes.
     clean = whole & ~(stances.figures.spikes > 0)
     return FootStatistics(
@@ -127,10 +131,9 @@ def foot_statistics(
         discarded=steps.discarded,
         touchdown=_seen(stances.touchdown, record, Cut.LOG_START, stances),
         liftoff=_seen(stances.liftoff, record, Cut.LOG_END, stances),
-        is_dead=checks.is_dead,
-        is_saturated=checks.is_saturated,
+        is_dead=is_dead,
         spikes=int(stances.figures.spikes[steps.has_spikes & whole].sum()),
-        contact_fraction=record.contact_fraction(within) if checks.contact_known else None,
+        contact_fraction=record.contact_fraction(within),
         stance_s=aggregate(stances.duration_s[whole]),
         swing_s=aggregate(strides.swing_s),
         stride_period_s=aggregate(strides.period_s),
@@ -141,11 +144,7 @@ def foot_statistics(
         mean_force_n=aggregate(figures.mean_n[whole]),
         peak_vertical_force_n=aggregate(figures.peak_vertical_n[whole]),
         mean_vertical_force_n=aggregate(figures.mean_vertical_n[whole]),
-        vertical_impulse_ns=(
-            vertical_impulse_ns(record, within)
-            if checks.vertical_known and not checks.is_dead
-            else None
-        ),
+        vertical_impulse_ns=vertical_impulse_ns(record, within),
         braking_impulse_ns=aggregate(steps.fore_aft.braking[clean]),
         propulsive_impulse_ns=aggregate(steps.fore_aft.propulsive[clean]),
         force_curves=force_curves(steps.vertical, steps.forward, strides),
@@ -154,21 +153,9 @@ def foot_statistics(
         contact_travel_m=aggregate(figures.contact_travel_m[whole]),
         slip_distance_m=aggregate(slip[whole]),
         largest_slip_m=aggregate(largest_slip[whole]),
-        friction_use=aggregate(figures.friction_use[whole]) if checks.direction_known else None,
+        friction_use=aggregate(figures.friction_use[whole]),
         slip_source="contact_points" if np.isfinite(slip[whole]).any() else None,
     )
-
-
-def _known_forces(figures: StanceFigures, checks: FootChecks) -> StanceFigures:
-    """Return figures without the forces that are not known."""
-    unknown = np.full_like(figures.peak_n, np.nan)
-    if not checks.in_newtons:
-        figures = figures._replace(peak_n=unknown, mean_n=unknown, loading_rate_nps=unknown)
-    if not checks.vertical_known:
-        figures = figures._replace(peak_vertical_n=unknown, mean_vertical_n=unknown)
-    if checks.is_saturated:
-        figures = figures._replace(peak_n=unknown, peak_vertical_n=unknown)
-    return figures
 
 
 def _seen(time: Ints, record: FootHistory, unseen: Cut, stances: Stances) -> Ints:

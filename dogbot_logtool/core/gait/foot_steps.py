@@ -1,7 +1,6 @@
 """A foot's steps over a whole log, and what is known of the sensor that tells of them."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
 from typing import Final
 
 import numpy as np
@@ -27,37 +26,10 @@ FEWEST_STANCES: Final = 8
 
 
 @dataclass(frozen=True, slots=True)
-class FootChecks:
-    """The assumptions that hold for a foot; figures that rest on another are None."""
-
-    is_dead: bool = False
-    """Whether its sensor never reports a contact, and nothing says that the foot is lifted."""
-    is_saturated: bool = False
-    """Whether its sensor is cut off at a limit: the peaks are not known."""
-    is_refuted: bool = False
-    """Whether its sensor was taken to read zero without load, on a robot that then makes no steps
-    although it moves."""
-    direction_known: bool = True
-    """Whether nothing contradicts the direction of its force."""
-    vertical_known: bool = True
-    """Whether the vertical part of its force may be what it seems."""
-    in_newtons: bool = True
-    """Whether forces may be in N."""
-    length_known: bool = True
-    """Whether the odometry tells how far its strides go."""
-
-    @property
-    def contact_known(self) -> bool:
-        """Whether nothing refutes its contacts."""
-        return not (self.is_dead or self.is_refuted)
-
-
-@dataclass(frozen=True, slots=True)
 class FootSteps:
     """Stances and strides of a foot over the whole log, and the forces in them."""
 
     settings: FootSettings
-    checks: FootChecks
     record: FootHistory
     stances: Stances
     """All stances, those in a fall or a stand marked as cut; peaks are without lone spikes."""
@@ -72,15 +44,6 @@ class FootSteps:
     """(stances, PARTS) N, the same along the base's forward axis."""
     fore_aft: ForeAftImpulses
     """N s, along that axis, in each stance."""
-
-    def without_direction(self) -> "FootSteps":
-        """Return the steps for a force whose direction is not what it seems."""
-        return replace(
-            self,
-            checks=replace(self.checks, direction_known=False),
-            forward=np.full_like(self.forward, np.nan),
-            fore_aft=self.fore_aft.unknown(),
-        )
 
 
 def net_push(feet: Sequence[FootSteps]) -> float | None:
@@ -111,7 +74,6 @@ def _impulses(foot: FootSteps) -> Floats:
 
 def foot_steps(
     settings: FootSettings,
-    checks: FootChecks,
     record: FootHistory,
     base: BaseHistory,
     *,
@@ -123,7 +85,6 @@ def foot_steps(
 
     Args:
         settings: of the foot.
-        checks: what is known of it.
         record: its stances and track.
         base: poses.
         forward_axis: the body's axis that points forward.
@@ -133,19 +94,15 @@ def foot_steps(
     stances = without_spikes(cut_by_fall(record.stances, fallen))
     stances = cut_by_standing(stances, steps_apart(standing.without_steps, stances))
     strides, discarded = strides_of(stances, record.gaps, fallen)
-    vertical = record.stance_forces[:, 2]
     heading = stance_headings(record.stances, base, forward_axis)
-    forward, fore_aft = forward_forces(record, heading), fore_aft_impulses(record, heading)
-    unknown = np.full_like(forward, np.nan)
     return FootSteps(
         settings=settings,
-        checks=checks,
         record=record,
         stances=stances,
         strides=strides,
         discarded=discarded,
         has_spikes=has_lone_spikes(stances),
-        vertical=vertical if checks.vertical_known else unknown,
-        forward=forward if checks.direction_known else unknown,
-        fore_aft=fore_aft if checks.direction_known else fore_aft.unknown(),
+        vertical=record.stance_forces[:, 2],
+        forward=forward_forces(record, heading),
+        fore_aft=fore_aft_impulses(record, heading),
     )

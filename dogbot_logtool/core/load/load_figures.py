@@ -67,8 +67,6 @@ class LoadFigures:
     shares: tuple[float, ...] | None
     """(feet) share of each foot; they add up to 1. None also where the sum misses the weight: a
     sensor of one foot may be why."""
-    mean_over_weight: float | None = None
-    """`mean_vertical_n` over m g, also where an assumed mass is refuted by it."""
     magnitude_over_weight: float | None = None
     """Mean of the feet's summed |F| over m g, where only that is known, over whole strides: hardly
     below 1, and little above it. None where vertical forces are known, or a foot's is missing."""
@@ -76,6 +74,8 @@ class LoadFigures:
     """Whether it misses 1 by so much that the direction of the forces is doubtful: by
     `WEIGHT_TOLERANCE`, or by `REFUTED` where the mass is only assumed. The load on a foot that is
     never seen to touch may be missing instead."""
+    weight_refuted: bool = False
+    """Whether it misses 1 by over `REFUTED`, so that the weight itself is doubtful."""
     magnitude_misses_weight: bool = False
     """Whether the sum of |F| is below the weight, or far above it: a wrong mass or sensor."""
     other_units: bool = False
@@ -84,9 +84,9 @@ class LoadFigures:
     @property
     def vertical_refuted(self) -> bool:
         """Whether the feet's vertical force is so far below the weight that it is another one."""
-        if self.mean_over_weight is None:
+        if self.vertical_impulse_over_weight is None:
             return self.mean_vertical_n is not None and self.mean_vertical_n < 0.0
-        return self.direction_refuted and self.mean_over_weight < NOT_THE_WEIGHT
+        return self.direction_refuted and self.vertical_impulse_over_weight < NOT_THE_WEIGHT
 
     mean_magnitude_n: float | None = None
     """N, mean of the feet's summed |F|; None where vertical forces are not known."""
@@ -97,15 +97,15 @@ class LoadFigures:
         vertical, magnitude = self.mean_vertical_n, self.mean_magnitude_n
         if not vertical or magnitude is None or magnitude <= (1.0 + LEANS) * vertical:
             return False
-        if self.mean_over_weight is None or self.weight_source is not WeightSource.MASS:
+        if self.vertical_impulse_over_weight is None or self.weight_source is not WeightSource.MASS:
             return True
-        magnitude_misses = abs(magnitude / vertical * self.mean_over_weight - 1.0)
-        return magnitude_misses < abs(self.mean_over_weight - 1.0) + CLEARLY
+        magnitude_misses = abs(magnitude / vertical * self.vertical_impulse_over_weight - 1.0)
+        return magnitude_misses < abs(self.vertical_impulse_over_weight - 1.0) + CLEARLY
 
     @property
     def misses_weight(self) -> bool:
         """Whether the feet's vertical impulse is not the weight: a wrong frame, sensor or mass."""
-        ratio = self.mean_over_weight
+        ratio = self.vertical_impulse_over_weight
         return ratio is not None and abs(ratio - 1.0) > WEIGHT_TOLERANCE
 
 
@@ -228,21 +228,21 @@ def load_figures(
     share_of, shares = _shares(feet, spans, vertical=vertical)
     # A part of a stride counts one foot's stance and another's swing.
     in_part = not over_strides and any(len(foot.stances.touchdown) > 1 for foot in feet)
-    if direction_refuted or magnitude_misses or in_part:
+    if in_part:
         shares = None
     return LoadFigures(
         known_s=timespans.total(spans) / 1e9,
         over_strides=over_strides,
         mean_vertical_n=mean_n,
-        vertical_impulse_over_weight=None if refuted and mass_is_assumed else ratio,
+        vertical_impulse_over_weight=ratio,
         weight_n=weight_n,
         weight_source=source,
         share_of=share_of,
         shares=shares,
-        mean_over_weight=ratio,
         magnitude_over_weight=magnitude,
         mean_magnitude_n=mean_magnitude,
         direction_refuted=direction_refuted,
+        weight_refuted=refuted,
         magnitude_misses_weight=magnitude_misses,
         other_units=complete
         and over_strides

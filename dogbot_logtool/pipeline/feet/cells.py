@@ -48,7 +48,7 @@ def _finding(group: Sequence[FootCandidates]) -> Finding:
         "here: record the sum of each foot's sensors on a topic of its own, such as "
         "/foot/left of geometry_msgs/WrenchStamped"
     )
-    return Finding("W_FEET_POSSIBLE", text)
+    return Finding("FEET_UNSURE", text, cases=("possible",))
 
 
 def _feet(group: Sequence[FootCandidates]) -> Iterator[str]:

@@ -122,11 +122,11 @@ def candidates_finding(log: Log, found: Sequence[FootCandidates], call: str, bas
     if any(foot.field and foot.field.kind for foot in first.feet):
         # What the fields are can only be said in a robot's file.
         text += f"; they are not used unasked. This writes a robot's file with them: {draft}"
-        return Finding("W_FEET_POSSIBLE", text, command=draft)
+        return Finding("FEET_UNSURE", text, command=draft, cases=("possible",))
     words = " ".join(f"--foot {foot.name}={shell_quoted(word_of(foot))}" for foot in first.feet)
     command = f"{call} {words}"
     text += (
         f"; they are not used unasked. `{draft}` writes a robot's file with them; this measures "
         f"with them: {command}"
     )
-    return Finding("W_FEET_POSSIBLE", text, command=command)
+    return Finding("FEET_UNSURE", text, command=command, cases=("possible",))

@@ -96,8 +96,6 @@ def flag_findings(use: FlagUse) -> Iterator[Finding]:
     share = f"{use.contradicted:.0%} of the contact flags of {listed(use.topics)}"
     if use.are_useless:
         text = f"{share} contradict the forces, and no flag ever changes: forces decide contact"
-        yield Finding("W_FLAGS_IGNORED", text)
+        yield Finding("FLAGS_CONTRADICTED", text)
     elif use.contradicted > _DOUBTFUL:
-        yield Finding(
-            "W_FLAGS_CONTRADICTED", f"{share} contradict the forces; flags decide contact"
-        )
+        yield Finding("FLAGS_CONTRADICTED", f"{share} contradict the forces; flags decide contact")

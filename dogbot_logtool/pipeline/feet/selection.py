@@ -177,18 +177,18 @@ def find_feet(log: Log, robot: Robot, findings: list[Finding]) -> tuple[Robot, F
         for foot in feet:
             if foot.topic not in recorded:
                 text = f"foot {foot.name} has no messages: there is no topic {foot.topic}"
-                findings.append(Finding("W_FOOT_MISSING", text, foot.topic))
+                findings.append(_missing(text, foot.topic, foot.name))
         unnamed = _unnamed(log, feet)
         for foot in unnamed:
             options = f"--foot {foot.name}={shell_quoted(foot.topic)}"
             text = f"{foot.topic} is like the feet of {robot.name}, but none of them ({options})"
-            findings.append(Finding("W_FOOT_MISSING", text, foot.topic))
+            findings.append(Finding("NO_MESSAGES", text, foot.topic))
         # Their messages are not read, so that what rests on all feet is not known.
         missing = (replace(foot, topic="", element=None, label="") for foot in unnamed)
         return replace(robot, feet=(*feet, *missing)), None
     found, offered = _feet_by_names(log, findings)
     if not found and not offered:
-        findings.append(Finding("W_NO_FEET", _without_feet(topics, recorded)))
+        findings.append(Finding("NO_FEET", _without_feet(topics, recorded)))
     return replace(robot, feet=found), _offer(offered) if offered and not found else None
 
 
@@ -244,7 +244,7 @@ def _of_part(
     findings.append(_found(found, [one for one in others if one is not rest]))
     for name in part.missing if rest is None else ():
         text = f"foot {name} has no messages: there is no topic like those of the other feet"
-        findings.append(Finding("W_FOOT_MISSING", text, name))
+        findings.append(_missing(text, name, name))
         found.append(Foot(name, "", leg_position=leg_position(name)))
     return tuple(sorted(found, key=front_to_back))
 
@@ -303,11 +303,15 @@ def _feet_of(found: FootSet) -> tuple[Foot, ...]:
     return tuple(Foot(foot.name, foot.topic, leg_position=foot.position) for foot in found.feet)
 
 
+def _missing(text: str, where: str, foot: str) -> Finding:
+    return Finding("NO_MESSAGES", text, where, cases=("foot",), feet=(foot,))
+
+
 def _found(feet: Sequence[Foot], others: Sequence[FootSet] = ()) -> Finding:
     text = f"feet are found by type and name: {', '.join(f'{f.name} = {f.topic}' for f in feet)}"
     if others:
         text += f"; not chosen, but possible: {' or '.join(map(foot_options, _few(others)))}"
-    return Finding("N_FEET_FOUND", text)
+    return Finding("TOPICS_CHOSEN", text)
 
 
 def _few(sets: Sequence[FootSet]) -> Sequence[FootSet]:
@@ -356,5 +360,5 @@ def _with_element(log: Log, foot: Foot, findings: list[Finding]) -> Foot:
     if foot.element is not None:
         return foot
     text = f"which element of {foot.topic} is {foot.name} is not known; the robot's file can tell"
-    findings.append(Finding("W_ELEMENT_UNKNOWN", text, foot.topic))
+    findings.append(Finding("FEET_UNSURE", text, foot.topic))
     return foot

@@ -197,30 +197,31 @@ def _sensor(
 
 def frame_findings(frames: WorldFrames, counts: FrameCounts) -> Iterator[Finding]:
     """Say how often the frames told what was asked of them."""
-    for wanted, done, left, code, text in (
+    for wanted, done, left, case, text in (
         (
             any(frames.links),
             counts.turned,
             counts.not_turned,
-            "FORCES_TURNED",
+            "forces",
             "link-frame forces turned into the world by the log's own transforms",
         ),
         (
             any(point and point.recorded for point in frames.points),
             counts.placed,
             counts.not_placed,
-            "FEET_PLACED",
+            "",
             "positions of feet in the base's frame turned into the world",
         ),
         (
             any(point and not point.recorded for point in frames.points),
             counts.placed,
             counts.not_placed,
-            "FEET_PLACED",
+            "",
             "contacts without a point placed at the origins of the feet's frames",
         ),
     ):
         if wanted and left:
-            yield Finding(f"W_{code}", f"{text}: {done:,}; transforms were missing for {left:,}")
+            missing = f"{text}: {done:,}; transforms were missing for {left:,}"
+            yield Finding("TRANSFORMS_MISSING", missing, cases=(case,) if case else ())
         elif wanted:
-            yield Finding(f"N_{code}", f"{text}: {done:,}")
+            yield Finding("TRANSFORMS_MISSING", f"{text}: {done:,}", cases=("none",))

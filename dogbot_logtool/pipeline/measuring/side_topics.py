@@ -60,11 +60,11 @@ def side_topics(log: Log, options: StatsOptions) -> SideTopics:
     commands = _named(log, options.command_topic, COMMANDS, "--command")
     if commands is None:
         ranked = _ranked(log, COMMANDS, _command_rank)
-        commands = _first(ranked, "velocity commands", "N_COMMAND_FOUND", "--command", findings)
+        commands = _first(ranked, "velocity commands", "--command", findings)
     inertial = _named(log, options.imu_topic, INERTIAL_UNITS, "--imu")
     if inertial is None:
         ranked = _ranked(log, INERTIAL_UNITS, _inertial_rank)
-        inertial = _first(ranked, "the base's accelerations", "N_IMU_FOUND", "--imu", findings)
+        inertial = _first(ranked, "the base's accelerations", "--imu", findings)
     return SideTopics(commands, inertial, tuple(findings))
 
 
@@ -130,7 +130,7 @@ def _unreadable(channel: Channel, rows: Mapping[str, MessageType]) -> str:
 
 
 def _first(
-    ranked: Sequence[WantedVectors], what: str, code: str, option: str, findings: list[Finding]
+    ranked: Sequence[WantedVectors], what: str, option: str, findings: list[Finding]
 ) -> WantedVectors | None:
     """Take the best topic, and say which, and what else there is."""
     if not ranked:
@@ -138,7 +138,7 @@ def _first(
     best, others = ranked[0], [each.topic for each in ranked[1:]]
     text = f"{what} are taken from {best.topic}, found by type and name"
     text += f"; there are also {listed(others)} ({option} chooses)" if others else ""
-    findings.append(Finding(code, text, best.topic))
+    findings.append(Finding("TOPICS_CHOSEN", text, best.topic))
     return best
 
 

@@ -144,10 +144,10 @@ def _findings(recording: Recording, learnt: LearntSettings, plan: MeasuringPlan)
     """Return what was found while topics, frames and sensors were chosen."""
     # The figures have a finding of their own for each topic's stamps.
     seen = probe_findings(learnt.selection, learnt.probe)
-    findings = [*learnt.selection.findings, *(f for f in seen if f.code != "W_ZERO_STAMPS")]
+    findings = [*learnt.selection.findings, *(f for f in seen if f.code != "BAD_STAMPS")]
     findings.extend(plan.side.findings if plan.side else ())
     if recording.implausible:
-        findings.append(Finding("W_IMPLAUSIBLE", f"{recording.implausible:,} {IMPLAUSIBLE}"))
+        findings.append(Finding("NOT_FINITE", f"{recording.implausible:,} {IMPLAUSIBLE}"))
     return findings
 
 
@@ -165,7 +165,8 @@ def _with_plan(measured: Measured, planned: Stats) -> Measured:
         topic = min(foot.topic for foot in planned.feet)
         text = f"{topic} is a plan on another clock than the feet: they are not compared"
         return replace(
-            measured, findings=(*measured.findings, Finding("N_PLAN_NOT_COMPARED", text))
+            measured,
+            findings=(*measured.findings, Finding("PLANNED", text, cases=("not_compared",))),
         )
     found = tuple(
         follow_plan(foot, plan[foot.name]) if foot.name in plan else None for foot in stats.feet

@@ -72,8 +72,7 @@ def robot_description(
     moved = tuple(_moved(motion, base_frame)) if motion else ()
     if own:
         text = f"the log has its own robot description ({', '.join(own)}): none is written"
-        code = "N_OWN_ROBOT_DESCRIPTION" if given is None else "W_OWN_ROBOT_DESCRIPTION"
-        found = (Finding(code, text), *moved)
+        found = (Finding("ROBOT_DESCRIPTION", text), *moved)
         return RobotDescription(None, found, hips, motion, shape.height_m)
     if given is None:
         given = primitive_urdf(
@@ -95,11 +94,11 @@ def _moved(motion: JointMotion, base_frame: str) -> Iterator[Finding]:
     text += f", joints: {moving}"
     if motion.left_out:
         text += f"; {said_of_left_out(motion.left_out)}"
-    yield Finding("N_LINKS_BY_JOINTS", text, topic)
+    yield Finding("ROBOT_DESCRIPTION", text, topic)
     links = {link for pair in motion.pairs for link in pair}
     if base_frame not in links:
         yield Finding(
-            "W_URDF_WITHOUT_BASE",
+            "ROBOT_DESCRIPTION",
             f"the robot description has no link {base_frame}: its robot does not go along",
         )
 

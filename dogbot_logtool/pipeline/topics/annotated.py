@@ -78,7 +78,7 @@ def annotation_findings(log: Log) -> Iterator[Finding]:
         text = (
             f"the log is annotated already: its {annotations.messages:,} annotations are left out"
         )
-        yield Finding("N_ANNOTATED", text)
+        yield Finding("ANNOTATED", text)
 
 
 def _provenance(log: Log) -> Iterator[tuple[Extra, Mapping[str, str]]]:

@@ -91,7 +91,7 @@ def choose_base(
         text += f", since the robot's {named} is missing or cannot be used"
     if others:
         text += f"; there are also {_options(others)}"
-    findings.append(Finding("N_BASE_FOUND", text, best.topic))
+    findings.append(Finding("TOPICS_CHOSEN", text, best.topic))
     return _chosen(log, robot, best, findings)
 
 
@@ -169,12 +169,12 @@ def _chosen(
             channels.append(channel)
     if is_planned_base(candidate):
         text = f"{candidate.name}: these poses are planned, not measured"
-        findings.append(Finding("W_BASE_PLANNED", text, topic))
+        findings.append(Finding("PLANNED", text, topic, cases=("base",)))
     if remark := source.row.remark:
-        findings.append(Finding("N_BASE_REMARK", f"{candidate.name}: {remark}", topic))
+        findings.append(Finding("TOPICS_CHOSEN", f"{candidate.name}: {remark}", topic))
     if not source.has_header:
         text = f"{source.type_name} has no header: log time is used for it"
-        findings.append(Finding("N_NO_HEADER", text))
+        findings.append(Finding("LOG_TIME_USED", text, cases=("no_header",)))
     if source.is_transform:
         parent, child = frame_pair(candidate.element)
         robot = replace(robot, world_frame=parent, base_frame=child)
@@ -183,7 +183,7 @@ def _chosen(
                 f"{child} is the base's projection on the ground: height, roll and pitch are "
                 "those of the ground"
             )
-            findings.append(Finding("N_BASE_REMARK", text, topic))
+            findings.append(Finding("TOPICS_CHOSEN", text, topic))
     return ChosenBase(robot, tuple(channels), Base(source, candidate.element))
 
 
@@ -198,7 +198,7 @@ def _odometry_found(log: Log, robot: Robot, chosen: str, topics: Sequence[str]) 
         why = "cannot be used" if named in recorded else "is missing"
         text += f", since the robot's {named} {why}"
     text += f"; there are also {rest} (--odom-topic chooses)" if rest else ""
-    return Finding("N_ODOMETRY_FOUND", text, chosen)
+    return Finding("TOPICS_CHOSEN", text, chosen)
 
 
 def _other_poses(log: Log) -> list[str]:
@@ -219,7 +219,7 @@ def _none(log: Log, offered: Sequence[BaseCandidate]) -> Finding:
     text = f"{none}: no /tf and no figures of the base's motion"
     if offered:
         text += f", unless these poses are the base's: {_options(offered)}"
-    return Finding("W_NO_ODOMETRY", text)
+    return Finding("NO_BASE", text)
 
 
 def _options(candidates: Sequence[BaseCandidate]) -> str:

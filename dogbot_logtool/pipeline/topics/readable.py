@@ -68,8 +68,7 @@ def unreadable_findings(
             key = _is_lost(channel, odometry, contacts), reason
             lost.setdefault(key, set()).add(channel.topic)
     for (is_error, reason), topics in sorted(lost.items()):
-        code = "E_UNREADABLE" if is_error else "W_UNREADABLE"
-        yield _about(topics, reason + _NOT_USED, code)
+        yield _about(topics, reason + _NOT_USED, () if is_error else ("one_topic",))
 
 
 def _is_lost(
@@ -91,7 +90,7 @@ def own_definition_findings(used: Iterable[Channel]) -> Iterator[Finding]:
             found.setdefault(because, set()).add(channel.topic)
     for because, topics in sorted(found.items()):
         text = f"{because}; the one that comes with dogbot-logtool is used"
-        yield _about(topics, text, "N_OWN_DEFINITION")
+        yield _about(topics, text, ("not_needed",))
 
 
 def _own_definition_because(channel: Channel) -> str:
@@ -105,9 +104,10 @@ def _own_definition_because(channel: Channel) -> str:
     return ""
 
 
-def _about(topics: Collection[str], text: str, code: str) -> Finding:
+def _about(topics: Collection[str], text: str, cases: tuple[str, ...]) -> Finding:
     named = sorted(topics)
-    return Finding(code, f"{listed(named)}: {text}", named[0] if len(named) == 1 else "")
+    where = named[0] if len(named) == 1 else ""
+    return Finding("UNREADABLE", f"{listed(named)}: {text}", where, cases=cases)
 
 
 def other_encodings(channels: Mapping[int, Channel]) -> str:

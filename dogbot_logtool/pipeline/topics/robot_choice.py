@@ -22,7 +22,7 @@ def choose_robot(log: Log, options: TopicOptions, findings: list[Finding]) -> Ro
         topics = usable_topics(log) | _field_topics(log, known)
         robot = max(known, key=lambda one: (len(one.topics & topics), one.name == GENERIC))
         text = f"robot: {robot.name} (guessed from the topics; change with --robot)"
-        findings.append(Finding("N_ROBOT_GUESSED", text))
+        findings.append(Finding("ROBOT_GUESSED", text))
     return robot.with_mass(options.mass_kg)
 
 

@@ -136,7 +136,7 @@ class Selection:
             return self
         names = [self.robot.feet[foot].name for foot in sorted(forceless)]
         text = f"all wrenches of {listed(names)} are zero: contacts without forces"
-        findings = (*self.findings, Finding("N_ZERO_WRENCHES", text))
+        findings = (*self.findings, Finding("NO_FORCE", text))
         return replace(self, forceless=forceless, findings=findings)
 
     def wanted(self) -> Wanted:
@@ -201,7 +201,7 @@ def select_topics(log: Log, options: TopicOptions) -> Selection:
     ]
     unreadable = list(unreadable_findings(log.channels.values(), odometry, contacts))
     if not (contacts or unreadable) and (others := other_encodings(log.channels)):
-        unreadable.append(Finding("N_UNREADABLE", others))
+        unreadable.append(Finding("UNREADABLE", others, cases=("not_needed",)))
     findings.extend(unreadable)
     findings.extend(own_definition_findings([*odometry, *contacts, *transforms]))
     return Selection(
@@ -225,13 +225,13 @@ def nothing_to_do(log: Log, selection: Selection) -> str:
     if selection.offered_feet is not None:
         offered = selection.offered_feet
         return f"{path}: there is no nav_msgs/Odometry, and {offered.sentence}\n  {offered.command}"
-    possible = next((f for f in selection.findings if f.code == "W_FEET_POSSIBLE"), None)
+    possible = next((f for f in selection.findings if "possible" in f.cases), None)
     if possible is not None:
         none = "there is neither nav_msgs/Odometry nor a known type of contact messages"
         command = possible.command and f"\n  {possible.command}"
         return f"{path}: {none}, but {possible.sentence}{command}"
     for finding in selection.findings:
-        if finding.code == "W_NO_ODOMETRY" and "--odom-topic" in finding.text:
+        if finding.code == "NO_BASE" and "--odom-topic" in finding.text:
             command = finding.command and f"\n  {finding.command}"
             return f"{path}: there are no contact messages, and {finding.sentence}{command}"
     if because := reasons(selection.findings):
@@ -274,7 +274,7 @@ def _without_topics(robot: Robot) -> Iterator[Finding]:
             f"the log has none of the topics of the robot {robot.name!r}: feet and odometry are "
             "looked for by type and name, but its mass, axes and frames are used; check --robot"
         )
-        yield Finding("W_ROBOT_ABSENT", text)
+        yield Finding("ROBOT_GUESSED", text, cases=("absent",))
 
 
 def _apply_options(log: Log, robot: Robot, options: TopicOptions) -> Robot:
@@ -305,7 +305,7 @@ def _call(log: Log, options: TopicOptions, base: str) -> str:
 
 def _with_command(finding: Finding, call: str) -> Finding:
     """Add the call that takes the offered poses to the finding that there is no odometry."""
-    if finding.code != "W_NO_ODOMETRY":
+    if finding.code != "NO_BASE":
         return finding
     return replace(finding, text=f"{finding.text}; this takes them: {call}", command=call)
 
@@ -317,7 +317,7 @@ def _offered(call: str, offer: FootOffer) -> Finding:
         f"feet may be among the topics, but their names do not tell surely: {offer.text}; "
         f"no arrows, no gait, until --foot says which they are: {command}"
     )
-    return Finding("W_FEET_UNSURE", text, command=command)
+    return Finding("FEET_UNSURE", text, command=command)
 
 
 def _source_findings(contacts: Sequence[Channel], levels: RawLevels) -> list[Finding]:
@@ -329,16 +329,20 @@ def _source_findings(contacts: Sequence[Channel], levels: RawLevels) -> list[Fin
             continue
         if not source.has_force:
             text = f"{name} tells contact, not force: gait figures only, no arrows, no loads"
-            findings.append(Finding("N_NO_FORCE", text))
+            findings.append(Finding("NO_FORCE", text))
         if source.is_raw:
             findings.extend(_not_calibrated(name, levels))
         if not source.has_header:
             findings.append(
-                Finding("N_NO_HEADER", f"{name} has no header: log time is used for it")
+                Finding(
+                    "LOG_TIME_USED",
+                    f"{name} has no header: log time is used for it",
+                    cases=("no_header",),
+                )
             )
         if source.silent_in_swing:
             text = f"{name} is published only in contact: silence is taken for swing"
-            findings.append(Finding("N_SILENT_SWING", text))
+            findings.append(Finding("SILENT_SWING", text))
     findings.extend(_planned(contacts))
     return list(dict.fromkeys(findings))
 
@@ -351,7 +355,7 @@ def _planned(contacts: Sequence[Channel]) -> Iterator[Finding]:
                 f"{channel.topic} is a plan, not a measurement: contacts, forces and figures are "
                 "the planned ones"
             )
-            yield Finding("N_PLANNED", text, channel.topic)
+            yield Finding("PLANNED", text, channel.topic)
 
 
 def _not_calibrated(name: str, levels: RawLevels) -> Iterator[Finding]:
@@ -368,4 +372,4 @@ def _not_calibrated(name: str, levels: RawLevels) -> Iterator[Finding]:
     else:
         text += f"; contact from {robot.contact_on_counts:g} counts above a foot's offset on"
         text += " (both estimated from the log)" if levels.estimated else ""
-    yield Finding("W_NOT_CALIBRATED", text)
+    yield Finding("NOT_CALIBRATED", text, feet=tuple(unscaled))

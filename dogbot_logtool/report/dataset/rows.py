@@ -7,12 +7,11 @@ from urllib.parse import quote
 
 from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.io.plain_json import to_json
-from dogbot_logtool.report.dataset.schema import foot_columns
-from dogbot_logtool.report.figures.figure import Json, TableName
-from dogbot_logtool.report.figures.tables import at, columns_of
+from dogbot_logtool.report.dataset.schema import foot_columns, log_columns
 from dogbot_logtool.report.numbers import date_of
 from dogbot_logtool.results import Figures
 
+Json = dict[str, Any]
 _NOT_KNOWN: Final = "unknown"
 
 Columns = Mapping[str, Sequence[Any]]
@@ -44,15 +43,15 @@ def log_rows(figures: Figures) -> LogRows:
     row = {
         "error": None,
         "start_time": start_time,
-        "damaged": bool(document["quality"]["losses"]),
-        **{each.column.header: at(document, each.path) for each in columns_of(TableName.LOG_ROWS)},
+        "damaged": bool(figures.damage.losses),
+        **{each.column.name: _at(document, each.path) for each in log_columns()},
         "warnings": sum(each["severity"] != "note" for each in document["findings"]),
-        "figures_json": to_json(document),
+        "metrics_json": to_json(document),
     }
     others = {
         "strides": _stride_columns(figures),
         "events": _transposed(document["events"]),
-        "feet": _transposed([_foot_row(*each) for each in document["feet"].items()]),
+        "feet": _transposed(_foot_rows(document)),
     }
     return LogRows(_partition(figures.robot, start_time), row, others)
 
@@ -69,19 +68,33 @@ def _partition(robot: str, date: datetime | None) -> str:
 
 def _stride_columns(figures: Figures) -> Columns:
     strides = figures.strides
-    legs = {name: _leg(name, foot) for name, foot in figures.json["feet"].items()}
+    settings = figures.json["settings"]["feet"]
+    legs = {name: _leg(name, settings[name]) for name in figures.json["feet"]}
     columns = {name: column.tolist() for name, column in strides.columns.items()}
     return {**_transposed([legs[foot] for foot in strides.foot]), **columns}
 
 
 def _leg(name: str, foot: Json) -> Json:
-    end, side = foot["place"] or (None, None)
+    """Return which leg a foot is of, from its settings."""
+    end, side = foot["leg_position"] or (None, None)
     return {"foot": name, "place_end": end, "place_side": side}
 
 
-def _foot_row(name: str, foot: Json) -> Json:
-    figures = {each.column.name: at(foot, each.path) for each in foot_columns()}
-    return {**_leg(name, foot), **figures}
+def _foot_rows(document: Json) -> list[Json]:
+    settings = document["settings"]["feet"]
+    return [
+        _leg(name, settings[name])
+        | {each.column.name: _at(foot, each.path) for each in foot_columns()}
+        for name, foot in document["feet"].items()
+    ]
+
+
+def _at(document: Json, path: str) -> Any:  # noqa: ANN401 - JSON
+    """Return the value at a path; None where what should hold it is null."""
+    value: Any = document
+    for key in path.split("."):
+        value = None if value is None else value[key]
+    return value
 
 
 def _transposed(rows: Sequence[Json]) -> Columns:

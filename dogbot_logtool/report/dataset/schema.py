@@ -1,24 +1,17 @@
-"""The tables of the dataset and their columns, most of them from the table of figures."""
+"""The tables of the dataset and their columns, most of them from the records of metrics."""
 
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
 from enum import Enum
 from functools import cache
 from typing import Any, Final
 
+from dogbot_logtool.core.geometry.aggregates import Aggregate
+from dogbot_logtool.core.metrics import Event, Foot, Stride, WalkMetrics
+from dogbot_logtool.core.records import Field, definitions, fields_of, metric_paths
 from dogbot_logtool.dataclass import dataclass
-from dogbot_logtool.report.figures.document import DOCUMENT, STRIDE_FIGURES
-from dogbot_logtool.report.figures.events import EVENTS
-from dogbot_logtool.report.figures.figure import (
-    BY_NAME,
-    STATISTICS,
-    Figure,
-    Kind,
-    TableName,
-    all_figures,
-)
-from dogbot_logtool.report.figures.tables import columns_of
 
-SCHEMA_VERSION: Final = 4
+SCHEMA_VERSION: Final = 5
 """Grows with every change of the columns or their meaning, and of the layout of the files."""
 PARTITIONS: Final[Mapping[str, str]] = {
     "robot": "name of the robot; `unknown` for a log that could not be measured",
@@ -52,22 +45,17 @@ class TableColumn:
 
 
 @dataclass(frozen=True, slots=True)
-class FootColumn:
-    """A column of the table of feet, and where its figure stands in the JSON of a foot."""
+class MetricColumn:
+    """A column, and where its metric stands in JSON."""
 
     column: TableColumn
     path: str
     """Keys, joined by dots; the last may be one of an aggregate."""
 
 
-_TYPES: Final = {
-    Kind.TEXT: Type.TEXT,
-    Kind.COUNT: Type.INTEGER,
-    Kind.INTEGER: Type.INTEGER,
-    Kind.FLAG: Type.FLAG,
-    Kind.NUMBERS: Type.NUMBERS,
-}
-"""Types of columns; those of all other figures are numbers."""
+_TYPES: Final = {str: Type.TEXT, int: Type.INTEGER, float: Type.NUMBER, bool: Type.FLAG}
+_PRESENT: Final = ("schema_version", "log.path")
+"""Metrics of a log that other columns have."""
 _FAILED: Final = "the log could not be measured"
 _LOG: Final = (
     TableColumn("log", Type.TEXT, "path of the log from the root, or URL without query"),
@@ -105,49 +93,64 @@ _STATE: Final = (
 )
 _ORIGIN: Final = (
     TableColumn("warnings", Type.INTEGER, "findings that are no mere notes", null=_FAILED),
-    TableColumn("figures_json", Type.TEXT, "all of `stats --json`", null=_FAILED),
+    TableColumn("metrics_json", Type.TEXT, "all of `stats --json -v`", null=_FAILED),
     TableColumn("log_size_bytes", Type.INTEGER, "size of the log", unit="bytes"),
     TableColumn("log_version", Type.TEXT, "time of its last change, or the store's tag of it"),
     TableColumn("settings_sha256", Type.TEXT, "hash of all options, and of this program's version"),
 )
-_FOOT_NAMES: Final = {
-    "messages": "foot_messages",
-    "vertical_impulse_ns": "foot_vertical_impulse_ns",
-}
-"""Figures of a foot that would have the name of something else in another table."""
-_IN_EVENTS: Final = ("touchdown_s", "liftoff_s")
-_AS_LEG: Final = ("place",)
-
-
-def _of_figure(name: str, figure: Figure[Any], null: str = "") -> TableColumn:
-    causes = "; ".join(filter(None, (null, figure.null)))
-    kind = _TYPES.get(figure.kind, Type.NUMBER)
-    return TableColumn(name, kind, figure.definition, figure.unit, causes)
+_FOOT_NAMES: Final = {"vertical_impulse_ns": "foot_vertical_impulse_ns"}
+"""Metrics of a foot that would have the name of something else in another table."""
 
 
 @cache
-def foot_columns() -> tuple[FootColumn, ...]:
-    """Return the columns of the figures of a foot."""
-    return tuple(_foot_columns())
+def log_columns() -> tuple[MetricColumn, ...]:
+    """Return the columns of the metrics of a log: all but those of its feet, joints and topics."""
+    return tuple(_columns(WalkMetrics, {}))
 
 
-def _foot_columns() -> Iterator[FootColumn]:
-    for path, figure in all_figures(DOCUMENT):
-        if not path.startswith("feet.*."):
+@cache
+def foot_columns() -> tuple[MetricColumn, ...]:
+    """Return the columns of the metrics of a foot."""
+    return tuple(_columns(Foot, _FOOT_NAMES))
+
+
+def _columns(record: type, names: Mapping[str, str]) -> Iterator[MetricColumn]:
+    for path, field, words in metric_paths(record):
+        if "*" in path or "[]" in path or field.kind not in {"scalar", "aggregate"}:
             continue
-        below = path.removeprefix("feet.*.")
-        keys = below.split(".")
-        if keys[0] in (*_IN_EVENTS, *_AS_LEG) or figure.kind in BY_NAME:
+        if path in _PRESENT:
             continue
-        name = _FOOT_NAMES.get(keys[0], "_".join(keys))
-        if figure.kind is not Kind.AGGREGATE:
-            yield FootColumn(_of_figure(name, figure), below)
+        name = names.get(path, path.replace(".", "_"))
+        if field.kind == "scalar":
+            yield MetricColumn(_column(name, field, words), path)
             continue
-        for statistic, words in STATISTICS.items():
-            kind, unit = (Type.INTEGER, "") if statistic == "n" else (Type.NUMBER, figure.unit)
-            of = f"{figure.definition}: {words}"
-            column = TableColumn(f"{name}_{statistic}", kind, of, unit, figure.null)
-            yield FootColumn(column, f"{below}.{statistic}")
+        for statistic in fields_of(Aggregate):
+            unit = "" if statistic.name == "n" else field.of.unit
+            column = TableColumn(
+                f"{name}_{statistic.name}",
+                _TYPES[statistic.inner],
+                f"{words} ({statistic.name})",
+                unit,
+                _lacks(field),
+            )
+            yield MetricColumn(column, f"{path}.{statistic.name}")
+
+
+def _column(name: str, field: Field, words: str) -> TableColumn:
+    return TableColumn(name, _TYPES[field.inner], words, field.of.unit, _lacks(field))
+
+
+def _lacks(field: Field) -> str:
+    """Say without what a metric is null."""
+    if field.of.needs:
+        return f"not known: {', '.join(field.of.needs)}"
+    return "not known" if field.nullable else ""
+
+
+def _of_record(record: Any) -> Iterator[TableColumn]:  # noqa: ANN401 - any record
+    words = definitions(record)
+    for field in fields_of(record):
+        yield _column(field.name, field, words[field.name])
 
 
 @cache
@@ -156,15 +159,10 @@ def tables() -> Mapping[str, Sequence[TableColumn]]:
 
     A name means the same in all tables. They are in the order in which they are written.
     """
-    strides = (_of_figure(figure.key, figure) for figure in STRIDE_FIGURES)
-    events = (_of_figure(figure.key, figure) for figure in EVENTS)
-    logs = (
-        _of_figure(each.column.header, each.figure, _FAILED)
-        for each in columns_of(TableName.LOG_ROWS)
-    )
+    logs = (replace(each.column, null=each.column.null or _FAILED) for each in log_columns())
     return {
-        "strides": (*_LOG, *_LEG, *strides),
-        "events": (*_LOG, *events),
+        "strides": (*_LOG, *_LEG, *_of_record(Stride)),
+        "events": (*_LOG, *_of_record(Event)),
         "feet": (*_LOG, *_LEG, *(each.column for each in foot_columns())),
         "logs": (*_LOG, *_STATE, *logs, *_ORIGIN),
     }

@@ -3,13 +3,13 @@
 from collections.abc import Iterator, Sequence
 from typing import Final
 
-from dogbot_logtool.core.findings.checks import Check, Outcome, checks_of
-from dogbot_logtool.core.findings.findings import GRAVE, first_of
+from dogbot_logtool.core.checks.engine import first_of
+from dogbot_logtool.core.checks.questions import Check, Outcome, checks_of
 from dogbot_logtool.core.gait.gait import STAND
+from dogbot_logtool.core.metrics import WalkMetrics
 from dogbot_logtool.core.statistics import Stats
 from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.finding import Finding, Severity
-from dogbot_logtool.report.figures.document import log_source
 from dogbot_logtool.report.numbers import date_of, decimal
 from dogbot_logtool.report.verdict import (
     evidence,
@@ -18,10 +18,10 @@ from dogbot_logtool.report.verdict import (
     gait_name,
     is_known,
 )
-from dogbot_logtool.results import LogFacts
+from dogbot_logtool.results import Measurement
 
-_DOUBTFUL: Final = frozenset(GRAVE[: GRAVE.index("W_FORWARD_AXIS")]) - {"W_FALL"}
-"""Findings that make all figures doubtful."""
+_LEAST_RANK: Final = 20
+"""Findings of a lower rank make some figures doubtful, not all."""
 _LONGEST: Final = 110
 """Characters of a doubt in the headline; it stands in full below."""
 
@@ -77,21 +77,22 @@ class Summary:
     """The gaits in turn, where there are several."""
 
 
-def summary(stats: Stats, log: LogFacts) -> Summary:
+def summary(measured: Measurement) -> Summary:
     """Sum up a log."""
+    stats = measured.stats
     main = stats.main
     words = "no foot makes a whole stride" if main is None else evidence(main)
     if main is not None and main.gait.name == STAND:
         words = "all feet are down" + (" for the longest time" if len(stats.segments) > 1 else "")
-    alarm = fall_headline(stats) or _doubt(stats, log)
+    alarm = fall_headline(stats) or _doubt(measured)
     name = gait_headline(stats)
     return Summary(
         alarm or name,
         is_known(stats) and not alarm,
         name if alarm else "",
         words,
-        trust(stats, log),
-        tuple(_tiles(stats)),
+        trust(measured),
+        tuple(_tiles(stats, measured.metrics)),
         tuple(_segments(stats)) if len(stats.segments) > 1 else (),
     )
 
@@ -104,12 +105,13 @@ def recorded_at(start_s: float | None) -> str:
     return f"{date:%Y-%m-%d %H:%M:%S} UTC" if date else f"{start_s:.0f} s (no date)"
 
 
-def _doubt(stats: Stats, log: LogFacts) -> str:
+def _doubt(measured: Measurement) -> str:
     """Say what makes all figures doubtful; empty: nothing known does."""
-    if log.damage.losses:
+    if measured.damage.losses:
         return "In doubt: the log is damaged"
-    found = log_source(stats, log).findings
-    grave = [each for each in first_of(found) if each.code in _DOUBTFUL]
+    found = measured.findings
+    first = [each for each in first_of(found) if each.code != "FALL"]
+    grave = [each for each in first if (each.rank or 0) <= _LEAST_RANK]
     errors = [each for each in found if each.severity is Severity.ERROR]
     if not (grave or errors):
         return ""
@@ -136,10 +138,10 @@ def grouped(findings: Sequence[Finding]) -> list[FindingGroup]:
     ]
 
 
-def trust(stats: Stats, log: LogFacts) -> Trust:
+def trust(measured: Measurement) -> Trust:
     """Say whether the numbers can be relied on."""
     # Damage has a sentence of its own.
-    found = [each for each in log_source(stats, log).findings if each.code != "W_LOST"]
+    found = [each for each in measured.findings if each.code != "LOST"]
     severities = [each.severity for each in found]
     above_all = tuple(f"{each.text}. {each.remedy}".strip() for each in first_of(found))
     errors, warnings = severities.count(Severity.ERROR), severities.count(Severity.WARNING)
@@ -148,14 +150,14 @@ def trust(stats: Stats, log: LogFacts) -> Trust:
         for count, word in ((errors, "error"), (warnings, "warning"))
         if count
     )
-    if log.damage.losses:
+    if measured.damage.losses:
         text = "The log is damaged"
         return Trust("bad", f"{text}; {counted}." if counted else f"{text}.", above_all)
     if errors:
         return Trust("bad", f"Do not trust it unseen: {counted}.", above_all)
     if warnings:
         return Trust("care", f"Trust it with care: {counted}.", above_all)
-    return _trust_of_checks(checks_of(stats, found))
+    return _trust_of_checks(checks_of(measured.stats, found))
 
 
 def _trust_of_checks(checks: Sequence[Check]) -> Trust:
@@ -174,9 +176,9 @@ def _listed(checks: Sequence[Check], outcome: Outcome) -> str:
     return "; ".join(f"{each.name} ({each.reason})" for each in checks if each.outcome is outcome)
 
 
-def _tiles(stats: Stats) -> Iterator[Tile]:
-    base, main = stats.base, stats.main
-    if base is not None:
+def _tiles(stats: Stats, walk: WalkMetrics) -> Iterator[Tile]:
+    base, main = walk.base, stats.main
+    if base.path_length_m is not None:
         yield Tile(
             "distance",
             f"{decimal(base.path_length_m, 2)} m",
@@ -198,10 +200,10 @@ def _tiles(stats: Stats) -> Iterator[Tile]:
     if main is not None and main.duty_factor is not None:
         kind = "below one half" if main.duty_below_half else "one half or more"
         yield Tile("duty factor", decimal(main.duty_factor, 3), kind)
-    yield from _load_tiles(stats)
+    yield from _load_tiles(stats, walk)
 
 
-def _load_tiles(stats: Stats) -> Iterator[Tile]:
+def _load_tiles(stats: Stats, walk: WalkMetrics) -> Iterator[Tile]:
     peaks = [
         (float(curves.force.high.max()), foot.name)
         for foot in stats.feet
@@ -209,10 +211,10 @@ def _load_tiles(stats: Stats) -> Iterator[Tile]:
     ]
     if peaks:
         highest, name = max(peaks)
-        weight = stats.loads.weight_n
+        weight = walk.settings.body_weight_n
         of = "" if weight is None else f", {decimal(highest / weight, 2)} body weights"
         yield Tile("highest load", f"{decimal(highest, 1)} N", f"{name}{of}")
-    ratio = stats.loads.vertical_impulse_over_weight
+    ratio = walk.forces.vertical_impulse_over_weight
     if ratio is not None:
         yield Tile("impulse over weight", decimal(ratio, 3), "1 is right")
     stability = stats.stability

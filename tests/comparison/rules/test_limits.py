@@ -54,11 +54,11 @@ def test_a_rule_may_say_more() -> None:
 
 
 def test_a_text_may_have_to_be_equal() -> None:
-    assert rule('figure = "gait.class"\nequals = "trot"').equals == "trot"
+    assert rule('figure = "gait.name"\nequals = "trot"').equals == "trot"
 
 
 def test_nothing_may_be_found_or_happen_unless_a_rule_says_more() -> None:
-    assert (rule('finding = "W_*"').high, rule('event = "fall"').high) == (0.0, 0.0)
+    assert (rule('finding = "warning"').high, rule('event = "fall"').high) == (0.0, 0.0)
     assert rule('event = "slip"\nat_most = 3').high == 3.0
     assert rule('event = "touchdown"\nat_least = 8').high == math.inf
 
@@ -108,7 +108,10 @@ def test_a_baseline_is_taken_by_value_or_percent() -> None:
         ("[[rule]]\nevent = 'slip'\nbetween = [1, 2]", "at_most and at_least only"),
         ("[[rule]]\nevent = 'slips'", "no event is called 'slips'; there are slip"),
         ("[[rule]]\nevent = 'x'", "there are fall, tipping"),
-        ("[[rule]]\nfinding = 'W_FAL'", "no finding is called 'W_FAL'; there are W_FALL"),
+        ("[[rule]]\nfinding = 'FAL'", "no finding is called 'FAL'; there are FALL"),
+        ("[[rule]]\nfinding = 'W_FALL'", "W_FALL is now FALL; codes have no prefix"),
+        ("[[rule]]\nfinding = 'W_ZERO_STAMPS'", "W_ZERO_STAMPS is now BAD_STAMPS"),
+        ("[[rule]]\nfinding = 'W_*'", "W_* is now warning"),
         ("[[rule]]\nfigure = 'a'\nat_most = 1\nnull = 'ok'", "must be unknown, fail, pass"),
         ("[[rule]]\nevent = 'gap'\n\n[[rule]]\nevent = 1", "line 4: rule 2: event is 1"),
         ("not toml", "not valid TOML"),

@@ -10,6 +10,11 @@ from dogbot_logtool.comparison.rules.limits import parse_limits
 from dogbot_logtool.comparison.rules.suggestion import doubts, suggest_limits
 
 
+def finding(code: str) -> dict[str, Any]:
+    severity = "error" if code == "UNREADABLE" else "warning"
+    return {"code": code, "severity": severity, "text": "", "where": ""}
+
+
 def run(
     duty: float = 0.7, slip_m: float = 0.001, code: str = "", events: tuple[str, ...] = ()
 ) -> dict[str, Any]:
@@ -26,9 +31,9 @@ def run(
     return {
         "events": [{"type": event, "onset_s": 1.0} for event in events],
         "base": {"duration_s": 9.0},
-        "findings": [{"code": code, "text": "", "where": ""}] if code else [],
+        "findings": [finding(code)] if code else [],
         "feet": {"left": foot, "right": copy.deepcopy(foot)},
-        "gait": {"class": "trot", "class_distance": 0.01},
+        "gait": {"name": "trot", "class_distance": 0.01},
         "forces": {
             "load_share": {"feet": {"left": 0.5, "right": 0.5}},
             "vertical_impulse_over_weight": 1.0,
@@ -56,8 +61,8 @@ def test_the_good_runs_pass(log: dict[str, Any]) -> None:
     [
         run(0.63),
         run(slip_m=0.01),
-        run(code="W_DEAD"),
-        run(code="E_UNREADABLE"),
+        run(code="DEAD"),
+        run(code="UNREADABLE"),
         run(events=("slip",)),
         run(events=("touchdown", "stumble")),
     ],
@@ -68,7 +73,7 @@ def test_a_bad_run_fails(bad: dict[str, Any]) -> None:
 
 def test_another_gait_fails() -> None:
     other = run()
-    other["gait"]["class"] = "walk"
+    other["gait"]["name"] = "walk"
     assert verdict(other) is Status.FAIL
 
 
@@ -94,7 +99,7 @@ def test_what_a_run_does_not_have_gets_no_rule() -> None:
 
 
 def test_a_warning_that_a_good_run_has_is_no_failure() -> None:
-    log = run(code="W_DEAD")
+    log = run(code="DEAD")
     rules = parse_limits(suggest_limits([log], ["a.bag"]), "suggested")
     assert worst(judge(log, rules, None)) is Status.GOOD
 
@@ -115,9 +120,9 @@ def test_slips_that_cannot_be_told_get_no_rule_and_are_unknown_where_there_is_on
 
 
 def test_runs_that_are_no_good_examples_are_named() -> None:
-    walk = {**run(0.8), "gait": {"class": "walk", "class_distance": 0.01}}
-    found = doubts([GOOD[0], run(code="W_FALL"), walk], NAMES)
-    assert found[0] == "b.bag has W_FALL: is it a good run?"
+    walk = {**run(0.8), "gait": {"name": "walk", "class_distance": 0.01}}
+    found = doubts([GOOD[0], run(code="FALL"), walk], NAMES)
+    assert found[0] == "b.bag has FALL: is it a good run?"
     assert "(trot, walk)" in found[1]
-    assert f"# {found[0]}\n" in suggest_limits([GOOD[0], run(code="W_FALL")], NAMES[:2])
+    assert f"# {found[0]}\n" in suggest_limits([GOOD[0], run(code="FALL")], NAMES[:2])
     assert doubts(GOOD, NAMES) == []

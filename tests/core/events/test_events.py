@@ -171,7 +171,7 @@ def test_a_fall_is_found_within_300_ms() -> None:
     recording = then(walk(), scenes.falling().recorded(RATE_HZ))
     [(onset, fall)] = [each for each in odd_events(recording) if each[1].type is EventType.FALL]
     assert onset == pytest.approx(recording.truth.falls_s[0], abs=0.3)
-    assert fall.code == "W_FALL"
+    assert fall.code == "FALL"
 
 
 def test_being_carried_is_found_with_its_height() -> None:
@@ -260,13 +260,13 @@ def test_tipping_is_found_where_the_recording_ends() -> None:
 @pytest.mark.parametrize(
     ("fault", "code"),
     [
-        (sensor.stuck(60.0, "front_right"), "W_STUCK"),
-        (sensor.saturated(80.0), "W_SATURATED"),
-        (sensor.spikes(2000.0, 3.0), "W_SPIKES"),
+        (sensor.stuck(60.0, "front_right"), "STUCK"),
+        (sensor.saturated(80.0), "SATURATED"),
+        (sensor.spikes(2000.0, 3.0), "SPIKES"),
     ],
 )
 def test_a_sensor_at_fault_is_found(fault: Disturbance, code: str) -> None:
-    if code == "W_STUCK":
+    if code == "STUCK":
         fault = both(fault, always_touching)
     recording = walk(fault, traction=0.0)
     samples = [foot_samples(recording, foot) for foot in range(4)]

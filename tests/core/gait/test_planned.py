@@ -3,7 +3,7 @@
 import pytest
 
 from dogbot_logtool.core.gait.foot_statistics import FootStatistics, foot_statistics
-from dogbot_logtool.core.gait.foot_steps import FootChecks, foot_steps
+from dogbot_logtool.core.gait.foot_steps import foot_steps
 from dogbot_logtool.core.gait.planned import follow_plan
 from dogbot_logtool.core.gait.standing import Standing
 from dogbot_logtool.core.geometry import timespans
@@ -20,7 +20,6 @@ def statistics(late_s: float, scale: float = 1.0) -> FootStatistics:
     poses = base(8.0, 0.0)
     steps = foot_steps(
         FootSettings("foot", "/plan"),
-        FootChecks(),
         foot(time, force),
         poses,
         forward_axis="+x",

@@ -91,7 +91,7 @@ def test_a_mass_that_the_feet_refute_gives_none(scale: float) -> None:
     assert figures(feet).weight_n is None
     assert figures(feet).vertical_impulse_over_weight == pytest.approx(scale, abs=0.01)
     assumed = load_figures(feet, WEIGHT_N, strides(feet[0]), mass_is_assumed=True)
-    assert assumed.vertical_impulse_over_weight is None
+    assert assumed.weight_refuted
     assert assumed.mean_vertical_n == pytest.approx(scale * WEIGHT_N, rel=0.003)
 
 
@@ -172,10 +172,10 @@ def test_forces_that_lean_may_be_tilted_where_the_weight_says_so(
         figures(trot(3.0)),
         mean_vertical_n=vertical_n,
         mean_magnitude_n=magnitude_n,
-        mean_over_weight=vertical_n / WEIGHT_N,
+        vertical_impulse_over_weight=vertical_n / WEIGHT_N,
         weight_source=WeightSource.MASS,
     )
     assert loads.may_be_tilted == told
     leans = magnitude_n > 1.01 * vertical_n
     assert replace(loads, weight_source=WeightSource.ESTIMATED).may_be_tilted == leans
-    assert replace(loads, mean_over_weight=None).may_be_tilted == leans
+    assert replace(loads, vertical_impulse_over_weight=None).may_be_tilted == leans

@@ -103,12 +103,12 @@ def test_hands_that_alternate_are_no_feet(tmp_path: Path, labels: tuple[str, str
 def test_tools_that_alternate_are_no_feet(tmp_path: Path, topic: str) -> None:
     found = select(tmp_path, "odd_msgs/msg/Tips", ("a", "b", "c", "d"), topic=topic)
     assert not found.possible_feet
-    assert "W_FEET_POSSIBLE" not in {finding.code for finding in found.findings}
+    assert "FEET_UNSURE" not in {finding.code for finding in found.findings}
 
 
 def test_the_offered_command_names_a_likely_base(tmp_path: Path) -> None:
     found = select(tmp_path, "odd_msgs/msg/Limbs", ("FL", "FR", "RL", "RR"))
-    (offer,) = [each for each in found.findings if each.code == "W_FEET_POSSIBLE"]
+    (offer,) = [each for each in found.findings if each.code == "FEET_UNSURE"]
     words = shlex.split(offer.command)
     assert words[:2] == ["dogbot-logtool", "stats"]
     assert words[3:5] == ["--odom-topic", "/state:base_pose"]

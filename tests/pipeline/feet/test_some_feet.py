@@ -41,7 +41,7 @@ def test_a_foot_that_was_not_recorded_is_one_of_the_robot(tmp_path: Path) -> Non
     assert found["feet"]["back_right"]["topic"] == ""
     assert found["gait"]["support"] is None
     assert found["forces"]["load_share"] is None
-    assert {"W_FOOT_MISSING", "W_NO_MESSAGES"} <= {each["code"] for each in found["findings"]}
+    assert {"NO_MESSAGES"} <= {each["code"] for each in found["findings"]}
 
 
 def test_a_drafted_robot_file_leaves_its_topic_out(tmp_path: Path) -> None:
@@ -72,7 +72,7 @@ def test_feet_that_the_user_leaves_out_are_missing(says: str, tmp_path: Path) ->
     }
     assert found["gait"]["support"] is None
     assert found["forces"]["load_share"] is None
-    (missing,) = (each for each in found["findings"] if each["code"] == "W_FOOT_MISSING")
+    (missing,) = (each for each in found["findings"] if each["code"] == "NO_MESSAGES")
     assert "--foot back_right=/back_right/contact" in missing["text"]
 
 
@@ -84,4 +84,4 @@ def test_hands_are_no_feet_that_were_left_out(tmp_path: Path) -> None:
     feet = {side: f"/{side}_foot/wrench" for side in ("left", "right")}
     found = dl.measure(path, foot=feet).stats
     assert list(found["feet"]) == ["left", "right"]
-    assert "W_FOOT_MISSING" not in {each["code"] for each in found["findings"]}
+    assert "NO_MESSAGES" not in {each["code"] for each in found["findings"]}

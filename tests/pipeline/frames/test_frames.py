@@ -21,6 +21,7 @@ from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
 from dogbot_logtool.commands.convert import convert
 from dogbot_logtool.commands.info import describe
+from dogbot_logtool.finding import Severity
 from dogbot_logtool.pipeline.frames.frames import Frames
 from dogbot_logtool.pipeline.options import ConvertOptions, TopicOptions
 from dogbot_logtool.report.info_report import info_json, print_info
@@ -128,7 +129,7 @@ def test_our_own_output_has_the_base_in_the_world(tmp_path: Path) -> None:
     assert uses["/dogbot_logtool/tf"] == "frames"
     tree = info_json(info)["frames"]
     assert (tree["roots"], len(tree["trees"]), tree["loops"]) == (["world"], 1, [])
-    assert not [f for f in info.findings if f.code.startswith("W_")]
+    assert not [f for f in info.findings if f.severity is Severity.WARNING]
 
 
 # ---- logs of our own making ----
@@ -163,8 +164,8 @@ def foxglove_log(path: Path, topics: dict[str, Sequence[Sent]], *, zeros: bool =
 
 
 def codes(info: LogInfo) -> set[str]:
-    about_topics = {"N_ROBOT_GUESSED", "W_NO_FEET", "W_NO_ODOMETRY", "N_NO_SUPPORT"}
-    about_base = {"N_BASE_FOUND", "N_TF_IS_RECORDED"}
+    about_topics = {"ROBOT_GUESSED", "NO_FEET", "NO_BASE", "NO_SUPPORT_DRAWN"}
+    about_base = {"TOPICS_CHOSEN", "TF_NOT_WRITTEN"}
     return {finding.code for finding in info.findings} - about_topics - about_base
 
 
@@ -175,36 +176,36 @@ def every(step: int, start: int, end: int, parent: str, child: str) -> Iterator[
 @pytest.mark.parametrize(
     ("topics", "wanted"),
     [
-        ({"/tf": [*every(20, 0, 900, "map", "base")]}, {"W_FRAME_STAMPS_ZERO"}),
+        ({"/tf": [*every(20, 0, 900, "map", "base")]}, {"BAD_TRANSFORMS"}),
         ({"/tf": [*every(20, 20, 900, "map", "base")]}, set()),
-        ({"/tf": [*every(20, 20, 900, "/map", "base")]}, {"W_SLASHED_FRAMES"}),
+        ({"/tf": [*every(20, 20, 900, "/map", "base")]}, {"FRAME_NAMES"}),
         (
             {"/tf": [*every(20, 20, 900, "m", "b"), *every(20, 2000, 3000, "m", "b")]},
-            {"W_FRAME_GAPS"},
+            {"BAD_TRANSFORMS"},
         ),
         (
             {"/tf": [*every(20, 20, 900, "m", "b")], "/t": [*every(20, 30, 900, "o", "b")]},
-            {"W_SECOND_PARENT"},
+            {"FRAME_TREE"},
         ),
         (
             {"/tf": [*every(20, 20, 900, "m", "b"), *every(20, 900, 1800, "o", "b")]},
-            {"N_NEW_PARENT"},
+            {"FRAME_TREE"},
         ),
         (
             {"/tf": [*every(20, 20, 900, "a", "b"), *every(20, 20, 900, "b", "a")]},
-            {"W_FRAME_LOOP"},
+            {"FRAME_TREE"},
         ),
         (
             {"/tf": [*every(20, 20, 900, "a", "b"), *every(20, 20, 900, "c", "d")]},
-            {"W_SEVERAL_TREES"},
+            {"FRAME_TREE"},
         ),
         (
             {"/tf": [*every(20, 20, 900, "a", "b")], "/tf_static": [(5, "a", "b")]},
-            {"W_STATIC_AND_MOVING"},
+            {"FRAME_TREE"},
         ),
-        ({"/tf": [(20, "a", "b"), (40, "a", "b"), (30, "a", "b")]}, {"W_FRAME_STAMPS_BACKWARD"}),
-        ({"/tf": [(20, "a", "b"), (20, "a", "b"), (30, "a", "b")]}, {"N_FRAME_STAMPS_REPEATED"}),
-        ({"/tf": [(20, "a", "b"), (20, "", "b")]}, {"W_UNNAMED_FRAMES"}),
+        ({"/tf": [(20, "a", "b"), (40, "a", "b"), (30, "a", "b")]}, {"BAD_TRANSFORMS"}),
+        ({"/tf": [(20, "a", "b"), (20, "a", "b"), (30, "a", "b")]}, {"BAD_TRANSFORMS"}),
+        ({"/tf": [(20, "a", "b"), (20, "", "b")]}, {"FRAME_NAMES"}),
     ],
 )
 def test_findings(topics: dict[str, Sequence[Sent]], wanted: set[str], tmp_path: Path) -> None:
@@ -241,7 +242,7 @@ def test_senders_are_topics_and_nodes(tmp_path: Path) -> None:
 
 def test_quaternions_of_zeros_are_found(tmp_path: Path) -> None:
     info, _ = survey(foxglove_log(tmp_path / "l.mcap", {"/tf": [(20, "a", "b")]}, zeros=True))
-    assert codes(info) == {"W_ZERO_ROTATION"}
+    assert codes(info) == {"BAD_TRANSFORMS"}
     assert info_json(info)["frames"]["edges"][0]["zero_rotations"] == 1
 
 
@@ -270,7 +271,7 @@ def test_messages_that_are_no_transforms_are_damage(tmp_path: Path) -> None:
     assert [edge.transforms for edge in frames.recorded.edges] == [2]
     assert [loss.messages for loss in info.damage.losses] == [3]
     assert info.damage.exit_code == 3
-    assert "W_UNREADABLE" in codes(info)
+    assert "UNREADABLE" in codes(info)
 
 
 def test_a_quick_look_tells_no_rates() -> None:

@@ -58,7 +58,7 @@ def test_the_log_s_own_stays(tmp_path: Path) -> None:
     _unmarked(tmp_path / "with.mcap", recorded)
     done = convert(recorded, tmp_path / "again.mcap", ConvertOptions())
     assert [text for _, text in descriptions(tmp_path / "again.mcap")] == [file.read_text()]
-    assert "N_OWN_ROBOT_DESCRIPTION" in {finding.code for finding in done.findings}
+    assert "ROBOT_DESCRIPTION" in {finding.code for finding in done.findings}
 
 
 def _unmarked(source: Path, target: Path) -> None:

@@ -99,7 +99,7 @@ def test_annotating_again_gives_the_same(
     # A log that is no MCAP has chunks of its own kind.
     assert log is not WALK or once.read_bytes() == again.read_bytes()
     assert (second.copied, second.annotations) == (first.copied, first.annotations)
-    assert "N_ANNOTATED" in {finding.code for finding in second.findings}
+    assert "ANNOTATED" in {finding.code for finding in second.findings}
     assert same(once, again)
     assert len(channels(again)) == len(channels(once))
     assert [record.name for record in records(again)] == ["dogbot_logtool"]
@@ -123,10 +123,10 @@ def test_another_style_and_encoding_replace_the_old_ones(
 
 def figures(log: Path) -> dict[str, Any]:
     done = measured(log) if log in {LONG, WALK} else measure(log, StatsOptions())
-    found = stats_json(done.stats, done.facts)
+    found = stats_json(done)
     # What a file is called and how it is packed is no figure; the rest is.
     del found["log"]["path"], found["log"]["container"]
-    found["findings"] = [each for each in found["findings"] if each["code"] != "N_ANNOTATED"]
+    found["findings"] = [each for each in found["findings"] if each["code"] != "ANNOTATED"]
     parsed: dict[str, Any] = json.loads(json.dumps(found))
     return parsed
 
@@ -334,7 +334,7 @@ def test_info_tells_annotations_from_what_was_recorded(shell: Shell, *, copy: bo
     # Where the log has a topic of the same type, ours joins it.
     assert set(done.annotations) - names == ({"/tf"} if copy else set())
     assert sum(topic["messages"] for topic in ours) == sum(done.annotations[n] for n in names)
-    (finding,) = (each for each in told["findings"] if each["code"] == "N_ANNOTATED")
+    (finding,) = (each for each in told["findings"] if each["code"] == "ANNOTATED")
     assert f"its {count:,} annotations are left out" in finding["text"]
 
 

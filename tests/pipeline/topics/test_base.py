@@ -22,7 +22,7 @@ DURATION_S = (base.SAMPLES - 1) * walks.STEP / 1e9
 
 def figures(path: Path, name: str | None = None) -> dict[str, Any]:
     done = measure(path, StatsOptions(TopicOptions(odometry_topic=name)))
-    return stats_json(done.stats, done.facts)
+    return stats_json(done)
 
 
 def check(got: dict[str, Any], rel: float = 1e-9) -> None:
@@ -49,8 +49,8 @@ def test_every_source_gives_the_walk(tmp_path: Path, kind: str) -> None:
     single = kind.startswith(("unitree", "ocs2"))
     check(got, rel=1e-6 if single else 1e-9)
     said = {finding["code"] for finding in got["findings"]}
-    assert ("W_BASE_PLANNED" in said) == (kind in base.PLANNED)
-    assert ("N_NO_HEADER" in said) == (kind in base.WITHOUT_HEADER)
+    assert ("PLANNED" in said) == (kind in base.PLANNED)
+    assert ("LOG_TIME_USED" in said) == (kind in base.WITHOUT_HEADER)
 
 
 @pytest.mark.parametrize("kind", [k for k in base.TOPICS if k.startswith("foxglove")])
@@ -62,7 +62,7 @@ def test_json_gives_the_same_as_protobuf(tmp_path: Path, kind: str) -> None:
 @pytest.mark.parametrize("kind", base.ON_REQUEST)
 def test_poses_that_may_be_anything_are_only_offered(tmp_path: Path, kind: str) -> None:
     info = describe(base.write(tmp_path / "walk.mcap", kind, base.TOPICS[kind]), TopicOptions())
-    (none,) = [finding for finding in info.findings if finding.code == "W_NO_ODOMETRY"]
+    (none,) = [finding for finding in info.findings if finding.code == "NO_BASE"]
     assert f"--odom-topic {base.TOPICS[kind]}" in none.text
     assert [topic.use for topic in info.topics] == [""]
 
@@ -70,7 +70,7 @@ def test_poses_that_may_be_anything_are_only_offered(tmp_path: Path, kind: str) 
 @pytest.mark.parametrize("topic", ["/goal_pose", "/initialpose", "/object", "/base_to_footprint"])
 def test_other_poses_are_not_the_base_s(tmp_path: Path, topic: str) -> None:
     path = base.write(tmp_path / "walk.mcap", "geometry_msgs/PoseStamped", topic)
-    assert "W_NO_ODOMETRY" in codes(describe(path, TopicOptions()))
+    assert "NO_BASE" in codes(describe(path, TopicOptions()))
     check(figures(path, topic))
 
 
@@ -103,7 +103,7 @@ def test_recorded_transforms_are_not_written_again(tmp_path: Path) -> None:
     path = base.write(tmp_path / "walk.mcap", "tf2_msgs/TFMessage", "/tf")
     copied = convert(path, tmp_path / "a.mcap", ConvertOptions())
     assert "/tf" not in copied.annotations
-    assert "N_TF_IS_RECORDED" in codes(copied)
+    assert "TF_NOT_WRITTEN" in codes(copied)
     assert (copied.world_frame, copied.base_frame) == ("odom", "base_link")
     alone = convert(path, tmp_path / "b.mcap", ConvertOptions(copy=False))
     assert alone.annotations["/tf"] > 0
@@ -128,7 +128,7 @@ def test_of_two_poses_none_is_surely_the_base_s(tmp_path: Path) -> None:
         tmp_path / "two.mcap", "geometry_msgs/PoseStamped", "/robot_1/pose", "/robot_2/pose"
     )
     info = describe(path, TopicOptions())
-    (none,) = [finding for finding in info.findings if finding.code == "W_NO_ODOMETRY"]
+    (none,) = [finding for finding in info.findings if finding.code == "NO_BASE"]
     assert "--odom-topic /robot_1/pose, --odom-topic /robot_2/pose" in none.text
     check(figures(path, "/robot_2/pose"))
 
@@ -141,15 +141,15 @@ def test_measured_poses_are_better_than_planned_ones(tmp_path: Path) -> None:
         "/xpp/state_curr": "base",
         "/xpp/state_des": "",
     }
-    (found,) = [finding for finding in info.findings if finding.code == "N_BASE_FOUND"]
+    (found,) = [finding for finding in info.findings if finding.code == "TOPICS_CHOSEN"]
     assert "there are also --odom-topic /xpp/state_des (planned)" in found.text
-    assert "W_BASE_PLANNED" not in codes(info)
+    assert "PLANNED" not in codes(info)
 
 
 def test_what_else_there_is_stands_beside_the_odometry(tmp_path: Path) -> None:
     path = base.write(tmp_path / "two.mcap", "nav_msgs/Odometry", "/odom", "/other")
     info = describe(path, TopicOptions())
-    (found,) = [finding for finding in info.findings if finding.code == "N_ODOMETRY_FOUND"]
+    (found,) = [finding for finding in info.findings if finding.code == "TOPICS_CHOSEN"]
     assert "there are also /other" in found.text
 
 
@@ -181,9 +181,7 @@ def test_what_moves_is_offered_as_the_base(tmp_path: Path) -> None:
     models = {"cupboard": 0.0, "laikago": 0.4, "person_walking": 1.0}
     path = write_log(tmp_path / "models.mcap", FEET, models=models)
     (none,) = [
-        finding
-        for finding in describe(path, TopicOptions()).findings
-        if finding.code == "W_NO_ODOMETRY"
+        finding for finding in describe(path, TopicOptions()).findings if finding.code == "NO_BASE"
     ]
     words = ["dogbot-logtool", "stats", str(path), "--odom-topic", "/gazebo/model_states:laikago"]
     assert none.command == shlex.join(words)

@@ -7,6 +7,7 @@ import pytest
 from mcap.writer import Writer as McapWriter
 
 from dogbot_logtool.errors import LogError
+from dogbot_logtool.finding import Severity
 from dogbot_logtool.pipeline.options import TopicOptions
 from dogbot_logtool.pipeline.topics.selection import nothing_to_do, select_topics
 from dogbot_logtool.reader.containers.log import Log
@@ -49,7 +50,7 @@ def test_topics_of_one_reason_are_told_together(opened: Opener) -> None:
     found: list[Channel] = [(topic, ODOMETRY, b"{}", "json") for topic in topics]
     selection = select_topics(opened(found), TopicOptions())
     (finding,) = [f for f in selection.findings if "UNREADABLE" in f.code]
-    assert finding.code == "E_UNREADABLE"
+    assert finding.code == "UNREADABLE"
     assert "/robot_09/odom and 4 more: messages encoded as 'json' are not read" in finding.text
 
 
@@ -105,10 +106,11 @@ def test_known_types_need_no_definition(
     assert [channel.topic for channel in selection.odometry] == ["/odom"]
     assert [channel.topic for channel in selection.contacts] == ["/left", "/right"]
     assert [channel.topic for channel in selection.transforms] == ["/tf"]
-    own = [f.text for f in selection.findings if f.code == "N_OWN_DEFINITION"]
+    unreadable = [f for f in selection.findings if f.code == "UNREADABLE"]
+    assert {f.severity for f in unreadable} == {Severity.NOTE}
+    own = [f.text for f in unreadable]
     assert len(own) == 3
     assert sum("/left, /right: " in each for each in own) == 1
-    assert not any("UNREADABLE" in f.code for f in selection.findings)
 
 
 def test_feet_of_another_encoding_are_named_beside_a_base_that_is_read(opened: Opener) -> None:
@@ -118,5 +120,5 @@ def test_feet_of_another_encoding_are_named_beside_a_base_that_is_read(opened: O
     ]
     selection = select_topics(opened(found, "jsonschema"), TopicOptions())
     assert selection.base_name == "/robot/pose"
-    (finding,) = [f for f in selection.findings if f.code == "N_UNREADABLE"]
+    (finding,) = [f for f in selection.findings if f.code == "UNREADABLE"]
     assert finding.text.startswith("1 of 2 topics is encoded as json; only ROS 1")

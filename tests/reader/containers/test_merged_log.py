@@ -62,7 +62,7 @@ def write_file(folder: Path, ros: int, name: str, entries: list[walks.Entry]) ->
 def figures(paths: list[Path]) -> dict[str, Any]:
     topics = TopicOptions(joined=tuple(paths[1:]))
     done = measure(paths[0], StatsOptions(topics, jobs=1))
-    found = stats_json(done.stats, done.facts)
+    found = stats_json(done)
     del found["log"]["path"], found["log"]["container"]
     return found
 
@@ -90,7 +90,7 @@ def test_joined_files_give_the_figures_of_the_whole(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     whole = figures_of_whole(ros)
-    assert whole["gait"]["class"] == "trot"
+    assert whole["gait"]["name"] == "trot"
     paths = write(tmp_path, ros, part)
     assert figures(paths) == whole
     # Many windows of time, over which long chunks reach.
@@ -127,7 +127,7 @@ def test_a_file_out_of_order_gives_the_figures_of_one_in_order(
             monkeypatch.setattr(module, "BATCH_SIZE", batch_size)
     entries = order(list(walks.messages(ros, KIND)))
     found = figures([write_file(tmp_path, ros, "mixed", entries)])
-    notes = [each for each in found["findings"] if each["code"] == "N_OUT_OF_ORDER"]
+    notes = [each for each in found["findings"] if each["code"] == "OUT_OF_ORDER"]
     assert len(notes) == 1
     found["findings"].remove(notes[0])
     assert found == figures_of_whole(ros)
@@ -138,7 +138,7 @@ def test_few_messages_out_of_order_are_copied_where_they_stand(tmp_path: Path) -
     entries[50:60] = entries[59:49:-1]
     path = write_file(tmp_path, 2, "mixed", entries)
     done = convert(path, tmp_path / "out.mcap", ConvertOptions())
-    assert [f.code for f in done.findings].count("N_OUT_OF_ORDER") == 1
+    assert [f.code for f in done.findings].count("OUT_OF_ORDER") == 1
     with (tmp_path / "out.mcap").open("rb") as file:
         copied = make_reader(file).iter_messages(log_time_order=False)
         assert [m.data for _, c, m in copied if not c.metadata] == [e.data for e in entries]

@@ -13,7 +13,7 @@ from mcap_ros2.decoder import DecoderFactory
 from dogbot_logtool.commands.convert import convert
 from dogbot_logtool.commands.info import describe
 from dogbot_logtool.commands.stats import measure
-from dogbot_logtool.core.findings.findings import findings_of
+from dogbot_logtool.core.checks.engine import findings_of
 from dogbot_logtool.errors import CallError
 from dogbot_logtool.pipeline.options import ConvertOptions, StatsOptions, TopicOptions
 from dogbot_logtool.pipeline.probe import probe_log
@@ -63,8 +63,8 @@ def steps(leg: str) -> tuple[list[float], list[float]]:
 def test_flags_give_no_force_figures_and_say_so(kind: str) -> None:
     got = figures(kind)
     codes = {note["code"] for note in got["findings"]}
-    assert "N_NO_FORCE" in codes
-    assert "W_STUCK" not in codes
+    assert "NO_FORCE" in codes
+    assert "STUCK" not in codes
     for leg in walks.LEGS:
         assert [got["feet"][leg][name] for name in FORCE_FIGURES] == [None] * len(FORCE_FIGURES)
         assert got["feet"][leg]["stance_s"]["n"] > 0
@@ -92,10 +92,10 @@ def test_every_source_converts(tmp_path: Path, kind: str) -> None:
     if kind in IN_WORLD:
         assert drawn >= touching
     codes = {finding.code for finding in done.findings}
-    assert "W_NOT_CALIBRATED" not in codes
-    assert ("N_NO_FORCE" in codes) == (kind in FLAGS_ONLY)
+    assert "NOT_CALIBRATED" not in codes
+    assert ("NO_FORCE" in codes) == (kind in FLAGS_ONLY)
     if kind != "unitree_go/msg/SportModeState":
-        assert ("N_NO_POINTS" in codes) == (kind not in (*FLAGS_ONLY, *IN_WORLD))
+        assert ("NOT_DRAWN" in codes) == (kind not in (*FLAGS_ONLY, *IN_WORLD))
 
 
 def test_the_result_of_silent_swings_does_not_depend_on_jobs(tmp_path: Path) -> None:
@@ -124,7 +124,7 @@ def test_raw_counts_are_not_passed_off_as_newtons(tmp_path: Path, name: str) -> 
     feet = dict.fromkeys(walks.LEGS, "/feet") if name == "unitree_go2" else None
     options = TopicOptions(robot=name, foot_topics=feet)
     told = describe(path, options)
-    (finding,) = [f for f in told.findings if f.code == "W_NOT_CALIBRATED"]
+    (finding,) = [f for f in told.findings if f.code == "NOT_CALIBRATED"]
     assert "no forces; contact from" in finding.text
     assert "both estimated from the log" in finding.text
     done = measure(path, StatsOptions(options))
@@ -153,7 +153,7 @@ def test_counts_of_a_robot_that_stands_tell_nothing(tmp_path: Path) -> None:
         foot = got["feet"][leg]
         assert (foot["contact_fraction"], foot["touchdown_s"]) == (None, [])
     told = {finding["code"]: finding["text"] for finding in got["findings"]}
-    assert "without contact.on_counts no contact either" in told["W_NOT_CALIBRATED"]
+    assert "without contact.on_counts no contact either" in told["NOT_CALIBRATED"]
 
 
 @pytest.mark.parametrize("kind", RAW)
@@ -174,12 +174,12 @@ def test_counts_without_a_scale_give_a_gait_and_no_forces(tmp_path: Path, kind: 
         assert got["feet"][leg]["touchdown_s"] == pytest.approx(steps(leg)[0], abs=1e-6)
         assert [got["feet"][leg][name] for name in FORCE_FIGURES] == [None] * len(FORCE_FIGURES)
     told = {finding["code"]: finding["text"] for finding in got["findings"]}
-    assert "contact from 30 counts above a foot's offset on" in told["W_NOT_CALIBRATED"]
-    assert "W_WRENCH_FRAME_UNKNOWN" not in told
+    assert "contact from 30 counts above a foot's offset on" in told["NOT_CALIBRATED"]
+    assert "WRENCH_FRAME" not in told
 
     target = tmp_path / "out.mcap"
     converted = convert(path, target, ConvertOptions(options, encoding="ros2", copy=False))
-    assert "W_NOT_FINITE" not in {finding.code for finding in converted.findings}
+    assert "NOT_FINITE" not in {finding.code for finding in converted.findings}
     assert not any(n for topic, n in converted.annotations.items() if "marker" in topic)
     loads = 0
     with target.open("rb") as stream:
@@ -269,7 +269,7 @@ def test_swings_of_sensors_that_are_silent_in_swing_are_no_gaps(tmp_path: Path) 
     assert {topic.topic: topic.gaps for topic in stats.topics if topic.topic in topics} == (
         dict.fromkeys(topics, 0)
     )
-    assert not [each for each in findings_of(stats) if each.code == "W_GAPS"]
+    assert not [each for each in findings_of(stats) if each.code == "GAPS"]
 
     silent = walks.foot_topic(kind, walks.LEGS[0])
     start, end = walks.START + 1_000_000_000, walks.START + 4_800_000_000

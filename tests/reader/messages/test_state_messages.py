@@ -118,7 +118,7 @@ def test_stride_length_comes_from_the_feet(figures_of: Figures, kind: str) -> No
 def test_what_is_planned_is_called_planned(tmp_path: Path, kind: str) -> None:
     told = describe(written(tmp_path, kind), TopicOptions())
     (use,) = [topic.use for topic in told.topics if topic.topic == "/feet"]
-    said = "N_PLANNED" in {finding.code for finding in told.findings}
+    said = "PLANNED" in {finding.code for finding in told.findings}
     assert (use.startswith("planned feet "), said) == ((kind in state_walks.PLANNED),) * 2
 
 
@@ -163,7 +163,7 @@ class Unflagged(StateWalk):
 def test_flags_that_are_never_set_do_not_decide(tmp_path: Path) -> None:
     path = written(tmp_path, state_walks.KINDS[0], Unflagged(2))
     got = figures(path, TopicOptions(mass_kg=walks.MASS_KG))
-    assert "W_FLAGS_IGNORED" in {finding["code"] for finding in got["findings"]}
+    assert "FLAGS_CONTRADICTED" in {finding["code"] for finding in got["findings"]}
     for leg in walks.LEGS:
         assert got["feet"][leg]["touchdown_s"] == pytest.approx(steps(leg)[0], abs=1e-6)
 
@@ -178,7 +178,7 @@ class Shifted(StateWalk):
 def test_flags_decide_contact_where_forces_say_otherwise(tmp_path: Path) -> None:
     path = written(tmp_path, state_walks.KINDS[0], Shifted(2))
     got = figures(path, TopicOptions(mass_kg=walks.MASS_KG))
-    assert "W_FLAGS_CONTRADICTED" in {finding["code"] for finding in got["findings"]}
+    assert "FLAGS_CONTRADICTED" in {finding["code"] for finding in got["findings"]}
     for leg in walks.LEGS:
         expected = [time - 0.04 for time in steps(leg)[0]]
         assert got["feet"][leg]["touchdown_s"] == pytest.approx(expected, abs=1e-6)
@@ -216,7 +216,7 @@ def test_a_type_without_its_fields_is_not_of_feet(tmp_path: Path) -> None:
     walks.write_mcap(tmp_path / "log.mcap", walk, [entry])
     told = describe(tmp_path / "log.mcap", TopicOptions())
     assert [topic.use for topic in told.topics] == [""]
-    assert "W_NO_FEET" in {finding.code for finding in told.findings}
+    assert "NO_FEET" in {finding.code for finding in told.findings}
 
 
 def write_joint_foot(folder: Path, topic: str) -> Path:

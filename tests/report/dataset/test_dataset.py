@@ -164,7 +164,7 @@ def test_logs_of_a_robot_and_month_share_a_file_of_each_table(tmp_path: Path) ->
 def test_a_row_of_a_foot_holds_what_the_json_says(tmp_path: Path) -> None:
     assert export(tmp_path, TROT).returncode == 0
     (log,) = rows(tmp_path)
-    feet = json.loads(log["figures_json"])["feet"]
+    feet = json.loads(log["metrics_json"])["feet"]
     found = {row["foot"]: row for row in rows(tmp_path, "feet")}
     assert found.keys() == feet.keys()
     for name, foot in feet.items():
@@ -175,7 +175,7 @@ def test_a_row_of_a_foot_holds_what_the_json_says(tmp_path: Path) -> None:
         assert row["foot_messages"] == foot["messages"]
         assert row["force_offset_n"] == foot["force_offset_n"]
         assert row["chatter_filled_swings"] == foot["chatter"]["filled_swings"]
-        curve = foot["force_curves"]["vertical_over_stride_n"]
+        curve = foot["vertical_over_stride_n"]
         assert row["force_curves_vertical_over_stride_n_median"] == curve["median"]
 
 
@@ -185,7 +185,7 @@ def test_a_log_that_fails_is_a_row_with_its_error_until_it_does_not(tmp_path: Pa
         assert "0 measured, 1 failed" in export(tmp_path, "walk.bag").stderr
         (row,) = rows(tmp_path)
         assert "walk.bag" in row["error"]
-        assert (row["damaged"], row["figures_json"], row["robot"]) == (None, None, "unknown")
+        assert (row["damaged"], row["metrics_json"], row["robot"]) == (None, None, "unknown")
     shutil.copy(TROUBLED, tmp_path / "walk.bag")
     assert export(tmp_path, "walk.bag").returncode == 0
     (row,) = rows(tmp_path)
@@ -338,5 +338,5 @@ def test_events_are_a_table_of_their_own(tmp_path: Path) -> None:
     events = rows(tmp_path, "events")
     assert {each["log_id"] for each in events} == {log["log_id"]}
     (gap,) = [each for each in events if each["type"] == "gap"]
-    assert (gap["foot"], gap["unit"], gap["code"]) == ("front_right", "s", "W_GAPS")
+    assert (gap["foot"], gap["unit"], gap["code"]) == ("front_right", "s", "GAPS")
     assert gap["value"] == pytest.approx(1.01, abs=0.01)

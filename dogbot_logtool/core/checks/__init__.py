@@ -1,0 +1,1 @@
+"""Checks: what makes a recording doubtful, and which metrics that voids."""

@@ -1,0 +1,88 @@
+"""All checks of a walk: functions that yield findings, each naming the metrics that it voids.
+
+A check reads what was measured and changes nothing; what its findings void is set to null
+afterwards, in one place (`voids.py`).
+"""
+
+from collections.abc import Callable, Iterator, Sequence
+from typing import Final
+
+from dogbot_logtool.core.checks import base, clock, commands, gait, imu, legs, loads, sensors
+from dogbot_logtool.core.statistics import Stats
+from dogbot_logtool.finding import Finding, Severity
+
+Check = Callable[[Stats], Iterator[Finding]]
+
+CHECKS: Final[tuple[Check, ...]] = (
+    clock.clock_set,
+    clock.clocks_differ,
+    clock.feet_silent,
+    clock.topics_timed,
+    base.worlds_differ,
+    base.falls,
+    base.poses,
+    base.up_axis,
+    base.height_drifts,
+    base.sides_swapped,
+    base.forward_axis,
+    base.pose_jumps,
+    sensors.unloaded_levels,
+    sensors.silent_feet,
+    sensors.dead,
+    sensors.stuck,
+    sensors.stopped,
+    sensors.saturated,
+    sensors.spikes,
+    sensors.samples_left_out,
+    sensors.chatter,
+    sensors.sampled_slowly,
+    gait.no_class,
+    gait.other_reference_foot,
+    gait.moves_without_steps,
+    gait.lifted,
+    gait.several_gaits,
+    gait.against_plan,
+    gait.slips,
+    loads.no_force,
+    loads.mass_unknown,
+    loads.impulse_is_not_weight,
+    loads.forces_lean,
+    loads.forces_push,
+    legs.foot_frames,
+    legs.sampled_slowly,
+    legs.joint_clocks,
+    legs.joints_missing,
+    legs.joint_values,
+    legs.effort_signs,
+    commands.refused,
+    commands.axes_unknown,
+    commands.opposed,
+    commands.on_log_time,
+    commands.no_command,
+    imu.refused,
+    imu.scale,
+    imu.mounting,
+    imu.forces_odd,
+    imu.forces_turned,
+)
+"""In order of the subjects; findings are sorted by consequence."""
+MOST_FIRST: Final = 3
+"""Findings that a report begins with."""
+
+
+def findings_of(stats: Stats) -> tuple[Finding, ...]:
+    """Make all checks, and return what they find: what is of most consequence first."""
+    found = [finding for check in CHECKS for finding in check(stats)]
+    return tuple(sorted(found, key=consequence))
+
+
+def consequence(finding: Finding) -> tuple[int, float]:
+    """Return the key that sorts findings: what makes most metrics doubtful comes first."""
+    return finding.severity, float("inf") if finding.rank is None else finding.rank
+
+
+def first_of(findings: Sequence[Finding]) -> list[Finding]:
+    """Return what to look at first: of errors and ranked findings, those of most consequence."""
+    grave = [each for each in findings if each.rank or each.severity is Severity.ERROR]
+    by_code = {each.code: each for each in sorted(grave, key=consequence, reverse=True)}
+    return list(by_code.values())[::-1][:MOST_FIRST]

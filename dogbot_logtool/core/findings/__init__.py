@@ -1,1 +1,0 @@
-"""Findings: why a figure is missing, and what makes one doubtful."""
