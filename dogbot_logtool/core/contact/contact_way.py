@@ -135,8 +135,7 @@ def quick_ways(time: Floats, x: Floats, y: Floats, counts: Flags, stance: Ints, 
     short = found.metres < LEAST_M
     found.metres[short] = 0.0
     found.begins_s[short] = found.ends_s[short] = np.nan
-    still = np.setdiff1d(np.arange(count), stance[goes])
-    found.metres[still] = np.nan
+    found.metres[np.bincount(stance[goes], minlength=count) == 0] = np.nan
     return found
 
 
