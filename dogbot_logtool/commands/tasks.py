@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     )
     from dogbot_logtool.reader.containers.loss import Damage
     from dogbot_logtool.report.dataset.dataset import Entry
-    from dogbot_logtool.report.dataset.rows import LogRows
+    from dogbot_logtool.report.dataset.rows import Tables
     from dogbot_logtool.results import Conversion, LogInfo, Measurement
 
 _CHECKS_AT_ONCE: Final = 16
@@ -162,5 +162,5 @@ class MeasureForDataset:
 class MeasuredEntry:
     """A log that was measured for a dataset."""
 
-    rows: "LogRows"
+    tables: "Tables"
     damage: "Damage"
