@@ -1,0 +1,333 @@
+"""Records whose fields describe themselves: JSON, JSON schema, paths, and setting to null.
+
+    @dataclass(frozen=True, slots=True)
+    class Foot:
+        swing_s: Annotated[Spread, Of("s", "contact", "strides")]
+        \"\"\"Lift-off to touchdown.\"\"\"
+
+The field's name is the key, the string below it its definition, its annotation says type, unit and
+what a log must hold for it.
+"""
+
+import ast
+import sys
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import fields, is_dataclass, replace
+from fnmatch import fnmatchcase
+from functools import cache
+from itertools import pairwise
+from pathlib import Path
+from typing import (
+    Annotated,
+    Any,
+    Final,
+    Literal,
+    NamedTuple,
+    TypeVar,
+    get_args,
+    get_origin,
+    get_type_hints,
+)
+
+from dogbot_logtool.core.geometry.aggregates import Aggregate
+from dogbot_logtool.dataclass import dataclass
+
+R = TypeVar("R", bound=Any)
+Json = dict[str, Any]
+
+
+class Of:
+    """Unit of a metric, and what a log must hold for it."""
+
+    __slots__ = ("needs", "unit")
+
+    def __init__(self, unit: str = "", *needs: str) -> None:
+        self.unit: Final = unit
+        self.needs: Final = needs
+
+
+@dataclass(frozen=True, slots=True)
+class Curve:
+    """Quartiles over the gait cycle, touchdown to the next touchdown."""
+
+    percent: tuple[float, ...]
+    """Of the stride."""
+    lower: tuple[float, ...]
+    """Lower quartile over strides."""
+    median: tuple[float, ...]
+    """Median over strides."""
+    upper: tuple[float, ...]
+    """Upper quartile over strides."""
+
+
+Number = float | None
+Count = int | None
+Text = str | None
+Spread = Aggregate | None
+Shape = Curve | None
+Numbers = tuple[float, ...] | None
+LEAVES: Final[Mapping[type, str]] = {Aggregate: "aggregate", Curve: "curve"}
+
+
+class Field(NamedTuple):
+    """A field of a record."""
+
+    name: str
+    kind: str
+    """scalar, aggregate, curve, list; record, records (a list of them), map (by name)."""
+    inner: Any
+    """Its type, or that of its items, without ``None``."""
+    nullable: bool
+    of: Of
+
+    @property
+    def is_detail(self) -> bool:
+        """Whether it is long: a curve or a list of times."""
+        return self.kind == "curve" or (self.kind == "list" and self.of.unit == "s")
+
+
+def is_record(kind: Any) -> bool:  # noqa: ANN401 - any type
+    """Tell whether a type is a record of metrics, not a single value of several numbers."""
+    return is_dataclass(kind) and kind not in LEAVES
+
+
+def fields_of(record: Any) -> tuple[Field, ...]:  # noqa: ANN401 - any record
+    """List the fields of a type of records, in the order in which they are declared."""
+    return _fields_of(record)
+
+
+@cache
+def _fields_of(record: Any) -> tuple[Field, ...]:  # noqa: ANN401 - any record
+    hints = get_type_hints(record, include_extras=True)
+    return tuple(_field(each.name, hints[each.name]) for each in fields(record))
+
+
+def _field(name: str, hint: Any) -> Field:  # noqa: ANN401 - any annotation
+    of = next((each for each in getattr(hint, "__metadata__", ()) if isinstance(each, Of)), Of())
+    bare = get_args(hint)[0] if get_origin(hint) is Annotated else hint
+    nullable = type(None) in get_args(bare)
+    inner = next(each for each in get_args(bare) if each is not type(None)) if nullable else bare
+    if get_origin(inner) is dict:
+        return Field(name, "map", get_args(inner)[1], nullable, of)
+    if get_origin(inner) is tuple:
+        item = get_args(inner)[0]
+        return Field(name, "records" if is_record(item) else "list", item, nullable, of)
+    kind = LEAVES.get(inner, "record" if is_record(inner) else "scalar")
+    return Field(name, kind, inner, nullable, of)
+
+
+def definitions(record: Any) -> dict[str, str]:  # noqa: ANN401 - any record
+    """Read the strings below the fields of a record and its bases from the source."""
+    found: dict[str, str] = {}
+    for each in reversed(record.__mro__[:-1]):
+        found |= _definitions_in(each.__module__).get(each.__name__, {})
+    return found
+
+
+@cache
+def _definitions_in(module: str) -> dict[str, dict[str, str]]:
+    source = Path(str(sys.modules[module].__file__)).read_text(encoding="utf-8")
+    classes = (each for each in ast.parse(source).body if isinstance(each, ast.ClassDef))
+    return {each.name: dict(_strings_below(each.body)) for each in classes}
+
+
+def _strings_below(body: Sequence[ast.stmt]) -> Iterator[tuple[str, str]]:
+    for line, below in pairwise(body):
+        match line, below:
+            case (
+                ast.AnnAssign(target=ast.Name(id=name)),
+                ast.Expr(value=ast.Constant(value=str(words))),
+            ):
+                yield name, " ".join(words.split())
+
+
+def metric_paths(record: Any, prefix: str = "") -> Iterator[tuple[str, Field, str]]:  # noqa: ANN401
+    """Yield path, field and definition of every metric of a type of records.
+
+    In paths ``*`` stands for a name, ``[]`` for the items of a list.
+    """
+    words = definitions(record)
+    for field in fields_of(record):
+        path = prefix + field.name
+        items = {"records": "[]", "map": ".*"}.get(field.kind, "")
+        if is_record(field.inner):
+            yield from metric_paths(field.inner, f"{path}{items}.")
+        else:
+            yield path + items, field, words.get(field.name, "")
+
+
+KeyPath = tuple[str, ...]
+"""Names of fields, keys and places in lists that lead to a value."""
+
+
+def values(record: Any, path: KeyPath = ()) -> Iterator[tuple[KeyPath, Any, Field]]:  # noqa: ANN401
+    """Yield path, value and field of every metric that a record holds."""
+    for field in fields_of(type(record)):
+        value, here = getattr(record, field.name), (*path, field.name)
+        for key, each in _items(field, value):
+            if is_record(type(each)):
+                yield from values(each, (*here, *key))
+            else:
+                yield (*here, *key), each, field
+
+
+def _items(field: Field, value: Any) -> Iterator[tuple[KeyPath, Any]]:  # noqa: ANN401
+    if field.kind == "map" and value is not None:
+        yield from (((name,), each) for name, each in value.items())
+    elif field.kind == "records" and value is not None:
+        yield from (((str(number),), each) for number, each in enumerate(value))
+    else:
+        yield (), value
+
+
+def void(record: R, patterns: Sequence[str], prefix: str = "") -> R:
+    """Set the metrics that match patterns, such as ``feet.*.slip_m``, to null.
+
+    A star also stands for several names: ``feet.left.*`` are all metrics of that foot.
+    """
+    changes: Json = {}
+    for field in fields_of(type(record)):
+        value, path = getattr(record, field.name), prefix + field.name
+        if field.nullable and any(fnmatchcase(path, each) for each in patterns):
+            changes[field.name] = None
+        elif field.kind == "record" and value is not None:
+            changes[field.name] = void(value, patterns, path + ".")
+        elif field.kind == "map" and value and is_record(field.inner):
+            changes[field.name] = {
+                name: void(each, patterns, f"{path}.{name}.") for name, each in value.items()
+            }
+    changed: R = replace(record, **changes)
+    return changed
+
+
+def folded(paths: Sequence[KeyPath], every: Sequence[KeyPath]) -> list[str]:
+    """Shorten paths: ``feet.*.slip_m`` for all feet, ``commands.*`` for a whole group.
+
+    Args:
+        paths: to shorten.
+        every: all that there are.
+    """
+    left = dict.fromkeys(paths)
+    for depth in range(3):
+        starred: dict[KeyPath, list[KeyPath]] = {}
+        for path in every:
+            starred.setdefault(_with_star(path, depth), []).append(path)
+        for star, members in starred.items():
+            if len(members) > 1 and all(each in left for each in members):
+                left = {star if each == members[0] else each: None for each in left}
+                left = {each: None for each in left if each not in members}
+    return [".".join(path) for path in left]
+
+
+def _with_star(path: KeyPath, depth: int) -> KeyPath:
+    return (path[0], "*") if depth == 0 else (*path[:depth], "*", *path[depth + 1 :])
+
+
+def unknown(record: type[R]) -> R:
+    """Return a record in which nothing is measured: null, 0 or empty."""
+    made: R = record(**{field.name: _unknown(field) for field in fields_of(record)})
+    return made
+
+
+def _unknown(field: Field) -> Any:  # noqa: ANN401 - any value
+    if field.nullable:
+        return None
+    if field.kind == "record":
+        return unknown(field.inner)
+    return {"map": dict, "list": tuple, "records": tuple}.get(field.kind, field.inner)()
+
+
+def to_json(value: Any, *, detail: bool = True) -> Any:  # noqa: ANN401 - JSON
+    """Return what `json.dumps` takes; without detail, curves and lists of times are left out."""
+    if is_dataclass(type(value)):
+        return {
+            field.name: to_json(getattr(value, field.name), detail=detail)
+            for field in fields_of(type(value))
+            if detail or not field.is_detail
+        }
+    if isinstance(value, dict):
+        return {name: to_json(each, detail=detail) for name, each in value.items()}
+    return [to_json(each, detail=detail) for each in value] if isinstance(value, tuple) else value
+
+
+def from_json(record: type[R], data: Mapping[str, Any]) -> R:
+    """Return the record that JSON holds; keys that it lacks are null.
+
+    Raises:
+        ValueError: a key is no field.
+    """
+    if unknown_keys := data.keys() - {field.name for field in fields_of(record)}:
+        raise ValueError(f"{record.__name__} has no {', '.join(sorted(unknown_keys))}")
+    made: R = record(
+        **{field.name: _from_json(field, data.get(field.name)) for field in fields_of(record)}
+    )
+    return made
+
+
+def _from_json(field: Field, value: Any) -> Any:  # noqa: ANN401 - JSON
+    if value is None:
+        return _unknown(field)
+    if field.kind == "map":
+        return {name: _item(field.inner, each) for name, each in value.items()}
+    if field.kind in {"list", "records"}:
+        return tuple(_item(field.inner, each) for each in value)
+    return _item(field.inner, value)
+
+
+def _item(kind: Any, value: Any) -> Any:  # noqa: ANN401 - JSON
+    if is_record(kind) or kind in LEAVES:
+        return from_json(kind, value)
+    return tuple(value) if isinstance(value, list) else value
+
+
+_PRIMITIVES: Final[Mapping[Any, str]] = {
+    float: "number",
+    int: "integer",
+    str: "string",
+    bool: "boolean",
+}
+
+
+def schema(record: type) -> Json:
+    """Return the JSON Schema of a record."""
+    defs: dict[str, Json] = {}
+    root = _reference(record, defs)
+    return {"$schema": "https://json-schema.org/draft/2020-12/schema", **root, "$defs": defs}
+
+
+def _reference(kind: Any, defs: dict[str, Json]) -> Json:  # noqa: ANN401 - any record
+    if kind.__name__ not in defs:
+        defs[kind.__name__] = {}
+        own, words = fields_of(kind), definitions(kind)
+        defs[kind.__name__] = {
+            "type": "object",
+            "description": kind.__doc__,
+            "additionalProperties": False,
+            "properties": {
+                field.name: _described(_field_schema(field, defs), field, words) for field in own
+            },
+            "required": [field.name for field in own if not field.is_detail],
+        }
+    return {"$ref": f"#/$defs/{kind.__name__}"}
+
+
+def _described(made: Json, field: Field, words: Mapping[str, str]) -> Json:
+    description = {"description": words[field.name]} if field.name in words else {}
+    return made | description | ({"unit": field.of.unit} if field.of.unit else {})
+
+
+def _field_schema(field: Field, defs: dict[str, Json]) -> Json:
+    made = _item_schema(field.inner, defs)
+    if field.kind == "map":
+        made = {"type": "object", "additionalProperties": made}
+    elif field.kind in {"list", "records"}:
+        made = {"type": "array", "items": made}
+    return {"anyOf": [made, {"type": "null"}]} if field.nullable else made
+
+
+def _item_schema(kind: Any, defs: dict[str, Json]) -> Json:  # noqa: ANN401 - any type
+    if get_origin(kind) is Literal:
+        return {"enum": list(get_args(kind))}
+    if is_dataclass(kind):
+        return _reference(kind, defs)
+    return {"type": _PRIMITIVES[kind]}
