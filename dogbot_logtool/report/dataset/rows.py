@@ -26,7 +26,7 @@ Tables = Mapping[str, Any]
 """`pyarrow.Table` of each of `TABLES`."""
 
 
-def log_tables(walk: metrics.Walk, strides: Columns) -> Tables:
+def log_tables(walk: metrics.WalkMetrics, strides: Columns) -> Tables:
     """Return the rows of a log that was measured.
 
     Args:
@@ -35,7 +35,7 @@ def log_tables(walk: metrics.Walk, strides: Columns) -> Tables:
     """
     row = {"error": None, **to_json(walk)}
     tables = {"strides": arrow_table(strides), "logs": pa.Table.from_pylist([row], _log_schema())}
-    for field in fields_of(metrics.Walk):
+    for field in fields_of(metrics.WalkMetrics):
         if field.name in TABLES:
             tables[field.name] = _rows(field, getattr(walk, field.name))
     return tables
@@ -75,7 +75,7 @@ def _rows(field: Field, items: Any) -> Any:  # noqa: ANN401 - records, by name o
 
 
 def _log_schema() -> Any:  # noqa: ANN401 - pyarrow has no types
-    return pa.schema([pa.field("error", pa.string()), *_columns(metrics.Walk)])
+    return pa.schema([pa.field("error", pa.string()), *_columns(metrics.WalkMetrics)])
 
 
 def _columns(record: Any) -> Iterator[Any]:  # noqa: ANN401 - a class of records
