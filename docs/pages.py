@@ -3,14 +3,15 @@
 from collections.abc import Callable, Iterator
 from itertools import groupby
 from pathlib import Path
-from typing import Any, Final
+from typing import Final
 
+from dogbot_logtool.core.events.event import MEANINGS
+from dogbot_logtool.core.geometry.aggregates import Aggregate
+from dogbot_logtool.core.metrics import Event, Stride, WalkMetrics
+from dogbot_logtool.core.records import Field, definitions, fields_of, is_record, metric_paths
 from dogbot_logtool.finding import finding_kinds
 from dogbot_logtool.io.plain_json import to_json
-from dogbot_logtool.report.dataset.schema import PARTITIONS, SCHEMA_VERSION, tables
-from dogbot_logtool.report.figures.document import DOCUMENT, STRIDE_ROWS
-from dogbot_logtool.report.figures.figure import STATISTICS, Figure, Kind, Scope, all_figures
-from dogbot_logtool.report.figures.schema import schema
+from dogbot_logtool.report.documents.metrics_schema import schema
 
 HERE: Final = Path(__file__).parent
 _SEVERITIES: Final = {"E": "error", "W": "warning", "N": "note"}
@@ -36,94 +37,64 @@ def findings_page() -> str:
     return "".join(parts)
 
 
-_FIGURES_HEAD: Final = """# Figures
+_METRICS_HEAD: Final = """# Metrics
 
-Everything that `stats --json` reports, and every column of `export` and of its dataset. SI units;
-the unit stands in the key. A figure that cannot be known is `null`, and a finding says why. `*`
-stands for the name of a foot or topic, `[]` for the items of a list; the last column names the
-tables that show the figure, too. This page is made of the table
-in `dogbot_logtool/report/figures/` by `make docs`.
+Everything that `stats --json` reports, and the columns of `export --table strides`. SI units; the
+unit stands in the key. A metric that cannot be known is `null`, and `null_because` says why: the
+code of a finding, what of *needs* the log lacks, or that it does not apply. In keys `*` stands for
+the name of a foot, pair, joint or topic, `[]` for the items of a list. Curves, lists of times and
+the touchdowns and lift-offs among the events are printed with `--json -v` only.
+This page is made of the records in `dogbot_logtool/core/metrics.py` by `make docs`.
 
-An **aggregate** is an object: {statistics}.
-
+An **aggregate** holds {statistics}; a **curve** quartiles over strides by percent of the gait
+cycle:
+`percent`, `lower`, `median`, `upper`.
 """
-_FIGURES_COLUMNS: Final = (
-    "| key | unit | what it is | null when | tables |\n|---|---|---|---|---|\n"
-)
+_METRICS_COLUMNS: Final = "| key | unit | kind | definition | needs |\n|---|---|---|---|---|\n"
+_IN_SEGMENTS: Final = ("base", "gait", "feet", "forces", "stability")
+"""Groups that are measured for each segment, too."""
 
 
-def figures_page() -> str:
-    """Return the page of all figures."""
-    statistics = ", ".join(f"`{name}` ({words})" for name, words in STATISTICS.items())
-    parts = [_FIGURES_HEAD.format(statistics=statistics)]
-    for scope in DOCUMENT.members:
-        if isinstance(scope, Scope):
-            parts += _section(scope, scope.key)
-    parts += _section(STRIDE_ROWS, "stride")
-    return "".join(parts).replace("\n\n\n", "\n\n")
+def metrics_page() -> str:
+    """Return the page of all metrics."""
+    statistics = ", ".join(f"`{field.name}`" for field in fields_of(Aggregate))
+    parts = [_METRICS_HEAD.format(statistics=statistics)]
+    words = definitions(WalkMetrics)
+    for field in fields_of(WalkMetrics):
+        parts += _section(field, words.get(field.name, ""))
+    parts.append(f"\n## stride\n\n{Stride.__doc__}\n\n{_METRICS_COLUMNS}")
+    parts += [_metric_row(*each) for each in metric_paths(Stride)]
+    return "".join(parts)
 
 
-def _section(scope: Scope, key: str) -> Iterator[str]:
-    null = f" `null`: {scope.null}." if scope.null else ""
-    yield f"\n## {key}\n\n{scope.definition[0].upper()}{scope.definition[1:]}.{null}\n\n"
-    yield _FIGURES_COLUMNS
-    root = Scope("", (scope,), scope.of, "")
-    for path, figure in all_figures(root):
-        yield _figure_row(path, figure)
+def _section(field: Field, words: str) -> Iterator[str]:
+    items = {"map": ".*", "records": "[]"}.get(field.kind, "")
+    about = field.inner.__doc__ if is_record(field.inner) else words
+    also = " Also `gait.segments[].` of these." if field.name in _IN_SEGMENTS else ""
+    yield f"\n## {field.name}\n\n{' '.join(about.split())}{also}\n\n"
+    if is_record(field.inner):
+        yield _METRICS_COLUMNS
+        for path, each, definition in metric_paths(field.inner):
+            if not path.startswith("segments[].") or path.count(".") == 1:
+                yield _metric_row(f"{field.name}{items}.{path}", each, definition)
+    if field.inner is Event:
+        yield "\n"
+        yield from (f"- `{kind}`: {meaning}.\n" for kind, meaning in MEANINGS.items())
 
 
-def _figure_row(path: str, figure: Figure[Any]) -> str:
-    words = figure.definition
-    if figure.choices:
-        words += f" ({', '.join(f'`{choice}`' for choice in figure.choices)})"
-    if figure.kind is Kind.AGGREGATE:
-        words += " (aggregate)"
-    tables = dict.fromkeys(column.table.value for column in figure.columns)
-    cells = (f"`{path}`", figure.unit, words, figure.null, "; ".join(tables))
+def _metric_row(path: str, field: Field, definition: str) -> str:
+    cells = (f"`{path}`", field.of.unit, field.kind, definition, ", ".join(field.of.needs))
     return "| " + " | ".join(cell.replace("|", "\\|") for cell in cells) + " |\n"
 
 
 def schema_file() -> str:
     """Return the JSON Schema of `stats --json`."""
-    return to_json(schema(), indent=1) + "\n"
-
-
-_DATASET_HEAD: Final = """# The dataset of `export --dataset`
-
-The tables that `export --dataset DIR` keeps ([many logs](many_logs.md)), and their columns; a
-name means the same in all of them. The directories have the columns {partitions}.
-`--label NAME=VALUE` adds columns of text to `logs`.
-
-A table is `<table>/robot=<robot>/month=<month>/part-<number>.parquet`; a part holds the rows of
-up to 1,000 logs, those of one log under the same number in all tables. The files' metadata say
-the version of this layout, which is {version}. This page is made of the table
-in `dogbot_logtool/report/figures/` by `make docs`.
-"""
-_ROWS_OF: Final = {
-    "logs": "a row a log, also of one that could not be measured",
-    "feet": "a row a foot of a log that was measured; an aggregate of figures.md is six columns",
-    "strides": "a row a whole stride of a foot",
-    "events": "a row an event",
-}
-
-
-def dataset_page() -> str:
-    """Return the page of the tables in Parquet."""
-    partitions = " and ".join(f"`{name}` ({words})" for name, words in PARTITIONS.items())
-    parts = [_DATASET_HEAD.format(partitions=partitions, version=SCHEMA_VERSION)]
-    for table, words in _ROWS_OF.items():
-        parts.append(f"\n## {table}\n\n{words[0].upper()}{words[1:]}.\n\n")
-        parts.append("| column | type | unit | what it is | null when |\n|---|---|---|---|---|\n")
-        for each in tables()[table]:
-            cells = (f"`{each.name}`", each.type.value, each.unit, each.definition, each.null)
-            parts.append("| " + " | ".join(cell.replace("|", "\\|") for cell in cells) + " |\n")
-    return "".join(parts)
+    return to_json(schema(WalkMetrics), indent=1) + "\n"
 
 
 PAGES: Final[dict[Path, Callable[[], str]]] = {
     HERE / "findings.md": findings_page,
-    HERE / "figures.md": figures_page,
-    HERE / "dataset.md": dataset_page,
+    HERE / "metrics.md": metrics_page,
     HERE.parent / "dogbot_logtool" / "report" / "documents" / "stats.schema.json": schema_file,
 }
 """What is made, and what makes it."""

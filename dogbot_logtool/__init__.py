@@ -3,7 +3,7 @@
     import dogbot_logtool as dl
 
     walk = dl.measure("walk.bag", robot="dogbot")
-    walk.stats["gait"]["class"]
+    walk.gait.name
     walk.strides["duty_factor"]
     dl.convert("walk.bag", "walk.mcap")
 

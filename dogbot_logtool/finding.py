@@ -86,6 +86,8 @@ class Finding:
     """The topic or the figure, if it is about one."""
     command: str = ""
     """A command to type, if one is known; `text` ends with it."""
+    voids: Sequence[str] = ()
+    """Patterns of the metrics that are not to be relied on because of it: they become null."""
 
     @property
     def severity(self) -> Severity:

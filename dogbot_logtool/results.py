@@ -10,6 +10,7 @@ from dogbot_logtool.reader.containers.loss import SOUND, Damage
 # A command needs not load what only other commands' records are made of.
 if TYPE_CHECKING:
     from dogbot_logtool.core.geometry.arrays import Floats
+    from dogbot_logtool.core.metrics import WalkMetrics
     from dogbot_logtool.core.statistics import Stats
     from dogbot_logtool.finding import Finding
     from dogbot_logtool.io.storage import Location
@@ -105,14 +106,22 @@ class LogFacts:
     """Found while topics and frames were chosen."""
     robot: str = ""
     """Name of the robot."""
+    robot_is_guessed: bool = False
+    """Whether it was guessed from the topics."""
+    contact_is_planned: bool = False
+    """Whether contacts are what was planned, not what was measured."""
 
 
 @dataclass(frozen=True, slots=True)
 class Measurement:
-    """All figures of a log, and what is known of the log itself."""
+    """All metrics of a log, and what is known of the log itself."""
 
     stats: "Stats"
+    """What the metrics are made of."""
     facts: LogFacts
+    findings: "tuple[Finding, ...]"
+    """On the log and its metrics, the worst first."""
+    metrics: "WalkMetrics"
 
     @property
     def damage(self) -> Damage:
@@ -149,12 +158,15 @@ class StrideTable:
 
 @dataclass(frozen=True, slots=True)
 class Figures:
-    """The results of `stats` for one log, small enough to send and store."""
+    """The metrics of one log, small enough to send and store."""
 
     summary: tuple[str, ...]
     """Its row among several logs."""
     json: dict[str, Any]
+    """Its `stats --json`."""
     strides: "StrideTable"
+    interval_s: float
+    """s, the longest sampling interval of its feet: no time is known more finely."""
     robot: str
     damage: Damage
     whole: "Measurement | None" = None

@@ -78,7 +78,7 @@ class GoldenStats:
     def make(self, folder: Path) -> Path:
         """Write the file into a folder."""
         done = measure(SAMPLES / self.log, StatsOptions())
-        figures = stats_json(done.stats, done.facts)
+        figures = stats_json(done)
         figures["log"]["path"] = self.log
         target = folder / self.name
         target.write_text(json.dumps(figures, indent=1) + "\n", encoding="utf-8")

@@ -25,7 +25,7 @@ recorded = cache(read_bag)
 
 def figures(path: Path, jobs: int = 1) -> dict[str, Any]:
     found = measure(path, StatsOptions(jobs=jobs))
-    document: dict[str, Any] = stats_json(found.stats, found.facts)
+    document: dict[str, Any] = stats_json(found)
     del document["log"]
     kept = [each for each in document["findings"] if each["code"] != "N_OUT_OF_ORDER"]
     return {**document, "findings": kept}

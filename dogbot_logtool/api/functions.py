@@ -33,7 +33,7 @@ def measure(log: PathOrName, **options: Unpack[MeasureKeywords]) -> "Walk":
 
     >>> import dogbot_logtool as dl
     >>> walk = dl.measure("sample_logs/dogbot_trot.bag")
-    >>> walk.stats["gait"]["class"]
+    >>> walk.gait.name
     'trot'
     >>> walk
     <Walk sample_logs/dogbot_trot.bag: trot, 24 strides>

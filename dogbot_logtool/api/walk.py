@@ -1,7 +1,7 @@
 """The result of `measure`: figures, and tables of strides, stances, joints, events and more."""
 
 import os
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
@@ -18,6 +18,19 @@ from dogbot_logtool.core.contact.contacts import Samples
 from dogbot_logtool.core.contact.stances import Cut
 from dogbot_logtool.core.geometry.arrays import Floats, Ints, norms
 from dogbot_logtool.core.geometry.timespans import covers
+from dogbot_logtool.core.metrics import (
+    Event,
+    Finding,
+    Foot,
+    Forces,
+    GaitOfLog,
+    Joint,
+    Legs,
+    Quality,
+    Stability,
+    WalkMetrics,
+)
+from dogbot_logtool.core.records import fields_of
 from dogbot_logtool.core.statistics import Stats
 from dogbot_logtool.core.walk import usable_samples
 from dogbot_logtool.errors import CallError
@@ -25,9 +38,6 @@ from dogbot_logtool.io.printable import listed
 from dogbot_logtool.io.storage import Location, location
 from dogbot_logtool.pipeline.topics.annotated import open_recorded
 from dogbot_logtool.report.documents.stats_json import stats_json
-from dogbot_logtool.report.figures.events import EVENT_COLUMNS
-from dogbot_logtool.report.figures.figure import Figure, Kind
-from dogbot_logtool.report.figures.joints import JOINT
 from dogbot_logtool.report.files.stride_table import stride_table
 from dogbot_logtool.results import Measurement
 
@@ -44,7 +54,7 @@ class Walk:
     _options: "StatsOptions" = field(repr=False)
 
     def __repr__(self) -> str:
-        gait = self.stats["gait"]["class"] or "gait not known"
+        gait = self.gait.name or "gait not known"
         return f"<Walk {self._measured.facts.path}: {gait}, {len(self.strides)} strides>"
 
     @property
@@ -58,14 +68,49 @@ class Walk:
         return bool(self._measured.damage.losses)
 
     @property
-    def feet(self) -> tuple[str, ...]:
-        """Names of the feet."""
-        return tuple(foot.name for foot in self._stats.feet)
+    def metrics(self) -> WalkMetrics:
+        """All metrics as records; docs/metrics.md defines each."""
+        return self._measured.metrics
+
+    @property
+    def gait(self) -> GaitOfLog:
+        """How the feet are coordinated: of the longest segment, and all `segments`."""
+        return self.metrics.gait
+
+    @property
+    def feet(self) -> Mapping[str, Foot]:
+        """Each foot's stances, strides and loads, by its name."""
+        return self.metrics.feet
+
+    @property
+    def forces(self) -> Forces:
+        """Loads of the whole robot."""
+        return self.metrics.forces
+
+    @property
+    def stability(self) -> Stability:
+        """Static stability."""
+        return self.metrics.stability
+
+    @property
+    def legs(self) -> Legs:
+        """Joints and their work."""
+        return self.metrics.legs
+
+    @property
+    def quality(self) -> Quality:
+        """Whether the recording can be trusted."""
+        return self.metrics.quality
+
+    @property
+    def findings(self) -> tuple[Finding, ...]:
+        """What to know before relying on the metrics, the worst first."""
+        return self.metrics.findings
 
     @cached_property
     def stats(self) -> dict[str, Any]:
-        """All figures: what `stats --json` prints; docs/figures.md defines each."""
-        return stats_json(self._stats, self._measured.facts)
+        """All metrics as plain data: what `stats --json -v` prints."""
+        return stats_json(self._measured)
 
     @cached_property
     def strides(self) -> Table:
@@ -96,32 +141,14 @@ class Walk:
     @cached_property
     def events(self) -> Table:
         """Events in the order of time: the columns of `export --table events`."""
-        events = self.stats["events"]
-        numbers = {"onset_s", "duration_s", "value"}
-        return Table(
-            {
-                name: np.array([row[name] for row in events], np.float64)
-                if name in numbers
-                else texts([row[name] for row in events])
-                for name in EVENT_COLUMNS
-            }
-        )
+        return _table(Event, self.metrics.events)
 
     @cached_property
     def joints(self) -> Table:
-        """Joints, a row each: what `stats --json` has of them in `legs.joints`.
-
-        Of aggregates the median; curves are left out. No rows where the log tells of no joints.
-        """
-        legs = self.stats["legs"]
-        told = {} if legs is None else legs["joints"]
-        columns: dict[str, NDArray[Any]] = {"joint": texts(list(told))}
-        for figure in JOINT:
-            if isinstance(figure, Figure):
-                values = [joint[figure.key] for joint in told.values()]
-                is_text = figure.kind is Kind.TEXT
-                columns[figure.key] = texts(values) if is_text else _numbers(values)
-        return Table(columns)
+        """Joints, a row each: `legs.joints` without the curves; none where the log has none."""
+        joints = self.legs.joints
+        columns = _table(Joint, tuple(joints.values())).columns
+        return Table({"joint": texts(list(joints)), **columns})
 
     @cached_property
     def base(self) -> Table:
@@ -170,8 +197,8 @@ class Walk:
             LogError: the log has become one that cannot be read.
         """
         if foot not in self.feet:
-            raise CallError(f"{foot!r} is no foot of this robot; it has {listed(self.feet)}")
-        number = self.feet.index(foot)
+            raise CallError(f"{foot!r} is no foot of this robot; it has {listed(list(self.feet))}")
+        number = list(self.feet).index(foot)
         return Table(self._sample_columns(number, self._samples()[number]))
 
     def curves(self, foot: str, points: int = POINTS) -> Curves:
@@ -192,7 +219,7 @@ class Walk:
         if points < _FEWEST_POINTS:
             raise CallError(f"points={points}: a curve has at least {_FEWEST_POINTS}")
         samples = self.samples(foot)
-        strides = self._stats.feet[self.feet.index(foot)].strides
+        strides = self._stats.feet[list(self.feet).index(foot)].strides
         return curves_of(foot, samples, self._seconds(strides.touchdown), strides.period_s, points)
 
     def plot(self, target: PathOrName, *, overwrite: bool = False) -> tuple[float, float]:
@@ -250,7 +277,7 @@ class Walk:
             LogError: it has become one that cannot be read.
         """
         for number, samples in enumerate(self._samples()):
-            names = texts([self.feet[number]] * len(samples.foot))
+            names = texts([list(self.feet)[number]] * len(samples.foot))
             yield Table({"foot": names, **self._sample_columns(number, samples)})
 
     def _samples(self) -> tuple[Samples, ...]:
@@ -325,9 +352,18 @@ _STANCE_FIGURES = {
 
 
 def _numbers(values: list[Any]) -> Floats:
-    """Return numbers, or the medians of aggregates, (n,); NaN for null."""
-    medians = (each["median"] if isinstance(each, dict) else each for each in values)
-    return np.array([np.nan if each is None else each for each in medians], np.float64)
+    """Return numbers, (n,); NaN for null."""
+    return np.array([np.nan if each is None else each for each in values], np.float64)
+
+
+def _table(record: type, rows: Sequence[Any]) -> Table:
+    """Return records as a table: their texts and numbers."""
+    columns: dict[str, NDArray[Any]] = {}
+    for each in fields_of(record):
+        if each.kind == "scalar":
+            values = [getattr(row, each.name) for row in rows]
+            columns[each.name] = texts(values) if each.inner is str else _numbers(values)
+    return Table(columns)
 
 
 def _joined(parts: list[Any]) -> NDArray[Any]:

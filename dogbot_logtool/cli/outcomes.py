@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, Final, NoReturn, Protocol, TypeVar
 import click
 
 from dogbot_logtool.errors import DAMAGED, LogtoolError
-from dogbot_logtool.io.plain_json import to_json
+from dogbot_logtool.io.plain_json import readable_json
 from dogbot_logtool.io.printable import printable
 from dogbot_logtool.io.storage import valid_unicode, without_secrets
 
@@ -149,7 +149,7 @@ class Outcomes:
             note(text)
         if as_json:
             results = self._results
-            click.echo(to_json(results[0] if len(results) == 1 else results, indent=2))
+            click.echo(readable_json(results[0] if len(results) == 1 else results))
         if len(self._results) == 1 and self._failed:
             say(self._failed[0][1])
         elif self._failed:

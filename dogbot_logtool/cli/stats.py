@@ -72,7 +72,12 @@ def stats(
     outcomes = Outcomes(quiet=quiet)
     outcomes.mention_left_out(log_set)
     runner = runner_for("stats", len(log_set.logs), jobs_or_cores(jobs), scheduler)
-    measure = Measure(replace(chosen, jobs=runner.jobs), drawing, whole=len(log_set.logs) == 1)
+    measure = Measure(
+        replace(chosen, jobs=runner.jobs),
+        drawing,
+        whole=len(log_set.logs) == 1,
+        detail=verbose,
+    )
     measured: list[Figures] = []
     for done in outcomes.of(runner, measure, log_set.paths, log_set.names):
         outcomes.add(done.json)
@@ -113,7 +118,7 @@ def _print(measured: "list[Figures]", *, verbose: bool) -> None:
 
     one = measured[0].whole
     if one is not None:
-        print_report(results(), one.stats, one.facts, verbose=verbose)
+        print_report(results(), one, verbose=verbose)
     else:
         rows, damage = zip(*((done.summary, done.damage) for done in measured), strict=True)
         print_summary(results(), rows, damage)

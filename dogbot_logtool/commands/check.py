@@ -7,6 +7,7 @@ from typing import Any
 from dogbot_logtool.comparison.rules.judge import Judgement, Status, judge, worst
 from dogbot_logtool.comparison.rules.limits import Rule, load_limits
 from dogbot_logtool.comparison.stats_json import load_json, looks_like_json
+from dogbot_logtool.core.metrics import SCHEMA_VERSION
 from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.errors import CallError
 
@@ -39,6 +40,12 @@ def read_limits(limits: Path, baseline: Path | None) -> Limits:
         raise CallError(
             f"{baseline}: is not what `stats --json` prints for one log; "
             "'dogbot-logtool stats LOG --json > FILE.json' writes it"
+        )
+    if document["schema_version"] != SCHEMA_VERSION:
+        raise CallError(
+            f"{baseline}: has the keys of schema {document['schema_version']}, and this version "
+            f"those of schema {SCHEMA_VERSION}: measure the run again with "
+            "'dogbot-logtool stats LOG --json > FILE.json'"
         )
     return Limits(rules, document)
 

@@ -34,9 +34,7 @@ def compare_gait(first: Sequence[Figures], second: Sequence[Figures]) -> GaitCom
 
 
 def _strides(figures: Figures) -> RunStrides:
-    feet = figures.json["feet"].values()
-    intervals = [foot["sampling_interval_s"] for foot in feet]
-    longest = max((each for each in intervals if each is not None), default=0.0)
+    strides = figures.strides
     return RunStrides(
-        figures.json["log"]["path"], figures.strides.foot, figures.strides.columns, longest
+        figures.json["log"]["path"], strides.foot, strides.columns, figures.interval_s
     )

@@ -3,7 +3,6 @@
 from dataclasses import replace
 
 from dogbot_logtool.commands.stats import measure
-from dogbot_logtool.commands.tasks import figures_of
 from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.errors import LogError
 from dogbot_logtool.io.storage import Location, file_name
@@ -62,7 +61,7 @@ def new_robot(
         world, base = frame_names(selection.robot, probe)
     finally:
         log.close()
-    figures = figures_of(measure(path, StatsOptions(topics=options), progress))
+    measured = measure(path, StatsOptions(topics=options), progress)
     evidence = RobotEvidence(
         log=file_name(path),
         world_frame=world,
@@ -70,11 +69,11 @@ def new_robot(
         has_base=bool(selection.odometry),
         feet_because=because,
         weight_n=sensors.estimated_weight_n,
-        damage=figures.damage.text,
-        figures=figures.json,
+        damage=measured.damage.text,
+        metrics=measured.metrics,
     )
     text = robot_file(_described(selection, name), evidence)
-    return NewRobot(text, tuple(others), figures.damage)
+    return NewRobot(text, tuple(others), measured.damage)
 
 
 def _described(selection: Selection, name: str) -> Robot:

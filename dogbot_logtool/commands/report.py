@@ -70,7 +70,7 @@ class Reports:
         self._share_script()
         with self._whole_file(target) as file:
             file.write(html)
-        self._rows[source] = index_row(measured.stats, measured.facts, file_name(target))
+        self._rows[source] = index_row(measured, file_name(target))
         return Page(source, target, len(html), measured)
 
     def _measured(
@@ -124,7 +124,7 @@ def _page_of(
     source: Location, measured: Measurement, replay: Mapping[str, Any] | None, beside: Beside
 ) -> bytes:
     size = 0 if is_folder(source) else version(source)[0]
-    return page(measured.stats, measured.facts, size, replay=replay, beside=beside)
+    return page(measured, size, replay=replay, beside=beside)
 
 
 def replay_of(log: Log, found: MeasuredLog) -> dict[str, Any] | None:

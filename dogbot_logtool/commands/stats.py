@@ -1,9 +1,16 @@
 """`dogbot-logtool stats`: which gait, how loaded, and can the recording be trusted."""
 
 from collections.abc import Sequence
+from operator import attrgetter
 
+from dogbot_logtool.core import metrics
+from dogbot_logtool.core.findings.findings import findings_of
 from dogbot_logtool.core.recording import Recording
+from dogbot_logtool.core.statistics import Stats
+from dogbot_logtool.core.walk_metrics.settings import Chosen
+from dogbot_logtool.core.walk_metrics.walk import metrics_of
 from dogbot_logtool.dataclass import dataclass
+from dogbot_logtool.finding import Finding
 from dogbot_logtool.io.storage import Location, shown
 from dogbot_logtool.pipeline.measuring.plan import LearntSettings, make_plan
 from dogbot_logtool.pipeline.measuring.walk import Measured, measure_recording
@@ -61,8 +68,33 @@ def measure_log(
     read = read_recording(log, plan.wanted, options.jobs, progress)
     losses = _losses(log, read, plan.wanted.limits)
     measured = measure_recording(log, read.recording, plan, options)
-    measurement = Measurement(measured.stats, _facts(log, read, measured, losses))
+    measurement = measurement_of(measured.stats, _facts(log, read, measured, losses))
     return MeasuredLog(measurement, measured.recording, measured.learnt)
+
+
+def measurement_of(stats: Stats, facts: LogFacts) -> Measurement:
+    """Return the metrics and findings of a log.
+
+    Args:
+        stats: what was worked out of it.
+        facts: what is known of the log itself.
+    """
+    damage = facts.damage
+    lost = [Finding("W_LOST", damage.text)] if damage.losses else []
+    findings = sorted([*lost, *findings_of(stats), *facts.findings], key=attrgetter("severity"))
+    log = metrics.Log(
+        path=facts.path,
+        container=facts.container,
+        profile=facts.profile,
+        start_s=facts.start_s,
+        duration_s=facts.duration_s,
+        messages=facts.messages,
+        lost_messages=damage.messages,
+        lost_bytes=damage.bytes,
+    )
+    chosen = Chosen(facts.robot, facts.robot_is_guessed, facts.contact_is_planned)
+    found = metrics_of(stats, log, chosen, findings)
+    return Measurement(stats, facts, tuple(findings), found)
 
 
 def _losses(log: Log, read: ReadLog, limits: TimeLimits) -> list[Loss]:
@@ -93,4 +125,6 @@ def _facts(log: Log, read: ReadLog, measured: Measured, losses: Sequence[Loss]) 
         damage=damage_of(log, losses),
         findings=[*measured.findings, *order_findings(log, read.recording.out_of_order)],
         robot=measured.learnt.selection.robot.name,
+        robot_is_guessed=measured.learnt.selection.robot_is_guessed,
+        contact_is_planned=any(f.code == "N_PLANNED" for f in measured.findings),
     )

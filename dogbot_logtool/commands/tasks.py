@@ -102,19 +102,25 @@ def _is_free(target: Location) -> bool:
     return not storage.asked(target, lambda: target.fs.exists(target.path))
 
 
-def figures_of(measured: "Measurement", *, whole: bool = False) -> Figures:
-    """Return what is reported of a log, and the whole measurement if wanted."""
+def figures_of(measured: "Measurement", *, whole: bool = False, detail: bool = True) -> Figures:
+    """Return what is reported of a log.
+
+    Args:
+        measured: what was measured of it.
+        whole: with the whole measurement.
+        detail: with curves and lists of times.
+    """
     from dogbot_logtool.report.documents.stats_json import stats_json  # noqa: PLC0415
     from dogbot_logtool.report.files.stride_table import stride_table  # noqa: PLC0415
     from dogbot_logtool.report.text.stats_summary import summary_row  # noqa: PLC0415
 
-    stats, facts = measured.stats, measured.facts
-    document = stats_json(stats, facts)
+    intervals = [foot.record.median_interval_s for foot in measured.stats.feet]
     return Figures(
-        summary_row(stats, document),
-        document,
-        stride_table(stats),
-        facts.robot,
+        summary_row(measured),
+        stats_json(measured, detail=detail),
+        stride_table(measured.stats),
+        max((each for each in intervals if each is not None), default=0.0),
+        measured.facts.robot,
         measured.damage,
         measured if whole else None,
     )
@@ -129,13 +135,15 @@ class Measure:
     """The figure to draw; None: none."""
     whole: bool = False
     """Whether to return all results, with the base's path and every stance."""
+    detail: bool = True
+    """Whether the JSON has curves and lists of times."""
 
     def __call__(self, log: Location, on_progress: OnProgress | None) -> Figures:
         """Measure it."""
         from dogbot_logtool.commands.stats import measure  # noqa: PLC0415
 
         measured = measure(log, self.options, on_progress)
-        figures = figures_of(measured, whole=self.whole)
+        figures = figures_of(measured, whole=self.whole, detail=self.detail)
         if self.drawing is None:
             return figures
         from dogbot_logtool.commands.plot import write_plot  # noqa: PLC0415
@@ -152,10 +160,13 @@ class MeasureForDataset:
 
     def __call__(self, entry: "Entry", on_progress: OnProgress | None) -> "MeasuredEntry":
         """Measure a log."""
-        from dogbot_logtool.report.dataset.rows import log_rows  # noqa: PLC0415
+        from dogbot_logtool.commands.stats import measure  # noqa: PLC0415
+        from dogbot_logtool.report.dataset.rows import log_tables  # noqa: PLC0415
+        from dogbot_logtool.report.files.stride_table import stride_table  # noqa: PLC0415
 
-        figures = Measure(self.options)(entry.location, on_progress)
-        return MeasuredEntry(log_rows(figures), figures.damage)
+        measured = measure(entry.location, self.options, on_progress)
+        tables = log_tables(measured.metrics, stride_table(measured.stats))
+        return MeasuredEntry(tables, measured.damage)
 
 
 @dataclass(frozen=True, slots=True)

@@ -8,7 +8,7 @@ for each segment.
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from typing import Annotated, Final, Literal
+from typing import Annotated, Final
 
 from dogbot_logtool.core import records
 from dogbot_logtool.core.records import Count, Number, Numbers, Of, Shape, Spread, Text
@@ -23,10 +23,12 @@ NEEDS: Final[Mapping[str, str]] = {
     "contact": "no contacts of this foot",
     "all feet": "contact of some foot not known",
     "strides": "no whole stride",
+    "phases": "no touchdowns of some foot in whole strides",
     "leg positions": "leg positions not known",
     "base": "no poses of the base",
     "points": "no contact points",
     "foot frame": "no transforms or joints of the legs",
+    "leg rate": "legs or contacts sampled below 100 Hz",
     "rolling": "foot_rolling_m not known: --set foot_rolling_m=M",
     "three feet": "never three feet down",
     "force": "no forces, contact only",
@@ -168,9 +170,11 @@ class Phase:
 class LimbPhase:
     """Hind against fore feet, a side."""
 
-    left: Annotated[Number, Of("cycles", "feet", "four feet", "strides", "leg positions")]
+    left: Annotated[Number, Of("cycles", "feet", "four feet", "strides", "phases", "leg positions")]
     """Share of the stride by which the left hind footfall precedes the left fore one."""
-    right: Annotated[Number, Of("cycles", "feet", "four feet", "strides", "leg positions")]
+    right: Annotated[
+        Number, Of("cycles", "feet", "four feet", "strides", "phases", "leg positions")
+    ]
     """The same on the right."""
 
 
@@ -188,22 +192,24 @@ class SupportSet:
 class Gait:
     """Coordination of the feet over a span."""
 
-    name: Annotated[Text, Of("", "feet", "strides", "leg positions")]
+    name: Annotated[Text, Of("", "feet", "strides", "phases", "leg positions")]
     """Class of the gait by its phases (walk, amble, trot, pace, gallop, canter, half-bound, bound,
     pronk; run and hop of two feet; tripod, tetrapod and wave of six): the nearest one, if the
     phases deviate by at most 0.1 cycles and every R exceeds 0.8; else irregular. stand: all feet
     are down for longer than 1 s and than a stride."""
-    confidence: Annotated[Number, Of("", "feet", "strides", "leg positions")]
+    confidence: Annotated[Number, Of("", "feet", "strides", "phases", "leg positions")]
     """(1 - class_distance / 0.2) x lowest R of the phases x min(1, strides / 3), 0 to 1; 1 for a
     stand. High from 0.8, fair from 0.5, low below."""
-    sequence: Annotated[Text, Of("", "feet", "strides", "leg positions")]
+    sequence: Annotated[Text, Of("", "feet", "strides", "phases", "leg positions")]
     """Order of the feet, where the class leaves it open: lateral or diagonal in a walk, rotary or
     transverse in a gallop."""
-    nearest_name: Annotated[Text, Of("", "feet", "strides", "leg positions")]
+    nearest_name: Annotated[Text, Of("", "feet", "strides", "phases", "leg positions")]
     """Class whose phases are nearest, whether it fits or not."""
-    class_distance: Annotated[Number, Of("cycles", "feet", "strides", "leg positions")]
+    class_distance: Annotated[Number, Of("cycles", "feet", "strides", "phases", "leg positions")]
     """Largest deviation of the phases from what defines the nearest class."""
-    diagonality: Annotated[Number, Of("cycles", "feet", "four feet", "strides", "leg positions")]
+    diagonality: Annotated[
+        Number, Of("cycles", "feet", "four feet", "strides", "phases", "leg positions")
+    ]
     """Share of the stride by which a hind footfall precedes the fore one of its side, mean of both
     sides on the circle (Cartmill, Lemelin and Schmitt 2002)."""
     limb_phase: LimbPhase
@@ -273,10 +279,10 @@ class Foot:
     the stances before and after."""
     swing_length_m: Annotated[Spread, Of("m", "strides", "base", "foot frame")]
     """Horizontal distance of the foot's places in the stances before and after a swing."""
-    touchdown_down_mps: Annotated[Spread, Of("m/s", "strides", "base", "foot frame")]
+    touchdown_down_mps: Annotated[Spread, Of("m/s", "strides", "base", "foot frame", "leg rate")]
     """Downward velocity of the foot one contact sample before touchdown: slope there of the
     parabola that fits its places of the 30 ms before."""
-    touchdown_along_mps: Annotated[Spread, Of("m/s", "strides", "base", "foot frame")]
+    touchdown_along_mps: Annotated[Spread, Of("m/s", "strides", "base", "foot frame", "leg rate")]
     """Horizontal speed of the foot, likewise."""
     height_over_stride_m: Annotated[Shape, Of("m", "strides", "base", "foot frame")]
     """Height of the foot above the line of its clearance over the gait cycle."""
@@ -397,11 +403,12 @@ class Stability:
     """Height that the base must rise to tip over an edge: the energy stability margin over the
     weight (Messuri and Klein 1985)."""
     unstable_fraction: Annotated[Number, Of("", "feet", "base", "points", "all feet")]
-    """Share of the time with a support polygon in which the static margin is negative."""
+    """Share of all time with a support polygon outside of which the base's projection lies."""
     undefined_fraction: Annotated[Number, Of("", "feet", "base", "points", "all feet")]
-    """Share of the time in which all is known with fewer than three feet down."""
+    """Share of all time in which all is known and fewer than three feet are down."""
     unknown_fraction: Annotated[Number, Of("", "feet", "base", "points", "all feet")]
-    """Share of the time in which the base, or whether and where a foot stands, is not known."""
+    """Share of all time in which the base, or whether and where a foot stands, is not known. The
+    rest of the time is stable."""
     centre_of_pressure_forward_m: Annotated[
         Spread, Of("m", "feet", "base", "points", "force", "vertical force", "all feet")
     ]
@@ -566,7 +573,7 @@ class Finding:
 
     code: str
     """Name of the finding, as `check` rules use it."""
-    severity: Literal["error", "warning", "note"]
+    severity: str
     """error, warning or note."""
     text: str
     """What was found."""
@@ -631,8 +638,8 @@ class Check:
 
     name: str
     """What holds if it passes."""
-    outcome: Literal["passed", "failed", "not made", "does not apply"]
-    """passed, failed, not made, does not apply."""
+    outcome: str
+    """passed, failed, not made or does not apply."""
     reason: Text
     """Why, unless it passed."""
 
@@ -677,6 +684,44 @@ class WalkMetrics:
     null_because: dict[str, str]
     """Path of a null: code of the finding that voids it, what the log lacks, or `does not apply`.
     Segments have only those that the whole log does not have."""
+
+
+@dataclass(frozen=True, slots=True)
+class Stride:
+    """A whole stride of a foot: a row of `export --table strides`."""
+
+    start_s: Annotated[float, Of("s")]
+    """Touchdown, from the log's start."""
+    stance_s: Annotated[float, Of("s")]
+    """Touchdown to lift-off."""
+    swing_s: Annotated[float, Of("s")]
+    """Lift-off to the next touchdown."""
+    duty_factor: Annotated[float, Of()]
+    """Stance over stride period."""
+    length_m: Annotated[Number, Of("m", "base")]
+    """Horizontal distance of the base between touchdown and next touchdown."""
+    peak_force_n: Annotated[Number, Of("N", "force")]
+    """Highest |F| of the stance."""
+    vertical_impulse_ns: Annotated[Number, Of("N s", "force", "vertical force")]
+    """Integral of the vertical force over the stance."""
+    slip_m: Annotated[Number, Of("m", "points", "rolling")]
+    """Slip of the stance, as in the metrics of a foot."""
+    clearance_m: Annotated[Number, Of("m", "base", "foot frame")]
+    """Likewise of its swing, as all below."""
+    swing_length_m: Annotated[Number, Of("m", "base", "foot frame")]
+    """Horizontal distance of the swing."""
+    step_length_m: Annotated[Number, Of("m", "base", "foot frame", "leg positions")]
+    """Distance ahead of the opposite foot's footfall."""
+    step_width_m: Annotated[Number, Of("m", "base", "foot frame", "leg positions")]
+    """The same across the swing."""
+    touchdown_down_mps: Annotated[Number, Of("m/s", "base", "foot frame", "leg rate")]
+    """Downward velocity before the touchdown that ends the stride."""
+    touchdown_along_mps: Annotated[Number, Of("m/s", "base", "foot frame", "leg rate")]
+    """Horizontal speed there."""
+    positive_work_j: Annotated[Number, Of("J", "joints", "efforts")]
+    """Positive work of the leg's joints in the stride."""
+    absolute_work_j: Annotated[Number, Of("J", "joints", "efforts")]
+    """Absolute work of them."""
 
 
 def void(walk: WalkMetrics, patterns: Sequence[str]) -> WalkMetrics:

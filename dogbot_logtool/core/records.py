@@ -1,4 +1,4 @@
-"""Records whose fields describe themselves: JSON, JSON schema, paths, and setting to null.
+"""Records whose fields describe themselves: JSON, paths, and setting to null.
 
     @dataclass(frozen=True, slots=True)
     class Foot:
@@ -21,7 +21,6 @@ from typing import (
     Annotated,
     Any,
     Final,
-    Literal,
     NamedTuple,
     TypeVar,
     get_args,
@@ -278,56 +277,3 @@ def _item(kind: Any, value: Any) -> Any:  # noqa: ANN401 - JSON
     if is_record(kind) or kind in LEAVES:
         return from_json(kind, value)
     return tuple(value) if isinstance(value, list) else value
-
-
-_PRIMITIVES: Final[Mapping[Any, str]] = {
-    float: "number",
-    int: "integer",
-    str: "string",
-    bool: "boolean",
-}
-
-
-def schema(record: type) -> Json:
-    """Return the JSON Schema of a record."""
-    defs: dict[str, Json] = {}
-    root = _reference(record, defs)
-    return {"$schema": "https://json-schema.org/draft/2020-12/schema", **root, "$defs": defs}
-
-
-def _reference(kind: Any, defs: dict[str, Json]) -> Json:  # noqa: ANN401 - any record
-    if kind.__name__ not in defs:
-        defs[kind.__name__] = {}
-        own, words = fields_of(kind), definitions(kind)
-        defs[kind.__name__] = {
-            "type": "object",
-            "description": kind.__doc__,
-            "additionalProperties": False,
-            "properties": {
-                field.name: _described(_field_schema(field, defs), field, words) for field in own
-            },
-            "required": [field.name for field in own if not field.is_detail],
-        }
-    return {"$ref": f"#/$defs/{kind.__name__}"}
-
-
-def _described(made: Json, field: Field, words: Mapping[str, str]) -> Json:
-    description = {"description": words[field.name]} if field.name in words else {}
-    return made | description | ({"unit": field.of.unit} if field.of.unit else {})
-
-
-def _field_schema(field: Field, defs: dict[str, Json]) -> Json:
-    made = _item_schema(field.inner, defs)
-    if field.kind == "map":
-        made = {"type": "object", "additionalProperties": made}
-    elif field.kind in {"list", "records"}:
-        made = {"type": "array", "items": made}
-    return {"anyOf": [made, {"type": "null"}]} if field.nullable else made
-
-
-def _item_schema(kind: Any, defs: dict[str, Json]) -> Json:  # noqa: ANN401 - any type
-    if get_origin(kind) is Literal:
-        return {"enum": list(get_args(kind))}
-    if is_dataclass(kind):
-        return _reference(kind, defs)
-    return {"type": _PRIMITIVES[kind]}

@@ -11,7 +11,7 @@ from dogbot_logtool.io.printable import printable
 from dogbot_logtool.io.storage import shown
 from dogbot_logtool.pipeline.frames.frames import Frames
 from dogbot_logtool.report.documents.damage import damage_json
-from dogbot_logtool.report.figures.recording import finding_json
+from dogbot_logtool.report.documents.finding_json import finding_json
 from dogbot_logtool.report.numbers import date_of
 from dogbot_logtool.report.text.console import (
     human_size,

@@ -36,7 +36,7 @@ def test_curves_pass_through_what_was_recorded(walk: dl.Walk) -> None:
 
 
 def test_the_usual_curve_is_that_of_the_figures(walk: dl.Walk) -> None:
-    figure = walk.stats["feet"][FOOT]["force_curves"]["vertical_over_stride_n"]
+    figure = walk.stats["feet"][FOOT]["vertical_over_stride_n"]
     curves = walk.curves(FOOT, points=51)
     assert curves.percent.tolist() == figure["percent"]
     difference = np.median(curves["force_z_n"], axis=0) - figure["median"]

@@ -92,7 +92,7 @@ def test_the_same_words_measure_the_same() -> None:
         *("--tare", "front_left=1,2,3", "--odom-topic", "/dogbot/odom", "--robot", "dogbot"),
         *("--foot", f"front_left={feet['front_left']}", "--imu", "/dogbot/imu"),
     ]
-    printed = json.loads(run("stats", WALK, *words, "--json").stdout)
+    printed = json.loads(run("stats", WALK, *words, "--json", "-v").stdout)
     walk = dl.measure(
         WALK,
         start=1,
@@ -146,7 +146,7 @@ def test_files_of_one_recording(tmp_path: Path) -> None:
     (tmp_path / "base.bare").touch()
     joined = dl.measure(tmp_path / "feet.mcap", join=[tmp_path / "base.mcap"])
     printed = run(
-        "stats", tmp_path / "feet.mcap", tmp_path / "base.mcap", "--join", "--json"
+        "stats", tmp_path / "feet.mcap", tmp_path / "base.mcap", "--join", "--json", "-v"
     ).stdout
     assert json.loads(json.dumps(joined.stats)) == json.loads(printed)
     assert joined.base["x_m"].tolist() == walk_of(WALK).base["x_m"].tolist()

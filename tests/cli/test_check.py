@@ -21,7 +21,7 @@ def check(folder: Path, limits: str, *words: object) -> Ended:
 
 
 def test_a_good_log_ends_with_0(tmp_path: Path) -> None:
-    ended = check(tmp_path, '[[rule]]\nfigure = "gait.class"\nequals = "trot"', TROT)
+    ended = check(tmp_path, '[[rule]]\nfigure = "gait.name"\nequals = "trot"', TROT)
     assert (ended.returncode, ended.stderr) == (0, "")
     assert ended.stdout == f"GOOD     {TROT}: 1 GOOD\n"
 
@@ -37,14 +37,14 @@ def test_a_broken_rule_ends_with_1_and_says_value_rule_and_where_to_look(tmp_pat
 
 
 def test_an_unknown_figure_ends_with_1_unless_its_rule_allows_it(tmp_path: Path) -> None:
-    limits = '[[rule]]\nfigure = "gait.class"\nequals = "trot"\n'
+    limits = '[[rule]]\nfigure = "gait.name"\nequals = "trot"\n'
 
     assert check(tmp_path, limits, TROUBLED).returncode == 1
     assert check(tmp_path, f'{limits}null = "pass"', TROUBLED).returncode == 0
 
 
 def test_several_logs_as_json_and_junit(tmp_path: Path) -> None:
-    limits = '[[rule]]\nfigure = "gait.class"\nequals = "trot"\nname = "it trots"'
+    limits = '[[rule]]\nfigure = "gait.name"\nequals = "trot"\nname = "it trots"'
     ended = check(tmp_path, limits, TROT, WALK, "--json", "--junit", "checked.xml", "--jobs", 1)
 
     assert ended.returncode == 1

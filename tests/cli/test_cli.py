@@ -226,7 +226,7 @@ def test_info_with_all_frames(shell: Shell, monkeypatch: pytest.MonkeyPatch) -> 
 def test_stats_draws_a_figure(shell: Shell) -> None:
     done = shell("stats", WALK, "--figure", "walk.svg", "--start", 2, "--end", 6, "--json")
     assert done.code == 0
-    assert done.json["gait"]["class"] == "walk"
+    assert done.json["gait"]["name"] == "walk"
     assert re.search(r"walk.svg: \d\.\d\d to \d\.\d\d s", done.err)
     first = (shell.folder / "walk.svg").read_bytes()
     refused = shell("stats", WALK, "--figure", "walk.svg")
@@ -296,14 +296,14 @@ def test_info_of_several_logs(shell: Shell) -> None:
         (("info", "s3://lab/walk.bag"), "upath"),
         (("info", "@s3://lab/list.txt"), "upath"),
         (("stats", TROT, "--scheduler", "tcp://x:1"), "distributed"),
-        (("export", TROT, "--dataset", "figures"), "pyarrow"),
+        (("export", TROT, "--dataset", "walks"), "pyarrow"),
     ],
 )
 def test_what_an_extra_brings_is_asked_for(
     shell: Shell, monkeypatch: pytest.MonkeyPatch, words: Sequence[object], package: str
 ) -> None:
     monkeypatch.setitem(sys.modules, package, None)
-    dataset = ("cli.dataset", "report.dataset.dataset", "report.dataset.files")
+    dataset = ("cli.dataset", "report.dataset.dataset", "report.dataset.rows")
     for module in ("run.cluster", *dataset):
         monkeypatch.delitem(sys.modules, f"dogbot_logtool.{module}", raising=False)
     done = shell(*words)

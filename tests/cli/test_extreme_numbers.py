@@ -98,7 +98,7 @@ def outputs(folder: Path, path: Path) -> tuple[dict[str, Any], set[str]]:
     """Make all outputs; return the figures and the codes of convert's findings."""
     topics = TopicOptions(robot=str(walks.robot_file(folder, GAZEBO)))
     done = measure(path, StatsOptions(topics))
-    figures = strict(json.dumps(stats_json(done.stats, done.facts)))
+    figures = strict(json.dumps(stats_json(done)))
     converted = convert(path, folder / "out.mcap", ConvertOptions(topics, style="force"))
     assert done.damage.losses == converted.damage.losses == ()
     return figures, {finding.code for finding in converted.findings}
@@ -148,7 +148,7 @@ def test_forces_in_frames_of_sensors(tmp_path: Path, value: float) -> None:
     path = write(tmp_path / "walk.mcap", Extreme("force", value, 7), WRENCH, usual)
     topics = TopicOptions(robot=str(walks.robot_file(tmp_path, WRENCH)))
     done = measure(path, StatsOptions(topics))
-    strict(json.dumps(stats_json(done.stats, done.facts)))
+    strict(json.dumps(stats_json(done)))
     convert(path, tmp_path / "out.mcap", ConvertOptions(topics))
 
 
@@ -170,7 +170,7 @@ def test_times_at_the_ends_of_their_range(tmp_path: Path, name: str) -> None:
     topics = TopicOptions(robot=str(walks.robot_file(tmp_path, GAZEBO)))
     for clock in ("header", "log"):
         done = measure(path, StatsOptions(topics, time_source=clock))
-        strict(json.dumps(stats_json(done.stats, done.facts)))
+        strict(json.dumps(stats_json(done)))
     convert(path, tmp_path / "out.mcap", ConvertOptions(topics))
     describe(path, topics, all_frames=True)
 

@@ -92,4 +92,4 @@ def test_every_command_says_the_loss(tmp_path: Path, batch: int) -> None:
         assert done.returncode == 3, done.stderr
         assert "200 messages of /odom could not be decoded" in done.stderr + done.stdout
         if "--json" in words:
-            assert json.loads(done.stdout)["quality"]["lost_messages"] == 5 * 200
+            assert json.loads(done.stdout)["log"]["lost_messages"] == 5 * 200

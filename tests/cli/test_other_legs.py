@@ -63,7 +63,7 @@ def test_gait_figures_are_whole_and_those_of_quadrupeds_null(
     carried_kg = len(phases) * STANCE / STRIDE * FORCE[2] / 9.81
     options = TopicOptions(robot="generic", foot_topics=feet, mass_kg=carried_kg)
     done = measure(log, StatsOptions(options))
-    got: dict[str, Any] = stats_json(done.stats, done.facts)
+    got: dict[str, Any] = stats_json(done)
 
     assert list(got["feet"]) == list(phases)
     for leg, phase in phases.items():
@@ -74,7 +74,7 @@ def test_gait_figures_are_whole_and_those_of_quadrupeds_null(
         told = got["gait"]["phase"][leg]
         assert np.cos(2 * np.pi * (told["mean"] - phase / STRIDE)) == pytest.approx(1.0, abs=1e-3)
     assert got["gait"]["duty_factor"] == pytest.approx(STANCE / STRIDE, abs=0.02)
-    assert got["gait"]["class"] == {2: "walk", 6: "tripod"}[len(phases)]
+    assert got["gait"]["name"] == {2: "walk", 6: "tripod"}[len(phases)]
     for quadruped_only in ("sequence", "diagonality"):
         assert got["gait"][quadruped_only] is None
     support = got["gait"]["support"]
@@ -84,7 +84,7 @@ def test_gait_figures_are_whole_and_those_of_quadrupeds_null(
     assert support[str(both)] == pytest.approx(0.2, abs=0.02)
     assert support[str(both // 2)] == pytest.approx(0.8, abs=0.05)
     out = StringIO()
-    print_report(Console(file=out, width=100), done.stats, done.facts)
+    print_report(Console(file=out, width=100), done)
     assert all(leg in out.getvalue() for leg in phases)
     assert "all four feet" not in out.getvalue()
     assert {2: "Walk, clearly", 6: "Tripod, clearly"}[len(phases)] in out.getvalue()

@@ -52,7 +52,7 @@ def test_spot_s_feet_are_where_it_says(tmp_path: Path) -> None:
     walk, path = Placed(2), tmp_path / "walk.mcap"
     walks.write_mcap(path, walk, list(walk.messages(SPOT)))
     done = measure(path, StatsOptions())
-    feet = stats_json(done.stats, done.facts)["feet"]
+    feet = stats_json(done)["feet"]
     for leg in walks.LEGS:
         assert feet[leg]["stride_length_m"]["median"] == pytest.approx(
             0.003 * walks.PERIOD, abs=1e-5

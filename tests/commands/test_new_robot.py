@@ -16,7 +16,7 @@ from tests.oracles.state_walks import StateWalk
 
 def figures(path: Path, topics: TopicOptions) -> dict[str, Any]:
     done = measure(path, StatsOptions(topics))
-    return stats_json(done.stats, done.facts)
+    return stats_json(done)
 
 
 def figures_with_file(path: Path, odometry_topic: str | None = None) -> dict[str, Any]:

@@ -63,7 +63,7 @@ def both(kind: str, plan: StateWalk) -> Iterator[walks.Entry]:
 
 def figures(path: Path, **options: Any) -> dict[str, Any]:
     done = measure(path, StatsOptions(TopicOptions(), **options))
-    found: dict[str, Any] = stats_json(done.stats, done.facts)
+    found: dict[str, Any] = stats_json(done)
     return found
 
 
@@ -77,18 +77,17 @@ def write(folder: Path, kind: str, plan: StateWalk) -> Path:
 @pytest.mark.parametrize("kind", TOPICS)
 def test_a_walk_that_is_late_against_its_plan(tmp_path: Path, kind: str) -> None:
     found = figures(write(tmp_path, kind, Plan(2)))
-    assert {foot["topic"] for foot in found["feet"].values()} == {TOPICS[kind][0]}
+    assert {foot["topic"] for foot in found["settings"]["feet"].values()} == {TOPICS[kind][0]}
     for foot in found["feet"].values():
         planned, steps = foot["planned"], len(foot["touchdown_s"])
-        assert planned["topic"] == TOPICS[kind][1]
-        assert (planned["touchdowns"], planned["late"]) == (steps, steps)
-        assert (planned["early"], planned["missed"], planned["unplanned"]) == (0, 0, 0)
-        delay = planned["touchdown_delay_s"]
+        assert (planned["missed"], planned["unplanned"]) == (0, 0)
+        delay = planned["delay_s"]
+        assert delay["n"] == steps
         assert (delay["min"], delay["max"]) == pytest.approx((0.04, 0.04), abs=1e-6)
         # 40 ms of disagreement at each touchdown and each lift-off.
         known = (walks.SAMPLES - 1 - AHEAD) * walks.STEP / 1e9
-        changes = steps + len(foot["liftoff_s"])
-        assert planned["contact_agreement"] == pytest.approx(1 - 0.04 * changes / known, abs=1e-6)
+        changes = steps + len(foot["lift_off_s"])
+        assert planned["agreement"] == pytest.approx(1 - 0.04 * changes / known, abs=1e-6)
     assert "N_AGAINST_PLAN" in {finding["code"] for finding in found["findings"]}
 
 
@@ -96,9 +95,8 @@ def test_a_planned_touchdown_that_does_not_come_is_missed(tmp_path: Path) -> Non
     found = figures(write(tmp_path, GRF, HastyPlan(2)))
     missed = {name: foot["planned"]["missed"] for name, foot in found["feet"].items()}
     assert missed == {"front_left": 1, "front_right": 0, "back_left": 0, "back_right": 0}
-    assert found["feet"]["front_left"]["planned"]["late"] == len(
-        found["feet"]["front_left"]["touchdown_s"]
-    )
+    foot = found["feet"]["front_left"]
+    assert foot["planned"]["delay_s"]["n"] == len(foot["touchdown_s"])
 
 
 class Velocities(StateWalk):
@@ -119,7 +117,7 @@ def test_planned_contacts_beside_the_counts(tmp_path: Path) -> None:
     ]
     walks.write_mcap(tmp_path / "walk.mcap", walk, entries)
     for foot in figures(tmp_path / "walk.mcap")["feet"].values():
-        assert foot["planned"]["touchdown_delay_s"]["median"] == pytest.approx(0.04, abs=1e-6)
+        assert foot["planned"]["delay_s"]["median"] == pytest.approx(0.04, abs=1e-6)
 
 
 def test_a_log_without_a_plan_has_none(tmp_path: Path) -> None:

@@ -26,7 +26,7 @@ FIGURES: dict[str, Any] = {
         "front_left": {"duty_factor": {"median": 0.7, "n": 12}, "slip_m": 0.01},
         "front_right": {"duty_factor": {"median": 0.6, "n": 11}, "slip_m": 0.02},
     },
-    "gait": {"class": "trot", "duty_factor": 0.65},
+    "gait": {"name": "trot", "duty_factor": 0.65},
     "strides": [{"foot": "front_left", "duty": 0.7}, {"foot": "front_right", "period_s": 1.1}],
 }
 

@@ -26,11 +26,11 @@ from dogbot_logtool.core.records import (
     folded,
     from_json,
     metric_paths,
-    schema,
     to_json,
     unknown,
     values,
 )
+from dogbot_logtool.report.documents.metrics_schema import schema
 
 SUFFIXES = {
     "_s": "s",

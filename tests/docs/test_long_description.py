@@ -20,10 +20,10 @@ def test_no_link_is_relative(repository: str) -> None:
 
 
 def test_links_become_words_or_lead_into_the_repository() -> None:
-    text = "![A walk](docs/walk.png)\nSee [the\nfigures](docs/figures.md#feet), [mcap](https://mcap.dev).\n"
+    text = "![A walk](docs/walk.png)\nSee [the\nfigures](docs/metrics.md#feet), [mcap](https://mcap.dev).\n"
     assert long_description(text, "", "1.2.3") == ("See the\nfigures, [mcap](https://mcap.dev).\n")
     assert long_description(text, "https://example.org/x", "1.2.3") == (
         "![A walk](https://example.org/x/raw/v1.2.3/docs/walk.png)\n"
-        "See [the\nfigures](https://example.org/x/blob/v1.2.3/docs/figures.md#feet), "
+        "See [the\nfigures](https://example.org/x/blob/v1.2.3/docs/metrics.md#feet), "
         "[mcap](https://mcap.dev).\n"
     )

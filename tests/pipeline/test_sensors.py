@@ -29,37 +29,37 @@ def log(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 def figures(log: Path, **options: Any) -> dict[str, Any]:
     done = measure(log, StatsOptions(TopicOptions(**options)))
-    return stats_json(done.stats, done.facts)
+    return stats_json(done)
 
 
 def test_offsets_are_estimated_and_reported(log: Path) -> None:
     got = figures(log, mass_kg=20.0)
-    for foot in got["feet"].values():
+    for foot in got["quality"]["feet"].values():
         assert foot["force_offset_n"] == pytest.approx(OFFSET, abs=0.5)
         assert foot["force_noise_n"] == pytest.approx(1.0, rel=0.2)
         assert foot["contact_fraction"] == pytest.approx(0.6, abs=0.03)
-    assert {each["offset_from"] for each in got["settings"]["sensors"].values()} == {"estimated"}
+    assert {each["offset_from"] for each in got["settings"]["feet"].values()} == {"estimated"}
     assert "N_SENSOR_OFFSET" in {each["code"] for each in got["findings"]}
 
 
 def test_a_given_offset_stands(log: Path) -> None:
     name = "front_left"
     got = figures(log, mass_kg=20.0, offsets_n={name: OFFSET})
-    assert got["feet"][name]["force_offset_n"] == list(OFFSET)
-    assert got["settings"]["sensors"][name]["offset_from"] == "option"
-    assert got["settings"]["sensors"]["front_right"]["offset_from"] == "estimated"
+    assert got["quality"]["feet"][name]["force_offset_n"] == list(OFFSET)
+    assert got["settings"]["feet"][name]["offset_from"] == "option"
+    assert got["settings"]["feet"]["front_right"]["offset_from"] == "estimated"
 
 
 def test_offsets_stay_in_if_asked(log: Path) -> None:
     got = figures(log, mass_kg=20.0, takes_offsets=False)
-    for foot in got["feet"].values():
+    for foot in got["quality"]["feet"].values():
         assert foot["force_offset_n"] == [0.0, 0.0, 0.0]
         assert foot["contact_fraction"] > 0.9
 
 
 def test_without_a_mass_the_weight_is_estimated(log: Path) -> None:
     got = figures(log)
-    on = got["settings"]["sensors"]["front_left"]["contact_on_n"]
+    on = got["settings"]["feet"]["front_left"]["contact_on_n"]
     assert on == pytest.approx(0.08 * 20.0 * 9.81, rel=0.03)
     assert got["forces"]["vertical_impulse_over_weight"] is None
     assert "N_WEIGHT_ESTIMATED" in {each["code"] for each in got["findings"]}

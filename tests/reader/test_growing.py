@@ -54,4 +54,4 @@ def test_a_walk_in_a_file_has_the_same_figures(
 
 def figures(path: Path) -> object:
     found = measure(path, StatsOptions())
-    return stats_json(found.stats, found.facts)
+    return stats_json(found)

@@ -9,16 +9,18 @@ import pytest
 from jsonschema import Draft202012Validator
 from rich.console import Console
 
+from dogbot_logtool.commands.stats import measurement_of
 from dogbot_logtool.core.base.odometry import Odometry
 from dogbot_logtool.core.contact.contacts import Samples
 from dogbot_logtool.core.frames.wrench_frame import WrenchFrame
 from dogbot_logtool.core.geometry.arrays import Floats
+from dogbot_logtool.core.metrics import NEEDS, SCHEMA_VERSION, WalkMetrics
 from dogbot_logtool.core.settings import FootSettings, StatsSettings
 from dogbot_logtool.core.statistics import Stats
 from dogbot_logtool.finding import Finding, finding_kinds
 from dogbot_logtool.reader.containers.loss import Damage, Loss
+from dogbot_logtool.report.documents.metrics_schema import schema
 from dogbot_logtool.report.documents.stats_json import stats_json
-from dogbot_logtool.report.figures.schema import schema
 from dogbot_logtool.report.files.stride_table import stride_table
 from dogbot_logtool.report.text.gait_diagram import ASCII, default_window, gait_diagram
 from dogbot_logtool.report.text.stats_summary import summary_row
@@ -83,8 +85,8 @@ def trot() -> Stats:
 
 def valid_json(stats: Stats, log: LogFacts = FACTS) -> dict[str, Any]:
     """The object as scripts get it: NaN is no JSON."""
-    plain = stats_json(stats, log)
-    Draft202012Validator(schema()).validate(plain)
+    plain = stats_json(measurement_of(stats, log))
+    Draft202012Validator(schema(WalkMetrics)).validate(plain)
     loaded: dict[str, Any] = json.loads(json.dumps(plain, allow_nan=False))
     return loaded
 
@@ -97,36 +99,37 @@ def text_of(stats: Stats, width: int, *, log: LogFacts = FACTS, colour: bool = F
         force_terminal=colour,
         color_system="standard" if colour else None,
     )
-    print_report(console, stats, log)
+    print_report(console, measurement_of(stats, log))
     return file.getvalue()
 
 
 def test_the_schema_is_itself_valid_and_strict() -> None:
-    Draft202012Validator.check_schema(schema())
-    assert schema()["additionalProperties"] is False
+    Draft202012Validator.check_schema(schema(WalkMetrics))
+    assert schema(WalkMetrics)["additionalProperties"] is False
 
 
 def test_the_json_says_what_was_walked(trot: Stats) -> None:
     figures = valid_json(trot)
-    assert figures["schema_version"] == 2
-    assert figures["gait"]["class"] == "trot"
-    assert figures["gait"]["duty_below_half"] is False
+    assert figures["schema_version"] == SCHEMA_VERSION
+    assert figures["gait"]["name"] == "trot"
+    assert figures["gait"]["confidence"] == pytest.approx(1.0, abs=0.01)
+    assert figures["gait"]["strides"] == 9
     assert figures["gait"]["duty_factor"] == pytest.approx(0.6)
     assert figures["gait"]["diagonality"] == pytest.approx(0.5)
     assert figures["gait"]["phase"]["back_left"]["mean"] == pytest.approx(0.5)
     assert figures["gait"]["support"]["4"] == pytest.approx(0.2, abs=0.01)
     foot = figures["feet"]["front_left"]
     assert foot["touchdown_s"] == pytest.approx([0.1 + stride for stride in range(10)])
-    assert foot["liftoff_s"] == pytest.approx([0.7 + stride for stride in range(10)])
+    assert foot["lift_off_s"] == pytest.approx([0.7 + stride for stride in range(10)])
     assert foot["strides"] == 9
-    assert foot["discarded_strides"] == {"log_end": 1}
+    assert figures["quality"]["feet"]["front_left"]["discarded_strides"] == {"log_end": 1}
     assert foot["peak_force_bw"]["median"] == pytest.approx(0.25 / 0.6)
     assert foot["stride_length_m"]["mean"] == pytest.approx(0.25)
     assert figures["forces"]["vertical_impulse_over_weight"] == pytest.approx(1.0, abs=0.01)
     assert figures["forces"]["load_share"]["fore"] == pytest.approx(0.5)
     assert figures["forces"]["symmetry_index_percent"]["hind"]["stance_s"] == pytest.approx(0.0)
     assert figures["base"]["forward_speed_mps"] == pytest.approx(0.25)
-    assert figures["settings"]["time_source"] == "header"
+    assert figures["settings"]["clock"] == "header"
     topic = figures["quality"]["topics"]["/front_left"]
     assert topic["messages"] == 2001
 
@@ -152,11 +155,11 @@ def test_whatever_is_missing_the_json_is_valid_and_the_report_printed(stats: Sta
 def test_every_null_of_a_foot_has_a_reason() -> None:
     figures = valid_json(measured(with_base=False, wrench_frame=WrenchFrame.LINK))
     for name, foot in figures["feet"].items():
-        nulls = {key for key, value in foot.items() if value is None}
-        places = {note["where"] for note in figures["findings"]}
-        assert nulls
-        assert f"feet.{name}.peak_vertical_force_n" in places
-        assert f"feet.{name}.stride_length_m" in places
+        nulls = {f"feet.{name}.{key}" for key, value in foot.items() if value is None}
+        because = figures["null_because"]
+        assert nulls <= because.keys()
+        assert because[f"feet.{name}.peak_vertical_force_n"] == NEEDS["vertical force"]
+        assert because[f"feet.{name}.stride_length_m"] == NEEDS["base"]
 
 
 def test_what_the_reader_lost_and_found_is_in_the_quality(trot: Stats) -> None:
@@ -164,9 +167,7 @@ def test_what_the_reader_lost_and_found_is_in_the_quality(trot: Stats) -> None:
     damage = Damage("a", (Loss(9, "a chunk", 77, None),))
     log = LogFacts("a", "MCAP", "", None, None, 1, damage, said)
     document = valid_json(trot, log)
-    quality = document["quality"]
-    assert (quality["lost_messages"], quality["lost_bytes"]) == (None, 77)
-    assert quality["losses"] == ["a chunk"]
+    assert (document["log"]["lost_messages"], document["log"]["lost_bytes"]) == (None, 77)
     assert [each["code"] for each in document["findings"][:2]] == ["E_UNREADABLE", "W_LOST"]
     assert document["findings"][0] == {
         "code": "E_UNREADABLE",
@@ -174,6 +175,7 @@ def test_what_the_reader_lost_and_found_is_in_the_quality(trot: Stats) -> None:
         "text": "bad",
         "remedy": finding_kinds()["E_UNREADABLE"].remedy,
         "where": "/x",
+        "voids": [],
     }
     robot = next(each for each in document["findings"] if each["code"] == "N_ROBOT_GUESSED")
     assert (robot["severity"], robot["where"]) == ("note", None)
@@ -248,7 +250,7 @@ def test_the_window_chosen_is_a_few_strides(trot: Stats) -> None:
 
 def test_several_logs_have_a_row_each(trot: Stats) -> None:
     file = io.StringIO()
-    rows = [summary_row(stats, stats_json(stats, FACTS)) for stats in (trot, measured(feet=0))]
+    rows = [summary_row(measurement_of(stats, FACTS)) for stats in (trot, measured(feet=0))]
     print_summary(Console(file=file, width=80), rows)
     lines = file.getvalue().splitlines()
     assert len(lines) == 3

@@ -116,7 +116,7 @@ def test_figures_are_those_of_a_serial_run_whatever_fails(
     expected = {f"s3://{BUCKET}/logs/{name}": serial[path] for name, path in lab.logs.items()}
     for row in logs:
         figures = expected[row["log"]]
-        assert without_path(json.loads(row["figures_json"])) == without_path(figures.json)
+        assert without_path(json.loads(row["metrics_json"])) == without_path(figures.json)
         assert row["damaged"] == (bool(figures.damage.losses))
     assert sum(row["damaged"] for row in logs) == DAMAGED
     ids = {row["log"]: row["log_id"] for row in logs}

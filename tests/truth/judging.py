@@ -118,7 +118,7 @@ def _unknown(judged: Sequence[Judged], found: Outcome) -> Iterator[Judged]:
 
 def _gait(case: Case, truth: Truth, found: Outcome) -> Iterator[Judged]:
     allowed = (truth.gait_class,) if case.classes is None else case.classes
-    name = found.figure("gait.class")
+    name = found.figure("gait.name")
     status: Status = "right" if name in allowed else "wrong"
     if name is None and None not in allowed:
         status = _excused(case, "class", found)
@@ -188,7 +188,7 @@ def _walk(case: Case, recording: Recording, found: Outcome) -> Iterator[Judged]:
         keys = [f"gait.support.{count}" for count in parts]
         yield _numbers(case, found, "support", keys, list(parts.values()), 3.5 * allow.contact)
     if recording.truth.segments:
-        classes = [each["class"] for each in found.figure("gait.segments")]
+        classes = [each["gait"]["name"] for each in found.figure("gait.segments")]
         wanted_classes = list(recording.truth.segments)
         yield Judged(
             "segments", _joined(wanted_classes), _joined(classes), _right(classes == wanted_classes)
@@ -261,7 +261,7 @@ def _phases(case: Case, recording: Recording, found: Outcome) -> Judged:
 
 
 def _events(case: Case, recording: Recording, found: Outcome) -> Iterator[Judged]:
-    for name, key in (("touchdowns", "touchdown_s"), ("lift-offs", "liftoff_s")):
+    for name, key in (("touchdowns", "touchdown_s"), ("lift-offs", "lift_off_s")):
         missed = invented = silent_feet = 0
         errors: list[float] = []
         for foot, truth in zip(recording.robot.feet, recording.truth.feet, strict=True):

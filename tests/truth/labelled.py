@@ -13,7 +13,7 @@ from tests.truth.recording import Floats
 
 REACH_S: Final = 0.15
 _SUFFIX: Final = ".events.json"
-_KINDS: Final = (("heel_strike_s", "touchdown_s"), ("toe_off_s", "liftoff_s"))
+_KINDS: Final = (("heel_strike_s", "touchdown_s"), ("toe_off_s", "lift_off_s"))
 """Key of the labels, key in the JSON."""
 
 

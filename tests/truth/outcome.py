@@ -81,9 +81,9 @@ def outcome(recording: Recording, folder: Path) -> Outcome:
 def measured_log(path: Path, topics: TopicOptions | None = None) -> Outcome:
     """Measure a log."""
     measured = measure(path, StatsOptions(topics or TopicOptions()))
-    trusted = trust(measured.stats, measured.facts)
+    trusted = trust(measured)
     return Outcome(
-        stats_json(measured.stats, measured.facts),
+        stats_json(measured),
         headline(measured.stats),
         trusted.level,
         trusted.text,

@@ -40,7 +40,7 @@ def sample_rows() -> Iterator[tuple[str, ...]]:
 
 def _rows(log: Path, truth: dict[str, Any]) -> Iterator[tuple[str, ...]]:
     found = measured_log(log)
-    true, result = truth["gait"]["class"], found.figure("gait.class")
+    true, result = truth["gait"]["class"], found.figure("gait.name")
     yield log.name, "gait", true, str(result), "" if true == result else "differs"
     for name, key, figure in _LOG:
         group, _, last = key.partition(".")
@@ -49,7 +49,7 @@ def _rows(log: Path, truth: dict[str, Any]) -> Iterator[tuple[str, ...]]:
         for foot, figures in truth["feet"].items():
             result = found.figure(f"feet.{foot}.{figure}")
             yield log.name, f"{name}, {foot}", *_compared(figures[key], result)
-    for name, key in (("touchdowns", "touchdown_s"), ("lift-offs", "liftoff_s")):
+    for name, key in (("touchdowns", "touchdown_s"), ("lift-offs", "lift_off_s")):
         yield log.name, name, *_events(truth, found, key)
 
 
@@ -66,7 +66,8 @@ def _events(truth: dict[str, Any], found: Outcome, key: str) -> tuple[str, str, 
     count = 0
     for foot, figures in truth["feet"].items():
         result = np.array(found.figure(f"feet.{foot}.{key}") or [], np.float64)
-        errors += matched(np.array(figures[key]), result, REACH_S)
-        count += len(figures[key])
+        true = np.array(figures[key.replace("lift_off", "liftoff")])
+        errors += matched(true, result, REACH_S)
+        count += len(true)
     spread = f"{np.mean(errors) * 1e3:+.1f} ± {np.std(errors) * 1e3:.1f} ms" if errors else ""
     return str(count), f"{len(errors)} of them", spread

@@ -105,7 +105,7 @@ def test_work_of_a_leg_in_its_strides(run: str) -> None:
 @pytest.mark.parametrize("run", RUNS)
 def test_what_cannot_be_known_is_null(run: str) -> None:
     walk = found(run)
-    for leg in walk.stats["legs"]["feet"].values():
+    for leg in walk.stats["feet"].values():
         assert leg["clearance_m"] is None
         assert leg["touchdown_down_mps"] is None
     assert "N_NO_SWINGS" in {each["code"] for each in walk.stats["findings"]}

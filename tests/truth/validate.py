@@ -77,7 +77,7 @@ def _row(
     foot = recording.truth.feet[0]
     return (
         case.name,
-        _against(recording.truth.gait_class, found.figure("gait.class")),
+        _against(recording.truth.gait_class, found.figure("gait.name")),
         _foot_figure(recording, found, "duty_factor", foot.duty_factor, 3),
         of["touchdowns"].result if "touchdowns" in of else "",
         of["lift-offs"].result if "lift-offs" in of else "",

@@ -196,11 +196,9 @@ def _parts(document: Json, where: str | None) -> Iterator[tuple[str, Json]]:
         yield "", document
         return
     for number, segment in enumerate(document.get("gait", {}).get("segments", ())):
-        if fnmatchcase(str(segment.get("class")), where):
-            own = {key: value for key, value in segment.items() if not isinstance(value, dict)}
-            start, end = segment.get("start_s"), segment.get("end_s")
-            time = "" if start is None or end is None else f" ({start:.1f} to {end:.1f} s)"
-            yield f"segment {number + 1}{time}: ", {**segment, "gait": segment.get("gait", own)}
+        if fnmatchcase(str(segment["gait"]["name"]), where):
+            time = f" ({segment['start_s']:.1f} to {segment['end_s']:.1f} s)"
+            yield f"segment {number + 1}{time}: ", segment
 
 
 def figures_in(document: Json, pattern: str, path: str = "") -> Iterator[tuple[str, Value]]:
@@ -247,13 +245,25 @@ def _no_such_figure(pattern: str, parts: Sequence[Json]) -> str:
 
 
 def _reason(document: Json, path: str) -> str:
-    """Return the findings that concern a figure."""
+    """Return why a metric is null, and the findings that concern it."""
+    because = _null_because(document, path.rpartition(": ")[2])
     texts = [
         each["text"]
         for each in findings_in(document)
-        if each.get("where") and (path == each["where"] or path.startswith(f"{each['where']}."))
+        if each["code"] == because
+        or (each.get("where") and (path == each["where"] or path.startswith(f"{each['where']}.")))
     ]
-    return "; ".join(dict.fromkeys(texts))
+    return "; ".join(dict.fromkeys(texts)) or because
+
+
+def _null_because(document: Json, path: str) -> str:
+    """Return why a metric, or what holds it, is null: a finding's code or a sentence."""
+    reasons = document.get("null_because", {})
+    while path:
+        if path in reasons:
+            return str(reasons[path])
+        path = path.rpartition(".")[0]
+    return ""
 
 
 def _is_number(value: Value) -> TypeGuard[float]:

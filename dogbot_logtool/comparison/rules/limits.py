@@ -18,6 +18,7 @@ from fnmatch import fnmatchcase
 from pathlib import Path
 from typing import Any, Final, TypeVar
 
+from dogbot_logtool.comparison.rules.renamed import new_name
 from dogbot_logtool.core.events.event import EventType
 from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.errors import CallError
@@ -174,8 +175,13 @@ def _rule(table: Mapping[str, Any], where: str) -> Rule:
 
 
 def _check_name(subject: Subject, pattern: str, where: str) -> None:
-    """Refuse a finding or an event that no log can have: its rule would always be kept."""
+    """Refuse a metric of before, and a finding or event that no log can have.
+
+    A rule about the latter would always be kept.
+    """
     if subject is Subject.FIGURE:
+        if new := new_name(pattern):
+            raise CallError(f"{where}: {pattern} is now {new}; docs/metrics.md has all metrics")
         return
     known = list(EventType) if subject is Subject.EVENT else list(finding_kinds())
     if any(fnmatchcase(name, pattern) for name in known):

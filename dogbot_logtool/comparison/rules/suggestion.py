@@ -104,7 +104,7 @@ def doubts(documents: Sequence[Json], names: Sequence[str]) -> list[str]:
         bad = [code for code in _SENSORS if code in _findings(document)]
         if bad:
             found.append(f"{name} has {', '.join(bad)}: is it a good run?")
-    classes = sorted({str(document["gait"]["class"] or "no gait") for document in documents})
+    classes = sorted({str(document["gait"]["name"] or "no gait") for document in documents})
     if len(classes) > 1:
         found.append(
             f"The runs differ in gait ({', '.join(classes)}), and the ranges hold all of them: "
@@ -122,9 +122,9 @@ def _damage(documents: Sequence[Json], names: Sequence[str]) -> Iterator[str]:
 
 
 def _gait(documents: Sequence[Json]) -> Iterator[str]:
-    classes = {document["gait"]["class"] for document in documents}
+    classes = {document["gait"]["name"] for document in documents}
     if len(classes) == 1 and (name := classes.pop()) is not None:
-        yield f'\n[[rule]]\nfigure = "gait.class"\nequals = "{name}"\n'
+        yield f'\n[[rule]]\nfigure = "gait.name"\nequals = "{name}"\n'
 
 
 def _rules(documents: Sequence[Json], suggested: _Suggested) -> Iterator[str]:

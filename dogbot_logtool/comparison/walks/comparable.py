@@ -40,14 +40,16 @@ def _feet(first: Sequence[Json], second: Sequence[Json]) -> Iterator[str]:
     if len(names[0] | names[1]) > 1:
         yield "the robots have different feet"
     for number, side in enumerate((first, second), 1):
-        strides = sum(foot["strides"] for document in side for foot in document["feet"].values())
+        strides = sum(
+            foot["strides"] or 0 for document in side for foot in document["feet"].values()
+        )
         feet = len(set().union(*(document["feet"] for document in side)))
         if strides < FEWEST_STRIDES * max(feet, 1):
             yield f"side {number} has {strides} strides of {feet} feet: too few"
 
 
 def _gait(first: Sequence[Json], second: Sequence[Json]) -> Iterator[str]:
-    classes = [{document["gait"]["class"] for document in side} for side in (first, second)]
+    classes = [{document["gait"]["name"] for document in side} for side in (first, second)]
     if classes[0] != classes[1] or len(classes[0]) > 1:
         yield f"the gaits differ: {_listed(classes[0])} against {_listed(classes[1])}"
 
@@ -57,10 +59,7 @@ def _listed(classes: set[str | None]) -> str:
 
 
 def _speed(first: Sequence[Json], second: Sequence[Json]) -> Iterator[str]:
-    speeds = [
-        [d["base"]["forward_speed_mps"] for d in side if d["base"] is not None]
-        for side in (first, second)
-    ]
+    speeds = [[d["base"]["forward_speed_mps"] for d in side] for side in (first, second)]
     known = [[each for each in side if each is not None] for side in speeds]
     if not all(known):
         return

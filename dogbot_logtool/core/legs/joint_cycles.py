@@ -2,9 +2,10 @@
 
 import numpy as np
 
-from dogbot_logtool.core.gait.cycle_curves import CYCLE_POINTS
+from dogbot_logtool.core.gait.cycle_curves import CYCLE_POINTS, QUARTILES
 from dogbot_logtool.core.gait.strides import Strides
 from dogbot_logtool.core.geometry.arrays import Floats, Ints
+from dogbot_logtool.core.geometry.order_statistics import percentiles_of
 from dogbot_logtool.core.legs.joint_track import JointHistory, JointTrack
 from dogbot_logtool.core.legs.silences import silent_before, unbroken
 from dogbot_logtool.dataclass import dataclass
@@ -16,9 +17,10 @@ class JointCurve:
 
     percent: Floats
     """% of the stride."""
-    position: Floats
-    """rad or m, mean over strides; also `position_sd`, the standard deviation."""
-    position_sd: Floats
+    lower: Floats
+    """rad or m, lower quartile over strides; also `median` and `upper`."""
+    median: Floats
+    upper: Floats
     number: int
     """Strides."""
     ranges: Floats
@@ -91,10 +93,12 @@ def joint_curve(joint: JointHistory, strides: Strides) -> JointCurve | None:
     time = (start - track.time[0])[:, None] + period[:, None] * phase
     since = (track.time - track.time[0]).astype(np.float64)
     position = np.interp(time, since, track.position.astype(np.float64))
+    lower, median, upper = percentiles_of(position, QUARTILES, axis=0)
     return JointCurve(
         percent=100.0 * phase,
-        position=position.mean(axis=0),
-        position_sd=position.std(axis=0),
+        lower=lower,
+        median=median,
+        upper=upper,
         number=len(rows),
         ranges=np.ptp(position, axis=1),
     )

@@ -6,7 +6,8 @@ from typing import Any, Final
 from dogbot_logtool.core import metrics
 from dogbot_logtool.core.records import Field, fields_of, is_record, to_json
 from dogbot_logtool.errors import ExtraMissingError
-from dogbot_logtool.report.files.table_file import Columns, arrow_table
+from dogbot_logtool.report.files.table_file import arrow_table
+from dogbot_logtool.results import StrideTable
 
 try:
     import pyarrow as pa
@@ -26,15 +27,14 @@ Tables = Mapping[str, Any]
 """`pyarrow.Table` of each of `TABLES`."""
 
 
-def log_tables(walk: metrics.WalkMetrics, strides: Columns) -> Tables:
-    """Return the rows of a log that was measured.
-
-    Args:
-        walk: its metrics.
-        strides: (s,) each, columns of its strides.
-    """
+def log_tables(walk: metrics.WalkMetrics, strides: StrideTable) -> Tables:
+    """Return the rows of a log that was measured."""
     row = {"error": None, **to_json(walk)}
-    tables = {"strides": arrow_table(strides), "logs": pa.Table.from_pylist([row], _log_schema())}
+    foot = pa.array(strides.foot, pa.string())
+    tables = {
+        "strides": arrow_table(strides.columns).add_column(0, "foot", foot),
+        "logs": pa.Table.from_pylist([row], _log_schema()),
+    }
     for field in fields_of(metrics.WalkMetrics):
         if field.name in TABLES:
             tables[field.name] = _rows(field, getattr(walk, field.name))

@@ -6,7 +6,7 @@ from typing import Any
 from dogbot_logtool import __version__
 from dogbot_logtool.io.storage import shown
 from dogbot_logtool.report.documents.damage import damage_json
-from dogbot_logtool.report.figures.recording import finding_json
+from dogbot_logtool.report.documents.finding_json import finding_json
 from dogbot_logtool.results import Conversion
 
 

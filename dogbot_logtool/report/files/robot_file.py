@@ -6,9 +6,10 @@ as a comment, for a person to check.
 
 import json
 import textwrap
-from collections.abc import Iterator, Mapping, Sequence
-from typing import Any, Final
+from collections.abc import Iterable, Iterator, Sequence
+from typing import Final
 
+from dogbot_logtool.core.metrics import WalkMetrics
 from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.io.printable import printable
 from dogbot_logtool.robot import NEWTONS, Foot, FootField, Robot
@@ -33,8 +34,8 @@ class RobotEvidence:
     """N, the feet's mean sum of loads, where no mass is known."""
     damage: str
     """What could not be read of the log; empty if it is sound."""
-    figures: Mapping[str, Any]
-    """Figures of the log, see `stats --json`."""
+    metrics: WalkMetrics
+    """Metrics of the log."""
 
 
 def robot_file(robot: Robot, evidence: RobotEvidence) -> str:
@@ -68,7 +69,7 @@ def robot_file(robot: Robot, evidence: RobotEvidence) -> str:
         if not foot.topic:
             lines += ["", f"# [feet.{foot.name}]", "# topic =                # the log has none"]
             continue
-        lines += ["", *_foot(foot, evidence.figures.get("feet", {}).get(foot.name, {}))]
+        lines += ["", *_foot(foot, evidence.metrics)]
     return "\n".join(lines) + "\n"
 
 
@@ -105,9 +106,8 @@ def _mass(robot: Robot, evidence: RobotEvidence) -> list[str]:
 
 
 def _forward_axis(evidence: RobotEvidence) -> list[str]:
-    axis = evidence.figures.get("settings", {}).get("forward_axis", "+x")
-    base = evidence.figures.get("base") or {}
-    forward, left = base.get("forward_speed_mps"), base.get("lateral_speed_mps")
+    axis, base = evidence.metrics.settings.forward_axis, evidence.metrics.base
+    forward, left = base.forward_speed_mps, base.lateral_speed_mps
     if forward is None or left is None:
         because = "REP-103; the log does not show the base moving"
     else:
@@ -116,7 +116,6 @@ def _forward_axis(evidence: RobotEvidence) -> list[str]:
 
 
 def _contact(robot: Robot, evidence: RobotEvidence) -> Iterator[str]:
-    settings = evidence.figures.get("settings", {})
     yield "[contact]"
     given = {
         "on_n": robot.contact_on_n,
@@ -124,8 +123,12 @@ def _contact(robot: Robot, evidence: RobotEvidence) -> Iterator[str]:
         "on_counts": robot.contact_on_counts,
         "debounce_s": robot.debounce_s,
     }
-    used = {"on_n": settings.get("contact_on_n"), "off_n": settings.get("contact_off_n")}
-    used["debounce_s"] = settings.get("debounce_s")
+    feet = evidence.metrics.settings.feet.values()
+    used = {
+        "on_n": _of_all(each.contact_on_n for each in feet),
+        "off_n": _of_all(each.contact_off_n for each in feet),
+        "debounce_s": _of_all(each.debounce_s for each in feet),
+    }
     yield from _comment("Unset thresholds follow the weight and the sensors' noise.")
     for key, value in given.items():
         if value is not None:
@@ -134,9 +137,15 @@ def _contact(robot: Robot, evidence: RobotEvidence) -> Iterator[str]:
             yield f"# {key} = {own:.4g}  # used for this log"
 
 
-def _foot(foot: Foot, figures: Mapping[str, Any]) -> Iterator[str]:
+def _of_all(values: Iterable[float | None]) -> float | None:
+    """Return what is the same of all feet; None where they differ."""
+    found = set(values)
+    return found.pop() if len(found) == 1 else None
+
+
+def _foot(foot: Foot, metrics: WalkMetrics) -> Iterator[str]:
     yield f"[feet.{foot.name if foot.name.isascii() else _text(foot.name)}]"
-    yield from _comment(_seen(figures))
+    yield from _comment(_seen(foot, metrics))
     yield f"topic = {_text(foot.topic)}"
     if foot.field is not None:
         yield from _field(foot.field)
@@ -146,7 +155,7 @@ def _foot(foot: Foot, figures: Mapping[str, Any]) -> Iterator[str]:
         yield f"place = [{_text(foot.leg_position[0])}, {_text(foot.leg_position[1])}]"
     else:
         yield '# place = ["front", "left"]  # not known; gaits are named by it'
-    yield from _foot_sensor(foot, figures.get("force_offset_n"))
+    yield from _foot_sensor(foot, metrics.quality.feet[foot.name].force_offset_n)
 
 
 def _foot_sensor(foot: Foot, estimated: Sequence[float] | None) -> Iterator[str]:
@@ -170,16 +179,14 @@ def _foot_sensor(foot: Foot, estimated: Sequence[float] | None) -> Iterator[str]
         yield f"# offset_n = [{rounded}]  # estimated from this log, as from any other"
 
 
-def _seen(figures: Mapping[str, Any]) -> str:
-    interval, fraction = figures.get("sampling_interval_s"), figures.get("contact_fraction")
-    parts = [f"{figures.get('messages', 0):,} messages"]
-    if isinstance(interval, Mapping):
-        interval = interval.get("median")
-    if interval:
-        parts.append(f"every {interval * 1e3:.3g} ms")
-    if fraction is not None:
-        parts.append(f"in contact {fraction:.0%} of the time")
-    parts.append(f"{figures.get('strides', 0)} strides")
+def _seen(foot: Foot, metrics: WalkMetrics) -> str:
+    found, topic = metrics.feet[foot.name], metrics.quality.topics.get(foot.topic)
+    parts = ["no messages"] if topic is None else [f"{topic.messages:,} messages"]
+    if topic is not None and topic.rate_hz:
+        parts.append(f"{topic.rate_hz:.3g} a second")
+    if found.contact_fraction is not None:
+        parts.append(f"in contact {found.contact_fraction:.0%} of the time")
+    parts.append(f"{found.strides or 0} strides")
     return ", ".join(parts)
 
 

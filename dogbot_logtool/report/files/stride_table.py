@@ -1,19 +1,62 @@
 """The whole strides of a log, a row each: what CSV and Parquet hold."""
 
+from collections.abc import Callable, Mapping
+from typing import TYPE_CHECKING, Final
+
 import numpy as np
 
+from dogbot_logtool.core.geometry.arrays import Floats
+from dogbot_logtool.core.metrics import Stride
+from dogbot_logtool.core.records import fields_of
 from dogbot_logtool.core.statistics import Stats
-from dogbot_logtool.report.figures.document import STRIDE_FIGURES
-from dogbot_logtool.report.figures.foot_source import foot_sources
 from dogbot_logtool.results import StrideTable
+
+if TYPE_CHECKING:
+    from dogbot_logtool.core.legs.leg_figures import LegFoot
 
 
 def stride_table(stats: Stats) -> StrideTable:
     """Gather the strides of all feet."""
-    feet = foot_sources(stats)
-    names = [name for name, foot in feet.items() for _ in foot.foot.strides.stance]
+    names = [foot.name for foot in stats.feet for _ in foot.strides.stance]
+    feet = [foot_strides(stats, row) for row in range(len(stats.feet))]
     columns = {
-        figure.key: np.concatenate([np.empty(0), *map(figure.of, feet.values())])
-        for figure in STRIDE_FIGURES
+        field.name: np.concatenate([np.empty(0), *(foot[field.name] for foot in feet)])
+        for field in fields_of(Stride)
     }
     return StrideTable(tuple(names), columns)
+
+
+def foot_strides(stats: Stats, row: int) -> Mapping[str, Floats]:
+    """Return the metrics of each stride of a foot, (strides,) by name; NaN where not known."""
+    foot = stats.feet[row]
+    strides, figures = foot.strides, foot.stances.figures
+    columns = {
+        "start_s": (strides.touchdown - stats.origin) / 1e9,
+        "stance_s": strides.stance_s,
+        "swing_s": strides.swing_s,
+        "duty_factor": strides.duty_factor,
+        "length_m": foot.length_m,
+        "peak_force_n": figures.peak_n[strides.stance],
+        "vertical_impulse_ns": figures.vertical_impulse_ns[strides.stance],
+        "slip_m": foot.slip_m[strides.stance],
+    }
+    legs = stats.legs
+    unknown = np.full(len(strides.stance), np.nan)
+    for name, of in _OF_LEG.items():
+        found = unknown if legs is None else of(legs.feet[row])
+        # One NaN for all: tables are compared to the bit.
+        columns[name] = np.where(np.isnan(found), np.nan, found)
+    return columns
+
+
+_OF_LEG: "Final[Mapping[str, Callable[[LegFoot], Floats]]]" = {
+    "clearance_m": lambda leg: leg.swings.clearance_m,
+    "swing_length_m": lambda leg: leg.swings.length_m,
+    "step_length_m": lambda leg: leg.steps.length_m,
+    "step_width_m": lambda leg: leg.steps.width_m,
+    "touchdown_down_mps": lambda leg: leg.swings.touchdown_down_mps,
+    "touchdown_along_mps": lambda leg: leg.swings.touchdown_along_mps,
+    "positive_work_j": lambda leg: leg.work.positive_j,
+    "absolute_work_j": lambda leg: leg.work.absolute_j,
+}
+"""What tells each metric of a stride's swing."""

@@ -116,11 +116,11 @@ def _events(side: Sequence[Json]) -> Iterator[str]:
 
 
 def _classes(side: Sequence[Json]) -> str:
-    return ", ".join(dict.fromkeys(d["gait"]["class"] or "not known" for d in side))
+    return ", ".join(dict.fromkeys(d["gait"]["name"] or "not known" for d in side))
 
 
 def _strides(side: Sequence[Json]) -> str:
-    return str(sum(foot["strides"] for document in side for foot in document["feet"].values()))
+    return str(sum(foot["strides"] or 0 for document in side for foot in document["feet"].values()))
 
 
 def _seconds(side: Sequence[Json]) -> str:

@@ -3,10 +3,10 @@
 from collections.abc import Sequence
 from typing import Any, Final
 
-from dogbot_logtool.core.events.event import STEPS, EventType
+from dogbot_logtool.core.events.event import STEPS, Event, EventType
+from dogbot_logtool.core.events.events import find_events
 from dogbot_logtool.core.statistics import Stats
 from dogbot_logtool.dataclass import dataclass
-from dogbot_logtool.report.figures.events import EventSource, event_sources
 from dogbot_logtool.report.page.charts.drawing import BAD, NEUTRAL, Drawing, translucent
 
 MOST_SHOWN: Final = 200
@@ -47,19 +47,19 @@ class EventList:
 
 def event_list(stats: Stats) -> EventList:
     """Return the events but for touchdowns and lift-offs, in the order of time."""
-    found = [each for each in event_sources(stats) if each.event.type not in STEPS]
-    return EventList([_row(each) for each in found[:MOST_SHOWN]], len(found[MOST_SHOWN:]))
+    found = [each for each in find_events(stats) if each.type not in STEPS]
+    rows = [_row(stats, each) for each in found[:MOST_SHOWN]]
+    return EventList(rows, len(found[MOST_SHOWN:]))
 
 
-def _row(source: EventSource) -> EventRow:
-    event = source.event
-    start = (event.onset - source.origin) / 1e9
+def _row(stats: Stats, event: Event) -> EventRow:
+    start = (event.onset - stats.origin) / 1e9
     size = "" if event.value is None else f"{event.value:.3g} {event.unit}"
     return EventRow(
         start,
         start + event.duration / 1e9,
         event.type.replace("_", " "),
-        source.foot or "",
+        "" if event.foot is None else stats.feet[event.foot].name,
         size,
         event.code,
         event.type in _MINOR,

@@ -15,15 +15,13 @@ from dogbot_logtool.core.events.events import find_events
 from dogbot_logtool.core.scene.foot_style import foot_colour
 from dogbot_logtool.core.statistics import Stats
 from dogbot_logtool.dataclass import dataclass
-from dogbot_logtool.report.figures.document import DOCUMENT, log_source
-from dogbot_logtool.report.figures.figure import TableName
-from dogbot_logtool.report.figures.tables import cells_of, headers
 from dogbot_logtool.report.numbers import NOTHING
 from dogbot_logtool.report.page.assets import own, policy_of, rendered
 from dogbot_logtool.report.page.summary import Trust, recorded_at, trust
+from dogbot_logtool.report.tables import INDEX, cells_of, headers
 from dogbot_logtool.report.text.gait_diagram import default_window
 from dogbot_logtool.report.verdict import headline
-from dogbot_logtool.results import LogFacts
+from dogbot_logtool.results import Measurement
 
 COLUMNS: Final = (
     "log",
@@ -34,7 +32,7 @@ COLUMNS: Final = (
     "slips",
     "robot",
     "recorded (UTC)",
-    *headers(TableName.INDEX),
+    *headers(INDEX),
 )
 _WORDS: Final = frozenset({"log", "gait", "can it be trusted", "robot", "recorded (UTC)"})
 """Columns of words; the others are numbers."""
@@ -69,8 +67,9 @@ class IndexRow:
     error: str = ""
 
 
-def index_row(stats: Stats, log: LogFacts, page_name: str) -> IndexRow:
+def index_row(measured: Measurement, page_name: str) -> IndexRow:
     """Return a log's row in the index."""
+    stats, log = measured.stats, measured.facts
     kinds = [event.type for event in find_events(stats)]
     falls = kinds.count(EventType.FALL) + kinds.count(EventType.TIPPING)
     cells = (
@@ -78,11 +77,11 @@ def index_row(stats: Stats, log: LogFacts, page_name: str) -> IndexRow:
         str(kinds.count(EventType.SLIP)),
         log.robot or NOTHING,
         recorded_at(log.start_s),
-        *cells_of(TableName.INDEX, DOCUMENT.plain(log_source(stats, log))),
+        *cells_of(INDEX, measured.metrics),
     )
     # The name of a file may be any bytes.
     address = quote(os.fsencode(page_name), safe="")
-    found = trust(stats, log)
+    found = trust(measured)
     return IndexRow(
         Path(log.path).name, address, headline(stats), cells, found, _bars(stats), len(stats.feet)
     )

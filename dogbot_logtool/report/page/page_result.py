@@ -8,7 +8,6 @@ from dogbot_logtool import __version__
 from dogbot_logtool.io.printable import printable
 from dogbot_logtool.io.storage import shown
 from dogbot_logtool.report.documents.damage import damage_json
-from dogbot_logtool.report.figures.document import log_source
 from dogbot_logtool.report.page.summary import trust
 from dogbot_logtool.report.text.console import human_size, print_losses, print_sentence
 from dogbot_logtool.report.verdict import headline
@@ -18,7 +17,7 @@ from dogbot_logtool.results import Page
 def page_json(done: Page) -> dict[str, Any]:
     """Return what was written as plain values."""
     measured = done.measured
-    trusted = trust(measured.stats, measured.facts)
+    trusted = trust(measured)
     return {
         "tool": {"name": "dogbot-logtool", "version": __version__},
         "input": shown(done.source),
@@ -32,11 +31,11 @@ def page_json(done: Page) -> dict[str, Any]:
 
 def print_page(console: Console, done: Page, *, verbose: bool) -> None:
     """Print what was written."""
-    stats, facts = done.measured.stats, done.measured.facts
+    measured = done.measured
     name = printable(shown(done.target)), "bold"
-    words = f": {headline(stats)}. {trust(stats, facts).text} ({human_size(done.size)})"
+    words = f": {headline(measured.stats)}. {trust(measured).text} ({human_size(done.size)})"
     print_sentence(console, name, printable(words))
     if verbose:
-        for each in log_source(stats, facts).findings:
+        for each in measured.findings:
             print_sentence(console, f"{each.severity.word:>7}  {printable(each.text)}", indent=9)
     print_losses(console, done.damage)

@@ -1,6 +1,7 @@
 """The page itself: figures and tables set in a template, with all that it needs."""
 
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any, Final
 
@@ -11,7 +12,6 @@ from dogbot_logtool.core.scene.foot_style import foot_colour, short_names
 from dogbot_logtool.core.statistics import Stats
 from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.reader.containers.loss import Loss
-from dogbot_logtool.report.figures.document import DOCUMENT, log_source
 from dogbot_logtool.report.numbers import NOTHING, span_of
 from dogbot_logtool.report.page.assets import json_in_html, own, page_script, policy_of, rendered
 from dogbot_logtool.report.page.charts.chart import packed
@@ -34,8 +34,9 @@ from dogbot_logtool.report.page.tables import (
     symmetry_table,
     topic_table,
 )
+from dogbot_logtool.report.tables import foot_rows
 from dogbot_logtool.report.text.gait_diagram import default_window
-from dogbot_logtool.results import LogFacts
+from dogbot_logtool.results import LogFacts, Measurement
 
 FIGURES: Final[Mapping[str, Callable[[Stats], Drawing | None]]] = {
     "gait": gait_diagram,
@@ -63,8 +64,7 @@ ALONE: Final = Beside()
 
 
 def page(
-    stats: Stats,
-    log: LogFacts,
+    measured: Measurement,
     file_size: int,
     *,
     replay: Mapping[str, Any] | None = None,
@@ -73,15 +73,13 @@ def page(
     """Return the HTML page of one log.
 
     Args:
-        stats: figures.
-        log: what the reader knows of it.
+        measured: what was measured of it.
         file_size: bytes; 0 where it is not one file.
         replay: the walk in 3D; None: without it.
         beside: files beside the page.
     """
-    stats = with_curves(stats)
-    source = log_source(stats, log)
-    document = DOCUMENT.plain(source)
+    stats, log, walk = with_curves(measured.stats), measured.facts, measured.metrics
+    feet = foot_rows(walk, stats)
     events = event_list(stats)
     drawn = {name: draw(stats) for name, draw in FIGURES.items()}
     drawings = {name: drawing for name, drawing in drawn.items() if drawing is not None}
@@ -106,20 +104,20 @@ def page(
         replay=replay,
         replay_json=json_in_html(replay),
         feet=_feet(stats),
-        summary=summary(stats, log),
-        findings=grouped([each for each in source.findings if each.code != "W_LOST"]),
+        summary=summary(replace(measured, stats=stats)),
+        findings=grouped([each for each in measured.findings if each.code != "W_LOST"]),
         events=events,
         damage=log.damage.text,
         losses=[loss.what for loss in log.damage.losses],
         file_marks=_file_marks(log.damage.losses, file_size),
         tables={
-            "steps": step_table(document),
-            "loads": load_table(document),
-            "symmetry": symmetry_table(document),
-            "legs": leg_table(document),
-            "joints": joint_table(document),
+            "steps": step_table(feet),
+            "loads": load_table(feet, stats.loads),
+            "symmetry": symmetry_table(walk.forces),
+            "legs": leg_table(feet),
+            "joints": joint_table(walk),
             "strides": stride_table(stats),
-            "topics": topic_table(document),
+            "topics": topic_table(walk),
         },
         settings=_settings(stats),
     )

@@ -9,7 +9,6 @@ from dogbot_logtool.core.gait.gait import STAND
 from dogbot_logtool.core.statistics import Stats
 from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.finding import Finding, Severity
-from dogbot_logtool.report.figures.document import log_source
 from dogbot_logtool.report.numbers import date_of, decimal
 from dogbot_logtool.report.verdict import (
     evidence,
@@ -18,7 +17,7 @@ from dogbot_logtool.report.verdict import (
     gait_name,
     is_known,
 )
-from dogbot_logtool.results import LogFacts
+from dogbot_logtool.results import Measurement
 
 _DOUBTFUL: Final = frozenset(GRAVE[: GRAVE.index("W_FORWARD_AXIS")]) - {"W_FALL"}
 """Findings that make all figures doubtful."""
@@ -77,20 +76,21 @@ class Summary:
     """The gaits in turn, where there are several."""
 
 
-def summary(stats: Stats, log: LogFacts) -> Summary:
+def summary(measured: Measurement) -> Summary:
     """Sum up a log."""
+    stats = measured.stats
     main = stats.main
     words = "no foot makes a whole stride" if main is None else evidence(main)
     if main is not None and main.gait.name == STAND:
         words = "all feet are down" + (" for the longest time" if len(stats.segments) > 1 else "")
-    alarm = fall_headline(stats) or _doubt(stats, log)
+    alarm = fall_headline(stats) or _doubt(measured)
     name = gait_headline(stats)
     return Summary(
         alarm or name,
         is_known(stats) and not alarm,
         name if alarm else "",
         words,
-        trust(stats, log),
+        trust(measured),
         tuple(_tiles(stats)),
         tuple(_segments(stats)) if len(stats.segments) > 1 else (),
     )
@@ -104,11 +104,11 @@ def recorded_at(start_s: float | None) -> str:
     return f"{date:%Y-%m-%d %H:%M:%S} UTC" if date else f"{start_s:.0f} s (no date)"
 
 
-def _doubt(stats: Stats, log: LogFacts) -> str:
+def _doubt(measured: Measurement) -> str:
     """Say what makes all figures doubtful; empty: nothing known does."""
-    if log.damage.losses:
+    if measured.damage.losses:
         return "In doubt: the log is damaged"
-    found = log_source(stats, log).findings
+    found = measured.findings
     grave = [each for each in first_of(found) if each.code in _DOUBTFUL]
     errors = [each for each in found if each.severity is Severity.ERROR]
     if not (grave or errors):
@@ -136,10 +136,10 @@ def grouped(findings: Sequence[Finding]) -> list[FindingGroup]:
     ]
 
 
-def trust(stats: Stats, log: LogFacts) -> Trust:
+def trust(measured: Measurement) -> Trust:
     """Say whether the numbers can be relied on."""
     # Damage has a sentence of its own.
-    found = [each for each in log_source(stats, log).findings if each.code != "W_LOST"]
+    found = [each for each in measured.findings if each.code != "W_LOST"]
     severities = [each.severity for each in found]
     above_all = tuple(f"{each.text}. {each.remedy}".strip() for each in first_of(found))
     errors, warnings = severities.count(Severity.ERROR), severities.count(Severity.WARNING)
@@ -148,14 +148,14 @@ def trust(stats: Stats, log: LogFacts) -> Trust:
         for count, word in ((errors, "error"), (warnings, "warning"))
         if count
     )
-    if log.damage.losses:
+    if measured.damage.losses:
         text = "The log is damaged"
         return Trust("bad", f"{text}; {counted}." if counted else f"{text}.", above_all)
     if errors:
         return Trust("bad", f"Do not trust it unseen: {counted}.", above_all)
     if warnings:
         return Trust("care", f"Trust it with care: {counted}.", above_all)
-    return _trust_of_checks(checks_of(stats, found))
+    return _trust_of_checks(checks_of(measured.stats, found))
 
 
 def _trust_of_checks(checks: Sequence[Check]) -> Trust:

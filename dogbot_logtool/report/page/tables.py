@@ -1,24 +1,47 @@
 """The tables of the page, in text; numbers of the same kind stand under one heading."""
 
-from collections.abc import Iterable, Sequence
-from typing import Final
+from collections.abc import Mapping, Sequence
+from typing import Final, TypeVar
 
 import numpy as np
 
 from dogbot_logtool.core.gait.foot_statistics import FootStatistics
 from dogbot_logtool.core.geometry.arrays import Floats, Ints
 from dogbot_logtool.core.geometry.order_statistics import distinct
+from dogbot_logtool.core.load.load_figures import LoadFigures
+from dogbot_logtool.core.metrics import Forces, WalkMetrics
 from dogbot_logtool.core.quality.outliers import LEAST_SHARE, MOST_DEVIATIONS, Outliers, outliers
 from dogbot_logtool.core.statistics import Stats
 from dogbot_logtool.dataclass import dataclass
-from dogbot_logtool.report.figures.figure import Json, TableName
-from dogbot_logtool.report.figures.foot_source import FootSource
-from dogbot_logtool.report.figures.tables import cells_of, columns_of, headers
+from dogbot_logtool.report.files.stride_table import foot_strides
 from dogbot_logtool.report.numbers import decimal, percent
+from dogbot_logtool.report.tables import (
+    JOINTS,
+    LEGS,
+    PAGE_LOADS,
+    STEPS,
+    SYMMETRY,
+    TOPICS,
+    Column,
+    FootRow,
+    cells_of,
+    grouped_load,
+    headers,
+)
 from dogbot_logtool.report.text.legs_text import work_words
 
 MOST_STRIDES: Final = 200
 """Rows of the stride table."""
+S = TypeVar("S")
+_STRIDES: Final[Mapping[str, tuple[str, int, float]]] = {
+    "stance s": ("stance_s", 3, 1.0),
+    "swing s": ("swing_s", 3, 1.0),
+    "duty": ("duty_factor", 3, 1.0),
+    "length m": ("length_m", 3, 1.0),
+    "peak N": ("peak_force_n", 1, 1.0),
+    "slip mm": ("slip_m", 1, 1e3),
+}
+"""Columns of the stride table by their headings: name, decimals, factor."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -62,7 +85,7 @@ def stride_table(stats: Stats) -> Table:
     marked = [row for row in rows if any(cell.mark for cell in row[2])]
     shown = rows if len(rows) <= MOST_STRIDES else marked[:MOST_STRIDES]
     return Table(
-        ("foot", "from s", *headers(TableName.PAGE_STRIDES)),
+        ("foot", "from s", *_STRIDES),
         [cells for _, _, cells in shown],
         _stride_caption(len(rows), len(marked), len(shown)),
         [foot for _, foot, _ in shown],
@@ -87,11 +110,11 @@ def _stride_rows(
     stats: Stats, foot: int, figures: FootStatistics
 ) -> list[tuple[float, int, tuple[Cell, ...]]]:
     strides = figures.strides
-    source = FootSource(stats, foot, figures)
+    columns = foot_strides(stats, foot)
     segment = _segment_of(stats, strides.touchdown + (strides.end - strides.touchdown) // 2)
     cells = [
-        _column(each.figure.of(source) * each.column.scale, each.column.decimals or 0, segment)
-        for each in columns_of(TableName.PAGE_STRIDES)
+        _column(columns[name] * scale, decimals, segment)
+        for name, decimals, scale in _STRIDES.values()
     ]
     begin = stats.seconds(strides.touchdown)
     return [
@@ -120,91 +143,71 @@ def _column(values: Floats, decimals: int, segment: Ints) -> list[Cell]:
     return cells
 
 
-def load_table(document: Json) -> Table:
+def load_table(feet: Mapping[str, FootRow], loads: LoadFigures) -> Table:
     """Return the loads of each foot."""
     of = {"vertical_impulse": "vertical impulse", "force_impulse": "impulse of |F|"}
-    share_of = of.get(document["forces"]["load_share_of"], "load")
-    return _foot_table(
-        TableName.PAGE_LOADS,
-        document,
-        f"Medians over whole stances; share of the {share_of}; highest: over all of them.",
-    )
+    share_of = of.get(loads.share_of or "", "load")
+    words = f"Medians over whole stances; share of the {share_of}; highest: over all of them."
+    return _metrics(PAGE_LOADS, "foot", feet, words, range(len(feet)))
 
 
-def step_table(document: Json) -> Table:
+def step_table(feet: Mapping[str, FootRow]) -> Table:
     """Return the steps of each foot."""
-    return _foot_table(
-        TableName.STEPS,
-        document,
+    words = (
         "Medians over whole strides; phase in cycles, and its consistency R, in the longest "
-        "segment.",
+        "segment."
     )
+    return _metrics(STEPS, "foot", feet, words, range(len(feet)))
 
 
-def _foot_table(table: TableName, document: Json, caption: str) -> Table:
-    feet = document["feet"]
-    return _figures(table, document, "foot", feet, caption, range(len(feet)))
-
-
-def _figures(
-    table: TableName,
-    document: Json,
+def _metrics(
+    columns: Sequence[Column[S]],
     of: str,
-    names: Iterable[str],
+    sources: Mapping[str, S],
     caption: str,
     feet: Sequence[int] = (),
 ) -> Table:
-    """Return the figures of feet, joints or topics, a row each."""
-    rows = [_cells(name, *cells_of(table, document, name)) for name in names]
-    return Table((of, *headers(table)), rows, caption, feet)
+    """Return the metrics of feet, joints or topics, a row each."""
+    rows = [_cells(name, *cells_of(columns, each)) for name, each in sources.items()]
+    return Table((of, *headers(columns)), rows, caption, feet)
 
 
-def symmetry_table(document: Json) -> Table | None:
+def symmetry_table(forces: Forces) -> Table | None:
     """Return right against left, and how the load is shared; None without the four corners."""
-    indices = document["forces"]["symmetry_index_percent"]
-    if indices is None:
+    if not forces.symmetry_index_percent:
         return None
     words = "Right over left, percent of their mean (Robinson, Herzog and Nigg 1987): 0 is even."
-    shares = document["forces"]["load_share"]
-    if shares is not None:
-        parts = [f"{name} {percent(shares[name])}" for name in shares if name != "feet"]
-        words += f" Load: {', '.join(parts)}."
-    return _figures(TableName.SYMMETRY, document, "pair", indices, words)
+    parts = [f"{name} {percent(share)}" for name, share in grouped_load(forces.load_share)]
+    words += f" Load: {', '.join(parts)}." if parts else ""
+    return _metrics(SYMMETRY, "pair", forces.symmetry_index_percent, words)
 
 
-def leg_table(document: Json) -> Table | None:
+def leg_table(feet: Mapping[str, FootRow]) -> Table | None:
     """Return the swings of each foot; None where the log tells of no leg."""
-    legs = document["legs"]
-    if legs is None or not any(leg["frame"] for leg in legs["feet"].values()):
+    if not any(row.leg is not None and row.leg.frame for row in feet.values()):
         return None
     words = (
         "Medians over whole strides. Clearance above the line between footfalls, and how far the "
         "foot's frame moves in the middle of a stance (at rest), in mm; velocity at touchdown."
     )
-    feet = legs["feet"]
-    return _figures(TableName.LEGS, document, "foot", feet, words, range(len(feet)))
+    return _metrics(LEGS, "foot", feet, words, range(len(feet)))
 
 
-def joint_table(document: Json) -> Table | None:
+def joint_table(walk: WalkMetrics) -> Table | None:
     """Return the joints; None where the log tells of none."""
-    legs = document["legs"]
-    if legs is None or not legs["joints"]:
+    joints = walk.legs.joints
+    if not joints:
         return None
-    names = list(legs["feet"])
-    feet = [joint["foot"] for joint in legs["joints"].values()]
+    names = list(walk.feet)
     words = "rad and N m (m and N of those that slide) in the whole log."
-    for name, value in work_words(document):
+    for name, value in work_words(walk.legs):
         words += f" {name.capitalize()}: {value}."
-    coloured = [names.index(foot) for foot in feet] if all(feet) else ()
-    return _figures(TableName.JOINTS, document, "joint", legs["joints"], words, coloured)
+    feet = [joint.foot for joint in joints.values() if joint.foot]
+    coloured = [names.index(foot) for foot in feet] if len(feet) == len(joints) else ()
+    return _metrics(JOINTS, "joint", joints, words, coloured)
 
 
-def topic_table(document: Json) -> Table:
+def topic_table(walk: WalkMetrics) -> Table:
     """Return the timing of each topic."""
-    return _figures(
-        TableName.TOPICS,
-        document,
-        "topic",
-        document["quality"]["topics"],
-        f"{document['log']['messages']:,} messages. Gap: over 5 usual intervals and 50 ms.",
-    )
+    words = f"{walk.log.messages:,} messages. Gap: over 5 usual intervals and 50 ms."
+    return _metrics(TOPICS, "topic", walk.quality.topics, words)

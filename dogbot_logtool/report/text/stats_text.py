@@ -1,28 +1,38 @@
 """The figures of `stats` for people: the verdict first, then the feet, loads, and what to doubt."""
 
 from collections import Counter
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
-from typing import Final
+from typing import Final, TypeVar
 
 from rich.console import Console, Group, RenderableType
 from rich.padding import Padding
 from rich.text import Text
 
-from dogbot_logtool.core.events.event import STEPS
+from dogbot_logtool.core.events.event import STEPS as STEP_EVENTS
 from dogbot_logtool.core.findings.findings import first_of
 from dogbot_logtool.core.gait.gait import STAND
 from dogbot_logtool.core.geometry.aggregates import Aggregate
+from dogbot_logtool.core.metrics import Legs, Symmetry, WalkMetrics
+from dogbot_logtool.core.records import Number
 from dogbot_logtool.core.scene.foot_style import short_names
 from dogbot_logtool.core.statistics import Stats
 from dogbot_logtool.finding import Finding, Severity
 from dogbot_logtool.io.printable import printable
 from dogbot_logtool.reader.containers.loss import Damage
-from dogbot_logtool.report.figures.document import DOCUMENT, log_source
-from dogbot_logtool.report.figures.figure import Json, TableName
-from dogbot_logtool.report.figures.loads import load_source
-from dogbot_logtool.report.figures.tables import cells_of, headers
 from dogbot_logtool.report.numbers import NOTHING, decimal
+from dogbot_logtool.report.tables import (
+    JOINTS,
+    LEGS,
+    LOADS,
+    STEPS,
+    Column,
+    FootRow,
+    cells_of,
+    foot_rows,
+    grouped_load,
+    headers,
+)
 from dogbot_logtool.report.text.console import print_command, print_damage, print_sentence
 from dogbot_logtool.report.text.gait_diagram import (
     ASCII,
@@ -36,8 +46,9 @@ from dogbot_logtool.report.text.side_text import command_lines, imu_lines
 from dogbot_logtool.report.text.stats_summary import SUMMARY_HEADERS
 from dogbot_logtool.report.text.text_layout import HangingIndent, NameTable, Row
 from dogbot_logtool.report.verdict import evidence, fall_headline, gait_name, how_sure, is_known
-from dogbot_logtool.results import LogFacts
+from dogbot_logtool.results import LogFacts, Measurement
 
+S = TypeVar("S")
 _INDENT: Final = 4
 """Indent of further lines of a text that does not fit into one."""
 _STYLES: Final[Mapping[Severity, str]] = {
@@ -46,24 +57,22 @@ _STYLES: Final[Mapping[Severity, str]] = {
     Severity.NOTE: "dim",
 }
 
+_INDICES: Final[Mapping[str, Callable[[Symmetry], Number]]] = {
+    "peak force": lambda pair: pair.peak_force_n,
+    "duty factor": lambda pair: pair.duty_factor,
+}
 
-def print_report(
-    console: Console,
-    stats: Stats,
-    log: LogFacts,
-    *,
-    verbose: bool = False,
-) -> None:
+
+def print_report(console: Console, measured: Measurement, *, verbose: bool = False) -> None:
     """Print the report of one log.
 
     Args:
         console: where to; its width decides the layout.
-        stats: figures of the log.
-        log: what the reader knows of it.
+        measured: what was measured of it.
         verbose: say also what is merely good to know, foot by foot.
     """
-    source = log_source(stats, log)
-    document = DOCUMENT.plain(source)
+    stats, log, walk = measured.stats, measured.facts, measured.metrics
+    feet = foot_rows(walk, stats)
     glyphs = ASCII if console.options.ascii_only else UNICODE
     start, end = default_window(stats)
     diagram = gait_diagram(stats, console.width - 2, window=(start, end), glyphs=glyphs)
@@ -71,29 +80,29 @@ def print_report(
     if any(glyphs.unknown in line.plain for line in diagram):
         legend += f"; {glyphs.unknown}: not known"
     # The damage has a line of its own, at the top.
-    findings = [each for each in source.findings if each.code != "W_LOST"]
+    findings = [each for each in measured.findings if each.code != "W_LOST"]
     parts: list[RenderableType] = [
         Text(),
         verdict(stats),
         *_segments(stats),
         *_first(findings),
         Text(),
-        *_events(document),
+        *_events(walk),
         _heading("Gait diagram", f"{start:.2f} to {end:.2f} s; {legend}"),
         Padding(Group(*diagram), (0, 0, 0, 2), expand=False),
         Text(),
         _heading("Steps", "medians over whole strides"),
-        _figures(console, TableName.STEPS, document, document["feet"]),
+        _metrics(console, STEPS, feet),
         _support(stats),
         Text(),
         _heading("Loads", _load_unit(stats)),
-        _figures(console, TableName.LOADS, document, document["feet"]),
-        *_load_lines(stats, document),
+        _metrics(console, LOADS, feet),
+        *_load_lines(stats, walk),
         Text(),
-        *_legs(console, document, verbose=verbose),
+        *_legs(console, feet, walk.legs, verbose=verbose),
         _heading("Base"),
         *_base(stats),
-        *_beside(document),
+        *_beside(stats, walk),
         Text(),
         _heading("Findings"),
         *_findings(findings, verbose=verbose),
@@ -161,12 +170,12 @@ def _table(console: Console, headings: Sequence[str], rows: Sequence[Row]) -> Na
     return NameTable(headings, rows, margin=2, gap=gap, heading_style="dim")
 
 
-def _figures(
-    console: Console, table: TableName, document: Json, names: Iterable[str], of: str = "foot"
+def _metrics(
+    console: Console, columns: Sequence[Column[S]], sources: Mapping[str, S], of: str = "foot"
 ) -> NameTable:
-    """Return the figures of feet or joints, a row each."""
-    rows = [Row([printable(name)], cells_of(table, document, name)) for name in names]
-    return _table(console, (of, *headers(table)), rows)
+    """Return the metrics of feet or joints, a row each."""
+    rows = [Row([printable(name)], cells_of(columns, each)) for name, each in sources.items()]
+    return _table(console, (of, *headers(columns)), rows)
 
 
 def _load_unit(stats: Stats) -> str:
@@ -189,60 +198,52 @@ def _support(stats: Stats) -> HangingIndent:
     return HangingIndent(line, _INDENT)
 
 
-def _load_lines(stats: Stats, document: Json) -> list[RenderableType]:
+def _load_lines(stats: Stats, walk: WalkMetrics) -> list[RenderableType]:
     loads = stats.loads
     lines: list[RenderableType] = []
     if loads.vertical_impulse_over_weight is not None:
         ratio = loads.vertical_impulse_over_weight
         lines.append(_line("vertical impulse over weight", f"{ratio:.4f}  (1 is right)"))
-    shares = load_source(stats).shares
-    if shares is not None:
-        words = [
-            f"{name} {share:.1%}" for name, share in shares.groups.items() if share is not None
-        ]
+    if walk.forces.load_share.feet is not None:
+        words = [f"{name} {share:.1%}" for name, share in grouped_load(walk.forces.load_share)]
         of = "vertical impulse" if loads.share_of == "vertical_impulse" else "impulse of |F|"
         if words:
             lines.append(_line(f"share of {of}", ", ".join(words)))
-    indices = document["forces"]["symmetry_index_percent"] or {}
-    for key, name in (("peak_force_n", "peak force"), ("duty_factor", "duty factor")):
-        words = [
-            f"{pair} {index[key]:+.1f} %"
-            for pair, index in indices.items()
-            if index[key] is not None
-        ]
+    for name, of_pair in _INDICES.items():
+        indices = {pair: of_pair(each) for pair, each in walk.forces.symmetry_index_percent.items()}
+        words = [f"{pair} {index:+.1f} %" for pair, index in indices.items() if index is not None]
         if words:
             lines.append(_line(f"right over left, {name}", ", ".join(words)))
-    stability = stats.stability
-    if stability is not None and stability.static_margin_m is not None:
-        margin = stability.static_margin_m
+    margin = walk.stability.static_margin_m
+    if margin is not None:
+        undefined = walk.stability.undefined_fraction or 0.0
         lines.append(
             _line(
                 "static margin",
                 f"median {margin.median * 1e3:.0f} mm, least {margin.min * 1e3:.0f} mm, "
-                f"no polygon for {stability.undefined_fraction or 0.0:.0%} of the time",
+                f"no polygon for {undefined:.0%} of the time",
             )
         )
     return lines
 
 
-def _legs(console: Console, document: Json, *, verbose: bool) -> list[RenderableType]:
+def _legs(
+    console: Console, feet: Mapping[str, FootRow], legs: Legs, *, verbose: bool
+) -> list[RenderableType]:
     """Return the legs, if verbose their joints, too; nothing where the log tells of none."""
-    legs = document["legs"]
-    if legs is None:
-        return []
     parts: list[RenderableType] = []
-    if any(leg["frame"] for leg in legs["feet"].values()):
+    if any(row.leg is not None and row.leg.frame for row in feet.values()):
         parts += [
             _heading("Legs", "medians over whole strides; heights in mm"),
-            _figures(console, TableName.LEGS, document, legs["feet"]),
+            _metrics(console, LEGS, feet),
         ]
-    if legs["joints"] and verbose:
-        of_legs = [name for name, joint in legs["joints"].items() if joint["foot"]]
+    if legs.joints and verbose:
+        of_legs = {name: joint for name, joint in legs.joints.items() if joint.foot}
         parts += [
             _heading("Joints", "rad and N m (m and N of those that slide)"),
-            _figures(console, TableName.JOINTS, document, of_legs or legs["joints"], "joint"),
+            _metrics(console, JOINTS, of_legs or legs.joints, "joint"),
         ]
-    lines = [_line(name, words) for name, words in work_words(document)]
+    lines = [_line(name, words) for name, words in work_words(legs)]
     if lines and not parts:
         parts = [_heading("Legs", "medians over whole strides")]
     return [*parts, *lines, Text()] if parts else []
@@ -280,17 +281,17 @@ def _base(stats: Stats) -> list[RenderableType]:
     ]
 
 
-def _beside(document: Json) -> list[RenderableType]:
+def _beside(stats: Stats, walk: WalkMetrics) -> list[RenderableType]:
     """Return the lines on commands and accelerometer of logs that have them."""
     parts: list[RenderableType] = []
-    commands, imu = document["commands"], document["imu"]
-    if commands is not None:
-        words = f"{printable(commands['topic'])}, means over {commands['window_s']:.2f} s"
+    track = stats.command_track
+    if track is not None:
+        words = f"{printable(track.history.topic)}, means over {track.window_ns / 1e9:.2f} s"
         parts += [Text(), _heading("Commands", words)]
-        parts += [_line(*line) for line in command_lines(commands)]
-    if imu is not None:
-        parts += [Text(), _heading("Accelerometer", printable(imu["topic"]))]
-        parts += [_line(*line) for line in imu_lines(imu)]
+        parts += [_line(*line) for line in command_lines(walk.commands, stats.commands)]
+    if walk.imu.topic is not None:
+        parts += [Text(), _heading("Accelerometer", printable(walk.imu.topic))]
+        parts += [_line(*line) for line in imu_lines(walk.imu)]
     return parts
 
 
@@ -303,13 +304,13 @@ def _first(findings: Sequence[Finding]) -> list[RenderableType]:
     return [Text(), _heading("What to look at first"), *lines] if lines else []
 
 
-def _events(document: Json) -> list[RenderableType]:
+def _events(walk: WalkMetrics) -> list[RenderableType]:
     """Return how often each event happened, and when first; touchdowns and lift-offs left out."""
-    happened = [each for each in document["events"] if each["type"] not in STEPS]
+    happened = [each for each in walk.events if each.type not in STEP_EVENTS]
     if not happened:
         return []
-    first = {each["type"]: each["onset_s"] for each in reversed(happened)}
-    counts = Counter(each["type"] for each in happened)
+    first = {each.type: each.onset_s for each in reversed(happened)}
+    counts = Counter(each.type for each in happened)
     words = [
         f"{kind.replace('_', ' ')} {counts[kind]} (at {at:.2f} s)"
         if counts[kind] == 1

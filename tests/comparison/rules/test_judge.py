@@ -19,11 +19,11 @@ LOG: Final[dict[str, Any]] = {
     },
     "forces": {"ratio": None},
     "gait": {
-        "class": "trot",
+        "name": "trot",
         "running": False,
         "segments": [
-            {"class": "walk", "start_s": 0.0, "end_s": 4.0, "duty_factor": 0.8},
-            {"class": "trot", "start_s": 4.0, "end_s": 9.0, "duty_factor": 0.6},
+            {"start_s": 0.0, "end_s": 4.0, "gait": {"name": "walk", "duty_factor": 0.8}},
+            {"start_s": 4.0, "end_s": 9.0, "gait": {"name": "trot", "duty_factor": 0.6}},
         ],
     },
     "events": [
@@ -98,16 +98,16 @@ def test_findings_that_concern_a_bad_figure_say_where_to_look() -> None:
 
 
 def test_texts_and_flags_are_equal_or_not() -> None:
-    assert statuses('figure = "gait.class"\nequals = "trot"') == {"gait.class": Status.GOOD}
-    assert statuses('figure = "gait.class"\nequals = "walk"') == {"gait.class": Status.FAIL}
+    assert statuses('figure = "gait.name"\nequals = "trot"') == {"gait.name": Status.GOOD}
+    assert statuses('figure = "gait.name"\nequals = "walk"') == {"gait.name": Status.FAIL}
     assert statuses('figure = "gait.running"\nequals = false') == {"gait.running": Status.GOOD}
 
 
 @pytest.mark.parametrize(
     ("rule", "look"),
     [
-        ('"gait.class"\nat_most = 1', "no number"),
-        ('"gait.class"\nequals = 1', "no number"),
+        ('"gait.name"\nat_most = 1', "no number"),
+        ('"gait.name"\nequals = 1', "no number"),
         ('"feet.left.slip_m.max"\nequals = "0.01"', "a number, which the rule's value is not"),
     ],
 )
@@ -159,14 +159,14 @@ def test_a_baseline_gives_the_range() -> None:
 
 
 def test_a_baseline_of_a_text_must_be_the_same() -> None:
-    lines = 'figure = "gait.class"\nbaseline = { by = 0 }'
-    assert judged(lines, {"gait": {"class": "trot"}})[0].status is Status.GOOD
-    assert judged(lines, {"gait": {"class": "walk"}})[0].status is Status.FAIL
+    lines = 'figure = "gait.name"\nbaseline = { by = 0 }'
+    assert judged(lines, {"gait": {"name": "trot"}})[0].status is Status.GOOD
+    assert judged(lines, {"gait": {"name": "walk"}})[0].status is Status.FAIL
 
 
 def test_the_worst_is_what_a_log_comes_to() -> None:
     rules = parse_limits(
-        '[[rule]]\nfigure="gait.class"\nequals="trot"\n[[rule]]\nfigure="forces.ratio"\nat_most=1',
+        '[[rule]]\nfigure="gait.name"\nequals="trot"\n[[rule]]\nfigure="forces.ratio"\nat_most=1',
         "",
     )
     assert worst(judge(LOG, rules, None)) is Status.UNKNOWN

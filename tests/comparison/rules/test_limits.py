@@ -54,7 +54,7 @@ def test_a_rule_may_say_more() -> None:
 
 
 def test_a_text_may_have_to_be_equal() -> None:
-    assert rule('figure = "gait.class"\nequals = "trot"').equals == "trot"
+    assert rule('figure = "gait.name"\nequals = "trot"').equals == "trot"
 
 
 def test_nothing_may_be_found_or_happen_unless_a_rule_says_more() -> None:

@@ -28,7 +28,7 @@ def run(
         "base": {"duration_s": 9.0},
         "findings": [{"code": code, "text": "", "where": ""}] if code else [],
         "feet": {"left": foot, "right": copy.deepcopy(foot)},
-        "gait": {"class": "trot", "class_distance": 0.01},
+        "gait": {"name": "trot", "class_distance": 0.01},
         "forces": {
             "load_share": {"feet": {"left": 0.5, "right": 0.5}},
             "vertical_impulse_over_weight": 1.0,
@@ -68,7 +68,7 @@ def test_a_bad_run_fails(bad: dict[str, Any]) -> None:
 
 def test_another_gait_fails() -> None:
     other = run()
-    other["gait"]["class"] = "walk"
+    other["gait"]["name"] = "walk"
     assert verdict(other) is Status.FAIL
 
 
@@ -115,7 +115,7 @@ def test_slips_that_cannot_be_told_get_no_rule_and_are_unknown_where_there_is_on
 
 
 def test_runs_that_are_no_good_examples_are_named() -> None:
-    walk = {**run(0.8), "gait": {"class": "walk", "class_distance": 0.01}}
+    walk = {**run(0.8), "gait": {"name": "walk", "class_distance": 0.01}}
     found = doubts([GOOD[0], run(code="W_FALL"), walk], NAMES)
     assert found[0] == "b.bag has W_FALL: is it a good run?"
     assert "(trot, walk)" in found[1]

@@ -17,9 +17,9 @@ def log(
     return {
         "log": {"path": "a.bag"},
         "settings": {"mass_kg": mass},
-        "base": None if speed is None else {"forward_speed_mps": speed},
+        "base": {"forward_speed_mps": speed},
         "feet": {foot: {"strides": strides} for foot in feet},
-        "gait": {"class": gait},
+        "gait": {"name": gait},
         "quality": {"checks": [{"name": "one world", "outcome": "passed"}]},
     }
 

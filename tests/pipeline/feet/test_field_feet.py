@@ -270,7 +270,7 @@ def test_feet_inside_one_message_in_two_commands(tmp_path: Path, kind: str) -> N
     assert len(found["feet"]) == 4
     for foot in found["feet"].values():
         assert foot["stance_s"]["median"] == pytest.approx(DUTY * PERIOD_S, abs=0.011)
-    assert found["gait"]["class"] == ("trot" if kind in {"joints", "hands", "pressures"} else None)
+    assert found["gait"]["name"] == ("trot" if kind in {"joints", "hands", "pressures"} else None)
 
 
 def inside(walk: walks.Walk, kind: str, type_name: str, time_s: float, loads: list[float]) -> Any:

@@ -69,7 +69,7 @@ def test_a_trot_under_a_controller_called_rl_is_a_trot(tmp_path: Path) -> None:
     log = write_log(tmp_path / "walk.mcap", topics, odometry=["/odom"], samples=500)
     figures = json.loads(run("stats", log, "--json").stdout)
     assert list(figures["feet"]) == list(CORNERS)
-    assert figures["gait"]["class"] == "trot"
+    assert figures["gait"]["name"] == "trot"
 
 
 @pytest.mark.parametrize(
@@ -81,7 +81,7 @@ def test_two_sensors_a_foot_are_no_four_legs(tmp_path: Path, topics: dict[str, s
     log = write_log(tmp_path / "walk.mcap", topics, odometry=["/odom"], samples=500)
     figures = json.loads(run("stats", log, "--json").stdout)
     assert figures["feet"] == {}
-    assert figures["gait"]["class"] is None
+    assert figures["gait"]["name"] is None
 
 
 def test_a_drill_is_no_foot(tmp_path: Path) -> None:

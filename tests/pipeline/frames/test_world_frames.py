@@ -151,7 +151,7 @@ def test_stats_take_forces_but_no_places_from_frames(tmp_path: Path) -> None:
     log = swinging_walk(tmp_path, WRENCHES)
     options = TopicOptions(robot=str(walks.robot_file(tmp_path, WRENCHES)))
     done = measure(log, StatsOptions(options, contact_on_n=20.0, contact_off_n=5.0))
-    got = stats_json(done.stats, done.facts)
+    got = stats_json(done)
     for leg in walks.LEGS:
         peak = got["feet"][leg]["peak_vertical_force_n"]["mean"]
         assert peak == pytest.approx(walks.FORCES[leg][:, 2].max())

@@ -119,7 +119,7 @@ def test_another_style_and_encoding_replace_the_old_ones(
 
 def figures(log: Path) -> dict[str, Any]:
     done = measured(log) if log in {LONG, WALK} else measure(log, StatsOptions())
-    found = stats_json(done.stats, done.facts)
+    found = stats_json(done)
     # What a file is called and how it is packed is no figure; the rest is.
     del found["log"]["path"], found["log"]["container"]
     found["findings"] = [each for each in found["findings"] if each["code"] != "N_ANNOTATED"]

@@ -22,7 +22,7 @@ DURATION_S = (base.SAMPLES - 1) * walks.STEP / 1e9
 
 def figures(path: Path, name: str | None = None) -> dict[str, Any]:
     done = measure(path, StatsOptions(TopicOptions(odometry_topic=name)))
-    return stats_json(done.stats, done.facts)
+    return stats_json(done)
 
 
 def check(got: dict[str, Any], rel: float = 1e-9) -> None:

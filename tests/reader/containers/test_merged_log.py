@@ -62,7 +62,7 @@ def write_file(folder: Path, ros: int, name: str, entries: list[walks.Entry]) ->
 def figures(paths: list[Path]) -> dict[str, Any]:
     topics = TopicOptions(joined=tuple(paths[1:]))
     done = measure(paths[0], StatsOptions(topics, jobs=1))
-    found = stats_json(done.stats, done.facts)
+    found = stats_json(done)
     del found["log"]["path"], found["log"]["container"]
     return found
 
@@ -90,7 +90,7 @@ def test_joined_files_give_the_figures_of_the_whole(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     whole = figures_of_whole(ros)
-    assert whole["gait"]["class"] == "trot"
+    assert whole["gait"]["name"] == "trot"
     paths = write(tmp_path, ros, part)
     assert figures(paths) == whole
     # Many windows of time, over which long chunks reach.

@@ -17,7 +17,7 @@ from pypdf import PdfReader
 from pypdf.generic import DictionaryObject
 
 from dogbot_logtool.commands.plot import write_plot
-from dogbot_logtool.commands.stats import measure
+from dogbot_logtool.commands.stats import measure, measurement_of
 from dogbot_logtool.core.contact.curves import CurveDetail
 from dogbot_logtool.errors import LogError
 from dogbot_logtool.pipeline.options import PlotOptions, StatsOptions, TopicOptions
@@ -88,9 +88,7 @@ def bars(svg: ET.Element, foot: str) -> list[Window]:
 
 @pytest.mark.parametrize("path", [TROT, WALK], ids=["trot", "walk"])
 def test_bars_go_from_touchdown_to_liftoff(path: Path) -> None:
-    told: dict[str, Any] = stats_json(
-        measured(path, StatsOptions()).stats, measured(path, StatsOptions()).facts
-    )
+    told: dict[str, Any] = stats_json(measured(path, StatsOptions()))
     truth: dict[str, Any] = json.loads(path.with_suffix(".truth.json").read_text(encoding="utf-8"))
     window = 0.0, 4.0
     svg = svg_of(path, window)
@@ -100,7 +98,7 @@ def test_bars_go_from_touchdown_to_liftoff(path: Path) -> None:
         starts = within([start for start, _ in found], window)
         ends = within([end for _, end in found], window)
         assert starts == pytest.approx(within(figures["touchdown_s"], window), abs=2e-4)
-        assert ends == pytest.approx(within(figures["liftoff_s"], window), abs=2e-4)
+        assert ends == pytest.approx(within(figures["lift_off_s"], window), abs=2e-4)
         assert len(starts) >= 3
         # A message tells of all contacts since the one before, so a lift-off shows in the second.
         interval = truth["log"]["contact_interval_s"]
@@ -131,7 +129,7 @@ def test_the_highest_load_is_the_highest_peak(path: Path) -> None:
         for axes in gait_figure(stats, curves, window).axes
         for line in axes.lines
     }
-    told = stats_json(stats, measured(path, StatsOptions()).facts)
+    told = stats_json(measurement_of(stats, measured(path, StatsOptions()).facts))
     for foot in FEET:
         peak = told["feet"][foot]["peak_force_bw"]["max"]
         assert np.nanmax(lines[f"load-{foot}"]) == pytest.approx(peak, rel=1e-6)

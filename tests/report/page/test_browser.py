@@ -60,7 +60,7 @@ def trot_page(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.fixture(scope="session")
 def trot_json() -> Any:
     measured = measure(TROT, StatsOptions())
-    return json.loads(json.dumps(stats_json(measured.stats, measured.facts)))
+    return json.loads(json.dumps(stats_json(measured)))
 
 
 MARKS: Final = {
@@ -148,7 +148,7 @@ def test_a_hover_tells_what_the_stats_say(window: Window, trot_page: Path, trot_
     window.run("return Plotly.relayout('gait', {'xaxis.range': arguments[0]})", whole)
     foot = trot_json["feet"]["back_left"]
     touchdown = next(each for each in foot["touchdown_s"] if each > 1.0)
-    liftoff = next(each for each in foot["liftoff_s"] if each > touchdown)
+    liftoff = next(each for each in foot["lift_off_s"] if each > touchdown)
     said = window.hover("gait", window.pixel("gait", (touchdown + liftoff) / 2.0, 2.0))
     assert f"down for {liftoff - touchdown:.3f} s" in said
     assert f"from {touchdown:.3f} to {liftoff:.3f} s" in said

@@ -10,6 +10,8 @@ import pytest
 
 from dogbot_logtool.commands.compare_gait import compare_gait
 from dogbot_logtool.commands.tasks import Measure
+from dogbot_logtool.core.metrics import Base, Stability
+from dogbot_logtool.core.records import to_json, unknown
 from dogbot_logtool.pipeline.options import StatsOptions, TopicOptions
 from dogbot_logtool.report.page.charts.comparison_figures import (
     PANEL,
@@ -73,7 +75,7 @@ def test_curves_of_both_sides_are_laid_over_each_other(measured: dict[str, Figur
         curve = panels[0].curves[side]
         assert curve is not None
         points = np.array([each.split(",") for each in curve.line.split()], np.float64)
-        truth = sides[side][0]["feet"]["front_left"]["force_curves"]["vertical_over_stride_n"]
+        truth = sides[side][0]["feet"]["front_left"]["vertical_over_stride_n"]
         assert points[[0, -1], 0] == pytest.approx([PANEL["left"], PANEL["right"]])
         # The drawing's y is a falling linear function of the force.
         slope, at_zero = np.polyfit(truth["median"], points[:, 1], 1)
@@ -100,8 +102,9 @@ def test_stances_are_bars_in_the_stride(measured: dict[str, Figures]) -> None:
 def test_what_is_not_known_is_left_out(measured: dict[str, Figures]) -> None:
     blind: dict[str, Any] = copy.deepcopy(measured["trot"].json)
     for foot in blind["feet"].values():
-        foot["force_curves"] = foot["duty_factor"] = None
-    blind["base"] = blind["stability"] = None
+        foot["vertical_over_stride_n"] = foot["duty_factor"] = None
+    blind["base"] = to_json(unknown(Base))
+    blind["stability"] = to_json(unknown(Stability))
     assert cycle_panels(([blind], [blind]), "vertical_over_stride_n") == []
     assert stance_bars(([blind], [blind])) == []
     found = compare_gait([measured["trot"]], [measured["pace"]])

@@ -15,7 +15,7 @@ def test_events_are_listed_and_marked_in_every_figure_over_time() -> None:
     troubled = measured(SAMPLE_LOGS / "dogbot_troubled.bag", options)
     found = event_list(troubled.stats)
     assert [row.what for row in found.rows] == ["sensor fault", "gap"]
-    html = page(troubled.stats, troubled.facts, 0)
+    html = page(troubled, 0)
     for row in found.rows:
         assert f'data-from="{row.start_s}" data-to="{row.end_s}"'.encode() in html
     over_time = {name: each for name, each in drawings(html).items() if each["over_time"]}

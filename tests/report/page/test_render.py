@@ -8,6 +8,7 @@ from html.parser import HTMLParser
 import numpy as np
 import pytest
 
+from dogbot_logtool.commands.stats import measurement_of
 from dogbot_logtool.core.base.odometry import Odometry
 from dogbot_logtool.core.contact.contacts import Samples
 from dogbot_logtool.core.frames.wrench_frame import WrenchFrame
@@ -61,7 +62,7 @@ class Tags(HTMLParser):
 
 
 def test_the_page_loads_nothing_and_has_each_id_once() -> None:
-    tags = Tags(page(*trot(), 0))
+    tags = Tags(page(measurement_of(*trot()), 0))
     assert set(tags.loads) == {"href=#findings", "href=#events"}
     assert len(tags.ids) == len(set(tags.ids))
     assert tags.seen.count("script") == 3
@@ -70,7 +71,7 @@ def test_the_page_loads_nothing_and_has_each_id_once() -> None:
 
 
 def test_the_same_log_gives_the_same_bytes() -> None:
-    assert page(*trot(), 0) == page(*trot(), 0)
+    assert page(measurement_of(*trot()), 0) == page(measurement_of(*trot()), 0)
 
 
 def test_texts_of_a_log_stay_texts() -> None:
@@ -84,8 +85,8 @@ def test_texts_of_a_log_stay_texts() -> None:
         damage=Damage(HOSTILE, (Loss(1, HOSTILE, 2),)),
         findings=[Finding(f"W_{HOSTILE}", HOSTILE)],
     )
-    html = page(replace(stats, feet=feet, topics=topics), facts, 100)
-    plain = Tags(page(*trot(), 0))
+    html = page(measurement_of(replace(stats, feet=feet, topics=topics), facts), 100)
+    plain = Tags(page(measurement_of(*trot()), 0))
     tags = Tags(html)
     assert "img" not in tags.seen
     assert tags.seen.count("script") == plain.seen.count("script")
@@ -98,10 +99,10 @@ def test_texts_of_a_log_stay_texts() -> None:
 
 
 def test_the_policy_names_the_scripts_that_run() -> None:
-    html = page(*trot(), 0).decode()
+    html = page(measurement_of(*trot()), 0).decode()
     (policy,) = re.findall(r'Content-Security-Policy" content="([^"]*)"', html)
     assert policy.startswith("default-src 'none'; script-src 'sha256-")
-    beside = page(*trot(), 0, beside=Beside("shared.js", "index.html")).decode()
+    beside = page(measurement_of(*trot()), 0, beside=Beside("shared.js", "index.html")).decode()
     assert "script-src 'self' file:; style-src" in beside
     assert len(beside) < MB
     assert "unsafe-inline'; img-src" in policy
@@ -110,7 +111,7 @@ def test_the_policy_names_the_scripts_that_run() -> None:
 
 def test_figures_agree_with_the_stats() -> None:
     stats, facts = trot()
-    shown = drawings(page(stats, facts, 0))
+    shown = drawings(page(measurement_of(stats, facts), 0))
     for foot in stats.feet:
         force = numbers(trace(shown["loads"], f"{foot.name} |F|")["y"])
         assert np.nanmax(force) == np.float32(foot.record.stances.figures.peak_n.max())
@@ -125,20 +126,23 @@ def test_figures_agree_with_the_stats() -> None:
 
 def test_the_usual_force_over_the_stride_is_that_of_the_stats() -> None:
     stats, facts = trot()
-    document = stats_json(stats, facts)
-    cycle = drawings(page(stats, facts, 0))["cycle"]
+    document = stats_json(measurement_of(stats, facts))
+    cycle = drawings(page(measurement_of(stats, facts), 0))["cycle"]
     for name, foot in document["feet"].items():
         traces = [each for each in cycle["data"] if each["name"] == name]
         keys = ("vertical_over_stride_n", "forward_over_stride_n")
-        for found, wanted in zip(traces, (foot["force_curves"][key] for key in keys), strict=True):
+        for found, wanted in zip(traces, (foot[key] for key in keys), strict=True):
             assert numbers(found["y"]) == pytest.approx(np.array(wanted["median"]), abs=1e-3)
             bounds = numbers(found["customdata"]).reshape(-1, 2)
-            assert bounds[:, 0] == pytest.approx(np.array(wanted["lower_quartile"]), abs=1e-3)
+            assert bounds[:, 0] == pytest.approx(np.array(wanted["lower"]), abs=1e-3)
 
 
 def test_motion_agrees_with_the_stats() -> None:
     stats, facts = trot()
-    document, shown = stats_json(stats, facts), drawings(page(stats, facts, 0))["motion"]
+    document, shown = (
+        stats_json(measurement_of(stats, facts)),
+        drawings(page(measurement_of(stats, facts), 0))["motion"],
+    )
     known = {each["name"]: numbers(each["y"]) for each in shown["data"]}
     ranges = {
         "static margin": (document["stability"]["static_margin_m"], 1e3),
@@ -157,23 +161,23 @@ def test_a_fall_or_a_doubt_is_the_headline() -> None:
     stats, facts = trot()
     start = stats.origin + 2_000_000_000
     fallen = replace(stats, fallen=np.array([[start, stats.end]], np.int64))
-    html = page(fallen, facts, 0).decode()
+    html = page(measurement_of(fallen, facts), 0).decode()
     assert re.search(r'class="verdict unknown">Falls at 2\.00 s<', html)
     assert '<p class="gait">Trot, clearly</p>' in html
     bands = [
         each["layout"]["shapes"] for each in drawings(html.encode()).values() if each["over_time"]
     ]
     assert all((band[0]["x0"], band[0]["y0"], band[0]["y1"]) == (2.0, 0.0, 1.0) for band in bands)
-    html = page(stats, replace(facts, damage=GONE), 0).decode()
+    html = page(measurement_of(stats, replace(facts, damage=GONE)), 0).decode()
     assert "In doubt: the log is damaged" in html
 
 
 def test_the_page_tells_date_robot_and_version() -> None:
     stats, facts = trot()
-    html = page(stats, replace(facts, start_s=1_760_000_000.0), 0).decode()
+    html = page(measurement_of(stats, replace(facts, start_s=1_760_000_000.0)), 0).decode()
     assert "<dd>2025-10-09 08:53:20 UTC</dd>" in html
     assert "<dt>robot</dt><dd>dogbot</dd>" in html
-    assert "(no date)" in page(stats, facts, 0).decode()
+    assert "(no date)" in page(measurement_of(stats, facts), 0).decode()
 
 
 def luminance(colour: str) -> float:
@@ -187,7 +191,7 @@ def luminance(colour: str) -> float:
 def test_every_line_is_seen_on_light_and_dark(scheme: int) -> None:
     """The contrast of each line and marker with the paper is at least 3:1."""
     paper = luminance(re.findall(r"--paper: (#\w{6})", own("page.css"))[scheme])
-    for drawing in drawings(page(*trot(), 0)).values():
+    for drawing in drawings(page(measurement_of(*trot()), 0)).values():
         for each in drawing["data"]:
             for part in ("line", "marker"):
                 colour = each.get(part, {}).get("color", "")
@@ -199,7 +203,7 @@ def test_every_line_is_seen_on_light_and_dark(scheme: int) -> None:
 
 def test_damage_is_marked_where_it_is_in_the_file() -> None:
     stats, facts = trot()
-    html = page(stats, replace(facts, damage=GONE), 1000).decode()
+    html = page(measurement_of(stats, replace(facts, damage=GONE)), 1000).decode()
     assert "left:25.000%;width:10.000%" in html
     assert "The log is damaged" in html
 
@@ -240,7 +244,7 @@ def test_a_page_of_a_long_log_is_small_and_has_every_peak() -> None:
     place = np.stack([0.25 * time, zero, zero + 0.4], axis=1)
     poses = Odometry(stamp, stamp, place, level, place * 0.0, place * 0.0)
     stats = analysed(settings, [samples(foot, time, spikes) for foot in range(4)], poses)
-    html = page(stats, LogFacts("day.bag", "ROS 1 bag", "ros1", 0.0, 1.0, 1), 0)
+    html = page(measurement_of(stats, LogFacts("day.bag", "ROS 1 bag", "ros1", 0.0, 1.0, 1)), 0)
     assert len(html) < 2.5 * MB
     shown = drawings(html)
     for name in (place.name for place in feet):
@@ -260,7 +264,9 @@ def test_a_log_of_contacts_only_has_a_page_that_says_what_is_missing() -> None:
     nowhere = np.full_like(seen[0].position, np.nan)
     without = [replace(each, position=nowhere) for each in seen]
     stats = analysed(StatsSettings(feet), without)
-    html = page(stats, LogFacts("x.mcap", "MCAP", "ros2", None, None, 0), 0).decode()
+    html = page(
+        measurement_of(stats, LogFacts("x.mcap", "MCAP", "ros2", None, None, 0)), 0
+    ).decode()
     assert "tell contact, not force" in html
     assert "positions are not known" in html
     assert "Walk, clearly" in html
@@ -268,7 +274,7 @@ def test_a_log_of_contacts_only_has_a_page_that_says_what_is_missing() -> None:
 
 def test_a_log_without_any_contact_has_a_page() -> None:
     stats = analysed(StatsSettings(()))
-    html = page(stats, LogFacts("x.mcap", "MCAP", "ros2", None, None, 0), 0)
+    html = page(measurement_of(stats, LogFacts("x.mcap", "MCAP", "ros2", None, None, 0)), 0)
     assert drawings(html) == {}
     assert b"no contacts that could be used" in html
 
@@ -276,7 +282,7 @@ def test_a_log_without_any_contact_has_a_page() -> None:
 def test_the_index_has_a_row_a_log_and_says_why_one_is_missing() -> None:
     stats, facts = trot()
     rows = [
-        index_row(stats, facts, "a b#?.report.html"),
+        index_row(measurement_of(stats, facts), "a b#?.report.html"),
         IndexRow(HOSTILE, error=f"{HOSTILE} is no log"),
     ]
     html = index(rows)

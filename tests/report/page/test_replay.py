@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from dogbot_logtool.commands.report import replay_of
-from dogbot_logtool.commands.stats import measure_log
+from dogbot_logtool.commands.stats import measure_log, measurement_of
 from dogbot_logtool.pipeline.options import StatsOptions
 from dogbot_logtool.pipeline.topics.annotated import open_recorded
 from dogbot_logtool.report.page.render import page
@@ -124,10 +124,10 @@ def test_without_frames_lines_lead_to_the_feet_and_unknown_feet_are_below_the_ba
     unknown = replay(replace(stats, feet=nowhere), time, None)
     assert unknown is not None
     assert unknown["schematic"]
-    html = page(stats, measured().facts, 0, replay=unknown).decode()
+    html = page(measurement_of(stats, measured().facts), 0, replay=unknown).decode()
     assert "does not tell where the feet are" in html
     assert "<canvas" in html
-    assert "<canvas" not in page(stats, measured().facts, 0).decode()
+    assert "<canvas" not in page(measurement_of(stats, measured().facts), 0).decode()
 
 
 def test_a_walk_far_from_the_worlds_origin_is_as_exact() -> None:
@@ -155,5 +155,5 @@ def test_a_long_log_is_thinned() -> None:
 
 def test_a_page_with_its_replay_is_small() -> None:
     stats, facts = measured().stats, measured().facts
-    html = page(stats, facts, 0, replay=shown())
-    assert len(page(stats, facts, 0)) < len(html) < 2 * MB
+    html = page(measurement_of(stats, facts), 0, replay=shown())
+    assert len(page(measurement_of(stats, facts), 0)) < len(html) < 2 * MB

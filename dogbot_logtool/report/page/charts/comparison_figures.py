@@ -96,11 +96,10 @@ def _of_side(side: Sequence[Json], foot: str, curve: str) -> Floats | None:
 
 
 def _curve(document: Json, foot: str, curve: str) -> Floats | None:
-    curves = document["feet"].get(foot, {}).get("force_curves")
-    found = curves and curves[curve]
+    found = document["feet"].get(foot, {}).get(curve)
     if not found:
         return None
-    keys = ("percent", "lower_quartile", "median", "upper_quartile")
+    keys = ("percent", "lower", "median", "upper")
     return np.array([found[key] for key in keys], np.float64)
 
 

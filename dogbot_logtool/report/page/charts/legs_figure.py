@@ -17,8 +17,7 @@ _LEAST_RAD: Final = 0.05
 """Span of a joint's row at least: what rests shows no noise."""
 _CAPTION: Final = (
     "0 % is the foot's own touchdown; dashed: legs on the right. Foot: height above the line "
-    "between its footfalls, median and quartiles. Joints: position, mean and standard "
-    "deviation over whole strides."
+    "between its footfalls. Joints: position. Median and quartiles over whole strides."
 )
 
 
@@ -53,9 +52,8 @@ def _joints(legs: LegFigures) -> list[PanelRow]:
         curve = joint.curve
         if curve is None:
             continue
-        low, high = curve.position - curve.position_sd, curve.position + curve.position_sd
         name = kinds.get(joint.history.name, joint.history.name)
-        band = Band(curve.percent, low, curve.position, high)
+        band = Band(curve.percent, curve.lower, curve.median, curve.upper)
         rows.setdefault(name, {})[numbers[joint.foot]] = band
     return [PanelRow(name, "rad", bands, least=_LEAST_RAD) for name, bands in rows.items()]
 

@@ -1,0 +1,96 @@
+"""The records of a walk's metrics, and why some of them are null."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import pytest
+
+from dogbot_logtool.commands.stats import measurement_of
+from dogbot_logtool.core.metrics import NEEDS, WalkMetrics
+from dogbot_logtool.core.records import values
+from dogbot_logtool.core.settings import StatsSettings
+from dogbot_logtool.core.statistics import Stats
+from dogbot_logtool.finding import Finding
+from dogbot_logtool.pipeline.options import StatsOptions
+from dogbot_logtool.results import LogFacts
+from tests.analysed import analysed
+from tests.measured import measured
+from tests.oracles.straight_walk import Walk
+from tests.paths import TROT, TROUBLED
+
+FACTS = LogFacts("walk.bag", "ROS 1 bag", "ros1", 0.0, 10.0, 100, robot="spot")
+
+
+def metrics(stats: Stats, findings: Sequence[Finding] = ()) -> WalkMetrics:
+    return measurement_of(stats, replace(FACTS, findings=findings)).metrics
+
+
+def nulls(walk: WalkMetrics) -> set[str]:
+    """Paths of the metrics that are null though a log may have them."""
+    found = [(path, field) for path, value, field in values(walk) if value is None]
+    return {".".join(path) for path, field in found if field.of.needs}
+
+
+def test_what_decided_the_metrics_is_told() -> None:
+    settings = metrics(Walk().measure()).settings
+
+    assert (settings.robot, settings.robot_guessed) == ("spot", False)
+    assert (settings.base_from, settings.contact_from, settings.clock) == (
+        "pose",
+        "sensor",
+        "header",
+    )
+    assert metrics(analysed(StatsSettings(()))).settings.contact_from is None
+
+
+@pytest.mark.parametrize("seconds", [3.0, 10.0])
+def test_few_strides_are_little_confidence(seconds: float) -> None:
+    gait = metrics(Walk(seconds=seconds).measure()).gait
+
+    assert gait.name == "trot"
+    assert gait.class_distance is not None
+    assert gait.strides
+    least = min(phase.consistency or 0.0 for phase in gait.phase.values())
+    fit = (1.0 - gait.class_distance / 0.2) * least
+    assert gait.confidence == pytest.approx(fit * min(1.0, gait.strides / 3))
+
+
+def test_a_finding_voids_metrics_of_the_log_and_of_its_segments() -> None:
+    doubt = Finding("W_DEAD", "it is dead", "feet.front_left", voids=("feet.front_left.*",))
+    walk = metrics(Walk().measure(), [doubt])
+
+    for part in (walk, *walk.gait.segments):
+        assert part.feet["front_left"].stance_s is None
+        assert part.feet["front_right"].stance_s is not None
+    assert walk.null_because["feet.front_left.stance_s"] == "W_DEAD"
+    assert next(each for each in walk.findings if each.code == "W_DEAD").voids == doubt.voids
+
+
+@pytest.mark.parametrize("log", [TROT, TROUBLED], ids=lambda path: path.stem)
+def test_every_null_has_a_reason(log: object) -> None:
+    walk = measured(log, StatsOptions()).metrics  # type: ignore[arg-type]
+    of_whole = {path for path in nulls(walk) if not path.startswith("gait.segments.")}
+
+    assert of_whole == {p for p in walk.null_because if not p.startswith("gait.segments.")}
+    for path in nulls(walk) - of_whole:
+        below = path.split(".", 3)[3]
+        assert path in walk.null_because or below in walk.null_because
+
+
+def test_reasons_are_what_the_log_lacks() -> None:
+    because = metrics(Walk().measure()).null_because
+
+    assert because["legs.absolute_work_j"] == NEEDS["joints"]
+    assert because["feet.front_left.clearance_m"] == NEEDS["foot frame"]
+    assert because["feet.front_left.planned"] == NEEDS["plan"]
+    assert because["commands.topic"] == NEEDS["commands"]
+    assert because["imu.tilt_rad"] == NEEDS["imu"]
+    assert because["gait.double_support_fraction"] == NEEDS["two feet"]
+    assert because["gait.sequence"] == "does not apply"
+
+
+def test_of_a_log_without_feet_that_is_the_reason() -> None:
+    because = metrics(analysed(StatsSettings(()))).null_because
+
+    assert {because["gait.name"], because["forces.load_share.fore"]} == {NEEDS["feet"]}
+    assert because["base.path_length_m"] == NEEDS["base"]
