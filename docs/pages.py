@@ -11,7 +11,6 @@ from dogbot_logtool.core.metrics import Event, Stride, WalkMetrics
 from dogbot_logtool.core.records import Field, definitions, fields_of, is_record, metric_paths
 from dogbot_logtool.finding import finding_kinds
 from dogbot_logtool.io.plain_json import to_json
-from dogbot_logtool.report.dataset.schema import PARTITIONS, SCHEMA_VERSION, tables
 from dogbot_logtool.report.documents.metrics_schema import schema
 
 HERE: Final = Path(__file__).parent
@@ -92,42 +91,9 @@ def schema_file() -> str:
     return to_json(schema(WalkMetrics), indent=1) + "\n"
 
 
-_DATASET_HEAD: Final = """# The dataset of `export --dataset`
-
-The tables that `export --dataset DIR` keeps ([many logs](many_logs.md)), and their columns; a
-name means the same in all of them. The directories have the columns {partitions}.
-`--label NAME=VALUE` adds columns of text to `logs`.
-
-A table is `<table>/robot=<robot>/month=<month>/part-<number>.parquet`; a part holds the rows of
-up to 1,000 logs, those of one log under the same number in all tables. The files' metadata say
-the version of this layout, which is {version}. This page is made of the records
-in `dogbot_logtool/core/metrics.py` by `make docs`.
-"""
-_ROWS_OF: Final = {
-    "logs": "a row a log, also of one that could not be measured",
-    "feet": "a row a foot of a log that was measured; an aggregate is six columns",
-    "strides": "a row a whole stride of a foot",
-    "events": "a row an event",
-}
-
-
-def dataset_page() -> str:
-    """Return the page of the tables in Parquet."""
-    partitions = " and ".join(f"`{name}` ({words})" for name, words in PARTITIONS.items())
-    parts = [_DATASET_HEAD.format(partitions=partitions, version=SCHEMA_VERSION)]
-    for table, words in _ROWS_OF.items():
-        parts.append(f"\n## {table}\n\n{words[0].upper()}{words[1:]}.\n\n")
-        parts.append("| column | type | unit | what it is | null when |\n|---|---|---|---|---|\n")
-        for each in tables()[table]:
-            cells = (f"`{each.name}`", each.type.value, each.unit, each.definition, each.null)
-            parts.append("| " + " | ".join(cell.replace("|", "\\|") for cell in cells) + " |\n")
-    return "".join(parts)
-
-
 PAGES: Final[dict[Path, Callable[[], str]]] = {
     HERE / "findings.md": findings_page,
     HERE / "metrics.md": metrics_page,
-    HERE / "dataset.md": dataset_page,
     HERE.parent / "dogbot_logtool" / "report" / "documents" / "stats.schema.json": schema_file,
 }
 """What is made, and what makes it."""

@@ -7,9 +7,7 @@ from typing import TYPE_CHECKING, NoReturn
 from dogbot_logtool.cli.outcomes import Outcomes
 from dogbot_logtool.commands.tasks import MeasuredEntry, MeasureForDataset
 from dogbot_logtool.io.storage import from_root, location, shown
-from dogbot_logtool.report.dataset.dataset import DatasetWriter, Pending, dataset_at
-from dogbot_logtool.report.dataset.labels import parse_labels
-from dogbot_logtool.report.dataset.rows import failed_rows
+from dogbot_logtool.report.dataset.dataset import Dataset, Pending, dataset_at, parse_labels
 from dogbot_logtool.report.text.dataset_text import DatasetRun
 from dogbot_logtool.run.choice import runner_for
 from dogbot_logtool.run.inputs import find_logs
@@ -34,7 +32,7 @@ def export_dataset(
         words: of the logs.
         name: of the dataset, a directory or URL.
         options: of measuring; `jobs` is for all logs.
-        labels: ``NAME=VALUE``, columns for the logs of this call.
+        labels: ``NAME=VALUE``, labels for the logs of this call.
         scheduler: address of one of dask.distributed.
         prune: remove logs that are gone.
         quiet: no progress, and no notes.
@@ -51,33 +49,32 @@ def export_dataset(
     outcomes.add_unchanged(pending.unchanged)
     run = DatasetRun(pending.unchanged, pending.pruned)
     runner = runner_for("stats", len(pending.entries), options.jobs, scheduler)
-    with dataset.writer() as writer:
-        take = _taker(pending, writer, run)
-        work = MeasureForDataset(replace(options, jobs=runner.jobs))
-        for _ in outcomes.of(runner, work, pending.entries, pending.log_set.names, take):
-            outcomes.add({})
+    take = _taker(pending, dataset, run)
+    work = MeasureForDataset(replace(options, jobs=runner.jobs))
+    for _ in outcomes.of(runner, work, pending.entries, pending.log_set.names, take):
+        outcomes.add({})
     if not quiet:
         from dogbot_logtool.report.text.console import diagnostics  # noqa: PLC0415 - rich costs 40 ms
         from dogbot_logtool.report.text.dataset_text import print_dataset  # noqa: PLC0415
 
         run.failed = len(outcomes.failures)
-        print_dataset(diagnostics(), shown(dataset.root), run)
+        print_dataset(diagnostics(), shown(dataset.files.root), run)
     outcomes.finish(as_json=False)
 
 
 def _taker(
-    pending: Pending, writer: DatasetWriter, run: DatasetRun
+    pending: Pending, dataset: Dataset, run: DatasetRun
 ) -> Callable[[int, MeasuredEntry | None, str], None]:
     """Return what takes the outcome of each log."""
 
     def take(number: int, done: MeasuredEntry | None, sentence: str) -> None:
         entry = pending.entries[number]
-        if done is not None:
-            writer.add(entry, done.rows)
-            run.measured += 1
-            run.damaged += bool(done.damage.losses)
-        elif entry.state.version:
-            # A log that is not there at all leaves no row.
-            writer.add(entry, failed_rows(sentence))
+        if done is None:
+            dataset.write_failed(entry, sentence)
+            return
+        damaged = bool(done.damage.losses)
+        dataset.write(entry, done.tables, damaged=damaged)
+        run.measured += 1
+        run.damaged += damaged
 
     return take

@@ -48,15 +48,15 @@ _STDOUT = "-"
     "--dataset",
     type=output_name,
     metavar="DIR|URL",
-    help="Keep all figures of many logs there, for SQL; logs that are there unchanged are skipped.",
+    help="Keep the metrics of many logs there, for SQL; logs that are there unchanged are skipped.",
 )
 @click.option(
     "--label",
     "labels",
     metavar="NAME=VALUE",
     multiple=True,
-    help="With --dataset: a column of `logs` for the logs of this call, such as firmware=3.2; can "
-    "be given several times.",
+    help="With --dataset: a label for the logs of this call, such as firmware=3.2; can be given "
+    "several times.",
 )
 @click.option(
     "--prune",
@@ -86,12 +86,12 @@ def export(
     """Write a table of strides, stances, events, poses or samples.
 
     The tables are those of a walk in Python, behind a column with the log's name. Several logs
-    make one table. A dataset has tables of the figures of many logs, to which later calls add.
+    make one table. A dataset has tables of the metrics of many logs, to which later calls add.
 
     \b
     dogbot-logtool export walk.bag > strides.csv
     dogbot-logtool export walk.bag --table samples -o samples.parquet
-    dogbot-logtool export recordings/ --dataset figures
+    dogbot-logtool export recordings/ --dataset walks
     """  # noqa: D301 - click's own mark
     from dogbot_logtool.api.export import Export  # noqa: PLC0415
     from dogbot_logtool.io.output import refuse_bad_target, whole_file  # noqa: PLC0415

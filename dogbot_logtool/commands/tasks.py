@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     )
     from dogbot_logtool.reader.containers.loss import Damage
     from dogbot_logtool.report.dataset.dataset import Entry
-    from dogbot_logtool.report.dataset.rows import LogRows
+    from dogbot_logtool.report.dataset.rows import Tables
     from dogbot_logtool.results import Conversion, LogInfo, Measurement
 
 _CHECKS_AT_ONCE: Final = 16
@@ -161,15 +161,18 @@ class MeasureForDataset:
 
     def __call__(self, entry: "Entry", on_progress: OnProgress | None) -> "MeasuredEntry":
         """Measure a log."""
-        from dogbot_logtool.report.dataset.rows import log_rows  # noqa: PLC0415
+        from dogbot_logtool.commands.stats import measure  # noqa: PLC0415
+        from dogbot_logtool.report.dataset.rows import log_tables  # noqa: PLC0415
+        from dogbot_logtool.report.files.stride_table import stride_table  # noqa: PLC0415
 
-        figures = Measure(self.options)(entry.location, on_progress)
-        return MeasuredEntry(log_rows(figures), figures.damage)
+        measured = measure(entry.location, self.options, on_progress)
+        tables = log_tables(measured.metrics, stride_table(measured.stats))
+        return MeasuredEntry(tables, measured.damage)
 
 
 @dataclass(frozen=True, slots=True)
 class MeasuredEntry:
     """A log that was measured for a dataset."""
 
-    rows: "LogRows"
+    tables: "Tables"
     damage: "Damage"

@@ -297,14 +297,14 @@ def test_info_of_several_logs(shell: Shell) -> None:
         (("info", "s3://lab/walk.bag"), "upath"),
         (("info", "@s3://lab/list.txt"), "upath"),
         (("stats", TROT, "--scheduler", "tcp://x:1"), "distributed"),
-        (("export", TROT, "--dataset", "figures"), "pyarrow"),
+        (("export", TROT, "--dataset", "walks"), "pyarrow"),
     ],
 )
 def test_what_an_extra_brings_is_asked_for(
     shell: Shell, monkeypatch: pytest.MonkeyPatch, words: Sequence[object], package: str
 ) -> None:
     monkeypatch.setitem(sys.modules, package, None)
-    dataset = ("cli.dataset", "report.dataset.dataset", "report.dataset.files")
+    dataset = ("cli.dataset", "report.dataset.dataset", "report.dataset.rows")
     for module in ("run.cluster", *dataset):
         monkeypatch.delitem(sys.modules, f"dogbot_logtool.{module}", raising=False)
     done = shell(*words)

@@ -112,17 +112,17 @@ def test_figures_are_those_of_a_serial_run_whatever_fails(
     assert done.code == 3, done.err
     assert "left; others do what it had in hand" in done.err
     logs, strides = lab.table("logs"), lab.table("strides")
-    assert sorted(row["log"] for row in logs) == sorted(f"s3://{BUCKET}/logs/{n}" for n in lab.logs)
+    paths = {row["log_hash"]: row["path"] for row in logs}
+    assert sorted(paths.values()) == sorted(f"s3://{BUCKET}/logs/{name}" for name in lab.logs)
     expected = {f"s3://{BUCKET}/logs/{name}": serial[path] for name, path in lab.logs.items()}
     for row in logs:
-        figures = expected[row["log"]]
-        assert without_path(json.loads(row["metrics_json"])) == without_path(figures.json)
-        assert row["damaged"] == (bool(figures.damage.losses))
-    assert sum(row["damaged"] for row in logs) == DAMAGED
-    ids = {row["log"]: row["log_id"] for row in logs}
-    assert all(ids[row["log"]] == row["log_id"] for row in strides)
+        figures = expected[row["path"]]
+        assert row["base"] == figures.json["base"]
+        assert row["settings"]["robot"] == figures.json["settings"]["robot"]
+        assert row["log"]["lost_messages"] == figures.json["log"]["lost_messages"]
+    assert sum(row["log"]["lost_bytes"] > 0 for row in logs) == DAMAGED
     for name, figures in expected.items():
-        found = [row["duty_factor"] for row in strides if row["log"] == name]
+        found = [row["duty_factor"] for row in strides if paths[row["log_hash"]] == name]
         assert found == figures.strides.columns["duty_factor"].tolist()
     assert sum(request["failed"] for request in lab.store.requests()) > LOGS / FAIL_EVERY
 
@@ -131,7 +131,7 @@ def test_a_second_run_does_what_has_changed(lab: Lab, tmp_path: Path) -> None:
     """After the run above: one log gives way to another."""
     name = next(iter(lab.logs))
     other = next(path for path in lab.logs.values() if path != lab.logs[name])
-    before = {row["log"]: row["log_id"] for row in lab.table("logs")}
+    before = {row["path"]: row["log"] for row in lab.table("logs")}
     lab.store.client.pipe_file(f"{BUCKET}/logs/{name}", other.read_bytes())
     asked = len(lab.store.requests())
 
@@ -140,7 +140,7 @@ def test_a_second_run_does_what_has_changed(lab: Lab, tmp_path: Path) -> None:
     assert f"{LOGS - 1} logs are there already, unchanged" in done.err
     assert done.code == 3
     rows = lab.table("logs")
-    after = {row["log"]: row["log_id"] for row in rows}
+    after = {row["path"]: row["log"] for row in rows}
     assert {log for log in after if after[log] != before[log]} == {f"s3://{BUCKET}/logs/{name}"}
     assert len(after) == len(rows) == LOGS
     read = {request["path"] for request in lab.store.requests()[asked:] if request["range"]}
@@ -153,7 +153,7 @@ def test_figures_are_kept_in_a_store_alike(lab: Lab, tmp_path: Path) -> None:
     assert lab.store.run(*words, folder=tmp_path).code == 0
     assert "2 logs are there already, unchanged" in lab.store.run(*words, folder=tmp_path).err
     table = ds.dataset(f"{BUCKET}/figures/logs", filesystem=lab.store.client).to_table()
-    assert len(set(table.column("log").to_pylist())) == table.num_rows == 2
+    assert len(set(table.column("path").to_pylist())) == table.num_rows == 2
 
 
 def test_annotated_logs_are_those_of_a_serial_run(lab: Lab, tmp_path: Path) -> None:

@@ -1,11 +1,8 @@
-"""The figures of many logs as Parquet, for any SQL engine: what `export --dataset` keeps.
+"""The metrics of many logs as Parquet, for any SQL engine: what `export --dataset` keeps.
 
-    logs/robot=dogbot/month=2026-11/part-0000.parquet      a row a log
-    feet/robot=dogbot/month=2026-11/part-0000.parquet      a row a foot of a log
-    strides/robot=dogbot/month=2026-11/part-0000.parquet   a row a stride of a foot
-    events/robot=dogbot/month=2026-11/part-0000.parquet    a row an event
+    logs/3f2a....parquet       a row: a log, with groups of metrics as structs (base, gait ...)
+    feet/3f2a....parquet       a row a foot of that log; likewise strides, events, findings
 
-The rows of a log lie in the part of one number in each table, together with those of other logs. A
-part is replaced as a whole, `logs` last, so that a reader sees no half file, and what a later run
-finds in `logs` is in the other tables, too.
+A file is named by the hash of its log's path. Writing is replacing that file; those of other logs
+are never opened. Two calls that write one log write the same bytes, so nothing is locked.
 """

@@ -1,102 +1,95 @@
-"""The rows of one log, as plain values: made where the log is measured, sent to who writes them."""
+"""The rows of one log as Arrow tables: columns are the fields of the records of metrics."""
 
-from collections.abc import Mapping, Sequence
-from datetime import datetime
+from collections.abc import Iterator, Mapping
 from typing import Any, Final
-from urllib.parse import quote
 
-from dogbot_logtool.dataclass import dataclass
-from dogbot_logtool.io.plain_json import to_json
-from dogbot_logtool.report.dataset.schema import foot_columns, log_columns
-from dogbot_logtool.report.numbers import date_of
-from dogbot_logtool.results import Figures
+from dogbot_logtool.core import metrics
+from dogbot_logtool.core.records import Field, fields_of, is_record, to_json
+from dogbot_logtool.errors import ExtraMissingError
+from dogbot_logtool.report.files.table_file import arrow_table
+from dogbot_logtool.results import StrideTable
 
-Json = dict[str, Any]
-_NOT_KNOWN: Final = "unknown"
+try:
+    import pyarrow as pa
+except ImportError as error:
+    raise ExtraMissingError("--dataset", "fleet") from error
 
-Columns = Mapping[str, Sequence[Any]]
-"""Values by column, as many of each."""
+TABLES: Final = ("strides", "feet", "events", "findings", "logs")
+"""In the order in which they are written: a log that is in `logs` is in all of them."""
+_TYPES: Final[Mapping[Any, Any]] = {
+    float: pa.float64(),
+    int: pa.int64(),
+    str: pa.string(),
+    bool: pa.bool_(),
+}
 
-
-@dataclass(frozen=True, slots=True)
-class LogRows:
-    """The rows of a log, without what is the same in all of them."""
-
-    partition: str
-    """Directories below that of the table, such as ``robot=dogbot/month=2026-11``."""
-    log: Json
-    """Its row of `logs`, without what is known before it is measured."""
-    others: Mapping[str, Columns]
-    """Its rows of the other tables."""
-
-    @property
-    def count(self) -> int:
-        """Rows of the other tables."""
-        return sum(len(next(iter(each.values()), ())) for each in self.others.values())
+Tables = Mapping[str, Any]
+"""`pyarrow.Table` of each of `TABLES`."""
 
 
-def log_rows(figures: Figures) -> LogRows:
+def log_tables(walk: metrics.WalkMetrics, strides: StrideTable) -> Tables:
     """Return the rows of a log that was measured."""
-    document = figures.json
-    start_s = document["log"]["start_s"]
-    start_time = None if start_s is None else date_of(start_s)
-    row = {
-        "error": None,
-        "start_time": start_time,
-        "damaged": bool(figures.damage.losses),
-        **{each.column.name: _at(document, each.path) for each in log_columns()},
-        "warnings": sum(each["severity"] != "note" for each in document["findings"]),
-        "metrics_json": to_json(document),
+    row = {"error": None, **to_json(walk)}
+    foot = pa.array(strides.foot, pa.string())
+    tables = {
+        "strides": arrow_table(strides.columns).add_column(0, "foot", foot),
+        "logs": pa.Table.from_pylist([row], _log_schema()),
     }
-    others = {
-        "strides": _stride_columns(figures),
-        "events": _transposed(document["events"]),
-        "feet": _transposed(_foot_rows(document)),
-    }
-    return LogRows(_partition(figures.robot, start_time), row, others)
+    for field in fields_of(metrics.WalkMetrics):
+        if field.name in TABLES:
+            tables[field.name] = _rows(field, getattr(walk, field.name))
+    return tables
 
 
-def failed_rows(sentence: str) -> LogRows:
+def failed_tables(sentence: str) -> Tables:
     """Return the row of a log that could not be measured."""
-    return LogRows(_partition(_NOT_KNOWN, None), {"error": sentence}, {})
+    return {"logs": pa.Table.from_pylist([{"error": sentence}], _log_schema())}
 
 
-def _partition(robot: str, date: datetime | None) -> str:
-    month = f"{date:%Y-%m}" if date else _NOT_KNOWN
-    return f"robot={quote(robot, safe='')}/month={month}"
+def with_hash(rows: Any, log_hash: str) -> Any:  # noqa: ANN401 - pyarrow has no types
+    """Return rows behind a column that joins the tables."""
+    return rows.add_column(0, "log_hash", pa.array([log_hash] * len(rows), pa.string()))
 
 
-def _stride_columns(figures: Figures) -> Columns:
-    strides = figures.strides
-    settings = figures.json["settings"]["feet"]
-    legs = {name: _leg(name, settings[name]) for name in figures.json["feet"]}
-    columns = {name: column.tolist() for name, column in strides.columns.items()}
-    return {**_transposed([legs[foot] for foot in strides.foot]), **columns}
+def with_labels(rows: Any, labels: Mapping[str, str]) -> Any:  # noqa: ANN401
+    """Return the row of a log with these labels."""
+    column = pa.array([list(labels.items())] * len(rows), pa.map_(pa.string(), pa.string()))
+    names = rows.column_names
+    if "labels" in names:
+        return rows.set_column(names.index("labels"), "labels", column)
+    return rows.append_column("labels", column)
 
 
-def _leg(name: str, foot: Json) -> Json:
-    """Return which leg a foot is of, from its settings."""
-    end, side = foot["leg_position"] or (None, None)
-    return {"foot": name, "place_end": end, "place_side": side}
+def labels_of(rows: Any) -> dict[str, str]:  # noqa: ANN401
+    """Return the labels of the row of a log."""
+    return dict(rows["labels"][0].as_py())
 
 
-def _foot_rows(document: Json) -> list[Json]:
-    settings = document["settings"]["feet"]
-    return [
-        _leg(name, settings[name])
-        | {each.column.name: _at(foot, each.path) for each in foot_columns()}
-        for name, foot in document["feet"].items()
-    ]
+def _rows(field: Field, items: Any) -> Any:  # noqa: ANN401 - records, by name or in a list
+    """Return a row a record."""
+    columns = list(_columns(field.inner))
+    if field.kind != "map":
+        return pa.Table.from_pylist([to_json(each) for each in items], pa.schema(columns))
+    rows = [{"foot": name, **to_json(each)} for name, each in items.items()]
+    return pa.Table.from_pylist(rows, pa.schema([pa.field("foot", pa.string()), *columns]))
 
 
-def _at(document: Json, path: str) -> Any:  # noqa: ANN401 - JSON
-    """Return the value at a path; None where what should hold it is null."""
-    value: Any = document
-    for key in path.split("."):
-        value = None if value is None else value[key]
-    return value
+def _log_schema() -> Any:  # noqa: ANN401 - pyarrow has no types
+    return pa.schema([pa.field("error", pa.string()), *_columns(metrics.WalkMetrics)])
 
 
-def _transposed(rows: Sequence[Json]) -> Columns:
-    """Return rows of the same keys as columns."""
-    return {name: [row[name] for row in rows] for name in rows[0]} if rows else {}
+def _columns(record: Any) -> Iterator[Any]:  # noqa: ANN401 - a class of records
+    """Yield the columns of the fields of a record; lists of records are tables of their own."""
+    for field in fields_of(record):
+        kind = _type(field)
+        if kind is not None:
+            yield pa.field(field.name, kind, metadata={"unit": field.of.unit})
+
+
+def _type(field: Field) -> Any:  # noqa: ANN401 - pyarrow has no types
+    if field.kind in {"record", "aggregate", "curve"}:
+        return pa.struct(list(_columns(field.inner)))
+    if field.kind in {"map", "records"}:
+        return None if is_record(field.inner) else pa.map_(pa.string(), _TYPES[field.inner])
+    one = _TYPES.get(field.inner, pa.string())
+    return pa.list_(one) if field.kind == "list" else one

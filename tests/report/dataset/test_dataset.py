@@ -15,11 +15,16 @@ from typing import Any
 import duckdb
 import pandas as pd
 import polars as pl
-import pyarrow as pa
 import pyarrow.dataset as ds
-import pyarrow.parquet as pq
 import pytest
+from upath import UPath
 
+from dogbot_logtool.commands.tasks import MeasureForDataset
+from dogbot_logtool.io import storage
+from dogbot_logtool.pipeline.options import StatsOptions
+from dogbot_logtool.report.dataset.dataset import dataset_at, hash_of, is_gone
+from dogbot_logtool.report.dataset.rows import TABLES
+from dogbot_logtool.run.inputs import Found, LogSet
 from tests.forked_cli import Ended, run
 from tests.oracles.small_logs import first_seconds
 from tests.paths import ROOT, SAMPLE_LOGS
@@ -29,16 +34,19 @@ TROUBLED = first_seconds(LONG)
 
 
 def export(folder: Path, *words: object, jobs: int = 1) -> Ended:
-    """Run `export --dataset figures`."""
-    done = run("export", *words, "--dataset", "figures", "--jobs", jobs, folder=folder)
+    """Run `export --dataset walks`."""
+    done = run("export", *words, "--dataset", "walks", "--jobs", jobs, folder=folder)
     assert "Traceback" not in done.stderr, done.stderr
     return done
 
 
 def rows(folder: Path, table: str = "logs") -> list[dict[str, Any]]:
-    dataset = ds.dataset(folder / "figures" / table, partitioning="hive")
-    found: list[dict[str, Any]] = dataset.to_table().to_pylist()
+    found: list[dict[str, Any]] = ds.dataset(folder / "walks" / table).to_table().to_pylist()
     return found
+
+
+def files(folder: Path) -> list[Path]:
+    return sorted((folder / "walks").rglob("*.*"))
 
 
 def test_what_was_done_is_said_and_damaged_logs_are_named(tmp_path: Path) -> None:
@@ -48,13 +56,13 @@ def test_what_was_done_is_said_and_damaged_logs_are_named(tmp_path: Path) -> Non
     first = export(tmp_path, ".")
     assert (first.returncode, first.stdout) == (1, "")
     assert first.stderr.startswith("damage: cut.bag: lost ")
-    assert "figures: 2 measured, 1 failed; 1 damaged\n" in first.stderr
+    assert "walks: 2 measured, 1 failed; 1 damaged\n" in first.stderr
     (tmp_path / "no.bag").unlink()
     again = export(tmp_path, ".")
     assert (again.returncode, again.stdout) == (3, "")
     said = "damage: cut.bag: was damaged when it was measured, and is unchanged\n"
     assert again.stderr.startswith(said)
-    assert "figures: 0 measured, 2 unchanged; 1 damaged\n" in again.stderr
+    assert "walks: 0 measured, 2 unchanged; 1 damaged\n" in again.stderr
     assert export(tmp_path, ".", "-q").stderr == said
 
 
@@ -62,7 +70,7 @@ def test_names_of_any_bytes_are_rows(tmp_path: Path) -> None:
     for name in (b"\xff.bag", b"\xfe.bag", b"a=b.bag", "é.bag".encode()):
         shutil.copy(TROUBLED, Path(os.fsdecode(os.fsencode(tmp_path) + b"/" + name)))
     assert export(tmp_path, ".", jobs=2).returncode == 0
-    names = sorted(row["log"].rpartition("/")[2] for row in rows(tmp_path))
+    names = sorted(row["path"].rpartition("/")[2] for row in rows(tmp_path))
     assert names == ["\\xfe.bag", "\\xff.bag", "a=b.bag", "é.bag"]
     assert "4 unchanged" in export(tmp_path, ".").stderr
 
@@ -78,19 +86,8 @@ def test_other_names_of_a_log_are_the_same_row(tmp_path: Path) -> None:
     assert len(rows(tmp_path)) == 1
 
 
-@pytest.mark.parametrize("name", ["a=b/c%2F..", "__HIVE_DEFAULT_PARTITION__", "Ünïcode #?", "."])
-def test_a_robot_of_any_name_has_a_partition(tmp_path: Path, name: str) -> None:
-    robot = (SAMPLE_LOGS.parent / "dogbot_logtool" / "robots" / "dogbot.toml").read_text()
-    first, _, rest = robot.partition('name = "dogbot"')
-    (tmp_path / "robot.toml").write_text(f'{first}name = "{name}"{rest}')
-    words = (TROUBLED, "--robot", "robot.toml")
-    assert export(tmp_path, *words).returncode == 0
-    assert "0 measured, 1 unchanged" in export(tmp_path, *words).stderr
-    assert len(list((tmp_path / "figures" / "logs").glob("robot=*/month=*/*.parquet"))) == 1
-
-
 def test_a_place_that_cannot_be_a_dataset_is_refused_at_once(tmp_path: Path) -> None:
-    (tmp_path / "figures").write_text("mine")
+    (tmp_path / "walks").write_text("mine")
     done = export(tmp_path, TROUBLED)
     assert (done.returncode, done.stdout) == (2, "")
     assert "--dataset" in done.stderr
@@ -133,66 +130,15 @@ def test_urls_that_differ_in_their_query_are_two_logs(tmp_path: Path, server: st
     urls = [f"{server}?run={run}&token=secret" for run in (1, 2)]
     done = export(tmp_path, *urls)
     assert done.returncode == 3, done.stderr
-    assert [row["log"] for row in rows(tmp_path)] == [server, server]
-    assert len({row["log_id"] for row in rows(tmp_path)}) == 2
-    assert len({row["log_messages"] for row in rows(tmp_path)}) == 2
-    assert {row["log_id"] for row in rows(tmp_path, "strides")} <= {
-        row["log_id"] for row in rows(tmp_path)
+    assert [row["path"] for row in rows(tmp_path)] == [server, server]
+    assert len({row["log_hash"] for row in rows(tmp_path)}) == 2
+    assert len({row["log"]["messages"] for row in rows(tmp_path)}) == 2
+    assert {row["log_hash"] for row in rows(tmp_path, "strides")} <= {
+        row["log_hash"] for row in rows(tmp_path)
     }
-    written = b"".join(f.read_bytes() for f in (tmp_path / "figures").rglob("*.parquet"))
+    written = b"".join(f.read_bytes() for f in (tmp_path / "walks").rglob("*.parquet"))
     assert b"secret" not in written
     assert "secret" not in done.stderr
-
-
-def files(folder: Path, table: str = "logs") -> list[str]:
-    root = folder / "figures"
-    return sorted(file.relative_to(root).as_posix() for file in (root / table).rglob("*.*"))
-
-
-def test_logs_of_a_robot_and_month_share_a_file_of_each_table(tmp_path: Path) -> None:
-    for name in ("a", "b", "c"):
-        shutil.copy(TROUBLED, tmp_path / f"{name}.bag")
-    assert export(tmp_path, "b.bag").returncode == 0
-    assert export(tmp_path, ".").returncode == 0
-    for table in ("logs", "feet", "strides", "events"):
-        assert files(tmp_path, table) == [f"{table}/robot=dogbot/month=unknown/part-0000.parquet"]
-        names = [row["log"].rpartition("/")[2] for row in rows(tmp_path, table)]
-        assert names == sorted(names)
-        assert set(names) == {"a.bag", "b.bag", "c.bag"}
-
-
-def test_a_row_of_a_foot_holds_what_the_json_says(tmp_path: Path) -> None:
-    assert export(tmp_path, TROT).returncode == 0
-    (log,) = rows(tmp_path)
-    document = json.loads(log["metrics_json"])
-    feet, settings = document["feet"], document["settings"]["feet"]
-    found = {row["foot"]: row for row in rows(tmp_path, "feet")}
-    assert found.keys() == feet.keys()
-    for name, foot in feet.items():
-        row = found[name]
-        assert row["log_id"] == log["log_id"]
-        assert [row["place_end"], row["place_side"]] == settings[name]["leg_position"]
-        assert row["duty_factor_median"] == foot["duty_factor"]["median"]
-        assert row["foot_vertical_impulse_ns"] == foot["vertical_impulse_ns"]
-        assert (row["strides"], row["slip_from"]) == (foot["strides"], foot["slip_from"])
-
-
-def test_a_log_that_fails_is_a_row_with_its_error_until_it_does_not(tmp_path: Path) -> None:
-    (tmp_path / "walk.bag").write_bytes(b"nothing of the kind")
-    for _ in range(2):
-        assert "0 measured, 1 failed" in export(tmp_path, "walk.bag").stderr
-        (row,) = rows(tmp_path)
-        assert "walk.bag" in row["error"]
-        assert (row["damaged"], row["metrics_json"], row["robot"]) == (None, None, "unknown")
-    shutil.copy(TROUBLED, tmp_path / "walk.bag")
-    assert export(tmp_path, "walk.bag").returncode == 0
-    (row,) = rows(tmp_path)
-    assert (row["error"], row["robot"]) == (None, "dogbot")
-    assert files(tmp_path) == ["logs/robot=dogbot/month=unknown/part-0000.parquet"]
-    (tmp_path / "walk.bag").write_bytes(b"broken again")
-    assert export(tmp_path, "walk.bag").returncode == 1
-    assert [row["robot"] for row in rows(tmp_path)] == ["unknown"]
-    assert rows(tmp_path, "strides") == rows(tmp_path, "feet") == []
 
 
 def test_a_name_of_nothing_leaves_no_row(tmp_path: Path) -> None:
@@ -202,6 +148,66 @@ def test_a_name_of_nothing_leaves_no_row(tmp_path: Path) -> None:
     (tmp_path / "walk.bag").unlink()
     assert export(tmp_path, "walk.bag").returncode == 2
     assert [row["error"] for row in rows(tmp_path)] == [None]
+
+
+def test_labels_and_pruning_need_a_dataset(tmp_path: Path) -> None:
+    for words in (("--label", "a=1"), ("--prune",), ("--scheduler", "tcp://x:1")):
+        done = run("export", TROT, *words, folder=tmp_path)
+        assert (done.returncode, done.stdout) == (2, "")
+        assert "goes with --dataset" in done.stderr
+
+
+def test_a_log_is_a_file_of_each_table(tmp_path: Path) -> None:
+    for name in ("a", "b"):
+        shutil.copy(TROUBLED, tmp_path / f"{name}.bag")
+    assert export(tmp_path, ".").returncode == 0
+    for table in ("logs", "feet", "strides", "events", "findings"):
+        hashes = {row["log_hash"] for row in rows(tmp_path)}
+        assert {file.stem for file in files(tmp_path) if file.parent.name == table} == hashes
+        assert len(hashes) == 2
+        assert {row["log_hash"] for row in rows(tmp_path, table)} == hashes
+    assert {row["path"].rpartition("/")[2] for row in rows(tmp_path)} == {"a.bag", "b.bag"}
+
+
+def test_rows_hold_what_the_json_says(tmp_path: Path) -> None:
+    assert export(tmp_path, LONG).returncode == 0
+    (found,) = rows(tmp_path)
+    walk = json.loads(run("stats", "--json", "-v", LONG).stdout)
+    for group in ("settings", "base", "gait", "stability"):
+        told = {name: value for name, value in found[group].items() if not isinstance(value, dict)}
+        # Lists and maps of records are tables of their own, or stand in the JSON only.
+        assert told == {name: walk[group][name] for name in told}
+    feet = {row["foot"]: row for row in rows(tmp_path, "feet")}
+    assert feet.keys() == walk["feet"].keys()
+    for name, foot in walk["feet"].items():
+        assert feet[name]["duty_factor"] == foot["duty_factor"]
+        assert feet[name]["vertical_over_stride_n"] == foot["vertical_over_stride_n"]
+    events = rows(tmp_path, "events")
+    assert [row["type"] for row in events] == [event["type"] for event in walk["events"]]
+    assert [row["code"] for row in rows(tmp_path, "findings")] == [
+        finding["code"] for finding in walk["findings"]
+    ]
+
+
+def test_a_log_that_changes_replaces_its_files(tmp_path: Path) -> None:
+    (tmp_path / "walk.bag").write_bytes(b"nothing of the kind")
+    for _ in range(2):
+        assert "0 measured, 1 failed" in export(tmp_path, "walk.bag").stderr
+        (row,) = rows(tmp_path)
+        assert "walk.bag" in row["error"]
+        assert row["base"] is None
+    shutil.copy(TROUBLED, tmp_path / "walk.bag")
+    assert export(tmp_path, "walk.bag").returncode == 0
+    (row,) = rows(tmp_path)
+    assert (row["error"], row["settings"]["robot"]) == (None, "dogbot")
+    strides = len(rows(tmp_path, "strides"))
+    assert strides > 0
+    assert "1 measured" in export(tmp_path, "walk.bag", "--start", "1").stderr
+    assert len(rows(tmp_path, "strides")) < strides
+    (tmp_path / "walk.bag").write_bytes(b"broken again")
+    assert export(tmp_path, "walk.bag").returncode == 1
+    assert [row["base"] for row in rows(tmp_path)] == [None]
+    assert {file.parent.name for file in files(tmp_path)} == {"logs"}
 
 
 def test_logs_that_were_moved_or_deleted_are_pruned(tmp_path: Path) -> None:
@@ -215,88 +221,96 @@ def test_logs_that_were_moved_or_deleted_are_pruned(tmp_path: Path) -> None:
     assert "pruned" not in export(tmp_path, ".").stderr
     assert len(rows(tmp_path)) == 5
     done = export(tmp_path, "here.bag", "--prune")
-    assert "figures: 0 measured, 1 unchanged, 2 pruned; 0 damaged\n pruned  " in done.stderr
+    assert "walks: 0 measured, 1 unchanged, 2 pruned; 0 damaged\n" in done.stderr
     assert f"{tmp_path}/deleted.bag: is gone" in done.stderr
     assert f"{tmp_path}/moved.bag: is gone" in done.stderr
-    for table in ("logs", "feet", "strides", "events"):
-        names = {row["log"].rpartition("/")[2] for row in rows(tmp_path, table)}
-        assert names == {"kept.bag", "here.bag", "\\xff.bag"}
+    names = {row["path"].rpartition("/")[2] for row in rows(tmp_path)}
+    assert names == {"kept.bag", "here.bag", "\\xff.bag"}
+    assert len(files(tmp_path)) == 5 * len(names)
     Path(os.fsdecode(odd)).unlink()
     assert "1 pruned" in export(tmp_path, "here.bag", "--prune").stderr
 
 
-def test_labels_are_columns_that_stay_until_they_are_given_anew(tmp_path: Path) -> None:
+def test_what_cannot_be_looked_for_is_not_gone(tmp_path: Path) -> None:
+    for name in (b"walk.bag", b"\xff.bag", b"\\xff.bag", "é \\x41.bag".encode()):
+        file = Path(os.fsdecode(os.fsencode(tmp_path) + b"/" + name))
+        file.write_bytes(b"")
+        assert not is_gone(storage.shown(file), hash_of(file))
+        file.unlink()
+        assert is_gone(storage.shown(file), hash_of(file))
+    url = UPath("http://127.0.0.1:1/log.bag?token=secret")
+    assert not is_gone(storage.shown(url), hash_of(url))
+
+
+def test_a_dataset_in_a_store() -> None:
+    root, log = UPath("memory://lab/walks"), UPath("memory://lab/walk.bag")
+    log.write_bytes(TROUBLED.read_bytes())
+    log_set = LogSet((Found(log),), 0)
+    dataset = dataset_at(root, StatsOptions(), {"spot": "rex"})
+    (entry,) = dataset.begin(log_set).entries
+    done = MeasureForDataset(StatsOptions())(entry, None)
+    dataset.write(entry, done.tables, damaged=False)
+    assert dataset.begin(log_set).unchanged == ((str(log), 0),)
+    assert sorted(path.parent.name for path in root.rglob("*.parquet")) == sorted(TABLES)
+    log.unlink()
+    assert dataset.begin(LogSet((), 0), prune=True).pruned == (str(log),)
+    assert not list(root.rglob("*.parquet"))
+
+
+def test_labels_stay_until_they_are_given_anew(tmp_path: Path) -> None:
     shutil.copy(TROUBLED, tmp_path / "a.bag")
     shutil.copy(TROUBLED, tmp_path / "b.bag")
 
-    def labels(*names: str) -> list[tuple[str | None, ...]]:
-        return [tuple(row[name] for name in names) for row in rows(tmp_path)]
+    def labels() -> list[dict[str, str]]:
+        found = {row["path"].rpartition("/")[2]: dict(row["labels"]) for row in rows(tmp_path)}
+        return [found["a.bag"], found["b.bag"]]
 
     assert export(tmp_path, "a.bag", "--label", "spot=rex").returncode == 0
     assert export(tmp_path, "b.bag", "--label", "firmware=3=2").returncode == 0
-    assert labels("spot", "firmware") == [("rex", None), (None, "3=2")]
+    assert labels() == [{"spot": "rex"}, {"firmware": "3=2"}]
     done = export(tmp_path, ".", "--label", "spot=fido", "--label", "firmware=4")
     assert "0 measured, 2 unchanged" in done.stderr
-    assert labels("spot", "firmware") == [("fido", "4"), ("fido", "4")]
+    assert labels() == [{"firmware": "4", "spot": "fido"}] * 2
     assert "2 unchanged" in export(tmp_path, ".").stderr
     assert export(tmp_path, "a.bag", "--label", "spot=").returncode == 0
-    assert labels("spot", "firmware") == [(None, "4"), ("fido", "4")]
-    assert len(rows(tmp_path, "feet")) == 8
+    assert labels() == [{"firmware": "4"}, {"firmware": "4", "spot": "fido"}]
 
 
 @pytest.mark.parametrize(
     ("words", "reason"),
     [
         (("firmware",), "must be NAME=VALUE"),
-        (("=3",), "small letters"),
-        (("Spot=3",), "small letters"),
-        (("a b=3",), "small letters"),
-        (("gait_name=trot",), "has a column gait_name already"),
-        (("duty_factor_mean=1",), "has a column duty_factor_mean already"),
-        (("month=may",), "has a column month already"),
+        (("=3",), "must be NAME=VALUE"),
         (("a=1", "a=2"), "a is there twice"),
     ],
 )
-def test_a_label_that_can_be_no_column_is_refused(
+def test_a_label_that_is_none_is_refused(
     tmp_path: Path, words: tuple[str, ...], reason: str
 ) -> None:
     done = export(tmp_path, TROT, *(f"--label={word}" for word in words))
     assert (done.returncode, done.stdout) == (2, "")
     assert reason in " ".join(done.stderr.split())
-    assert not (tmp_path / "figures").exists()
+    assert not (tmp_path / "walks").exists()
 
 
-def test_labels_and_pruning_need_a_dataset(tmp_path: Path) -> None:
-    for words in (("--label", "a=1"), ("--prune",), ("--scheduler", "tcp://x:1")):
-        done = run("export", TROT, *words, folder=tmp_path)
-        assert (done.returncode, done.stdout) == (2, "")
-        assert "goes with --dataset" in done.stderr
-
-
-def test_a_dataset_of_another_layout_is_named_and_left_alone(tmp_path: Path) -> None:
-    old = tmp_path / "figures" / "logs" / "robot=dogbot" / "month=unknown"
-    old.mkdir(parents=True)
-    pq.write_table(pa.table({"log": ["a"]}), old / "0123456789abcdef01234567.parquet")
+def test_a_dataset_of_an_older_version_is_left_alone(tmp_path: Path) -> None:
+    (tmp_path / "walks" / "logs" / "robot=dogbot").mkdir(parents=True)
     done = export(tmp_path, TROT)
-    assert done.returncode == 1
-    said = " ".join(done.stderr.split())
-    assert "figures: is a dataset of an older version" in said
-    assert "Name another directory" in said
-    (old / "0123456789abcdef01234567.parquet").rename(old / "part-0000.parquet")
-    assert "of layout unknown" in " ".join(export(tmp_path, TROT).stderr.split())
-    assert [row["log"] for row in rows(tmp_path)] == ["a"]
+    assert done.returncode == 2
+    assert "is of an older version of this program" in " ".join(done.stderr.split())
+    assert files(tmp_path) == []
 
 
 def test_the_same_logs_make_the_same_bytes(tmp_path: Path) -> None:
-    for name in ("a", "b", "c"):
+    for name in ("a", "b"):
         shutil.copy(TROUBLED, tmp_path / f"{name}.bag")
     assert export(tmp_path, ".", jobs=1).returncode == 0
-    first = {file: (tmp_path / "figures" / file).read_bytes() for file in files(tmp_path, ".")}
-    shutil.rmtree(tmp_path / "figures")
-    for words in (["c.bag"], ["."]):
+    first = {file: file.read_bytes() for file in files(tmp_path)}
+    shutil.rmtree(tmp_path / "walks")
+    for words in (["b.bag"], ["."]):
         assert export(tmp_path, *words, jobs=2).returncode == 0
-    assert len(first) == 4
-    assert first == {f: (tmp_path / "figures" / f).read_bytes() for f in files(tmp_path, ".")}
+    assert len(first) == 10
+    assert first == {file: file.read_bytes() for file in files(tmp_path)}
 
 
 def queries() -> list[str]:
@@ -315,26 +329,14 @@ def test_readers_take_it_and_the_documented_queries_run(
     assert export(tmp_path, ".", "--label", "firmware=3.2").returncode == 1
     for table in ("logs", "feet", "strides", "events"):
         expected = len(rows(tmp_path, table))
-        glob = str(tmp_path / "figures" / table / "**" / "*.parquet")
-        duck = duckdb.connect().execute(f"SELECT count(robot) FROM '{glob}'")  # noqa: S608
+        glob = str(tmp_path / "walks" / table / "*.parquet")
+        duck = duckdb.connect().execute(f"SELECT count(log_hash) FROM '{glob}'")  # noqa: S608
         assert duck.fetchall() == [(expected,)]
-        lazy = pl.scan_parquet(glob, hive_partitioning=True)
-        assert lazy.select(pl.col("robot").count()).collect().item() == expected
-        assert pd.read_parquet(tmp_path / "figures" / table)["robot"].count() == expected
+        assert pl.scan_parquet(glob).select(pl.len()).collect().item() == expected
+        assert len(pd.read_parquet(tmp_path / "walks" / table)) == expected
     monkeypatch.chdir(tmp_path)
-    drift, doubtful, feet, slip = (duckdb.connect().execute(each).fetchall() for each in queries())
-    assert drift == [("dogbot", None)]
+    means, doubtful, feet, slip = (duckdb.connect().execute(each).fetchall() for each in queries())
+    assert {row[:2] for row in means} == {("dogbot", "trot"), ("dogbot", None)}
     assert [row[0].rpartition("/")[2] for row in doubtful if row[1]] == ["no.bag"]
     assert {row[:2] for row in feet} == {("3.2", row["foot"]) for row in rows(tmp_path, "feet")}
     assert {row[:2] for row in slip} >= {("dogbot", "trot")}
-
-
-def test_events_are_a_table_of_their_own(tmp_path: Path) -> None:
-    shutil.copy(LONG, tmp_path / "troubled.bag")
-    assert export(tmp_path, "troubled.bag").returncode == 0
-    (log,) = rows(tmp_path)
-    events = rows(tmp_path, "events")
-    assert {each["log_id"] for each in events} == {log["log_id"]}
-    (gap,) = [each for each in events if each["type"] == "gap"]
-    assert (gap["foot"], gap["unit"], gap["code"]) == ("front_right", "s", "GAPS")
-    assert gap["value"] == pytest.approx(1.01, abs=0.01)
