@@ -133,7 +133,7 @@ TOGETHER: Final[Mapping[str, str]] = {
     "report/info_report": "commands/test_info",
     "report/numbers": "report/page/test_render",
     "report/verdict": "report/test_stats_report",
-    "report/dataset/": "report/dataset/test_writer",
+    "report/dataset/": "report/dataset/test_dataset",
     "report/documents/check_json": "cli/test_check",
     "report/documents/check_junit": "cli/test_check",
     "report/documents/comparison_json": "commands/test_compare",

@@ -125,7 +125,7 @@ def convert(
     verbose: bool,
     **options: Any,  # noqa: ANN401 - click's words are the keywords
 ) -> None:
-    """Write an annotated MCAP: the log, arrows and loads of its feet, and what happened.
+    """Write an annotated MCAP: the log, arrows, loads and events.
 
     The topics that are added: /tf, an arrow, a label and /load for each foot, /support, /legs,
     /events, /gait and /robot_description.

@@ -77,7 +77,8 @@ def convert(
         measured = measure_log(log, _measuring(options), first, with_soles=True)
         learnt = measured.learnt
         plan = make_plan(log, learnt.selection, learnt.probe, learnt.sensors, options)
-        scene = draw(plan, measured.recording, measured.measurement.stats, _end(log, options))
+        stats, metrics = measured.measurement.stats, measured.measurement.metrics
+        scene = draw(plan, measured.recording, stats, metrics, _end(log, options))
         annotations, moved = annotations_of(log, plan)
         writer = SpanWriter(scene, annotations, time_limits(log, options.start_s, options.end_s))
         written = _write(log, target, writer, measured, second, start)

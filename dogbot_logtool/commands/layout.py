@@ -9,6 +9,7 @@ import numpy as np
 from dogbot_logtool.core.geometry.arrays import norms
 from dogbot_logtool.core.load.loads import body_weight_n
 from dogbot_logtool.core.plausible import STRONGEST_N
+from dogbot_logtool.errors import LogError
 from dogbot_logtool.pipeline.feet.selection import assign_feet
 from dogbot_logtool.pipeline.options import TopicOptions
 from dogbot_logtool.pipeline.probe import (
@@ -22,7 +23,7 @@ from dogbot_logtool.pipeline.robot_model.primitives import body_size_m
 from dogbot_logtool.pipeline.robot_model.shape import robot_shape
 from dogbot_logtool.pipeline.sensors import LearntSensors, learn_sensors
 from dogbot_logtool.pipeline.topics.annotated import open_recorded
-from dogbot_logtool.pipeline.topics.selection import select_topics
+from dogbot_logtool.pipeline.topics.selection import nothing_to_do, select_topics
 from dogbot_logtool.reader.salvage.losses import damage_of
 from dogbot_logtool.report.layouts.view import View, upper_bound
 from dogbot_logtool.robot import Robot, load_robot
@@ -38,7 +39,7 @@ def view_of(log: Path | None, options: TopicOptions) -> View:
 
     Raises:
         CallError: no such robot, log or topic.
-        LogError: the log cannot be read.
+        LogError: the log cannot be read, or has nothing that is shown.
     """
     if log is None:
         robot = load_robot(options.robot or "dogbot")
@@ -48,6 +49,8 @@ def view_of(log: Path | None, options: TopicOptions) -> View:
     opened = open_recorded(log)
     try:
         selection = select_topics(opened, options)
+        if not selection.odometry and not selection.contacts:
+            raise LogError(nothing_to_do(opened, selection))
         probe = probe_log(opened, selection, with_soles=True)
         selection = selection.without_forces(probe.forceless)
         learnt = learn_sensors(selection, probe, options)

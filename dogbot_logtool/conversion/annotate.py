@@ -20,6 +20,7 @@ from dogbot_logtool.core.geometry.arrays import Ints
 from dogbot_logtool.core.geometry.blocks import picked
 from dogbot_logtool.core.geometry.clock import first_at_each_tick
 from dogbot_logtool.core.geometry.support_polygon import NEAR_NS
+from dogbot_logtool.core.metrics import WalkMetrics
 from dogbot_logtool.core.recording import Recording
 from dogbot_logtool.core.scene.arrows import ArrowCounts, ArrowInput, Arrows, removals
 from dogbot_logtool.core.scene.feet import DrawnFoot, drawn_foot
@@ -79,18 +80,21 @@ class Scene:
     """Found while sensors without contact points were placed."""
 
 
-def draw(plan: ConversionPlan, recording: Recording, stats: Stats, end: int) -> Scene:
+def draw(
+    plan: ConversionPlan, recording: Recording, stats: Stats, metrics: WalkMetrics, end: int
+) -> Scene:
     """Prepare what is drawn of a walk.
 
     Args:
         plan: what is drawn.
         recording: the columns that were measured.
         stats: what was measured.
+        metrics: made of that; contact that findings void is not known.
         end: ns, log time of the log's last message.
     """
     opening = 0 if plan.opening is None else plan.opening
     samples, findings = _placed(plan, recording, stats)
-    feet = _feet(plan, samples, stats)
+    feet = _feet(plan, samples, stats, metrics)
     poses = recording.base.pick(usable_poses(recording.base))
     at_ticks = first_at_each_tick(poses.time, plan.options.tf_rate_hz, None)
     first = [int(foot.samples.log_time[0]) for foot in feet if len(foot.samples.log_time)]
@@ -130,7 +134,9 @@ def _placed(
     return placed.samples, tuple(frame_findings(frames, placed.counts))
 
 
-def _feet(plan: ConversionPlan, samples: Sequence[Samples], stats: Stats) -> tuple[DrawnFoot, ...]:
+def _feet(
+    plan: ConversionPlan, samples: Sequence[Samples], stats: Stats, metrics: WalkMetrics
+) -> tuple[DrawnFoot, ...]:
     """Put what was measured of all feet beside their samples."""
     settings = stats.settings
     return tuple(
@@ -138,7 +144,7 @@ def _feet(plan: ConversionPlan, samples: Sequence[Samples], stats: Stats) -> tup
             number,
             each,
             foot.record,
-            contact_known=foot.contact_fraction is not None,
+            contact_known=metrics.feet[foot.name].contact_fraction is not None,
             has_force=plan.selection.knows_force(number),
             force_in_world=settings.force_in_world,
         )

@@ -163,7 +163,8 @@ class ProcessRunner(ExecutorRunner[Result]):
 
 def _can_fork() -> bool:
     """Tell whether this process may fork: Apple's libraries do not survive it."""
-    return sys.platform == "linux" and not multiprocessing.current_process().daemon
+    forks = sys.platform == "linux" and hasattr(os, "fork")
+    return forks and not multiprocessing.current_process().daemon
 
 
 @contextmanager

@@ -183,4 +183,7 @@ def test_names_with_markup_and_odd_bytes(shell: Shell) -> None:
     assert "[bold]" in done.stdout
     done = run("convert", name, "--json", folder=shell.folder)
     assert done.returncode == 0
-    assert json.loads(done.stdout)["annotations"] == {"/tf": 10, "/robot_description": 1}
+    assert (
+        json.loads(done.stdout)["annotations"].items()
+        >= {"/tf": 10, "/robot_description": 1}.items()
+    )

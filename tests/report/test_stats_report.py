@@ -195,7 +195,7 @@ def test_a_row_a_stride(trot: Stats) -> None:
 
 
 def test_the_verdict_comes_first(trot: Stats) -> None:
-    assert verdict(trot).plain.startswith("Trot, clearly")
+    assert verdict(trot, measurement_of(trot, FACTS).metrics).plain.startswith("Trot, clearly")
     lines = text_of(trot, 140).splitlines()
     assert lines[0].startswith("walks/trot.bag")
     assert lines[2].startswith("Trot, clearly")
