@@ -324,7 +324,7 @@ def _events(walk: WalkMetrics) -> list[RenderableType]:
         for kind, at in sorted(first.items(), key=lambda item: item[1])
     ]
     return [
-        _heading("Events", "--events FILE.csv writes all"),
+        _heading("Events", "export --table events writes all"),
         _line("happened", ", ".join(words)),
         Text(),
     ]
