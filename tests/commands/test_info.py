@@ -89,9 +89,12 @@ def test_uses(log: Path) -> None:
 
 @pytest.mark.parametrize("log", LOGS, ids=lambda log: log.stem)
 def test_findings(log: Path) -> None:
-    codes = {finding.code for finding in describe(log, TopicOptions()).findings}
-    frame = truth(log)["forces"]["wrench_frame"].upper()
-    wanted = {"ROBOT_GUESSED", f"N_WRENCH_FRAME_{frame}"}
+    found = describe(log, TopicOptions()).findings
+    codes = {finding.code for finding in found}
+    frame = truth(log)["forces"]["wrench_frame"]
+    (said,) = (each.text for each in found if each.code == "WRENCH_FRAME")
+    assert ("but in a link's" in said) == (frame == "link")
+    wanted = {"ROBOT_GUESSED", "WRENCH_FRAME"}
     if log == TROUBLED:
         wanted |= {"BAD_STAMPS", "FRAME_NAMES", "NO_SUPPORT_DRAWN"}
     assert codes == wanted

@@ -34,7 +34,7 @@ def truth(name: str) -> dict[str, Any]:
 @pytest.mark.parametrize("name", LOGS)
 def test_the_wrench_frame_is_recognised(name: str) -> None:
     seen = look(name).wrench_frame
-    assert seen.frame == WrenchFrame(truth(name)["settings"]["wrench_frame"])
+    assert seen.frame == WrenchFrame(truth(name)["forces"]["wrench_frame"])
     assert seen.samples >= 20
     assert seen.world is not None
     assert 0 <= seen.world.alignment <= 1

@@ -16,7 +16,7 @@ def test_legs_are_what_their_truth_says(log: Path) -> None:
     truth = json.loads((SAMPLE_LOGS / f"{log.stem}.truth.json").read_text(encoding="utf-8"))
     walk = dl.measure(log)
     strides = walk.strides
-    for foot, true in truth["feet"].items():
+    for foot, true in truth["legs"]["feet"].items():
         found = walk.feet[foot]
         assert found.clearance_m is not None
         assert found.clearance_m.median == pytest.approx(true["clearance_m"], abs=0.002)

@@ -217,6 +217,8 @@ def figures_in(document: Json, pattern: str, path: str = "") -> Iterator[tuple[s
     """
     for key, value in document.items():
         name = f"{path}.{key}" if path else str(key)
+        if name == "null_because":
+            continue  # paths of metrics are its keys
         if isinstance(value, Mapping):
             yield from figures_in(value, pattern, name)
         elif not isinstance(value, list) and fnmatchcase(name, pattern):

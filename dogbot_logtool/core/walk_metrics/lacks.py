@@ -70,7 +70,7 @@ def _log(stats: Stats) -> dict[str, bool]:
         "joints": not histories,
         "efforts": not any(each.has_effort for each in histories),
         "limits": not any(each.has_limits for each in histories),
-        "commands": stats.command_track is None,
+        "commands": stats.command_track is None and stats.base is not None,
         "imu": not stats.settings.imu_topic,
     }
 

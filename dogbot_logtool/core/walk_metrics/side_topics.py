@@ -1,5 +1,6 @@
 """Metrics of what is recorded beside feet and base: velocity commands and the accelerometer."""
 
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from dogbot_logtool.core.metrics import Commands, Imu, Tracking, Turning
@@ -14,7 +15,7 @@ def commands_metrics(stats: Stats) -> Commands:
     """Return how the base follows its velocity commands over the whole log."""
     track, found = stats.command_track, stats.commands
     if track is None or found is None:
-        return unknown(Commands)
+        return replace(unknown(Commands), topic=stats.settings.command_topic or None)
     return Commands(
         topic=track.history.topic,
         commanded_s=found.commanded_s,

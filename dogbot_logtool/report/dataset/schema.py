@@ -162,7 +162,7 @@ def tables() -> Mapping[str, Sequence[TableColumn]]:
     logs = (replace(each.column, null=each.column.null or _FAILED) for each in log_columns())
     return {
         "strides": (*_LOG, *_LEG, *_of_record(Stride)),
-        "events": (*_LOG, *_of_record(Event)),
+        "events": (*_LOG, *(_LEG[0] if e.name == "foot" else e for e in _of_record(Event))),
         "feet": (*_LOG, *_LEG, *(each.column for each in foot_columns())),
         "logs": (*_LOG, *_STATE, *logs, *_ORIGIN),
     }

@@ -208,7 +208,8 @@ def joint_table(walk: WalkMetrics) -> Table | None:
     for name, value in work_words(walk.legs):
         words += f" {name.capitalize()}: {value}."
     feet = [joint.foot for joint in joints.values() if joint.foot]
-    coloured = [names.index(foot) for foot in feet] if len(feet) == len(joints) else ()
+    of_feet = len(feet) == len(joints) and set(feet) <= set(names)
+    coloured = [names.index(foot) for foot in feet] if of_feet else ()
     return _metrics(JOINTS, "joint", joints, words, coloured)
 
 

@@ -48,6 +48,16 @@ def test_each_figure_that_fits_is_judged() -> None:
     }
 
 
+def test_a_null_says_why_and_its_reason_is_no_figure() -> None:
+    log = {
+        "feet": {"left": {"slip_m": None}},
+        "null_because": {"feet.left.slip_m": "no contact points"},
+    }
+    (found,) = judge(log, parse_limits('[[rule]]\nfigure = "*slip_m*"\nat_most = 1', ""), None)
+    assert (found.figure, found.status) == ("feet.left.slip_m", Status.UNKNOWN)
+    assert found.look == "no contact points"
+
+
 @pytest.mark.parametrize(
     ("value", "status"),
     [(0.7, Status.FAIL), (0.71, Status.GOOD), (0.9, Status.GOOD), (0.9001, Status.FAIL)],

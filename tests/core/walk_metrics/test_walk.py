@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import replace
+from pathlib import Path
 
 import pytest
 
@@ -59,16 +60,16 @@ def test_a_finding_voids_metrics_of_the_log_and_of_its_segments() -> None:
     doubt = Finding("DEAD", "it is dead", "feet.front_left", feet=("front_left",))
     walk = metrics(Walk().measure(), [doubt])
 
-    for part in (walk, *walk.gait.segments):
-        assert part.feet["front_left"].stance_s is None
-        assert part.feet["front_right"].stance_s is not None
+    for feet in (walk.feet, *(each.feet for each in walk.gait.segments)):
+        assert feet["front_left"].stance_s is None
+        assert feet["front_right"].stance_s is not None
     assert walk.null_because["feet.front_left.stance_s"] == "DEAD"
     assert next(each for each in walk.findings if each.code == "DEAD").voids == doubt.voids
 
 
 @pytest.mark.parametrize("log", [TROT, TROUBLED], ids=lambda path: path.stem)
-def test_every_null_has_a_reason(log: object) -> None:
-    walk = measured(log, StatsOptions()).metrics  # type: ignore[arg-type]
+def test_every_null_has_a_reason(log: Path) -> None:
+    walk = measured(log, StatsOptions()).metrics
     of_whole = {path for path in nulls(walk) if not path.startswith("gait.segments.")}
 
     assert of_whole == {p for p in walk.null_because if not p.startswith("gait.segments.")}

@@ -45,9 +45,9 @@ def test_info_offers_feet(sensors: Path) -> None:
 def test_the_offered_command_can_be_typed(sensors: Path) -> None:
     told = run("stats", sensors)
     assert "Gait not known" in told.stdout
-    done = run(*command(told.stdout), "--json")
+    done = run(*command(told.stdout), "--json", "-v")
     figures = json.loads(done.stdout)
-    feet = {name: foot["topic"] for name, foot in figures["feet"].items()}
+    feet = {name: foot["topic"] for name, foot in figures["settings"]["feet"].items()}
     assert feet == {side: f"/{side} heel/wrench" for side in SIDES}
     assert all(foot["touchdown_s"] for foot in figures["feet"].values())
 

@@ -12,7 +12,9 @@ CORNERS = ("front_left", "front_right", "back_left", "back_right")
 
 
 def feet_of(path: Path) -> dict[str, str]:
-    return {name: foot["topic"] for name, foot in dl.measure(path).stats["feet"].items()}
+    return {
+        name: foot["topic"] for name, foot in dl.measure(path).stats["settings"]["feet"].items()
+    }
 
 
 def logged(folder: Path, kinds: dict[str, str]) -> Path:
@@ -38,9 +40,9 @@ def test_a_foot_that_was_not_recorded_is_one_of_the_robot(tmp_path: Path) -> Non
     path = logged(tmp_path, dict.fromkeys(CORNERS[:3], CONTACTS))
     found = dl.measure(path).stats
     assert list(found["feet"]) == list(CORNERS)
-    assert found["feet"]["back_right"]["topic"] == ""
+    assert found["settings"]["feet"]["back_right"]["topic"] is None
     assert found["gait"]["support"] is None
-    assert found["forces"]["load_share"] is None
+    assert found["forces"]["load_share"]["feet"] is None
     assert {"NO_MESSAGES"} <= {each["code"] for each in found["findings"]}
 
 
@@ -67,12 +69,15 @@ def test_feet_that_the_user_leaves_out_are_missing(says: str, tmp_path: Path) ->
         found = dl.measure(path, robot=str(robot)).stats
     else:
         found = dl.measure(path, foot=topics).stats
-    assert {name: foot["topic"] for name, foot in found["feet"].items()} == topics | {
-        "back_right": ""
-    }
+    used = {name: foot["topic"] for name, foot in found["settings"]["feet"].items()}
+    assert used == topics | {"back_right": None}
     assert found["gait"]["support"] is None
-    assert found["forces"]["load_share"] is None
-    (missing,) = (each for each in found["findings"] if each["code"] == "NO_MESSAGES")
+    assert found["forces"]["load_share"]["feet"] is None
+    (missing,) = (
+        each
+        for each in found["findings"]
+        if each["code"] == "NO_MESSAGES" and "--foot" in each["text"]
+    )
     assert "--foot back_right=/back_right/contact" in missing["text"]
 
 

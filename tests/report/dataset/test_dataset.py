@@ -135,7 +135,7 @@ def test_urls_that_differ_in_their_query_are_two_logs(tmp_path: Path, server: st
     assert done.returncode == 3, done.stderr
     assert [row["log"] for row in rows(tmp_path)] == [server, server]
     assert len({row["log_id"] for row in rows(tmp_path)}) == 2
-    assert len({row["messages"] for row in rows(tmp_path)}) == 2
+    assert len({row["log_messages"] for row in rows(tmp_path)}) == 2
     assert {row["log_id"] for row in rows(tmp_path, "strides")} <= {
         row["log_id"] for row in rows(tmp_path)
     }
@@ -164,19 +164,17 @@ def test_logs_of_a_robot_and_month_share_a_file_of_each_table(tmp_path: Path) ->
 def test_a_row_of_a_foot_holds_what_the_json_says(tmp_path: Path) -> None:
     assert export(tmp_path, TROT).returncode == 0
     (log,) = rows(tmp_path)
-    feet = json.loads(log["metrics_json"])["feet"]
+    document = json.loads(log["metrics_json"])
+    feet, settings = document["feet"], document["settings"]["feet"]
     found = {row["foot"]: row for row in rows(tmp_path, "feet")}
     assert found.keys() == feet.keys()
     for name, foot in feet.items():
         row = found[name]
         assert row["log_id"] == log["log_id"]
-        assert [row["place_end"], row["place_side"]] == foot["place"]
+        assert [row["place_end"], row["place_side"]] == settings[name]["leg_position"]
         assert row["duty_factor_median"] == foot["duty_factor"]["median"]
-        assert row["foot_messages"] == foot["messages"]
-        assert row["force_offset_n"] == foot["force_offset_n"]
-        assert row["chatter_filled_swings"] == foot["chatter"]["filled_swings"]
-        curve = foot["vertical_over_stride_n"]
-        assert row["force_curves_vertical_over_stride_n_median"] == curve["median"]
+        assert row["foot_vertical_impulse_ns"] == foot["vertical_impulse_ns"]
+        assert (row["strides"], row["slip_from"]) == (foot["strides"], foot["slip_from"])
 
 
 def test_a_log_that_fails_is_a_row_with_its_error_until_it_does_not(tmp_path: Path) -> None:
@@ -253,7 +251,7 @@ def test_labels_are_columns_that_stay_until_they_are_given_anew(tmp_path: Path) 
         (("=3",), "small letters"),
         (("Spot=3",), "small letters"),
         (("a b=3",), "small letters"),
-        (("gait=trot",), "has a column gait already"),
+        (("gait_name=trot",), "has a column gait_name already"),
         (("duty_factor_mean=1",), "has a column duty_factor_mean already"),
         (("month=may",), "has a column month already"),
         (("a=1", "a=2"), "a is there twice"),

@@ -69,7 +69,7 @@ def cycle_panels(sides: Sides, curve: str) -> list[Panel]:
 
     Args:
         sides: figures of both sides.
-        curve: which of ``force_curves``.
+        curve: key of a curve of a foot.
 
     Returns:
         panels on one scale; none where neither side knows the force.
