@@ -138,7 +138,7 @@ def _feet(plan: ConversionPlan, samples: Sequence[Samples], stats: Stats) -> tup
             number,
             each,
             foot.record,
-            contact_known=foot.contact_fraction is not None,
+            contact_known=foot.contact_known,
             has_force=plan.selection.knows_force(number),
             force_in_world=settings.force_in_world,
         )

@@ -53,7 +53,7 @@ def test_every_event_is_a_log_message_at_its_log_time(
 ) -> None:
     target = converted(TROUBLED, encoding)
     stats = measured(TROUBLED).stats
-    events = stats_json(stats, measured(TROUBLED).facts)["events"]
+    events = stats_json(measured(TROUBLED))["events"]
     found = messages_of(target, "/events")
     assert len(found) == len(events)
     for (log_time, message), event in zip(found, events, strict=True):
@@ -96,7 +96,7 @@ def test_events_are_spans_where_the_schemas_have_them() -> None:
     pytest.importorskip("foxglove_schemas_protobuf.Event_pb2")
     target = converted(TROUBLED, "foxglove")
     stats = measured(TROUBLED).stats
-    events = stats_json(stats, measured(TROUBLED).facts)["events"]
+    events = stats_json(measured(TROUBLED))["events"]
     odd = [each for each in events if each["type"] not in {"touchdown", "lift_off"}]
     found = messages_of(target, "/events/spans")
     assert [message.start_time.ToNanoseconds() for _, message in found] == [

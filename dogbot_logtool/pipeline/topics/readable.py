@@ -90,7 +90,7 @@ def own_definition_findings(used: Iterable[Channel]) -> Iterator[Finding]:
             found.setdefault(because, set()).add(channel.topic)
     for because, topics in sorted(found.items()):
         text = f"{because}; the one that comes with dogbot-logtool is used"
-        yield _about(topics, text, ("not_needed",))
+        yield _about(topics, text, ("own_definition",))
 
 
 def _own_definition_because(channel: Channel) -> str:
@@ -132,7 +132,11 @@ def _is_read(channel: Channel) -> bool:
 
 def reasons(findings: Iterable[Finding]) -> str:
     """Return why topics that could have been used cannot be read; empty: there are none."""
-    found = [each for each in findings if each.code.endswith("_UNREADABLE")]
+    found = [
+        each
+        for each in findings
+        if each.code == "UNREADABLE" and "own_definition" not in each.cases
+    ]
     texts = [each.text.removesuffix(_NOT_USED) for each in found]
     more = f"; and {len(texts) - _MOST_REASONS} more" if len(texts) > _MOST_REASONS else ""
     return "; ".join(texts[:_MOST_REASONS]) + more

@@ -52,7 +52,7 @@ def robot_file(folder: Path) -> Path:
 
 def figures(path: Path, topics: TopicOptions) -> dict[str, Any]:
     done = measure(path, StatsOptions(topics))
-    return stats_json(done.stats, done.facts)
+    return stats_json(done)
 
 
 @pytest.fixture(scope="module")

@@ -83,7 +83,7 @@ def test_texts_of_a_log_stay_texts() -> None:
         facts,
         path=f"a/{HOSTILE.replace('/', '')}",
         damage=Damage(HOSTILE, (Loss(1, HOSTILE, 2),)),
-        findings=[Finding(f"W_{HOSTILE}", HOSTILE)],
+        findings=[Finding("NOT_FINITE", HOSTILE, HOSTILE)],
     )
     html = page(measurement_of(replace(stats, feet=feet, topics=topics), facts), 100)
     plain = Tags(page(measurement_of(*trot()), 0))
