@@ -56,7 +56,7 @@ def test_load_states_and_contact_say_the_same(drawn: tuple[Path, Written, ArrowC
         told = {b"stance": 0, b"swing": 0, b"unknown": 0}
         for _, message in states:
             told[next(word for word in told if word in message.data)] += 1
-        if foot.contact_fraction is None:
+        if not foot.contact_known:
             assert told[b"stance"] == told[b"swing"] == 0
         else:
             assert told[b"stance"] > 0
