@@ -43,7 +43,7 @@ def measured_contact(
 ) -> Mapping[int, bool] | None:
     """Whether a foot is in contact by log time of its samples, ns; None: that is not known."""
     found = next(each for each in measured(log, options).stats.feet if each.name == foot)
-    if found.contact_fraction is None:
+    if not found.contact_known:
         return None
     record = found.record
     down = in_stance(record.stances, record.track.time)

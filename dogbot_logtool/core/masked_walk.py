@@ -113,8 +113,10 @@ class MaskedWalk:
         """Return the figures of all feet, in some spans or in the whole log."""
         rolling_m = self.settings.foot_rolling_m
         return tuple(
-            foot_statistics(foot, self.base, rolling_m, within, is_dead=is_dead)
-            for foot, is_dead in zip(self.steps, self.dead, strict=True)
+            foot_statistics(
+                foot, self.base, rolling_m, within, is_dead=is_dead, is_refuted=is_refuted
+            )
+            for foot, is_dead, is_refuted in zip(self.steps, self.dead, self.refuted, strict=True)
         )
 
     def base_motion(self, within: Ints | None = None) -> BaseMotion | None:

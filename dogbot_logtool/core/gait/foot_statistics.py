@@ -51,6 +51,8 @@ class FootStatistics:
     """(l,) ns, lift-offs that were seen."""
     is_dead: bool
     """Whether its sensor never reports a contact, and nothing says that it is lifted."""
+    contact_known: bool
+    """Whether its sensor tells contact, and nothing refutes it."""
     spikes: int
     """Lone spikes of its force in whole stances; kept out of the peaks."""
     contact_fraction: float | None
@@ -97,6 +99,7 @@ def foot_statistics(
     within: Ints | None = None,
     *,
     is_dead: bool = False,
+    is_refuted: bool = False,
 ) -> FootStatistics:
     """Aggregate what was recorded of one foot.
 
@@ -108,6 +111,7 @@ def foot_statistics(
         within: (w, 2) ns, a part of the log; its stances and strides are those with their middle in
             it. None: all of it.
         is_dead: whether its sensor never reports a contact, and nothing says that it is lifted.
+        is_refuted: whether its contacts are no steps of a robot that moves.
     """
     record, stances, strides = steps.record, steps.stances, steps.strides
     if within is not None:
@@ -132,6 +136,7 @@ def foot_statistics(
         touchdown=_seen(stances.touchdown, record, Cut.LOG_START, stances),
         liftoff=_seen(stances.liftoff, record, Cut.LOG_END, stances),
         is_dead=is_dead,
+        contact_known=record.start is not None and not (is_dead or is_refuted),
         spikes=int(stances.figures.spikes[steps.has_spikes & whole].sum()),
         contact_fraction=record.contact_fraction(within),
         stance_s=aggregate(stances.duration_s[whole]),

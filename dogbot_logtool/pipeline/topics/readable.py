@@ -90,7 +90,7 @@ def own_definition_findings(used: Iterable[Channel]) -> Iterator[Finding]:
             found.setdefault(because, set()).add(channel.topic)
     for because, topics in sorted(found.items()):
         text = f"{because}; the one that comes with dogbot-logtool is used"
-        yield _about(topics, text, ("not_needed",))
+        yield _about(topics, text, ("own_definition",))
 
 
 def _own_definition_because(channel: Channel) -> str:

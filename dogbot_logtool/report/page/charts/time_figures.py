@@ -64,7 +64,7 @@ def gait_diagram(stats: Stats) -> Drawing | None:
     down = ", ".join(
         f"{foot.name} {percent(foot.contact_fraction)}"
         for foot in stats.feet
-        if foot.contact_fraction is not None and not foot.is_dead
+        if foot.contact_fraction is not None and foot.contact_known
     )
     return Drawing(
         "gait",
