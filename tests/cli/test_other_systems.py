@@ -141,7 +141,7 @@ def test_figures_and_a_dataset_by_two_processes(logs: Path) -> None:
     words = ("export", TROUBLED.name, TROT.name, "--jobs", 2, "--dataset", "made", "-q")
     files = made(logs, *words)
     assert {name.split("/")[0] for name in files} == {
-        *("logs", "feet", "strides", "events", "stdout")
+        *("logs", "feet", "strides", "events", "findings", "stdout")
     }
 
 

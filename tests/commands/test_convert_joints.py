@@ -9,8 +9,7 @@ import numpy as np
 import pytest
 
 from dogbot_logtool.commands.convert import convert
-from dogbot_logtool.commands.stats import measure
-from dogbot_logtool.pipeline.options import ConvertOptions, StatsOptions
+from dogbot_logtool.pipeline.options import ConvertOptions
 from tests.oracles.annotated_file import annotations, read_written
 from tests.oracles.recorded import TEXT_TYPE, decoded_log, read_log
 from tests.oracles.ros1_logs import Entry, text, write_ros1_mcap
@@ -156,5 +155,3 @@ def test_joints_that_are_left_out_are_counted(tmp_path: Path) -> None:
     done = convert(log, tmp_path / "out.mcap", ConvertOptions())
     said = [each.text for each in done.findings if each.code == "ROBOT_DESCRIPTION"]
     assert any("joints left out of the robot description: 1 (" in each for each in said)
-    found = measure(log, StatsOptions()).findings
-    assert sum("joints left out of the robot description: 1 (" in each.text for each in found) == 1

@@ -133,7 +133,9 @@ def _is_read(channel: Channel) -> bool:
 def reasons(findings: Iterable[Finding]) -> str:
     """Return why topics that could have been used cannot be read; empty: there are none."""
     found = [
-        each for each in findings if each.code == "UNREADABLE" and "not_needed" not in each.cases
+        each
+        for each in findings
+        if each.code == "UNREADABLE" and "own_definition" not in each.cases
     ]
     texts = [each.text.removesuffix(_NOT_USED) for each in found]
     more = f"; and {len(texts) - _MOST_REASONS} more" if len(texts) > _MOST_REASONS else ""
