@@ -6,3 +6,10 @@
 A file is named by the hash of its log's path. Writing is replacing that file; those of other logs
 are never opened. Two calls that write one log write the same bytes, so nothing is locked.
 """
+
+from dogbot_logtool.errors import ExtraMissingError
+
+try:
+    import pyarrow  # noqa: F401, ICN001
+except ImportError as error:
+    raise ExtraMissingError("--dataset", "fleet") from error

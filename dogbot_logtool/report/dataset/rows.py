@@ -3,16 +3,12 @@
 from collections.abc import Iterator, Mapping
 from typing import Any, Final
 
+import pyarrow as pa
+
 from dogbot_logtool.core import metrics
 from dogbot_logtool.core.records import Field, fields_of, is_record, to_json
-from dogbot_logtool.errors import ExtraMissingError
 from dogbot_logtool.report.files.table_file import arrow_table
 from dogbot_logtool.results import StrideTable
-
-try:
-    import pyarrow as pa
-except ImportError as error:
-    raise ExtraMissingError("--dataset", "fleet") from error
 
 TABLES: Final = ("strides", "feet", "events", "findings", "logs")
 """In the order in which they are written: a log that is in `logs` is in all of them."""
