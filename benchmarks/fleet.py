@@ -17,8 +17,8 @@ from upath import UPath
 from dogbot_logtool.commands.convert import convert
 from dogbot_logtool.commands.info import describe
 from dogbot_logtool.commands.stats import measure
-from dogbot_logtool.pipeline.options import ConvertOptions, StatsOptions, TopicOptions
 from dogbot_logtool.reader.containers.sources.remote_source import RemoteSource
+from dogbot_logtool.robot.options import ConvertOptions, StatsOptions, TopicOptions
 from dogbot_logtool.run.cluster import ClusterRunner
 from dogbot_logtool.run.runner import OnProgress
 

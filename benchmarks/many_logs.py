@@ -17,7 +17,7 @@ import duckdb
 from rosbags.rosbag1 import Reader, Writer
 
 from dogbot_logtool.commands.tasks import Measure
-from dogbot_logtool.pipeline.options import StatsOptions
+from dogbot_logtool.robot.options import StatsOptions
 
 SAMPLE: Final = Path(__file__).parents[1] / "sample_logs" / "dogbot_trot.bag"
 JOBS: Final = 2

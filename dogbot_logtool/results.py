@@ -15,8 +15,8 @@ if TYPE_CHECKING:
     from dogbot_logtool.core.statistics import Stats
     from dogbot_logtool.finding import Finding
     from dogbot_logtool.io.storage import Location
-    from dogbot_logtool.pipeline.frames.frames import Frames
-    from dogbot_logtool.robot import Robot
+    from dogbot_logtool.robot.frames.frames import Frames
+    from dogbot_logtool.robot.robot import Robot
 
 
 @dataclass(frozen=True, slots=True)

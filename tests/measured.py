@@ -10,8 +10,8 @@ import dogbot_logtool as dl
 from dogbot_logtool.commands.stats import measure
 from dogbot_logtool.core.contact.stances import Cut, Stances
 from dogbot_logtool.core.geometry.arrays import Flags, Ints
-from dogbot_logtool.pipeline.options import StatsOptions
 from dogbot_logtool.results import Measurement
+from dogbot_logtool.robot.options import StatsOptions
 
 
 @cache

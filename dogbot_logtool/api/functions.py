@@ -105,7 +105,7 @@ def compare(
         CallError: an option is wrong, or a file is missing, unreadable, or not like the other.
     """
     from dogbot_logtool.commands import compare as command  # noqa: PLC0415
-    from dogbot_logtool.pipeline.options import CompareOptions  # noqa: PLC0415
+    from dogbot_logtool.robot.options import CompareOptions  # noqa: PLC0415
 
     tolerated = {name: value for name, value in (("atol", atol), ("rtol", rtol)) if value}
     refuse_bad_values(tolerated)

@@ -12,7 +12,7 @@ from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.errors import CallError
 from dogbot_logtool.io.printable import listed
 from dogbot_logtool.io.storage import location
-from dogbot_logtool.pipeline.options import (
+from dogbot_logtool.robot.options import (
     ConvertOptions,
     StatsOptions,
     TfOption,

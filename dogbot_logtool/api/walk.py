@@ -38,13 +38,13 @@ from dogbot_logtool.core.walk import usable_samples
 from dogbot_logtool.errors import CallError
 from dogbot_logtool.io.printable import listed
 from dogbot_logtool.io.storage import Location, location
-from dogbot_logtool.pipeline.topics.annotated import open_recorded
 from dogbot_logtool.report.documents.stats_json import stats_json
 from dogbot_logtool.report.files.stride_table import stride_table
 from dogbot_logtool.results import Measurement
+from dogbot_logtool.robot.topics.annotated import open_recorded
 
 if TYPE_CHECKING:
-    from dogbot_logtool.pipeline.options import StatsOptions
+    from dogbot_logtool.robot.options import StatsOptions
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -241,7 +241,7 @@ class Walk:
             LogtoolError: matplotlib is not installed, or there are no feet.
         """
         from dogbot_logtool.commands.plot import refuse_bad_plot, write_plot  # noqa: PLC0415
-        from dogbot_logtool.pipeline.options import PlotOptions  # noqa: PLC0415
+        from dogbot_logtool.robot.options import PlotOptions  # noqa: PLC0415
 
         drawing = PlotOptions(Path(target), overwrite=overwrite)
         refuse_bad_plot(drawing, [self.path])

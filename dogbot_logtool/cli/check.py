@@ -22,7 +22,7 @@ from dogbot_logtool.errors import CallError
 
 if TYPE_CHECKING:
     from dogbot_logtool.comparison.rules.judge import Judgement
-    from dogbot_logtool.pipeline.options import StatsOptions
+    from dogbot_logtool.robot.options import StatsOptions
 
 
 @click.command()

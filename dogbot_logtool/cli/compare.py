@@ -17,7 +17,7 @@ from dogbot_logtool.cli.outcomes import Outcomes
 from dogbot_logtool.errors import CallError
 
 if TYPE_CHECKING:
-    from dogbot_logtool.pipeline.options import CompareOptions, TopicOptions
+    from dogbot_logtool.robot.options import CompareOptions, TopicOptions
 
 
 @click.command()
@@ -98,7 +98,7 @@ def compare(
     by figure, with intervals. Exit code 1: some differ, or the runs are not comparable. Options of
     the robot (--robot, --foot, --mass ...) say how logs are measured.
     """
-    from dogbot_logtool.pipeline.options import CompareOptions, TopicOptions  # noqa: PLC0415
+    from dogbot_logtool.robot.options import CompareOptions, TopicOptions  # noqa: PLC0415
 
     others = {
         "--atol": atol is not None,
@@ -175,9 +175,9 @@ def _compare_gait(
     from dogbot_logtool.cli.two_sides import measured_side  # noqa: PLC0415
     from dogbot_logtool.commands.compare_gait import compare_gait  # noqa: PLC0415
     from dogbot_logtool.io.plain_json import to_json  # noqa: PLC0415
-    from dogbot_logtool.pipeline.options import StatsOptions  # noqa: PLC0415
     from dogbot_logtool.report.gait_comparison import gait_comparison_json, print_gait_comparison  # noqa: PLC0415
     from dogbot_logtool.report.text.console import results  # noqa: PLC0415
+    from dogbot_logtool.robot.options import StatsOptions  # noqa: PLC0415
     from dogbot_logtool.run.inputs import find_logs  # noqa: PLC0415
 
     options = StatsOptions(topics, jobs=jobs_or_cores(None))

@@ -28,8 +28,8 @@ from dogbot_logtool.core.scene.styles import ARROW_STYLES, DEFAULT_STYLE, ArrowS
 from dogbot_logtool.writer.encodings.registry import DEFAULT_ENCODING, ENCODINGS, OutputEncoding
 
 if TYPE_CHECKING:
-    from dogbot_logtool.pipeline.options import TopicOptions
     from dogbot_logtool.results import Conversion
+    from dogbot_logtool.robot.options import TopicOptions
 
 
 def _summaries(entries: Iterable[ArrowStyle | OutputEncoding]) -> str:

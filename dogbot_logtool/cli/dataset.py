@@ -13,7 +13,7 @@ from dogbot_logtool.run.choice import runner_for
 from dogbot_logtool.run.inputs import find_logs
 
 if TYPE_CHECKING:
-    from dogbot_logtool.pipeline.options import StatsOptions
+    from dogbot_logtool.robot.options import StatsOptions
 
 
 def export_dataset(

@@ -23,8 +23,8 @@ from dogbot_logtool.errors import CallError
 
 if TYPE_CHECKING:
     from dogbot_logtool.api.export import Export
-    from dogbot_logtool.pipeline.options import StatsOptions
     from dogbot_logtool.results import Measurement
+    from dogbot_logtool.robot.options import StatsOptions
     from dogbot_logtool.run.inputs import LogSet
 
 _STDOUT = "-"

@@ -18,7 +18,7 @@ from dogbot_logtool.cli.options import (
 from dogbot_logtool.cli.outcomes import Outcomes
 
 if TYPE_CHECKING:
-    from dogbot_logtool.pipeline.options import TopicOptions
+    from dogbot_logtool.robot.options import TopicOptions
 
 
 @click.command()

@@ -10,7 +10,7 @@ from dogbot_logtool.cli.outcomes import Outcomes
 from dogbot_logtool.report.layouts.viewers import DEFAULT_VIEWER, VIEWERS
 
 if TYPE_CHECKING:
-    from dogbot_logtool.pipeline.options import TopicOptions
+    from dogbot_logtool.robot.options import TopicOptions
 
 
 @click.command()

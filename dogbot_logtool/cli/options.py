@@ -15,7 +15,7 @@ from dogbot_logtool.api.keywords import CHOICES, NUMBERS, MeasureKeywords, Robot
 from dogbot_logtool.errors import CallError
 
 if TYPE_CHECKING:
-    from dogbot_logtool.pipeline.options import TopicOptions
+    from dogbot_logtool.robot.options import TopicOptions
     from dogbot_logtool.run.inputs import LogSet
 
 _FEWEST_JOINED: Final = 2

@@ -20,7 +20,7 @@ from dogbot_logtool.cli.outcomes import Outcomes
 from dogbot_logtool.errors import CallError
 
 if TYPE_CHECKING:
-    from dogbot_logtool.pipeline.options import StatsOptions
+    from dogbot_logtool.robot.options import StatsOptions
 
 
 @click.command()

@@ -21,7 +21,7 @@ from dogbot_logtool.io.plain_json import to_json
 from dogbot_logtool.io.printable import shell_joined
 
 if TYPE_CHECKING:
-    from dogbot_logtool.pipeline.options import TopicOptions
+    from dogbot_logtool.robot.options import TopicOptions
 
 
 @click.command()
@@ -51,7 +51,7 @@ def robots(
     `robots new LOG` writes a robot's file from a log, with the evidence as comments. Feet are
     looked for in messages of any type.
     """
-    from dogbot_logtool.robot import known_robots, load_robot, robot_toml  # noqa: PLC0415
+    from dogbot_logtool.robot.robot import known_robots, load_robot, robot_toml  # noqa: PLC0415
 
     if name == "new" and logs:
         log, *others = logs

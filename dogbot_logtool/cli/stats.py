@@ -26,8 +26,8 @@ from dogbot_logtool.io.printable import printable
 
 if TYPE_CHECKING:
     from dogbot_logtool.io.storage import Location
-    from dogbot_logtool.pipeline.options import PlotOptions, StatsOptions
     from dogbot_logtool.results import Figures
+    from dogbot_logtool.robot.options import PlotOptions, StatsOptions
 
 
 @click.command()
@@ -96,7 +96,7 @@ def _drawing(
     if target is None:
         return None
     from dogbot_logtool.commands.plot import refuse_bad_plot  # noqa: PLC0415
-    from dogbot_logtool.pipeline.options import PlotOptions  # noqa: PLC0415
+    from dogbot_logtool.robot.options import PlotOptions  # noqa: PLC0415
 
     drawing = PlotOptions(target, overwrite=overwrite)
     refuse_bad_plot(drawing, logs)

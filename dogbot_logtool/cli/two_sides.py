@@ -5,8 +5,8 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from dogbot_logtool.cli.outcomes import Outcomes
-    from dogbot_logtool.pipeline.options import StatsOptions
     from dogbot_logtool.results import Figures
+    from dogbot_logtool.robot.options import StatsOptions
     from dogbot_logtool.run.inputs import LogSet
     from dogbot_logtool.run.runner import Runner
 

@@ -10,8 +10,8 @@ from dogbot_logtool.comparison.outcome import RECORDS, Comparison
 from dogbot_logtool.comparison.stats_json import compare_json, looks_like_json
 from dogbot_logtool.comparison.tolerances import Rules, load_rules
 from dogbot_logtool.errors import CallError, LogError
-from dogbot_logtool.pipeline.options import CompareOptions
 from dogbot_logtool.reader.opening import open_log
+from dogbot_logtool.robot.options import CompareOptions
 
 
 def compare(expected: Path, actual: Path, options: CompareOptions) -> Comparison:

@@ -20,15 +20,15 @@ from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.finding import Finding, by_severity
 from dogbot_logtool.io.output import refuse_bad_target, whole_file
 from dogbot_logtool.io.storage import Location
-from dogbot_logtool.pipeline.options import ConvertOptions, StatsOptions
-from dogbot_logtool.pipeline.time_span import time_limits
-from dogbot_logtool.pipeline.topics.annotated import open_recorded
 from dogbot_logtool.reader.containers.log import Log, Loss
 from dogbot_logtool.reader.containers.mcap.records import channel_record, read_extra, schema_record
 from dogbot_logtool.reader.part import ReadSpan
 from dogbot_logtool.reader.salvage.losses import damage_of, malformed_messages, wrong_statistics
 from dogbot_logtool.reader.workers import Start, in_order
 from dogbot_logtool.results import Conversion
+from dogbot_logtool.robot.options import ConvertOptions, StatsOptions
+from dogbot_logtool.robot.time_span import time_limits
+from dogbot_logtool.robot.topics.annotated import open_recorded
 from dogbot_logtool.run.runner import OnProgress
 from dogbot_logtool.writer.annotations import Annotations
 from dogbot_logtool.writer.chunks import FinishedChunk, finish_chunk

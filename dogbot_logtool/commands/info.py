@@ -7,23 +7,23 @@ from dogbot_logtool.conversion.plan import make_plan
 from dogbot_logtool.core.quality.quality import mean_rate_hz
 from dogbot_logtool.finding import Finding, by_severity
 from dogbot_logtool.io.storage import Location
-from dogbot_logtool.pipeline.feet.message_feet import is_planned
-from dogbot_logtool.pipeline.frames.frame_findings import frame_findings
-from dogbot_logtool.pipeline.frames.frames import Frames, read_frames
-from dogbot_logtool.pipeline.measuring.side_types import has_side_topics
-from dogbot_logtool.pipeline.options import ConvertOptions, StatsOptions, TopicOptions
-from dogbot_logtool.pipeline.probe import Probe, probe_log
-from dogbot_logtool.pipeline.probe_findings import probe_findings
-from dogbot_logtool.pipeline.robot_model.joint_motion import joint_channels
-from dogbot_logtool.pipeline.sensors import learn_sensors
-from dogbot_logtool.pipeline.topics.annotated import without_annotations
-from dogbot_logtool.pipeline.topics.selection import Selection, select_topics
 from dogbot_logtool.reader.containers.log import Log
 from dogbot_logtool.reader.messages.bases import ODOMETRY_TYPE
 from dogbot_logtool.reader.messages.transforms import TRANSFORM_TYPES
 from dogbot_logtool.reader.opening import open_joined
 from dogbot_logtool.reader.salvage.losses import damage_of
 from dogbot_logtool.results import LogInfo, TopicInfo
+from dogbot_logtool.robot.feet.message_feet import is_planned
+from dogbot_logtool.robot.frames.frame_findings import frame_findings
+from dogbot_logtool.robot.frames.frames import Frames, read_frames
+from dogbot_logtool.robot.measuring.side_types import has_side_topics
+from dogbot_logtool.robot.options import ConvertOptions, StatsOptions, TopicOptions
+from dogbot_logtool.robot.probe import Probe, probe_log
+from dogbot_logtool.robot.probe_findings import probe_findings
+from dogbot_logtool.robot.robot_model.joint_motion import joint_channels
+from dogbot_logtool.robot.sensors import learn_sensors
+from dogbot_logtool.robot.topics.annotated import without_annotations
+from dogbot_logtool.robot.topics.selection import Selection, select_topics
 from dogbot_logtool.run.runner import OnProgress
 
 
@@ -128,7 +128,7 @@ def _side_uses(log: Log) -> dict[int, str]:
     joints = {channel.id: "joints" for channel in joint_channels(log)}
     if not has_side_topics(log):
         return joints
-    from dogbot_logtool.pipeline.measuring.side_topics import side_topics  # noqa: PLC0415
+    from dogbot_logtool.robot.measuring.side_topics import side_topics  # noqa: PLC0415
 
     side = side_topics(log, StatsOptions())
     uses = ((side.commands, "commands"), (side.inertial, "accelerometer"))

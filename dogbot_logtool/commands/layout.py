@@ -10,23 +10,23 @@ from dogbot_logtool.core.geometry.arrays import norms
 from dogbot_logtool.core.load.loads import body_weight_n
 from dogbot_logtool.core.plausible import STRONGEST_N
 from dogbot_logtool.errors import LogError
-from dogbot_logtool.pipeline.feet.selection import assign_feet
-from dogbot_logtool.pipeline.options import TopicOptions
-from dogbot_logtool.pipeline.probe import (
+from dogbot_logtool.reader.salvage.losses import damage_of
+from dogbot_logtool.report.layouts.view import View, upper_bound
+from dogbot_logtool.robot.feet.selection import assign_feet
+from dogbot_logtool.robot.options import TopicOptions
+from dogbot_logtool.robot.probe import (
     DEFAULT_BASE,
     DEFAULT_WORLD,
     Probe,
     frame_names,
     probe_log,
 )
-from dogbot_logtool.pipeline.robot_model.primitives import body_size_m
-from dogbot_logtool.pipeline.robot_model.shape import robot_shape
-from dogbot_logtool.pipeline.sensors import LearntSensors, learn_sensors
-from dogbot_logtool.pipeline.topics.annotated import open_recorded
-from dogbot_logtool.pipeline.topics.selection import nothing_to_do, select_topics
-from dogbot_logtool.reader.salvage.losses import damage_of
-from dogbot_logtool.report.layouts.view import View, upper_bound
-from dogbot_logtool.robot import Robot, load_robot
+from dogbot_logtool.robot.robot import Robot, load_robot
+from dogbot_logtool.robot.robot_model.primitives import body_size_m
+from dogbot_logtool.robot.robot_model.shape import robot_shape
+from dogbot_logtool.robot.sensors import LearntSensors, learn_sensors
+from dogbot_logtool.robot.topics.annotated import open_recorded
+from dogbot_logtool.robot.topics.selection import nothing_to_do, select_topics
 
 _NEARLY_ALL: Final = 0.995
 """Share of the loads that lie within the curves' bounds: a spike shall not flatten the rest."""

@@ -6,15 +6,15 @@ from dogbot_logtool.commands.stats import measure
 from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.errors import LogError
 from dogbot_logtool.io.storage import Location, file_name
-from dogbot_logtool.pipeline.feet.candidates import FootCandidates
-from dogbot_logtool.pipeline.options import StatsOptions, TopicOptions
-from dogbot_logtool.pipeline.probe import frame_names, probe_log
-from dogbot_logtool.pipeline.sensors import learn_sensors
-from dogbot_logtool.pipeline.topics.annotated import open_recorded
-from dogbot_logtool.pipeline.topics.selection import Selection, nothing_to_do, select_topics
 from dogbot_logtool.reader.containers.loss import Damage
 from dogbot_logtool.report.files.robot_file import RobotEvidence, robot_file
-from dogbot_logtool.robot import Robot
+from dogbot_logtool.robot.feet.candidates import FootCandidates
+from dogbot_logtool.robot.options import StatsOptions, TopicOptions
+from dogbot_logtool.robot.probe import frame_names, probe_log
+from dogbot_logtool.robot.robot import Robot
+from dogbot_logtool.robot.sensors import learn_sensors
+from dogbot_logtool.robot.topics.annotated import open_recorded
+from dogbot_logtool.robot.topics.selection import Selection, nothing_to_do, select_topics
 from dogbot_logtool.run.runner import OnProgress
 
 

@@ -6,7 +6,6 @@ from dogbot_logtool.core.contact.curves import CurveDetail
 from dogbot_logtool.errors import CallError
 from dogbot_logtool.io.output import refuse_bad_target, whole_file
 from dogbot_logtool.io.storage import Location
-from dogbot_logtool.pipeline.options import PlotOptions
 from dogbot_logtool.report.files.gait_figure import (
     FORMATS,
     gait_figure,
@@ -15,6 +14,7 @@ from dogbot_logtool.report.files.gait_figure import (
 )
 from dogbot_logtool.report.text.gait_diagram import default_window
 from dogbot_logtool.results import Measurement
+from dogbot_logtool.robot.options import PlotOptions
 
 
 def refuse_bad_plot(plot: PlotOptions, logs: Sequence[Location]) -> None:

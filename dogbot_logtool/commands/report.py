@@ -8,17 +8,17 @@ from dogbot_logtool.commands.stats import MeasuredLog, measure_log
 from dogbot_logtool.io.output import refuse_bad_target, whole_file
 from dogbot_logtool.io.storage import Location, file_name, is_folder, shown, version
 from dogbot_logtool.io.targets import Output, targets
-from dogbot_logtool.pipeline.options import StatsOptions
-from dogbot_logtool.pipeline.probe import frame_names, probe_recording
-from dogbot_logtool.pipeline.robot_model.joint_motion import joint_motion
-from dogbot_logtool.pipeline.robot_model.limbs import find_limbs
-from dogbot_logtool.pipeline.topics.annotated import open_recorded
 from dogbot_logtool.reader.containers.log import Log
 from dogbot_logtool.report.page.assets import page_script, shared_name
 from dogbot_logtool.report.page.index_page import IndexRow, index, index_row
 from dogbot_logtool.report.page.render import ALONE, Beside, page
 from dogbot_logtool.report.page.replay import frame_times, replay
 from dogbot_logtool.results import Measurement, Page
+from dogbot_logtool.robot.options import StatsOptions
+from dogbot_logtool.robot.probe import frame_names, probe_recording
+from dogbot_logtool.robot.robot_model.joint_motion import joint_motion
+from dogbot_logtool.robot.robot_model.limbs import find_limbs
+from dogbot_logtool.robot.topics.annotated import open_recorded
 from dogbot_logtool.run.runner import OnProgress
 
 

@@ -13,16 +13,16 @@ from dogbot_logtool.core.walk_metrics.walk import metrics_of
 from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.finding import Finding
 from dogbot_logtool.io.storage import Location, shown
-from dogbot_logtool.pipeline.measuring.plan import LearntSettings, make_plan
-from dogbot_logtool.pipeline.measuring.walk import Measured, measure_recording
-from dogbot_logtool.pipeline.options import StatsOptions
-from dogbot_logtool.pipeline.probe_findings import order_findings
-from dogbot_logtool.pipeline.time_span import TimeLimits, refuse_empty_span
-from dogbot_logtool.pipeline.topics.annotated import open_recorded
 from dogbot_logtool.reader.containers.log import Log, Loss
 from dogbot_logtool.reader.recording import ReadLog, read_recording
 from dogbot_logtool.reader.salvage.losses import damage_of, malformed_messages, wrong_statistics
 from dogbot_logtool.results import LogFacts, Measurement
+from dogbot_logtool.robot.measuring.plan import LearntSettings, make_plan
+from dogbot_logtool.robot.measuring.walk import Measured, measure_recording
+from dogbot_logtool.robot.options import StatsOptions
+from dogbot_logtool.robot.probe_findings import order_findings
+from dogbot_logtool.robot.time_span import TimeLimits, refuse_empty_span
+from dogbot_logtool.robot.topics.annotated import open_recorded
 from dogbot_logtool.run.runner import OnProgress
 
 

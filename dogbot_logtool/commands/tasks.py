@@ -16,16 +16,16 @@ from dogbot_logtool.results import Figures
 from dogbot_logtool.run.runner import OnProgress
 
 if TYPE_CHECKING:
-    from dogbot_logtool.pipeline.options import (
+    from dogbot_logtool.reader.containers.loss import Damage
+    from dogbot_logtool.report.dataset.dataset import Entry
+    from dogbot_logtool.report.dataset.rows import Tables
+    from dogbot_logtool.results import Conversion, LogInfo, Measurement
+    from dogbot_logtool.robot.options import (
         ConvertOptions,
         PlotOptions,
         StatsOptions,
         TopicOptions,
     )
-    from dogbot_logtool.reader.containers.loss import Damage
-    from dogbot_logtool.report.dataset.dataset import Entry
-    from dogbot_logtool.report.dataset.rows import Tables
-    from dogbot_logtool.results import Conversion, LogInfo, Measurement
 
 _CHECKS_AT_ONCE: Final = 16
 

@@ -31,9 +31,9 @@ from dogbot_logtool.core.scene.support_scene import SupportScene, opening_suppor
 from dogbot_logtool.core.statistics import Stats
 from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.finding import Finding
-from dogbot_logtool.pipeline.frames.world_frames import frame_findings
 from dogbot_logtool.reader.containers.log import Batch
 from dogbot_logtool.reader.messages.contact_messages import read_contacts
+from dogbot_logtool.robot.frames.world_frames import frame_findings
 from dogbot_logtool.writer.annotations import AnnotationColumns
 
 

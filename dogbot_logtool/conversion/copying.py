@@ -8,8 +8,8 @@ import numpy as np
 from dogbot_logtool.errors import CallError
 from dogbot_logtool.finding import Finding
 from dogbot_logtool.io.printable import listed
-from dogbot_logtool.pipeline.options import ConvertOptions
 from dogbot_logtool.reader.containers.log import Batch, Chunk, LoadedChunk, Log, Messages, Span
+from dogbot_logtool.robot.options import ConvertOptions
 from dogbot_logtool.writer.chunks import (
     Compression,
     FinishedChunk,

@@ -13,15 +13,15 @@ from dogbot_logtool.core.scene.styles import ARROW_STYLES, ArrowStyle
 from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.errors import CallError, LogError
 from dogbot_logtool.finding import Finding
-from dogbot_logtool.pipeline.frames.world_frames import WorldFrames, follow_frames
-from dogbot_logtool.pipeline.options import ConvertOptions
-from dogbot_logtool.pipeline.probe import Probe, frame_names, usable_clock
-from dogbot_logtool.pipeline.probe_findings import probe_findings
-from dogbot_logtool.pipeline.robot_model.description import RobotDescription, robot_description
-from dogbot_logtool.pipeline.sensors import LearntSensors
-from dogbot_logtool.pipeline.time_span import time_limits
-from dogbot_logtool.pipeline.topics.selection import Selection, nothing_to_do
 from dogbot_logtool.reader.containers.log import Channel, Log
+from dogbot_logtool.robot.frames.world_frames import WorldFrames, follow_frames
+from dogbot_logtool.robot.options import ConvertOptions
+from dogbot_logtool.robot.probe import Probe, frame_names, usable_clock
+from dogbot_logtool.robot.probe_findings import probe_findings
+from dogbot_logtool.robot.robot_model.description import RobotDescription, robot_description
+from dogbot_logtool.robot.sensors import LearntSensors
+from dogbot_logtool.robot.time_span import time_limits
+from dogbot_logtool.robot.topics.selection import Selection, nothing_to_do
 from dogbot_logtool.writer.encodings.registry import ENCODINGS, OutputEncoding
 
 Entry = TypeVar("Entry")

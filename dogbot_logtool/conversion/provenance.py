@@ -9,9 +9,9 @@ from dogbot_logtool import __version__
 from dogbot_logtool.conversion.plan import ConversionPlan
 from dogbot_logtool.io.printable import printable
 from dogbot_logtool.io.storage import file_name
-from dogbot_logtool.pipeline.topics.annotated import annotations_left_out
 from dogbot_logtool.provenance import PROVENANCE
 from dogbot_logtool.reader.containers.log import Log, Loss, lost_messages
+from dogbot_logtool.robot.topics.annotated import annotations_left_out
 from dogbot_logtool.writer.mcap_writer import metadata_record
 
 _LONGEST_NUMBER: Final = 18

@@ -9,7 +9,6 @@ from dogbot_logtool.core.frames.frame_edges import FrameEdge
 from dogbot_logtool.core.frames.frame_tree import loops, roots, second_parents, trees
 from dogbot_logtool.io.printable import printable
 from dogbot_logtool.io.storage import shown
-from dogbot_logtool.pipeline.frames.frames import Frames
 from dogbot_logtool.report.documents.damage import damage_json
 from dogbot_logtool.report.documents.finding_json import finding_json
 from dogbot_logtool.report.numbers import date_of
@@ -22,6 +21,7 @@ from dogbot_logtool.report.text.console import (
 from dogbot_logtool.report.text.frames_text import frame_pairs, print_frame_names, print_frames
 from dogbot_logtool.report.text.text_layout import NameTable, Row
 from dogbot_logtool.results import LogInfo
+from dogbot_logtool.robot.frames.frames import Frames
 
 _MOST_TOPICS = 1000
 """Rows of the table; laying it out takes a millisecond each."""

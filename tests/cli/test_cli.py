@@ -14,7 +14,7 @@ import pytest
 from dogbot_logtool import __version__
 from dogbot_logtool.cli import cli
 from dogbot_logtool.extras import install_command
-from dogbot_logtool.robot import known_robots
+from dogbot_logtool.robot.robot import known_robots
 from tests.oracles.small_logs import first_seconds, string_log
 from tests.paths import ROOT, TROT, TROUBLED, WALK
 from tests.shell import Outcome, Shell

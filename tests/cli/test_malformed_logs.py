@@ -10,8 +10,8 @@ import pytest
 
 from dogbot_logtool.commands.convert import convert
 from dogbot_logtool.commands.stats import measure
-from dogbot_logtool.pipeline.options import ConvertOptions, StatsOptions, TopicOptions
 from dogbot_logtool.reader.opening import open_log
+from dogbot_logtool.robot.options import ConvertOptions, StatsOptions, TopicOptions
 from tests.forked_cli import run
 from tests.oracles import walks
 from tests.oracles.walks import Entry

@@ -12,7 +12,7 @@ import pytest
 
 from dogbot_logtool.comparison.tolerances import load_rules
 from dogbot_logtool.errors import CallError
-from dogbot_logtool.robot import load_robot
+from dogbot_logtool.robot.robot import load_robot
 from tests import forked_cli
 from tests.forked_cli import Ended
 from tests.paths import ROOT, SAMPLE_LOGS, TROT

@@ -13,10 +13,10 @@ from rich.console import Console
 from dogbot_logtool.commands.compare import compare
 from dogbot_logtool.comparison.outcome import Comparison
 from dogbot_logtool.errors import CallError
-from dogbot_logtool.pipeline.options import CompareOptions
 from dogbot_logtool.report.documents.comparison_json import comparison_json
 from dogbot_logtool.report.documents.junit import junit_xml
 from dogbot_logtool.report.text.comparison_text import show_comparison
+from dogbot_logtool.robot.options import CompareOptions
 from tests.paths import SAMPLE_LOGS
 
 WALK = SAMPLE_LOGS / "dogbot_walk.mcap"

@@ -8,7 +8,7 @@ import pytest
 
 from dogbot_logtool.commands.compare_gait import compare_gait
 from dogbot_logtool.commands.tasks import Measure
-from dogbot_logtool.pipeline.options import StatsOptions, TopicOptions
+from dogbot_logtool.robot.options import StatsOptions, TopicOptions
 from tests.forked_cli import run
 from tests.paths import SAMPLE_LOGS
 from tests.truth import sensor_faults

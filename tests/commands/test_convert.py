@@ -22,7 +22,7 @@ import pytest
 from dogbot_logtool.commands.convert import convert
 from dogbot_logtool.core.scene.styles import ARROW_STYLES
 from dogbot_logtool.errors import CallError
-from dogbot_logtool.pipeline.options import ConvertOptions, StatsOptions, TopicOptions
+from dogbot_logtool.robot.options import ConvertOptions, StatsOptions, TopicOptions
 from dogbot_logtool.writer.encodings.registry import ENCODINGS
 from tests.commands.conversions import (
     COMPRESSIONS,

@@ -9,7 +9,7 @@ from mcap.reader import make_reader
 from mcap_ros2.decoder import DecoderFactory
 
 from dogbot_logtool.commands.convert import convert
-from dogbot_logtool.pipeline.options import ConvertOptions, TopicOptions
+from dogbot_logtool.robot.options import ConvertOptions, TopicOptions
 from tests.oracles import state_walks, walks
 from tests.oracles.state_walks import StateWalk
 

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from dogbot_logtool.commands.convert import convert
-from dogbot_logtool.pipeline.options import ConvertOptions
+from dogbot_logtool.robot.options import ConvertOptions
 from tests.oracles.annotated_file import annotations, read_written
 from tests.oracles.recorded import TEXT_TYPE, decoded_log, read_log
 from tests.oracles.ros1_logs import Entry, text, write_ros1_mcap

@@ -13,9 +13,9 @@ from rosbags.rosbag1 import Reader as BagReader
 
 from dogbot_logtool.commands.info import describe
 from dogbot_logtool.errors import CallError, LogError
-from dogbot_logtool.pipeline.options import TopicOptions
 from dogbot_logtool.report.info_report import info_json, print_info
 from dogbot_logtool.results import LogInfo
+from dogbot_logtool.robot.options import TopicOptions
 from tests.paths import SAMPLE_LOGS
 
 TROT, WALK, TROUBLED = (

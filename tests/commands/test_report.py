@@ -12,8 +12,8 @@ import pytest
 from dogbot_logtool.commands.report import Reports
 from dogbot_logtool.errors import CallError, LogError
 from dogbot_logtool.io.targets import Output
-from dogbot_logtool.pipeline.options import StatsOptions
 from dogbot_logtool.report.page.assets import shared_name
+from dogbot_logtool.robot.options import StatsOptions
 from tests.forked_cli import run
 from tests.paths import SAMPLE_LOGS
 

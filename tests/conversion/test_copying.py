@@ -8,7 +8,7 @@ from mcap.reader import make_reader
 
 from dogbot_logtool.commands.convert import convert
 from dogbot_logtool.errors import CallError
-from dogbot_logtool.pipeline.options import ConvertOptions
+from dogbot_logtool.robot.options import ConvertOptions
 from tests.oracles import base_walks
 from tests.oracles.foot_logs import CONTACTS, write_log
 

@@ -12,12 +12,12 @@ from dogbot_logtool.conversion.plan import ConversionPlan, make_plan
 from dogbot_logtool.core.frames.wrench_frame import WrenchFrame, WrenchFrameEvidence
 from dogbot_logtool.errors import CallError, LogError
 from dogbot_logtool.finding import Severity
-from dogbot_logtool.pipeline.options import ConvertOptions, TopicOptions
-from dogbot_logtool.pipeline.probe import Probe, probe_log
-from dogbot_logtool.pipeline.probe_findings import probe_findings
-from dogbot_logtool.pipeline.sensors import learn_sensors
-from dogbot_logtool.pipeline.topics.selection import Selection, select_topics
 from dogbot_logtool.reader.opening import open_log
+from dogbot_logtool.robot.options import ConvertOptions, TopicOptions
+from dogbot_logtool.robot.probe import Probe, probe_log
+from dogbot_logtool.robot.probe_findings import probe_findings
+from dogbot_logtool.robot.sensors import learn_sensors
+from dogbot_logtool.robot.topics.selection import Selection, select_topics
 from tests.paths import SAMPLE_LOGS
 
 UNKNOWN = WrenchFrameEvidence(WrenchFrame.UNKNOWN)

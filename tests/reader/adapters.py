@@ -11,6 +11,7 @@ from foxglove_schemas_protobuf.FrameTransforms_pb2 import FrameTransforms
 
 from dogbot_logtool.core.geometry.arrays import Ints
 from dogbot_logtool.reader.containers.log import Batch, Channel, Messages, Schema
+from dogbot_logtool.reader.foot import Foot
 from dogbot_logtool.reader.messages.bases import Base, check_base, joined_poses
 from dogbot_logtool.reader.messages.contact_messages import check_contacts, read_contacts
 from dogbot_logtool.reader.messages.feet import FootChannels
@@ -23,7 +24,6 @@ from dogbot_logtool.reader.messages.transforms import (
     decode_transforms,
     transform_columns,
 )
-from dogbot_logtool.robot import Foot
 from tests.oracles import base_walks, state_walks, walks
 
 SAME_AS: Final = {

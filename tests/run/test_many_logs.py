@@ -17,7 +17,7 @@ from dogbot_logtool.commands.convert import convert
 from dogbot_logtool.commands.tasks import Measure
 from dogbot_logtool.errors import CallError, StoreError
 from dogbot_logtool.io.output import whole_file
-from dogbot_logtool.pipeline.options import ConvertOptions, StatsOptions
+from dogbot_logtool.robot.options import ConvertOptions, StatsOptions
 from tests.run.services import (
     BUCKET,
     Store,

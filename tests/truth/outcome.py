@@ -7,10 +7,10 @@ from pathlib import Path
 from typing import Any
 
 from dogbot_logtool.commands.stats import measure
-from dogbot_logtool.pipeline.options import StatsOptions, TopicOptions
 from dogbot_logtool.report.documents.stats_json import stats_json
 from dogbot_logtool.report.page.summary import trust
 from dogbot_logtool.report.verdict import headline
+from dogbot_logtool.robot.options import StatsOptions, TopicOptions
 from tests.truth.log_file import write_log
 from tests.truth.recording import Recording
 

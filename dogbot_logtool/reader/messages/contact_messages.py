@@ -13,6 +13,7 @@ from dogbot_logtool.reader.containers.contents import Channel
 from dogbot_logtool.reader.decode.definition import Struct
 from dogbot_logtool.reader.decode.field_path import parse_field_path
 from dogbot_logtool.reader.decode.paths import FieldPath
+from dogbot_logtool.reader.foot import Foot, FootField
 from dogbot_logtool.reader.messages.feet import ContactSamples, FootChannels, read_feet
 from dogbot_logtool.reader.messages.gazebo import StepTiming, foot_links, read_pairs, step_timing
 from dogbot_logtool.reader.messages.message_type import FEET, MessageType
@@ -28,7 +29,6 @@ from dogbot_logtool.reader.messages.source import (
     fitted,
     foot_source_by_type,
 )
-from dogbot_logtool.robot import Foot, FootField
 
 
 def source_of(channel: Channel, feet: Iterable[Foot] = ()) -> Source | None:

@@ -13,10 +13,10 @@ from dogbot_logtool.core.geometry.rotations import conjugate, normalised, rotate
 from dogbot_logtool.core.leg_position import leg_names
 from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.reader.decode.paths import MOST_ELEMENTS
+from dogbot_logtool.reader.foot import Foot
 from dogbot_logtool.reader.messages.message_type import MessageType
 from dogbot_logtool.reader.messages.messages import DecodedMessages
 from dogbot_logtool.reader.messages.source import Source
-from dogbot_logtool.robot import Foot
 
 _HANDS: Final = ("lhsensor", "rhsensor", "hand", "arm", "wrist")
 """Words in names of sensors that are no feet, beside sensors that are called by their legs."""

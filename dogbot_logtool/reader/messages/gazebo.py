@@ -24,10 +24,10 @@ from dogbot_logtool.core.geometry.arrays import Bytes, Flags, Ints, sum_by_group
 from dogbot_logtool.core.geometry.order_statistics import distinct
 from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.reader.decode.columns import Texts, gather_bytes
+from dogbot_logtool.reader.foot import Foot
 from dogbot_logtool.reader.messages.feet import ContactSamples, FootChannels
 from dogbot_logtool.reader.messages.message_type import Pairs
 from dogbot_logtool.reader.messages.messages import DecodedMessages
-from dogbot_logtool.robot import Foot
 
 UNTIMED: Final = int(np.iinfo(np.int64).min)
 """The lag of a message that tells no physics step."""

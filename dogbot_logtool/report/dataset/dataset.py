@@ -28,7 +28,7 @@ from dogbot_logtool.report.dataset.rows import (
 from dogbot_logtool.run.inputs import Found, LogSet
 
 if TYPE_CHECKING:
-    from dogbot_logtool.pipeline.options import StatsOptions
+    from dogbot_logtool.robot.options import StatsOptions
 
 _ASKED_AT_ONCE: Final = 16
 _ESCAPED: Final = re.compile(rb"\\x([89a-f][0-9a-f])")

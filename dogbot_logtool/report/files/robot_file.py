@@ -12,7 +12,8 @@ from typing import Final
 from dogbot_logtool.core.metrics import WalkMetrics
 from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.io.printable import printable
-from dogbot_logtool.robot import NEWTONS, Foot, FootField, Robot
+from dogbot_logtool.reader.foot import Foot, FootField
+from dogbot_logtool.robot.robot import NEWTONS, Robot
 
 _WIDTH: Final = 100
 _GRAVITY: Final = 9.81

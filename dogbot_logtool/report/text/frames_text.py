@@ -9,10 +9,10 @@ from rich.text import Text
 from dogbot_logtool.core.frames.frame_edges import FrameEdge
 from dogbot_logtool.core.frames.frame_tree import Pair, TreeRow, walk
 from dogbot_logtool.io.printable import printable
-from dogbot_logtool.pipeline.frames.frames import Frames
 from dogbot_logtool.report.text.console import print_sentence
 from dogbot_logtool.report.text.text_layout import NameTable, Row
 from dogbot_logtool.results import LogInfo
+from dogbot_logtool.robot.frames.frames import Frames
 
 _ADDED: Final = "added by convert, from odometry"
 _ARROW: Final = f"  <- {_ADDED}"

@@ -17,7 +17,7 @@ from dogbot_logtool.core.scene.arrows import (
     pressure_arrows,
 )
 from dogbot_logtool.core.scene.styles import ARROW_STYLES, DEFAULT_STYLE, ArrowStyle
-from dogbot_logtool.pipeline.options import ConvertOptions
+from dogbot_logtool.robot.options import ConvertOptions
 from tests.paths import SAMPLE_LOGS
 
 TROT = SAMPLE_LOGS / "dogbot_trot.bag"

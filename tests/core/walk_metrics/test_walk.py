@@ -12,8 +12,8 @@ from dogbot_logtool.core.records import values
 from dogbot_logtool.core.settings import StatsSettings
 from dogbot_logtool.core.statistics import Stats
 from dogbot_logtool.finding import Finding
-from dogbot_logtool.pipeline.options import StatsOptions
 from dogbot_logtool.results import LogFacts
+from dogbot_logtool.robot.options import StatsOptions
 from tests.analysed import analysed
 from tests.measured import measured
 from tests.oracles.straight_walk import Walk

@@ -16,11 +16,11 @@ from mcap.writer import Writer
 from dogbot_logtool.commands.convert import convert
 from dogbot_logtool.commands.stats import measure
 from dogbot_logtool.errors import CallError
-from dogbot_logtool.pipeline.options import ConvertOptions, StatsOptions, TopicOptions
 from dogbot_logtool.reader import opening
 from dogbot_logtool.reader.containers import log, merged_log
 from dogbot_logtool.reader.containers.mcap.records import read_extra
 from dogbot_logtool.report.documents.stats_json import stats_json
+from dogbot_logtool.robot.options import ConvertOptions, StatsOptions, TopicOptions
 from tests import forked_cli
 from tests.oracles import walks
 

@@ -14,8 +14,8 @@ from rosbags.typesys import get_types_from_msg
 from dogbot_logtool.commands.convert import convert
 from dogbot_logtool.commands.info import describe
 from dogbot_logtool.commands.stats import measure
-from dogbot_logtool.pipeline.options import ConvertOptions, StatsOptions, TopicOptions
 from dogbot_logtool.report.documents.stats_json import stats_json
+from dogbot_logtool.robot.options import ConvertOptions, StatsOptions, TopicOptions
 from tests.oracles import state_walks, walks
 from tests.oracles.state_walks import StateWalk
 from tests.reader.messages.test_sources import steps

@@ -12,7 +12,6 @@ from dogbot_logtool.commands.compare_gait import compare_gait
 from dogbot_logtool.commands.tasks import Measure
 from dogbot_logtool.core.metrics import Base, Stability
 from dogbot_logtool.core.records import to_json, unknown
-from dogbot_logtool.pipeline.options import StatsOptions, TopicOptions
 from dogbot_logtool.report.page.charts.comparison_figures import (
     PANEL,
     STANCES,
@@ -21,6 +20,7 @@ from dogbot_logtool.report.page.charts.comparison_figures import (
 )
 from dogbot_logtool.report.page.comparison import comparison_page
 from dogbot_logtool.results import Figures
+from dogbot_logtool.robot.options import StatsOptions, TopicOptions
 from tests.truth import gaits
 from tests.truth.gaits import Gait
 from tests.truth.log_file import write_log

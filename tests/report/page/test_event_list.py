@@ -2,9 +2,9 @@
 
 import pytest
 
-from dogbot_logtool.pipeline.options import StatsOptions
 from dogbot_logtool.report.page.event_list import event_list
 from dogbot_logtool.report.page.render import page
+from dogbot_logtool.robot.options import StatsOptions
 from tests.measured import measured
 from tests.paths import SAMPLE_LOGS
 from tests.report.page.page_data import drawings

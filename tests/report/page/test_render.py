@@ -16,13 +16,13 @@ from dogbot_logtool.core.geometry.arrays import Floats
 from dogbot_logtool.core.settings import FootSettings, StatsSettings
 from dogbot_logtool.core.statistics import Stats
 from dogbot_logtool.finding import Finding
-from dogbot_logtool.pipeline.options import StatsOptions
 from dogbot_logtool.reader.containers.loss import Damage, Loss
 from dogbot_logtool.report.documents.stats_json import stats_json
 from dogbot_logtool.report.page.assets import own
 from dogbot_logtool.report.page.index_page import IndexRow, index, index_row
 from dogbot_logtool.report.page.render import Beside, page
 from dogbot_logtool.results import LogFacts
+from dogbot_logtool.robot.options import StatsOptions
 from tests.analysed import analysed
 from tests.measured import measured
 from tests.paths import SAMPLE_LOGS

@@ -3,8 +3,8 @@
 import pytest
 
 from dogbot_logtool.commands.stats import measure
-from dogbot_logtool.pipeline.options import StatsOptions, TopicOptions
 from dogbot_logtool.report.text.gait_diagram import STRIDES_SHOWN, default_window
+from dogbot_logtool.robot.options import StatsOptions, TopicOptions
 from tests.paths import SAMPLE_LOGS
 
 

@@ -8,7 +8,7 @@ import pytest
 from mcap.reader import make_reader
 
 from dogbot_logtool.commands.convert import convert
-from dogbot_logtool.pipeline.options import ConvertOptions
+from dogbot_logtool.robot.options import ConvertOptions
 from dogbot_logtool.writer.encodings.registry import (
     DEFAULT_ENCODING,
     ENCODINGS,

@@ -13,7 +13,7 @@ from rosbags.highlevel import AnyReader
 from rosbags.typesys import Stores, get_typestore
 
 from dogbot_logtool.commands.convert import convert
-from dogbot_logtool.pipeline.options import ConvertOptions, TopicOptions
+from dogbot_logtool.robot.options import ConvertOptions, TopicOptions
 from dogbot_logtool.writer.encodings.encoding import ArrowLook
 from dogbot_logtool.writer.encodings.ros2 import Ros2Encoding
 from dogbot_logtool.writer.template import Template

@@ -15,10 +15,10 @@ from dogbot_logtool.commands.convert import convert
 from dogbot_logtool.commands.info import describe
 from dogbot_logtool.errors import CallError, LogError, StoreError
 from dogbot_logtool.io import storage
-from dogbot_logtool.pipeline.options import ConvertOptions, TopicOptions
 from dogbot_logtool.reader.containers.sources.remote_source import RemoteSource
 from dogbot_logtool.reader.opening import open_log
 from dogbot_logtool.report.info_report import info_json
+from dogbot_logtool.robot.options import ConvertOptions, TopicOptions
 from tests.oracles.small_logs import odometry_log
 from tests.paths import SAMPLE_LOGS
 

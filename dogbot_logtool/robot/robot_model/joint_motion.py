@@ -1,0 +1,153 @@
+"""The joints of a robot description that the log's joint states move, where no transforms do."""
+
+from collections.abc import Iterator, Sequence
+from itertools import islice
+from typing import Final
+
+import numpy as np
+
+from dogbot_logtool.core.frames.kinematics import Joint, LinkTransforms, link_poses
+from dogbot_logtool.core.geometry.arrays import Floats, Ints, header_time
+from dogbot_logtool.dataclass import dataclass
+from dogbot_logtool.errors import DefinitionError
+from dogbot_logtool.reader.containers.log import Batch, Channel, Log
+from dogbot_logtool.reader.decode.fields import text
+from dogbot_logtool.reader.messages.joints import JOINT_TYPES, check_joints, read_joints
+from dogbot_logtool.reader.messages.messages import check_channel, decode_channels
+from dogbot_logtool.robot.probe import Probe
+from dogbot_logtool.robot.robot_model.urdf import parse_urdf, urdf_joints
+
+_MOST_CHANNELS: Final = 16
+_MOST_CHUNKS: Final = 64
+"""Chunks that are searched for a first message."""
+_NOT_MEASURED: Final = ("command", "cmd", "desired", "target", "goal", "reference", "foot")
+"""Words in topics whose joint states are no positions of joints."""
+_DESCRIPTION: Final = (text("data"),)
+
+
+@dataclass(frozen=True, slots=True)
+class JointMotion:
+    """How joint states move the links of a robot description."""
+
+    channel: Channel
+    joints: tuple[Joint, ...]
+    """Those whose children no recorded transform places."""
+    left_out: int
+    """Joints of the description that make no tree of links."""
+
+    @property
+    def pairs(self) -> tuple[tuple[str, str], ...]:
+        """Parent and child of each joint."""
+        return tuple((joint.parent, joint.child) for joint in self.joints)
+
+    def read(self, batch: Batch) -> Iterator[LinkTransforms]:
+        """Yield the links of a batch's joint states."""
+        for told in read_joints(batch, self.channel):
+            yield self.links(told.names, told.log_time, told.stamp, told.position)
+
+    def links(
+        self, names: Sequence[str], log_time: Ints, stamp: Ints, position: Floats
+    ) -> LinkTransforms:
+        """Return the links of n joint states; those that lack a joint are left out.
+
+        Args:
+            names: of the joints.
+            log_time: (n,) ns.
+            stamp: (n,) ns; 0: none.
+            position: (n, len(names)) rad or m.
+        """
+        own = np.full((len(log_time), len(self.joints)), np.nan)
+        for column, joint in enumerate(self.joints):
+            if joint.measured in names:
+                own[:, column] = position[:, names.index(joint.measured)]
+        moving = np.array([joint.kind != "fixed" for joint in self.joints])
+        rows = np.flatnonzero(np.isfinite(own[:, moving]).all(axis=1))
+        times = log_time[rows], header_time(stamp[rows], log_time[rows])
+        return LinkTransforms(*times, link_poses(self.joints, own[rows]))
+
+
+def joint_motion(log: Log, probe: Probe, base: str, description: str | None) -> JointMotion | None:
+    """Return how joint states move the links; None: they do not, or transforms do already.
+
+    Args:
+        log: the log.
+        probe: the frames that its transforms place.
+        base: the base's frame.
+        description: URDF; None: the log's own, if it has one.
+    """
+    channel = next(iter(joint_channels(log)), None)
+    if channel is None:
+        return None
+    urdf = own_description(log) if description is None else description
+    try:
+        joints, left_out = urdf_joints(parse_urdf(urdf or ""))
+    except ValueError:
+        return None
+    named = joint_names(log, channel)
+    kept = tuple(
+        joint
+        for joint in joints
+        if joint.child not in probe.parents
+        and joint.child != base
+        and (joint.kind == "fixed" or joint.measured in named)
+    )
+    moves = any(joint.kind != "fixed" for joint in kept)
+    return JointMotion(channel, kept, left_out) if moves else None
+
+
+def description_channels(log: Log) -> Sequence[Channel]:
+    """Return the channels that describe a robot."""
+    return [
+        channel
+        for channel in log.channels.values()
+        if channel.topic.rpartition("/")[2] == "robot_description"
+        and channel.type_name == "std_msgs/String"
+        and log.counts.get(channel.id, 1)
+    ]
+
+
+def own_description(log: Log) -> str | None:
+    """Return the log's first robot description; None: it has none that can be read."""
+    for channel in description_channels(log):
+        try:
+            check_channel(channel, _DESCRIPTION)
+        except DefinitionError:
+            continue
+        for batch in _batches_of(log, channel):
+            for messages in decode_channels(batch, [channel], _DESCRIPTION):
+                if len(messages.channel):
+                    return messages.table.texts("data").text(0)
+    return None
+
+
+def joint_channels(log: Log) -> list[Channel]:
+    """Return the first channels of joints' measured states: best type, then shortest topic."""
+    found = []
+    for channel in log.channels.values():
+        words = channel.topic.lower()
+        if channel.type_name not in JOINT_TYPES or any(word in words for word in _NOT_MEASURED):
+            continue
+        try:
+            check_joints(channel)
+        except DefinitionError:
+            continue
+        if log.counts.get(channel.id, 1):
+            found.append(channel)
+    found.sort(key=lambda each: (JOINT_TYPES.index(each.type_name), len(each.topic), each.topic))
+    return found[:_MOST_CHANNELS]
+
+
+def joint_names(log: Log, channel: Channel) -> frozenset[str]:
+    """Return the joints that the first messages of a channel name."""
+    for batch in _batches_of(log, channel):
+        for told in read_joints(batch, channel):
+            if len(told.log_time):
+                return frozenset(told.names)
+    return frozenset()
+
+
+def _batches_of(log: Log, channel: Channel) -> Iterator[Batch]:
+    """Yield the first chunks that may hold messages of a channel."""
+    chunks = (c for c in log.chunks if c.counts is None or channel.id in c.counts)
+    for chunk in islice(chunks, _MOST_CHUNKS):
+        yield log.read((chunk,))

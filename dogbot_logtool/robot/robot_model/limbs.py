@@ -1,0 +1,161 @@
+"""Positions of the robot's joints over time, by transforms or by joint states."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from typing import Final
+
+import numpy as np
+
+from dogbot_logtool.core.frames.transform_buffer import (
+    TransformBuffer,
+    chain_of_frames,
+    frame_track,
+)
+from dogbot_logtool.core.geometry.arrays import Float32s, Floats, Ints
+from dogbot_logtool.core.geometry.clock import TimeSource
+from dogbot_logtool.core.geometry.order_statistics import distinct
+from dogbot_logtool.core.geometry.rotations import rotate
+from dogbot_logtool.core.legs.joint_track import JointTable
+from dogbot_logtool.core.recording import Recording
+from dogbot_logtool.dataclass import dataclass
+from dogbot_logtool.reader.messages.frame_tracks import moving_tracks
+from dogbot_logtool.robot.probe import Probe, frame_names
+from dogbot_logtool.robot.robot_model.description import log_skeleton, model_feet
+from dogbot_logtool.robot.robot_model.joint_motion import JointMotion
+from dogbot_logtool.robot.robot_model.skeleton import ModelFoot
+from dogbot_logtool.robot.topics.selection import Selection
+
+MOST_FRAMES: Final = 64
+"""Frames of a robot that are followed."""
+
+
+@dataclass(frozen=True, slots=True)
+class Limbs:
+    """The origins of frames below the base, and the feet's soles, over time."""
+
+    point: Float32s
+    """(n, k, 3) m, in the base's frame; NaN where not known."""
+    parents: tuple[int, ...]
+    """(k,) index of the point that each hangs on; -1: the base."""
+    soles: tuple[int | None, ...]
+    """Index of each foot's sole; None: its frame is not known."""
+
+
+@dataclass(frozen=True, slots=True)
+class _Bones:
+    """How the frames of a robot hang below its base."""
+
+    base: str
+    parents: Mapping[str, str]
+    """Parent of each frame, as transforms or joint states tell it."""
+    shown: Sequence[str]
+    """Frames that are drawn: those of legs, and others that move."""
+    feet: Sequence[ModelFoot]
+
+
+def find_limbs(
+    recording: Recording,
+    selection: Selection,
+    probe: Probe,
+    motion: JointMotion | None,
+    clock: TimeSource,
+    time: Ints,
+) -> Limbs | None:
+    """Follow the frames of a robot; None where nothing connects any with its base.
+
+    The log's transforms place them, or its joint states with its robot description.
+
+    Args:
+        recording: transforms and joint states.
+        selection: the robot's feet.
+        probe: the log's frames.
+        motion: how joint states move links; None: they do not.
+        clock: the clock of `time`.
+        time: (n,) ns, increasing.
+    """
+    _, base = frame_names(selection.robot, probe)
+    bones = _bones(selection, probe, base, motion)
+    if not bones.shown or len(bones.shown) > MOST_FRAMES:
+        return None
+    moving = {
+        frame: parent
+        for frame, parent in bones.parents.items()
+        if frame not in probe.statics.frames
+    }
+    buffer = probe.statics.only(bones.parents.keys())
+    buffer = buffer.then(moving_tracks(recording.transforms, moving, clock))
+    for table in recording.joints:
+        if motion is not None and table.topic == motion.channel.topic:
+            buffer = buffer.then(_link_tracks(_near_rows(table, time, clock), motion, clock))
+    return _limbs(buffer, bones, time, [foot.name for foot in selection.robot.feet])
+
+
+def _bones(selection: Selection, probe: Probe, base: str, motion: JointMotion | None) -> _Bones:
+    skeleton = log_skeleton(selection, probe, base)
+    legs = {frame for leg in skeleton.legs for frame in leg}
+    shown = [name for name, pose in skeleton.frames.items() if name in legs or not pose.static]
+    parents = {name: pose.parent for name, pose in skeleton.frames.items()}
+    for joint in motion.joints if motion else ():
+        parents.setdefault(joint.child, joint.parent)
+        shown += [joint.child] if joint.kind != "fixed" and joint.child not in shown else []
+    connected = [frame for frame in shown if chain_of_frames(parents, frame, base) is not None]
+    feet = [foot for foot in model_feet(selection, probe) if foot.frame in parents]
+    return _Bones(base, parents, connected, feet)
+
+
+def _near_rows(table: JointTable, time: Ints, clock: TimeSource) -> JointTable:
+    """Return the joint states that times lie between, and the first one."""
+    after = np.searchsorted(clock.of(table.samples), time)
+    rows = np.concatenate([after - 1, after, [0]])
+    rows = distinct(np.clip(rows, 0, len(table.samples.stamp) - 1))
+    return replace(table, samples=table.samples.pick(rows))
+
+
+def _link_tracks(table: JointTable, motion: JointMotion, clock: TimeSource) -> TransformBuffer:
+    """Return the links that joint states move, as transforms."""
+    tracks = {}
+    own = table.samples
+    links = motion.links(table.names, own.log_time, own.stamp, own.position.astype(np.float64))
+    for column, joint in enumerate(motion.joints):
+        translation = links.poses.translation[:, column]
+        rotation = links.poses.rotation[:, column]
+        times = clock.of(links), links.log_time
+        track = frame_track(joint.parent, *times, translation, rotation)
+        if track is not None:
+            tracks[joint.child] = track
+    return TransformBuffer(tracks)
+
+
+def _limbs(buffer: TransformBuffer, bones: _Bones, time: Ints, names: list[str]) -> Limbs:
+    number = {name: index for index, name in enumerate(bones.shown)}
+    points: list[Floats] = []
+    parents: list[int] = []
+    for name in bones.shown:
+        log_time = _recorded(buffer, name, time)
+        points.append(buffer.lookup(name, bones.base, time, log_time).translation)
+        parents.append(_nearest(bones, bones.parents[name], number))
+    soles: list[int | None] = [None] * len(names)
+    for foot in bones.feet:
+        pose = buffer.lookup(foot.frame, bones.base, time, _recorded(buffer, foot.frame, time))
+        offset = np.tile(np.array(foot.point), (len(time), 1))
+        soles[names.index(foot.name)] = len(points)
+        points.append(pose.translation + rotate(pose.rotation, offset))
+        parents.append(_nearest(bones, foot.frame, number))
+    return Limbs(np.stack(points, axis=1).astype(np.float32), tuple(parents), tuple(soles))
+
+
+def _recorded(buffer: TransformBuffer, frame: str, time: Ints) -> Ints:
+    """(n,) ns, log times of some times: about when a frame's transforms were recorded."""
+    track = buffer.frames.get(frame)
+    if track is None or track.static:
+        return time
+    since = np.interp(time - time[0], track.time - time[0], track.log_time - track.log_time[0])
+    recorded: Ints = track.log_time[0] + np.rint(since).astype(np.int64)
+    return recorded
+
+
+def _nearest(bones: _Bones, frame: str, number: Mapping[str, int]) -> int:
+    """Return the index of a frame or, where it is not shown, of the next above; -1: the base."""
+    while frame != bones.base and frame not in number:
+        frame = bones.parents[frame]
+    return number.get(frame, -1)

@@ -1,0 +1,176 @@
+"""A URDF of boxes, cylinders and spheres: a robot to look at where the log has no model.
+
+Its links are the log's own frames, so that the log's transforms move it; the origins of its joints
+are their first recorded poses, so that it stands before the first transform. Joints are floating:
+how they move is not known.
+"""
+
+from collections.abc import Iterator, Sequence
+from math import acos, atan2, dist, hypot
+from typing import Final
+from xml.etree import ElementTree as ET
+
+import numpy as np
+
+from dogbot_logtool.core.geometry.rotations import roll_pitch_yaw
+from dogbot_logtool.core.scene.foot_style import colour_parts
+from dogbot_logtool.robot.robot_model.skeleton import FramePose, Point, Skeleton
+
+_AXES: Final = {"+x": (1, 0), "-x": (-1, 0), "+y": (0, 1), "-y": (0, -1)}
+_DENSITY: Final = 500.0
+"""kg/m3 of a body whose legs are not known; half of water's, as robots have."""
+_USUAL_MASS_KG: Final = 12.0
+_FEWEST_HIPS: Final = 3
+"""Assumed hips that span a body."""
+_SHORTEST_LIMB_M: Final = 0.01
+_THICKNESS: Final = 0.045
+"""Radius of a limb over the length of a leg."""
+_THINNEST_M, _THICKEST_M = 0.005, 0.04
+_BODY: Final = "#b8bec6"
+_LIMB: Final = "#5c6470"
+_NOSE: Final = "#2f3640"
+
+
+def primitive_urdf(
+    name: str,
+    frames: Skeleton,
+    forward_axis: str,
+    mass_kg: float | None = None,
+    hips: Sequence[Point] = (),
+    *,
+    upright: bool = False,
+) -> str:
+    """Return the URDF of a body, limbs between joints, feet in their colours, and a nose.
+
+    Args:
+        name: of the robot.
+        frames: below its base.
+        forward_axis: the body axis that points forward, ``+x`` ...
+        mass_kg: gives the body's size where the legs do not; None: not known.
+        hips: m, base frame: where legs without frames are assumed to begin.
+        upright: whether a body of the mass's size stands on the base's origin, as a biped's.
+    """
+    robot = ET.Element("robot", name=name)
+    colours = {"body": _BODY, "limb": _LIMB, "nose": _NOSE}
+    colours |= {f"foot {foot.name}": foot.colour for foot in frames.feet}
+    for material, colour in colours.items():
+        _add_material(robot, material, colour)
+    links = {
+        frame: ET.SubElement(robot, "link", name=frame) for frame in (frames.base, *frames.frames)
+    }
+    centre, size = _body(frames, forward_axis, mass_kg, hips, upright=upright)
+    _add_visual(links[frames.base], "body", centre, "box", size=_text(size))
+    _add_nose(links[frames.base], centre, size, forward_axis)
+    radius = _limb_radius(frames)
+    for frame, pose in frames.limbs:
+        _add_limb(links[pose.parent], (0.0, 0.0, 0.0), pose.translation, radius)
+        _add_visual(links[frame], "limb", (0.0, 0.0, 0.0), "sphere", radius=_text([radius]))
+    for foot in frames.feet:
+        _add_limb(links[foot.frame], (0.0, 0.0, 0.0), foot.point, radius)
+        material = f"foot {foot.name}"
+        _add_visual(links[foot.frame], material, foot.point, "sphere", radius=_text([1.6 * radius]))
+    for child, pose in frames.frames.items():
+        _add_joint(robot, child, pose)
+    ET.indent(robot)
+    return ET.tostring(robot, encoding="unicode") + "\n"
+
+
+def _body(
+    frames: Skeleton,
+    forward_axis: str,
+    mass_kg: float | None,
+    assumed: Sequence[Point],
+    *,
+    upright: bool,
+) -> tuple[Point, Point]:
+    """Return centre and size, m, of the box between the hips; of the mass's size without hips."""
+    hips = [frames.frames[leg[-1]].translation for leg in frames.legs]
+    if not hips and len(assumed) >= _FEWEST_HIPS:
+        hips = list(assumed)
+    if not hips:
+        length, width, height = body_size_m(mass_kg)
+        length, height = (height, length) if upright else (length, height)
+        along_x = _AXES[forward_axis][0] != 0
+        centre = (0.0, 0.0, 0.5 * height if upright else 0.0)
+        return centre, (*((length, width) if along_x else (width, length)), height)
+    low, high = np.min(hips, axis=0), np.max(hips, axis=0)
+    longest = max(float((high - low)[:2].max()), 0.1)
+    x, y = (max(float(side), 0.4 * longest) for side in (high - low)[:2])
+    cx, cy, cz = ((low + high) / 2.0).tolist()
+    return (cx, cy, cz), (x, y, 0.25 * longest)
+
+
+def body_size_m(mass_kg: float | None) -> tuple[float, float, float]:
+    """Return length, width and height, m, of a body of some mass; None: a usual one."""
+    third = ((mass_kg or _USUAL_MASS_KG) / _DENSITY / 6.0) ** (1.0 / 3.0)
+    return 3.0 * third, 2.0 * third, third
+
+
+def _limb_radius(frames: Skeleton) -> float:
+    """Return the radius of limbs, m, by the length of the longest leg."""
+    lengths = [
+        sum(hypot(*frames.frames[frame].translation) for frame in leg[:-1]) + hypot(*foot.point)
+        for foot, leg in zip(frames.feet, frames.legs, strict=False)
+    ]
+    return min(max(_THICKNESS * max(lengths, default=0.5), _THINNEST_M), _THICKEST_M)
+
+
+def _add_nose(link: ET.Element, centre: Point, size: Point, forward_axis: str) -> None:
+    """Add a small box at the front of the body."""
+    x, y = _AXES[forward_axis]
+    depth = 0.15 * max(size)
+    reach_x, reach_y = (size[0] + depth) / 2.0, (size[1] + depth) / 2.0
+    middle = (centre[0] + x * reach_x, centre[1] + y * reach_y, centre[2])
+    across = 0.4 * (size[1] if x else size[0])
+    high = 0.6 * min(size)
+    nose = (depth, across, high) if x else (across, depth, high)
+    _add_visual(link, "nose", middle, "box", size=_text(nose))
+
+
+def _add_limb(link: ET.Element, start: Point, end: Point, radius: float) -> None:
+    """Add a cylinder between two points of a link, where it is long enough to be seen."""
+    length = dist(start, end)
+    if length < _SHORTEST_LIMB_M:
+        return
+    x, y, z = ((b - a) / length for a, b in zip(start, end, strict=True))
+    middle = tuple((a + b) / 2.0 for a, b in zip(start, end, strict=True))
+    turn = (0.0, acos(min(max(z, -1.0), 1.0)), atan2(y, x))
+    sizes = {"radius": _text([radius]), "length": _text([length])}
+    _add_visual(link, "limb", middle, "cylinder", turn, **sizes)
+
+
+def _add_visual(
+    link: ET.Element,
+    material: str,
+    centre: Sequence[float],
+    shape: str,
+    turn: Sequence[float] = (0.0, 0.0, 0.0),
+    **sizes: str,
+) -> None:
+    visual = ET.SubElement(link, "visual")
+    ET.SubElement(visual, "origin", xyz=_text(centre), rpy=_text(turn))
+    ET.SubElement(ET.SubElement(visual, "geometry"), shape, sizes)
+    ET.SubElement(visual, "material", name=material)
+
+
+def _add_material(robot: ET.Element, name: str, colour: str) -> None:
+    material = ET.SubElement(robot, "material", name=name)
+    ET.SubElement(material, "color", rgba=_text([*colour_parts(colour), 1.0]))
+
+
+def _add_joint(robot: ET.Element, child: str, pose: FramePose) -> None:
+    kind = "fixed" if pose.static else "floating"
+    joint = ET.SubElement(robot, "joint", name=f"{pose.parent} to {child}", type=kind)
+    angles = roll_pitch_yaw(np.array([pose.rotation]))[0].tolist()
+    ET.SubElement(joint, "origin", xyz=_text(pose.translation), rpy=_text(angles))
+    ET.SubElement(joint, "parent", link=pose.parent)
+    ET.SubElement(joint, "child", link=child)
+
+
+def _text(numbers: Sequence[float]) -> str:
+    return " ".join(f"{number:.6g}" for number in _without_minus_zero(numbers))
+
+
+def _without_minus_zero(numbers: Sequence[float]) -> Iterator[float]:
+    """Yield numbers rounded to micrometres; -0 becomes 0."""
+    yield from (round(number, 6) + 0.0 for number in numbers)

@@ -1,0 +1,180 @@
+"""How each foot's sensor reads with and without load, learnt from the columns of a recording."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from dogbot_logtool.core.contact.contact_rule import (
+    ContactRule,
+    FootSensor,
+    Thresholds,
+    contact_rule,
+)
+from dogbot_logtool.core.contact.contacts import Samples, samples_together
+from dogbot_logtool.core.contact.silent_swing import SilentFeet, learn_silences
+from dogbot_logtool.core.geometry.arrays import all_finite, norms
+from dogbot_logtool.core.geometry.clock import usual_interval_s
+from dogbot_logtool.core.geometry.order_statistics import median_of
+from dogbot_logtool.core.load.loads import body_weight_n
+from dogbot_logtool.core.sensors.sensor_level import (
+    Origin,
+    SensorLevel,
+    estimate_level,
+    no_offset,
+    zero_level,
+    zero_reading,
+)
+from dogbot_logtool.core.sensors.sensor_modes import CONSTANT
+from dogbot_logtool.core.sensors.weighed_levels import (
+    checked_levels,
+    turned_levels,
+    weighed_levels,
+    weight_of_levels,
+)
+from dogbot_logtool.dataclass import dataclass
+from dogbot_logtool.errors import CallError
+from dogbot_logtool.io.printable import listed
+from dogbot_logtool.robot.options import TopicOptions
+from dogbot_logtool.robot.probe import Probe
+from dogbot_logtool.robot.topics.selection import Selection
+
+
+@dataclass(frozen=True, slots=True)
+class LearntSensors:
+    """How all feet's sensors read."""
+
+    feet: tuple[FootSensor, ...]
+    """In the order of the robot's feet."""
+    silent: SilentFeet
+    """Those that send no messages in swing."""
+    estimated_weight_n: float | None
+    """N, the feet's mean sum of loads, where no mass is given and thresholds rest on it."""
+
+
+def learn_sensors(
+    selection: Selection,
+    probe: Probe,
+    topics: TopicOptions,
+    given: Thresholds | None = None,
+) -> LearntSensors:
+    """Learn how each foot's sensor reads with and without load, and what counts as contact.
+
+    Args:
+        selection: the feet.
+        probe: what the recording tells; the samples of its feet are looked at.
+        topics: what the user says about offsets and mass.
+        given: thresholds that are not to be chosen here; what is None in it is the robot's.
+
+    Raises:
+        CallError: the user names a foot that the log does not have.
+    """
+    names = [foot.name for foot in selection.robot.feet]
+    for name in topics.offsets_n or {}:
+        if name not in names:
+            raise CallError(f"--tare {name}: the log has no such foot; it has {listed(names)}")
+    weight = body_weight_n(selection.robot.mass_kg)
+    thresholds = _thresholds(selection, given or Thresholds())
+    levels = tuple(
+        _level(selection, samples, foot, topics) for foot, samples in enumerate(probe.feet)
+    )
+    if not selection.robot_is_guessed or topics.mass_kg is not None:
+        levels = checked_levels(weighed_levels(turned_levels(levels, weight), weight), weight)
+    else:
+        levels = turned_levels(levels, None)
+    varies = any(level.loaded_n and level.reason != CONSTANT for level in levels)
+    estimated = weight_of_levels(levels) if weight is None else None
+    return LearntSensors(
+        tuple(
+            FootSensor(
+                level,
+                _rule(
+                    level,
+                    weight or estimated,
+                    thresholds,
+                    others_vary=varies,
+                    by_flag=selection.has_flags(foot),
+                ),
+            )
+            for foot, level in enumerate(levels)
+        ),
+        _learn_silences(probe),
+        estimated,
+    )
+
+
+def _learn_silences(probe: Probe) -> SilentFeet:
+    """Learn how long swings and flights of feet that are silent in swing usually are."""
+    if not probe.intervals:
+        return SilentFeet({})
+    samples = samples_together(probe.feet)
+    return learn_silences(samples, probe.intervals, probe.silence_clock)
+
+
+def _rule(
+    level: SensorLevel,
+    weight_n: float | None,
+    given: Thresholds,
+    *,
+    others_vary: bool,
+    by_flag: bool,
+) -> ContactRule:
+    """Return what counts as contact; a sensor that is stuck while others vary tells none."""
+    rule = contact_rule(level, weight_n, given)
+    if by_flag:
+        return replace(rule, by_flag=True, backdates=False, unusable="")
+    if level.reason == CONSTANT and level.loaded_n and others_vary:
+        return replace(rule, unusable="its sensor reads one constant force while others vary")
+    return rule
+
+
+def _level(selection: Selection, samples: Samples, foot: int, topics: TopicOptions) -> SensorLevel:
+    """Estimate a foot's level, or take the one that is given."""
+    known = (topics.offsets_n or {}).get(selection.robot.feet[foot].name)
+    origin: Origin = "option"
+    if known is None and topics.takes_offsets:
+        known, origin = selection.robot.feet[foot].offset_n, "robot"
+    if known is None and (level := _zero(selection, samples, foot)) is not None:
+        return level
+    if known is None and topics.takes_offsets:
+        level = estimate_level(samples.log_time, samples.force)
+        if level.zero_in_swing or level.reason:
+            return level
+        from dogbot_logtool.core.sensors.swing_levels import follow_level  # noqa: PLC0415
+
+        return follow_level(samples.log_time, samples.force, level)
+    offset = np.array([known or (0.0, 0.0, 0.0)])
+    rest = estimate_level(samples.log_time, samples.force - offset)
+    return replace(rest, knots=no_offset()[0], offset=offset, origin=origin, reason="")
+
+
+def _zero(selection: Selection, samples: Samples, foot: int) -> SensorLevel | None:
+    """Return the level of a foot whose sensor reads zero in swing; None: it does not."""
+    sources = selection.sources_of(foot)
+    force = samples.force[all_finite(samples.force)]
+    interval_s = usual_interval_s(samples.log_time)
+    if any(source.silent_in_swing for source in sources):
+        # Its samples are those in contact only, and their mean is no mean over strides.
+        level = zero_level(np.concatenate([np.zeros((len(force) + 3, 3)), force]), interval_s)
+        return replace(level or zero_reading(), mean_n=None)
+    if not selection.knows_force(foot):
+        return replace(zero_reading(), interval_s=interval_s)
+    if not len(force):
+        return None
+    level = zero_level(force, interval_s)
+    if level is None and all(source.lists_contacts for source in sources):
+        # A foot that is down throughout: its messages would say if it were not.
+        mean = float(median_of(norms(force)))
+        return replace(zero_reading(), loaded_n=mean, mean_n=mean, interval_s=interval_s)
+    return level
+
+
+def _thresholds(selection: Selection, given: Thresholds) -> Thresholds:
+    """Complete thresholds from the robot's file."""
+    robot = selection.robot
+    return replace(
+        given,
+        on_n=given.on_n or robot.contact_on_n,
+        off_n=given.off_n or robot.contact_off_n,
+        debounce_s=robot.debounce_s if given.debounce_s is None else given.debounce_s,
+        origin="option" if given.on_n else "robot",
+    )

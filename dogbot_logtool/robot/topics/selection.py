@@ -1,0 +1,375 @@
+"""The choice of a log's topics, and the use of each.
+
+Topics are given by the robot's file or options, or found.
+"""
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
+from typing import Final
+
+from dogbot_logtool.dataclass import dataclass
+from dogbot_logtool.finding import Finding
+from dogbot_logtool.io.printable import MOST, listed, printable, shell_joined
+from dogbot_logtool.io.storage import shown
+from dogbot_logtool.reader.containers.log import Batch, Channel, Log
+from dogbot_logtool.reader.messages.bases import Base, BasePoses
+from dogbot_logtool.reader.messages.contact_messages import source_of, without_flags
+from dogbot_logtool.reader.messages.feet import FootChannels
+from dogbot_logtool.reader.messages.source import Source
+from dogbot_logtool.reader.messages.transforms import TRANSFORM_TYPES, is_static
+from dogbot_logtool.reader.salvage.losses import damage_of
+from dogbot_logtool.reader.wanted import Wanted
+from dogbot_logtool.robot.feet.candidates import FootCandidates, find_candidates
+from dogbot_logtool.robot.feet.cells import split_cells
+from dogbot_logtool.robot.feet.field_feet import candidates_finding
+from dogbot_logtool.robot.feet.flag_check import compare_flags, flag_findings
+from dogbot_logtool.robot.feet.message_feet import is_planned
+from dogbot_logtool.robot.feet.raw_levels import RawLevels, with_raw_levels
+from dogbot_logtool.robot.feet.selection import (
+    FootOffer,
+    assign_feet,
+    check_feet_differ,
+    check_topics,
+    find_feet,
+    foot_channels,
+)
+from dogbot_logtool.robot.options import TopicOptions
+from dogbot_logtool.robot.robot import Robot
+from dogbot_logtool.robot.topics.annotated import annotation_findings
+from dogbot_logtool.robot.topics.base import check_named_base, choose_base
+from dogbot_logtool.robot.topics.readable import (
+    other_encodings,
+    own_definition_findings,
+    reasons,
+    unreadable_findings,
+)
+from dogbot_logtool.robot.topics.robot_choice import choose_robot, usable_topics
+from dogbot_logtool.robot.topics.topics import readable_channels, recorded_topics, split_topic
+
+_LIKELY_WORDS: Final = ("odom", "contact", "foot", "feet", "force", "wrench", "pose", "leg")
+"""Words in topics and types that may tell of the base or the feet."""
+
+
+@dataclass(frozen=True, slots=True)
+class Selection:
+    """The topics of a log that are used."""
+
+    robot: Robot
+    """With the feet that the log has, and their topics."""
+    odometry: tuple[Channel, ...]
+    """The source of the base's poses."""
+    contacts: tuple[Channel, ...]
+    feet_of: Mapping[int, tuple[int, ...]]
+    """Indices of the feet in `robot.feet` by channel id."""
+    transforms: tuple[Channel, ...]
+    """The log's own ``/tf`` and ``/tf_static``."""
+    findings: tuple[Finding, ...]
+    offered_feet: Finding | None = None
+    """Which topics may be feet, and how to say so, where none surely is; also in `findings`."""
+    possible_feet: tuple[FootCandidates, ...] = ()
+    """Fields that may be feet, the most likely first, where no topics are; see also `findings`."""
+    forceless: frozenset[int] = frozenset()
+    """Feet whose messages have forces that are always zero."""
+    ignores_flags: bool = False
+    """Whether forces decide contact, since they contradict the contact flags of the messages."""
+    base: Base | None = None
+    """How the base's poses are read; None: there are none."""
+    robot_is_guessed: bool = False
+    """Whether the robot was guessed from the log's topics."""
+
+    @property
+    def without_header(self) -> tuple[str, ...]:
+        """The types of used messages that have no header."""
+        used: list[Source] = [*self.sources]
+        used += [self.base.source] if self.base else []
+        return tuple(source.type_name for source in used if not source.has_header)
+
+    @property
+    def base_name(self) -> str | None:
+        """Name of the base's poses, as ``--odom-topic`` takes it; None: there are none."""
+        if self.base is None or not self.odometry:
+            return None
+        topic, element = self.odometry[0].topic, self.base.element
+        return f"{topic}:{element}" if element else topic
+
+    def read_base(self, batch: Batch) -> list[BasePoses]:
+        """Read the base's poses of a batch."""
+        return self.base.read(batch, self.odometry) if self.base else []
+
+    @property
+    def static_transforms(self) -> frozenset[int]:
+        """Ids of the channels whose transforms hold for ever."""
+        return frozenset(channel.id for channel in self.transforms if is_static(channel))
+
+    @property
+    def sources(self) -> tuple[Source, ...]:
+        """The types of contact messages that are used."""
+        return self._sources(self.contacts)
+
+    def sources_of(self, foot: int) -> tuple[Source, ...]:
+        """Return the types of contact messages that tell of a foot."""
+        return self._sources([c for c in self.contacts if foot in self.feet_of[c.id]])
+
+    def _sources(self, channels: Sequence[Channel]) -> tuple[Source, ...]:
+        """Return the different sources of channels, by type name."""
+        feet = self.robot.feet_of
+        found = [source for c in channels if (source := source_of(c, feet(c.topic)))]
+        different = {id(source): source for source in found}.values()
+        ordered = sorted(different, key=lambda source: source.type_name)
+        return tuple(without_flags(source, ignores=self.ignores_flags) for source in ordered)
+
+    def has_flags(self, foot: int) -> bool:
+        """Tell whether contact flags of the messages decide a foot's contact."""
+        sources = self.sources_of(foot)
+        return bool(sources) and all(source.has_flags for source in sources)
+
+    def knows_force(self, foot: int) -> bool:
+        """Tell whether a foot's messages give its force in newtons, not only whether it touches."""
+        scaled = self.robot.feet[foot].newtons_per_count is not None
+        return foot not in self.forceless and all(
+            source.has_force and (scaled or not source.is_raw) for source in self.sources_of(foot)
+        )
+
+    def without_forces(self, forceless: frozenset[int]) -> "Selection":
+        """Return the selection for a log whose wrenches of some feet are always zero."""
+        if not forceless:
+            return self
+        names = [self.robot.feet[foot].name for foot in sorted(forceless)]
+        text = f"all wrenches of {listed(names)} are zero: contacts without forces"
+        findings = (*self.findings, Finding("NO_FORCE", text))
+        return replace(self, forceless=forceless, findings=findings)
+
+    def wanted(self) -> Wanted:
+        """Return what is read of base, feet and frames."""
+        return Wanted(
+            self.contacts, self.foot_channels(), self.base, self.odometry, self.transforms
+        )
+
+    def foot_channels(self) -> FootChannels:
+        """Return what reading contacts needs."""
+        return FootChannels(
+            self.robot.feet,
+            self.feet_of,
+            self.robot.contact_on_counts,
+            ignores_flags=self.ignores_flags,
+        )
+
+
+def select_topics(log: Log, options: TopicOptions) -> Selection:
+    """Decide which topics are used for what.
+
+    Raises:
+        CallError: an option names a topic that the log does not have, or one of a wrong type.
+        LogError: an option names a topic that cannot be decoded.
+    """
+    findings: list[Finding] = [*annotation_findings(log)]
+    named = _apply_options(log, choose_robot(log, options, findings), options)
+    of_feet: list[Finding] = []
+    robot, offer = find_feet(log, named, of_feet)
+    contacts: list[Channel] = []
+    feet_of: dict[int, tuple[int, ...]] = {}
+    for topic in dict.fromkeys(foot.topic for foot in robot.feet):
+        feet = tuple(index for index, foot in enumerate(robot.feet) if foot.topic == topic)
+        for channel in foot_channels(log, robot, topic):
+            contacts.append(channel)
+            feet_of[channel.id] = feet
+    found = find_candidates(log) if not contacts and offer is None else []
+    possible, cells = split_cells(found)
+    topics = {foot.topic for foot in (possible[0].feet if possible else robot.feet)}
+    topics = {*offer.topics} if offer is not None else topics
+    chosen = choose_base(log, robot, findings, topics)
+    if options.robot is not None and not _shows(log, named, chosen.channels):
+        findings.extend(_without_topics(named))
+    robot, odometry = chosen.robot, chosen.channels
+    call = _call(log, options, chosen.offered)
+    offered = None if offer is None else _offered(call, offer)
+    findings.extend([*of_feet, offered] if offered else of_feet)
+    findings.extend(cells)
+    if possible:
+        findings.append(candidates_finding(log, possible, call, chosen.offered))
+    elif offered is None and chosen.offered:
+        findings = [_with_command(each, call) for each in findings]
+    levels = with_raw_levels(log, contacts, feet_of, robot)
+    robot = levels.robot
+    findings.extend(_source_findings(contacts, levels))
+    check = compare_flags(log, contacts, robot)
+    findings.extend(flag_findings(check))
+    transforms = [
+        channel
+        for topic in recorded_topics(log, TRANSFORM_TYPES)
+        for channel in readable_channels(log, topic, TRANSFORM_TYPES)
+    ]
+    unreadable = list(unreadable_findings(log.channels.values(), odometry, contacts))
+    if not (contacts or unreadable) and (others := other_encodings(log.channels)):
+        unreadable.append(Finding("UNREADABLE", others, cases=("not_needed",)))
+    findings.extend(unreadable)
+    findings.extend(own_definition_findings([*odometry, *contacts, *transforms]))
+    return Selection(
+        robot,
+        odometry,
+        tuple(contacts),
+        feet_of,
+        tuple(transforms),
+        tuple(dict.fromkeys(findings)),
+        offered,
+        tuple(possible),
+        ignores_flags=check.are_useless,
+        base=chosen.base,
+        robot_is_guessed=options.robot is None,
+    )
+
+
+def nothing_to_do(log: Log, selection: Selection) -> str:
+    """Return a sentence for a log that has nothing of use: why, or else what it does have."""
+    path = shown(log.source.path)
+    if selection.offered_feet is not None:
+        offered = selection.offered_feet
+        return f"{path}: there is no nav_msgs/Odometry, and {offered.sentence}\n  {offered.command}"
+    possible = next((f for f in selection.findings if "possible" in f.cases), None)
+    if possible is not None:
+        none = "there is neither nav_msgs/Odometry nor a known type of contact messages"
+        command = possible.command and f"\n  {possible.command}"
+        return f"{path}: {none}, but {possible.sentence}{command}"
+    for finding in selection.findings:
+        if finding.code == "NO_BASE" and "--odom-topic" in finding.text:
+            command = finding.command and f"\n  {finding.command}"
+            return f"{path}: there are no contact messages, and {finding.sentence}{command}"
+    if because := reasons(selection.findings):
+        return f"{path}: has no odometry and no contact messages that can be read: {because}"
+    found = sorted({(c.topic, c.type_name) for c in log.channels.values()}, key=_unlikely)
+    lines = [
+        f"\n  {printable(topic)}  {printable(kind) or '(of no type)'}"
+        for topic, kind in found[:MOST]
+    ]
+    if len(found) > MOST:
+        lines.append(f"\n  and {len(found) - MOST:,} more; `dogbot-logtool info` lists them")
+    damage = f" It is damaged: {damage_of(log, log.losses).text}." if log.losses else ""
+    return (
+        f"{path}: has neither nav_msgs/Odometry nor contact messages such as "
+        "gazebo_msgs/ContactsState that can be used (--odom-topic and --foot name topics)."
+        f"{damage} It has:{''.join(lines) or ' nothing'}"
+    )
+
+
+def _unlikely(topic: tuple[str, str]) -> tuple[bool, tuple[str, str]]:
+    """Return what sorts topics, given with their types: likely ones first, then by name."""
+    name = " ".join(topic).lower()
+    return not any(word in name for word in _LIKELY_WORDS), topic
+
+
+def _shows(log: Log, robot: Robot, base: Sequence[Channel]) -> bool:
+    """Tell whether the log has a topic that the robot's file names, and that can be used."""
+    fields = {foot.topic for foot in robot.feet if foot.field is not None}
+    if not fields.isdisjoint(log.channels_by_topic):
+        return True
+    if base and split_topic(robot.odometry_topic or "", log.channels_by_topic)[0] == base[0].topic:
+        return True
+    return not robot.topics.isdisjoint(usable_topics(log))
+
+
+def _without_topics(robot: Robot) -> Iterator[Finding]:
+    """Say that the robot that the user named does not show in the log."""
+    if robot.topics:
+        text = (
+            f"the log has none of the topics of the robot {robot.name!r}: feet and odometry are "
+            "looked for by type and name, but its mass, axes and frames are used; check --robot"
+        )
+        yield Finding("ROBOT_GUESSED", text, cases=("absent",))
+
+
+def _apply_options(log: Log, robot: Robot, options: TopicOptions) -> Robot:
+    if options.odometry_topic is not None:
+        check_named_base(log, robot, options.odometry_topic)
+        robot = replace(robot, odometry_topic=options.odometry_topic)
+    if options.feet:
+        robot = replace(robot, feet=options.feet)
+    if options.foot_topics:
+        given, guessed = options.foot_topics, options.robot is None
+        check_topics(log, given)
+        robot = assign_feet(robot, given, usable_topics(log), guessed=guessed)
+        check_feet_differ(log, robot, given)
+    return robot
+
+
+def _call(log: Log, options: TopicOptions, base: str) -> str:
+    """Return a call of `stats` with the user's options, and with a base that is offered."""
+    words = ["dogbot-logtool", "stats", *log.words]
+    named = options.odometry_topic or base
+    words += ["--robot", options.robot] if options.robot is not None else []
+    words += ["--odom-topic", named] if named else []
+    words += ["--mass", f"{options.mass_kg:g}"] if options.mass_kg is not None else []
+    for foot, topic in (options.foot_topics or {}).items():
+        words += ["--foot", f"{foot}={topic}"]
+    return shell_joined(words)
+
+
+def _with_command(finding: Finding, call: str) -> Finding:
+    """Add the call that takes the offered poses to the finding that there is no odometry."""
+    if finding.code != "NO_BASE":
+        return finding
+    return replace(finding, text=f"{finding.text}; this takes them: {call}", command=call)
+
+
+def _offered(call: str, offer: FootOffer) -> Finding:
+    """Return a warning with the command that chooses the feet."""
+    command = f"{call} {offer.options}"
+    text = (
+        f"feet may be among the topics, but their names do not tell surely: {offer.text}; "
+        f"no arrows, no gait, until --foot says which they are: {command}"
+    )
+    return Finding("FEET_UNSURE", text, command=command)
+
+
+def _source_findings(contacts: Sequence[Channel], levels: RawLevels) -> list[Finding]:
+    """Say what contact messages do not tell."""
+    findings: list[Finding] = []
+    for channel in sorted(contacts, key=lambda channel: channel.type_name):
+        name, source = channel.type_name, source_of(channel, levels.robot.feet_of(channel.topic))
+        if source is None:
+            continue
+        if not source.has_force:
+            text = f"{name} tells contact, not force: gait figures only, no arrows, no loads"
+            findings.append(Finding("NO_FORCE", text))
+        if source.is_raw:
+            findings.extend(_not_calibrated(name, levels))
+        if not source.has_header:
+            findings.append(
+                Finding(
+                    "LOG_TIME_USED",
+                    f"{name} has no header: log time is used for it",
+                    cases=("no_header",),
+                )
+            )
+        if source.silent_in_swing:
+            text = f"{name} is published only in contact: silence is taken for swing"
+            findings.append(Finding("SILENT_SWING", text))
+    findings.extend(_planned(contacts))
+    return list(dict.fromkeys(findings))
+
+
+def _planned(contacts: Sequence[Channel]) -> Iterator[Finding]:
+    """Say which topics tell what was planned, not what was measured."""
+    for channel in contacts:
+        if is_planned(channel):
+            text = (
+                f"{channel.topic} is a plan, not a measurement: contacts, forces and figures are "
+                "the planned ones"
+            )
+            yield Finding("PLANNED", text, channel.topic)
+
+
+def _not_calibrated(name: str, levels: RawLevels) -> Iterator[Finding]:
+    """Warn of figures that are missing while the counts of raw sensors have no scale."""
+    robot = levels.robot
+    unscaled = [foot.name for foot in robot.feet if foot.newtons_per_count is None]
+    if not unscaled:
+        return
+    text = f"{name} has raw counts, and the robot's file has no newtons_per_count for "
+    text += f"{', '.join(unscaled)}: no forces"
+    if robot.contact_on_counts is None:
+        text += ", and without contact.on_counts no contact either"
+        text += f" (it cannot be estimated from the log; {levels.reason})" if levels.reason else ""
+    else:
+        text += f"; contact from {robot.contact_on_counts:g} counts above a foot's offset on"
+        text += " (both estimated from the log)" if levels.estimated else ""
+    yield Finding("NOT_CALIBRATED", text, feet=tuple(unscaled))
