@@ -43,7 +43,7 @@ from tests.oracles.recorded import (
 )
 from tests.paths import ROOT, TROT, TROUBLED, WALK
 
-DOGBOT = ROOT / "dogbot_logtool/robots/dogbot.toml"
+DOGBOT = ROOT / "dogbot_logtool/robot/known/dogbot.toml"
 MS = 1_000_000
 NEAR_MS = 60
 LOGS = (TROT, WALK, TROUBLED)
