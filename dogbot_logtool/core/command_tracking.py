@@ -5,11 +5,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from dogbot_logtool.core import timespans
+from dogbot_logtool.core.arrays import Ints
 from dogbot_logtool.core.base.base_history import BaseHistory
 from dogbot_logtool.core.base.pose_jumps import PoseJumps
 from dogbot_logtool.core.gait.segments import Segment
-from dogbot_logtool.core.geometry import timespans
-from dogbot_logtool.core.geometry.arrays import Ints
 
 if TYPE_CHECKING:
     from dogbot_logtool.core.commands.tracking import CommandTrack, Tracking

@@ -4,6 +4,8 @@ from collections.abc import Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
+from dogbot_logtool.core import timespans
+from dogbot_logtool.core.arrays import Ints
 from dogbot_logtool.core.base.base_history import BaseHistory
 from dogbot_logtool.core.base.base_motion import FORWARD_ANGLES
 from dogbot_logtool.core.base.ground import swapped_pairs
@@ -23,8 +25,6 @@ from dogbot_logtool.core.gait.segments import (
     transition_strides,
 )
 from dogbot_logtool.core.gait.strides import Strides
-from dogbot_logtool.core.geometry import timespans
-from dogbot_logtool.core.geometry.arrays import Ints
 from dogbot_logtool.core.leg_position import quadruped
 from dogbot_logtool.core.masked_walk import MaskedWalk, Recorded, mask_walk
 from dogbot_logtool.core.settings import StatsSettings

@@ -3,6 +3,8 @@
 from dataclasses import field
 from typing import TYPE_CHECKING
 
+from dogbot_logtool.core import timespans
+from dogbot_logtool.core.arrays import Ints
 from dogbot_logtool.core.base.base_history import BaseHistory
 from dogbot_logtool.core.base.base_motion import BaseMotion
 from dogbot_logtool.core.base.pose_jumps import PoseJumps
@@ -16,8 +18,6 @@ from dogbot_logtool.core.gait.segments import (
     Segment,
 )
 from dogbot_logtool.core.gait.support_pattern import Support
-from dogbot_logtool.core.geometry import timespans
-from dogbot_logtool.core.geometry.arrays import Ints
 from dogbot_logtool.core.load.load_figures import LoadFigures
 from dogbot_logtool.core.quality.clocks import (
     ClockDifference,
@@ -29,7 +29,7 @@ from dogbot_logtool.dataclass import dataclass
 
 if TYPE_CHECKING:
     from dogbot_logtool.core.commands.tracking import CommandTrack, Tracking
-    from dogbot_logtool.core.geometry.delay import Delay
+    from dogbot_logtool.core.consistency.delay import Delay
     from dogbot_logtool.core.imu.comparison import ImuComparison
     from dogbot_logtool.core.legs.leg_figures import LegFigures
     from dogbot_logtool.core.recorded.vectors import VectorHistory

@@ -11,13 +11,13 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
+from dogbot_logtool.core import timespans
+from dogbot_logtool.core.arrays import Ints
 from dogbot_logtool.core.base.base_history import base_history
 from dogbot_logtool.core.contact.contacts import Samples
 from dogbot_logtool.core.contact.foot_history import FootHistory, foot_history
+from dogbot_logtool.core.corrections.clock import TimeSource
 from dogbot_logtool.core.evaluation import work_out
-from dogbot_logtool.core.geometry import timespans
-from dogbot_logtool.core.geometry.arrays import Ints
-from dogbot_logtool.core.geometry.clock import TimeSource
 from dogbot_logtool.core.masked_walk import Recorded
 from dogbot_logtool.core.quality.clocks import ClockDifference, OffsetTrack, clock_differences
 from dogbot_logtool.core.quality.log_clock import LogClock, choose_clock

@@ -4,7 +4,7 @@ from collections.abc import Iterator
 from typing import Final
 
 from dogbot_logtool.core.checks.wording import refused_messages
-from dogbot_logtool.core.geometry.clock import TimeSource
+from dogbot_logtool.core.corrections.clock import TimeSource
 from dogbot_logtool.core.statistics import Stats
 from dogbot_logtool.finding import Finding
 

@@ -9,14 +9,13 @@ from typing import Final
 
 import numpy as np
 
+from dogbot_logtool.core import timespans
+from dogbot_logtool.core.arrays import Flags, Floats, Ints, added_within
 from dogbot_logtool.core.base.base_history import BaseHistory
 from dogbot_logtool.core.base.base_motion import FORWARD_ANGLES
 from dogbot_logtool.core.commands.held_command import HeldCommand, held_command
-from dogbot_logtool.core.geometry import timespans
-from dogbot_logtool.core.geometry.arrays import Flags, Floats, Ints
-from dogbot_logtool.core.geometry.rotations import along_heading
-from dogbot_logtool.core.geometry.runs import added_within
 from dogbot_logtool.core.recorded.vectors import VectorHistory
+from dogbot_logtool.core.rotations import along_heading
 from dogbot_logtool.dataclass import dataclass
 
 TRACKING_HZ: Final = 50.0

@@ -5,10 +5,9 @@ from typing import Final
 
 import numpy as np
 
+from dogbot_logtool.core import timespans
+from dogbot_logtool.core.arrays import Floats, Ints, aggregate
 from dogbot_logtool.core.gait.foot_statistics import FootStatistics
-from dogbot_logtool.core.geometry import timespans
-from dogbot_logtool.core.geometry.aggregates import aggregate
-from dogbot_logtool.core.geometry.arrays import Floats, Ints
 from dogbot_logtool.core.legs.leg_figures import LegFoot
 from dogbot_logtool.core.metrics import Foot, Planned
 from dogbot_logtool.core.records import Numbers, Shape, Spread

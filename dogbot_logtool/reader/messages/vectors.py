@@ -5,7 +5,7 @@ from typing import Final
 
 import numpy as np
 
-from dogbot_logtool.core.geometry.blocks import concatenated
+from dogbot_logtool.core.arrays import concatenated
 from dogbot_logtool.core.recorded.vectors import VectorSamples
 from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.reader.containers.batch import Batch

@@ -9,10 +9,10 @@ from rich.console import Console, Group, RenderableType
 from rich.padding import Padding
 from rich.text import Text
 
+from dogbot_logtool.core.arrays import Aggregate
 from dogbot_logtool.core.checks.engine import first_of
 from dogbot_logtool.core.events.event import STEPS as STEP_EVENTS
 from dogbot_logtool.core.gait.gait import STAND
-from dogbot_logtool.core.geometry.aggregates import Aggregate
 from dogbot_logtool.core.metrics import Legs, Symmetry, WalkMetrics
 from dogbot_logtool.core.records import Number
 from dogbot_logtool.core.scene.foot_style import short_names

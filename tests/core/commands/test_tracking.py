@@ -5,6 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from dogbot_logtool.core import timespans
+from dogbot_logtool.core.arrays import Ints
 from dogbot_logtool.core.base.base_history import base_history
 from dogbot_logtool.core.base.odometry import Odometry
 from dogbot_logtool.core.commands.tracking import (
@@ -14,9 +16,7 @@ from dogbot_logtool.core.commands.tracking import (
     follow_commands,
     tracking,
 )
-from dogbot_logtool.core.geometry import timespans
-from dogbot_logtool.core.geometry.arrays import Ints
-from dogbot_logtool.core.geometry.clock import TimeSource
+from dogbot_logtool.core.corrections.clock import TimeSource
 from dogbot_logtool.core.recorded.vectors import VectorSamples, vector_history
 from tests.truth.commanded import Commanded
 from tests.truth.recording import START_NS, BaseRecording, VectorRecording

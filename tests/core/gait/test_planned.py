@@ -2,11 +2,11 @@
 
 import pytest
 
+from dogbot_logtool.core import timespans
 from dogbot_logtool.core.gait.foot_statistics import FootStatistics, foot_statistics
 from dogbot_logtool.core.gait.foot_steps import foot_steps
 from dogbot_logtool.core.gait.planned import follow_plan
 from dogbot_logtool.core.gait.standing import Standing
-from dogbot_logtool.core.geometry import timespans
 from dogbot_logtool.core.settings import FootSettings
 from tests.core.consistency.poses import base
 from tests.core.load.feet import PERIOD_S, foot, seconds, vertical

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from dogbot_logtool.core.geometry.arrays import Floats
+from dogbot_logtool.core.arrays import Floats
 from dogbot_logtool.core.imu.running import Running, running_accelerations
 from dogbot_logtool.core.recorded.vectors import VectorHistory
 from tests.core.consistency.poses import base

@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from dogbot_logtool.core.geometry.arrays import Floats
-from dogbot_logtool.core.geometry.clock import TimeSource
+from dogbot_logtool.core.arrays import Floats
+from dogbot_logtool.core.corrections.clock import TimeSource
 from dogbot_logtool.core.quality.clocks import OffsetTrack, offset_track
 from dogbot_logtool.core.recorded.vectors import VectorHistory, VectorSamples, vector_history
 
