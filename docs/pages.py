@@ -5,8 +5,8 @@ from itertools import groupby
 from pathlib import Path
 from typing import Final
 
+from dogbot_logtool.core.arrays import Aggregate
 from dogbot_logtool.core.events.event import MEANINGS
-from dogbot_logtool.core.geometry.aggregates import Aggregate
 from dogbot_logtool.core.metrics import Event, Stride, WalkMetrics
 from dogbot_logtool.core.records import Field, definitions, fields_of, is_record, metric_paths
 from dogbot_logtool.finding import finding_kinds

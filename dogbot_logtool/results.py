@@ -10,7 +10,7 @@ from dogbot_logtool.reader.containers.loss import SOUND, Damage
 # A command needs not load what only other commands' records are made of.
 if TYPE_CHECKING:
     from dogbot_logtool.conversion.annotate import DrawnCounts
-    from dogbot_logtool.core.geometry.arrays import Floats
+    from dogbot_logtool.core.arrays import Floats
     from dogbot_logtool.core.metrics import WalkMetrics
     from dogbot_logtool.core.statistics import Stats
     from dogbot_logtool.finding import Finding

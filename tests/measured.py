@@ -8,8 +8,8 @@ import numpy as np
 
 import dogbot_logtool as dl
 from dogbot_logtool.commands.stats import measure
+from dogbot_logtool.core.arrays import Flags, Ints
 from dogbot_logtool.core.contact.stances import Cut, Stances
-from dogbot_logtool.core.geometry.arrays import Flags, Ints
 from dogbot_logtool.results import Measurement
 from dogbot_logtool.robot.options import StatsOptions
 

@@ -107,7 +107,7 @@ def test_there_is_something_to_look_at() -> None:
     assert rooms == {room for floor in FLOORS for room in floor}
     assert set(own_imports(ROOT / "core" / "scene" / "feet.py")) >= {
         "core.contact.contacts",
-        "core.geometry.arrays",
+        "core.arrays",
     }
 
 

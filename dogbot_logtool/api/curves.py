@@ -7,7 +7,7 @@ from typing import Any, Final
 import numpy as np
 
 from dogbot_logtool.api.table import Table, with_package
-from dogbot_logtool.core.geometry.arrays import Floats
+from dogbot_logtool.core.arrays import Floats
 
 POINTS: Final = 101
 """Points of a curve: 0, 1, ... 100 %."""

@@ -14,12 +14,11 @@ from dogbot_logtool.api.curves import POINTS, Curves, curves_of
 from dogbot_logtool.api.keywords import PathOrName
 from dogbot_logtool.api.table import Table, texts
 from dogbot_logtool.commands.stats import measure_log
+from dogbot_logtool.core.arrays import Floats, Ints, norms
 from dogbot_logtool.core.checks.voids import void_columns, void_patterns
 from dogbot_logtool.core.contact.contacts import Samples
 from dogbot_logtool.core.contact.stances import Cut
 from dogbot_logtool.core.gait.foot_statistics import FootStatistics
-from dogbot_logtool.core.geometry.arrays import Floats, Ints, norms
-from dogbot_logtool.core.geometry.timespans import covers
 from dogbot_logtool.core.metrics import (
     Event,
     Finding,
@@ -34,6 +33,7 @@ from dogbot_logtool.core.metrics import (
 )
 from dogbot_logtool.core.records import fields_of
 from dogbot_logtool.core.statistics import Stats
+from dogbot_logtool.core.timespans import covers
 from dogbot_logtool.core.walk import usable_samples
 from dogbot_logtool.errors import CallError
 from dogbot_logtool.io.printable import listed

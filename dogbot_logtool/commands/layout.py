@@ -6,7 +6,7 @@ from typing import Final
 
 import numpy as np
 
-from dogbot_logtool.core.geometry.arrays import norms
+from dogbot_logtool.core.arrays import norms
 from dogbot_logtool.core.load.loads import body_weight_n
 from dogbot_logtool.core.plausible import STRONGEST_N
 from dogbot_logtool.errors import LogError

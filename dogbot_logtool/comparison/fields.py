@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dogbot_logtool.comparison.tolerances import FieldRules, Tolerance
-from dogbot_logtool.core.geometry.arrays import Flags
+from dogbot_logtool.core.arrays import Flags
 from dogbot_logtool.dataclass import dataclass
 
 Tree = Any

@@ -6,6 +6,7 @@ from dataclasses import field, replace
 import numpy as np
 
 from dogbot_logtool.conversion.plan import ConversionPlan
+from dogbot_logtool.core.arrays import Ints, picked
 from dogbot_logtool.core.base.odometry import (
     Odometry,
     base_transforms,
@@ -13,13 +14,11 @@ from dogbot_logtool.core.base.odometry import (
     usable_poses,
 )
 from dogbot_logtool.core.contact.contacts import Samples, no_samples
+from dogbot_logtool.core.corrections.clock import first_at_each_tick
 from dogbot_logtool.core.events.log_messages import event_messages, gait_states, to_log_time
 from dogbot_logtool.core.events.messages import EventMessage, GaitState
 from dogbot_logtool.core.frames.kinematics import LinkTransforms
-from dogbot_logtool.core.geometry.arrays import Ints
-from dogbot_logtool.core.geometry.blocks import picked
-from dogbot_logtool.core.geometry.clock import first_at_each_tick
-from dogbot_logtool.core.geometry.support_polygon import NEAR_NS
+from dogbot_logtool.core.hulls import NEAR_NS
 from dogbot_logtool.core.metrics import WalkMetrics
 from dogbot_logtool.core.recording import Recording
 from dogbot_logtool.core.scene.arrows import ArrowCounts, ArrowInput, Arrows, removals

@@ -8,7 +8,7 @@ import numpy as np
 from dogbot_logtool.conversion.annotate import DrawnCounts, Scene, annotations_between
 from dogbot_logtool.conversion.copying import copied_chunks, unread_chunks
 from dogbot_logtool.conversion.plan import ConversionPlan
-from dogbot_logtool.core.geometry.arrays import Ints
+from dogbot_logtool.core.arrays import Ints
 from dogbot_logtool.core.scene.styles import LIFETIME_S
 from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.reader.containers.log import Log

@@ -6,18 +6,17 @@ until the next, but not beyond a time-out.
 """
 
 from collections.abc import Mapping
-from dataclasses import replace
 from typing import Final
 
 import numpy as np
 
+from dogbot_logtool.core import timespans
+from dogbot_logtool.core.arrays import Flags, Floats, Ints
 from dogbot_logtool.core.base.base_history import BaseHistory
 from dogbot_logtool.core.base.base_motion import FORWARD_ANGLES
-from dogbot_logtool.core.geometry import timespans
-from dogbot_logtool.core.geometry.arrays import Flags, Floats, Ints
-from dogbot_logtool.core.geometry.rotations import along_heading
 from dogbot_logtool.core.metrics import Commands, Tracking, Turning
-from dogbot_logtool.core.records import Number, Text, unknown
+from dogbot_logtool.core.records import Number
+from dogbot_logtool.core.rotations import along_heading
 from dogbot_logtool.core.vectors import Integral, VectorHistory
 from dogbot_logtool.dataclass import dataclass
 
@@ -69,9 +68,9 @@ class CommandTrack:
     commanded: Floats
     """(n, 3) as in `AXES`; also `measured`."""
     measured: Floats
-    opposed: tuple[str, ...] = ()
+    opposed: tuple[str, ...]
     """The axes of which the base does the opposite of the command."""
-    drifts: Mapping[str, Floats] | None = None
+    drifts: Mapping[str, Floats]
     """(3,) mean velocity while ``straight`` ahead is commanded, and while the robot steps ``in
     place``, where it does so for long enough."""
 
@@ -90,19 +89,16 @@ class CommandTrack:
         rms = float(np.sqrt((error * error).mean()))
         return float(commanded.mean()), float(measured.mean()), float(error.mean()), rms
 
-
-def commands_metrics(track: CommandTrack | None, topic: Text) -> Commands:
-    """Return how the base follows its commands; topic: of the commands, where there are any."""
-    if track is None:
-        return replace(unknown(Commands), topic=topic)
-    forward, lateral, yaw = (track.errors(axis) for axis in range(3))
-    return Commands(
-        topic=track.history.topic,
-        commanded_s=track.commanded_s,
-        forward=Tracking(*forward),
-        lateral=Tracking(*lateral),
-        yaw=Turning(*yaw),
-    )
+    def metrics(self) -> Commands:
+        """Return how the base follows its commands."""
+        forward, lateral, yaw = (self.errors(axis) for axis in range(3))
+        return Commands(
+            topic=self.history.topic,
+            commanded_s=self.commanded_s,
+            forward=Tracking(*forward),
+            lateral=Tracking(*lateral),
+            yaw=Turning(*yaw),
+        )
 
 
 def follow_commands(
@@ -233,9 +229,7 @@ def _rms(vectors: Floats) -> float:
     return float(np.sqrt((vectors * vectors).sum(axis=1).mean())) if len(vectors) else 0.0
 
 
-def _is_opposed(
-    command: Integral, axis: int, time: Ints, measured: Floats, window_ns: int
-) -> bool:
+def _is_opposed(command: Integral, axis: int, time: Ints, measured: Floats, window_ns: int) -> bool:
     """Tell whether the base does the opposite of the command, however late it follows.
 
     Args:

@@ -7,13 +7,12 @@ from typing import Final
 
 import numpy as np
 
+from dogbot_logtool.core.arrays import Floats, aggregate
 from dogbot_logtool.core.base.base_history import BaseHistory
 from dogbot_logtool.core.base.pose_jumps import without_jumps
 from dogbot_logtool.core.effort_doubts import with_effort_doubts
 from dogbot_logtool.core.gait.foot_statistics import FootStatistics
 from dogbot_logtool.core.gait.standing import typical_period_s
-from dogbot_logtool.core.geometry.aggregates import aggregate
-from dogbot_logtool.core.geometry.arrays import Floats
 from dogbot_logtool.core.legs.foot_path import FootPath
 from dogbot_logtool.core.legs.joint_cycles import (
     Work,

@@ -5,8 +5,7 @@ from typing import Final
 
 import numpy as np
 
-from dogbot_logtool.core.geometry.arrays import Floats
-from dogbot_logtool.core.geometry.order_statistics import median_of
+from dogbot_logtool.core.arrays import Floats, median_of
 
 LegPosition = tuple[str, str]
 """("front" | "middle" | "back", "left" | "right" | "centre")."""

@@ -5,6 +5,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from dogbot_logtool.core import timespans
+from dogbot_logtool.core.arrays import Floats, Ints
 from dogbot_logtool.core.base.base_history import BaseHistory
 from dogbot_logtool.core.base.base_motion import BaseMotion, BaseTrack, base_motion
 from dogbot_logtool.core.base.falls import fallen_spans
@@ -20,8 +22,6 @@ from dogbot_logtool.core.gait.foot_steps import FootSteps, foot_steps, net_push
 from dogbot_logtool.core.gait.reference_foot import any_strides
 from dogbot_logtool.core.gait.standing import Standing, standing_in, typical_period_s
 from dogbot_logtool.core.gait.support_pattern import Support, support
-from dogbot_logtool.core.geometry import timespans
-from dogbot_logtool.core.geometry.arrays import Floats, Ints
 from dogbot_logtool.core.load.load_figures import (
     LoadFigures,
     dead_feet,
@@ -35,8 +35,8 @@ from dogbot_logtool.core.stability.stability import Stability, stability
 from dogbot_logtool.dataclass import dataclass
 
 if TYPE_CHECKING:
-    from dogbot_logtool.core.geometry.delay import Delay
-    from dogbot_logtool.core.recorded.vectors import VectorHistory
+    from dogbot_logtool.core.consistency.delay import Delay
+    from dogbot_logtool.core.vectors import VectorHistory
 
 
 @dataclass(frozen=True, slots=True)

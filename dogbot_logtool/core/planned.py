@@ -4,11 +4,9 @@ from typing import Final
 
 import numpy as np
 
+from dogbot_logtool.core import timespans
+from dogbot_logtool.core.arrays import Ints, aggregate, median_of, nearest_rows
 from dogbot_logtool.core.gait.foot_statistics import FootStatistics
-from dogbot_logtool.core.geometry import timespans
-from dogbot_logtool.core.geometry.aggregates import aggregate
-from dogbot_logtool.core.geometry.arrays import Ints, nearest_rows
-from dogbot_logtool.core.geometry.order_statistics import median_of
 from dogbot_logtool.core.metrics import Planned
 from dogbot_logtool.dataclass import dataclass
 

@@ -9,9 +9,9 @@ from typing import Final
 
 import numpy as np
 
+from dogbot_logtool.core.arrays import Flags, Floats, all_finite
 from dogbot_logtool.core.base.odometry import Odometry
 from dogbot_logtool.core.contact.contacts import Samples
-from dogbot_logtool.core.geometry.arrays import Flags, Floats, all_finite
 
 FARTHEST_M: Final = 1e9
 """Beyond the moon."""

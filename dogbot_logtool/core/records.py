@@ -28,7 +28,7 @@ from typing import (
     get_type_hints,
 )
 
-from dogbot_logtool.core.geometry.aggregates import Aggregate
+from dogbot_logtool.core.arrays import Aggregate
 from dogbot_logtool.dataclass import dataclass
 
 R = TypeVar("R", bound=Any)

@@ -10,9 +10,8 @@ from typing import Final
 
 import numpy as np
 
-from dogbot_logtool.core.geometry.arrays import Floats, Ints, all_finite
-from dogbot_logtool.core.geometry.blocks import picked
-from dogbot_logtool.core.geometry.clock import TimeSource, advancing, first_at_each_tick
+from dogbot_logtool.core.arrays import Floats, Ints, added_within, all_finite, picked
+from dogbot_logtool.core.corrections.clock import TimeSource, advancing, first_at_each_tick
 from dogbot_logtool.core.quality.clocks import (
     WINDOW_NS,
     OffsetTrack,
@@ -21,7 +20,6 @@ from dogbot_logtool.core.quality.clocks import (
     too_far_apart,
 )
 from dogbot_logtool.core.quality.quality import steady_gap_ns
-from dogbot_logtool.core.geometry.runs import added_within
 from dogbot_logtool.core.quality.stamps import StampCheck, check_stamps
 from dogbot_logtool.dataclass import dataclass
 

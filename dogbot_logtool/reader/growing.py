@@ -7,7 +7,7 @@ from typing import IO, Any, Final, Generic
 import numpy as np
 from numpy.typing import NDArray
 
-from dogbot_logtool.core.geometry.blocks import AnyColumns
+from dogbot_logtool.core.arrays import AnyColumns
 from dogbot_logtool.errors import LogtoolError
 
 LARGEST_IN_MEMORY: Final = 2 << 30

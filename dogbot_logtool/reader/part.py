@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from dogbot_logtool.core.arrays import Ints, concatenated, header_time, rows_by_group
 from dogbot_logtool.core.base.odometry import Odometry
 from dogbot_logtool.core.contact.contacts import Samples, no_samples, samples_by_foot
 from dogbot_logtool.core.frames.recorded_transforms import (
@@ -13,8 +14,6 @@ from dogbot_logtool.core.frames.recorded_transforms import (
     concatenate_transforms,
     no_transforms,
 )
-from dogbot_logtool.core.geometry.arrays import Ints, header_time, rows_by_group
-from dogbot_logtool.core.geometry.blocks import concatenated
 from dogbot_logtool.core.legs.joint_track import MOST_JOINTS, JointSamples, JointTable
 from dogbot_logtool.core.plausible import plausible_odometry
 from dogbot_logtool.dataclass import dataclass

@@ -8,12 +8,10 @@ from typing import Any, Final, Protocol, TypeVar
 
 import numpy as np
 
+from dogbot_logtool.core.arrays import Flags, Ints, Record, concatenated, median_of, picked
 from dogbot_logtool.core.base.odometry import Odometry, no_odometry
 from dogbot_logtool.core.contact.contacts import Samples, no_samples, without_contact
 from dogbot_logtool.core.frames.recorded_transforms import concatenate_transforms, no_transforms
-from dogbot_logtool.core.geometry.arrays import Flags, Ints
-from dogbot_logtool.core.geometry.blocks import Record, concatenated, picked
-from dogbot_logtool.core.geometry.order_statistics import median_of
 from dogbot_logtool.core.legs.joint_track import MOST_JOINTS, JointSamples, JointTable
 from dogbot_logtool.core.recording import Recording, Times, VectorTopic
 from dogbot_logtool.dataclass import dataclass

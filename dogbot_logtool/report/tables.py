@@ -3,7 +3,7 @@
 from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Any, Final, Generic, TypeVar
 
-from dogbot_logtool.core.geometry.aggregates import Aggregate, aggregate
+from dogbot_logtool.core.arrays import Aggregate, aggregate
 from dogbot_logtool.core.metrics import (
     Foot,
     Joint,

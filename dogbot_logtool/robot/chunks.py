@@ -6,7 +6,7 @@ from typing import Final
 
 import numpy as np
 
-from dogbot_logtool.core.geometry.order_statistics import distinct
+from dogbot_logtool.core.arrays import distinct
 from dogbot_logtool.reader.containers.log import Chunk, Log
 
 _LOOKS: Final = 8

@@ -10,7 +10,9 @@ from typing import Final
 
 import numpy as np
 
+from dogbot_logtool.core.arrays import Ints, all_finite, median_of
 from dogbot_logtool.core.contact.contacts import Samples
+from dogbot_logtool.core.corrections.clock import TimeSource
 from dogbot_logtool.core.frames.transform_buffer import TransformBuffer
 from dogbot_logtool.core.frames.wrench_frame import (
     FrameFit,
@@ -19,12 +21,9 @@ from dogbot_logtool.core.frames.wrench_frame import (
     frame_fit,
     judge_wrench_frame,
 )
-from dogbot_logtool.core.geometry.arrays import Ints, all_finite
-from dogbot_logtool.core.geometry.clock import TimeSource
-from dogbot_logtool.core.geometry.order_statistics import median_of
-from dogbot_logtool.core.geometry.rotations import normalised, roll_pitch_yaw
 from dogbot_logtool.core.load.loads import body_weight_n
 from dogbot_logtool.core.recording import Recording
+from dogbot_logtool.core.rotations import normalised, roll_pitch_yaw
 from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.reader.containers.log import Chunk, Log
 from dogbot_logtool.reader.messages.frame_tracks import static_tracks

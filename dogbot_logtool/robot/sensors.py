@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from dogbot_logtool.core.arrays import all_finite, median_of, norms
 from dogbot_logtool.core.contact.contact_rule import (
     ContactRule,
     FootSensor,
@@ -12,9 +13,7 @@ from dogbot_logtool.core.contact.contact_rule import (
 )
 from dogbot_logtool.core.contact.contacts import Samples, samples_together
 from dogbot_logtool.core.contact.silent_swing import SilentFeet, learn_silences
-from dogbot_logtool.core.geometry.arrays import all_finite, norms
-from dogbot_logtool.core.geometry.clock import usual_interval_s
-from dogbot_logtool.core.geometry.order_statistics import median_of
+from dogbot_logtool.core.corrections.clock import usual_interval_s
 from dogbot_logtool.core.load.loads import body_weight_n
 from dogbot_logtool.core.sensors.sensor_level import (
     Origin,

@@ -13,7 +13,7 @@ from mcap.data_stream import RecordBuilder
 from mcap.opcode import Opcode
 from zlib_ng.zlib_ng import crc32
 
-from dogbot_logtool.core.geometry.arrays import Bytes, Ints, stable_order
+from dogbot_logtool.core.arrays import Bytes, Ints, stable_order
 from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.writer.message_records import MessageRecords
 

@@ -8,7 +8,7 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from dogbot_logtool.core.geometry.arrays import Bytes, Floats, Ints
+from dogbot_logtool.core.arrays import Bytes, Floats, Ints
 from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.writer.template import TEMPLATES_KEPT, Stamps, Template
 

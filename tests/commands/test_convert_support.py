@@ -13,14 +13,14 @@ import numpy as np
 import pytest
 
 from dogbot_logtool.commands.convert import convert
+from dogbot_logtool.core.arrays import concatenated
 from dogbot_logtool.core.base.base_history import base_history
 from dogbot_logtool.core.base.odometry import Odometry, concatenate_odometry
 from dogbot_logtool.core.contact.contact_rule import contact_rule
 from dogbot_logtool.core.contact.contacts import Samples
 from dogbot_logtool.core.contact.foot_history import foot_history
-from dogbot_logtool.core.geometry.blocks import concatenated
-from dogbot_logtool.core.geometry.clock import TimeSource
-from dogbot_logtool.core.geometry.support_polygon import margin_in_hull
+from dogbot_logtool.core.corrections.clock import TimeSource
+from dogbot_logtool.core.hulls import margin_in_hull
 from dogbot_logtool.core.scene.styles import ARROW_STYLES
 from dogbot_logtool.core.scene.support_scene import margin_colour
 from dogbot_logtool.core.sensors.sensor_level import zero_reading
@@ -43,7 +43,7 @@ from tests.oracles.recorded import (
 )
 from tests.paths import ROOT, TROT, TROUBLED, WALK
 
-DOGBOT = ROOT / "dogbot_logtool/robots/dogbot.toml"
+DOGBOT = ROOT / "dogbot_logtool/robot/known/dogbot.toml"
 MS = 1_000_000
 NEAR_MS = 60
 LOGS = (TROT, WALK, TROUBLED)

@@ -123,7 +123,7 @@ def test_the_base_moves_as_it_should(walk: Walk) -> None:
 def test_without_its_transforms_a_link_frame_log_has_no_vertical_figures(tmp_path: Path) -> None:
     # A robot whose frames the log's transforms do not name: nothing can be turned.
     robot = tmp_path / "stranger.toml"
-    text = (ROOT / "dogbot_logtool/robots/dogbot.toml").read_text(encoding="utf-8")
+    text = (ROOT / "dogbot_logtool/robot/known/dogbot.toml").read_text(encoding="utf-8")
     robot.write_text(text.replace('base = "base_link"', 'base = "trunk"'), encoding="utf-8")
     options = StatsOptions(topics=TopicOptions(robot=str(robot)))
     got = figures("dogbot_trot.bag", options)

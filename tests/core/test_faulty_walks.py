@@ -6,10 +6,10 @@ from functools import cache
 import numpy as np
 import pytest
 
+from dogbot_logtool.core.arrays import Ints
 from dogbot_logtool.core.checks.engine import findings_of
 from dogbot_logtool.core.contact.contacts import Samples
-from dogbot_logtool.core.geometry.arrays import Ints
-from dogbot_logtool.core.geometry.clock import TimeSource
+from dogbot_logtool.core.corrections.clock import TimeSource
 from dogbot_logtool.core.statistics import Stats
 from tests.analysed import analysed, with_learnt_sensors
 from tests.core.checks.voided import metrics

@@ -6,7 +6,7 @@ from dataclasses import replace
 import pytest
 from jsonschema import Draft202012Validator
 
-from dogbot_logtool.core.geometry.aggregates import Aggregate
+from dogbot_logtool.core.arrays import Aggregate
 from dogbot_logtool.core.metrics import (
     NEEDS,
     Foot,

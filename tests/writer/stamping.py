@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from dogbot_logtool.core.geometry.arrays import Ints
+from dogbot_logtool.core.arrays import Ints
 from dogbot_logtool.writer.message_records import record_template, write_log_time
 from dogbot_logtool.writer.template import Template
 

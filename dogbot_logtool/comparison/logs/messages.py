@@ -14,7 +14,7 @@ from dogbot_logtool.comparison.logs.decoders import Decoder, Undecodable, decode
 from dogbot_logtool.comparison.logs.topics import Topic, kind_of
 from dogbot_logtool.comparison.logs.windows import Block
 from dogbot_logtool.comparison.outcome import Difference, Differences, Kind
-from dogbot_logtool.core.geometry.arrays import Flags, Ints
+from dogbot_logtool.core.arrays import Flags, Ints
 from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.reader.containers.log import Channel
 from dogbot_logtool.reader.decode.columns import gather

@@ -13,7 +13,7 @@ from typing import Final
 
 import numpy as np
 
-from dogbot_logtool.core.geometry.arrays import Bytes, Floats, Ints
+from dogbot_logtool.core.arrays import Bytes, Floats, Ints
 from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.reader.containers.log import (
     Batch,

@@ -12,8 +12,7 @@ from typing import Final
 
 import numpy as np
 
-from dogbot_logtool.core.geometry.arrays import Floats, Ints
-from dogbot_logtool.core.geometry.order_statistics import median_of
+from dogbot_logtool.core.arrays import Floats, Ints, median_of
 from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.reader.containers.loss import Damage
 

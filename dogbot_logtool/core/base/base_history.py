@@ -5,21 +5,21 @@ from typing import Final
 
 import numpy as np
 
+from dogbot_logtool.core import timespans
+from dogbot_logtool.core.arrays import Floats, Ints
 from dogbot_logtool.core.base.odometry import Odometry, usable_poses
-from dogbot_logtool.core.geometry import timespans
-from dogbot_logtool.core.geometry.arrays import Floats, Ints
-from dogbot_logtool.core.geometry.clock import (
+from dogbot_logtool.core.corrections.clock import (
     TimeSource,
     advancing,
     first_at_each_tick,
 )
-from dogbot_logtool.core.geometry.rotations import (
+from dogbot_logtool.core.quality.quality import steady_gap_ns
+from dogbot_logtool.core.rotations import (
     from_roll_pitch_yaw,
     normalised,
     roll_pitch_yaw,
     rotate,
 )
-from dogbot_logtool.core.quality.quality import steady_gap_ns
 from dogbot_logtool.dataclass import dataclass
 
 POSE_RATE_HZ: Final = 100.0

@@ -5,16 +5,15 @@ from typing import Final
 
 import numpy as np
 
+from dogbot_logtool.core import timespans
+from dogbot_logtool.core.arrays import Aggregate, Flags, Floats, Ints, aggregate
 from dogbot_logtool.core.base.base_history import BaseHistory
 from dogbot_logtool.core.base.ground import LOWEST_M, slope_rad
 from dogbot_logtool.core.base.pose_jumps import PoseJumps
 from dogbot_logtool.core.base.travel import Travel, path_length_m
 from dogbot_logtool.core.contact.foot_history import FootHistory
-from dogbot_logtool.core.geometry import timespans
-from dogbot_logtool.core.geometry.aggregates import Aggregate, aggregate
-from dogbot_logtool.core.geometry.arrays import Flags, Floats, Ints
-from dogbot_logtool.core.geometry.rotations import along_heading
 from dogbot_logtool.core.load.loads import GRAVITY_MPS2
+from dogbot_logtool.core.rotations import along_heading
 from dogbot_logtool.dataclass import dataclass
 
 FORWARD_ANGLES: Final = {"+x": 0.0, "+y": np.pi / 2.0, "-x": np.pi, "-y": -np.pi / 2.0}

@@ -5,12 +5,11 @@ from typing import Final
 
 import numpy as np
 
+from dogbot_logtool.core import timespans
+from dogbot_logtool.core.arrays import Flags, Floats, Ints, median_of, percentiles_of
 from dogbot_logtool.core.base.base_history import BaseHistory
 from dogbot_logtool.core.base.pose_jumps import GRAVITY_MPS2
 from dogbot_logtool.core.contact.foot_history import FootHistory
-from dogbot_logtool.core.geometry import timespans
-from dogbot_logtool.core.geometry.arrays import Flags, Floats, Ints
-from dogbot_logtool.core.geometry.order_statistics import median_of, percentiles_of
 from dogbot_logtool.dataclass import dataclass
 
 TILT_RAD: Final = np.pi / 3.0

@@ -5,13 +5,12 @@ from typing import Final
 
 import numpy as np
 
+from dogbot_logtool.core import timespans
+from dogbot_logtool.core.arrays import Floats, Ints, all_finite, median_of
 from dogbot_logtool.core.base.base_history import BaseHistory
 from dogbot_logtool.core.contact.foot_history import FootHistory
-from dogbot_logtool.core.geometry import timespans
-from dogbot_logtool.core.geometry.arrays import Floats, Ints, all_finite
-from dogbot_logtool.core.geometry.order_statistics import median_of
-from dogbot_logtool.core.geometry.rotations import along_heading
 from dogbot_logtool.core.leg_position import LegPosition
+from dogbot_logtool.core.rotations import along_heading
 
 _CHUNK: Final = 1_000_000
 """Poses that are worked on at once, to spare memory."""

@@ -5,8 +5,15 @@ from typing import Final
 
 import numpy as np
 
-from dogbot_logtool.core.geometry.arrays import Flags, Floats, Ints, all_finite, header_time
-from dogbot_logtool.core.geometry.blocks import concatenated, picked
+from dogbot_logtool.core.arrays import (
+    Flags,
+    Floats,
+    Ints,
+    all_finite,
+    concatenated,
+    header_time,
+    picked,
+)
 from dogbot_logtool.dataclass import dataclass
 
 LARGEST_LAG_NS: Final = 100_000_000

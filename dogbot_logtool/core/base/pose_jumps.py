@@ -5,9 +5,8 @@ from typing import Final
 
 import numpy as np
 
+from dogbot_logtool.core.arrays import Flags, Floats, Ints, median_of, median_of_known, norms
 from dogbot_logtool.core.base.base_history import BaseHistory
-from dogbot_logtool.core.geometry.arrays import Flags, Floats, Ints, norms
-from dogbot_logtool.core.geometry.order_statistics import median_of, median_of_known
 from dogbot_logtool.dataclass import dataclass
 
 SMALLEST_JUMP_M: Final = 0.05

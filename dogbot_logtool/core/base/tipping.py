@@ -4,9 +4,9 @@ from typing import Final
 
 import numpy as np
 
+from dogbot_logtool.core.arrays import Floats
 from dogbot_logtool.core.base.base_history import BaseHistory
 from dogbot_logtool.core.base.base_motion import roll_and_pitch
-from dogbot_logtool.core.geometry.arrays import Floats
 from dogbot_logtool.dataclass import dataclass
 
 LAST_S: Final = 2.0

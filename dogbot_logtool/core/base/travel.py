@@ -5,11 +5,10 @@ from typing import Final
 
 import numpy as np
 
+from dogbot_logtool.core import timespans
+from dogbot_logtool.core.arrays import Flags, Floats, Ints, median_of
 from dogbot_logtool.core.base.base_history import BaseHistory
-from dogbot_logtool.core.geometry import timespans
-from dogbot_logtool.core.geometry.arrays import Flags, Floats, Ints
-from dogbot_logtool.core.geometry.clock import first_at_each_tick
-from dogbot_logtool.core.geometry.order_statistics import median_of
+from dogbot_logtool.core.corrections.clock import first_at_each_tick
 from dogbot_logtool.dataclass import dataclass
 
 AWAY_M: Final = 0.05

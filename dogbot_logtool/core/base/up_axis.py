@@ -5,11 +5,10 @@ from typing import Final
 
 import numpy as np
 
+from dogbot_logtool.core.arrays import Floats, median_of
 from dogbot_logtool.core.base.base_history import BaseHistory
 from dogbot_logtool.core.base.falls import TILT_RAD, UPRIGHT_RAD, tilt_rad
 from dogbot_logtool.core.contact.foot_history import FootHistory
-from dogbot_logtool.core.geometry.arrays import Floats
-from dogbot_logtool.core.geometry.order_statistics import median_of
 
 STEEP_RAD: Final = np.radians(45.0)
 """No legged robot walks with its back so steep."""

@@ -4,10 +4,10 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from dogbot_logtool.core import timespans
+from dogbot_logtool.core.arrays import norms
 from dogbot_logtool.core.base.forward_axis import WALKED_M
 from dogbot_logtool.core.checks.wording import counted
-from dogbot_logtool.core.geometry import timespans
-from dogbot_logtool.core.geometry.arrays import norms
 from dogbot_logtool.core.statistics import Stats
 from dogbot_logtool.finding import Finding
 

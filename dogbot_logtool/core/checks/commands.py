@@ -3,11 +3,24 @@
 from collections.abc import Iterator
 from typing import Final
 
-from dogbot_logtool.core.geometry.clock import TimeSource
+from dogbot_logtool.core.checks.wording import counted
+from dogbot_logtool.core.corrections.clock import TimeSource
 from dogbot_logtool.core.statistics import Stats
 from dogbot_logtool.finding import Finding
 
 _NAMES: Final = {"forward": "forward speed", "lateral": "sideways speed", "yaw": "yaw rate"}
+
+
+def refused(stats: Stats) -> Iterator[Finding]:
+    """Yield messages of commands or of the accelerometer that are left out for their numbers."""
+    for each in stats.beside:
+        if each.refused:
+            case = "commands" if each.topic == stats.settings.command_topic else "imu"
+            text = (
+                f"{each.topic}: {counted(each.refused, 'message')} of {each.messages} with a "
+                "number that is not finite or that no robot reaches; left out"
+            )
+            yield Finding("NOT_FINITE", text, each.topic, cases=(case,))
 
 
 def command_axes(stats: Stats) -> Iterator[Finding]:

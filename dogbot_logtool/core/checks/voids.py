@@ -6,7 +6,7 @@ from typing import Final
 
 import numpy as np
 
-from dogbot_logtool.core.geometry.arrays import Floats
+from dogbot_logtool.core.arrays import Floats
 from dogbot_logtool.finding import Finding
 
 _METRICS: Final[Mapping[str, str]] = {"length_m": "stride_length_m"}

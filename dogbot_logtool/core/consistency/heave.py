@@ -11,11 +11,11 @@ from typing import Final
 
 import numpy as np
 
+from dogbot_logtool.core import timespans
+from dogbot_logtool.core.arrays import Floats, Ints
 from dogbot_logtool.core.base.base_history import BaseHistory
+from dogbot_logtool.core.consistency.delay import Delay, fit_delay
 from dogbot_logtool.core.contact.foot_history import FootHistory
-from dogbot_logtool.core.geometry import timespans
-from dogbot_logtool.core.geometry.arrays import Floats, Ints
-from dogbot_logtool.core.geometry.delay import Delay, fit_delay
 from dogbot_logtool.core.load.impulses import CELL_RATE_HZ, mean_impulses
 from dogbot_logtool.core.load.load_figures import vertical_is_known
 from dogbot_logtool.core.load.loads import GRAVITY_MPS2

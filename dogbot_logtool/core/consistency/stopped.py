@@ -9,11 +9,10 @@ from typing import Final
 
 import numpy as np
 
+from dogbot_logtool.core import timespans
+from dogbot_logtool.core.arrays import Ints, all_finite, median_of
 from dogbot_logtool.core.base.base_history import BaseHistory
 from dogbot_logtool.core.contact.foot_history import FootHistory
-from dogbot_logtool.core.geometry import timespans
-from dogbot_logtool.core.geometry.arrays import Ints, all_finite
-from dogbot_logtool.core.geometry.order_statistics import median_of
 from dogbot_logtool.core.load.impulses import CELL_RATE_HZ, mean_impulses
 
 MISSED_STEPS: Final = 4

@@ -5,13 +5,12 @@ from typing import Final
 
 import numpy as np
 
+from dogbot_logtool.core.arrays import Floats, all_finite, distinct, median_of
 from dogbot_logtool.core.base.base_history import BaseHistory
 from dogbot_logtool.core.contact.foot_history import FootHistory
 from dogbot_logtool.core.contact.stances import Stances
 from dogbot_logtool.core.contact.track import FootTrack
-from dogbot_logtool.core.geometry.arrays import Floats, all_finite
-from dogbot_logtool.core.geometry.order_statistics import distinct, median_of
-from dogbot_logtool.core.geometry.rotations import along_heading
+from dogbot_logtool.core.rotations import along_heading
 from dogbot_logtool.dataclass import dataclass
 
 WINDOW_S: Final = 2.0

@@ -14,9 +14,9 @@ from typing import Final
 
 import numpy as np
 
+from dogbot_logtool.core.arrays import Flags, Floats, Ints
 from dogbot_logtool.core.contact.contact_rule import ContactRule
-from dogbot_logtool.core.geometry.arrays import Flags, Floats, Ints
-from dogbot_logtool.core.geometry.clock import SILENCE_NS
+from dogbot_logtool.core.corrections.clock import SILENCE_NS
 from dogbot_logtool.dataclass import dataclass
 
 LONGEST_RISE_S: Final = 0.1

@@ -5,8 +5,8 @@ from typing import Final, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from dogbot_logtool.core.arrays import Flags, Floats, Ints
 from dogbot_logtool.core.contact.stance_samples import StanceSamples, own_rows
-from dogbot_logtool.core.geometry.arrays import Flags, Floats, Ints
 
 LOADED: Final = 0.5
 """Share of a stance's mean force from which its foot is loaded."""

@@ -7,15 +7,16 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from dogbot_logtool.core.geometry.arrays import (
+from dogbot_logtool.core.arrays import (
     Flags,
     Floats,
     Ints,
+    concatenated,
     header_time,
     norms,
+    picked,
     sum_by_group,
 )
-from dogbot_logtool.core.geometry.blocks import concatenated, picked
 from dogbot_logtool.dataclass import dataclass
 
 FOOT_IS_COLLISION1: Final = 1

@@ -11,7 +11,7 @@ from typing import Final
 
 import numpy as np
 
-from dogbot_logtool.core.geometry.arrays import Float32s, Floats, Ints
+from dogbot_logtool.core.arrays import Float32s, Floats, Ints
 from dogbot_logtool.dataclass import dataclass
 
 MOST_BINS: Final = 8192

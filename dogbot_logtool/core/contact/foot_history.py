@@ -6,6 +6,8 @@ from typing import Final
 
 import numpy as np
 
+from dogbot_logtool.core import timespans
+from dogbot_logtool.core.arrays import Flags, Floats, Ints, median_of, norms
 from dogbot_logtool.core.contact.contact_detection import (
     StanceRows,
     backdated,
@@ -25,10 +27,7 @@ from dogbot_logtool.core.contact.stances import (
     reduce_stances,
 )
 from dogbot_logtool.core.contact.track import FootTrack, foot_track
-from dogbot_logtool.core.geometry import timespans
-from dogbot_logtool.core.geometry.arrays import Flags, Floats, Ints, norms
-from dogbot_logtool.core.geometry.clock import TimeSource, advancing
-from dogbot_logtool.core.geometry.order_statistics import median_of
+from dogbot_logtool.core.corrections.clock import TimeSource, advancing
 from dogbot_logtool.core.quality.quality import steady_gap_ns
 from dogbot_logtool.dataclass import dataclass
 

@@ -4,9 +4,9 @@ from dataclasses import replace
 
 import numpy as np
 
+from dogbot_logtool.core.arrays import norms
 from dogbot_logtool.core.contact.contact_rule import FootSensor
 from dogbot_logtool.core.contact.contacts import Samples
-from dogbot_logtool.core.geometry.arrays import norms
 
 
 def without_offset(

@@ -12,11 +12,9 @@ from typing import Final
 
 import numpy as np
 
+from dogbot_logtool.core.arrays import Flags, Floats, Ints, concatenated, median_of
 from dogbot_logtool.core.contact.contacts import Samples
-from dogbot_logtool.core.geometry.arrays import Flags, Floats, Ints
-from dogbot_logtool.core.geometry.blocks import concatenated
-from dogbot_logtool.core.geometry.clock import SILENCE_NS, Stamped, TimeSource
-from dogbot_logtool.core.geometry.order_statistics import median_of
+from dogbot_logtool.core.corrections.clock import SILENCE_NS, Stamped, TimeSource
 from dogbot_logtool.dataclass import dataclass
 
 MISSED_INTERVALS: Final = 2.5

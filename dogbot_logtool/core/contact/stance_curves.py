@@ -4,8 +4,8 @@ from typing import Final
 
 import numpy as np
 
+from dogbot_logtool.core.arrays import Floats
 from dogbot_logtool.core.contact.stance_samples import StanceSamples
-from dogbot_logtool.core.geometry.arrays import Floats
 
 PARTS: Final = 25
 """Parts of a stance. Sums over them are exact, whatever the sampling."""

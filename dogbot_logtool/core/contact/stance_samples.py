@@ -4,8 +4,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from dogbot_logtool.core.arrays import Flags, Floats, Ints, dots
 from dogbot_logtool.core.contact.contacts import Samples
-from dogbot_logtool.core.geometry.arrays import Flags, Floats, Ints, dots
 from dogbot_logtool.dataclass import dataclass
 
 

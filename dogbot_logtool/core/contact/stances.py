@@ -6,10 +6,10 @@ from typing import Final, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from dogbot_logtool.core.contact.contact_way import contact_ways, ways_under_load
-from dogbot_logtool.core.contact.stance_samples import StanceSamples, own_rows
-from dogbot_logtool.core.geometry.arrays import Flags, Floats, Ints
-from dogbot_logtool.core.geometry.runs import (
+from dogbot_logtool.core.arrays import (
+    Flags,
+    Floats,
+    Ints,
     first_where,
     highest,
     quantiles,
@@ -17,6 +17,8 @@ from dogbot_logtool.core.geometry.runs import (
     sums,
     trapezoids,
 )
+from dogbot_logtool.core.contact.contact_way import contact_ways, ways_under_load
+from dogbot_logtool.core.contact.stance_samples import StanceSamples, own_rows
 from dogbot_logtool.dataclass import dataclass
 
 IMPACT_S: Final = 0.050

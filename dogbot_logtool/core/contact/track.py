@@ -7,8 +7,8 @@ from typing import Final
 
 import numpy as np
 
-from dogbot_logtool.core.geometry.arrays import Flags, Float32s, Floats, Ints, all_finite
-from dogbot_logtool.core.geometry.clock import first_at_each_tick
+from dogbot_logtool.core.arrays import Flags, Float32s, Floats, Ints, all_finite
+from dogbot_logtool.core.corrections.clock import first_at_each_tick
 from dogbot_logtool.dataclass import dataclass
 
 POINT_RATE_HZ: Final = 100.0

@@ -5,11 +5,11 @@ from typing import Final
 
 import numpy as np
 
+from dogbot_logtool.core import timespans
+from dogbot_logtool.core.arrays import Ints
 from dogbot_logtool.core.checks.sensors import foot_is_saturated
 from dogbot_logtool.core.events.event import Event, EventType
 from dogbot_logtool.core.gait.foot_statistics import FootStatistics
-from dogbot_logtool.core.geometry import timespans
-from dogbot_logtool.core.geometry.arrays import Ints
 from dogbot_logtool.core.load.load_figures import is_stuck
 from dogbot_logtool.core.load.spikes import has_lone_spikes
 from dogbot_logtool.core.statistics import Stats

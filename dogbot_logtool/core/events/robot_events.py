@@ -6,12 +6,11 @@ from typing import Final
 
 import numpy as np
 
+from dogbot_logtool.core import timespans
+from dogbot_logtool.core.arrays import Ints, median_of, norms
 from dogbot_logtool.core.events.event import Event, EventType
 from dogbot_logtool.core.gait.gait import IRREGULAR, STAND
 from dogbot_logtool.core.gait.segments import LASTING, PERIOD_CHANGE, Segment
-from dogbot_logtool.core.geometry import timespans
-from dogbot_logtool.core.geometry.arrays import Ints, norms
-from dogbot_logtool.core.geometry.order_statistics import median_of
 from dogbot_logtool.core.statistics import Stats
 
 MARGIN_M: Final = 0.01

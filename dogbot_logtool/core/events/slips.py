@@ -11,11 +11,10 @@ from typing import Final
 
 import numpy as np
 
+from dogbot_logtool.core.arrays import Flags, Floats, percentiles_of
 from dogbot_logtool.core.events.event import Event, EventType
 from dogbot_logtool.core.gait.foot_statistics import FootStatistics
 from dogbot_logtool.core.gait.segments import Segment
-from dogbot_logtool.core.geometry.arrays import Flags, Floats
-from dogbot_logtool.core.geometry.order_statistics import percentiles_of
 from dogbot_logtool.core.load.slip import LARGEST_FOOT_M
 
 SLIP_M: Final = 0.005

@@ -5,11 +5,11 @@ from typing import Final
 
 import numpy as np
 
+from dogbot_logtool.core.arrays import Flags, Floats, Ints
 from dogbot_logtool.core.contact.stances import Cut
 from dogbot_logtool.core.events.event import Event, EventType
 from dogbot_logtool.core.gait.foot_statistics import FootStatistics
 from dogbot_logtool.core.gait.segments import Segment
-from dogbot_logtool.core.geometry.arrays import Flags, Floats, Ints
 
 EARLY: Final = 0.7
 """Share of the usual swing below which a swing ends early."""

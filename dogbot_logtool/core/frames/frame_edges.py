@@ -6,15 +6,15 @@ from typing import Final
 
 import numpy as np
 
-from dogbot_logtool.core.frames.recorded_transforms import RecordedTransforms
-from dogbot_logtool.core.geometry.arrays import (
+from dogbot_logtool.core.arrays import (
     Flags,
     Ints,
     all_finite,
+    distinct,
     stable_order,
 )
-from dogbot_logtool.core.geometry.clock import TimeSource
-from dogbot_logtool.core.geometry.order_statistics import distinct
+from dogbot_logtool.core.corrections.clock import TimeSource
+from dogbot_logtool.core.frames.recorded_transforms import RecordedTransforms
 from dogbot_logtool.core.quality.quality import TopicQuality, topic_quality, topic_times
 from dogbot_logtool.dataclass import dataclass
 

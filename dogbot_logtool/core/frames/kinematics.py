@@ -5,8 +5,8 @@ from typing import Final, Literal
 
 import numpy as np
 
-from dogbot_logtool.core.geometry.arrays import Flags, Floats, Ints
-from dogbot_logtool.core.geometry.rotations import multiply, rotate
+from dogbot_logtool.core.arrays import Flags, Floats, Ints
+from dogbot_logtool.core.rotations import multiply, rotate
 from dogbot_logtool.dataclass import dataclass
 
 Kind = Literal["revolute", "prismatic", "fixed"]

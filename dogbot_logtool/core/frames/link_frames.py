@@ -5,11 +5,11 @@ from dataclasses import replace
 
 import numpy as np
 
+from dogbot_logtool.core.arrays import Flags, Floats, all_finite
 from dogbot_logtool.core.contact.contacts import Samples
+from dogbot_logtool.core.corrections.clock import TimeSource
 from dogbot_logtool.core.frames.transform_buffer import Poses, TransformBuffer
-from dogbot_logtool.core.geometry.arrays import Flags, Floats, all_finite
-from dogbot_logtool.core.geometry.clock import TimeSource
-from dogbot_logtool.core.geometry.rotations import rotate
+from dogbot_logtool.core.rotations import rotate
 from dogbot_logtool.dataclass import dataclass
 
 

@@ -4,8 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from dogbot_logtool.core.geometry.arrays import Floats, Ints
-from dogbot_logtool.core.geometry.order_statistics import distinct
+from dogbot_logtool.core.arrays import Floats, Ints, distinct
 from dogbot_logtool.dataclass import dataclass
 
 

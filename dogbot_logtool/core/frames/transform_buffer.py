@@ -12,9 +12,9 @@ from typing import Any, Final
 
 import numpy as np
 
-from dogbot_logtool.core.geometry.arrays import Flags, Floats, Ints, all_finite
-from dogbot_logtool.core.geometry.clock import advancing
-from dogbot_logtool.core.geometry.rotations import multiply, normalised, rotate, slerp
+from dogbot_logtool.core.arrays import Flags, Floats, Ints, all_finite
+from dogbot_logtool.core.corrections.clock import advancing
+from dogbot_logtool.core.rotations import multiply, normalised, rotate, slerp
 from dogbot_logtool.dataclass import dataclass
 
 LONGEST_STEP_S: Final = 0.1

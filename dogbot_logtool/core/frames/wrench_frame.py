@@ -17,9 +17,17 @@ from typing import Final
 
 import numpy as np
 
+from dogbot_logtool.core.arrays import (
+    Flags,
+    Floats,
+    Ints,
+    all_finite,
+    distinct,
+    median_of,
+    norms,
+    percentiles_of,
+)
 from dogbot_logtool.core.contact.contacts import Samples
-from dogbot_logtool.core.geometry.arrays import Flags, Floats, Ints, all_finite, norms
-from dogbot_logtool.core.geometry.order_statistics import distinct, median_of, percentiles_of
 from dogbot_logtool.dataclass import dataclass
 
 FRICTION: Final = 1.0

@@ -4,16 +4,14 @@ from typing import Final
 
 import numpy as np
 
+from dogbot_logtool.core.arrays import Floats, percentiles_of, rows_of_runs, trapezoids
 from dogbot_logtool.core.base.base_history import BaseHistory
 from dogbot_logtool.core.base.base_motion import FORWARD_ANGLES
 from dogbot_logtool.core.contact.foot_history import FootHistory
 from dogbot_logtool.core.contact.stance_curves import PARTS
 from dogbot_logtool.core.contact.stances import Stances
 from dogbot_logtool.core.gait.strides import Strides
-from dogbot_logtool.core.geometry.arrays import Floats
-from dogbot_logtool.core.geometry.order_statistics import percentiles_of
-from dogbot_logtool.core.geometry.rotations import along_heading
-from dogbot_logtool.core.geometry.runs import rows_of_runs, trapezoids
+from dogbot_logtool.core.rotations import along_heading
 from dogbot_logtool.dataclass import dataclass
 
 CYCLE_POINTS: Final = 51

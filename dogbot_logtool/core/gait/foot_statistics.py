@@ -4,6 +4,8 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
+from dogbot_logtool.core import timespans
+from dogbot_logtool.core.arrays import Aggregate, Floats, Ints, aggregate
 from dogbot_logtool.core.base.base_history import BaseHistory
 from dogbot_logtool.core.base.base_motion import stride_lengths
 from dogbot_logtool.core.contact.foot_history import FootHistory
@@ -15,9 +17,6 @@ from dogbot_logtool.core.gait.strides import (
     Strides,
     cut_outside,
 )
-from dogbot_logtool.core.geometry import timespans
-from dogbot_logtool.core.geometry.aggregates import Aggregate, aggregate
-from dogbot_logtool.core.geometry.arrays import Floats, Ints
 from dogbot_logtool.core.leg_position import LegPosition
 from dogbot_logtool.core.load.load_figures import vertical_impulse_ns
 from dogbot_logtool.core.load.slip import slip_m

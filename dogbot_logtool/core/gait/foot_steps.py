@@ -5,6 +5,7 @@ from typing import Final
 
 import numpy as np
 
+from dogbot_logtool.core.arrays import Flags, Floats, Ints
 from dogbot_logtool.core.base.base_history import BaseHistory
 from dogbot_logtool.core.contact.foot_history import FootHistory
 from dogbot_logtool.core.contact.stances import Stances
@@ -16,7 +17,6 @@ from dogbot_logtool.core.gait.cycle_curves import (
 )
 from dogbot_logtool.core.gait.standing import Standing, steps_apart
 from dogbot_logtool.core.gait.strides import Strides, cut_by_fall, cut_by_standing, strides_of
-from dogbot_logtool.core.geometry.arrays import Flags, Floats, Ints
 from dogbot_logtool.core.load.spikes import has_lone_spikes, without_spikes
 from dogbot_logtool.core.settings import FootSettings
 from dogbot_logtool.dataclass import dataclass

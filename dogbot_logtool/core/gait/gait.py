@@ -9,9 +9,8 @@ from typing import Final
 
 import numpy as np
 
+from dogbot_logtool.core.arrays import Floats, wrapped
 from dogbot_logtool.core.gait.gait_classes import QUADRUPED, TOLERANCE, class_distances
-from dogbot_logtool.core.geometry.aggregates import wrapped
-from dogbot_logtool.core.geometry.arrays import Floats
 from dogbot_logtool.dataclass import dataclass
 
 CONSISTENT: Final = 0.8

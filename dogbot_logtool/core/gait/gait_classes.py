@@ -14,9 +14,8 @@ from typing import Final
 
 import numpy as np
 
+from dogbot_logtool.core.arrays import Floats, wrapped
 from dogbot_logtool.core.gait.phases import apart, halfway
-from dogbot_logtool.core.geometry.aggregates import wrapped
-from dogbot_logtool.core.geometry.arrays import Floats
 
 TOLERANCE: Final = 0.1
 """Cycles by which phases may differ from those of a class."""

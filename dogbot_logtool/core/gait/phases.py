@@ -4,9 +4,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from dogbot_logtool.core.arrays import Floats, Ints, wrapped
 from dogbot_logtool.core.gait.strides import Strides
-from dogbot_logtool.core.geometry.aggregates import wrapped
-from dogbot_logtool.core.geometry.arrays import Floats, Ints
 
 
 def phases_in(reference: Strides, touchdown: Ints) -> Floats:

@@ -2,6 +2,8 @@
 
 from collections.abc import Sequence
 
+from dogbot_logtool.core import timespans
+from dogbot_logtool.core.arrays import Ints
 from dogbot_logtool.core.contact.foot_history import FootHistory
 from dogbot_logtool.core.gait.foot_statistics import FootStatistics
 from dogbot_logtool.core.gait.segments import GaitInput
@@ -14,8 +16,6 @@ from dogbot_logtool.core.gait.strides import (
     strides_of,
 )
 from dogbot_logtool.core.gait.support_pattern import Support
-from dogbot_logtool.core.geometry import timespans
-from dogbot_logtool.core.geometry.arrays import Ints
 from dogbot_logtool.core.leg_position import legs_in_order
 
 

@@ -6,17 +6,14 @@ from typing import Final
 
 import numpy as np
 
+from dogbot_logtool.core import timespans
+from dogbot_logtool.core.arrays import CircularMean, Ints, circular_mean, median_of, picked
 from dogbot_logtool.core.gait.gait import STAND, UNKNOWN_GAIT, GaitClass, classify
 from dogbot_logtool.core.gait.gait_classes import TOLERANCE, class_distances
 from dogbot_logtool.core.gait.phases import phases_by_stride, phases_in
 from dogbot_logtool.core.gait.standing import Standing
 from dogbot_logtool.core.gait.strides import Strides
 from dogbot_logtool.core.gait.support_pattern import Support
-from dogbot_logtool.core.geometry import timespans
-from dogbot_logtool.core.geometry.aggregates import CircularMean, circular_mean
-from dogbot_logtool.core.geometry.arrays import Ints
-from dogbot_logtool.core.geometry.blocks import picked
-from dogbot_logtool.core.geometry.order_statistics import median_of
 from dogbot_logtool.dataclass import dataclass
 
 LASTING: Final = 2

@@ -4,12 +4,11 @@ from typing import Final, NamedTuple
 
 import numpy as np
 
+from dogbot_logtool.core import timespans
+from dogbot_logtool.core.arrays import Flags, Floats, Ints, all_finite, median_of
 from dogbot_logtool.core.base.base_history import BaseHistory
 from dogbot_logtool.core.contact.stances import LONGEST_STANCE_S, Cut, Stances
 from dogbot_logtool.core.gait.support_pattern import Support
-from dogbot_logtool.core.geometry import timespans
-from dogbot_logtool.core.geometry.arrays import Flags, Floats, Ints, all_finite
-from dogbot_logtool.core.geometry.order_statistics import median_of
 
 STAND_S: Final = 1.0
 """All feet down for longer, and for longer than a stride, is no part of a stride."""

@@ -6,9 +6,9 @@ from typing import Final
 
 import numpy as np
 
+from dogbot_logtool.core import timespans
+from dogbot_logtool.core.arrays import Flags, Floats, Ints
 from dogbot_logtool.core.contact.stances import Cut, Stances
-from dogbot_logtool.core.geometry import timespans
-from dogbot_logtool.core.geometry.arrays import Flags, Floats, Ints
 from dogbot_logtool.dataclass import dataclass
 
 REASONS: Final[Mapping[int, str]] = {

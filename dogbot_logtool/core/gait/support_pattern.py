@@ -5,10 +5,9 @@ from typing import Final
 
 import numpy as np
 
+from dogbot_logtool.core import timespans
+from dogbot_logtool.core.arrays import Ints, distinct
 from dogbot_logtool.core.contact.foot_history import FootHistory
-from dogbot_logtool.core.geometry import timespans
-from dogbot_logtool.core.geometry.arrays import Ints
-from dogbot_logtool.core.geometry.order_statistics import distinct
 from dogbot_logtool.dataclass import dataclass
 
 MOST_FREQUENT: Final = 5

@@ -13,16 +13,16 @@ from typing import Final
 
 import numpy as np
 
+from dogbot_logtool.core import timespans
+from dogbot_logtool.core.arrays import Floats, Ints
 from dogbot_logtool.core.base.base_history import BaseHistory
 from dogbot_logtool.core.contact.foot_history import FootHistory
-from dogbot_logtool.core.geometry import timespans
-from dogbot_logtool.core.geometry.arrays import Floats, Ints
-from dogbot_logtool.core.geometry.rotations import conjugate, from_roll_pitch_yaw, rotate
 from dogbot_logtool.core.imu.forces import ForceComparison, Sensed, Turn, compare_forces, find_turn
 from dogbot_logtool.core.imu.mounting import Mounting, Reading, find_mounting
 from dogbot_logtool.core.imu.running import Running, running_accelerations
 from dogbot_logtool.core.load.impulses import CELL_RATE_HZ
-from dogbot_logtool.core.recorded.vectors import VectorHistory
+from dogbot_logtool.core.rotations import conjugate, from_roll_pitch_yaw, rotate
+from dogbot_logtool.core.vectors import VectorHistory
 from dogbot_logtool.dataclass import dataclass
 
 _TICK_NS: Final = round(1e9 / CELL_RATE_HZ)

@@ -5,9 +5,9 @@ from typing import Final
 
 import numpy as np
 
-from dogbot_logtool.core.geometry.arrays import Floats
-from dogbot_logtool.core.geometry.rotations import rotate
+from dogbot_logtool.core.arrays import Floats
 from dogbot_logtool.core.load.loads import GRAVITY_MPS2
+from dogbot_logtool.core.rotations import rotate
 from dogbot_logtool.dataclass import dataclass
 
 TOLERANCE: Final = 0.05

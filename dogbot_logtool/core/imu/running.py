@@ -5,16 +5,14 @@ from typing import Final
 
 import numpy as np
 
+from dogbot_logtool.core import timespans
+from dogbot_logtool.core.arrays import Floats, Ints, added_within, all_finite, distinct
 from dogbot_logtool.core.base.base_history import BaseHistory
 from dogbot_logtool.core.contact.foot_history import FootHistory
 from dogbot_logtool.core.contact.stance_curves import PARTS
-from dogbot_logtool.core.geometry import timespans
-from dogbot_logtool.core.geometry.arrays import Floats, Ints, all_finite
-from dogbot_logtool.core.geometry.order_statistics import distinct
-from dogbot_logtool.core.geometry.rotations import conjugate, from_roll_pitch_yaw, rotate
-from dogbot_logtool.core.geometry.runs import added_within
 from dogbot_logtool.core.load.loads import GRAVITY_MPS2
-from dogbot_logtool.core.recorded.vectors import VectorHistory
+from dogbot_logtool.core.rotations import conjugate, from_roll_pitch_yaw, rotate
+from dogbot_logtool.core.vectors import VectorHistory
 from dogbot_logtool.dataclass import dataclass
 
 SPARSE_NS: Final = 1_000_000_000

@@ -13,17 +13,17 @@ from typing import Final
 
 import numpy as np
 
+from dogbot_logtool.core.arrays import Floats, Ints
 from dogbot_logtool.core.base.base_history import BaseHistory
 from dogbot_logtool.core.contact.stance_curves import PARTS
 from dogbot_logtool.core.contact.stances import Stances
 from dogbot_logtool.core.gait.strides import Strides
-from dogbot_logtool.core.geometry.arrays import Floats, Ints
-from dogbot_logtool.core.geometry.rotations import from_roll_pitch_yaw, rotate
 from dogbot_logtool.core.legs.foot_path import FootPath
 from dogbot_logtool.core.legs.joint_cycles import Work, joint_work
 from dogbot_logtool.core.legs.joint_track import JointHistory
 from dogbot_logtool.core.legs.silences import silent_before, unbroken
 from dogbot_logtool.core.load.loads import GRAVITY_MPS2
+from dogbot_logtool.core.rotations import from_roll_pitch_yaw, rotate
 from dogbot_logtool.dataclass import dataclass
 
 CONTRADICTS: Final = 0.75

@@ -9,8 +9,8 @@ from typing import Final
 
 import numpy as np
 
-from dogbot_logtool.core.geometry.arrays import Flags, Floats, Ints
-from dogbot_logtool.core.geometry.clock import TimeSource, advancing, first_at_each_tick
+from dogbot_logtool.core.arrays import Flags, Floats, Ints
+from dogbot_logtool.core.corrections.clock import TimeSource, advancing, first_at_each_tick
 from dogbot_logtool.core.legs.joint_track import (
     JointHistory,
     JointLimits,

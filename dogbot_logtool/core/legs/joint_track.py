@@ -4,8 +4,7 @@ from typing import Final
 
 import numpy as np
 
-from dogbot_logtool.core.geometry.arrays import Flags, Float32s, Floats, Ints
-from dogbot_logtool.core.geometry.blocks import picked
+from dogbot_logtool.core.arrays import Flags, Float32s, Floats, Ints, picked
 from dogbot_logtool.dataclass import dataclass
 
 MOST_JOINTS: Final = 256

@@ -3,7 +3,7 @@
 from collections.abc import Container, Sequence
 from typing import Final
 
-from dogbot_logtool.core.geometry.order_statistics import median_of
+from dogbot_logtool.core.arrays import median_of
 from dogbot_logtool.core.legs.joint_track import JointHistory
 
 VELOCITIES_AGREE: Final = 1.25

@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import replace
 
-from dogbot_logtool.core.geometry.aggregates import Aggregate
+from dogbot_logtool.core.arrays import Aggregate
 from dogbot_logtool.core.legs.joint_cycles import JointCurve, Work, no_work
 from dogbot_logtool.core.legs.joint_track import JointHistory
 from dogbot_logtool.core.legs.settings import JointPair, LegSettings

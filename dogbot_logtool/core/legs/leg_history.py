@@ -4,8 +4,8 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
+from dogbot_logtool.core.corrections.clock import TimeSource
 from dogbot_logtool.core.frames.transform_buffer import TransformBuffer
-from dogbot_logtool.core.geometry.clock import TimeSource
 from dogbot_logtool.core.legs.foot_path import (
     FootPath,
     LegChain,

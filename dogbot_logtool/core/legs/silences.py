@@ -4,7 +4,7 @@ from typing import Final
 
 import numpy as np
 
-from dogbot_logtool.core.geometry.arrays import Flags, Ints
+from dogbot_logtool.core.arrays import Flags, Ints
 
 LONGEST_STEP_S: Final = 0.1
 """s between two messages; a longer step is a silence."""

@@ -4,15 +4,14 @@ from typing import Final
 
 import numpy as np
 
+from dogbot_logtool.core.arrays import Flags, Floats, Ints, median_of
 from dogbot_logtool.core.base.base_history import BaseHistory
 from dogbot_logtool.core.contact.stances import Cut, Stances
 from dogbot_logtool.core.gait.cycle_curves import CYCLE_POINTS, CycleCurve, cycle_curve
 from dogbot_logtool.core.gait.strides import Strides
-from dogbot_logtool.core.geometry.arrays import Flags, Floats, Ints
-from dogbot_logtool.core.geometry.order_statistics import median_of
-from dogbot_logtool.core.geometry.rotations import from_roll_pitch_yaw, rotate
 from dogbot_logtool.core.legs.foot_path import FootPath
 from dogbot_logtool.core.legs.silences import silent_before, unbroken
+from dogbot_logtool.core.rotations import from_roll_pitch_yaw, rotate
 from dogbot_logtool.dataclass import dataclass
 
 MIDDLE: Final = (0.2, 0.8)

@@ -5,8 +5,8 @@ from typing import Final
 
 import numpy as np
 
+from dogbot_logtool.core.arrays import Floats, Ints
 from dogbot_logtool.core.contact.foot_history import FootHistory
-from dogbot_logtool.core.geometry.arrays import Floats, Ints
 
 CELL_RATE_HZ: Final = 25.0
 """Forces are compared with other sensors by their means over so many cells a second."""

@@ -4,7 +4,7 @@ from typing import Final
 
 import numpy as np
 
-from dogbot_logtool.core.geometry.arrays import Floats
+from dogbot_logtool.core.arrays import Floats
 
 LARGEST_FOOT_M: Final = 0.3
 """m: the contact point of no foot that stays in place travels further in a stance."""

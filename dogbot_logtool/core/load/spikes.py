@@ -5,8 +5,8 @@ from typing import Final
 
 import numpy as np
 
+from dogbot_logtool.core.arrays import Flags
 from dogbot_logtool.core.contact.stances import Stances
-from dogbot_logtool.core.geometry.arrays import Flags
 
 SAME_PHASE: Final = 0.05
 """Share of a stance within which spikes of several stances are at the same phase."""

@@ -5,8 +5,7 @@ from typing import Final
 
 import numpy as np
 
-from dogbot_logtool.core.geometry.arrays import Floats, Ints
-from dogbot_logtool.core.geometry.order_statistics import distinct, median_of
+from dogbot_logtool.core.arrays import Floats, Ints, distinct, median_of
 from dogbot_logtool.dataclass import dataclass
 
 WINDOW_NS: Final = 500_000_000

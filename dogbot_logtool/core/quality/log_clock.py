@@ -2,9 +2,9 @@
 
 from collections.abc import Sequence
 
-from dogbot_logtool.core.geometry import timespans
-from dogbot_logtool.core.geometry.arrays import Ints
-from dogbot_logtool.core.geometry.clock import TimeSource
+from dogbot_logtool.core import timespans
+from dogbot_logtool.core.arrays import Ints
+from dogbot_logtool.core.corrections.clock import TimeSource
 from dogbot_logtool.core.quality.clocks import ClockDifference, why_clocks_cannot_be_joined
 from dogbot_logtool.core.quality.stamps import StampCheck, set_spans, why_unusable
 from dogbot_logtool.dataclass import dataclass

@@ -4,8 +4,7 @@ from typing import Final
 
 import numpy as np
 
-from dogbot_logtool.core.geometry.arrays import Flags, Floats
-from dogbot_logtool.core.geometry.order_statistics import median_of
+from dogbot_logtool.core.arrays import Flags, Floats, median_of
 from dogbot_logtool.dataclass import dataclass
 
 MOST_DEVIATIONS: Final = 3.5

@@ -5,15 +5,14 @@ from typing import Final
 
 import numpy as np
 
-from dogbot_logtool.core.geometry.arrays import Floats, Ints
-from dogbot_logtool.core.geometry.clock import (
+from dogbot_logtool.core.arrays import Floats, Ints, median_of, percentiles_of
+from dogbot_logtool.core.corrections.clock import (
     FEWEST_INTERVALS,
     GAP_INTERVALS,
     SILENCE_NS,
     TimeSource,
     first_at_each_tick,
 )
-from dogbot_logtool.core.geometry.order_statistics import median_of, percentiles_of
 from dogbot_logtool.core.quality.clocks import OffsetTrack, offset_track
 from dogbot_logtool.core.quality.stamps import ClockStep, StampCheck, check_stamps
 from dogbot_logtool.dataclass import dataclass

@@ -6,9 +6,7 @@ from typing import Final, Protocol, TypeVar
 
 import numpy as np
 
-from dogbot_logtool.core.geometry.arrays import Flags, Ints
-from dogbot_logtool.core.geometry.blocks import Record
-from dogbot_logtool.core.geometry.order_statistics import distinct
+from dogbot_logtool.core.arrays import Flags, Ints, Record, distinct
 from dogbot_logtool.dataclass import dataclass
 
 NEIGHBOURS: Final = 10

@@ -10,8 +10,7 @@ from typing import Final
 
 import numpy as np
 
-from dogbot_logtool.core.contact.contacts import Contacts, Samples
-from dogbot_logtool.core.geometry.arrays import (
+from dogbot_logtool.core.arrays import (
     Flags,
     Float32s,
     Floats,
@@ -20,6 +19,7 @@ from dogbot_logtool.core.geometry.arrays import (
     header_time,
     norms,
 )
+from dogbot_logtool.core.contact.contacts import Contacts, Samples
 from dogbot_logtool.core.scene.colour import LONGEST_NM, SHORTEST_NM, wavelength_to_rgba
 from dogbot_logtool.dataclass import dataclass
 

@@ -10,7 +10,7 @@ from typing import Final
 
 import numpy as np
 
-from dogbot_logtool.core.geometry.arrays import Flags, Float32s, Floats
+from dogbot_logtool.core.arrays import Flags, Float32s, Floats
 
 SHORTEST_NM: Final = 380.0
 LONGEST_NM: Final = 750.0

@@ -10,13 +10,12 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from dogbot_logtool.core import timespans
+from dogbot_logtool.core.arrays import Flags, Floats, Ints, all_finite, median_of
 from dogbot_logtool.core.contact.contacts import Samples
 from dogbot_logtool.core.contact.foot_history import FootHistory
-from dogbot_logtool.core.geometry import timespans
-from dogbot_logtool.core.geometry.arrays import Flags, Floats, Ints, all_finite
-from dogbot_logtool.core.geometry.clock import SILENCE_NS
-from dogbot_logtool.core.geometry.order_statistics import median_of
-from dogbot_logtool.core.geometry.support_polygon import NEAR_NS
+from dogbot_logtool.core.corrections.clock import SILENCE_NS
+from dogbot_logtool.core.hulls import NEAR_NS
 from dogbot_logtool.dataclass import dataclass
 
 TRAIL: Final = 3

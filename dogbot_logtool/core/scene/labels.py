@@ -4,8 +4,8 @@ from typing import Final
 
 import numpy as np
 
-from dogbot_logtool.core.geometry.arrays import Flags, Floats, Ints, all_finite, norms
-from dogbot_logtool.core.geometry.clock import first_at_each_tick
+from dogbot_logtool.core.arrays import Flags, Floats, Ints, all_finite, norms
+from dogbot_logtool.core.corrections.clock import first_at_each_tick
 from dogbot_logtool.core.scene.feet import DrawnFoot
 from dogbot_logtool.dataclass import dataclass
 

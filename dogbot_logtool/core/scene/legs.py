@@ -4,11 +4,10 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from dogbot_logtool.core.arrays import Floats, Ints, concatenated
 from dogbot_logtool.core.base.odometry import Odometry
-from dogbot_logtool.core.geometry.arrays import Floats, Ints
-from dogbot_logtool.core.geometry.blocks import concatenated
-from dogbot_logtool.core.geometry.rotations import normalised, rotate
-from dogbot_logtool.core.geometry.support_polygon import NEAR_NS
+from dogbot_logtool.core.hulls import NEAR_NS
+from dogbot_logtool.core.rotations import normalised, rotate
 from dogbot_logtool.core.scene.feet import DrawnFoot
 from dogbot_logtool.dataclass import dataclass
 

@@ -4,8 +4,8 @@ from collections.abc import Iterable
 
 import numpy as np
 
-from dogbot_logtool.core.geometry.arrays import Flags, Floats, Ints, norms
-from dogbot_logtool.core.geometry.support_polygon import NEAR_NS
+from dogbot_logtool.core.arrays import Flags, Floats, Ints, norms
+from dogbot_logtool.core.hulls import NEAR_NS
 from dogbot_logtool.core.quality.quality import steady_gap_ns
 from dogbot_logtool.core.scene.feet import DrawnFoot, LoadState
 from dogbot_logtool.dataclass import dataclass

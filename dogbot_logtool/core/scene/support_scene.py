@@ -11,16 +11,16 @@ from typing import Final
 
 import numpy as np
 
+from dogbot_logtool.core.arrays import Float32s, Floats, Ints, all_finite
 from dogbot_logtool.core.base.odometry import Odometry
-from dogbot_logtool.core.geometry.arrays import Float32s, Floats, Ints, all_finite
-from dogbot_logtool.core.geometry.rotations import normalised, rotate
-from dogbot_logtool.core.geometry.support_polygon import (
+from dogbot_logtool.core.hulls import (
     NEAR_NS,
     Hulls,
     centre_of_pressure,
     hulls,
     margin_in,
 )
+from dogbot_logtool.core.rotations import normalised, rotate
 from dogbot_logtool.core.scene.feet import TRAIL, DrawnFoot
 from dogbot_logtool.dataclass import dataclass
 

@@ -4,8 +4,7 @@ from typing import Final
 
 import numpy as np
 
-from dogbot_logtool.core.geometry.arrays import Floats, Ints
-from dogbot_logtool.core.geometry.order_statistics import distinct
+from dogbot_logtool.core.arrays import Floats, Ints, distinct
 
 SATURATED_SAMPLES: Final = 3
 """Samples in a row at the very same highest force that make a flat top."""

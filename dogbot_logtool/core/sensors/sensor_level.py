@@ -13,13 +13,16 @@ from typing import Final, Literal
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 
-from dogbot_logtool.core.geometry.arrays import Floats, Ints, all_finite, norms
-from dogbot_logtool.core.geometry.clock import usual_interval_s
-from dogbot_logtool.core.geometry.order_statistics import (
+from dogbot_logtool.core.arrays import (
+    Floats,
+    Ints,
+    all_finite,
     median_of,
     median_of_known,
+    norms,
     percentiles_of,
 )
+from dogbot_logtool.core.corrections.clock import usual_interval_s
 from dogbot_logtool.core.sensors.saturation import resolution_n, saturated_limit_n
 from dogbot_logtool.core.sensors.sensor_modes import (
     ALTERNATE,

@@ -9,8 +9,7 @@ from typing import Final
 
 import numpy as np
 
-from dogbot_logtool.core.geometry.arrays import Flags, Floats, Ints
-from dogbot_logtool.core.geometry.order_statistics import median_of, percentiles_of
+from dogbot_logtool.core.arrays import Flags, Floats, Ints, median_of, percentiles_of
 from dogbot_logtool.dataclass import dataclass
 
 FEWEST_VISITS: Final = 2

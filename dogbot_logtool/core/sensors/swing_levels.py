@@ -11,8 +11,7 @@ from typing import Final
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 
-from dogbot_logtool.core.geometry.arrays import Floats, Ints, all_finite
-from dogbot_logtool.core.geometry.order_statistics import median_of, percentiles_of
+from dogbot_logtool.core.arrays import Floats, Ints, all_finite, median_of, percentiles_of
 from dogbot_logtool.core.sensors.sensor_level import (
     SensorLevel,
     level_of,

@@ -4,8 +4,7 @@ from typing import Final
 
 import numpy as np
 
-from dogbot_logtool.core.geometry.arrays import Flags, Floats, norms
-from dogbot_logtool.core.geometry.order_statistics import distinct, median_of
+from dogbot_logtool.core.arrays import Flags, Floats, distinct, median_of, norms
 
 IN_RUNS: Final = 0.25
 """Share of the zeros that stand in runs of three and more in a sensor that reads zero in swing;

@@ -4,10 +4,10 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from dogbot_logtool.core import timespans
+from dogbot_logtool.core.arrays import Floats, Ints
 from dogbot_logtool.core.contact.foot_history import FootHistory
-from dogbot_logtool.core.geometry import timespans
-from dogbot_logtool.core.geometry.arrays import Floats, Ints
-from dogbot_logtool.core.geometry.support_polygon import centre_of_pressure
+from dogbot_logtool.core.hulls import centre_of_pressure
 from dogbot_logtool.core.stability.stability import feet_down, instants_of
 from dogbot_logtool.dataclass import dataclass
 

@@ -5,23 +5,29 @@ from typing import Final
 
 import numpy as np
 
+from dogbot_logtool.core import timespans
+from dogbot_logtool.core.arrays import (
+    Aggregate,
+    Flags,
+    Floats,
+    Ints,
+    aggregate,
+    concatenated,
+    nearest_rows,
+)
 from dogbot_logtool.core.base.base_history import BaseHistory
 from dogbot_logtool.core.base.base_motion import FORWARD_ANGLES
 from dogbot_logtool.core.contact.foot_history import FootHistory
 from dogbot_logtool.core.contact.track import POINT_RATE_HZ
-from dogbot_logtool.core.geometry import timespans
-from dogbot_logtool.core.geometry.aggregates import Aggregate, aggregate
-from dogbot_logtool.core.geometry.arrays import Flags, Floats, Ints, nearest_rows
-from dogbot_logtool.core.geometry.blocks import concatenated
-from dogbot_logtool.core.geometry.clock import first_at_each_tick
-from dogbot_logtool.core.geometry.rotations import along_heading
-from dogbot_logtool.core.geometry.support_polygon import (
+from dogbot_logtool.core.corrections.clock import first_at_each_tick
+from dogbot_logtool.core.hulls import (
     NEAR_NS,
     Hulls,
     centre_of_pressure,
     hulls,
     margin_in,
 )
+from dogbot_logtool.core.rotations import along_heading
 from dogbot_logtool.dataclass import dataclass
 
 FEWEST_FEET: Final = 3

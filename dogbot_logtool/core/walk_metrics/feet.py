@@ -5,10 +5,9 @@ from typing import Final
 
 import numpy as np
 
+from dogbot_logtool.core import timespans
+from dogbot_logtool.core.arrays import Floats, Ints, aggregate
 from dogbot_logtool.core.gait.foot_statistics import FootStatistics
-from dogbot_logtool.core.geometry import timespans
-from dogbot_logtool.core.geometry.aggregates import aggregate
-from dogbot_logtool.core.geometry.arrays import Floats, Ints
 from dogbot_logtool.core.legs.leg_figures import LegFoot
 from dogbot_logtool.core.metrics import Foot, Planned
 from dogbot_logtool.core.records import Numbers, Shape, Spread
@@ -96,11 +95,4 @@ def _swings(span: Span, row: int) -> tuple[dict[str, Spread], Shape]:
 def _planned(span: Span, row: int) -> Planned | None:
     """Return how a foot follows its plan over the whole log; None without one."""
     plan = span.stats.planned[row] if span.stats.planned and span.is_whole else None
-    if plan is None:
-        return None
-    return Planned(
-        delay_s=plan.delay,
-        missed=plan.missed,
-        unplanned=plan.unplanned,
-        agreement=plan.agreement,
-    )
+    return None if plan is None else plan.metrics

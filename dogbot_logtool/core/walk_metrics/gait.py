@@ -3,12 +3,12 @@
 from collections.abc import Sequence
 from typing import Final
 
+from dogbot_logtool.core.arrays import CircularMean
 from dogbot_logtool.core.gait.gait import STAND
 from dogbot_logtool.core.gait.gait_classes import TOLERANCE
 from dogbot_logtool.core.gait.phases import diagonality, limb_phases
 from dogbot_logtool.core.gait.segments import Segment
 from dogbot_logtool.core.gait.support_pattern import Support
-from dogbot_logtool.core.geometry.aggregates import CircularMean
 from dogbot_logtool.core.metrics import Gait, LimbPhase, Phase, SupportSet
 from dogbot_logtool.core.statistics import Stats
 from dogbot_logtool.core.walk_metrics.span import Span

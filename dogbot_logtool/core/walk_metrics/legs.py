@@ -4,8 +4,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from dogbot_logtool.core.geometry.aggregates import aggregate
-from dogbot_logtool.core.geometry.order_statistics import median_of
+from dogbot_logtool.core.arrays import aggregate, median_of
 from dogbot_logtool.core.load.load_figures import symmetry_index_percent
 from dogbot_logtool.core.metrics import Joint, Legs
 from dogbot_logtool.core.records import Curve, Number, Shape, unknown

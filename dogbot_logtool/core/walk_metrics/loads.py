@@ -3,8 +3,8 @@
 from collections.abc import Mapping
 from typing import Final
 
+from dogbot_logtool.core.arrays import Aggregate
 from dogbot_logtool.core.gait.foot_statistics import FootStatistics
-from dogbot_logtool.core.geometry.aggregates import Aggregate
 from dogbot_logtool.core.load.load_figures import grouped_shares, symmetry_index_percent
 from dogbot_logtool.core.metrics import Forces, LoadShare, Stability, Symmetry
 from dogbot_logtool.core.records import Number, unknown

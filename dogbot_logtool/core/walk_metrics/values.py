@@ -1,8 +1,7 @@
 """Values of metrics from the arrays of the core."""
 
+from dogbot_logtool.core.arrays import Aggregate, Floats, Ints
 from dogbot_logtool.core.gait.cycle_curves import CycleCurve
-from dogbot_logtool.core.geometry.aggregates import Aggregate
-from dogbot_logtool.core.geometry.arrays import Floats, Ints
 from dogbot_logtool.core.records import Curve, Shape, Spread
 
 

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from dogbot_logtool.core.geometry.arrays import Bytes, Flags, stable_order
+from dogbot_logtool.core.arrays import Bytes, Flags, stable_order
 from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.reader.containers.contents import Chunk
 from dogbot_logtool.reader.containers.loss import Loss

@@ -5,7 +5,7 @@ from typing import Final
 
 import numpy as np
 
-from dogbot_logtool.core.geometry.arrays import Ints
+from dogbot_logtool.core.arrays import Ints
 
 UNKNOWN_CHANNEL: Final = -1
 """Channel of messages whose channel is nowhere described."""

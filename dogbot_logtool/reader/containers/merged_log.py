@@ -13,7 +13,7 @@ from typing import Final
 
 import numpy as np
 
-from dogbot_logtool.core.geometry.arrays import Flags, Ints
+from dogbot_logtool.core.arrays import Flags, Ints
 from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.reader.containers.batch import Batch, LoadedChunk
 from dogbot_logtool.reader.containers.chunks.packed_messages import unpacked

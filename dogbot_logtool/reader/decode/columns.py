@@ -9,8 +9,7 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from dogbot_logtool.core.geometry.arrays import Bytes, Flags, Floats, Ints
-from dogbot_logtool.core.geometry.order_statistics import distinct
+from dogbot_logtool.core.arrays import Bytes, Flags, Floats, Ints, distinct
 from dogbot_logtool.dataclass import dataclass
 
 _DOUBLE: Final = np.dtype("<f8")

@@ -3,7 +3,7 @@
 import struct
 from typing import Final, NamedTuple
 
-from dogbot_logtool.core.geometry.arrays import Bytes
+from dogbot_logtool.core.arrays import Bytes
 from dogbot_logtool.reader.decode.message_layout import ArrayStep, Run, Step, TextStep
 
 MAX_VARIABLE_ELEMENTS: Final = 20_000

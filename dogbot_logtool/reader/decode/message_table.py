@@ -6,8 +6,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from dogbot_logtool.core.geometry.arrays import Flags, Ints
-from dogbot_logtool.core.geometry.blocks import concatenated, picked
+from dogbot_logtool.core.arrays import Flags, Ints, concatenated, picked
 from dogbot_logtool.dataclass import dataclass
 
 

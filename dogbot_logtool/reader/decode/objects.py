@@ -12,7 +12,7 @@ from typing import Any, Final
 
 import numpy as np
 
-from dogbot_logtool.core.geometry.arrays import Ints
+from dogbot_logtool.core.arrays import Ints
 from dogbot_logtool.errors import DefinitionError
 from dogbot_logtool.reader.decode.columns import Nested, Table, Texts
 from dogbot_logtool.reader.decode.fields import Field, Fields, Kind

@@ -18,7 +18,7 @@ from typing import Final, Literal
 
 import numpy as np
 
-from dogbot_logtool.core.geometry.arrays import Floats, Ints
+from dogbot_logtool.core.arrays import Floats, Ints
 from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.reader.decode.columns import Nested, Table, Texts
 from dogbot_logtool.reader.decode.definition import (

@@ -4,7 +4,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from functools import lru_cache
 
-from dogbot_logtool.core.geometry.order_statistics import distinct
+from dogbot_logtool.core.arrays import distinct
 from dogbot_logtool.core.plausible import plausible_samples
 from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.errors import DefinitionError

@@ -5,12 +5,10 @@ from typing import Final
 
 import numpy as np
 
+from dogbot_logtool.core.arrays import Flags, Floats, Ints, all_finite, concatenated, median_of
 from dogbot_logtool.core.contact.contacts import Contacts, Samples, no_samples
-from dogbot_logtool.core.geometry.arrays import Flags, Floats, Ints, all_finite
-from dogbot_logtool.core.geometry.blocks import concatenated
-from dogbot_logtool.core.geometry.order_statistics import median_of
-from dogbot_logtool.core.geometry.rotations import conjugate, normalised, rotate
 from dogbot_logtool.core.leg_position import leg_names
+from dogbot_logtool.core.rotations import conjugate, normalised, rotate
 from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.reader.decode.paths import MOST_ELEMENTS
 from dogbot_logtool.reader.foot import Foot

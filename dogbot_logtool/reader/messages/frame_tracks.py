@@ -5,10 +5,10 @@ from collections.abc import Set as AbstractSet
 
 import numpy as np
 
+from dogbot_logtool.core.arrays import Ints
+from dogbot_logtool.core.corrections.clock import TimeSource
 from dogbot_logtool.core.frames.recorded_transforms import RecordedTransforms
 from dogbot_logtool.core.frames.transform_buffer import FrameTrack, TransformBuffer, frame_track
-from dogbot_logtool.core.geometry.arrays import Ints
-from dogbot_logtool.core.geometry.clock import TimeSource
 
 
 def static_tracks(recorded: RecordedTransforms, channels: AbstractSet[int]) -> TransformBuffer:

@@ -13,6 +13,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from dogbot_logtool.core.arrays import Bytes, Flags, Ints, distinct, sum_by_group
 from dogbot_logtool.core.contact.contacts import (
     FOOT_IS_COLLISION1,
     FOOT_IS_COLLISION2,
@@ -20,8 +21,6 @@ from dogbot_logtool.core.contact.contacts import (
     Contacts,
     contact_samples,
 )
-from dogbot_logtool.core.geometry.arrays import Bytes, Flags, Ints, sum_by_group
-from dogbot_logtool.core.geometry.order_statistics import distinct
 from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.reader.decode.columns import Texts, gather_bytes
 from dogbot_logtool.reader.foot import Foot

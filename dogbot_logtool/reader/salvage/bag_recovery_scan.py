@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from dataclasses import replace
 from typing import Final
 
-from dogbot_logtool.core.geometry.arrays import Bytes
+from dogbot_logtool.core.arrays import Bytes
 from dogbot_logtool.reader.containers.bag.chunk import check_bag_chunk, chunk_at, parse_bag_chunk
 from dogbot_logtool.reader.containers.bag.format import BagFormat, is_sound
 from dogbot_logtool.reader.containers.bag.index import Connections, chunk_info

@@ -6,7 +6,7 @@ from dataclasses import replace
 from mcap import records
 from mcap.opcode import Opcode
 
-from dogbot_logtool.core.geometry.arrays import Bytes
+from dogbot_logtool.core.arrays import Bytes
 from dogbot_logtool.reader.containers.chunks.chunk_content import ChunkContent, ChunkDamage
 from dogbot_logtool.reader.containers.contents import Channel, Chunk, Contents, Extra, SharedCounts
 from dogbot_logtool.reader.containers.loss import Loss, lost_messages

@@ -7,7 +7,7 @@ from typing import Final
 
 import numpy as np
 
-from dogbot_logtool.core.geometry.arrays import Bytes, Ints
+from dogbot_logtool.core.arrays import Bytes, Ints
 from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.reader.containers.chunks.chunk_content import (
     ChunkContent,

@@ -5,8 +5,8 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
+from dogbot_logtool.core.arrays import Floats
 from dogbot_logtool.core.checks.voids import void_columns
-from dogbot_logtool.core.geometry.arrays import Floats
 from dogbot_logtool.core.metrics import Stride
 from dogbot_logtool.core.records import fields_of
 from dogbot_logtool.core.statistics import Stats

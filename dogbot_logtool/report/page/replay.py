@@ -5,13 +5,12 @@ from typing import Any, Final
 
 import numpy as np
 
+from dogbot_logtool.core import timespans
+from dogbot_logtool.core.arrays import Flags, Float32s, Floats, Ints, distinct, median_of
 from dogbot_logtool.core.base.base_motion import FORWARD_ANGLES
 from dogbot_logtool.core.contact.foot_history import FootHistory
-from dogbot_logtool.core.geometry import timespans
-from dogbot_logtool.core.geometry.arrays import Flags, Float32s, Floats, Ints
-from dogbot_logtool.core.geometry.order_statistics import distinct, median_of
-from dogbot_logtool.core.geometry.rotations import from_roll_pitch_yaw, rotate
 from dogbot_logtool.core.leg_position import LegPosition
+from dogbot_logtool.core.rotations import from_roll_pitch_yaw, rotate
 from dogbot_logtool.core.scene.foot_style import foot_colour, short_names
 from dogbot_logtool.core.statistics import Stats
 from dogbot_logtool.report.page.charts.chart import packed

@@ -5,9 +5,8 @@ from typing import Final, TypeVar
 
 import numpy as np
 
+from dogbot_logtool.core.arrays import Floats, Ints, distinct
 from dogbot_logtool.core.gait.foot_statistics import FootStatistics
-from dogbot_logtool.core.geometry.arrays import Floats, Ints
-from dogbot_logtool.core.geometry.order_statistics import distinct
 from dogbot_logtool.core.load.load_figures import LoadFigures
 from dogbot_logtool.core.metrics import Forces, WalkMetrics
 from dogbot_logtool.core.quality.outliers import LEAST_SHARE, MOST_DEVIATIONS, Outliers, outliers

@@ -10,8 +10,8 @@ from typing import Final
 import numpy as np
 from rich.text import Text
 
-from dogbot_logtool.core.geometry import timespans
-from dogbot_logtool.core.geometry.arrays import Ints
+from dogbot_logtool.core import timespans
+from dogbot_logtool.core.arrays import Ints
 from dogbot_logtool.core.scene.foot_style import foot_colour
 from dogbot_logtool.core.statistics import Stats
 from dogbot_logtool.dataclass import dataclass

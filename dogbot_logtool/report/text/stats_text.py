@@ -9,10 +9,10 @@ from rich.console import Console, Group, RenderableType
 from rich.padding import Padding
 from rich.text import Text
 
+from dogbot_logtool.core.arrays import Aggregate
 from dogbot_logtool.core.checks.engine import first_of
 from dogbot_logtool.core.events.event import STEPS as STEP_EVENTS
 from dogbot_logtool.core.gait.gait import STAND
-from dogbot_logtool.core.geometry.aggregates import Aggregate
 from dogbot_logtool.core.metrics import Legs, Symmetry, WalkMetrics
 from dogbot_logtool.core.records import Number
 from dogbot_logtool.core.scene.foot_style import short_names
@@ -294,7 +294,7 @@ def _beside(stats: Stats, walk: WalkMetrics) -> list[RenderableType]:
     if track is not None:
         words = f"{printable(track.history.topic)}, means over {track.window_ns / 1e9:.2f} s"
         parts += [Text(), _heading("Commands", words)]
-        parts += [_line(*line) for line in command_lines(walk.commands, stats.commands)]
+        parts += [_line(*line) for line in command_lines(walk.commands, track.drifts)]
     if walk.imu.topic is not None:
         parts += [Text(), _heading("Accelerometer", printable(walk.imu.topic))]
         parts += [_line(*line) for line in imu_lines(walk.imu)]

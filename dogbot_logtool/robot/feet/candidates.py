@@ -7,8 +7,8 @@ from collections.abc import Collection, Iterable, Iterator, Sequence
 from dataclasses import replace
 from typing import Final
 
+from dogbot_logtool.core.arrays import concatenated
 from dogbot_logtool.core.contact.contacts import Samples, no_samples
-from dogbot_logtool.core.geometry.blocks import concatenated
 from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.errors import DefinitionError
 from dogbot_logtool.reader.containers.log import Channel, Log

@@ -5,9 +5,8 @@ from typing import Final
 
 import numpy as np
 
+from dogbot_logtool.core.arrays import Flags, Floats, median_of, norms, percentiles_of
 from dogbot_logtool.core.contact.contacts import Samples
-from dogbot_logtool.core.geometry.arrays import Flags, Floats, norms
-from dogbot_logtool.core.geometry.order_statistics import median_of, percentiles_of
 from dogbot_logtool.dataclass import dataclass
 
 FEWEST: Final = 20

@@ -6,6 +6,7 @@ from typing import Protocol
 
 from dogbot_logtool.core.base.odometry import Odometry, usable_poses
 from dogbot_logtool.core.contact.contacts import Samples
+from dogbot_logtool.core.corrections.clock import TimeSource
 from dogbot_logtool.core.frames.link_frames import (
     FrameCounts,
     FramePoint,
@@ -18,7 +19,6 @@ from dogbot_logtool.core.frames.transform_buffer import (
     chain_of_frames,
     frame_track,
 )
-from dogbot_logtool.core.geometry.clock import TimeSource
 from dogbot_logtool.core.leg_position import LegPosition
 from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.finding import Finding

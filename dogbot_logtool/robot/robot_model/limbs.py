@@ -6,17 +6,16 @@ from typing import Final
 
 import numpy as np
 
+from dogbot_logtool.core.arrays import Float32s, Floats, Ints, distinct
+from dogbot_logtool.core.corrections.clock import TimeSource
 from dogbot_logtool.core.frames.transform_buffer import (
     TransformBuffer,
     chain_of_frames,
     frame_track,
 )
-from dogbot_logtool.core.geometry.arrays import Float32s, Floats, Ints
-from dogbot_logtool.core.geometry.clock import TimeSource
-from dogbot_logtool.core.geometry.order_statistics import distinct
-from dogbot_logtool.core.geometry.rotations import rotate
 from dogbot_logtool.core.legs.joint_track import JointTable
 from dogbot_logtool.core.recording import Recording
+from dogbot_logtool.core.rotations import rotate
 from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.reader.messages.frame_tracks import moving_tracks
 from dogbot_logtool.robot.probe import Probe, frame_names

@@ -12,7 +12,7 @@ from xml.etree import ElementTree as ET
 
 import numpy as np
 
-from dogbot_logtool.core.geometry.rotations import roll_pitch_yaw
+from dogbot_logtool.core.rotations import roll_pitch_yaw
 from dogbot_logtool.core.scene.foot_style import colour_parts
 from dogbot_logtool.robot.robot_model.skeleton import FramePose, Point, Skeleton
 

@@ -5,8 +5,8 @@ from typing import Final
 
 import numpy as np
 
+from dogbot_logtool.core.arrays import median_of
 from dogbot_logtool.core.base.ground import nearest_axis
-from dogbot_logtool.core.geometry.order_statistics import median_of
 from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.robot.probe import Probe
 from dogbot_logtool.robot.robot import Robot

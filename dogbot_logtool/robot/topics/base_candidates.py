@@ -7,7 +7,7 @@ from typing import Final
 
 import numpy as np
 
-from dogbot_logtool.core.geometry.arrays import all_finite
+from dogbot_logtool.core.arrays import all_finite
 from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.errors import DefinitionError, LogError
 from dogbot_logtool.io.storage import shown

@@ -6,7 +6,7 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
-from dogbot_logtool.core.geometry.arrays import Ints
+from dogbot_logtool.core.arrays import Ints
 from dogbot_logtool.core.scene.arrows import Arrows
 from dogbot_logtool.writer.encodings.encoding import SHAFT_SHARE, ArrowLook, Encoding
 from dogbot_logtool.writer.message_records import kept_template, write_pose

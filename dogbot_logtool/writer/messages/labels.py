@@ -7,7 +7,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from dogbot_logtool.core.geometry.arrays import Ints
+from dogbot_logtool.core.arrays import Ints
 from dogbot_logtool.core.scene.foot_style import short_names
 from dogbot_logtool.core.scene.labels import Labels
 from dogbot_logtool.core.scene.styles import LIFETIME_S

@@ -5,7 +5,7 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from dogbot_logtool.core.geometry.arrays import rows_by_group
+from dogbot_logtool.core.arrays import rows_by_group
 from dogbot_logtool.core.scene.loads import Loads
 from dogbot_logtool.writer.encodings.encoding import LOAD_STATES, Encoding
 from dogbot_logtool.writer.message_records import kept_template, timed_records

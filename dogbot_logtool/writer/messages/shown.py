@@ -6,7 +6,7 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from dogbot_logtool.core.geometry.arrays import Flags, Ints, rows_by_group
+from dogbot_logtool.core.arrays import Flags, Ints, rows_by_group
 from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.writer.message_records import timed_records
 from dogbot_logtool.writer.template import Stamps, Template

@@ -7,8 +7,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from dogbot_logtool.core.geometry.arrays import Floats, Ints
-from dogbot_logtool.core.geometry.order_statistics import distinct
+from dogbot_logtool.core.arrays import Floats, Ints, distinct
 from dogbot_logtool.core.scene.foot_style import FOOT_COLOURS, colour_parts, foot_colour
 from dogbot_logtool.core.scene.support_scene import SupportScene
 from dogbot_logtool.dataclass import dataclass

@@ -3,6 +3,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from dogbot_logtool.core import timespans
+from dogbot_logtool.core.arrays import Floats
 from dogbot_logtool.core.base.base_history import BaseHistory, base_history
 from dogbot_logtool.core.base.base_motion import (
     BaseMotion,
@@ -14,9 +16,7 @@ from dogbot_logtool.core.base.base_motion import (
 from dogbot_logtool.core.base.odometry import Odometry
 from dogbot_logtool.core.base.pose_jumps import find_jumps
 from dogbot_logtool.core.base.travel import find_travel
-from dogbot_logtool.core.geometry import timespans
-from dogbot_logtool.core.geometry.arrays import Floats
-from dogbot_logtool.core.geometry.clock import TimeSource
+from dogbot_logtool.core.corrections.clock import TimeSource
 
 START = 5_000_000_000
 

@@ -5,6 +5,8 @@ from collections.abc import Sequence
 import numpy as np
 import pytest
 
+from dogbot_logtool.core import timespans
+from dogbot_logtool.core.arrays import Floats
 from dogbot_logtool.core.base.base_history import BaseHistory
 from dogbot_logtool.core.base.falls import fallen_spans
 from dogbot_logtool.core.base.pose_jumps import find_jumps
@@ -12,9 +14,7 @@ from dogbot_logtool.core.base.tipping import find_tipping
 from dogbot_logtool.core.contact.contact_rule import ContactRule
 from dogbot_logtool.core.contact.contacts import Samples
 from dogbot_logtool.core.contact.foot_history import FootHistory, foot_history
-from dogbot_logtool.core.geometry import timespans
-from dogbot_logtool.core.geometry.arrays import Floats
-from dogbot_logtool.core.geometry.clock import TimeSource
+from dogbot_logtool.core.corrections.clock import TimeSource
 
 RATE_HZ = 100.0
 SECONDS = 10.0

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 from dogbot_logtool.core.base.odometry import Odometry
 from dogbot_logtool.core.contact.contacts import Samples
-from dogbot_logtool.core.geometry.clock import TimeSource
+from dogbot_logtool.core.corrections.clock import TimeSource
 from dogbot_logtool.core.statistics import Stats
 from tests.analysed import analysed
 from tests.oracles.straight_walk import SETTINGS, Walk

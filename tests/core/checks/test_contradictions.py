@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from dogbot_logtool.core.checks.engine import findings_of
-from dogbot_logtool.core.geometry.clock import TimeSource
+from dogbot_logtool.core.corrections.clock import TimeSource
 from dogbot_logtool.core.statistics import Stats
 from dogbot_logtool.finding import Finding, Severity
 from tests.core.checks.measured_walk import WALK, S, feet, late, measure

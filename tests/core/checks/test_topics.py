@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from dogbot_logtool.core.checks.clock import topics_timed
-from dogbot_logtool.core.geometry.clock import TimeSource
+from dogbot_logtool.core.corrections.clock import TimeSource
 from dogbot_logtool.core.quality.quality import topic_quality, topic_times
 from tests.core.checks.measured_walk import WALK, feet, measure
 

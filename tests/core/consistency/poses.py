@@ -2,8 +2,8 @@
 
 import numpy as np
 
+from dogbot_logtool.core import timespans
 from dogbot_logtool.core.base.base_history import BaseHistory
-from dogbot_logtool.core.geometry import timespans
 
 
 def base(seconds: float, speed_mps: float, start_s: float = 1.0) -> BaseHistory:

@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 
+from dogbot_logtool.core import timespans
+from dogbot_logtool.core.arrays import Floats
 from dogbot_logtool.core.consistency.stopped import without_stopped
 from dogbot_logtool.core.contact.foot_history import FootHistory
 from dogbot_logtool.core.contact.stances import Cut
-from dogbot_logtool.core.geometry import timespans
-from dogbot_logtool.core.geometry.arrays import Floats
 from tests.core.consistency.poses import base
 from tests.core.load.feet import PERIOD_S, TROT, WEIGHT_N, foot, seconds, vertical
 

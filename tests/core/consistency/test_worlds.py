@@ -6,11 +6,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from dogbot_logtool.core import timespans
+from dogbot_logtool.core.arrays import Floats, Ints
 from dogbot_logtool.core.base.base_history import BaseHistory
 from dogbot_logtool.core.consistency.worlds import compare_worlds
 from dogbot_logtool.core.contact.track import FootTrack, foot_track
-from dogbot_logtool.core.geometry import timespans
-from dogbot_logtool.core.geometry.arrays import Floats, Ints
 
 CORNERS = ((0.3, 0.15), (0.3, -0.15), (-0.3, 0.15), (-0.3, -0.15))
 SPREAD_M = float(np.hypot(0.3, 0.15))

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from dogbot_logtool.core.geometry.arrays import Floats, Ints
+from dogbot_logtool.core.arrays import Floats, Ints
 
 
 @dataclass(frozen=True, slots=True)

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
+from dogbot_logtool.core.arrays import Floats
 from dogbot_logtool.core.contact.contact_way import ways_under_load
 from dogbot_logtool.core.contact.stance_samples import StanceSamples
-from dogbot_logtool.core.geometry.arrays import Floats
 
 
 def stance(x: Floats) -> StanceSamples:

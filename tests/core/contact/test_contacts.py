@@ -7,6 +7,7 @@ from typing import Final
 import numpy as np
 import pytest
 
+from dogbot_logtool.core.arrays import norms
 from dogbot_logtool.core.contact.contacts import (
     FOOT_IS_COLLISION1,
     FOOT_IS_COLLISION2,
@@ -14,7 +15,6 @@ from dogbot_logtool.core.contact.contacts import (
     Samples,
     contact_samples,
 )
-from dogbot_logtool.core.geometry.arrays import norms
 from tests.core.contact.states import Message, State, Vector, contacts_of
 
 NAN: Final = math.nan

@@ -5,8 +5,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from dogbot_logtool.core.arrays import Floats, Ints
 from dogbot_logtool.core.contact.curves import CurveDetail, curve_of, load_curves
-from dogbot_logtool.core.geometry.arrays import Floats, Ints
 
 START = 1_700_000_000_000_000_000
 NO_BREAKS = np.empty((0, 2), np.int64)

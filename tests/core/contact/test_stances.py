@@ -5,9 +5,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from dogbot_logtool.core.arrays import Floats, Ints
 from dogbot_logtool.core.contact.stance_samples import StanceSamples
 from dogbot_logtool.core.contact.stances import reduce_stances
-from dogbot_logtool.core.geometry.arrays import Floats, Ints
 
 
 def stance(force: Floats, time: Floats | float, x: Floats | None = None) -> StanceSamples:

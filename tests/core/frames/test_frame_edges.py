@@ -8,13 +8,13 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from dogbot_logtool.core.corrections.clock import TimeSource
 from dogbot_logtool.core.frames import frame_edges
 from dogbot_logtool.core.frames.frame_edges import FrameEdge, RecordedFrames, recorded_frames
 from dogbot_logtool.core.frames.recorded_transforms import (
     RecordedTransforms,
     concatenate_transforms,
 )
-from dogbot_logtool.core.geometry.clock import TimeSource
 
 STATIC = 9
 UNIT = (0.0, 0.0, 0.0, 1.0)

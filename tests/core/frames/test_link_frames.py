@@ -2,16 +2,16 @@
 
 import numpy as np
 
+from dogbot_logtool.core.arrays import Ints
 from dogbot_logtool.core.contact.contacts import Samples
+from dogbot_logtool.core.corrections.clock import TimeSource
 from dogbot_logtool.core.frames.link_frames import (
     FrameCounts,
     FramePoint,
     forces_in_world,
     points_from_frames,
 )
-from dogbot_logtool.core.geometry.arrays import Ints
-from dogbot_logtool.core.geometry.clock import TimeSource
-from dogbot_logtool.core.geometry.rotations import rotate
+from dogbot_logtool.core.rotations import rotate
 from tests.core.frames.turning import MS, about_x, about_z, at, spinning
 
 HEADER = TimeSource.HEADER

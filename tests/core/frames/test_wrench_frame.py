@@ -7,6 +7,7 @@ from typing import Final
 import numpy as np
 import pytest
 
+from dogbot_logtool.core.arrays import Floats
 from dogbot_logtool.core.contact.contacts import Samples
 from dogbot_logtool.core.frames.wrench_frame import (
     FEWEST_SAMPLES,
@@ -15,7 +16,6 @@ from dogbot_logtool.core.frames.wrench_frame import (
     frame_fit,
     judge_wrench_frame,
 )
-from dogbot_logtool.core.geometry.arrays import Floats
 
 UP: Final = np.array([0.0, 0.0, 1.0])
 FEET: Final = 4

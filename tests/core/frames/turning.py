@@ -2,8 +2,8 @@
 
 import numpy as np
 
+from dogbot_logtool.core.arrays import Floats, Ints
 from dogbot_logtool.core.frames.transform_buffer import TransformBuffer, frame_track
-from dogbot_logtool.core.geometry.arrays import Floats, Ints
 
 MS = 1_000_000
 

@@ -3,9 +3,12 @@
 import numpy as np
 import pytest
 
+from dogbot_logtool.core import timespans
+from dogbot_logtool.core.arrays import Floats
 from dogbot_logtool.core.base.base_history import BaseHistory, base_history
 from dogbot_logtool.core.base.odometry import Odometry
 from dogbot_logtool.core.contact.foot_history import FootHistory
+from dogbot_logtool.core.corrections.clock import TimeSource
 from dogbot_logtool.core.gait.cycle_curves import (
     CycleCurve,
     force_curves,
@@ -14,9 +17,6 @@ from dogbot_logtool.core.gait.cycle_curves import (
     stance_headings,
 )
 from dogbot_logtool.core.gait.strides import strides_of
-from dogbot_logtool.core.geometry import timespans
-from dogbot_logtool.core.geometry.arrays import Floats
-from dogbot_logtool.core.geometry.clock import TimeSource
 from tests.core.load.feet import DUTY, PERIOD_S, RATE_HZ, RULE, foot, seconds, stance_phase
 
 TOP_N = 120.0

@@ -6,6 +6,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from dogbot_logtool.core import timespans
+from dogbot_logtool.core.arrays import Ints
 from dogbot_logtool.core.gait.segments import (
     FootEvents,
     GaitInput,
@@ -15,8 +17,6 @@ from dogbot_logtool.core.gait.segments import (
 )
 from dogbot_logtool.core.gait.standing import Standing
 from dogbot_logtool.core.gait.strides import Strides
-from dogbot_logtool.core.geometry import timespans
-from dogbot_logtool.core.geometry.arrays import Ints
 
 S = 1_000_000_000
 TROT = (0.0, 0.5, 0.5, 0.0)

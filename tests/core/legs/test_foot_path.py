@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
+from dogbot_logtool.core.arrays import Floats, Ints
 from dogbot_logtool.core.frames.kinematics import Joint
 from dogbot_logtool.core.frames.transform_buffer import TransformBuffer, frame_track
-from dogbot_logtool.core.geometry.arrays import Floats, Ints
 from dogbot_logtool.core.legs.foot_path import (
     LegChain,
     chain_to,

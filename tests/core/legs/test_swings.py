@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
+from dogbot_logtool.core.arrays import Floats
 from dogbot_logtool.core.gait.strides import Strides
-from dogbot_logtool.core.geometry.arrays import Floats
 from dogbot_logtool.core.legs.swings import Footfalls, Swings, WorldPath, swings
 
 S = 1_000_000_000

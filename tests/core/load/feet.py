@@ -4,11 +4,11 @@ from typing import Final
 
 import numpy as np
 
+from dogbot_logtool.core.arrays import Floats, Ints
 from dogbot_logtool.core.contact.contact_rule import ContactRule
 from dogbot_logtool.core.contact.contacts import Samples
 from dogbot_logtool.core.contact.foot_history import FootHistory, foot_history
-from dogbot_logtool.core.geometry.arrays import Floats, Ints
-from dogbot_logtool.core.geometry.clock import TimeSource
+from dogbot_logtool.core.corrections.clock import TimeSource
 
 WEIGHT_N: Final = 200.0
 PERIOD_S: Final = 0.8

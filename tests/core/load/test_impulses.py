@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
+from dogbot_logtool.core.arrays import Floats, Ints
 from dogbot_logtool.core.contact.foot_history import FootHistory
-from dogbot_logtool.core.geometry.arrays import Floats, Ints
 from dogbot_logtool.core.load.impulses import mean_impulses
 from tests.core.load.feet import RATE_HZ, foot, seconds
 

@@ -4,8 +4,8 @@ from collections.abc import Callable
 
 import numpy as np
 
+from dogbot_logtool.core.arrays import Floats
 from dogbot_logtool.core.contact.foot_history import FootHistory
-from dogbot_logtool.core.geometry.arrays import Floats
 from dogbot_logtool.core.load.load_figures import is_stuck
 from tests.core.load.feet import foot, seconds, vertical
 

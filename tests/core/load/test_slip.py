@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
+from dogbot_logtool.core.arrays import Floats
 from dogbot_logtool.core.contact.stances import Stances
-from dogbot_logtool.core.geometry.arrays import Floats
 from dogbot_logtool.core.load.slip import slip_m
 from tests.core.load.feet import foot, seconds, stance_phase, vertical
 

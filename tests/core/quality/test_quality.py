@@ -1,8 +1,8 @@
 import numpy as np
 import pytest
 
-from dogbot_logtool.core.geometry.arrays import Ints
-from dogbot_logtool.core.geometry.clock import TimeSource
+from dogbot_logtool.core.arrays import Ints
+from dogbot_logtool.core.corrections.clock import TimeSource
 from dogbot_logtool.core.quality.quality import (
     TopicQuality,
     mean_rate_hz,

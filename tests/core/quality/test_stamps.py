@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from dogbot_logtool.core.geometry.arrays import Ints
+from dogbot_logtool.core.arrays import Ints
 from dogbot_logtool.core.quality.stamps import StampCheck, check_stamps, set_spans, why_unusable
 
 MS = 1_000_000

@@ -8,7 +8,7 @@ import numpy as np
 from dogbot_logtool.core.contact.contact_rule import ContactRule
 from dogbot_logtool.core.contact.contacts import Samples
 from dogbot_logtool.core.contact.foot_history import foot_history
-from dogbot_logtool.core.geometry.clock import TimeSource
+from dogbot_logtool.core.corrections.clock import TimeSource
 from dogbot_logtool.core.scene.feet import DrawnFoot, drawn_foot
 
 MS = 1_000_000

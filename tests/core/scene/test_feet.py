@@ -8,10 +8,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from dogbot_logtool.core import timespans
 from dogbot_logtool.core.contact.contact_rule import ContactRule
 from dogbot_logtool.core.contact.foot_history import foot_history
-from dogbot_logtool.core.geometry import timespans
-from dogbot_logtool.core.geometry.clock import TimeSource
+from dogbot_logtool.core.corrections.clock import TimeSource
 from dogbot_logtool.core.scene.feet import TRAIL, LoadState
 from tests.core.scene.drawn_feet import MS, NOWHERE, RULE, Message, foot_of, samples_of
 

@@ -8,10 +8,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from dogbot_logtool.core.arrays import Floats
 from dogbot_logtool.core.base.odometry import Odometry
 from dogbot_logtool.core.contact.contact_rule import ContactRule
-from dogbot_logtool.core.geometry.arrays import Floats
-from dogbot_logtool.core.geometry.support_polygon import hulls
+from dogbot_logtool.core.hulls import hulls
 from dogbot_logtool.core.scene.support_scene import (
     BARELY_STABLE,
     NO_MARGIN,

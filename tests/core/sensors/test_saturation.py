@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from dogbot_logtool.core.geometry.arrays import Floats
+from dogbot_logtool.core.arrays import Floats
 from dogbot_logtool.core.sensors.saturation import resolution_n, saturated_limit_n
 
 NO_OFFSET = np.zeros(3)

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from dogbot_logtool.core.geometry.arrays import Floats
+from dogbot_logtool.core.arrays import Floats
 from dogbot_logtool.core.sensors.sensor_level import SensorLevel, estimate_level
 from dogbot_logtool.core.sensors.sensor_modes import ALTERNATE
 from tests.core.contact.feet_forces import FootForces, walking_foot

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from dogbot_logtool.core.geometry.arrays import Floats, Ints
+from dogbot_logtool.core.arrays import Floats, Ints
 from dogbot_logtool.core.sensors.sensor_level import SensorLevel, estimate_level
 from dogbot_logtool.core.sensors.swing_levels import follow_level
 

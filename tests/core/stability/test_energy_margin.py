@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from dogbot_logtool.core.geometry.arrays import Floats
-from dogbot_logtool.core.geometry.support_polygon import hulls
+from dogbot_logtool.core.arrays import Floats
+from dogbot_logtool.core.hulls import hulls
 from dogbot_logtool.core.stability.stability import energy_margin_in
 
 FEET = np.array([[0.3, 0.15, 0.0], [0.3, -0.15, 0.0], [-0.3, 0.15, 0.0], [-0.3, -0.15, 0.0]])

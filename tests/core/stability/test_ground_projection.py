@@ -1,11 +1,11 @@
 import numpy as np
 import pytest
 
+from dogbot_logtool.core.arrays import Floats
 from dogbot_logtool.core.contact.contact_rule import ContactRule
 from dogbot_logtool.core.contact.contacts import Samples
 from dogbot_logtool.core.contact.foot_history import FootHistory, foot_history
-from dogbot_logtool.core.geometry.arrays import Floats
-from dogbot_logtool.core.geometry.clock import TimeSource
+from dogbot_logtool.core.corrections.clock import TimeSource
 from dogbot_logtool.core.stability.ground_projection import (
     footprints,
     pressure_path,

@@ -5,7 +5,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from dogbot_logtool.core.geometry.arrays import Flags
+from dogbot_logtool.core.arrays import Flags
 from dogbot_logtool.reader.decode.columns import Table
 from dogbot_logtool.reader.decode.decode import decode
 from dogbot_logtool.reader.decode.message_layout import Layout

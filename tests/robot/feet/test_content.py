@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from dogbot_logtool.core.arrays import concatenated
 from dogbot_logtool.core.contact.contacts import Samples
-from dogbot_logtool.core.geometry.blocks import concatenated
 from dogbot_logtool.robot.feet.content import judge_content
 
 TIME = np.arange(600) * 10_000_000

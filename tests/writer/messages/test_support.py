@@ -11,7 +11,7 @@ from mcap_protobuf.decoder import DecoderFactory as ProtobufDecoders
 from mcap_ros1.decoder import DecoderFactory as Ros1Decoders
 from mcap_ros2.decoder import DecoderFactory as Ros2Decoders
 
-from dogbot_logtool.core.geometry.arrays import Floats
+from dogbot_logtool.core.arrays import Floats
 from dogbot_logtool.core.scene.foot_style import colour_parts, foot_colour
 from dogbot_logtool.core.scene.support_scene import SupportScene
 from dogbot_logtool.writer.encodings.encoding import Encoding, SupportLook

@@ -8,7 +8,7 @@ from typing import Final
 
 import numpy as np
 
-from dogbot_logtool.core.geometry.arrays import Bytes
+from dogbot_logtool.core.arrays import Bytes
 from dogbot_logtool.reader.containers.bag.format import BagFormat, nanoseconds
 from dogbot_logtool.reader.containers.bag.records import (
     BagOp,

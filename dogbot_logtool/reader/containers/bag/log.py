@@ -2,7 +2,7 @@
 
 from dataclasses import replace
 
-from dogbot_logtool.core.geometry.arrays import Bytes
+from dogbot_logtool.core.arrays import Bytes
 from dogbot_logtool.reader.containers.bag.chunk import (
     check_bag_chunk,
     indexed_times,

@@ -1,6 +1,6 @@
 """Content of a decompressed chunk, or the reason why there is none."""
 
-from dogbot_logtool.core.geometry.arrays import Ints
+from dogbot_logtool.core.arrays import Ints
 from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.reader.containers.contents import Chunk
 from dogbot_logtool.reader.containers.loss import Loss

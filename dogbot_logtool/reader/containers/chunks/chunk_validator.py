@@ -5,7 +5,7 @@ from dataclasses import field
 
 import numpy as np
 
-from dogbot_logtool.core.geometry.arrays import Bytes, Flags, Ints
+from dogbot_logtool.core.arrays import Bytes, Flags, Ints
 from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.reader.containers.chunks.chunk_content import ChunkContent
 from dogbot_logtool.reader.containers.chunks.records import (

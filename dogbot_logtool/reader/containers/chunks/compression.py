@@ -9,7 +9,7 @@ import numpy as np
 import xxhash
 import zstandard
 
-from dogbot_logtool.core.geometry.arrays import Bytes
+from dogbot_logtool.core.arrays import Bytes
 from dogbot_logtool.reader.containers.chunks.chunk_content import ChunkDamage
 
 MAX_CHUNK_SIZE: Final = 1 << 30

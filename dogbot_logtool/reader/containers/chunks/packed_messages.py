@@ -6,7 +6,7 @@ from typing import Final
 import numpy as np
 import zstandard
 
-from dogbot_logtool.core.geometry.arrays import Bytes, Flags
+from dogbot_logtool.core.arrays import Bytes, Flags
 from dogbot_logtool.reader.containers.batch import Batch
 from dogbot_logtool.reader.containers.loss import Loss
 from dogbot_logtool.reader.containers.signatures import ZSTD_MAGIC

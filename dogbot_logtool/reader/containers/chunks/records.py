@@ -11,7 +11,7 @@ from typing import Final, Protocol
 
 import numpy as np
 
-from dogbot_logtool.core.geometry.arrays import Bytes, Flags, Ints
+from dogbot_logtool.core.arrays import Bytes, Flags, Ints
 from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.reader.containers.sources.source import ByteSource
 from dogbot_logtool.reader.decode.message_table import Messages, concatenate_messages

@@ -8,7 +8,7 @@ import numpy as np
 from mcap.opcode import Opcode
 from zlib_ng.zlib_ng import crc32
 
-from dogbot_logtool.core.geometry.arrays import Bytes
+from dogbot_logtool.core.arrays import Bytes
 from dogbot_logtool.reader.containers.chunks.chunk_content import ChunkContent, ChunkDamage
 from dogbot_logtool.reader.containers.chunks.chunk_validator import read_content
 from dogbot_logtool.reader.containers.chunks.compression import check_claimed_size, decompress_into

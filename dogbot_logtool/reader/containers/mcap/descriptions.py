@@ -12,7 +12,7 @@ from mcap import records
 from mcap.opcode import Opcode
 from zlib_ng.zlib_ng import crc32
 
-from dogbot_logtool.core.geometry.arrays import Bytes, Ints
+from dogbot_logtool.core.arrays import Bytes, Ints
 from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.reader.containers.contents import Channel
 from dogbot_logtool.reader.containers.loss import LONGEST_NAME, Loss, described_twice

@@ -9,7 +9,7 @@ import numpy as np
 from mcap import records
 from mcap.opcode import Opcode
 
-from dogbot_logtool.core.geometry.arrays import Bytes, Ints
+from dogbot_logtool.core.arrays import Bytes, Ints
 from dogbot_logtool.reader.containers.chunks.records import Readable, Records, blank_messages
 from dogbot_logtool.reader.containers.mcap.records import (
     CHUNK_HEAD,

@@ -7,7 +7,7 @@ import numpy as np
 from mcap import records
 from mcap.opcode import Opcode
 
-from dogbot_logtool.core.geometry.arrays import Bytes
+from dogbot_logtool.core.arrays import Bytes
 from dogbot_logtool.reader.containers.channel_ids import UNKNOWN_CHANNEL
 from dogbot_logtool.reader.containers.chunked_log import ChunkedLog
 from dogbot_logtool.reader.containers.chunks.chunk_content import ChunkContent, ChunkDamage

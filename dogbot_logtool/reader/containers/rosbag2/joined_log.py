@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from dogbot_logtool.core.geometry.arrays import Ints
+from dogbot_logtool.core.arrays import Ints
 from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.io.storage import Location, file_name
 from dogbot_logtool.provenance import is_marked

@@ -8,7 +8,7 @@ from typing import Final
 
 import numpy as np
 
-from dogbot_logtool.core.geometry.arrays import Ints
+from dogbot_logtool.core.arrays import Ints
 from dogbot_logtool.reader.containers.batch import Batch, LoadedChunk
 from dogbot_logtool.reader.containers.channel_ids import UNKNOWN_CHANNEL, ChannelIds
 from dogbot_logtool.reader.containers.chunks.packed_messages import unpacked

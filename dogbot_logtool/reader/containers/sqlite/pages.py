@@ -10,7 +10,7 @@ from typing import Final
 
 import numpy as np
 
-from dogbot_logtool.core.geometry.arrays import Bytes, Flags, Ints
+from dogbot_logtool.core.arrays import Bytes, Flags, Ints
 from dogbot_logtool.errors import LogError
 from dogbot_logtool.io.storage import shown
 from dogbot_logtool.reader.containers.loss import Loss

@@ -6,7 +6,7 @@ from typing import Final
 
 import numpy as np
 
-from dogbot_logtool.core.geometry.arrays import Bytes, Flags, Ints
+from dogbot_logtool.core.arrays import Bytes, Flags, Ints
 from dogbot_logtool.reader.containers.sources.source import ByteSource
 from dogbot_logtool.reader.containers.sqlite.pages import PIECE, JournalError
 

@@ -5,8 +5,7 @@ from typing import Final
 
 import numpy as np
 
-from dogbot_logtool.core.geometry.arrays import Bytes, Flags, Ints
-from dogbot_logtool.core.geometry.order_statistics import distinct
+from dogbot_logtool.core.arrays import Bytes, Flags, Ints, distinct
 from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.reader.containers.sqlite.database import Database
 from dogbot_logtool.reader.containers.sqlite.pages import PIECE, in_pieces

@@ -5,7 +5,7 @@ from typing import Final
 
 import numpy as np
 
-from dogbot_logtool.core.geometry.arrays import Bytes, Flags, Ints
+from dogbot_logtool.core.arrays import Bytes, Flags, Ints
 from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.reader.containers.loss import Loss
 from dogbot_logtool.reader.containers.sqlite.pages import Pages, in_pieces, unsigned

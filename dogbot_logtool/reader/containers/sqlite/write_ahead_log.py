@@ -8,7 +8,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from dogbot_logtool.core.geometry.arrays import Bytes, Ints
+from dogbot_logtool.core.arrays import Bytes, Ints
 from dogbot_logtool.reader.containers.sources.source import ByteSource
 from dogbot_logtool.reader.containers.sqlite.pages import PIECE, JournalError
 

@@ -9,8 +9,7 @@ from typing import Any, Final
 
 import numpy as np
 
-from dogbot_logtool.core.geometry.arrays import Floats
-from dogbot_logtool.core.geometry.order_statistics import median_of
+from dogbot_logtool.core.arrays import Floats, median_of
 from dogbot_logtool.dataclass import dataclass
 
 WIDTH, HEIGHT = 300.0, 170.0

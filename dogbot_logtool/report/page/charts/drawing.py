@@ -6,8 +6,7 @@ from typing import Any, Final
 
 import numpy as np
 
-from dogbot_logtool.core.geometry.arrays import Float32s, Floats, Ints
-from dogbot_logtool.core.geometry.order_statistics import distinct
+from dogbot_logtool.core.arrays import Float32s, Floats, Ints, distinct
 from dogbot_logtool.core.scene.foot_style import foot_colour
 from dogbot_logtool.core.statistics import Stats
 from dogbot_logtool.dataclass import dataclass

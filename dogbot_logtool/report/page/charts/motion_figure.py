@@ -5,12 +5,12 @@ from typing import Final
 
 import numpy as np
 
+from dogbot_logtool.core import timespans
+from dogbot_logtool.core.arrays import Flags, Floats, Ints
 from dogbot_logtool.core.base.base_history import BaseHistory
 from dogbot_logtool.core.base.base_motion import FORWARD_ANGLES, roll_and_pitch
 from dogbot_logtool.core.base.ground import height_over_feet
-from dogbot_logtool.core.geometry import timespans
-from dogbot_logtool.core.geometry.arrays import Flags, Floats, Ints
-from dogbot_logtool.core.geometry.rotations import along_heading
+from dogbot_logtool.core.rotations import along_heading
 from dogbot_logtool.core.stability.stability import margins
 from dogbot_logtool.core.statistics import Stats
 from dogbot_logtool.report.page.charts.drawing import SECOND, Drawing

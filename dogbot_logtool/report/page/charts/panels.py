@@ -5,7 +5,7 @@ from typing import Any, Final
 
 import numpy as np
 
-from dogbot_logtool.core.geometry.arrays import Floats
+from dogbot_logtool.core.arrays import Floats
 from dogbot_logtool.core.scene.foot_style import foot_colour
 from dogbot_logtool.core.statistics import Stats
 from dogbot_logtool.dataclass import dataclass

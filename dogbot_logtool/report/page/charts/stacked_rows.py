@@ -5,9 +5,9 @@ from typing import Final
 
 import numpy as np
 
+from dogbot_logtool.core import timespans
+from dogbot_logtool.core.arrays import Floats, Ints
 from dogbot_logtool.core.contact.curves import CurveDetail, curve_of
-from dogbot_logtool.core.geometry import timespans
-from dogbot_logtool.core.geometry.arrays import Floats, Ints
 from dogbot_logtool.core.statistics import Stats
 from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.report.page.charts.chart import Chart, Trace, scatter

@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from dogbot_logtool.core.geometry.runs import (
+from dogbot_logtool.core.arrays import (
     added_within,
     first_where,
     highest,

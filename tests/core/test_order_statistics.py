@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 from hypothesis.extra import numpy as arrays
 from numpy.typing import NDArray
 
-from dogbot_logtool.core.geometry.order_statistics import (
+from dogbot_logtool.core.arrays import (
     distinct,
     median_of,
     median_of_known,

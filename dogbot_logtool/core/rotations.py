@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from dogbot_logtool.core.geometry.arrays import Floats
+from dogbot_logtool.core.arrays import Floats
 
 
 def normalised(quaternion: Floats) -> Floats:

@@ -3,7 +3,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from dogbot_logtool.core.geometry.arrays import (
+from dogbot_logtool.core.arrays import (
     all_finite,
     dots,
     nearest_rows,

@@ -2,8 +2,8 @@ import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 
-from dogbot_logtool.core.geometry import timespans
-from dogbot_logtool.core.geometry.arrays import Ints
+from dogbot_logtool.core import timespans
+from dogbot_logtool.core.arrays import Ints
 
 LENGTH = 40
 

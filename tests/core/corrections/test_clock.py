@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from dogbot_logtool.core.geometry.clock import advancing, usual_interval_s
+from dogbot_logtool.core.corrections.clock import advancing, usual_interval_s
 
 
 def test_only_samples_later_than_all_before_advance() -> None:

@@ -7,8 +7,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from dogbot_logtool.core.geometry.arrays import Flags, Floats, Ints
-from dogbot_logtool.core.geometry.order_statistics import distinct
+from dogbot_logtool.core.arrays import Flags, Floats, Ints, distinct
 
 
 def no_spans() -> Ints:

@@ -1,8 +1,8 @@
 import numpy as np
 import pytest
 
-from dogbot_logtool.core.geometry.arrays import Floats
-from dogbot_logtool.core.geometry.rotations import (
+from dogbot_logtool.core.arrays import Floats
+from dogbot_logtool.core.rotations import (
     conjugate,
     multiply,
     normalised,

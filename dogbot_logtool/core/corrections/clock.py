@@ -10,8 +10,7 @@ from typing import Final, Protocol
 
 import numpy as np
 
-from dogbot_logtool.core.geometry.arrays import Flags, Ints
-from dogbot_logtool.core.geometry.order_statistics import median_of
+from dogbot_logtool.core.arrays import Flags, Ints, median_of
 
 SILENCE_NS: Final = 50_000_000
 """ns: a shorter interval between messages is never a gap."""

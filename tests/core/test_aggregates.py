@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from dogbot_logtool.core.geometry.aggregates import (
+from dogbot_logtool.core.arrays import (
     aggregate,
     circular_mean,
     wrapped,

@@ -4,7 +4,7 @@ from typing import Final
 
 import numpy as np
 
-from dogbot_logtool.core.geometry.arrays import Flags, Floats
+from dogbot_logtool.core.arrays import Flags, Floats
 from dogbot_logtool.dataclass import dataclass
 
 NEAR_NS: Final = 60_000_000

@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from dogbot_logtool.core.geometry.support_polygon import centre_of_pressure, margin_in_hull
+from dogbot_logtool.core.hulls import centre_of_pressure, margin_in_hull
 
 SQUARE = np.array([[1.0, 1.0], [1.0, -1.0], [-1.0, 1.0], [-1.0, -1.0]])
 NOWHERE = (np.nan, np.nan)

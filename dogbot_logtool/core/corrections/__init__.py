@@ -1,0 +1,1 @@
+"""What puts the samples of a recording right before anything is measured."""

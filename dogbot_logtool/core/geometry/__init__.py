@@ -1,1 +1,0 @@
-"""Arrays, rotations, time spans and other formulas that all of the core shares."""
