@@ -340,14 +340,20 @@ def _compare_forces(
     is_common, odd_foot = odd_scale(
         mean_impulses(feet, "vertical_impulse", cells, _CELL_NS // 2), wanted, mass_kg
     )
-    ratios = [
-        float(mean_impulses(feet, impulse, time, half_ns).sum(axis=1).mean()) / expected
+    vertical, magnitude = (
+        float(mean_impulses(feet, impulse, time, half_ns).sum(axis=1).mean())
         for impulse in ("vertical_impulse", "force_impulse")
-    ]
+    )
     sideways, told = _horizontal_impulses(feet)
     held = timespans.hold_window(told, time, half_ns, half_ns)
     pushed = sideways.mean(time[held], 2 * half_ns) / mass_kg
-    return ForceComparison(*ratios, find_turn(pushed, poses[held]), is_common, odd_foot)
+    return ForceComparison(
+        ratio=vertical / expected,
+        magnitude_ratio=magnitude / expected,
+        turned_rad=find_turn(pushed, poses[held]),
+        is_common=is_common,
+        odd_foot=odd_foot,
+    )
 
 
 def odd_scale(

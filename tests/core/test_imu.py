@@ -113,7 +113,9 @@ def test_a_dead_foot_is_named(foot: str) -> None:
 def test_a_foot_with_another_scale_is_named(factor: float) -> None:
     stats = measured(with_imu(walk()).each_foot(scaled(factor), "front_right"))
     assert codes(stats) == {"FOOT_SCALE"}
-    assert forces_of(stats).odd_foot == (1, pytest.approx(1.0 / factor, rel=0.02))
+    odd = forces_of(stats).odd_foot
+    assert odd is not None
+    assert odd == pytest.approx((1, 1.0 / factor), rel=0.02)
 
 
 def test_in_a_trot_no_foot_of_a_pair_is_accused() -> None:
