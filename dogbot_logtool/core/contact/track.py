@@ -97,25 +97,23 @@ def foot_track(
     with np.errstate(over="ignore"):
         stored = [each.astype(np.float32) for each in (force, vertical, horizontal)]
     gap = np.diff(time) > longest_interval_ns
+    rows = np.flatnonzero(all_finite(point))
+    placed = first_at_each_tick(time[rows], POINT_RATE_HZ, None)
+    placed |= np.diff(rows, prepend=-2) > 1
+    # From the last known vertical force, or the start, to the next known one.
+    edges = np.flatnonzero(np.diff(np.isnan(vertical), prepend=False, append=False))
+    first, behind = np.maximum(edges[::2] - 1, 0), np.minimum(edges[1::2], len(time) - 1)
     return FootTrack(
         time=time,
         force=stored[0],
         vertical_force=stored[1],
         horizontal_force=stored[2],
         point=point,
-        placed=_placed(time, point),
+        placed=rows[placed],
         force_impulse=_running_total(time, force, gap),
         vertical_impulse=_running_total(time, vertical, gap),
-        vertical_unknown=_unknown(time, vertical),
+        vertical_unknown=np.stack([time[first], time[behind]], axis=1),
     )
-
-
-def _placed(time: Ints, point: Floats | Float32s) -> Ints:
-    """Choose rows with a contact point; see `FootTrack.placed`."""
-    rows = np.flatnonzero(all_finite(point))
-    chosen = first_at_each_tick(time[rows], POINT_RATE_HZ, None)
-    chosen |= np.diff(rows, prepend=-2) > 1
-    return rows[chosen]
 
 
 @np.errstate(over="ignore", invalid="ignore")
@@ -127,10 +125,3 @@ def _running_total(time: Ints, value: Floats, gap: Flags) -> Floats:
     part[gap | np.isnan(part)] = 0.0
     np.cumsum(part, out=total[1:])
     return total
-
-
-def _unknown(time: Ints, vertical: Floats) -> Ints:
-    """(u, 2) ns, from the last known vertical force, or the start, to the next known one."""
-    edges = np.flatnonzero(np.diff(np.isnan(vertical), prepend=False, append=False))
-    first, behind = np.maximum(edges[::2] - 1, 0), np.minimum(edges[1::2], len(time) - 1)
-    return np.stack([time[first], time[behind]], axis=1)

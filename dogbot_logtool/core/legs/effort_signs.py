@@ -15,7 +15,7 @@ import numpy as np
 
 from dogbot_logtool.core.arrays import Floats, Ints
 from dogbot_logtool.core.base.base_history import BaseHistory
-from dogbot_logtool.core.contact.stance_curves import PARTS
+from dogbot_logtool.core.contact.stance_samples import PARTS
 from dogbot_logtool.core.contact.stances import Stances
 from dogbot_logtool.core.gait.strides import Strides
 from dogbot_logtool.core.legs.foot_path import FootPath

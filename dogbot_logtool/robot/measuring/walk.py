@@ -5,8 +5,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from dogbot_logtool.core.contact.contact_rule import without_offset
 from dogbot_logtool.core.contact.contacts import Samples
-from dogbot_logtool.core.contact.offsets import without_offset
 from dogbot_logtool.core.contact.silent_swing import with_swings
 from dogbot_logtool.core.corrections.clock import TimeSource
 from dogbot_logtool.core.planned import follow_plan
