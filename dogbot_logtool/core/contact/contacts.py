@@ -1,6 +1,5 @@
 """Contact messages as columns, reduced to one sample a message."""
 
-from collections.abc import Sequence
 from dataclasses import replace
 from typing import Final
 
@@ -11,7 +10,6 @@ from dogbot_logtool.core.arrays import (
     Flags,
     Floats,
     Ints,
-    concatenated,
     header_time,
     norms,
     picked,
@@ -112,12 +110,6 @@ def samples_by_foot(samples: Samples, feet: int) -> tuple[Samples, ...]:
         own = samples.pick(np.flatnonzero(samples.foot == foot))
         found.append(replace(own, foot=np.broadcast_to(np.int64(foot), len(own.log_time))))
     return tuple(found)
-
-
-def samples_together(feet: Sequence[Samples]) -> Samples:
-    """Return the samples of all feet in the order of their log times."""
-    together = concatenated([no_samples(), *feet])
-    return together.pick(np.argsort(together.log_time, kind="stable"))
 
 
 def without_contact(samples: Samples, rows: Flags) -> Samples:

@@ -129,12 +129,14 @@ def _with_swings(
     log: Log, feet: tuple[Samples, ...], learnt: LearntSettings, plan: MeasuringPlan
 ) -> tuple[Samples, ...]:
     """Insert samples without contact where silence is swing; up to the ends of a log read whole."""
-    if not learnt.sensors.silent.interval_ns:
+    probe = learnt.probe
+    if not probe.intervals:
         return feet
     start, end = plan.wanted.limits
     return with_swings(
         feet,
-        learnt.sensors.silent,
+        probe.intervals,
+        probe.silence_clock,
         log.start_time if start is None else None,
         log.end_time if end is None else None,
     )
