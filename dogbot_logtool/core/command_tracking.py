@@ -7,8 +7,7 @@ import numpy as np
 
 from dogbot_logtool.core import timespans
 from dogbot_logtool.core.arrays import Ints
-from dogbot_logtool.core.base.base_history import BaseHistory
-from dogbot_logtool.core.base.pose_jumps import PoseJumps
+from dogbot_logtool.core.base.poses import BaseHistory, PoseJumps
 from dogbot_logtool.core.gait.segments import Segment
 
 if TYPE_CHECKING:

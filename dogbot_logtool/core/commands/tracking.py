@@ -11,8 +11,8 @@ import numpy as np
 
 from dogbot_logtool.core import timespans
 from dogbot_logtool.core.arrays import Flags, Floats, Ints, added_within
-from dogbot_logtool.core.base.base_history import BaseHistory
-from dogbot_logtool.core.base.base_motion import FORWARD_ANGLES
+from dogbot_logtool.core.base.motion import FORWARD_ANGLES
+from dogbot_logtool.core.base.poses import BaseHistory
 from dogbot_logtool.core.commands.held_command import HeldCommand, held_command
 from dogbot_logtool.core.recorded.vectors import VectorHistory
 from dogbot_logtool.core.rotations import along_heading

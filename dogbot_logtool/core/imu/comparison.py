@@ -15,7 +15,7 @@ import numpy as np
 
 from dogbot_logtool.core import timespans
 from dogbot_logtool.core.arrays import Floats, Ints
-from dogbot_logtool.core.base.base_history import BaseHistory
+from dogbot_logtool.core.base.poses import BaseHistory
 from dogbot_logtool.core.contact.foot_history import FootHistory
 from dogbot_logtool.core.imu.forces import ForceComparison, Sensed, Turn, compare_forces, find_turn
 from dogbot_logtool.core.imu.mounting import Mounting, Reading, find_mounting
