@@ -15,9 +15,9 @@ from dogbot_logtool.core.base.poses import (
 )
 from dogbot_logtool.core.contact.contacts import Samples, no_samples
 from dogbot_logtool.core.corrections.clock import first_at_each_tick
-from dogbot_logtool.core.corrections.kinematics import LinkTransforms
 from dogbot_logtool.core.events.event import EventMessage, GaitState
 from dogbot_logtool.core.events.log_messages import event_messages, gait_states, to_log_time
+from dogbot_logtool.core.frames.kinematics import LinkTransforms
 from dogbot_logtool.core.hulls import NEAR_NS
 from dogbot_logtool.core.metrics import WalkMetrics
 from dogbot_logtool.core.recording import Recording

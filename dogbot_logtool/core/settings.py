@@ -4,7 +4,7 @@ from dataclasses import field
 
 from dogbot_logtool.core.contact.contact_rule import FootSensor, Thresholds, contact_rule
 from dogbot_logtool.core.corrections.clock import TimeSource
-from dogbot_logtool.core.corrections.wrench_frame import WrenchFrame
+from dogbot_logtool.core.frames.wrench_frame import WrenchFrame
 from dogbot_logtool.core.leg_position import LegPosition
 from dogbot_logtool.core.load.loads import body_weight_n
 from dogbot_logtool.core.sensors.sensor_level import zero_reading

@@ -41,7 +41,7 @@ from dogbot_logtool.core.settings import StatsSettings
 from dogbot_logtool.core.statistics import Stats
 
 if TYPE_CHECKING:
-    from dogbot_logtool.core.corrections.frames import TransformBuffer
+    from dogbot_logtool.core.frames.transforms import TransformBuffer
     from dogbot_logtool.core.legs.settings import LegSettings
     from dogbot_logtool.core.recorded.vectors import VectorHistory
 

@@ -5,7 +5,7 @@ from typing import Any
 
 from rich.console import Console
 
-from dogbot_logtool.core.corrections.frame_tree import (
+from dogbot_logtool.core.frames.frame_tree import (
     FrameEdge,
     loops,
     roots,

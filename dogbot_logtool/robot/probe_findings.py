@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 from math import atan, degrees
 
-from dogbot_logtool.core.corrections.wrench_frame import FrameFit, WrenchFrame, WrenchFrameEvidence
+from dogbot_logtool.core.frames.wrench_frame import FrameFit, WrenchFrame, WrenchFrameEvidence
 from dogbot_logtool.finding import Finding
 from dogbot_logtool.reader.containers.log import Log
 from dogbot_logtool.robot.probe import Probe

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dogbot_logtool.core.base.poses import Transforms
-from dogbot_logtool.core.corrections.kinematics import LinkTransforms
+from dogbot_logtool.core.frames.kinematics import LinkTransforms
 from dogbot_logtool.core.scene.arrows import Arrows
 from dogbot_logtool.core.scene.labels import Labels
 from dogbot_logtool.core.scene.legs import LegLines

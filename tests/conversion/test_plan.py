@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 
 from dogbot_logtool.conversion.plan import ConversionPlan, make_plan
-from dogbot_logtool.core.corrections.wrench_frame import WrenchFrame, WrenchFrameEvidence
+from dogbot_logtool.core.frames.wrench_frame import WrenchFrame, WrenchFrameEvidence
 from dogbot_logtool.errors import CallError, LogError
 from dogbot_logtool.finding import Severity
 from dogbot_logtool.reader.opening import open_log

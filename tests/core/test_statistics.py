@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from dogbot_logtool.core.checks.engine import findings_of
-from dogbot_logtool.core.corrections.wrench_frame import WrenchFrame
+from dogbot_logtool.core.frames.wrench_frame import WrenchFrame
 from dogbot_logtool.core.statistics import Stats
 from tests.oracles.straight_walk import (
     FEET,

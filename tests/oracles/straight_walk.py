@@ -8,7 +8,7 @@ from dogbot_logtool.core.arrays import Floats
 from dogbot_logtool.core.base.poses import Odometry
 from dogbot_logtool.core.checks.engine import findings_of
 from dogbot_logtool.core.contact.contacts import Samples
-from dogbot_logtool.core.corrections.wrench_frame import WrenchFrame
+from dogbot_logtool.core.frames.wrench_frame import WrenchFrame
 from dogbot_logtool.core.settings import FootSettings, StatsSettings
 from dogbot_logtool.core.statistics import Stats
 from tests.analysed import analysed

@@ -6,7 +6,7 @@ from typing import Any
 
 import pytest
 
-from dogbot_logtool.core.corrections.wrench_frame import WrenchFrame
+from dogbot_logtool.core.frames.wrench_frame import WrenchFrame
 from dogbot_logtool.reader.opening import open_log
 from dogbot_logtool.robot import chunks
 from dogbot_logtool.robot.options import TopicOptions

@@ -4,7 +4,7 @@ import numpy as np
 
 from dogbot_logtool.core.base.poses import Odometry
 from dogbot_logtool.core.contact.contacts import Samples
-from dogbot_logtool.core.corrections.wrench_frame import WrenchFrame
+from dogbot_logtool.core.frames.wrench_frame import WrenchFrame
 from dogbot_logtool.core.settings import FootSettings, StatsSettings
 from dogbot_logtool.core.statistics import Stats
 from tests.analysed import analysed

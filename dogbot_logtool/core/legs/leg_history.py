@@ -5,7 +5,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from dogbot_logtool.core.corrections.clock import OffsetTrack, TimeSource, offset_track
-from dogbot_logtool.core.corrections.frames import TransformBuffer
+from dogbot_logtool.core.frames.transforms import TransformBuffer
 from dogbot_logtool.core.legs.foot_path import (
     FootPath,
     LegChain,

@@ -7,7 +7,7 @@ import numpy as np
 
 from dogbot_logtool.core.arrays import Ints
 from dogbot_logtool.core.corrections.clock import TimeSource
-from dogbot_logtool.core.corrections.frames import (
+from dogbot_logtool.core.frames.transforms import (
     FrameTrack,
     RecordedTransforms,
     TransformBuffer,

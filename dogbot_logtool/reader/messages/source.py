@@ -8,7 +8,7 @@ from typing import Final
 import numpy as np
 
 from dogbot_logtool.core.arrays import Ints
-from dogbot_logtool.core.corrections.wrench_frame import WrenchFrame
+from dogbot_logtool.core.frames.wrench_frame import WrenchFrame
 from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.errors import DefinitionError
 from dogbot_logtool.reader.containers.contents import Channel

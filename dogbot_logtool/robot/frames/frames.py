@@ -5,8 +5,8 @@ from collections.abc import Mapping, Sequence
 from collections.abc import Set as AbstractSet
 from functools import partial
 
-from dogbot_logtool.core.corrections.frame_tree import FrameEdge, RecordedFrames, recorded_frames
-from dogbot_logtool.core.corrections.frames import (
+from dogbot_logtool.core.frames.frame_tree import FrameEdge, RecordedFrames, recorded_frames
+from dogbot_logtool.core.frames.transforms import (
     RecordedTransforms,
     concatenate_transforms,
     no_transforms,

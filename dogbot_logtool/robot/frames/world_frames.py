@@ -7,13 +7,13 @@ from typing import Protocol
 from dogbot_logtool.core.base.poses import Odometry, usable_poses
 from dogbot_logtool.core.contact.contacts import Samples
 from dogbot_logtool.core.corrections.clock import TimeSource
-from dogbot_logtool.core.corrections.frames import (
+from dogbot_logtool.core.frames.transforms import (
     RecordedTransforms,
     TransformBuffer,
     chain_of_frames,
     frame_track,
 )
-from dogbot_logtool.core.corrections.wrench_frame import (
+from dogbot_logtool.core.frames.wrench_frame import (
     FrameCounts,
     FramePoint,
     forces_in_world,

@@ -7,7 +7,7 @@ from typing import Final
 import numpy as np
 
 from dogbot_logtool.core.arrays import Floats, Ints, header_time
-from dogbot_logtool.core.corrections.kinematics import Joint, LinkTransforms, link_poses
+from dogbot_logtool.core.frames.kinematics import Joint, LinkTransforms, link_poses
 from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.errors import DefinitionError
 from dogbot_logtool.reader.containers.log import Batch, Channel, Log

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from dogbot_logtool.core.checks.engine import findings_of
-from dogbot_logtool.core.corrections.wrench_frame import WrenchFrame
+from dogbot_logtool.core.frames.wrench_frame import WrenchFrame
 from dogbot_logtool.core.settings import StatsSettings
 from dogbot_logtool.core.statistics import Stats
 from tests.core.checks.voided import metrics

@@ -5,13 +5,13 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from dogbot_logtool.core.frames import frame_edges
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from dogbot_logtool.core.corrections.clock import TimeSource
-from dogbot_logtool.core.corrections.frame_tree import FrameEdge, RecordedFrames, recorded_frames
-from dogbot_logtool.core.corrections.frames import (
+from dogbot_logtool.core.frames import frame_tree as frame_edges
+from dogbot_logtool.core.frames.frame_tree import FrameEdge, RecordedFrames, recorded_frames
+from dogbot_logtool.core.frames.transforms import (
     RecordedTransforms,
     concatenate_transforms,
 )

@@ -6,7 +6,7 @@ from itertools import pairwise
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from dogbot_logtool.core.corrections.frame_tree import (
+from dogbot_logtool.core.frames.frame_tree import (
     DEEPEST,
     FrameEdge,
     Pair,

@@ -5,7 +5,7 @@ from math import cos, pi, sin
 import numpy as np
 import pytest
 
-from dogbot_logtool.core.corrections.kinematics import Joint, Triple, link_poses
+from dogbot_logtool.core.frames.kinematics import Joint, Triple, link_poses
 
 
 def matrix(quaternion: np.ndarray) -> np.ndarray:

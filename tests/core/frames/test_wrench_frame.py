@@ -9,7 +9,7 @@ import pytest
 
 from dogbot_logtool.core.arrays import Floats
 from dogbot_logtool.core.contact.contacts import Samples
-from dogbot_logtool.core.corrections.wrench_frame import (
+from dogbot_logtool.core.frames.wrench_frame import (
     FEWEST_SAMPLES,
     FrameFit,
     WrenchFrame,

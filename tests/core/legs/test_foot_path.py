@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from dogbot_logtool.core.arrays import Floats, Ints
-from dogbot_logtool.core.corrections.frames import TransformBuffer, frame_track
-from dogbot_logtool.core.corrections.kinematics import Joint
+from dogbot_logtool.core.frames.kinematics import Joint
+from dogbot_logtool.core.frames.transforms import TransformBuffer, frame_track
 from dogbot_logtool.core.legs.foot_path import (
     LegChain,
     chain_to,

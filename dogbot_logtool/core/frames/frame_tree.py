@@ -16,7 +16,7 @@ from dogbot_logtool.core.arrays import (
     stable_order,
 )
 from dogbot_logtool.core.corrections.clock import TimeSource
-from dogbot_logtool.core.corrections.frames import RecordedTransforms
+from dogbot_logtool.core.frames.transforms import RecordedTransforms
 from dogbot_logtool.core.quality.quality import TopicQuality, topic_quality, topic_times
 from dogbot_logtool.dataclass import dataclass
 

@@ -19,7 +19,7 @@ from dogbot_logtool.core.arrays import (
 )
 from dogbot_logtool.core.contact.contacts import Samples
 from dogbot_logtool.core.corrections.clock import TimeSource
-from dogbot_logtool.core.corrections.frames import Poses, TransformBuffer
+from dogbot_logtool.core.frames.transforms import Poses, TransformBuffer
 from dogbot_logtool.core.rotations import rotate
 from dogbot_logtool.dataclass import dataclass
 
