@@ -4,21 +4,12 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from dogbot_logtool.core.checks.wording import refused_messages
 from dogbot_logtool.core.imu.forces import ForceComparison
 from dogbot_logtool.core.imu.mounting import Reading
 from dogbot_logtool.core.load.load_figures import WEIGHT_TOLERANCE
 from dogbot_logtool.core.load.loads import GRAVITY_MPS2
 from dogbot_logtool.core.statistics import Stats
 from dogbot_logtool.finding import Finding
-
-
-def refused(stats: Stats) -> Iterator[Finding]:
-    """Yield accelerations that are not finite or beyond reason."""
-    for each in stats.beside:
-        if each.refused and each.topic != stats.settings.command_topic:
-            text = refused_messages(each.topic, each.refused, each.messages)
-            yield Finding("NOT_FINITE", text, each.topic, cases=("imu",))
 
 
 def scale(stats: Stats) -> Iterator[Finding]:

@@ -21,8 +21,8 @@ from dogbot_logtool.core.imu.forces import ForceComparison, Sensed, Turn, compar
 from dogbot_logtool.core.imu.mounting import Mounting, Reading, find_mounting
 from dogbot_logtool.core.imu.running import Running, running_accelerations
 from dogbot_logtool.core.load.impulses import CELL_RATE_HZ
-from dogbot_logtool.core.recorded.vectors import VectorHistory
 from dogbot_logtool.core.rotations import conjugate, from_roll_pitch_yaw, rotate
+from dogbot_logtool.core.vectors import VectorHistory
 from dogbot_logtool.dataclass import dataclass
 
 _TICK_NS: Final = round(1e9 / CELL_RATE_HZ)

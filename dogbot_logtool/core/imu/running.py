@@ -11,8 +11,8 @@ from dogbot_logtool.core.base.poses import BaseHistory
 from dogbot_logtool.core.contact.foot_history import FootHistory
 from dogbot_logtool.core.contact.stance_curves import PARTS
 from dogbot_logtool.core.load.loads import GRAVITY_MPS2
-from dogbot_logtool.core.recorded.vectors import VectorHistory
 from dogbot_logtool.core.rotations import conjugate, from_roll_pitch_yaw, rotate
+from dogbot_logtool.core.vectors import VectorHistory
 from dogbot_logtool.dataclass import dataclass
 
 SPARSE_NS: Final = 1_000_000_000

@@ -10,9 +10,9 @@ from dogbot_logtool.core.checks.engine import findings_of
 from dogbot_logtool.core.imu.comparison import ImuComparison
 from dogbot_logtool.core.imu.forces import ForceComparison
 from dogbot_logtool.core.imu.mounting import Reading
-from dogbot_logtool.core.recorded.vectors import VectorSamples
 from dogbot_logtool.core.recording import VectorTopic
 from dogbot_logtool.core.statistics import Stats
+from dogbot_logtool.core.vectors import VectorSamples
 from tests.analysed import analysed
 from tests.truth.core_columns import foot_samples, odometry, stats_settings
 from tests.truth.gaits import PACE, TROT, WALK
