@@ -34,7 +34,7 @@ from dogbot_logtool.core.statistics import SegmentFigures, Stats
 
 if TYPE_CHECKING:
     from dogbot_logtool.core.commands import CommandTrack
-    from dogbot_logtool.core.imu.comparison import ImuComparison
+    from dogbot_logtool.core.imu import ImuComparison
     from dogbot_logtool.core.vectors import VectorHistory
 
 
@@ -136,7 +136,7 @@ def _imu(walk: MaskedWalk, inertial: "VectorHistory | None") -> "ImuComparison |
     """Compare accelerometer, forces and poses, in logs that have all of them."""
     if inertial is None:
         return None
-    from dogbot_logtool.core.imu.comparison import compare_imu  # noqa: PLC0415
+    from dogbot_logtool.core.imu import compare_imu  # noqa: PLC0415
 
     comparable = walk.vertical_known and not (walk.feet_apart or walk.base_apart)
     strides = any_strides(walk.records, walk.fallen, walk.standing.without_steps)

@@ -16,13 +16,4 @@ def commands_metrics(stats: Stats) -> Commands:
 
 def imu_metrics(stats: Stats) -> Imu:
     """Return what the accelerometer says of forces and poses."""
-    imu = stats.imu
-    if imu is None:
-        return unknown(Imu)
-    return Imu(
-        topic=imu.sensed.topic,
-        known_s=imu.known_s,
-        accelerometer_mps2=imu.imu_mps2,
-        tilt_rad=imu.mounting.tilt_rad,
-        forces_over_accelerometer=None if imu.forces is None else imu.forces.ratio,
-    )
+    return unknown(Imu) if stats.imu is None else stats.imu.metrics()
