@@ -216,9 +216,7 @@ def foot_history(
         in_contact=timespans.intersect([np.stack([touchdown, liftoff], axis=1), known]),
         filled_swings=filled,
         dropped_stances=dropped,
-        track=foot_track(
-            time, force, signal.vertical, samples.force[:, :2], samples.position, longest
-        ),
+        track=foot_track(signal, longest),
         row=signal.row,
         log_time=samples.log_time,
         down=down,
