@@ -6,6 +6,8 @@ from dataclasses import replace
 from dogbot_logtool.core.base.odometry import Odometry, no_odometry
 from dogbot_logtool.core.contact.contact_rule import FootSensor, contact_rule
 from dogbot_logtool.core.contact.contacts import Samples, no_samples
+from dogbot_logtool.core.gait.foot_steps import foot_metrics
+from dogbot_logtool.core.metrics import Foot
 from dogbot_logtool.core.recording import Recording, Times, VectorTopic
 from dogbot_logtool.core.sensors.sensor_level import estimate_level
 from dogbot_logtool.core.settings import StatsSettings
@@ -41,3 +43,13 @@ def analysed(
         feet[int(each.foot[0])] = each
     recording = Recording(feet=tuple(feet), base=poses, accelerations=accelerations, topics=topics)
     return analyse(recording, settings)
+
+
+def feet_of(stats: Stats) -> list[Foot]:
+    """Return the metrics of each foot over the whole log, before any is void."""
+    legs = [None] * len(stats.feet) if stats.legs is None else stats.legs.feet
+    weight_n = stats.loads.weight_n
+    return [
+        foot_metrics(foot, leg, weight_n, stats.origin)
+        for foot, leg in zip(stats.feet, legs, strict=True)
+    ]

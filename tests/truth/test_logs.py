@@ -6,6 +6,7 @@ from pathlib import Path
 import pytest
 from mcap.reader import make_reader
 
+from tests.analysed import feet_of
 from tests.oracles.mcap_file import write_mcap
 from tests.truth import core_columns, sensor_faults, time_faults
 from tests.truth.cases import all_cases
@@ -62,11 +63,11 @@ def test_columns_are_what_the_log_holds(tmp_path: Path) -> None:
     recording = Walk().recorded(200.0)
     log = measured_log(write_log(recording, tmp_path / "log.mcap"))
     stats = core_columns.measure(recording)
-    for foot in stats.feet:
+    for foot, measured in zip(stats.feet, feet_of(stats), strict=True):
         found = log.figure(f"feet.{foot.name}.touchdown_s")
         assert stats.seconds(foot.touchdown) == pytest.approx(found, abs=1e-6)
-        assert foot.duty_factor is not None
-        assert foot.duty_factor.mean == pytest.approx(
+        assert measured.duty_factor is not None
+        assert measured.duty_factor.mean == pytest.approx(
             log.figure(f"feet.{foot.name}.duty_factor.mean"), abs=1e-6
         )
     assert stats.loads.vertical_impulse_over_weight == pytest.approx(1.0, abs=0.01)

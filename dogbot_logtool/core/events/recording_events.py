@@ -9,7 +9,7 @@ from dogbot_logtool.core import timespans
 from dogbot_logtool.core.arrays import Ints
 from dogbot_logtool.core.checks.sensors import foot_is_saturated
 from dogbot_logtool.core.events.event import Event, EventType
-from dogbot_logtool.core.gait.foot_statistics import FootStatistics
+from dogbot_logtool.core.gait.foot_steps import FootSteps
 from dogbot_logtool.core.load.load_figures import is_stuck
 from dogbot_logtool.core.load.spikes import has_lone_spikes
 from dogbot_logtool.core.statistics import Stats
@@ -52,7 +52,7 @@ def sensor_faults(stats: Stats) -> Iterator[Event]:
         yield from _spikes(row, foot)
 
 
-def _spikes(row: int, foot: FootStatistics) -> Iterator[Event]:
+def _spikes(row: int, foot: FootSteps) -> Iterator[Event]:
     """Yield the stances with lone spikes, at the highest of them."""
     stances = foot.record.stances
     for stance in np.flatnonzero(has_lone_spikes(foot.stances) & foot.stances.whole).tolist():

@@ -118,10 +118,10 @@ def margins_below_zero(stats: Stats) -> Iterator[Event]:
     After a jump of the pose it is not known where the base is among the feet; a robot that lies
     does not lose its balance.
     """
-    if stats.stability is None:
+    if stats.unstable is None:
         return
     jump = stats.jumps.spans[0, 0] if len(stats.jumps.spans) else stats.end
-    below, least = stats.stability.below_zero, stats.stability.least_margin_m
+    below, least = stats.unstable.spans, stats.unstable.least_margin_m
     counts = (below[:, 1] - below[:, 0] >= LASTING_S * 1e9) & (least < -MARGIN_M)
     counts &= (below[:, 0] < jump) & ~timespans.covers(stats.fallen, below[:, 0])
     for row in np.flatnonzero(counts).tolist():

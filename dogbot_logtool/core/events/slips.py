@@ -13,7 +13,7 @@ import numpy as np
 
 from dogbot_logtool.core.arrays import Flags, Floats, percentiles_of
 from dogbot_logtool.core.events.event import Event, EventType
-from dogbot_logtool.core.gait.foot_statistics import FootStatistics
+from dogbot_logtool.core.gait.foot_steps import FootSteps
 from dogbot_logtool.core.gait.segments import Segment
 from dogbot_logtool.core.load.slip import LARGEST_FOOT_M
 
@@ -34,7 +34,7 @@ QUICK_TIMES: Final = 1.0
 
 def slips(
     foot: int,
-    figures: FootStatistics,
+    figures: FootSteps,
     walks: list[Segment],
     rolling_m: float | None,
     stumbles: frozenset[int],
@@ -77,7 +77,7 @@ def _is_far(way: Floats, rolling_m: float | None) -> Flags:
     return np.asarray(way - rolling_m > max(SLIP_M, TIMES * rolling_m))
 
 
-def _usual_m(figures: FootStatistics, way: Floats, walks: list[Segment], times: float) -> Floats:
+def _usual_m(figures: FootSteps, way: Floats, walks: list[Segment], times: float) -> Floats:
     """(stances,) m, the usual way in the segment of stances that are unlike it; else NaN.
 
     Args:
@@ -98,7 +98,7 @@ def _usual_m(figures: FootStatistics, way: Floats, walks: list[Segment], times: 
     return usual
 
 
-def _times(figures: FootStatistics, row: int, begins_s: float, ends_s: float) -> tuple[int, int]:
+def _times(figures: FootSteps, row: int, begins_s: float, ends_s: float) -> tuple[int, int]:
     """Return when a stance's contact point moves, ns; the whole stance where samples are few."""
     touchdown, liftoff = int(figures.stances.touchdown[row]), int(figures.stances.liftoff[row])
     if not np.isfinite(begins_s + ends_s):

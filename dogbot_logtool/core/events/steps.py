@@ -8,7 +8,7 @@ import numpy as np
 from dogbot_logtool.core.arrays import Flags, Floats, Ints
 from dogbot_logtool.core.contact.stances import Cut
 from dogbot_logtool.core.events.event import Event, EventType
-from dogbot_logtool.core.gait.foot_statistics import FootStatistics
+from dogbot_logtool.core.gait.foot_steps import FootSteps
 from dogbot_logtool.core.gait.segments import Segment
 
 EARLY: Final = 0.7
@@ -25,7 +25,7 @@ NEIGHBOURS: Final = 5
 FEWEST: Final = 3
 
 
-def step_events(feet: tuple[FootStatistics, ...]) -> Iterator[Event]:
+def step_events(feet: tuple[FootSteps, ...]) -> Iterator[Event]:
     """Yield all touchdowns and lift-offs that were seen."""
     for row, foot in enumerate(feet):
         for times, kind in (
@@ -35,7 +35,7 @@ def step_events(feet: tuple[FootStatistics, ...]) -> Iterator[Event]:
             yield from (Event(time, 0, kind, row) for time in times.tolist())
 
 
-def early_touchdowns(foot: int, figures: FootStatistics, walks: list[Segment]) -> Iterator[Event]:
+def early_touchdowns(foot: int, figures: FootSteps, walks: list[Segment]) -> Iterator[Event]:
     """Yield the touchdowns of a foot that come well before its usual swing is over.
 
     The foot hits something in mid-swing and swings on: a stumble. Or it stays on the ground: an
@@ -71,7 +71,7 @@ def early_touchdowns(foot: int, figures: FootStatistics, walks: list[Segment]) -
             yield Event(onset, 0, EventType.EARLY_CONTACT, foot, by_s, "s")
 
 
-def _swings_s(figures: FootStatistics) -> Floats:
+def _swings_s(figures: FootSteps) -> Floats:
     """(stances,) s, swing before each stance; NaN where it was not seen from end to end."""
     stances, gaps = figures.stances, figures.record.gaps
     swing = np.full(len(stances.touchdown), np.nan)

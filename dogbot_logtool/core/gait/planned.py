@@ -6,7 +6,7 @@ import numpy as np
 
 from dogbot_logtool.core import timespans
 from dogbot_logtool.core.arrays import Aggregate, Ints, aggregate, median_of, nearest_rows
-from dogbot_logtool.core.gait.foot_statistics import FootStatistics
+from dogbot_logtool.core.gait.foot_steps import FootSteps
 from dogbot_logtool.dataclass import dataclass
 
 ON_TIME_S: Final = 0.02
@@ -37,7 +37,7 @@ class PlannedFoot:
     """Share of the time in which plan and measurement agree on contact; None: no common time."""
 
 
-def follow_plan(measured: FootStatistics, planned: FootStatistics) -> PlannedFoot:
+def follow_plan(measured: FootSteps, planned: FootSteps) -> PlannedFoot:
     """Compare a foot's steps with its plan.
 
     A planned touchdown is matched with the nearest measured one if it is the nearest of that one,
@@ -98,7 +98,7 @@ def _matches(plan: Ints, steps: Ints, reach: Ints) -> Ints:
     return match
 
 
-def _agreement(both: Ints, measured: FootStatistics, planned: FootStatistics) -> float | None:
+def _agreement(both: Ints, measured: FootSteps, planned: FootSteps) -> float | None:
     known = timespans.total(both)
     if not known:
         return None
