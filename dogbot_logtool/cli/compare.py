@@ -91,8 +91,8 @@ def compare(
     glob's * stands for dots and slashes, too; one that fits nothing gives a warning. Integers are
     exact unless a tolerance names them. That nothing is left to compare is a wrong call.
 
-    Exit code 0: the same; 1: different; 2: the call or a file is wrong; 3: the same as far as can
-    be read, but a file is damaged.
+    Exit code 0: the same; 1: different, or a file cannot be read; 2: the call is wrong; 3: the same
+    as far as can be read, but a file is damaged.
 
     With --gait, either side is a log, a directory, a glob or @LIST; its strides are compared figure
     by figure, with intervals. Exit code 1: some differ, or the runs are not comparable. Options of

@@ -9,7 +9,7 @@ from dogbot_logtool.comparison.logs.containers import compare_logs
 from dogbot_logtool.comparison.outcome import RECORDS, Comparison
 from dogbot_logtool.comparison.stats_json import compare_json, looks_like_json
 from dogbot_logtool.comparison.tolerances import Rules, load_rules
-from dogbot_logtool.errors import CallError, LogError
+from dogbot_logtool.errors import CallError
 from dogbot_logtool.reader.opening import open_log
 from dogbot_logtool.robot.options import CompareOptions
 
@@ -17,21 +17,16 @@ from dogbot_logtool.robot.options import CompareOptions
 def compare(expected: Path, actual: Path, options: CompareOptions) -> Comparison:
     """Compare two logs, or two JSON documents.
 
-    The comparison's `exit_code` is the command's; an error's is 2, as the caller's.
-
     Raises:
-        CallError: an option is wrong, or a file is missing, unreadable, or not like the other.
+        CallError: an option is wrong, or a file is missing or not like the other.
+        LogError: a file cannot be read.
     """
     rules = load_rules(
         options.atol, options.rtol, options.tolerances, options.ignore, options.topics
     )
     if options.max_differences < 0:
         raise CallError("--max-differences must be 0 or more")
-    try:
-        comparison = _compare(expected, actual, rules, options.max_differences)
-    except LogError as error:
-        # The user named both files, so one that cannot be read is a wrong call.
-        raise CallError(str(error)) from error
+    comparison = _compare(expected, actual, rules, options.max_differences)
     warnings = _warnings(expected, actual, comparison)
     return replace(comparison, warnings=(*warnings, *comparison.warnings))
 

@@ -4,6 +4,8 @@ from collections.abc import Sequence
 from dataclasses import fields, replace
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from dogbot_logtool.core import timespans
 from dogbot_logtool.core.arrays import Ints
 from dogbot_logtool.core.base.base_history import BaseHistory
@@ -11,11 +13,10 @@ from dogbot_logtool.core.base.base_motion import FORWARD_ANGLES
 from dogbot_logtool.core.base.ground import swapped_pairs
 from dogbot_logtool.core.base.tipping import find_tipping
 from dogbot_logtool.core.base.up_axis import leaning_walk_rad
-from dogbot_logtool.core.command_tracking import command_track, tracking_in
 from dogbot_logtool.core.consistency.stopped import all_silent
 from dogbot_logtool.core.contact.foot_history import FootHistory
 from dogbot_logtool.core.gait.reference_foot import any_strides, gait_input
-from dogbot_logtool.core.gait.segments import find_segments, main_segment
+from dogbot_logtool.core.gait.segments import Segment, find_segments, main_segment
 from dogbot_logtool.core.leg_position import quadruped
 from dogbot_logtool.core.masked_walk import (
     MaskedWalk,
@@ -29,8 +30,9 @@ from dogbot_logtool.core.settings import StatsSettings
 from dogbot_logtool.core.statistics import Stats
 
 if TYPE_CHECKING:
-    from dogbot_logtool.core.imu.comparison import ImuComparison
-    from dogbot_logtool.core.recorded.vectors import VectorHistory
+    from dogbot_logtool.core.commands import CommandTrack
+    from dogbot_logtool.core.imu import ImuComparison
+    from dogbot_logtool.core.vectors import VectorHistory
 
 
 def work_out(settings: StatsSettings, recorded: Recorded) -> Stats:
@@ -53,9 +55,6 @@ def work_out(settings: StatsSettings, recorded: Recorded) -> Stats:
     forward_rad = FORWARD_ANGLES[settings.forward_axis]
     swapped, pairs = swapped_pairs(walk.placed_poses, records, positions, forward_rad)
     stable, unstable = stability_in(walk)
-    track = command_track(
-        recorded.commands, walk.poses, walk.jumps, settings.forward_axis, segments, walk.period_s
-    )
     return Stats(
         **{each.name: getattr(walk, each.name) for each in fields(walk)},
         origin=origin,
@@ -81,8 +80,7 @@ def work_out(settings: StatsSettings, recorded: Recorded) -> Stats:
         clocks=recorded.clocks,
         all_silent=all_silent(records, walk.poses),
         beside=tuple(each for each in (recorded.commands, recorded.inertial) if each),
-        command_track=track,
-        commands=tracking_in(track, None),
+        command_track=_command_track(walk, recorded.commands, segments),
         imu=_imu(walk, recorded.inertial),
     )
 
@@ -95,11 +93,31 @@ def _overlap(feet: Sequence[FootHistory], base: BaseHistory) -> Ints:
     return timespans.intersect(known)
 
 
+def _command_track(
+    walk: MaskedWalk, commands: "VectorHistory | None", segments: Sequence[Segment]
+) -> "CommandTrack | None":
+    """Compare commands with the base's velocity over time, in logs that have any."""
+    if commands is None:
+        return None
+    from dogbot_logtool.core.commands import follow_commands  # noqa: PLC0415
+
+    # In segments with strides the robot steps.
+    steps = [each.spans for each in segments if each.strides]
+    return follow_commands(
+        commands,
+        walk.poses,
+        walk.jumps.spans,
+        walk.settings.forward_axis,
+        timespans.merge(np.concatenate([timespans.no_spans(), *steps])),
+        walk.period_s,
+    )
+
+
 def _imu(walk: MaskedWalk, inertial: "VectorHistory | None") -> "ImuComparison | None":
     """Compare accelerometer, forces and poses, in logs that have all of them."""
     if inertial is None:
         return None
-    from dogbot_logtool.core.imu.comparison import compare_imu  # noqa: PLC0415
+    from dogbot_logtool.core.imu import compare_imu  # noqa: PLC0415
 
     comparable = walk.vertical_known and not (walk.feet_clocks_are_apart or walk.base_is_apart)
     strides = any_strides(walk.records, walk.fallen, walk.standing.without_steps)

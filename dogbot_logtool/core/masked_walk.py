@@ -36,7 +36,7 @@ from dogbot_logtool.dataclass import dataclass
 
 if TYPE_CHECKING:
     from dogbot_logtool.core.consistency.delay import Delay
-    from dogbot_logtool.core.recorded.vectors import VectorHistory
+    from dogbot_logtool.core.vectors import VectorHistory
 
 
 @dataclass(frozen=True, slots=True)

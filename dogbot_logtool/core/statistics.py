@@ -5,22 +5,22 @@ from typing import TYPE_CHECKING
 from dogbot_logtool.core.arrays import Ints
 from dogbot_logtool.core.base.base_history import BaseHistory
 from dogbot_logtool.core.base.tipping import Tipping
-from dogbot_logtool.core.gait.planned import PlannedFoot
 from dogbot_logtool.core.gait.segments import Segment
 from dogbot_logtool.core.gait.support_pattern import Support
 from dogbot_logtool.core.load.load_figures import LoadFigures
 from dogbot_logtool.core.masked_walk import MaskedWalk
 from dogbot_logtool.core.metrics import Stability
+from dogbot_logtool.core.planned import PlannedFoot
 from dogbot_logtool.core.quality.clocks import ClockDifference
 from dogbot_logtool.core.quality.quality import TopicQuality
 from dogbot_logtool.core.stability.stability import Unstable
 from dogbot_logtool.dataclass import dataclass
 
 if TYPE_CHECKING:
-    from dogbot_logtool.core.commands.tracking import CommandTrack, Tracking
-    from dogbot_logtool.core.imu.comparison import ImuComparison
+    from dogbot_logtool.core.commands import CommandTrack
+    from dogbot_logtool.core.imu import ImuComparison
     from dogbot_logtool.core.legs.leg_figures import LegFigures
-    from dogbot_logtool.core.recorded.vectors import VectorHistory
+    from dogbot_logtool.core.vectors import VectorHistory
 
 
 @dataclass(frozen=True, slots=True)
@@ -66,8 +66,6 @@ class Stats(MaskedWalk):
     """Records of commands and accelerometer."""
     command_track: "CommandTrack | None"
     """Commanded and measured velocity; None without commands."""
-    commands: "Tracking | None"
-    """How the base follows them."""
     imu: "ImuComparison | None"
     """Comparison of the base's accelerometer with forces and poses; None without one."""
     legs: "LegFigures | None" = None

@@ -36,7 +36,7 @@ from dogbot_logtool.core.statistics import Stats
 if TYPE_CHECKING:
     from dogbot_logtool.core.frames.transform_buffer import TransformBuffer
     from dogbot_logtool.core.legs.settings import LegSettings
-    from dogbot_logtool.core.recorded.vectors import VectorHistory
+    from dogbot_logtool.core.vectors import VectorHistory
 
 
 def analyse(
@@ -76,9 +76,7 @@ def analyse(
         clocks=_differences(tracks, settings) if on_stamps else (),
         topics=_topic_qualities(settings, times, feet),
         commands=_vectors(settings, settings.command_topic, recording.commands, tracks),
-        inertial=_vectors(
-            settings, settings.imu_topic, recording.accelerations, tracks, averages=True
-        ),
+        inertial=_vectors(settings, settings.imu_topic, recording.accelerations, tracks),
     )
     stats = work_out(settings, recorded)
     return stats if legs is None else _with_legs(recording, stats, legs, tracks)
@@ -166,18 +164,14 @@ def _vectors(
     topic: str,
     recorded: VectorTopic | None,
     tracks: Mapping[str, OffsetTrack],
-    *,
-    averages: bool = False,
 ) -> "VectorHistory | None":
     """Return the vectors of a topic; None without any. Loaded for logs that have them."""
     if recorded is None:
         return None
-    from dogbot_logtool.core.recorded.vectors import vector_history  # noqa: PLC0415
+    from dogbot_logtool.core.vectors import vector_history  # noqa: PLC0415
 
     base = tracks.get(settings.odometry_topic)
-    return vector_history(
-        topic, recorded.samples, recorded.frames, settings.clock, base, averages=averages
-    )
+    return vector_history(topic, recorded.samples, recorded.frames, settings.clock, base)
 
 
 def _with_legs(

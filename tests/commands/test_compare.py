@@ -12,7 +12,7 @@ from rich.console import Console
 
 from dogbot_logtool.commands.compare import compare
 from dogbot_logtool.comparison.outcome import Comparison
-from dogbot_logtool.errors import CallError
+from dogbot_logtool.errors import CallError, LogtoolError
 from dogbot_logtool.report.documents.comparison_json import comparison_json
 from dogbot_logtool.report.documents.junit import junit_xml
 from dogbot_logtool.report.text.comparison_text import show_comparison
@@ -157,36 +157,36 @@ def test_documents_that_are_no_objects(expected: Path, actual: Path) -> None:
     assert lines(result)[0].startswith('(document): expected [{"schema": 1, ')
 
 
-def test_what_cannot_be_compared_is_a_wrong_call(expected: Path, actual: Path) -> None:
+def test_what_cannot_be_compared_is_said(expected: Path, actual: Path) -> None:
     options = CompareOptions()
 
-    def refused() -> str:
-        with pytest.raises(CallError) as error:
+    def refused(exit_code: int) -> str:
+        with pytest.raises(LogtoolError) as error:
             compare(expected, actual, options)
-        assert error.value.exit_code == 2
+        assert error.value.exit_code == exit_code
         return str(error.value)
 
-    assert refused() == f"{expected}: no such file"
+    assert refused(2) == f"{expected}: no such file"
     write_log(expected, "1")
-    assert refused() == f"{actual}: no such file"
+    assert refused(2) == f"{actual}: no such file"
     write_json(actual, STATS)
-    assert refused() == f"{actual} is JSON, but {expected} is not: they cannot be compared"
+    assert refused(2) == f"{actual} is JSON, but {expected} is not: they cannot be compared"
     write_json(expected, STATS)
     actual.write_text('{"a": ', encoding="utf-8")
-    assert "is not JSON" in refused()
+    assert "is not JSON" in refused(1)
     actual.write_text("[" * 100_000, encoding="utf-8")
-    assert "is nested too deeply" in refused()
+    assert "is nested too deeply" in refused(1)
     for path in (expected, actual):
         path.write_text(f'{"[" * 700}"{path.name}"{"]" * 700}', encoding="utf-8")
-    assert "is nested too deeply" in refused()
+    assert "is nested too deeply" in refused(1)
     write_log(expected, "1")
     actual.write_bytes(b"rubbish")
-    assert "is neither a ROS 1 bag" in refused()
+    assert "is neither a ROS 1 bag" in refused(1)
     actual.write_bytes(b"")
-    assert "is empty" in refused()
+    assert "is empty" in refused(1)
     actual.unlink()
     actual.mkdir()
-    assert refused() == f"{actual}: is a directory, not a log file, and holds no ROS 2 bag"
+    assert refused(2) == f"{actual}: is a directory, not a log file, and holds no ROS 2 bag"
     with pytest.raises(CallError, match="--max-differences"):
         compare(expected, expected, CompareOptions(max_differences=-1))
     with pytest.raises(CallError, match="--atol"):

@@ -13,7 +13,7 @@ from dogbot_logtool.commands.compare import compare
 from dogbot_logtool.comparison.fields import Findings, Tree, compare_fields
 from dogbot_logtool.comparison.outcome import Comparison
 from dogbot_logtool.comparison.tolerances import FieldRules, Quantity, Rules, Tolerance
-from dogbot_logtool.errors import CallError
+from dogbot_logtool.errors import CallError, LogError
 from dogbot_logtool.robot.options import CompareOptions
 from tests import forked_cli
 from tests.comparison.recordings import JSON, Recording, odometry, recording, ros_kind
@@ -284,7 +284,7 @@ def test_a_pattern_that_fits_nothing_in_json_is_said(tmp_path: Path) -> None:
 def test_a_key_that_stands_twice_is_no_json(tmp_path: Path, text: str) -> None:
     path = tmp_path / "twice.json"
     path.write_text(text, encoding="utf-8")
-    with pytest.raises(CallError, match='an object has the key "a" twice'):
+    with pytest.raises(LogError, match='an object has the key "a" twice'):
         compare(path, path, CompareOptions())
 
 

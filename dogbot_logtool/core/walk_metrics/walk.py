@@ -125,9 +125,7 @@ def _foot(stats: Stats, row: int, within: Ints | None = None) -> Foot:
 def _planned(stats: Stats, row: int) -> Planned | None:
     """Return how a foot follows its plan over the whole log; None without one."""
     plan = stats.planned[row] if stats.planned else None
-    if plan is None:
-        return None
-    return Planned(plan.delay, plan.missed, plan.unplanned, plan.agreement)
+    return None if plan is None else plan.metrics
 
 
 def _gait(

@@ -9,7 +9,7 @@ from dogbot_logtool.core.contact.contacts import Samples
 from dogbot_logtool.core.contact.offsets import without_offset
 from dogbot_logtool.core.contact.silent_swing import with_swings
 from dogbot_logtool.core.corrections.clock import TimeSource
-from dogbot_logtool.core.gait.planned import follow_plan
+from dogbot_logtool.core.planned import follow_plan
 from dogbot_logtool.core.plausible import IMPLAUSIBLE
 from dogbot_logtool.core.recording import Recording
 from dogbot_logtool.core.statistics import Stats

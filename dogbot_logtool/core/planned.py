@@ -5,8 +5,9 @@ from typing import Final
 import numpy as np
 
 from dogbot_logtool.core import timespans
-from dogbot_logtool.core.arrays import Aggregate, Ints, aggregate, median_of, nearest_rows
+from dogbot_logtool.core.arrays import Ints, aggregate, median_of, nearest_rows
 from dogbot_logtool.core.gait.foot_steps import FootSteps
+from dogbot_logtool.core.metrics import Planned
 from dogbot_logtool.dataclass import dataclass
 
 ON_TIME_S: Final = 0.02
@@ -23,18 +24,10 @@ class PlannedFoot:
     """Topic of the plan."""
     touchdowns: int
     """Planned ones."""
-    delay: Aggregate | None
-    """s, of the touchdowns that have a match: measured minus planned; positive: late."""
     early: int
-    """Matched touchdowns that are more than `tolerance_s` early. Also `late`."""
+    """Matched touchdowns that are early by more than a sample and `ON_TIME_S`. Also `late`."""
     late: int
-    missed: int
-    """Planned touchdowns without a measured one."""
-    unplanned: int
-    """Measured touchdowns without a planned one."""
-    tolerance_s: float
-    agreement: float | None
-    """Share of the time in which plan and measurement agree on contact; None: no common time."""
+    metrics: Planned
 
 
 def follow_plan(measured: FootSteps, planned: FootSteps) -> PlannedFoot:
@@ -48,31 +41,33 @@ def follow_plan(measured: FootSteps, planned: FootSteps) -> PlannedFoot:
         measured: the foot.
         planned: the same foot in a plan, on the same clock.
     """
-    both = timespans.intersect([measured.record.known, planned.record.known])
-    plan = planned.touchdown
+    records = measured.record, planned.record
+    both = timespans.intersect([record.known for record in records])
+    plan, steps = planned.touchdown, measured.touchdown
     reach = _reach(plan)
-    steps = measured.touchdown
     match = _matches(plan, steps, reach)
     found = match >= 0
-    counted = timespans.hold_window(both, plan, reach, reach) | (
-        found & timespans.covers(both, plan)
-    )
+    seen = found & timespans.covers(both, plan)
+    counted = timespans.hold_window(both, plan, reach, reach) | seen
     delay = (steps[match[found & counted]] - plan[found & counted]) / 1e9
-    tolerance = max(
-        ON_TIME_S, *(foot.record.median_interval_s or 0.0 for foot in (measured, planned))
-    )
+    tolerance = max(ON_TIME_S, *(record.median_interval_s or 0.0 for record in records))
     alone = np.setdiff1d(np.arange(len(steps)), match[found])
     margin = int(median_of(reach) if len(reach) else _LONE_S * 1e9)
+    down = [timespans.intersect([record.in_contact, both]) for record in records]
+    together = timespans.total(timespans.intersect(down))
+    differ = sum(map(timespans.total, down)) - 2 * together
+    known = timespans.total(both)
     return PlannedFoot(
         topic=planned.topic,
         touchdowns=int(counted.sum()),
-        delay=aggregate(delay),
         early=int((delay < -tolerance).sum()),
         late=int((delay > tolerance).sum()),
-        missed=int((counted & ~found).sum()),
-        unplanned=int(timespans.hold_window(both, steps[alone], margin, margin).sum()),
-        tolerance_s=tolerance,
-        agreement=_agreement(both, measured, planned),
+        metrics=Planned(
+            delay_s=aggregate(delay),
+            missed=int((counted & ~found).sum()),
+            unplanned=int(timespans.hold_window(both, steps[alone], margin, margin).sum()),
+            agreement=1.0 - differ / known if known else None,
+        ),
     )
 
 
@@ -81,8 +76,7 @@ def _reach(plan: Ints) -> Ints:
     if len(plan) < 2:
         return np.full(len(plan), round(_LONE_S * 1e9), np.int64)
     steps = np.diff(plan)
-    before = np.concatenate([steps[:1], steps])
-    after = np.concatenate([steps, steps[-1:]])
+    before, after = np.append(steps[:1], steps), np.append(steps, steps[-1:])
     reach: Ints = np.minimum(before, after) // 2
     return reach
 
@@ -96,13 +90,3 @@ def _matches(plan: Ints, steps: Ints, reach: Ints) -> Ints:
     near = np.abs(steps[nearest] - plan) <= reach
     match: Ints = np.where(mutual & near, nearest, -1)
     return match
-
-
-def _agreement(both: Ints, measured: FootSteps, planned: FootSteps) -> float | None:
-    known = timespans.total(both)
-    if not known:
-        return None
-    down = [timespans.intersect([foot.record.in_contact, both]) for foot in (measured, planned)]
-    together = timespans.total(timespans.intersect(down))
-    differ = timespans.total(down[0]) + timespans.total(down[1]) - 2 * together
-    return 1.0 - differ / known

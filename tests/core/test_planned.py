@@ -4,8 +4,8 @@ import pytest
 
 from dogbot_logtool.core import timespans
 from dogbot_logtool.core.gait.foot_steps import FootSteps, foot_steps
-from dogbot_logtool.core.gait.planned import follow_plan
 from dogbot_logtool.core.gait.standing import Standing
+from dogbot_logtool.core.planned import follow_plan
 from dogbot_logtool.core.settings import FootSettings, StatsSettings
 from tests.core.consistency.poses import base
 from tests.core.load.feet import PERIOD_S, foot, seconds, vertical
@@ -24,16 +24,17 @@ def steps_of(late_s: float, scale: float = 1.0) -> FootSteps:
 
 def test_a_foot_that_is_late() -> None:
     followed = follow_plan(steps_of(LATE_S), steps_of(0.0))
-    assert followed.delay is not None
-    assert followed.delay.median == pytest.approx(LATE_S)
-    assert (followed.early, followed.missed, followed.unplanned) == (0, 0, 0)
+    found = followed.metrics
+    assert found.delay_s is not None
+    assert found.delay_s.median == pytest.approx(LATE_S)
+    assert (followed.early, found.missed, found.unplanned) == (0, 0, 0)
     assert followed.late == followed.touchdowns > 7
     # Twice a period, for as long as it is late, one says contact and the other does not.
-    assert followed.agreement == pytest.approx(1.0 - 2.0 * LATE_S / PERIOD_S, abs=0.01)
+    assert followed.metrics.agreement == pytest.approx(1.0 - 2.0 * LATE_S / PERIOD_S, abs=0.01)
 
 
 def test_a_foot_that_follows() -> None:
     followed = follow_plan(steps_of(0.0), steps_of(0.0, scale=0.8))
     assert (followed.early, followed.late) == (0, 0)
     # The lighter force may be told a sample later.
-    assert followed.agreement == pytest.approx(1.0, abs=0.01)
+    assert followed.metrics.agreement == pytest.approx(1.0, abs=0.01)

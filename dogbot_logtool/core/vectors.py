@@ -10,7 +10,7 @@ from typing import Final
 
 import numpy as np
 
-from dogbot_logtool.core.arrays import Flags, Floats, Ints, all_finite
+from dogbot_logtool.core.arrays import Floats, Ints, added_within, all_finite, picked
 from dogbot_logtool.core.corrections.clock import TimeSource, advancing, first_at_each_tick
 from dogbot_logtool.core.quality.clocks import (
     WINDOW_NS,
@@ -40,10 +40,6 @@ class VectorSamples:
     vector: Floats
     """(n, 3), as recorded."""
 
-    def pick(self, rows: Flags | Ints) -> "VectorSamples":
-        """Return the chosen rows (a mask or row numbers)."""
-        return VectorSamples(self.log_time[rows], self.stamp[rows], self.vector[rows])
-
 
 @dataclass(frozen=True, slots=True)
 class VectorHistory:
@@ -55,8 +51,6 @@ class VectorHistory:
     messages: int
     refused: int
     """Messages with a number that is not finite, or that no robot reaches; left out."""
-    not_advancing: int
-    """Messages that repeat a log time or step back, or whose stamp is needed and bad; left out."""
     time: Ints
     """(n,) ns on the clock that is measured on, strictly increasing."""
     vector: Floats
@@ -73,8 +67,6 @@ def vector_history(
     frames: Iterable[str],
     clock: TimeSource,
     base: OffsetTrack | None,
-    *,
-    averages: bool,
 ) -> VectorHistory:
     """Return the vectors of a topic.
 
@@ -84,7 +76,6 @@ def vector_history(
         frames: header frame ids among them.
         clock: what is measured on.
         base: how far the stamps of the base lie behind log time; None: it has none.
-        averages: whether all vectors of 10 ms are averaged; else the first of them is kept.
     """
     usable = all_finite(samples.vector)
     usable[usable] = (np.abs(samples.vector[usable]) <= MOST).all(axis=1)
@@ -92,10 +83,10 @@ def vector_history(
     by_stamps = clock is TimeSource.HEADER and _is_stamped_like(samples, check, base)
     good = usable & check.usable if by_stamps else usable.copy()
     good[good] = advancing(samples.log_time[good], None)
-    kept = samples.pick(good)
+    kept = picked(samples, good)
     steps = np.diff(kept.log_time)
     if len(kept.log_time):
-        kept = _at_rate(kept, averages=averages)
+        kept = _averaged(kept)
     time = kept.stamp if by_stamps else kept.log_time
     if clock is TimeSource.HEADER and not by_stamps:
         time = time - _behind(base, time)
@@ -105,7 +96,6 @@ def vector_history(
         frames=tuple(sorted(set(frames))),
         messages=len(usable),
         refused=int((~usable).sum()),
-        not_advancing=int((usable & ~good).sum()),
         time=time[goes_on],
         vector=kept.vector[goes_on],
         gap_ns=steady_gap_ns(steps),
@@ -113,11 +103,9 @@ def vector_history(
     )
 
 
-def _at_rate(samples: VectorSamples, *, averages: bool) -> VectorSamples:
-    """Return at most one row in 10 ms of log time: the first one, or the mean of all."""
+def _averaged(samples: VectorSamples) -> VectorSamples:
+    """Return the means of all rows in each 10 ms of log time."""
     first = np.flatnonzero(first_at_each_tick(samples.log_time, RATE_HZ, None))
-    if not averages:
-        return samples.pick(first)
     number = np.diff(first, append=len(samples.log_time))
     log_time, stamp = (
         each[0] + (np.add.reduceat(each - each[0], first) // number)
@@ -147,3 +135,20 @@ def _behind(base: OffsetTrack | None, log_time: Ints) -> Ints:
     growth = np.interp(since, middle, base.least_ns - base.least_ns[0])
     behind: Ints = growth.astype(np.int64) + base.least_ns[0]
     return behind
+
+
+@dataclass(frozen=True, slots=True)
+class Integral:
+    """Integrals of some columns over time, so that means over any time can be asked for."""
+
+    origin: int
+    """ns."""
+    time: Floats
+    """(n,) ns since the origin, increasing."""
+    total: Floats
+    """(n, k) unit times s; between rows it grows evenly."""
+
+    def mean(self, time: Ints, window_ns: int) -> Floats:
+        """(m, k) means over a window about each time; ask only where the columns are known."""
+        since = (time - self.origin).astype(np.float64)
+        return added_within(self.total, self.time, since, window_ns / 2.0) / (window_ns / 1e9)

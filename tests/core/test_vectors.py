@@ -5,7 +5,7 @@ import numpy as np
 from dogbot_logtool.core.arrays import Floats
 from dogbot_logtool.core.corrections.clock import TimeSource
 from dogbot_logtool.core.quality.clocks import OffsetTrack, offset_track
-from dogbot_logtool.core.recorded.vectors import VectorHistory, VectorSamples, vector_history
+from dogbot_logtool.core.vectors import VectorHistory, VectorSamples, vector_history
 
 S = 1_000_000_000
 LATE = 3_000_000
@@ -25,7 +25,7 @@ def clock_of_base(behind: int) -> OffsetTrack:
 def recorded(
     given: VectorSamples, base: OffsetTrack | None, clock: TimeSource = TimeSource.HEADER
 ) -> VectorHistory:
-    return vector_history("/v", given, (), clock, base, averages=False)
+    return vector_history("/v", given, (), clock, base)
 
 
 AT = np.arange(400) / 50.0
@@ -50,18 +50,12 @@ def test_stamps_of_another_clock_are_not_used() -> None:
     np.testing.assert_array_equal(found.time, samples(AT).log_time - LATE)
 
 
-def test_log_time_is_log_time() -> None:
-    found = recorded(samples(AT), clock_of_base(LATE), TimeSource.LOG)
-    assert found.on_log_time
-    np.testing.assert_array_equal(found.time, samples(AT).log_time)
-
-
 def test_a_bad_stamp_costs_its_own_message() -> None:
     given = samples(AT)
     given.stamp[[0, 200]] = 0
     given.stamp[100] += 500 * S
     found = recorded(given, clock_of_base(LATE))
-    assert (found.not_advancing, len(found.time)) == (3, 397)
+    assert len(found.time) == 397
 
 
 def test_what_is_no_number_is_refused() -> None:
@@ -77,13 +71,13 @@ def test_log_times_that_step_back_are_left_out() -> None:
     given = samples(AT)
     given.log_time[7] -= S
     found = recorded(given, None)
-    assert found.not_advancing == 1
+    assert len(found.time) == 399
     assert (np.diff(found.time) > 0).all()
 
 
 def test_a_thousand_a_second_become_a_hundred() -> None:
     seconds = np.arange(10_000) / 1000.0
     given = samples(seconds)
-    found = vector_history("/v", given, (), TimeSource.HEADER, None, averages=True)
+    found = vector_history("/v", given, (), TimeSource.HEADER, None)
     assert len(found.time) == 1000
     np.testing.assert_allclose(found.vector[:, 0], (found.time - given.stamp[0]) / 1e9, atol=1e-6)
