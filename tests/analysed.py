@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import replace
 
-from dogbot_logtool.core.base.odometry import Odometry, no_odometry
+from dogbot_logtool.core.base.poses import Odometry, no_odometry
 from dogbot_logtool.core.contact.contact_rule import FootSensor, contact_rule
 from dogbot_logtool.core.contact.contacts import Samples, no_samples
 from dogbot_logtool.core.corrections.sensor import estimate_level
