@@ -47,9 +47,4 @@ def analysed(
 
 def feet_of(stats: Stats) -> list[Foot]:
     """Return the metrics of each foot over the whole log, before any is void."""
-    legs = [None] * len(stats.feet) if stats.legs is None else stats.legs.feet
-    weight_n = stats.loads.weight_n
-    return [
-        foot_metrics(foot, leg, weight_n, stats.origin)
-        for foot, leg in zip(stats.feet, legs, strict=True)
-    ]
+    return [foot_metrics(foot, stats.loads.weight_n, stats.origin) for foot in stats.feet]

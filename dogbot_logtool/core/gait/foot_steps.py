@@ -1,7 +1,8 @@
 """A foot's steps over a whole log, and its metrics over the log or a part of it."""
 
-from collections.abc import Callable, Mapping, Sequence
-from typing import TYPE_CHECKING, Final
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from typing import Final
 
 import numpy as np
 
@@ -33,24 +34,12 @@ from dogbot_logtool.core.load.load_figures import vertical_impulse_ns
 from dogbot_logtool.core.load.slip import slip_m
 from dogbot_logtool.core.load.spikes import has_lone_spikes, without_spikes
 from dogbot_logtool.core.metrics import Foot
-from dogbot_logtool.core.records import Numbers, Spread
+from dogbot_logtool.core.records import Numbers, unknown
 from dogbot_logtool.core.settings import StatsSettings
 from dogbot_logtool.dataclass import dataclass
 
-if TYPE_CHECKING:
-    from dogbot_logtool.core.legs.leg_figures import LegFoot
-
 FEWEST_STANCES: Final = 8
 """Stances of all feet from which it is told how far they push the robot on."""
-_SWINGS: "Final[Mapping[str, Callable[[LegFoot], Floats]]]" = {
-    "step_length_m": lambda leg: leg.steps.length_m,
-    "step_width_m": lambda leg: leg.steps.width_m,
-    "clearance_m": lambda leg: leg.swings.clearance_m,
-    "swing_length_m": lambda leg: leg.swings.length_m,
-    "touchdown_down_mps": lambda leg: leg.swings.touchdown_down_mps,
-    "touchdown_along_mps": lambda leg: leg.swings.touchdown_along_mps,
-}
-"""What tells each metric of swings, a value a stride."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -168,37 +157,29 @@ def _seen(time: Ints, record: FootHistory, unseen: Cut, stances: Stances) -> Int
 
 
 def foot_metrics(
-    foot: FootSteps,
-    leg: "LegFoot | None",
-    weight_n: float | None,
-    origin: int,
-    within: Ints | None = None,
+    foot: FootSteps, weight_n: float | None, origin: int, within: Ints | None = None
 ) -> Foot:
-    """Return the metrics of a foot.
+    """Return the metrics of a foot but for what its leg tells of its swings.
 
     Args:
         foot: its steps.
-        leg: how its leg swings; None: not known.
         weight_n: N, what forces in body weights are divided by; None: not known.
         origin: ns, what times are counted from.
         within: (w, 2) ns, a part of the log; its stances and strides are those with their middle in
             it. None: all of it.
     """
-    stances, strides, record = foot.stances, foot.strides, foot.record
-    of_span = np.ones(len(strides.stance), np.bool_)
+    stances, strides, record, lengths = foot.stances, foot.strides, foot.record, foot.length_m
     if within is not None:
-        stances, of_span = cut_outside(stances, within), strides.rows_within(within)
-        strides = strides.within(within)
+        lengths = lengths[strides.rows_within(within)]
+        stances, strides = cut_outside(stances, within), strides.within(within)
     whole, figures = stances.whole, stances.figures
     slip = aggregate(foot.slip_m[whole])
     # A spike of a leaning force is as large as all that brakes.
     clean = whole & ~(figures.spikes > 0)
-    length = aggregate(foot.length_m[of_span])
+    length = aggregate(lengths)
     per_weight = np.nan if weight_n is None else 1.0 / weight_n
-    swings: dict[str, Spread] = dict.fromkeys(_SWINGS)
-    if leg is not None:
-        swings = {name: aggregate(of(leg)[of_span]) for name, of in _SWINGS.items()}
-    return Foot(
+    return replace(
+        unknown(Foot),
         contact_fraction=record.contact_fraction(within),
         strides=len(strides.stance),
         stance_s=aggregate(stances.duration_s[whole]),
@@ -208,15 +189,12 @@ def foot_metrics(
         stride_frequency_hz=strides.frequency_hz,
         stride_length_m=length,
         stride_length_from=None if length is None else "base",
-        **swings,
-        height_over_stride_m=curve_of(leg.swings.height) if leg and within is None else None,
         contact_travel_m=aggregate(figures.contact_travel_m[whole]),
         slip_m=slip,
         slip_largest_m=aggregate(foot.slip_largest_m[whole]),
         slip_from=foot.slip_from if slip or foot.slip_from == "foot_frame" else None,
         touchdown_s=_seconds(foot.touchdown, origin, within),
         lift_off_s=_seconds(foot.liftoff, origin, within),
-        planned=None,
         peak_force_n=aggregate(figures.peak_n[whole]),
         peak_force_bw=aggregate(figures.peak_n[whole] * per_weight),
         mean_force_n=aggregate(figures.mean_n[whole]),

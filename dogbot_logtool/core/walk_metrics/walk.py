@@ -9,7 +9,7 @@ from dataclasses import replace
 from typing import Final
 
 from dogbot_logtool.core import metrics
-from dogbot_logtool.core.arrays import Aggregate, CircularMean, Ints
+from dogbot_logtool.core.arrays import Aggregate, CircularMean, Ints, aggregate
 from dogbot_logtool.core.events.events import find_events
 from dogbot_logtool.core.gait.foot_steps import foot_metrics
 from dogbot_logtool.core.gait.gait import STAND
@@ -118,8 +118,23 @@ def _segment(stats: Stats, segment: Segment) -> metrics.Segment:
 
 
 def _foot(stats: Stats, row: int, within: Ints | None = None) -> Foot:
-    leg = None if stats.legs is None else stats.legs.feet[row]
-    return foot_metrics(stats.feet[row], leg, stats.loads.weight_n, stats.origin, within)
+    """Return the metrics of a foot, and of its swings where its leg tells them."""
+    foot = stats.feet[row]
+    found = foot_metrics(foot, stats.loads.weight_n, stats.origin, within)
+    if stats.legs is None:
+        return found
+    leg = stats.legs.feet[row]
+    inside = slice(None) if within is None else foot.strides.rows_within(within)
+    return replace(
+        found,
+        step_length_m=aggregate(leg.steps.length_m[inside]),
+        step_width_m=aggregate(leg.steps.width_m[inside]),
+        clearance_m=aggregate(leg.swings.clearance_m[inside]),
+        swing_length_m=aggregate(leg.swings.length_m[inside]),
+        touchdown_down_mps=aggregate(leg.swings.touchdown_down_mps[inside]),
+        touchdown_along_mps=aggregate(leg.swings.touchdown_along_mps[inside]),
+        height_over_stride_m=curve_of(leg.swings.height) if within is None else None,
+    )
 
 
 def _planned(stats: Stats, row: int) -> Planned | None:
