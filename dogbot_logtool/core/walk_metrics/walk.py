@@ -11,6 +11,7 @@ from typing import Final
 from dogbot_logtool.core import metrics
 from dogbot_logtool.core.arrays import Aggregate, CircularMean, Ints, aggregate
 from dogbot_logtool.core.events.events import find_events
+from dogbot_logtool.core.gait.cycle_curves import curve_of
 from dogbot_logtool.core.gait.foot_steps import foot_metrics
 from dogbot_logtool.core.gait.gait import STAND
 from dogbot_logtool.core.gait.gait_classes import TOLERANCE
