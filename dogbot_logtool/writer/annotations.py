@@ -8,7 +8,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from dogbot_logtool.core.base.odometry import Transforms
+from dogbot_logtool.core.base.poses import Transforms
 from dogbot_logtool.core.frames.kinematics import LinkTransforms
 from dogbot_logtool.core.scene.arrows import Arrows
 from dogbot_logtool.core.scene.foot_style import short_names

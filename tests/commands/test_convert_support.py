@@ -14,8 +14,7 @@ import pytest
 
 from dogbot_logtool.commands.convert import convert
 from dogbot_logtool.core.arrays import concatenated
-from dogbot_logtool.core.base.base_history import base_history
-from dogbot_logtool.core.base.odometry import Odometry, concatenate_odometry
+from dogbot_logtool.core.base.poses import Odometry, base_history, concatenate_odometry
 from dogbot_logtool.core.contact.contact_rule import contact_rule
 from dogbot_logtool.core.contact.contacts import Samples
 from dogbot_logtool.core.contact.foot_history import foot_history

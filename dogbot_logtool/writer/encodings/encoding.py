@@ -8,7 +8,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
 from typing import Any, ClassVar, Final, Self
 
-from dogbot_logtool.core.events.messages import EventMessage, GaitState
+from dogbot_logtool.core.events.event import EventMessage, GaitState
 from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.writer.drawing import Drawing, point_slots
 from dogbot_logtool.writer.template import Fill, Slot, Template, learn

@@ -18,7 +18,7 @@ from google.protobuf.message import Message
 from google.protobuf.message_factory import GetMessageClass
 from google.protobuf.timestamp_pb2 import DESCRIPTOR as TIMESTAMP_FILE
 
-from dogbot_logtool.core.events.messages import EventMessage
+from dogbot_logtool.core.events.event import EventMessage
 from dogbot_logtool.writer.drawing import HEAD_TO_SHAFT, Drawing, Primitive, Shape
 from dogbot_logtool.writer.encodings.encoding import (
     EVENT_SOURCE,

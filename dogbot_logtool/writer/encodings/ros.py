@@ -6,7 +6,7 @@ import numpy as np
 from rosbags.interfaces import Nodetype
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
-from dogbot_logtool.core.events.messages import EventMessage
+from dogbot_logtool.core.events.event import EventMessage
 from dogbot_logtool.writer.drawing import Drawing, Primitive, Shape
 from dogbot_logtool.writer.encodings.encoding import (
     EVENT_SOURCE,

@@ -5,7 +5,7 @@ from typing import Any, Final
 import numpy as np
 
 from dogbot_logtool.core.arrays import Floats, Ints, distinct
-from dogbot_logtool.core.base.base_motion import FORWARD_ANGLES
+from dogbot_logtool.core.base.motion import FORWARD_ANGLES
 from dogbot_logtool.core.stability.ground_projection import GroundPoints, footprints, pressure_path
 from dogbot_logtool.core.statistics import Stats
 from dogbot_logtool.report.page.charts.chart import Chart, Trace, scatter
@@ -93,7 +93,7 @@ def _path(stats: Stats, rows: Ints) -> Trace:
 
 
 def _centre_of_pressure(stats: Stats) -> Trace | None:
-    if stats.stability is None or stats.stability.pressure_forward_m is None:
+    if stats.stability is None or stats.stability.centre_of_pressure_forward_m is None:
         return None
     centre = pressure_path([foot.record for foot in stats.feet])
     rows = thinned(len(centre.time), MOST_POINTS)
