@@ -95,7 +95,7 @@ def _own_class(name: str, fields: Sequence[tuple[str, int, int]]) -> type[Messag
         label=FieldDescriptor.LABEL_OPTIONAL,
     )
     for number, (field, kind, label) in enumerate(fields, 2):
-        added = message.field.add(name=field, number=number, type=kind, label=label)  # type: ignore[arg-type]
+        added = message.field.add(name=field, number=number, type=kind, label=label)
         if kind == FieldDescriptor.TYPE_BOOL:
             added.proto3_optional, added.oneof_index = True, len(message.oneof_decl)
             message.oneof_decl.add(name=f"_{field}")
