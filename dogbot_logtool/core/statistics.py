@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     from dogbot_logtool.core.commands import CommandTrack
     from dogbot_logtool.core.consistency.delay import Delay
     from dogbot_logtool.core.imu import ImuComparison
-    from dogbot_logtool.core.legs.leg_figures import LegFigures
+    from dogbot_logtool.core.legs.legs import LegFigures
     from dogbot_logtool.core.vectors import VectorHistory
 
 

@@ -1,29 +1,20 @@
 """Metrics of each foot."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from typing import Final
 
 import numpy as np
 
 from dogbot_logtool.core import timespans
-from dogbot_logtool.core.arrays import Floats, Ints, aggregate
+from dogbot_logtool.core.arrays import Ints, aggregate
 from dogbot_logtool.core.gait.foot_statistics import FootStatistics
-from dogbot_logtool.core.legs.leg_figures import LegFoot
+from dogbot_logtool.core.legs.swings import STEPS, SWINGS
 from dogbot_logtool.core.metrics import Foot, Planned
 from dogbot_logtool.core.records import Numbers, Shape, Spread
 from dogbot_logtool.core.walk_metrics.span import Span
 from dogbot_logtool.core.walk_metrics.values import curve_of, scaled, seconds
 
 _SLIP_FROM: Final[Mapping[str, str]] = {"contact_points": "points", "foot_frame": "foot_frame"}
-_SWINGS: Final[Mapping[str, Callable[[LegFoot], Floats]]] = {
-    "step_length_m": lambda leg: leg.steps.length_m,
-    "step_width_m": lambda leg: leg.steps.width_m,
-    "clearance_m": lambda leg: leg.swings.clearance_m,
-    "swing_length_m": lambda leg: leg.swings.length_m,
-    "touchdown_down_mps": lambda leg: leg.swings.touchdown_down_mps,
-    "touchdown_along_mps": lambda leg: leg.swings.touchdown_along_mps,
-}
-"""What tells each metric of swings, a value a stride."""
 
 
 def feet_metrics(span: Span) -> dict[str, Foot]:
@@ -83,13 +74,13 @@ def _swings(span: Span, row: int) -> tuple[dict[str, Spread], Shape]:
     """Return the metrics of a foot's swings and of the steps that they end with, and its height."""
     legs = span.stats.legs
     if legs is None:
-        return dict.fromkeys(_SWINGS), None
+        return dict.fromkeys((*SWINGS, *STEPS)), None
     leg, strides = legs.feet[row], span.stats.feet[row].strides
     inside = np.ones(len(strides.stance), np.bool_)
     if not span.is_whole and span.segment is not None:
         inside = strides.rows_within(span.segment.spans)
-    found = {key: aggregate(of(leg)[inside]) for key, of in _SWINGS.items()}
-    return found, curve_of(leg.swings.height) if span.is_whole else None
+    found = {key: aggregate(leg.strides[key][inside]) for key in (*SWINGS, *STEPS)}
+    return found, curve_of(leg.height) if span.is_whole else None
 
 
 def _planned(span: Span, row: int) -> Planned | None:

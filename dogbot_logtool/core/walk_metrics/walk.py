@@ -13,17 +13,17 @@ from dogbot_logtool.core.metrics import (
     SCHEMA_VERSION,
     Event,
     GaitOfLog,
+    Legs,
     Log,
     Segment,
     WalkMetrics,
     void,
 )
-from dogbot_logtool.core.records import fields_of
+from dogbot_logtool.core.records import fields_of, unknown
 from dogbot_logtool.core.statistics import Stats
 from dogbot_logtool.core.walk_metrics.base import base_metrics
 from dogbot_logtool.core.walk_metrics.feet import feet_metrics
 from dogbot_logtool.core.walk_metrics.gait import gait_metrics
-from dogbot_logtool.core.walk_metrics.legs import legs_metrics
 from dogbot_logtool.core.walk_metrics.loads import forces_metrics, stability_metrics
 from dogbot_logtool.core.walk_metrics.nulls import null_because
 from dogbot_logtool.core.walk_metrics.quality import quality_metrics
@@ -52,7 +52,7 @@ def metrics_of(stats: Stats, log: Log, chosen: Chosen, findings: Sequence[Findin
         feet=feet_metrics(span),
         forces=forces_metrics(span),
         stability=stability_metrics(span),
-        legs=legs_metrics(stats.legs),
+        legs=unknown(Legs) if stats.legs is None else stats.legs.metrics,
         commands=commands_metrics(stats),
         imu=imu_metrics(stats),
         quality=quality_metrics(stats, findings),

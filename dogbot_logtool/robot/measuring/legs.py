@@ -5,9 +5,14 @@ from typing import Final
 
 from dogbot_logtool.core.corrections.clock import TimeSource
 from dogbot_logtool.core.frames.transform_buffer import TransformBuffer
-from dogbot_logtool.core.legs.foot_path import LegChain, chain_to, moving_parents
-from dogbot_logtool.core.legs.joint_track import JointLimits
-from dogbot_logtool.core.legs.settings import JointPair, LegSettings
+from dogbot_logtool.core.legs.joints import JointLimits
+from dogbot_logtool.core.legs.paths import (
+    JointPair,
+    LegChain,
+    LegSettings,
+    chain_to,
+    moving_parents,
+)
 from dogbot_logtool.core.recording import Recording
 from dogbot_logtool.reader.containers.log import Log
 from dogbot_logtool.reader.foot import Foot

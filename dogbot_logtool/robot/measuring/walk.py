@@ -29,7 +29,7 @@ from dogbot_logtool.robot.probe_findings import probe_findings
 
 if TYPE_CHECKING:
     from dogbot_logtool.core.frames.transform_buffer import TransformBuffer
-    from dogbot_logtool.core.legs.settings import LegSettings
+    from dogbot_logtool.core.legs.paths import LegSettings
 
 
 @dataclass(frozen=True, slots=True)

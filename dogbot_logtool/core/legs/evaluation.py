@@ -1,0 +1,249 @@
+"""From joint states and transforms to all that is known of the legs."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from typing import Final
+
+import numpy as np
+
+from dogbot_logtool.core.arrays import Floats, aggregate
+from dogbot_logtool.core.base.pose_jumps import without_jumps
+from dogbot_logtool.core.frames.transform_buffer import TransformBuffer
+from dogbot_logtool.core.gait.foot_statistics import FootStatistics
+from dogbot_logtool.core.gait.standing import typical_period_s
+from dogbot_logtool.core.legs.joints import JointTable, JointTrack, joint_tracks
+from dogbot_logtool.core.legs.legs import LegFigures, LegFoot, joint_curve, summed_work
+from dogbot_logtool.core.legs.paths import FootPath, LegSettings, foot_path
+from dogbot_logtool.core.legs.swings import (
+    STEPS,
+    SWINGS,
+    Footfalls,
+    footfalls,
+    is_slow,
+    steps,
+    swings,
+)
+from dogbot_logtool.core.load.load_figures import symmetry_index_percent
+from dogbot_logtool.core.load.slip import slip_m
+from dogbot_logtool.core.metrics import Joint, Legs
+from dogbot_logtool.core.quality.clocks import ClockDifference, too_far_apart
+from dogbot_logtool.core.statistics import Stats
+
+RESTING_M: Final = 0.02
+"""m that a foot's frame may move in the middle of a stance, or `RESTING_SHARE` of its swing."""
+RESTING_SHARE: Final = 0.15
+IDLE: Final = 0.02
+"""rad or m: joints of no leg that move by less are left out."""
+SHORTEST_WAY_M: Final = 0.1
+"""m: work is not set against a shorter way."""
+
+
+def with_legs(
+    stats: Stats,
+    tables: Sequence[JointTable],
+    settings: LegSettings,
+    frames: TransformBuffer,
+    clocks: Sequence[ClockDifference],
+) -> Stats:
+    """Add what is known of the legs, and slips by the feet's frames where those are known.
+
+    Args:
+        stats: all other figures.
+        tables: joint states, one table a topic, the best first.
+        settings: sources of the legs.
+        frames: of the legs that transforms move.
+        clocks: how far topics' clocks are from that of the feet, those of joint states among them.
+    """
+    joints = joint_tracks(tables, stats.settings.clock, settings.limits)
+    paths = [foot_path(chain, joints, frames, settings.statics) for chain in settings.chains]
+    if not joints and not any(path is not None for path in paths):
+        return stats
+    period = typical_period_s([foot.stances for foot in stats.feet])
+    apart = too_far_apart(clocks, period) & set(settings.joint_topics)
+    feet = _feet(stats, settings, joints, paths, joints_apart=bool(apart))
+    strides = stats.feet[stats.reference].strides if stats.feet else None
+    working = [each for each in joints.values() if each.moves and each.has_effort]
+    work = np.empty((2, 0))
+    if strides is not None:
+        work = summed_work(working, strides.touchdown, strides.end)
+    found, ranges = _joints(stats, settings, joints)
+    legs = LegFigures(
+        settings=settings,
+        feet=feet,
+        joints=joints,
+        work=work,
+        metrics=Legs(
+            absolute_work_j=aggregate(work[1]),
+            positive_work_j=aggregate(work[0]),
+            mechanical_cost_of_transport=_cost(stats, work[1]),
+            joints=found,
+            asymmetry_percent=_asymmetry(settings, ranges),
+        ),
+        clocks_apart={each.topic: each for each in clocks if each.topic in apart},
+    )
+    return _with_slips(replace(stats, legs=legs), [leg.slips for leg in feet])
+
+
+def _feet(
+    stats: Stats,
+    settings: LegSettings,
+    joints: Mapping[str, JointTrack],
+    paths: Sequence[FootPath | None],
+    *,
+    joints_apart: bool,
+) -> tuple[LegFoot, ...]:
+    """Return the leg of each foot."""
+    base = without_jumps(stats.base_history, stats.jumps)
+    legs, stood = [], []
+    for row, foot in enumerate(stats.feet):
+        chain, path = settings.chains[row], paths[row]
+        reason = settings.reasons[row]
+        if chain is not None and path is None:
+            reason = "too little of its leg is told"
+        elif path is not None and stats.base_clock_is_apart:
+            reason = "the clocks of odometry and feet differ"
+        elif path is not None and stats.loses_way:
+            reason = "the odometry drifts among the contact points"
+        elif path is not None and joints_apart and chain is not None and chain.joints:
+            reason = "the clock of the joint states differs from that of the feet"
+        elif path is not None and not len(base.time):
+            reason = "the log has no usable poses"
+        own = [each for name, each in joints.items() if settings.foot_of_joint.get(name) == row]
+        leg = LegFoot(
+            name=foot.name,
+            frame=chain.frames[0] if chain else "",
+            reason=reason,
+            moves=False,
+            path=path,
+            slips=None,
+            strides=_leg_work(foot, own),
+            height=None,
+            is_slow=False,
+        )
+        falls = None
+        if path is not None and not reason:
+            leg, falls = _swinging(leg, foot, path.in_world(base))
+        if falls is not None and chain is not None:
+            rolling = None if chain.touches else stats.settings.foot_rolling_m
+            slips = falls.slip_m, falls.largest_slip_m
+            if rolling is not None:
+                slips = slip_m(slips[0], rolling), slip_m(slips[1], rolling)
+            # The middle of a ball rolls with it: less the rolling, if that is known.
+            leg = replace(leg, slips=slips if chain.touches or rolling is not None else None)
+        legs.append(leg)
+        stood.append(falls)
+    return tuple(
+        replace(leg, strides={**leg.strides, **_steps(stats, row, stood)})
+        for row, leg in enumerate(legs)
+    )
+
+
+def _leg_work(foot: FootStatistics, joints: Sequence[JointTrack]) -> dict[str, Floats]:
+    """Return the work of a leg in the strides of its foot, with NaN for what else is of strides."""
+    unknown = np.full(len(foot.strides.stance), np.nan)
+    found = dict.fromkeys((*SWINGS, *STEPS, "positive_work_j", "absolute_work_j"), unknown)
+    if all(joint.has_effort or not joint.moves for joint in joints):
+        work = summed_work(joints, foot.strides.touchdown, foot.strides.end)
+        found["positive_work_j"], found["absolute_work_j"] = work
+    return found
+
+
+def _swinging(
+    leg: LegFoot, foot: FootStatistics, path: FootPath
+) -> tuple[LegFoot, Footfalls | None]:
+    """Add the swings of a foot by its path in the world, if it is at rest in stances."""
+    stood = footfalls(path, foot.stances)
+    travel = aggregate(stood.travel_m[foot.stances.whole])
+    if travel is None:
+        return replace(leg, reason="no whole stance in which its leg is told"), None
+    interval_s = foot.record.median_interval_s or np.inf
+    found, height = swings(path, stood, foot.strides, interval_s)
+    length = aggregate(found["swing_length_m"])
+    if travel.median > max(RESTING_M, RESTING_SHARE * (length.median if length else 0.0)):
+        reason = (
+            f"its frame moves by {travel.median * 1e3:.0f} mm in the middle of a stance: it is not "
+            "the foot's, the odometry drifts, or the foot slips"
+        )
+        return replace(leg, reason=reason, moves=True), None
+    slow = is_slow(path, interval_s)
+    leg = replace(leg, strides={**leg.strides, **found}, height=height, is_slow=slow)
+    return leg, stood
+
+
+def _steps(stats: Stats, row: int, stood: Sequence[Footfalls | None]) -> dict[str, Floats]:
+    """Return the steps of a foot against the other of its pair, where both are known."""
+    others = [
+        number for number in range(len(stats.feet)) if number != row and paired(stats, row, number)
+    ]
+    own = stood[row]
+    other = stood[others[0]] if len(others) == 1 else None
+    if own is None or other is None:
+        return {}
+    return steps(stats.feet[row].strides, own, other, stats.feet[others[0]].stances.touchdown)
+
+
+def paired(stats: Stats, foot: int, other: int) -> bool:
+    """Tell whether two feet are at the same end of the robot; both of a biped are."""
+    one, two = stats.feet[foot].leg_position, stats.feet[other].leg_position
+    return len(stats.feet) == 2 or bool(one and two and one[0] == two[0])
+
+
+def _joints(
+    stats: Stats, settings: LegSettings, joints: Mapping[str, JointTrack]
+) -> tuple[dict[str, Joint], dict[str, float]]:
+    """Return the metrics of joints of legs and of others that move, and their usual ranges."""
+    found: dict[str, Joint] = {}
+    ranges: dict[str, float] = {}
+    for name, joint in joints.items():
+        number = settings.foot_of_joint.get(name)
+        if number is None and joint.range < IDLE:
+            continue
+        found[name] = joint.metrics
+        if number is not None:
+            foot = stats.feet[number]
+            curve = joint_curve(joint, foot.strides)
+            ranges |= {} if curve is None else {name: curve[1]}
+            position = None if curve is None else curve[0]
+            found[name] = replace(joint.metrics, foot=foot.name, position_over_stride=position)
+    return found, ranges
+
+
+def _asymmetry(settings: LegSettings, ranges: Mapping[str, float]) -> dict[str, float]:
+    """Compare the usual ranges of joints that are alike, right against left."""
+    indices = {
+        pair.name: symmetry_index_percent(ranges.get(pair.left), ranges.get(pair.right))
+        for pair in settings.pairs
+    }
+    return {name: index for name, index in indices.items() if index is not None}
+
+
+def _cost(stats: Stats, absolute_j: Floats) -> float | None:
+    """Return absolute work / (weight x way), over the reference foot's strides that have both."""
+    weight = stats.loads.weight_n
+    if weight is None or not stats.feet:
+        return None
+    way = stats.feet[stats.reference].length_m
+    known = np.isfinite(absolute_j) & np.isfinite(way)
+    total = float(way[known].sum())
+    return float(absolute_j[known].sum()) / (weight * total) if total >= SHORTEST_WAY_M else None
+
+
+def _with_slips(stats: Stats, slips: Sequence[tuple[Floats, Floats] | None]) -> Stats:
+    """Return figures with the slips of the feet's frames, of the log and of each segment."""
+
+    def with_own(feet: Sequence[FootStatistics]) -> tuple[FootStatistics, ...]:
+        return tuple(
+            foot
+            if own is None
+            else replace(
+                foot,
+                slip_m=own[0],
+                slip_source="foot_frame",
+                slip_distance_m=aggregate(own[0][foot.stances.whole]),
+                largest_slip_m=aggregate(own[1][foot.stances.whole]),
+            )
+            for foot, own in zip(feet, slips, strict=True)
+        )
+
+    segments = [replace(each, feet=with_own(each.feet)) for each in stats.segment_figures]
+    return replace(stats, feet=with_own(stats.feet), segment_figures=tuple(segments))
