@@ -186,7 +186,7 @@ def _with_legs(
     tracks: Mapping[str, OffsetTrack],
 ) -> Stats:
     """Add the figures of the legs."""
-    from dogbot_logtool.core.legs.evaluation import with_legs  # noqa: PLC0415
+    from dogbot_logtool.core.leg_evaluation import with_legs  # noqa: PLC0415
 
     settings, frames = legs
     offsets = {}

@@ -10,8 +10,8 @@ from dogbot_logtool.core.arrays import median_of
 from dogbot_logtool.core.base.pose_jumps import without_jumps
 from dogbot_logtool.core.checks.loads import direction_is_doubtful
 from dogbot_logtool.core.gait.standing import typical_period_s
+from dogbot_logtool.core.leg_evaluation import paired
 from dogbot_logtool.core.legs.doubts import LegSigns, contradiction, leg_signs, shortfall
-from dogbot_logtool.core.legs.evaluation import paired
 from dogbot_logtool.core.legs.legs import LegFigures
 from dogbot_logtool.core.statistics import Stats
 from dogbot_logtool.finding import Finding
@@ -162,9 +162,9 @@ def _effort_signs(
             "motors do not do the work of the forces on the feet, but would with the other sign "
             f"of some efforts ({_named(names)}); absolute work does not depend on signs"
         )
+        where = f"legs.feet.{next(iter(odd))}.positive_work_j"
         sound = judged.keys() - odd.keys()
         doubted = tuple(foot.name for foot in stats.feet if foot.name not in sound)
-        where = f"legs.feet.{next(iter(odd))}.positive_work_j"
         yield Finding("EFFORT_SIGN", text, where, feet=doubted)
         return
     weight = stats.loads.weight_n
