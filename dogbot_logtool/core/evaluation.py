@@ -8,11 +8,11 @@ import numpy as np
 
 from dogbot_logtool.core import timespans
 from dogbot_logtool.core.arrays import Ints
-from dogbot_logtool.core.base.base_history import BaseHistory
-from dogbot_logtool.core.base.base_motion import FORWARD_ANGLES
+from dogbot_logtool.core.base.axes import leaning_walk_rad
+from dogbot_logtool.core.base.falls import find_tipping
 from dogbot_logtool.core.base.ground import swapped_pairs
-from dogbot_logtool.core.base.tipping import find_tipping
-from dogbot_logtool.core.base.up_axis import leaning_walk_rad
+from dogbot_logtool.core.base.motion import FORWARD_ANGLES
+from dogbot_logtool.core.base.poses import BaseHistory
 from dogbot_logtool.core.consistency.stopped import all_silent
 from dogbot_logtool.core.contact.foot_history import FootHistory
 from dogbot_logtool.core.gait.foot_statistics import (

@@ -7,8 +7,9 @@ from typing import Final
 import numpy as np
 
 from dogbot_logtool.core.arrays import Floats, aggregate
-from dogbot_logtool.core.base.pose_jumps import without_jumps
-from dogbot_logtool.core.frames.transform_buffer import TransformBuffer
+from dogbot_logtool.core.base.poses import without_jumps
+from dogbot_logtool.core.corrections.clock import ClockDifference, too_far_apart
+from dogbot_logtool.core.frames.transforms import TransformBuffer
 from dogbot_logtool.core.gait.foot_statistics import FootStatistics
 from dogbot_logtool.core.gait.standing import typical_period_s
 from dogbot_logtool.core.legs.joints import JointTable, JointTrack, joint_tracks
@@ -26,7 +27,6 @@ from dogbot_logtool.core.legs.swings import (
 from dogbot_logtool.core.load.load_figures import symmetry_index_percent
 from dogbot_logtool.core.load.slip import slip_m
 from dogbot_logtool.core.metrics import Joint, Legs
-from dogbot_logtool.core.quality.clocks import ClockDifference, too_far_apart
 from dogbot_logtool.core.statistics import Stats
 
 RESTING_M: Final = 0.02

@@ -5,11 +5,13 @@ from typing import TYPE_CHECKING
 
 from dogbot_logtool.core import timespans
 from dogbot_logtool.core.arrays import Ints
-from dogbot_logtool.core.base.base_history import BaseHistory
-from dogbot_logtool.core.base.base_motion import BaseMotion
-from dogbot_logtool.core.base.pose_jumps import PoseJumps
-from dogbot_logtool.core.base.tipping import Tipping
+from dogbot_logtool.core.base.falls import Tipping
+from dogbot_logtool.core.base.motion import BaseMotion
+from dogbot_logtool.core.base.poses import BaseHistory, PoseJumps
 from dogbot_logtool.core.consistency.worlds import Worlds
+from dogbot_logtool.core.corrections.clock import (
+    ClockDifference,
+)
 from dogbot_logtool.core.gait.foot_statistics import (
     FootStatistics,
 )
@@ -19,9 +21,6 @@ from dogbot_logtool.core.gait.segments import (
 from dogbot_logtool.core.gait.support_pattern import Support
 from dogbot_logtool.core.load.load_figures import LoadFigures
 from dogbot_logtool.core.planned import PlannedFoot
-from dogbot_logtool.core.quality.clocks import (
-    ClockDifference,
-)
 from dogbot_logtool.core.quality.quality import TopicQuality
 from dogbot_logtool.core.settings import StatsSettings
 from dogbot_logtool.core.stability.stability import Stability
@@ -29,7 +28,7 @@ from dogbot_logtool.dataclass import dataclass
 
 if TYPE_CHECKING:
     from dogbot_logtool.core.commands import CommandTrack
-    from dogbot_logtool.core.consistency.delay import Delay
+    from dogbot_logtool.core.consistency.heave import Delay
     from dogbot_logtool.core.imu import ImuComparison
     from dogbot_logtool.core.legs.legs import LegFigures
     from dogbot_logtool.core.vectors import VectorHistory

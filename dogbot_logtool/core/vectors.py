@@ -11,16 +11,19 @@ from typing import Final
 import numpy as np
 
 from dogbot_logtool.core.arrays import Floats, Ints, added_within, all_finite, picked
-from dogbot_logtool.core.corrections.clock import TimeSource, advancing, first_at_each_tick
-from dogbot_logtool.core.quality.clocks import (
+from dogbot_logtool.core.corrections.clock import (
     WINDOW_NS,
     OffsetTrack,
+    StampCheck,
+    TimeSource,
+    advancing,
+    check_stamps,
     clock_differences,
+    first_at_each_tick,
     offset_track,
     too_far_apart,
 )
 from dogbot_logtool.core.quality.quality import steady_gap_ns
-from dogbot_logtool.core.quality.stamps import StampCheck, check_stamps
 from dogbot_logtool.dataclass import dataclass
 
 RATE_HZ: Final = 100.0

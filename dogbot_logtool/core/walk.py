@@ -13,19 +13,23 @@ from typing import TYPE_CHECKING
 
 from dogbot_logtool.core import timespans
 from dogbot_logtool.core.arrays import Ints
-from dogbot_logtool.core.base.base_history import base_history
+from dogbot_logtool.core.base.poses import base_history
 from dogbot_logtool.core.contact.contacts import Samples
 from dogbot_logtool.core.contact.foot_history import FootHistory, foot_history
-from dogbot_logtool.core.corrections.clock import TimeSource
-from dogbot_logtool.core.evaluation import work_out
-from dogbot_logtool.core.masked_walk import Recorded
-from dogbot_logtool.core.quality.clocks import (
+from dogbot_logtool.core.corrections.clock import (
     ClockDifference,
+    LogClock,
     OffsetTrack,
+    StampCheck,
+    TimeSource,
+    check_stamps,
+    choose_clock,
     clock_differences,
     offset_track,
+    without_bad_stamps,
 )
-from dogbot_logtool.core.quality.log_clock import LogClock, choose_clock
+from dogbot_logtool.core.evaluation import work_out
+from dogbot_logtool.core.masked_walk import Recorded
 from dogbot_logtool.core.quality.quality import (
     TopicQuality,
     TopicTimes,
@@ -33,13 +37,12 @@ from dogbot_logtool.core.quality.quality import (
     topic_times,
     with_gaps,
 )
-from dogbot_logtool.core.quality.stamps import StampCheck, check_stamps, without_bad_stamps
 from dogbot_logtool.core.recording import Recording, VectorTopic
 from dogbot_logtool.core.settings import StatsSettings
 from dogbot_logtool.core.statistics import Stats
 
 if TYPE_CHECKING:
-    from dogbot_logtool.core.frames.transform_buffer import TransformBuffer
+    from dogbot_logtool.core.frames.transforms import TransformBuffer
     from dogbot_logtool.core.legs.paths import LegSettings
     from dogbot_logtool.core.vectors import VectorHistory
 

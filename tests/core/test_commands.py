@@ -7,8 +7,7 @@ import pytest
 
 from dogbot_logtool.core import timespans
 from dogbot_logtool.core.arrays import Ints
-from dogbot_logtool.core.base.base_history import base_history
-from dogbot_logtool.core.base.odometry import Odometry
+from dogbot_logtool.core.base.poses import Odometry, base_history
 from dogbot_logtool.core.commands import AXES, CommandTrack, follow_commands
 from dogbot_logtool.core.corrections.clock import TimeSource
 from dogbot_logtool.core.vectors import VectorSamples, vector_history

@@ -3,8 +3,7 @@
 import numpy as np
 
 from dogbot_logtool.core.arrays import Floats
-from dogbot_logtool.core.corrections.clock import TimeSource
-from dogbot_logtool.core.quality.clocks import OffsetTrack, offset_track
+from dogbot_logtool.core.corrections.clock import OffsetTrack, TimeSource, offset_track
 from dogbot_logtool.core.vectors import VectorHistory, VectorSamples, vector_history
 
 S = 1_000_000_000

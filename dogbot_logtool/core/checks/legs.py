@@ -7,7 +7,7 @@ from typing import Final
 import numpy as np
 
 from dogbot_logtool.core.arrays import median_of
-from dogbot_logtool.core.base.pose_jumps import without_jumps
+from dogbot_logtool.core.base.poses import without_jumps
 from dogbot_logtool.core.checks.loads import direction_is_doubtful
 from dogbot_logtool.core.gait.standing import typical_period_s
 from dogbot_logtool.core.leg_evaluation import paired

@@ -6,9 +6,8 @@ from typing import Final
 import numpy as np
 
 from dogbot_logtool.core.arrays import Flags, Float32s, Floats, Ints
-from dogbot_logtool.core.corrections.clock import TimeSource, advancing
+from dogbot_logtool.core.corrections.clock import TimeSource, advancing, check_stamps
 from dogbot_logtool.core.metrics import Joint
-from dogbot_logtool.core.quality.stamps import check_stamps
 from dogbot_logtool.dataclass import dataclass
 
 MOST_JOINTS: Final = 256

@@ -28,7 +28,7 @@ from dogbot_logtool.robot.options import StatsOptions
 from dogbot_logtool.robot.probe_findings import probe_findings
 
 if TYPE_CHECKING:
-    from dogbot_logtool.core.frames.transform_buffer import TransformBuffer
+    from dogbot_logtool.core.frames.transforms import TransformBuffer
     from dogbot_logtool.core.legs.paths import LegSettings
 
 

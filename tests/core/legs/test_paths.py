@@ -6,7 +6,7 @@ import pytest
 from dogbot_logtool.core.arrays import Floats, Ints
 from dogbot_logtool.core.corrections.clock import TimeSource
 from dogbot_logtool.core.frames.kinematics import Joint
-from dogbot_logtool.core.frames.transform_buffer import TransformBuffer, frame_track
+from dogbot_logtool.core.frames.transforms import TransformBuffer, frame_track
 from dogbot_logtool.core.legs.joints import JointSamples, JointTable, JointTrack, joint_tracks
 from dogbot_logtool.core.legs.paths import LegChain, chain_to, foot_path
 

@@ -12,14 +12,14 @@ import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 
 from dogbot_logtool.core.arrays import Floats, Ints, all_finite, median_of, percentiles_of
-from dogbot_logtool.core.sensors.sensor_level import (
+from dogbot_logtool.core.corrections.modes import two_modes
+from dogbot_logtool.core.corrections.sensor import (
     SensorLevel,
     level_of,
     load_axis,
     run_numbers,
     without_spikes,
 )
-from dogbot_logtool.core.sensors.sensor_modes import two_modes
 
 STRIDES: Final = 4.0
 """Strides in a window."""
@@ -61,8 +61,7 @@ def follow_level(log_time: Ints, force: Floats, level: SensorLevel) -> SensorLev
     swing_s = level.swing_s or _SWING_S
     every = max(int(swing_s / _SAMPLES_A_SWING / (level.interval_s or np.inf)), 1)
     log_time, force = log_time[::every], force[::every]
-    axis = load_axis(force)
-    axis = axis if level.raises else -axis
+    axis = load_axis(force) if level.raises else -load_axis(force)
     along = without_spikes(force @ axis)
     limit_n = max(MOVED_NOISES * (level.noise_n or 0.0), MOVED * (level.loaded_n or 0.0))
     window_s = float(np.clip(STRIDES * _SWINGS_A_STRIDE * swing_s, *_WINDOW_S))
@@ -72,12 +71,15 @@ def follow_level(log_time: Ints, force: Floats, level: SensorLevel) -> SensorLev
         return level
     found = level
     if (np.abs(lightest - level.offset_at(log_time) @ axis) > limit_n).any():
-        modes = two_modes(along - lightest, run_numbers(log_time))
-        if len(modes.swing.visits) < FEWEST_SWINGS:
+        modes = two_modes(along - lightest, run_numbers(log_time), raises=True)
+        if len(modes.swings) < FEWEST_SWINGS:
             return level
-        found = level_of(modes, log_time, force, axis, raises=True)
-    moves = found.offset @ axis
-    bends = _bends(found.knots, moves, limit_n)
+        found = level_of(modes, log_time, force, axis)
+    moves, bends = found.offset @ axis, False
+    if len(moves) >= FEWEST_SWINGS:
+        since = (found.knots - found.knots[0]) / 1e9
+        off = np.abs(moves - np.polyval(np.polyfit(since, moves, 1), since)) > limit_n
+        bends = bool(np.convolve(off, np.ones(FEWEST_MOVED)).max() >= FEWEST_MOVED)
     if not bends and np.ptp(moves) <= FAR * limit_n:
         return level
     return replace(
@@ -91,15 +93,6 @@ def follow_level(log_time: Ints, force: Floats, level: SensorLevel) -> SensorLev
         lead=level.lead,
         opposite=level.opposite,
     )
-
-
-def _bends(time: Ints, level: Floats, limit_n: float) -> bool:
-    """Tell whether several levels in a row, (k,) N at times, (k,) ns, lie off a straight line."""
-    since = (time - time[0]) / 1e9
-    if len(time) < FEWEST_SWINGS:
-        return False
-    off = np.abs(level - np.polyval(np.polyfit(since, level, 1), since)) > limit_n
-    return bool(np.convolve(off, np.ones(FEWEST_MOVED)).max() >= FEWEST_MOVED)
 
 
 def _at_steps(knots: Ints, level: Floats, time: Ints, values: Floats, limit_n: float) -> Ints:

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from dogbot_logtool.core.arrays import Floats, Ints
-from dogbot_logtool.core.sensors.sensor_level import SensorLevel, estimate_level
-from dogbot_logtool.core.sensors.swing_levels import follow_level
+from dogbot_logtool.core.corrections.moving_level import follow_level
+from dogbot_logtool.core.corrections.sensor import SensorLevel, estimate_level
 
 RATE_HZ = 200.0
 PERIOD_S, DUTY, LOAD_N = 0.8, 0.6, 100.0
@@ -35,12 +35,6 @@ def test_a_level_that_stays_is_left_alone() -> None:
     assert same is level
 
 
-def test_a_slow_drift_that_the_level_has_is_left_alone() -> None:
-    time, force = walked(120.0)
-    level, same = followed(time, force + np.outer(time * 0.1, (0.0, 0.0, 1.0)))
-    assert same is level
-
-
 @pytest.mark.parametrize("below", [False, True])
 @pytest.mark.parametrize("step_n", [-60.0, -15.0, 40.0])
 @pytest.mark.parametrize("at_s", [10.1, 10.6])
@@ -64,18 +58,3 @@ def test_a_step_is_where_it_is_seen() -> None:
     at: Ints = np.array([10_595_000_000, 10_600_000_000], np.int64)
     assert np.isin(at, level.knots).all()
     assert level.offset_at(at)[:, 2] == pytest.approx([0.0, -60.0], abs=1.0)
-
-
-def test_a_sensor_that_warms_up() -> None:
-    time, force = walked(60.0)
-    warm = 30.0 * (1.0 - np.exp(-time / 15.0))
-    _, level = followed(time, force + np.outer(warm, (0.0, 0.0, 1.0)))
-    at = np.arange(3.0, 59.0)
-    read = level.offset_at(np.round(at * 1e9).astype(np.int64))[:, 2]
-    assert read == pytest.approx(30.0 * (1.0 - np.exp(-at / 15.0)), abs=4.0)
-
-
-def test_what_is_not_known_is_not_followed() -> None:
-    level, same = followed(np.arange(4000) / RATE_HZ, np.full((4000, 3), 50.0))
-    assert level.reason
-    assert same is level

@@ -9,7 +9,7 @@ from typing import Final
 
 import numpy as np
 
-from dogbot_logtool.core.arrays import Flags, Floats, Ints, median_of, percentiles_of
+from dogbot_logtool.core.arrays import Flags, Floats, Ints, median_of, percentiles_of, rows_of_runs
 from dogbot_logtool.dataclass import dataclass
 
 FEWEST_VISITS: Final = 2
@@ -48,75 +48,31 @@ _BINS: Final = 128
 
 
 @dataclass(frozen=True, slots=True)
-class Visits:
-    """Runs of consecutive samples near one mode; v of them, without their ends."""
-
-    start: Ints
-    """(v,) first row; also `end`, the row after the last."""
-    end: Ints
-
-    def __len__(self) -> int:
-        return len(self.start)
-
-    def rows(self) -> Ints:
-        """(m,) rows of all visits."""
-        length = self.end - self.start
-        shift = self.start - (np.cumsum(length) - length)
-        rows: Ints = np.arange(int(length.sum())) + np.repeat(shift, length)
-        return rows
-
-    def middle(self, time: Ints) -> Ints:
-        """(v,) ns, the time in the middle of each visit, of the samples' (n,) times."""
-        return np.asarray(time[(self.start + self.end - 1) // 2])
-
-    def strays(self, values: Floats) -> Floats:
-        """(m, k): how far each sample, of (n, k), is from the median of its visit."""
-        usual = np.repeat(self.medians(values), self.end - self.start, axis=0)
-        return np.asarray(values[self.rows()] - usual)
-
-    def quantiles(self, values: Floats, *shares: float) -> Floats:
-        """(v, len(shares)): quantiles of each visit's values, (n,); the nearest sample."""
-        length = self.end - self.start
-        first = np.cumsum(length) - length
-        own = values[self.rows()]
-        ordered = own[np.lexsort((own, np.repeat(first, length)))]
-        within = np.round((length[:, None] - 1) * np.array(shares)).astype(np.int64)
-        return np.asarray(ordered[first[:, None] + within])
-
-    def medians(self, values: Floats) -> Floats:
-        """(v, k): median of each visit's values, (n, k)."""
-        return np.column_stack([self.quantiles(part, 0.5) for part in values.T])
-
-
-@dataclass(frozen=True, slots=True)
-class Mode:
-    """A mode that is visited again and again."""
-
-    visits: Visits
-    level: float = 0.0
-    width: float = 0.0
-    """Usual range of 80 % of the samples within a visit, and between one visit and the next."""
-
-
-@dataclass(frozen=True, slots=True)
 class Modes:
-    """Swing and stance of a foot, if the lower values are those of swing."""
+    """Swing and stance of a foot, if the lower values are those of swing.
 
-    swing: Mode
-    stance: Mode
-    rest: Visits
-    """Swings without the rise to stance at their ends."""
+    A visit is a run of samples near one mode, without its ends: first row, and row after the last.
+    """
+
+    swings: Ints
+    """(v, 2) visits to the lower mode."""
+    stances: Ints
+    """(w, 2) visits to the higher one."""
+    rest: Ints
+    """(r, 2) swings without the rise to stance at their ends."""
+    raises: bool
+    """Whether load raises what the sensor reads, for swing to be the lower mode."""
+    swing: float = 0.0
+    """N, level of the lower mode; also `stance`, of the higher one."""
+    stance: float = 0.0
+    width: float = 0.0
+    """N, usual range of 80 % of the samples in a swing, and between one swing and the next."""
     fit: float = -np.inf
     """How well it fits that these are swing and stance."""
     width_fit: float = 0.0
     """The part of the fit that rests on how much narrower swing is than stance."""
     reason: str = ""
     """Why they are not clear; empty: they are."""
-
-    @property
-    def distance(self) -> float:
-        """How far stance is from swing, N."""
-        return self.stance.level - self.swing.level
 
     @property
     def score(self) -> float:
@@ -127,59 +83,81 @@ class Modes:
         return self.fit - (_UNCLEAR if self.reason not in {"", ONCE} else 0.0)
 
 
-def two_modes(values: Floats, runs: Ints) -> Modes:
+def two_modes(values: Floats, runs: Ints, *, raises: bool) -> Modes:
     """Find swing and stance in the forces along the load's axis, swing being the lower.
 
     Args:
         values: (n,) N.
         runs: (n,) numbers; samples with the same one have no silence between them.
+        raises: whether load raises what the sensor reads, if these are swing and stance.
     """
     low, peak, high = percentiles_of(values, [1.0, 95.0, 99.0])
-    none = Visits(np.empty(0, np.int64), np.empty(0, np.int64))
+    none = np.empty((0, 2), np.int64)
     if high <= low:
-        return Modes(Mode(none), Mode(none), none, reason=CONSTANT)
+        return Modes(none, none, none, raises, reason=CONSTANT)
     enter = leave = _otsu(np.clip(values, low, high))
     for _ in range(_ROUNDS):
         below = _hysteresis(values, enter, leave)
-        swing, stance = _mode(values, _visits(below, runs)), _mode(values, _visits(~below, runs))
-        if not len(swing.visits) or not len(stance.visits):
-            return Modes(swing, stance, none, reason=ONE_MODE)
-        enter, leave = (swing.level + share * (peak - swing.level) for share in (_ENTER, _LEAVE))
+        swings, stances = _visits(below, runs), _visits(~below, runs)
+        swing, width = _mode(values, swings)
+        if not len(swings) or not len(stances):
+            return Modes(swings, stances, none, raises, width=width, reason=ONE_MODE)
+        enter, leave = (swing + share * (peak - swing) for share in (_ENTER, _LEAVE))
+    stance, _ = _mode(values, stances)
     # From the first to the last sample below `enter` that none above `leave` parts.
     low_rows = _hysteresis(values, enter, leave) & _hysteresis(values[::-1], enter, leave)[::-1]
-    return Modes(swing, stance, _visits(low_rows, runs))
+    return Modes(swings, stances, _visits(low_rows, runs), raises, swing, stance, width)
 
 
-def judge_modes(modes: Modes, other_width: float, *, raises: bool, step: float) -> Modes:
+def judged(modes: Modes, other_width: float, step: float) -> Modes:
     """Decide whether two modes are swing and stance, and how well they look like it.
 
     Args:
         modes: what may be swing and stance.
         other_width: N, of the narrow mode if swing were stance and stance were swing.
-        raises: whether load would raise what the sensor reads.
-        step: N, in which it counts: by so much either mode may be narrower by chance.
+        step: N, in which the sensor counts: by so much either mode may be narrower by chance.
     """
     if modes.reason:
         return modes
-    swing, stance, distance = modes.swing, modes.stance, modes.distance
+    swing, stance, distance = modes.swing, modes.stance, modes.stance - modes.swing
     floor = max(1e-3 * distance, _ROUNDED * step)
-    wider = (other_width + floor) / (swing.width + floor)
+    wider = (other_width + floor) / (modes.width + floor)
     # Sensors are usually mounted so that a load raises their value, and offsets are smaller
     # than loads; both are habits. A foot that swings may feel its inertia, which widens swing.
-    nearer_zero = max(abs(stance.level) / max(abs(swing.level), floor), 1e-9)
+    nearer_zero = max(abs(stance) / max(abs(swing), floor), 1e-9)
     width_fit = float(np.clip(np.log2(wider), -4.0, 4.0))
-    fit = width_fit + float(np.clip(np.log2(nearer_zero), -3.0, 3.0)) + 0.5 * raises
+    fit = width_fit + float(np.clip(np.log2(nearer_zero), -3.0, 3.0)) + 0.5 * modes.raises
     # Weight cannot pull, so that a level on the other side of zero than the load is unloaded.
-    pulls = swing.level < -swing.width and stance.level > 0.0
-    plain = swing.level <= PLAIN_OFFSET * distance and (raises or stance.level > 0.0)
+    pulls = swing < -modes.width and stance > 0.0
+    plain = swing <= PLAIN_OFFSET * distance and (modes.raises or stance > 0.0)
     reason = ""
-    if len(swing.visits) < FEWEST_VISITS and not pulls:
+    if len(modes.swings) < FEWEST_VISITS and not pulls:
         reason = ONCE
-    elif swing.width > NARROW * distance:
+    elif modes.width > NARROW * distance:
         reason = WIDE
     elif wider < WIDER and not plain:
         reason = ALTERNATE
     return replace(modes, fit=fit, width_fit=width_fit, reason=reason)
+
+
+def visit_quantiles(values: Floats, visits: Ints, *shares: float) -> Floats:
+    """(v, len(shares)): quantiles of each visit's values, (n,); the nearest sample."""
+    rows, run, first = rows_of_runs(*visits.T)
+    own = values[rows]
+    ordered = own[np.lexsort((own, run))]
+    within = np.round((np.diff(visits) - 1) * np.array(shares)).astype(np.int64)
+    return np.asarray(ordered[first[:, None] + within])
+
+
+def visit_medians(values: Floats, visits: Ints) -> Floats:
+    """(v, k): median of each visit's values, (n, k)."""
+    return np.column_stack([visit_quantiles(part, visits, 0.5) for part in values.T])
+
+
+def strays(values: Floats, visits: Ints) -> tuple[Floats, Ints]:
+    """(m, k) how far each sample, of (n, k), is from the median of its visit; (m,) its row."""
+    rows, run, _ = rows_of_runs(*visits.T)
+    return np.asarray(values[rows] - visit_medians(values, visits)[run]), rows
 
 
 def _otsu(values: Floats) -> float:
@@ -204,8 +182,8 @@ def _hysteresis(values: Floats, enter: float, leave: float) -> Flags:
     return np.where(last >= 0, below[last], values <= (enter + leave) / 2.0)
 
 
-def _visits(flags: Flags, runs: Ints) -> Visits:
-    """Return the middles of the runs of flagged samples."""
+def _visits(flags: Flags, runs: Ints) -> Ints:
+    """(v, 2) rows of the middles of the runs of flagged samples."""
     key = np.where(flags, runs + 1, 0)
     edges = np.flatnonzero(np.diff(key, prepend=0, append=0))
     flagged = np.flatnonzero(key[edges[:-1]] > 0)
@@ -214,18 +192,18 @@ def _visits(flags: Flags, runs: Ints) -> Visits:
     if long.any():
         start, end = start[long], end[long]
     cut = ((end - start) * _CUT_OFF).astype(np.int64)
-    return Visits(start + cut, np.maximum(end - cut, start + cut + 1))
+    return np.stack([start + cut, np.maximum(end - cut, start + cut + 1)], axis=1)
 
 
-def _mode(values: Floats, visits: Visits) -> Mode:
-    """Reduce visits to a mode; each counts once, however long it lasts."""
+def _mode(values: Floats, visits: Ints) -> tuple[float, float]:
+    """Return level and width, N, of the mode of some visits; each counts once, however long."""
     if not len(visits):
-        return Mode(visits)
-    low, level, high = visits.quantiles(values, 0.1, 0.5, 0.9).T
+        return 0.0, 0.0
+    low, level, high = visit_quantiles(values, visits, 0.1, 0.5, 0.9).T
     between = float(median_of(np.abs(np.diff(level)))) if len(level) > 1 else 0.0
     # The median of the shortest interval that holds half of the visits.
     ordered = np.sort(level)
     half = len(ordered) // 2 + 1
     first = int((ordered[half - 1 :] - ordered[: len(ordered) - half + 1]).argmin())
     densest = float(median_of(ordered[first : first + half]))
-    return Mode(visits, densest, float(median_of(high - low)) + between)
+    return densest, float(median_of(high - low)) + between

@@ -1,14 +1,62 @@
-"""Poses whose z axis is not up, of the world or of the body, told by a walk that goes on."""
+"""Which way is forward, and which way is up."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Final
 
 import numpy as np
 
 from dogbot_logtool.core.arrays import Floats, median_of
-from dogbot_logtool.core.base.base_history import BaseHistory
 from dogbot_logtool.core.base.falls import TILT_RAD, UPRIGHT_RAD, tilt_rad
+from dogbot_logtool.core.base.ground import axis_by_legs, nearest_axis
+from dogbot_logtool.core.base.motion import FORWARD_ANGLES, BaseMotion, BaseTrack
+from dogbot_logtool.core.base.poses import BaseHistory
 from dogbot_logtool.core.contact.foot_history import FootHistory
+from dogbot_logtool.core.settings import StatsSettings
+
+WALKED_M: Final = 0.5
+"""m, way to a side from which its direction means something."""
+
+
+def with_forward_axis(
+    settings: StatsSettings, track: BaseTrack, motion: BaseMotion | None
+) -> StatsSettings:
+    """Let evidence correct a guessed forward axis.
+
+    The fore and hind feet's contact points decide. Where these are not known, the motion does, if
+    it is clearly to a side of the guessed axis; a robot that walks backward contradicts nothing.
+
+    Args:
+        settings: with the forward axis of the robot.
+        track: the poses of its base.
+        motion: of the base along that axis; None: not known.
+    """
+    if not settings.forward_axis_is_assumed:
+        return settings
+    positions = [foot.leg_position for foot in settings.feet]
+    measured = axis_by_legs(track.history, track.feet, positions)
+    because = "the fore feet are on that side of the hind feet"
+    if measured is None:
+        measured = axis_by_motion(motion, settings.forward_axis)
+        because = "the robot moves that way"
+    if measured is None or measured == settings.forward_axis:
+        return settings
+    reason = f"{settings.forward_axis} of the guessed robot is not forward here: {because}"
+    return replace(settings, forward_axis=measured, forward_axis_reason=reason)
+
+
+def axis_by_motion(motion: BaseMotion | None, forward_axis: str) -> str | None:
+    """Return the body's axis that the motion follows, if it is to a side of the given one."""
+    if motion is None or motion.forward_speed_mps is None or motion.lateral_speed_mps is None:
+        return None
+    forward, left = motion.forward_speed_mps, motion.lateral_speed_mps
+    if abs(left) * motion.duration_s < WALKED_M or abs(left) <= abs(forward):
+        return None
+    turn = FORWARD_ANGLES[forward_axis]
+    along = np.array([forward * np.cos(turn), forward * np.sin(turn)])
+    aside = np.array([-left * np.sin(turn), left * np.cos(turn)])
+    return nearest_axis(along + aside)
+
 
 STEEP_RAD: Final = np.radians(45.0)
 """No legged robot walks with its back so steep."""
