@@ -3,7 +3,7 @@
 A path comes from transforms, or from joints with their robot description, at a low rate.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import field
 from typing import Final
 
@@ -173,14 +173,6 @@ def _path_by_joints(chain: LegChain, joints: Mapping[str, JointTrack]) -> FootPa
     for column in range(len(chain.joints)):
         point = links.translation[:, column] + rotate(links.rotation[:, column], point)
     return _path(time, point.astype(np.float32)) if len(time) else None
-
-
-def moving_parents(
-    chains: Sequence[LegChain | None], parents: Mapping[str, str], statics: TransformBuffer
-) -> dict[str, str]:
-    """Return the parents of the frames of legs that transforms move."""
-    frames = {frame for chain in chains if chain for frame in chain.frames}
-    return {frame: parents[frame] for frame in sorted(frames - statics.frames.keys())}
 
 
 def chain_to(

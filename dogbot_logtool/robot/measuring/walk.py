@@ -145,7 +145,7 @@ def _findings(recording: Recording, learnt: LearntSettings, plan: MeasuringPlan)
     # The figures have a finding of their own for each topic's stamps.
     seen = probe_findings(learnt.selection, learnt.probe)
     findings = [*learnt.selection.findings, *(f for f in seen if f.code != "BAD_STAMPS")]
-    findings.extend(plan.side.findings if plan.side else ())
+    findings.extend(plan.side.findings)
     if recording.implausible:
         findings.append(Finding("NOT_FINITE", f"{recording.implausible:,} {IMPLAUSIBLE}"))
     return findings
