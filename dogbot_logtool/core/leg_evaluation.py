@@ -10,7 +10,7 @@ from dogbot_logtool.core.arrays import Floats, aggregate
 from dogbot_logtool.core.base.poses import without_jumps
 from dogbot_logtool.core.corrections.clock import ClockDifference, too_far_apart
 from dogbot_logtool.core.frames.transforms import TransformBuffer
-from dogbot_logtool.core.gait.foot_statistics import FootStatistics
+from dogbot_logtool.core.gait.foot_steps import FootSteps
 from dogbot_logtool.core.gait.standing import typical_period_s
 from dogbot_logtool.core.legs.joints import JointTable, JointTrack, joint_tracks
 from dogbot_logtool.core.legs.legs import LegFigures, LegFoot, joint_curve, summed_work
@@ -81,7 +81,9 @@ def with_legs(
         ),
         clocks_apart={each.topic: each for each in clocks if each.topic in apart},
     )
-    return _with_slips(replace(stats, legs=legs), [leg.slips for leg in feet])
+    slipping = zip(stats.feet, feet, strict=True)
+    with_slips = tuple(_with_slips(foot, leg.slips) for foot, leg in slipping)
+    return replace(stats, legs=legs, feet=with_slips)
 
 
 def _feet(
@@ -138,7 +140,7 @@ def _feet(
     )
 
 
-def _leg_work(foot: FootStatistics, joints: Sequence[JointTrack]) -> dict[str, Floats]:
+def _leg_work(foot: FootSteps, joints: Sequence[JointTrack]) -> dict[str, Floats]:
     """Return the work of a leg in the strides of its foot, with NaN for what else is of strides."""
     unknown = np.full(len(foot.strides.stance), np.nan)
     found = dict.fromkeys((*SWINGS, *STEPS, "positive_work_j", "absolute_work_j"), unknown)
@@ -148,9 +150,7 @@ def _leg_work(foot: FootStatistics, joints: Sequence[JointTrack]) -> dict[str, F
     return found
 
 
-def _swinging(
-    leg: LegFoot, foot: FootStatistics, path: FootPath
-) -> tuple[LegFoot, Footfalls | None]:
+def _swinging(leg: LegFoot, foot: FootSteps, path: FootPath) -> tuple[LegFoot, Footfalls | None]:
     """Add the swings of a foot by its path in the world, if it is at rest in stances."""
     stood = footfalls(path, foot.stances)
     travel = aggregate(stood.travel_m[foot.stances.whole])
@@ -228,22 +228,8 @@ def _cost(stats: Stats, absolute_j: Floats) -> float | None:
     return float(absolute_j[known].sum()) / (weight * total) if total >= SHORTEST_WAY_M else None
 
 
-def _with_slips(stats: Stats, slips: Sequence[tuple[Floats, Floats] | None]) -> Stats:
-    """Return figures with the slips of the feet's frames, of the log and of each segment."""
-
-    def with_own(feet: Sequence[FootStatistics]) -> tuple[FootStatistics, ...]:
-        return tuple(
-            foot
-            if own is None
-            else replace(
-                foot,
-                slip_m=own[0],
-                slip_source="foot_frame",
-                slip_distance_m=aggregate(own[0][foot.stances.whole]),
-                largest_slip_m=aggregate(own[1][foot.stances.whole]),
-            )
-            for foot, own in zip(feet, slips, strict=True)
-        )
-
-    segments = [replace(each, feet=with_own(each.feet)) for each in stats.segment_figures]
-    return replace(stats, feet=with_own(stats.feet), segment_figures=tuple(segments))
+def _with_slips(foot: FootSteps, slips: tuple[Floats, Floats] | None) -> FootSteps:
+    """Return a foot with the slips of its frame, where these are known."""
+    if slips is None:
+        return foot
+    return replace(foot, slip_m=slips[0], slip_largest_m=slips[1], slip_from="foot_frame")

@@ -130,8 +130,7 @@ def _signs(stats: Stats, legs: LegFigures) -> dict[str, LegSigns]:
     base = without_jumps(stats.base_history, stats.jumps)
     found = {}
     for row, (foot, leg) in enumerate(zip(stats.feet, legs.feet, strict=True)):
-        curves = foot.force_curves
-        told = curves.vertical_over_stride is not None and curves.forward_over_stride is not None
+        told = foot.vertical_over_stride is not None and foot.forward_over_stride is not None
         if leg.path is None or leg.reason or not told:
             continue
         moving = [joint for joint in legs.joints_of(row) if joint.moves]
