@@ -15,7 +15,7 @@ import numpy as np
 
 from dogbot_logtool.core.arrays import Flags, Floats, Ints, median_of
 from dogbot_logtool.core.base.poses import BaseHistory
-from dogbot_logtool.core.contact.stance_curves import PARTS
+from dogbot_logtool.core.contact.stance_samples import PARTS
 from dogbot_logtool.core.contact.stances import Stances
 from dogbot_logtool.core.gait.strides import Strides
 from dogbot_logtool.core.legs.joints import JointTrack
