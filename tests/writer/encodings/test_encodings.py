@@ -1,6 +1,6 @@
 """Messages of all encodings, as the official libraries and other readers take them."""
 
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
@@ -30,7 +30,7 @@ DECODERS: tuple[Any, ...] = (ProtobufDecoders, Ros1Decoders, DecoderFactory)
 each_encoding = pytest.mark.parametrize("encoding", ENCODINGS, ids=lambda one: type(one).__name__)
 
 
-def decoder(kind: MessageType) -> Callable[[bytes], Any]:
+def decoder(kind: MessageType) -> Any:
     """Return the mcap library's decoder: all it knows is what stands in the file."""
     schema = records.Schema(id=1, data=kind.schema, encoding=kind.schema_encoding, name=kind.name)
     found = (each().decoder_for(kind.message_encoding, schema) for each in DECODERS)
