@@ -19,7 +19,7 @@ from dogbot_logtool.core.checks.voids import void_columns, void_patterns
 from dogbot_logtool.core.contact.contacts import Samples
 from dogbot_logtool.core.contact.stances import Cut
 from dogbot_logtool.core.corrected import usable_samples
-from dogbot_logtool.core.gait.foot_steps import FootSteps
+from dogbot_logtool.core.gait.feet import FootSteps
 from dogbot_logtool.core.metrics import (
     Event,
     Finding,

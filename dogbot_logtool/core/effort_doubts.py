@@ -10,7 +10,7 @@ from typing import Final
 from dogbot_logtool.core.arrays import median_of
 from dogbot_logtool.core.base.poses import BaseHistory, without_jumps
 from dogbot_logtool.core.checks.loads import direction_is_doubtful
-from dogbot_logtool.core.gait.foot_steps import FootSteps
+from dogbot_logtool.core.gait.feet import FootSteps
 from dogbot_logtool.core.legs.effort_signs import LegSigns, leg_signs, shortfall
 from dogbot_logtool.core.legs.foot_path import FootPath
 from dogbot_logtool.core.legs.leg_figures import LegFigures, LegFoot, SignDoubt

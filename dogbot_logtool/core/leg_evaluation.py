@@ -11,8 +11,8 @@ from dogbot_logtool.core.arrays import Floats, aggregate
 from dogbot_logtool.core.base.poses import BaseHistory, without_jumps
 from dogbot_logtool.core.corrections.clock import ClockDifference, too_far_apart
 from dogbot_logtool.core.effort_doubts import with_effort_doubts
-from dogbot_logtool.core.gait.foot_steps import FootSteps
-from dogbot_logtool.core.gait.standing import typical_period_s
+from dogbot_logtool.core.gait.feet import FootSteps
+from dogbot_logtool.core.gait.support import typical_period_s
 from dogbot_logtool.core.legs.foot_path import FootPath
 from dogbot_logtool.core.legs.joint_cycles import (
     Work,
@@ -36,7 +36,7 @@ from dogbot_logtool.core.legs.swings import (
     swings,
     world_path,
 )
-from dogbot_logtool.core.load.slip import slip_m
+from dogbot_logtool.core.loads import slip_m
 from dogbot_logtool.core.statistics import Stats
 
 IDLE: Final = 0.02

@@ -17,19 +17,24 @@ from dogbot_logtool.core.consistency.worlds import Worlds, placed_poses
 from dogbot_logtool.core.contact.foot_history import FootHistory
 from dogbot_logtool.core.corrected import Corrected
 from dogbot_logtool.core.corrections.clock import too_far_apart
-from dogbot_logtool.core.gait.foot_steps import FootSteps, foot_steps, net_push
-from dogbot_logtool.core.gait.reference_foot import any_strides, reference_strides
-from dogbot_logtool.core.gait.standing import Standing, standing_in, typical_period_s
-from dogbot_logtool.core.gait.support_pattern import Support, support
-from dogbot_logtool.core.load.load_figures import (
-    LoadFigures,
+from dogbot_logtool.core.gait.feet import FootSteps, foot_steps, net_push
+from dogbot_logtool.core.gait.segments import any_strides, reference_strides
+from dogbot_logtool.core.gait.support import (
+    Standing,
+    Support,
+    standing_in,
+    support,
+    typical_period_s,
+)
+from dogbot_logtool.core.loads import (
+    WalkLoads,
     dead_feet,
     is_stuck,
-    load_figures,
+    loads_of,
 )
 from dogbot_logtool.core.metrics import Base, Stability
 from dogbot_logtool.core.settings import StatsSettings
-from dogbot_logtool.core.stability.stability import Unstable, stability
+from dogbot_logtool.core.stability import Unstable, stability
 from dogbot_logtool.dataclass import dataclass
 
 if TYPE_CHECKING:
@@ -135,10 +140,10 @@ def stability_in(
     return found or (None, None)
 
 
-def loads_in(walk: MaskedWalk, within: Ints | None = None) -> LoadFigures:
+def loads_in(walk: MaskedWalk, within: Ints | None = None) -> WalkLoads:
     """Return the loads of all feet over whole strides of the first foot that has any."""
     strides = reference_strides(walk.feet)
-    return load_figures(
+    return loads_of(
         walk.records,
         walk.settings.body_weight_n,
         (strides if within is None else strides.within(within)).spans,
@@ -156,7 +161,7 @@ def mask_walk(corrected: Corrected) -> MaskedWalk:
     placed, worlds = placed_poses(records, corrected.base, base)
     height = _steadiest_height(records, placed, base)
     fallen = fallen_spans(corrected.base, records, height, jumps.spans)
-    weighed = load_figures(
+    weighed = loads_of(
         records, settings.body_weight_n, any_strides(records, fallen, timespans.no_spans())
     )
     dead = tuple(dead_feet(records, weighed))

@@ -22,8 +22,13 @@ from dogbot_logtool.core.base.poses import BaseHistory
 from dogbot_logtool.core.consistency.stopped import all_silent
 from dogbot_logtool.core.contact.foot_history import FootHistory
 from dogbot_logtool.core.corrected import Corrected, clocks_with, correct
-from dogbot_logtool.core.gait.reference_foot import any_strides, gait_input
-from dogbot_logtool.core.gait.segments import Segment, find_segments, main_segment
+from dogbot_logtool.core.gait.segments import (
+    Segment,
+    any_strides,
+    find_segments,
+    gait_input,
+    main_segment,
+)
 from dogbot_logtool.core.leg_position import quadruped
 from dogbot_logtool.core.masked_walk import (
     MaskedWalk,

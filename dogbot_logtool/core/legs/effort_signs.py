@@ -22,8 +22,8 @@ from dogbot_logtool.core.legs.foot_path import FootPath
 from dogbot_logtool.core.legs.joint_cycles import Work, joint_work
 from dogbot_logtool.core.legs.joint_track import JointHistory
 from dogbot_logtool.core.legs.silences import silent_before, unbroken
-from dogbot_logtool.core.load.loads import GRAVITY_MPS2
 from dogbot_logtool.core.rotations import from_roll_pitch_yaw, rotate
+from dogbot_logtool.core.settings import GRAVITY_MPS2
 from dogbot_logtool.dataclass import dataclass
 
 CONTRADICTS: Final = 0.75

@@ -3,7 +3,7 @@
 import numpy as np
 
 from dogbot_logtool.core.arrays import Floats, Ints, percentiles_of
-from dogbot_logtool.core.gait.cycle_curves import CYCLE_POINTS, QUARTILES
+from dogbot_logtool.core.gait.feet import CYCLE_POINTS, QUARTILES
 from dogbot_logtool.core.gait.strides import Strides
 from dogbot_logtool.core.legs.joint_track import JointHistory, JointTrack
 from dogbot_logtool.core.legs.silences import silent_before, unbroken

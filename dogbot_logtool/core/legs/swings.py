@@ -7,7 +7,7 @@ import numpy as np
 from dogbot_logtool.core.arrays import Flags, Floats, Ints, median_of
 from dogbot_logtool.core.base.poses import BaseHistory
 from dogbot_logtool.core.contact.stances import Cut, Stances
-from dogbot_logtool.core.gait.cycle_curves import CYCLE_POINTS, CycleCurve, cycle_curve
+from dogbot_logtool.core.gait.feet import CYCLE_POINTS, CycleCurve, cycle_curve
 from dogbot_logtool.core.gait.strides import Strides
 from dogbot_logtool.core.legs.foot_path import FootPath
 from dogbot_logtool.core.legs.silences import silent_before, unbroken

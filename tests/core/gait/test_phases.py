@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from dogbot_logtool.core.gait.phases import diagonality, limb_phases, phases_by_stride, phases_in
+from dogbot_logtool.core.gait.classes import diagonality, limb_phases, phases_by_stride, phases_in
 from dogbot_logtool.core.gait.strides import Strides
 
 S = 1_000_000_000

@@ -5,7 +5,7 @@ import pytest
 
 from dogbot_logtool.core.arrays import Floats, Ints
 from dogbot_logtool.core.contact.foot_history import FootHistory
-from dogbot_logtool.core.load.impulses import mean_impulses
+from dogbot_logtool.core.loads import mean_impulses
 from tests.core.load.feet import RATE_HZ, foot, seconds
 
 HALF_S = 0.1

@@ -10,12 +10,11 @@ from dogbot_logtool.core import timespans
 from dogbot_logtool.core.arrays import Ints
 from dogbot_logtool.core.contact.foot_history import FootHistory
 from dogbot_logtool.core.gait.strides import strides_of
-from dogbot_logtool.core.load.load_figures import (
-    LoadFigures,
+from dogbot_logtool.core.loads import (
+    WalkLoads,
     WeightSource,
     grouped_shares,
-    load_figures,
-    mean_vertical_n,
+    loads_of,
     symmetry_index_percent,
     whole_strides,
 )
@@ -36,8 +35,8 @@ def trot(
     ]
 
 
-def figures(feet: Sequence[FootHistory], weight_n: float | None = WEIGHT_N) -> LoadFigures:
-    return load_figures(feet, weight_n, strides(feet[0]))
+def figures(feet: Sequence[FootHistory], weight_n: float | None = WEIGHT_N) -> WalkLoads:
+    return loads_of(feet, weight_n, strides(feet[0]))
 
 
 @pytest.mark.parametrize("duration_s", [2.0, 2.3, 2.6, 3.05, 9.1])
@@ -75,7 +74,7 @@ def test_a_segment_without_strides_is_measured_over_its_own_time() -> None:
     feet = trot(9.0)
     start = feet[0].start or 0
     within = np.array([[start, start + 1_000_000_000]])
-    assert load_figures(feet, WEIGHT_N, within=within).known_s == pytest.approx(1.0)
+    assert loads_of(feet, WEIGHT_N, within=within).known_s == pytest.approx(1.0)
 
 
 @pytest.mark.parametrize("scale", [0.85, 1.0, 1.15])
@@ -90,7 +89,7 @@ def test_a_mass_that_the_feet_refute_gives_none(scale: float) -> None:
     feet = trot(9.0, scale=scale)
     assert figures(feet).weight_n is None
     assert figures(feet).vertical_impulse_over_weight == pytest.approx(scale, abs=0.01)
-    assumed = load_figures(feet, WEIGHT_N, strides(feet[0]), mass_is_assumed=True)
+    assumed = loads_of(feet, WEIGHT_N, strides(feet[0]), mass_is_assumed=True)
     assert assumed.weight_refuted
     assert assumed.mean_vertical_n == pytest.approx(scale * WEIGHT_N, rel=0.003)
 
@@ -124,7 +123,6 @@ def test_forces_of_unknown_direction_tell_no_weight() -> None:
     assert (loads.weight_n, loads.mean_vertical_n) == (None, None)
     assert loads.share_of == "force_impulse"
     assert loads.shares == pytest.approx((0.25,) * 4, abs=0.002)
-    assert mean_vertical_n(feet, feet[0].known) is None
 
 
 def test_equal_sides_have_no_asymmetry() -> None:
@@ -168,14 +166,7 @@ def test_unknown_places_have_no_shares() -> None:
 def test_forces_that_lean_may_be_tilted_where_the_weight_says_so(
     vertical_n: float, magnitude_n: float, *, told: bool
 ) -> None:
-    loads = replace(
-        figures(trot(3.0)),
-        mean_vertical_n=vertical_n,
-        mean_magnitude_n=magnitude_n,
-        vertical_impulse_over_weight=vertical_n / WEIGHT_N,
-        weight_source=WeightSource.MASS,
-    )
+    loads = replace(figures(trot(3.0)), mean_vertical_n=vertical_n, mean_magnitude_n=magnitude_n)
     assert loads.may_be_tilted == told
     leans = magnitude_n > 1.01 * vertical_n
-    assert replace(loads, weight_source=WeightSource.ESTIMATED).may_be_tilted == leans
-    assert replace(loads, vertical_impulse_over_weight=None).may_be_tilted == leans
+    assert replace(loads, body_weight_n=None).may_be_tilted == leans

@@ -6,7 +6,7 @@ import numpy as np
 
 from dogbot_logtool.core.arrays import Floats
 from dogbot_logtool.core.contact.foot_history import FootHistory
-from dogbot_logtool.core.load.load_figures import is_stuck
+from dogbot_logtool.core.loads import is_stuck
 from tests.core.load.feet import foot, seconds, vertical
 
 TIME = seconds(8.0)

@@ -6,7 +6,7 @@ from dogbot_logtool.core.contact.contact_rule import ContactRule
 from dogbot_logtool.core.contact.contacts import Samples
 from dogbot_logtool.core.contact.foot_history import FootHistory, foot_history
 from dogbot_logtool.core.corrections.clock import TimeSource
-from dogbot_logtool.core.stability.ground_projection import (
+from dogbot_logtool.core.stability import (
     footprints,
     pressure_path,
 )
