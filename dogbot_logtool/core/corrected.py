@@ -19,6 +19,7 @@ from dogbot_logtool.core.corrections.clock import (
     check_stamps,
     choose_clock,
     clock_differences,
+    offset_track,
     without_bad_stamps,
 )
 from dogbot_logtool.core.quality.quality import (
@@ -33,6 +34,7 @@ from dogbot_logtool.core.settings import StatsSettings
 from dogbot_logtool.dataclass import dataclass
 
 if TYPE_CHECKING:
+    from dogbot_logtool.core.legs.joints import JointTable
     from dogbot_logtool.core.vectors import VectorHistory
 
 
@@ -111,13 +113,19 @@ def log_clock(recording: Recording, settings: StatsSettings) -> LogClock:
     return choose_clock([*checks, base_check], differences, settings.time_source)
 
 
-def clocks_with(
-    corrected: Corrected, offsets: Mapping[str, OffsetTrack]
+def clocks_of_joints(
+    corrected: Corrected, joints: "Sequence[JointTable]"
 ) -> tuple[ClockDifference, ...]:
-    """Compare the clocks of further topics, too; nothing on log time."""
+    """Compare the clocks of joint states, too; nothing on log time."""
     settings = corrected.settings
     if settings.clock is TimeSource.LOG:
         return ()
+    offsets = {}
+    for table in joints:
+        own = table.samples
+        # Messages without a stamp have their log time.
+        stamped = own.stamp != own.log_time
+        offsets[table.topic] = offset_track(own.log_time[stamped], own.stamp[stamped])
     return _differences({**offsets, **corrected.offsets}, settings)
 
 

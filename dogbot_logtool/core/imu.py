@@ -17,7 +17,7 @@ from dogbot_logtool.core import timespans
 from dogbot_logtool.core.arrays import Floats, Ints, all_finite, distinct
 from dogbot_logtool.core.base.poses import BaseHistory
 from dogbot_logtool.core.contact.foot_history import FootHistory
-from dogbot_logtool.core.contact.stance_curves import PARTS
+from dogbot_logtool.core.contact.stance_samples import PARTS
 from dogbot_logtool.core.loads import CELL_RATE_HZ, mean_impulses, vertical_is_known
 from dogbot_logtool.core.metrics import Imu
 from dogbot_logtool.core.rotations import conjugate, from_roll_pitch_yaw, rotate

@@ -21,7 +21,7 @@ from dogbot_logtool.core.base.motion import FORWARD_ANGLES
 from dogbot_logtool.core.base.poses import BaseHistory
 from dogbot_logtool.core.consistency.stopped import all_silent
 from dogbot_logtool.core.contact.foot_history import FootHistory
-from dogbot_logtool.core.corrected import Corrected, clocks_with, correct
+from dogbot_logtool.core.corrected import Corrected, clocks_of_joints, correct
 from dogbot_logtool.core.gait.segments import (
     Segment,
     any_strides,
@@ -45,7 +45,7 @@ if TYPE_CHECKING:
     from dogbot_logtool.core.commands import CommandTrack
     from dogbot_logtool.core.frames.transforms import TransformBuffer
     from dogbot_logtool.core.imu import ImuComparison
-    from dogbot_logtool.core.legs.settings import LegSettings
+    from dogbot_logtool.core.legs.paths import LegSettings
     from dogbot_logtool.core.vectors import VectorHistory
 
 
@@ -167,12 +167,11 @@ def _with_legs(
     stats: Stats,
     recording: Recording,
     corrected: Corrected,
-    legs: "LegSettings",
+    settings: "LegSettings",
     frames: "TransformBuffer",
 ) -> Stats:
     """Add the metrics of the legs."""
     from dogbot_logtool.core.leg_evaluation import with_legs  # noqa: PLC0415
-    from dogbot_logtool.core.legs.leg_history import leg_history  # noqa: PLC0415
 
-    history = leg_history(recording.joints, frames, legs, stats.settings.clock)
-    return with_legs(stats, history, clocks_with(corrected, history.offsets))
+    clocks = clocks_of_joints(corrected, recording.joints)
+    return with_legs(stats, recording.joints, settings, frames, clocks)

@@ -19,7 +19,7 @@ from dogbot_logtool.core.arrays import (
 from dogbot_logtool.core.base.motion import FORWARD_ANGLES, stride_lengths
 from dogbot_logtool.core.base.poses import BaseHistory
 from dogbot_logtool.core.contact.foot_history import FootHistory
-from dogbot_logtool.core.contact.stance_curves import PARTS
+from dogbot_logtool.core.contact.stance_samples import PARTS
 from dogbot_logtool.core.contact.stances import Cut, Stances
 from dogbot_logtool.core.gait.strides import (
     Strides,

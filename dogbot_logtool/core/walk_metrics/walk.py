@@ -6,7 +6,7 @@ walk.gait.name, walk.feet["front_left"].stance_s.median
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import Final
+from typing import Any, Final
 
 from dogbot_logtool.core import metrics
 from dogbot_logtool.core.arrays import Aggregate, CircularMean, Ints, aggregate
@@ -15,6 +15,7 @@ from dogbot_logtool.core.gait.classes import STAND, TOLERANCE, diagonality, limb
 from dogbot_logtool.core.gait.feet import curve_of, foot_metrics
 from dogbot_logtool.core.gait.segments import Segment
 from dogbot_logtool.core.gait.support import Support
+from dogbot_logtool.core.legs.swings import STEPS, SWINGS
 from dogbot_logtool.core.loads import (
     WalkLoads,
     grouped_shares,
@@ -29,6 +30,7 @@ from dogbot_logtool.core.metrics import (
     Forces,
     Gait,
     GaitOfLog,
+    Legs,
     LimbPhase,
     LoadShare,
     Log,
@@ -47,7 +49,6 @@ from dogbot_logtool.core.walk_metrics.rest import (
     Chosen,
     commands_metrics,
     imu_metrics,
-    legs_metrics,
     quality_metrics,
     settings_metrics,
 )
@@ -91,7 +92,7 @@ def metrics_of(stats: Stats, log: Log, chosen: Chosen, findings: Sequence[Findin
         feet=feet,
         forces=_forces(stats, stats.loads, feet),
         stability=stats.stability or unknown(Stability),
-        legs=legs_metrics(stats.legs),
+        legs=unknown(Legs) if stats.legs is None else stats.legs.metrics,
         commands=commands_metrics(stats),
         imu=imu_metrics(stats),
         quality=quality_metrics(stats, findings),
@@ -127,15 +128,11 @@ def _foot(stats: Stats, row: int, within: Ints | None = None) -> Foot:
         return found
     leg = stats.legs.feet[row]
     inside = slice(None) if within is None else foot.strides.rows_within(within)
+    swings = {name: aggregate(leg.strides[name][inside]) for name in (*SWINGS, *STEPS)}
     return replace(
         found,
-        step_length_m=aggregate(leg.steps.length_m[inside]),
-        step_width_m=aggregate(leg.steps.width_m[inside]),
-        clearance_m=aggregate(leg.swings.clearance_m[inside]),
-        swing_length_m=aggregate(leg.swings.length_m[inside]),
-        touchdown_down_mps=aggregate(leg.swings.touchdown_down_mps[inside]),
-        touchdown_along_mps=aggregate(leg.swings.touchdown_along_mps[inside]),
-        height_over_stride_m=curve_of(leg.swings.height) if within is None else None,
+        **dict[str, Any](swings),
+        height_over_stride_m=curve_of(leg.height) if within is None else None,
     )
 
 
