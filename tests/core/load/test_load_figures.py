@@ -60,23 +60,6 @@ def test_a_stride_with_a_gap_in_any_foot_is_left_out() -> None:
     assert figures(feet).shares == pytest.approx((0.25,) * 4, abs=0.002)
 
 
-def test_a_robot_that_stands_is_measured_over_all_known_time() -> None:
-    time = seconds(3.0)
-    feet = [foot(time, np.full(len(time), share * WEIGHT_N)) for share in (0.4, 0.3, 0.2, 0.1)]
-    loads = figures(feet)
-    assert not loads.over_strides
-    assert loads.known_s == pytest.approx(3.0)
-    assert loads.shares == pytest.approx((0.4, 0.3, 0.2, 0.1))
-    assert loads.vertical_impulse_over_weight == pytest.approx(1.0)
-
-
-def test_a_segment_without_strides_is_measured_over_its_own_time() -> None:
-    feet = trot(9.0)
-    start = feet[0].start or 0
-    within = np.array([[start, start + 1_000_000_000]])
-    assert loads_of(feet, WEIGHT_N, within=within).known_s == pytest.approx(1.0)
-
-
 @pytest.mark.parametrize("scale", [0.85, 1.0, 1.15])
 def test_a_mass_that_the_feet_bear_out_gives_body_weights(scale: float) -> None:
     loads = figures(trot(9.0, scale=scale))
@@ -110,12 +93,6 @@ def test_without_a_mass_the_weight_is_that_of_whole_strides() -> None:
     assert loads.vertical_impulse_over_weight is None
 
 
-def test_without_a_mass_nor_strides_the_weight_is_not_known() -> None:
-    time = seconds(3.0)
-    feet = [foot(time, np.full(len(time), WEIGHT_N / 4.0))] * 4
-    assert figures(feet, None).weight_n is None
-
-
 def test_forces_of_unknown_direction_tell_no_weight() -> None:
     time = seconds(9.0)
     feet = [foot(time, vertical(time, phase), world=False) for phase in TROT]
@@ -125,32 +102,15 @@ def test_forces_of_unknown_direction_tell_no_weight() -> None:
     assert loads.shares == pytest.approx((0.25,) * 4, abs=0.002)
 
 
-def test_equal_sides_have_no_asymmetry() -> None:
-    assert symmetry_index_percent(80.0, 80.0) == 0.0
-
-
 def test_the_index_is_positive_when_the_right_side_has_more() -> None:
     assert symmetry_index_percent(90.0, 110.0) == pytest.approx(20.0)
     assert symmetry_index_percent(110.0, 90.0) == pytest.approx(-20.0)
-
-
-@pytest.mark.parametrize("sides", [(None, 1.0), (1.0, None), (0.0, 0.0), (-1.0, 1.0)])
-def test_the_index_is_unknown_without_sides_or_denominator(
-    sides: tuple[float | None, float | None],
-) -> None:
-    assert symmetry_index_percent(*sides) is None
 
 
 def test_shares_are_added_up_by_place() -> None:
     places = [("front", "left"), ("front", "right"), ("back", "left"), ("back", "right")]
     shares = grouped_shares([0.2, 0.3, 0.1, 0.4], places)
     assert shares == pytest.approx({"fore": 0.5, "hind": 0.5, "left": 0.3, "right": 0.7})
-
-
-def test_unknown_places_have_no_shares() -> None:
-    assert grouped_shares([0.5, 0.5], [None, ("front", "left")]) == dict.fromkeys(
-        ("fore", "hind", "left", "right")
-    )
 
 
 @pytest.mark.parametrize(
