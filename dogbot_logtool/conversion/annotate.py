@@ -130,7 +130,7 @@ def _placed(
     links, clock = (None,) * len(points), stats.settings.clock
     frames = replace(plan.frames, points=points, links=links, clock=clock)
     placed = frames.place(recording.feet, frames.tracks(recording.transforms, recording.base))
-    return placed.samples, tuple(frame_findings(frames, placed.counts))
+    return placed.samples, tuple(frame_findings(frames, placed))
 
 
 def _feet(

@@ -13,7 +13,7 @@ import numpy as np
 from dogbot_logtool.core.arrays import Ints, all_finite, median_of
 from dogbot_logtool.core.contact.contacts import Samples
 from dogbot_logtool.core.corrections.clock import TimeSource
-from dogbot_logtool.core.frames.transforms import TransformBuffer
+from dogbot_logtool.core.frames.transforms import TransformBuffer, static_tracks
 from dogbot_logtool.core.frames.wrench_frame import (
     FrameFit,
     WrenchFrame,
@@ -26,7 +26,6 @@ from dogbot_logtool.core.recording import Recording
 from dogbot_logtool.core.rotations import normalised, roll_pitch_yaw
 from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.reader.containers.log import Chunk, Log
-from dogbot_logtool.reader.messages.frame_tracks import static_tracks
 from dogbot_logtool.reader.recording import read_recording
 from dogbot_logtool.robot.chunks import spread_chunks
 from dogbot_logtool.robot.frames.world_frames import WorldFrames, follow_frames

@@ -4,14 +4,13 @@ from collections.abc import Iterable, Mapping, Sequence
 from typing import Final
 
 from dogbot_logtool.core.corrections.clock import TimeSource
-from dogbot_logtool.core.frames.transforms import TransformBuffer
+from dogbot_logtool.core.frames.transforms import TransformBuffer, moving_tracks
 from dogbot_logtool.core.legs.foot_path import LegChain, chain_to, moving_parents
 from dogbot_logtool.core.legs.joint_track import JointLimits
 from dogbot_logtool.core.legs.settings import JointPair, LegSettings
 from dogbot_logtool.core.recording import Recording
 from dogbot_logtool.reader.containers.log import Log
 from dogbot_logtool.reader.foot import Foot
-from dogbot_logtool.reader.messages.frame_tracks import moving_tracks
 from dogbot_logtool.reader.wanted import WantedJoints
 from dogbot_logtool.robot.feet.names import name_feet
 from dogbot_logtool.robot.feet.words import ENDS, LETTERS, SIDES, Part, words_of
