@@ -226,7 +226,7 @@ def _signal(
     time, force = clock.of(samples), norms(samples.force.astype(np.float64, copy=False))
     finite = np.isfinite(force)
     usable = finite & (time != 0) if clock is TimeSource.HEADER else finite.copy()
-    usable[usable] = advancing(time[usable], None)
+    usable[usable] = advancing(time[usable])
     row = np.flatnonzero(usable)
     counts = int((~finite).sum()), int((finite & ~usable).sum())
     if not usable.all():

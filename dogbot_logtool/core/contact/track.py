@@ -113,7 +113,7 @@ def foot_track(
 def _placed(time: Ints, point: Floats | Float32s) -> Ints:
     """Choose rows with a contact point; see `FootTrack.placed`."""
     rows = np.flatnonzero(all_finite(point))
-    chosen = first_at_each_tick(time[rows], POINT_RATE_HZ, None)
+    chosen = first_at_each_tick(time[rows], POINT_RATE_HZ)
     chosen |= np.diff(rows, prepend=-2) > 1
     return rows[chosen]
 

@@ -154,7 +154,7 @@ def frame_track(
     sound = all_finite(translation) & all_finite(rotation)
     sound &= (rotation != 0.0).any(axis=1)
     if not static:
-        sound[sound] = advancing(time[sound], None)
+        sound[sound] = advancing(time[sound])
     if not sound.any():
         return None
     turned = normalised(rotation[sound])

@@ -63,7 +63,7 @@ def path_by_transforms(
     if not moving or not frames.frames.keys() >= set(moving):
         return None
     last = frames.frames[moving[0]]
-    at = last.pick(first_at_each_tick(last.time, PATH_RATE_HZ, None))
+    at = last.pick(first_at_each_tick(last.time, PATH_RATE_HZ))
     poses = statics.then(frames).lookup(chain.frames[0], chain.base, at.time, at.log_time)
     known = poses.known
     if not known.any():

@@ -115,7 +115,7 @@ def _messages(topic: str, rows: Ints, log_time: Ints, stamp: Ints, clock: TimeSo
     time = stamp if on_stamps else log_time
     known = check_stamps(topic, stamp, log_time).usable if on_stamps else np.ones_like(time, bool)
     good = known.copy()
-    good[good] = advancing(time[good], None)
+    good[good] = advancing(time[good])
     time = time[good]
     step_s = np.diff(time) / 1e9
     step_s[step_s > LONGEST_STEP_S] = np.nan
@@ -138,7 +138,7 @@ def _chosen(time: Ints, silent: Flags) -> Flags:
         time: (n,) ns.
         silent: (n - 1,) whether a silence lies between two rows.
     """
-    chosen = first_at_each_tick(time, JOINT_RATE_HZ, None)
+    chosen = first_at_each_tick(time, JOINT_RATE_HZ)
     chosen[-1:] = True
     chosen[1:] |= silent
     chosen[:-1] |= silent
