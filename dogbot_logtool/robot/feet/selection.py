@@ -324,15 +324,20 @@ def _check_feet_differ(log: Log, feet: Sequence[Foot]) -> None:
     seen: dict[tuple[str, str | int | None], str] = {}
     for foot in feet:
         own = foot.field.path if foot.field is not None else foot.element
-        sources = [source_of(channel) for channel in log.channels_by_topic.get(foot.topic, ())]
-        if own is None and not any(each and not each.tells_all_feet for each in sources):
+        channels = log.channels_by_topic.get(foot.topic, ())
+        sources = [source for channel in channels if (source := source_of(channel))]
+        if own is None and all(source.tells_all_feet for source in sources):
             continue
         other = seen.setdefault((foot.topic, own), foot.name)
-        if other != foot.name:
-            raise CallError(
-                f"{shown(log.source.path)}: --foot {foot.name}: {other} is the same foot in the "
-                f"messages of {foot.topic}; each needs a field of its own"
-            )
+        if other == foot.name:
+            continue
+        text = f"{other} is the same foot in the messages of {foot.topic}"
+        if foot.field is not None:
+            text += "; each needs a field of its own"
+        elif own is None:
+            text = f"{foot.topic} would be the topic of {other}, {foot.name}; a message of type "
+            text += f"{sources[0].type_name} is about one foot"
+        raise CallError(f"{shown(log.source.path)}: --foot {foot.name}: {text}")
 
 
 def _feet_of(found: FootSet) -> tuple[Foot, ...]:
