@@ -3,7 +3,7 @@
 from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Any, Final, Generic, TypeVar
 
-from dogbot_logtool.core.arrays import Aggregate, aggregate
+from dogbot_logtool.core.arrays import Aggregate
 from dogbot_logtool.core.metrics import (
     Foot,
     Joint,
@@ -14,15 +14,23 @@ from dogbot_logtool.core.metrics import (
     WalkMetrics,
 )
 from dogbot_logtool.core.records import Number, Spread
-from dogbot_logtool.core.walk_metrics.values import scaled
 from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.report.numbers import NOTHING, decimal, percent
 
 if TYPE_CHECKING:
-    from dogbot_logtool.core.legs.leg_figures import LegFoot
+    from dogbot_logtool.core.legs.legs import LegFoot
     from dogbot_logtool.core.statistics import Stats
 
 S = TypeVar("S")
+
+
+def _scaled(value: Spread, factor: float | None) -> Spread:
+    """Return an aggregate in another unit; None where the factor is not known."""
+    if value is None or factor is None:
+        return None
+    std = None if value.std is None else value.std * factor
+    mean, middle = value.mean * factor, value.median * factor
+    return Aggregate(value.n, mean, std, middle, value.min * factor, value.max * factor)
 
 
 # Without slots, which `Column[...](...)` cannot be called with before Python 3.12.
@@ -114,10 +122,6 @@ def cell(column: Column[S], value: Any) -> str:  # noqa: ANN401 - any value
     return decimal(value * column.scale, column.decimals)
 
 
-def _of_leg(of: "Callable[[LegFoot], Spread]") -> Callable[[FootRow], Spread]:
-    return lambda row: None if row.leg is None else of(row.leg)
-
-
 STEPS: Final[Sequence[Column[FootRow]]] = (
     Column("contact", lambda row: row.foot.contact_fraction, is_share=True),
     Column("strides", lambda row: row.foot.strides),
@@ -134,7 +138,7 @@ LOADS: Final[Sequence[Column[FootRow]]] = (
     Column("peak |F|", lambda row: row.foot.peak_force_n, 1),
     Column("peak |F|", lambda row: row.foot.peak_force_bw, 2),
     Column("mean |F|", lambda row: row.foot.mean_force_n, 1),
-    Column("mean |F|", lambda row: scaled(row.foot.mean_force_n, row.per_weight), 2),
+    Column("mean |F|", lambda row: _scaled(row.foot.mean_force_n, row.per_weight), 2),
     Column("peak Fz", lambda row: row.foot.peak_vertical_force_n, 1),
     Column("peak Fz", lambda row: row.foot.peak_vertical_force_bw, 2),
     Column("impact", lambda row: row.foot.impact_ratio, 2),
@@ -163,11 +167,8 @@ LEGS: Final[Sequence[Column[FootRow]]] = (
     Column("width m", lambda row: row.foot.step_width_m, 3),
     Column("down m/s", lambda row: row.foot.touchdown_down_mps, 3),
     Column("along m/s", lambda row: row.foot.touchdown_along_mps, 3),
-    Column("work+ J", _of_leg(lambda leg: aggregate(leg.work.positive_j)), 2),
-    Column("|work| J", _of_leg(lambda leg: aggregate(leg.work.absolute_j)), 2),
-    Column("at rest", _of_leg(lambda leg: leg.travel_m), 1, 1e3),
 )
-"""Swings of each foot, and the work of its leg."""
+"""Swings of each foot."""
 JOINTS: Final[Sequence[Column[Joint]]] = (
     Column("range", lambda joint: joint.range_of_motion, 3),
     Column("peak speed", lambda joint: joint.peak_speed, 2),
