@@ -20,12 +20,12 @@ from dogbot_logtool.reader.wanted import WantedJoints
 from dogbot_logtool.robot.feet.names import name_feet
 from dogbot_logtool.robot.feet.words import ENDS, LETTERS, SIDES, Part, words_of
 from dogbot_logtool.robot.probe import Probe, frame_names
+from dogbot_logtool.robot.robot_model.description import link_of_foot
 from dogbot_logtool.robot.robot_model.joint_motion import (
     joint_channels,
     joint_names,
     own_description,
 )
-from dogbot_logtool.robot.robot_model.soles import link_of_foot
 from dogbot_logtool.robot.robot_model.urdf import (
     parse_urdf,
     said_of_left_out,
