@@ -142,7 +142,7 @@ def _extent(feet: Sequence[FootHistory], base: BaseHistory) -> Ints:
 def instants_of(foot: FootHistory, known: Ints) -> Ints:
     """(n,) ns: up to `POINT_RATE_HZ` samples a second of a foot, in spans, (k, 2) ns."""
     time = foot.track.time[timespans.covers(known, foot.track.time)]
-    return time[first_at_each_tick(time, POINT_RATE_HZ, None)]
+    return time[first_at_each_tick(time, POINT_RATE_HZ)]
 
 
 def _instants(

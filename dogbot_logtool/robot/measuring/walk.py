@@ -91,7 +91,7 @@ def _measured(
         tracks = learnt.frames.tracks(recording.transforms, recording.base)
         placed = learnt.frames.place(feet, tracks)
         feet = placed.samples
-        findings.extend(frame_findings(learnt.frames, placed.counts))
+        findings.extend(frame_findings(learnt.frames, placed))
     corrected = replace(recording, feet=feet)
     stats = analyse(corrected, learnt.settings, legs)
     return Measured(stats, corrected, tuple(findings), learnt)
