@@ -102,7 +102,7 @@ def foot_track(
     not_finite = len(usable) - int(usable.sum())
     if clock is TimeSource.HEADER:
         usable &= time != 0
-    usable[usable] = advancing(time[usable], None)
+    usable[usable] = advancing(time[usable])
     row = np.flatnonzero(usable)
     if len(row) < len(usable):
         samples, time, force = samples.pick(usable), time[usable], force[usable]
@@ -111,7 +111,7 @@ def foot_track(
     steps = np.diff(time)
     gap = steps > steady_gap_ns(steps)
     rows = np.flatnonzero(all_finite(samples.position))
-    placed = first_at_each_tick(time[rows], POINT_RATE_HZ, None)
+    placed = first_at_each_tick(time[rows], POINT_RATE_HZ)
     placed |= np.diff(rows, prepend=-2) > 1
     # From the last known vertical force, or the start, to the next known one.
     edges = np.flatnonzero(np.diff(~known, prepend=False, append=False))

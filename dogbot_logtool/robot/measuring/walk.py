@@ -8,12 +8,13 @@ import numpy as np
 from dogbot_logtool.core.contact.contact_rule import without_offset
 from dogbot_logtool.core.contact.contacts import Samples
 from dogbot_logtool.core.contact.silent_swing import with_swings
+from dogbot_logtool.core.corrected import log_clock
 from dogbot_logtool.core.corrections.clock import TimeSource
 from dogbot_logtool.core.planned import follow_plan
 from dogbot_logtool.core.plausible import IMPLAUSIBLE
 from dogbot_logtool.core.recording import Recording
 from dogbot_logtool.core.statistics import Stats
-from dogbot_logtool.core.walk import analyse, log_clock
+from dogbot_logtool.core.walk import analyse
 from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.finding import Finding
 from dogbot_logtool.reader.containers.log import Log
@@ -29,7 +30,7 @@ from dogbot_logtool.robot.probe_findings import probe_findings
 
 if TYPE_CHECKING:
     from dogbot_logtool.core.frames.transforms import TransformBuffer
-    from dogbot_logtool.core.legs.settings import LegSettings
+    from dogbot_logtool.core.legs.paths import LegSettings
 
 
 @dataclass(frozen=True, slots=True)
@@ -90,7 +91,7 @@ def _measured(
         tracks = learnt.frames.tracks(recording.transforms, recording.base)
         placed = learnt.frames.place(feet, tracks)
         feet = placed.samples
-        findings.extend(frame_findings(learnt.frames, placed.counts))
+        findings.extend(frame_findings(learnt.frames, placed))
     corrected = replace(recording, feet=feet)
     stats = analyse(corrected, learnt.settings, legs)
     return Measured(stats, corrected, tuple(findings), learnt)
@@ -147,7 +148,7 @@ def _findings(recording: Recording, learnt: LearntSettings, plan: MeasuringPlan)
     # The figures have a finding of their own for each topic's stamps.
     seen = probe_findings(learnt.selection, learnt.probe)
     findings = [*learnt.selection.findings, *(f for f in seen if f.code != "BAD_STAMPS")]
-    findings.extend(plan.side.findings if plan.side else ())
+    findings.extend(plan.side.findings)
     if recording.implausible:
         findings.append(Finding("NOT_FINITE", f"{recording.implausible:,} {IMPLAUSIBLE}"))
     return findings

@@ -1,0 +1,239 @@
+"""Reasons to doubt joint states: their numbers contradict themselves, or the forces on the feet.
+
+While a foot stands, the motors of its leg give what the ground's force takes: the sum of their work
+is minus the force times the way of the foot in the base's frame (virtual work of a leg without
+mass; a leg's inertia blurs it, but does not turn it round). Where no forces tell, only the sum over
+all joints can be judged: over whole strides motors lift and speed up the robot and make up for
+losses, which are never negative.
+"""
+
+from collections.abc import Container, Sequence
+from itertools import product
+from typing import Final
+
+import numpy as np
+
+from dogbot_logtool.core.arrays import Flags, Floats, Ints, median_of
+from dogbot_logtool.core.base.poses import BaseHistory
+from dogbot_logtool.core.contact.stance_samples import PARTS
+from dogbot_logtool.core.contact.stances import Stances
+from dogbot_logtool.core.gait.strides import Strides
+from dogbot_logtool.core.legs.joints import JointTrack
+from dogbot_logtool.core.legs.legs import joint_work
+from dogbot_logtool.core.legs.paths import FootPath
+from dogbot_logtool.core.rotations import from_roll_pitch_yaw, rotate
+from dogbot_logtool.core.settings import GRAVITY_MPS2
+from dogbot_logtool.dataclass import dataclass
+
+VELOCITIES_AGREE: Final = 1.25
+"""By such a factor may the velocities that messages tell differ from those of the positions."""
+OF_A_JOINT_AGREE: Final = 2.0
+"""The same of a single joint, whose velocity may be noisy."""
+_MOVES_MUCH: Final = 0.02
+"""Share of the sum of squared velocities: joints with less are not judged alone."""
+WIDEST: Final = 6.28
+"""rad, range that half of a robot's leg joints do not exceed: of degrees any step does."""
+WEAKEST: Final = 1e-3
+"""m: a largest effort of a leg below this much of the weight times a metre is in another unit. Also
+`STRONGEST`, above which it is."""
+STRONGEST: Final = 10.0
+
+CONTRADICTS: Final = 0.75
+"""Cosine of work given and taken up to which efforts as recorded are doubted, if with other signs
+it reaches `AGREES`. A quadruped in a physics engine has 0.9 to 1 with the right signs."""
+AGREES: Final = 0.9
+_MATTERS: Final = 0.1
+"""By so much a joint's sign changes that cosine, if it is to be named."""
+_SECTIONS: Final = 5
+"""Sections of a stance in which work is compared."""
+_FEWEST_STANCES: Final = 3
+_MOST_JOINTS: Final = 10
+"""Joints of a leg: all combinations of their signs are tried."""
+_FEWEST_STRIDES: Final = 4
+SURELY_LOST: Final = 0.1
+"""Share of the absolute work by which its sum must fall short of the work that lifts and speeds up
+the robot. Errors of joint states, such as a filter's delay of the velocity, are smaller."""
+
+
+def contradiction(
+    moving: Sequence[JointTrack], of_legs: Container[str], weight_n: float | None
+) -> str:
+    """Say which numbers cannot be rad, rad/s and N m; empty if all can.
+
+    Args:
+        moving: joints that move, at least one with an effort.
+        of_legs: names of those of legs.
+        weight_n: N, of the robot; None: not known.
+    """
+    if odd := _odd_velocities(moving):
+        return odd
+    ranges = [joint.range for joint in moving if joint.name in of_legs]
+    usual = float(median_of(ranges)) if ranges else 0.0
+    if usual > WIDEST:
+        return f"half of the legs' joints move by {usual:.3g} rad and more"
+    strongest = max(joint.peak_effort for joint in moving if joint.has_effort)
+    if weight_n is None or WEAKEST <= strongest / weight_n <= STRONGEST:
+        return ""
+    return (
+        f"the largest effort is {strongest:.3g}, which is no torque in N m on a robot of "
+        f"{weight_n:.3g} N"
+    )
+
+
+def _odd_velocities(moving: Sequence[JointTrack]) -> str:
+    """Say whose velocities are not those of their positions."""
+    squared = np.array([joint.told_squared for joint in moving])
+    moved = np.array([joint.told_moved for joint in moving])
+    ratios, total = _ratio(squared, moved), _ratio(squared.sum(), moved.sum())
+    judged = (squared > 0.0) & (squared > _MOVES_MUCH * squared.sum())
+    odd = np.flatnonzero(judged & ~_fits(ratios, OF_A_JOINT_AGREE))
+    if not len(odd) and (not judged.any() or _fits(total, VELOCITIES_AGREE)):
+        return ""
+    if 0 < len(odd) < judged.sum():
+        named = ", ".join(f"{moving[row].name} ({ratios[row]:.3g} times)" for row in odd.tolist())
+        return f"velocities of some joints are not those of their positions: {named}"
+    return f"velocities of joint states are {total:.3g} times those of their positions"
+
+
+def _ratio(squared: Floats, moved: Floats) -> Floats:
+    """Return the slope of velocities told over those of positions; infinite where unrelated."""
+    unrelated = moved == 0.0
+    return np.where(unrelated, np.inf, squared / np.where(unrelated, 1.0, moved))
+
+
+def _fits(ratio: Floats, factor: float) -> Flags:
+    fits: Flags = (ratio >= 1.0 / factor) & (ratio <= factor)
+    return fits
+
+
+@dataclass(frozen=True, slots=True)
+class LegSigns:
+    """Check of the efforts of a leg against the ground's force."""
+
+    agree: bool
+    """Whether the efforts as recorded do its work."""
+    odd: tuple[str, ...]
+    """Joints with which they would, if their efforts had the other sign."""
+    scale: float
+    """Size of their work, with those signs, over that of the ground's force."""
+
+
+def leg_signs(
+    forces: Floats,
+    stances: Stances,
+    path: FootPath,
+    base: BaseHistory,
+    joints: Sequence[JointTrack],
+) -> LegSigns | None:
+    """Compare the work of a leg's motors with that of the force at its foot.
+
+    Args:
+        forces: (stances, 3, PARTS) N, in the world; see `FootHistory.stance_forces`.
+        stances: of the foot.
+        path: of the foot in the base's frame.
+        base: poses without jumps.
+        joints: of the leg, those that move, all with efforts.
+
+    Returns:
+        None where too little is known.
+    """
+    rows = np.flatnonzero(stances.whole & np.isfinite(forces).all(axis=(1, 2)))
+    if not 0 < len(joints) <= _MOST_JOINTS or not len(rows):
+        return None
+    duration = (stances.liftoff - stances.touchdown)[rows, None]
+    shares = np.linspace(0.0, 1.0, _SECTIONS + 1)
+    edges = stances.touchdown[rows, None] + np.rint(duration * shares).astype(np.int64)
+    begin, end = edges[:, :-1].ravel(), edges[:, 1:].ravel()
+    taken = _taken(forces[rows], edges, path, base)
+    works = [joint_work(joint, begin, end) for joint in joints]
+    given = np.stack([2.0 * positive - absolute for positive, absolute in works], axis=1)
+    known = np.isfinite(taken) & np.isfinite(given).all(axis=1)
+    if known.sum() < _FEWEST_STANCES * _SECTIONS:
+        return None
+    return _judged(given[known], taken[known], [joint.name for joint in joints])
+
+
+def _taken(forces: Floats, edges: Ints, path: FootPath, base: BaseHistory) -> Floats:
+    """(stances * sections,) J, that the ground's force takes; NaN where not known.
+
+    Args:
+        forces: (stances, 3, PARTS) N.
+        edges: (stances, sections + 1) ns.
+        path: of the foot in the base's frame.
+        base: poses.
+    """
+    begin, end = edges[:, :-1].ravel(), edges[:, 1:].ravel()
+    way = np.diff(path.at(edges), axis=1).reshape(-1, 3)
+    way = rotate(from_roll_pitch_yaw(base.angles_at(begin + (end - begin) // 2)), way)
+    parted = forces.reshape(len(forces), 3, _SECTIONS, PARTS // _SECTIONS)
+    force = parted.mean(axis=3).transpose(0, 2, 1).reshape(-1, 3)
+    return np.where(path.unbroken(begin, end), -(force * way).sum(axis=1), np.nan)
+
+
+def _judged(given: Floats, taken: Floats, names: Sequence[str]) -> LegSigns | None:
+    """Compare work as recorded, and with other signs of efforts, with what is taken.
+
+    Args:
+        given: (n, joints) J.
+        taken: (n,) J.
+        names: of the joints.
+    """
+    turned = np.array(list(product((1.0, -1.0), repeat=len(names))))
+    likeness = _cosines(given, taken, turned)
+    agree = bool(likeness[0] > CONTRADICTS)
+    best = 0 if agree else int(likeness.argmax())
+    if not agree and likeness[best] < AGREES:
+        return None
+    back = turned[best] * (1.0 - 2.0 * np.eye(len(names)))
+    without = likeness[best] - _cosines(given, taken, back)
+    odd = (turned[best] < 0.0) & (without >= _MATTERS)
+    if not agree and not odd.any():
+        return None
+    scale = float(np.linalg.norm(given @ turned[best]) / np.linalg.norm(taken))
+    return LegSigns(agree, tuple(np.array(names)[odd].tolist()), scale)
+
+
+def _cosines(given: Floats, taken: Floats, signs: Floats) -> Floats:
+    """(k,) cosine of what is taken and the sum over joints; signs: (k, joints) of their efforts."""
+    squares = ((signs @ (given.T @ given)) * signs).sum(axis=1) * (taken @ taken)
+    lengths = np.sqrt(np.maximum(squares, 0.0))
+    return np.asarray(signs @ (given.T @ taken) / np.where(lengths > 0.0, lengths, np.inf))
+
+
+def shortfall(work: Floats, strides: Strides, base: BaseHistory, weight_n: float) -> float | None:
+    """Return by how much the motors' work falls short of what the robot gains, J a stride.
+
+    Args:
+        work: (2, strides) J, positive and absolute, of all joints.
+        strides: of a foot.
+        base: poses without jumps.
+        weight_n: N, of the robot.
+
+    Returns:
+        None where it does not clearly, or too little is known: losses are at least zero.
+    """
+    half = (strides.end - strides.touchdown) // 2
+    before, after = (_head_m(base, time, half) for time in (strides.touchdown, strides.end))
+    positive, absolute = work
+    short = weight_n * (after - before) - (2.0 * positive - absolute)
+    known = np.isfinite(short)
+    short, absolute = short[known], absolute[known]
+    if len(short) < _FEWEST_STRIDES:
+        return None
+    surely = float(short.mean() - 2.0 * short.std(ddof=1) / np.sqrt(len(short)))
+    is_short = surely > 0.0 and short.sum() > SURELY_LOST * absolute.sum()
+    return float(short.mean()) if is_short else None
+
+
+def _head_m(base: BaseHistory, time: Ints, half: Ints) -> Floats:
+    """(n,) m, the base's energy over its weight: its height, and that of its mean speed.
+
+    Args:
+        base: poses without jumps.
+        time: (n,) ns.
+        half: (n,) ns, of what the speed is a mean over.
+    """
+    way = base.position_at(time + half) - base.position_at(time - half)
+    squared = (way * way).sum(axis=1) / (2.0 * half / 1e9) ** 2
+    head: Floats = base.position_at(time)[:, 2] + squared / (2.0 * GRAVITY_MPS2)
+    return head

@@ -1,0 +1,416 @@
+"""How the load is shared, whether it adds up to the weight, and what faults of sensors do to it."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from enum import StrEnum
+from typing import Final
+
+import numpy as np
+
+from dogbot_logtool.core import timespans
+from dogbot_logtool.core.arrays import Flags, Floats, Ints
+from dogbot_logtool.core.contact.foot_history import FootHistory
+from dogbot_logtool.core.contact.stances import Stances
+from dogbot_logtool.core.leg_position import LegPosition
+from dogbot_logtool.dataclass import dataclass
+
+NEAR_ZERO: Final = 1e-9
+WEIGHT_TOLERANCE: Final = 0.05
+"""By how much the vertical impulse may miss the weight before figures of direction are left out."""
+REFUTED: Final = 0.20
+"""By how much the feet's vertical force may miss the weight before nothing rests on the weight."""
+FALLS_SHORT: Final = 0.1
+"""The same of the sum of |F|, which is never below the weight; what is estimated of sensors without
+load may leave some per cent."""
+NOT_THE_WEIGHT: Final = 0.5
+"""Share of the weight below which the feet's vertical force is none: no mass is so far off. Above
+its inverse, and below it, the sum of |F| is in other units."""
+LEANS: Final = 0.006
+"""Share by which the sum of |F| exceeds that of vertical forces, from which these lean so much (6
+degrees) that those of legs that swing, in their links' frames, could look alike."""
+CLEARLY: Final = 0.002
+"""Share of the weight by which the vertical sum must be nearer to it than that of |F|: only so
+the vertical is one."""
+ENOUGH: Final = 0.99
+"""Share of the loaded time in which the vertical force must be known for totals to be given."""
+CARRIED: Final = 0.05
+"""By how much the impulse of the other feet may miss the weight when one is lifted."""
+STUCK: Final = 0.99
+"""Share of neighbouring loaded samples that are equal in a sensor that is stuck."""
+STUCK_SAMPLES: Final = 40
+
+
+class WeightSource(StrEnum):
+    """The origin of the weight that forces are compared with."""
+
+    MASS = "mass"
+    ESTIMATED = "estimated"
+
+
+@dataclass(frozen=True, slots=True)
+class WalkLoads:
+    """Loads of all feet over one and the same time."""
+
+    known_s: float
+    """s, the time that loads are over: whole strides in which all feet are known, or all time known
+    to all feet where there are no such strides."""
+    over_strides: bool
+    """Whether that time is whole strides."""
+    complete: bool
+    """Whether every foot is seen to touch: else load may be missing from the sum."""
+    mean_vertical_n: float | None
+    """N, mean of the feet's summed vertical force over that time; None where it is not known."""
+    mean_magnitude_n: float | None
+    """N, mean of the feet's summed |F|; None where not all tell forces, or there is no time."""
+    body_weight_n: float | None
+    """N, from the mass; None: not known."""
+    mass_is_assumed: bool
+    """Whether the mass is that of a robot that was only guessed."""
+    share_of: str | None
+    """The quantity that is shared: ``vertical_impulse``, or ``force_impulse`` (the integral of |F|)
+    where the direction of the force is not known."""
+    shares: tuple[float, ...] | None
+    """(feet) share of each foot; they add up to 1."""
+
+    @property
+    def vertical_impulse_over_weight(self) -> float | None:
+        """Sum over feet of the vertical impulse / (m g x time): 1 for a sound recording."""
+        if self.mean_vertical_n is None or self.body_weight_n is None:
+            return None
+        return self.mean_vertical_n / self.body_weight_n
+
+    @property
+    def magnitude_over_weight(self) -> float | None:
+        """Mean of the feet's summed |F| over m g, where only that is known, over whole strides.
+
+        Hardly below 1, and little above it. None where vertical forces are known, or a foot's is
+        missing.
+        """
+        told = self.complete and self.over_strides and self.mean_vertical_n is None
+        if not told or not self.body_weight_n or self.mean_magnitude_n is None:
+            return None
+        return self.mean_magnitude_n / self.body_weight_n
+
+    @property
+    def weight_refuted(self) -> bool:
+        """Whether forces miss the weight by over `REFUTED`, so that it is doubtful."""
+        ratio, magnitude = self.vertical_impulse_over_weight, self.magnitude_over_weight
+        if magnitude is not None:
+            return abs(magnitude - 1.0) > REFUTED
+        if ratio is None:
+            return False
+        return ratio > 1.0 + REFUTED or (ratio < 1.0 - REFUTED and self.complete)
+
+    @property
+    def weight_n(self) -> float | None:
+        """N, the weight for forces in body weights: from the mass, else from whole strides.
+
+        None where neither is known, or where all feet's forces miss the weight by over `REFUTED`.
+        """
+        if self.body_weight_n is not None:
+            return None if self.weight_refuted else self.body_weight_n
+        estimated = self.mean_vertical_n if self.over_strides and self.complete else None
+        return estimated if estimated is not None and estimated > NEAR_ZERO else None
+
+    @property
+    def weight_source(self) -> WeightSource | None:
+        """The origin of that weight."""
+        if self.weight_n is None:
+            return None
+        return WeightSource.ESTIMATED if self.body_weight_n is None else WeightSource.MASS
+
+    @property
+    def direction_refuted(self) -> bool:
+        """Whether the ratio misses 1 by so much that the direction of the forces is doubtful.
+
+        The load on a foot that is never seen to touch may be missing instead.
+        """
+        ratio = self.vertical_impulse_over_weight
+        if ratio is None or not (self.complete or ratio > 1.0):
+            return False
+        return abs(ratio - 1.0) > self._tolerance
+
+    @property
+    def magnitude_misses_weight(self) -> bool:
+        """Whether the sum of |F| is below the weight, or far above it: a wrong mass or sensor."""
+        magnitude = self.magnitude_over_weight
+        if magnitude is None:
+            return False
+        return magnitude < 1.0 - max(self._tolerance, FALLS_SHORT) or magnitude > 1.0 + REFUTED
+
+    @property
+    def other_units(self) -> bool:
+        """Whether the sum of |F| is so far from the weight that forces are not in N."""
+        if not (self.complete and self.over_strides and self.body_weight_n):
+            return False
+        if self.mean_magnitude_n is None:
+            return False
+        magnitude = self.mean_magnitude_n / self.body_weight_n
+        return not NOT_THE_WEIGHT <= magnitude <= 1.0 / NOT_THE_WEIGHT
+
+    @property
+    def vertical_refuted(self) -> bool:
+        """Whether the feet's vertical force is so far below the weight that it is another one."""
+        ratio = self.vertical_impulse_over_weight
+        if ratio is None:
+            return self.mean_vertical_n is not None and self.mean_vertical_n < 0.0
+        return self.direction_refuted and ratio < NOT_THE_WEIGHT
+
+    @property
+    def may_be_tilted(self) -> bool:
+        """Whether the forces lean, and the weight does not tell that their vertical is one."""
+        vertical, magnitude = self.mean_vertical_n, self.mean_magnitude_n
+        if not vertical or magnitude is None or magnitude <= (1.0 + LEANS) * vertical:
+            return False
+        ratio = self.vertical_impulse_over_weight
+        if ratio is None or self.weight_source is not WeightSource.MASS:
+            return True
+        return abs(magnitude / vertical * ratio - 1.0) < abs(ratio - 1.0) + CLEARLY
+
+    @property
+    def misses_weight(self) -> bool:
+        """Whether the feet's vertical impulse is not the weight: a wrong frame, sensor or mass."""
+        ratio = self.vertical_impulse_over_weight
+        return ratio is not None and abs(ratio - 1.0) > WEIGHT_TOLERANCE
+
+    @property
+    def _tolerance(self) -> float:
+        return REFUTED if self.mass_is_assumed else WEIGHT_TOLERANCE
+
+
+def vertical_is_known(foot: FootHistory) -> bool:
+    """Tell whether the vertical force is known for as good as all of the time under load."""
+    if not foot.has_force:
+        return False
+    loaded = timespans.total(foot.in_contact)
+    unknown = timespans.intersect([foot.in_contact, foot.track.vertical_unknown])
+    return loaded > 0 and timespans.total(unknown) <= (1.0 - ENOUGH) * loaded
+
+
+def vertical_impulse_ns(foot: FootHistory, within: Ints | None = None) -> float | None:
+    """Return the integral of a foot's vertical force over the time known, N s.
+
+    Trapezoid over real sample times, gaps left out. None where the direction of the force is not
+    known, or nothing is known at all.
+
+    Args:
+        foot: its history.
+        within: (w, 2) ns, a part of the log; None: all of it.
+    """
+    if timespans.total(foot.known) == 0 or not foot.has_force:
+        return None
+    if timespans.total(foot.in_contact) and not vertical_is_known(foot):
+        return None
+    known = foot.vertical_known
+    return foot.track.vertical_within(
+        known if within is None else timespans.intersect([known, within])
+    )
+
+
+def whole_strides(strides: Ints, feet: Sequence[FootHistory], *, vertical: bool) -> Ints:
+    """Return the time of the strides during which every foot is known throughout.
+
+    Args:
+        strides: (s, 2) ns, each from a touchdown of one foot to its next.
+        feet: histories of all feet.
+        vertical: whether the vertical force must be known, too.
+
+    Returns:
+        (n, 2) ns, neighbouring strides joined.
+    """
+    if len(strides) == 0:
+        return timespans.no_spans()
+    known = _known_to_all(feet, vertical=vertical)
+    unknown = timespans.subtract(timespans.merge(strides), known)
+    broken = timespans.touches(unknown, strides[:, 0] + 1, strides[:, 1] - 1)
+    return timespans.merge(strides[~broken])
+
+
+def loads_of(
+    feet: Sequence[FootHistory],
+    body_weight_n: float | None,
+    strides: Ints | None = None,
+    within: Ints | None = None,
+    *,
+    mass_is_assumed: bool = False,
+) -> WalkLoads:
+    """Compare the feet's impulses with each other and with the weight.
+
+    All feet are measured over the same time: whole strides of one foot during which all feet are
+    known. A part of a stride would count one foot's stance and another's swing, and a foot whose
+    sensor was silent for a while would seem to carry less.
+
+    Args:
+        feet: histories of all feet.
+        body_weight_n: N, from the robot's mass; None: not known.
+        strides: (s, 2) ns, strides of one foot; without any, all known time counts, and of feet
+            that step there are no shares.
+        within: (w, 2) ns, a segment; its strides are given. None: the whole log.
+        mass_is_assumed: whether the weight is that of a robot that was only guessed.
+    """
+    vertical = _vertical_of_all(feet)
+    strides = timespans.no_spans() if strides is None else strides
+    spans = whole_strides(strides, feet, vertical=vertical)
+    over_strides = len(spans) > 0
+    if not over_strides:
+        spans = _known_to_all(feet, vertical=vertical)
+        spans = spans if within is None else timespans.intersect([spans, within])
+    seconds = timespans.total(spans) / 1e9
+    magnitude = [foot.track.force_within(spans) for foot in feet]
+    upward = [foot.track.vertical_within(spans) for foot in feet] if vertical else None
+    has_forces = all(foot.has_force for foot in feet)
+    told = vertical or has_forces
+    shared = magnitude if upward is None else upward
+    # A part of a stride counts one foot's stance and another's swing.
+    in_part = not over_strides and any(len(foot.stances.touchdown) > 1 for foot in feet)
+    shares = abs(sum(shared)) >= NEAR_ZERO and has_forces
+    return WalkLoads(
+        known_s=seconds,
+        over_strides=over_strides,
+        complete=all(len(foot.in_contact) for foot in feet),
+        mean_vertical_n=sum(upward) / seconds if upward and seconds else None,
+        mean_magnitude_n=sum(magnitude) / seconds if told and seconds else None,
+        body_weight_n=body_weight_n,
+        mass_is_assumed=mass_is_assumed,
+        share_of=("vertical_impulse" if vertical else "force_impulse") if shares else None,
+        shares=tuple(each / sum(shared) for each in shared) if shares and not in_part else None,
+    )
+
+
+def _vertical_of_all(feet: Sequence[FootHistory]) -> bool:
+    """Tell whether some foot is loaded, and the vertical force of every loaded one is known."""
+    loaded = [foot for foot in feet if len(foot.in_contact)]
+    return bool(loaded) and all(vertical_is_known(foot) for foot in loaded)
+
+
+def _known_to_all(feet: Sequence[FootHistory], *, vertical: bool) -> Ints:
+    return timespans.intersect([foot.vertical_known if vertical else foot.known for foot in feet])
+
+
+def grouped_shares(
+    shares: Sequence[float], leg_positions: Sequence[LegPosition | None]
+) -> Mapping[str, float | None]:
+    """Add up the shares of fore, hind, left and right feet; None where these are not known."""
+    groups = {"fore": "front", "hind": "back", "left": "left", "right": "right"}
+    known = [each for each in leg_positions if each is not None]
+    if len(known) < len(leg_positions):
+        return dict.fromkeys(groups)
+    return {
+        name: sum(share for share, each in zip(shares, known, strict=True) if word in each)
+        for name, word in groups.items()
+    }
+
+
+def symmetry_index_percent(left: float | None, right: float | None) -> float | None:
+    """Return 100 (R - L) / ((R + L) / 2), percent: 0 for equal sides, positive if right is more.
+
+    Source: Robinson, Herzog and Nigg 1987, J. Manipulative Physiol. Ther. 10:172.
+    None where a side is not known or the denominator is near 0.
+    """
+    if left is None or right is None:
+        return None
+    half = (right + left) / 2.0
+    if abs(half) < NEAR_ZERO:
+        return None
+    return 100.0 * (right - left) / half
+
+
+def dead_feet(feet: Sequence[FootHistory], loads: WalkLoads) -> tuple[bool, ...]:
+    """Tell which feet have a sensor that seems dead: one that never reports a contact.
+
+    A foot may also be lifted throughout. That is believed where the other feet are seen to carry
+    the whole weight; otherwise nothing is known about the foot.
+    """
+    ratio = loads.vertical_impulse_over_weight
+    carried = ratio is not None and abs(ratio - 1.0) <= CARRIED
+    return tuple(
+        foot.start is not None and not len(foot.in_contact) and not carried for foot in feet
+    )
+
+
+def _is_constant(foot: FootHistory) -> bool:
+    """Tell whether a foot's force never varies while it is loaded."""
+    enough = foot.loaded >= STUCK_SAMPLES
+    return enough and foot.repeated >= STUCK * (foot.loaded - len(foot.stances.touchdown))
+
+
+def _varies(foot: FootHistory) -> bool:
+    """Tell whether a foot is loaded at times, with forces that vary."""
+    return foot.loaded > 0 and not _is_constant(foot)
+
+
+def is_stuck(foot: FootHistory, others: Sequence[FootHistory]) -> bool:
+    """Tell whether a sensor shows one constant value under load while other feet's vary.
+
+    Where no force varies the robot stands still, in a simulator without noise.
+    """
+    return _is_constant(foot) and any(_varies(other) for other in others)
+
+
+CELL_RATE_HZ: Final = 25.0
+"""Forces are compared with other sensors by their means over so many cells a second."""
+
+
+def mean_impulses(feet: Sequence[FootHistory], impulse: str, time: Ints, half_ns: int) -> Floats:
+    """(m, feet) N, means over a window about each time.
+
+    Args:
+        feet: histories of all feet.
+        impulse: ``vertical_impulse`` or ``force_impulse`` of their tracks.
+        time: (m,) ns.
+        half_ns: half of the window.
+    """
+    spans = np.stack([time - half_ns, time + half_ns], axis=1)
+    totals = [foot.track.impulse_at(getattr(foot.track, impulse), spans) for foot in feet]
+    return np.stack([total[:, 1] - total[:, 0] for total in totals], axis=1) / (2e-9 * half_ns)
+
+
+SAME_PHASE: Final = 0.05
+"""Share of a stance within which spikes of several stances are at the same phase."""
+RECURS: Final = 0.2
+"""Share of stances with a spike at the same phase from which it is an impact."""
+FEWEST_IMPACTS: Final = 3
+
+
+def has_lone_spikes(stances: Stances) -> Flags:
+    """(n,) tell which stances have spikes that are a fault of the sensor.
+
+    A single sample that stands out of its stance may be real: an impact recurs at the same phase
+    of many stances, a fault comes at random.
+    """
+    phase = stances.figures.spike_phase
+    spiked = np.isfinite(phase)
+    sorted_phase = np.sort(phase[spiked])
+    near = np.searchsorted(sorted_phase, phase + SAME_PHASE, side="right")
+    near -= np.searchsorted(sorted_phase, phase - SAME_PHASE, side="left")
+    recurring = near >= max(FEWEST_IMPACTS, RECURS * int(stances.whole.sum()))
+    lone: Flags = spiked & ~recurring
+    return lone
+
+
+def without_spikes(stances: Stances) -> Stances:
+    """Return the stances with the peaks that they have without lone spikes."""
+    lone, figures = has_lone_spikes(stances), stances.figures
+    peak = np.where(lone, figures.calm_peak_n, figures.peak_n)
+    vertical = np.where(lone, figures.calm_peak_vertical_n, figures.peak_vertical_n)
+    return replace(stances, figures=figures._replace(peak_n=peak, peak_vertical_n=vertical))
+
+
+LARGEST_FOOT_M: Final = 0.3
+"""m: the contact point of no foot that stays in place travels further in a stance."""
+
+
+def slip_m(contact_way_m: Floats, rolling_m: float | None) -> Floats:
+    """Return how far a foot slips in each stance, m.
+
+    A round foot that rolls, or a flat one on which the pressure moves, moves its contact point
+    without slipping. Where that way is not known, neither is the slip.
+
+    Args:
+        contact_way_m: (n,) m, way of the contact point; NaN where there is none.
+        rolling_m: m, way of the contact point of a foot that does not slip; None: not known.
+    """
+    if rolling_m is None:
+        return np.full_like(contact_way_m, np.nan)
+    slip: Floats = np.maximum(contact_way_m - rolling_m, 0.0)
+    return slip
