@@ -28,11 +28,13 @@ from dogbot_logtool.core.masked_walk import base_in, loads_in, stability_in, sup
 from dogbot_logtool.core.metrics import (
     SCHEMA_VERSION,
     Base,
+    Commands,
     Event,
     Foot,
     Forces,
     Gait,
     GaitOfLog,
+    Imu,
     Legs,
     LimbPhase,
     LoadShare,
@@ -50,7 +52,6 @@ from dogbot_logtool.core.statistics import Stats
 from dogbot_logtool.core.walk_metrics.nulls import null_because
 from dogbot_logtool.core.walk_metrics.quality import quality_metrics
 from dogbot_logtool.core.walk_metrics.settings import Chosen, settings_metrics
-from dogbot_logtool.core.walk_metrics.side_topics import commands_metrics, imu_metrics
 from dogbot_logtool.finding import Finding
 
 FEWEST_STRIDES: Final = 3
@@ -78,6 +79,7 @@ def metrics_of(stats: Stats, log: Log, chosen: Chosen, findings: Sequence[Findin
     own = len(stats.feet[stats.reference].strides.stance) if stats.feet else None
     if main is None:
         gait = replace(gait, strides=own)
+    topic, track = stats.settings.command_topic or None, stats.command_track
     measured = WalkMetrics(
         schema_version=SCHEMA_VERSION,
         log=log,
@@ -92,8 +94,8 @@ def metrics_of(stats: Stats, log: Log, chosen: Chosen, findings: Sequence[Findin
         forces=_forces(stats, stats.loads, feet),
         stability=stats.stability or unknown(Stability),
         legs=unknown(Legs) if stats.legs is None else stats.legs.metrics,
-        commands=commands_metrics(stats),
-        imu=imu_metrics(stats),
+        commands=track.metrics() if track else replace(unknown(Commands), topic=topic),
+        imu=stats.imu.metrics() if stats.imu else unknown(Imu),
         quality=quality_metrics(stats, findings),
         events=_events(stats),
         findings=tuple(map(_finding, findings)),
