@@ -49,26 +49,30 @@ def open_joined(paths: Sequence[Location]) -> Log:
     """
     if len(paths) == 1:
         return _by_time(open_log(paths[0]))
-    from dogbot_logtool.reader.containers.merged_log import MergedLog  # noqa: PLC0415
+    from dogbot_logtool.reader.containers.merged_log import join  # noqa: PLC0415
 
     logs: list[Log] = []
     try:
         for path in paths:
             logs.append(open_log(path))  # noqa: PERF401 - those that are open are closed
-        return MergedLog(logs)
+        kinds = sorted({log.container for log in logs})
+        joined = join(logs[0].source.path, logs)
     except BaseException:
         for log in logs:
             log.close()
         raise
+    joined.joined = tuple(log.source.path for log in logs[1:])
+    joined.container = f"{len(logs)} joined logs ({', '.join(kinds)})"
+    return joined
 
 
 def _by_time(log: Log) -> Log:
     """Return a log merged by time if its chunks are out of order and few of them overlap."""
     if log.is_in_order():
         return log
-    from dogbot_logtool.reader.containers.merged_log import ReorderedLog, most_at_once  # noqa: PLC0415
+    from dogbot_logtool.reader.containers.merged_log import most_at_once, reorder  # noqa: PLC0415
 
-    return ReorderedLog(log) if most_at_once(log.chunks) <= _MOST_AT_ONCE else log
+    return reorder(log) if most_at_once(log.chunks) <= _MOST_AT_ONCE else log
 
 
 def _open_folder(path: Location) -> Log:

@@ -23,7 +23,7 @@ MAGIC = b"EXAMPLE1"
 class ExampleLog(Log):
     container = "example"
 
-    def read(self, span: Span) -> Batch:
+    def _read(self, span: Span) -> Batch:
         del span
         return Batch(np.zeros(1, np.uint8), no_messages(), ())
 

@@ -5,6 +5,7 @@ from dataclasses import field
 
 from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.reader.containers.loss import Loss
+from dogbot_logtool.reader.containers.sources.source import ByteSource
 from dogbot_logtool.reader.decode.definition import short_type_name
 
 
@@ -96,8 +97,21 @@ class Extra:
     opcode: int
     offset: int
     size: int
-    file: int = 0
-    """Number of the file that it stands in, where a log has several."""
+    source: ByteSource
+    """The file that it stands in."""
+
+
+@dataclass(frozen=True, slots=True)
+class EarlierAnnotations:
+    """Annotations that `convert` added to a log."""
+
+    channels: frozenset[int] = frozenset()
+    """Ids of the channels."""
+    extras: tuple[Extra, ...] = ()
+    """The metadata records that describe how the file was made."""
+    records: tuple[Mapping[str, str], ...] = ()
+    """Their contents, the oldest first."""
+    messages: int = 0
 
 
 @dataclass(frozen=True, slots=True)

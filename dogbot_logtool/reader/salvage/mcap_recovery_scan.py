@@ -98,7 +98,7 @@ class McapRecoveryScan(RecoveryScan):
                 if last and last.is_record and last.index_end == offset:
                     self._chunks[-1] = replace(self._chunks[-1], index_end=end)
             case Opcode.ATTACHMENT | Opcode.METADATA:
-                self._extras.append(Extra(opcode, offset, end - offset))
+                self._extras.append(Extra(opcode, offset, end - offset, self._source))
             case Opcode.DATA_END:
                 self._data_end = offset
         return end

@@ -50,6 +50,16 @@ class McapLog(ChunkedLog):
         found = self._descriptions.contradictions(target, content.others, chunk.offset)
         return replace(content, losses=(*content.losses, *found)) if found else content
 
+    def describes_hidden(self, content: ChunkContent, data: Bytes) -> bool:
+        """See `ChunkedLog.describes_hidden`."""
+        schemas = {c.schema.id for c in self.channels.values() if c.schema is not None}
+        ids = {Opcode.CHANNEL: self.channels.keys(), Opcode.SCHEMA: schemas}
+        return any(
+            int.from_bytes(data[start + RECORD_HEAD.size :][:2].tobytes(), "little") not in ids[op]
+            for op, start, _ in content.others.tolist()
+            if op in ids
+        )
+
     def by_own_header(self, chunk: Chunk) -> Chunk | None:
         """See `ChunkedLog.by_own_header`."""
         if chunk.is_scanned or not chunk.is_record:

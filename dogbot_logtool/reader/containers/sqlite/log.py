@@ -40,7 +40,7 @@ class SqliteLog(Log):
         self._table = table
         self._ids = ids
 
-    def read(self, span: Span) -> Batch:
+    def _read(self, span: Span) -> Batch:
         """See `Log.read`."""
         found = self._table.between([(chunk.data_offset, chunk.end) for chunk in span])
         channel = np.where(found.sound, self._ids.of(found.topic), UNKNOWN_CHANNEL)
