@@ -1,48 +1,32 @@
 """Text on velocity commands and on the base's accelerometer."""
 
-from collections.abc import Iterator
-from typing import TYPE_CHECKING
+from collections.abc import Iterator, Mapping
 
+from dogbot_logtool.core.arrays import Floats
 from dogbot_logtool.core.metrics import Commands, Imu
 from dogbot_logtool.report.numbers import decimal
 
-if TYPE_CHECKING:
-    from dogbot_logtool.core.commands.tracking import Drift
-    from dogbot_logtool.core.commands.tracking import Tracking as CommandTracking
 
-
-def command_lines(
-    commands: Commands, tracking: "CommandTracking | None"
-) -> Iterator[tuple[str, str]]:
+def command_lines(commands: Commands, drifts: Mapping[str, Floats]) -> Iterator[tuple[str, str]]:
     """Yield a line for each part of the velocity, and for drifts: its name and what is known.
 
     Args:
         commands: the metrics.
-        tracking: what drifts are taken from.
+        drifts: (3,) m/s forward, m/s to the left and rad/s, by when it drifts so.
     """
     for name, axis in (("forward", commands.forward), ("lateral", commands.lateral)):
         yield name, _errors(axis.rms_error_mps, axis.mean_error_mps, "m/s")
     yaw = commands.yaw
     yield "yaw", _errors(yaw.rms_error_radps, yaw.mean_error_radps, "rad/s")
-    if tracking is None:
-        return
-    for drift, name in ((tracking.straight, "straight"), (tracking.in_place, "in place")):
-        if drift is not None:
-            yield name, _drift(drift)
+    for name, drift in drifts.items():
+        forward, left, turning = map(_signed, drift.tolist())
+        yield name, f"{forward} m/s forward, {left} m/s to the left, {turning} rad/s"
 
 
 def _errors(rms: float | None, mean: float | None, unit: str) -> str:
     if rms is None or mean is None:
         return "not known"
     return f"error {decimal(rms, 3)} {unit} rms, {_signed(mean)} {unit} mean"
-
-
-def _drift(drift: "Drift") -> str:
-    return (
-        f"{_signed(drift.forward)} m/s forward, "
-        f"{_signed(drift.lateral)} m/s to the left, "
-        f"{_signed(drift.yaw_rate)} rad/s"
-    )
 
 
 def _signed(value: float) -> str:

@@ -294,7 +294,7 @@ def _beside(stats: Stats, walk: WalkMetrics) -> list[RenderableType]:
     if track is not None:
         words = f"{printable(track.history.topic)}, means over {track.window_ns / 1e9:.2f} s"
         parts += [Text(), _heading("Commands", words)]
-        parts += [_line(*line) for line in command_lines(walk.commands, stats.commands)]
+        parts += [_line(*line) for line in command_lines(walk.commands, track.drifts)]
     if walk.imu.topic is not None:
         parts += [Text(), _heading("Accelerometer", printable(walk.imu.topic))]
         parts += [_line(*line) for line in imu_lines(walk.imu)]
