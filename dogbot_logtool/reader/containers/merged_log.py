@@ -166,7 +166,7 @@ class MergedLog(Log):
         return replace(batch, messages=replace(batch.messages, channel=channel))
 
     def _merged(self, parts: Sequence[Batch], span: Span, losses: tuple[Loss, ...]) -> Batch:
-        """Return the messages of some windows, window by window, those of several chunks by time."""
+        """Return the messages of some windows, in each of them by time."""
         sizes = [len(part.buffer) for part in parts]
         offsets = np.cumsum([0, *sizes]).tolist()
         messages = concatenate_messages(
