@@ -263,10 +263,11 @@ def _base(stats: Stats) -> list[RenderableType]:
     base = stats.base
     if base is None:
         return [_line("odometry", "none that can be used")]
+    path_m, seconds = base.path_length_m, base.duration_s
     speeds = [
         f"{decimal(value, 3)} m/s {name}"
         for name, value in (
-            ("along the path", base.mean_speed_mps),
+            ("along the path", path_m / seconds if seconds and path_m is not None else None),
             ("forward", base.forward_speed_mps),
             ("to the left", base.lateral_speed_mps),
         )
