@@ -125,11 +125,7 @@ def _open_source(source: ByteSource, distribution: str, *, packed: bool) -> Log:
 
 
 def _open_container(container: Container, source: ByteSource, distribution: str) -> Log:
-    log, problem = container.open_indexed(source, distribution)
-    if log is None and container.scan is not None:
-        log = container.scan(source.nearby(), problem)
-    if log is None:
-        raise LogError(f"{storage.shown(source.path)}: cannot be read without its index")
+    log = container.open(source, distribution)
     log.losses = tuple(map(log.located, log.losses))
     return log
 
@@ -141,7 +137,7 @@ def _with_magic(magic: bytes) -> Container | None:
 
 def _with_damaged_magic(magic: bytes) -> Container | None:
     """Return the container whose files begin nearly so, if it can be scanned."""
-    scanned = (each for each in CONTAINERS if each.scan is not None)
+    scanned = (each for each in CONTAINERS if each.is_scanned)
     return next((each for each in scanned if _resembles(magic, each.magic)), None)
 
 

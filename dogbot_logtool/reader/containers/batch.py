@@ -49,13 +49,6 @@ class Batch:
         """Begin with nothing decoded, also where a batch is made of another one."""
         object.__setattr__(self, "decoded", {})
 
-    @property
-    def counts(self) -> dict[int, int]:
-        """Messages by channel id."""
-        counts = np.bincount(self.messages.channel)
-        found = np.flatnonzero(counts)
-        return dict(zip(found.tolist(), counts[found].tolist(), strict=True))
-
     def cropped(self, start: int | None, end: int | None) -> "Batch":
         """Leave out messages recorded before the start or after the end, ns; None: no limit."""
         if start is None and end is None:

@@ -130,20 +130,22 @@ class McapLog(ChunkedLog):
         return first
 
 
-def open_mcap(source: ByteSource) -> tuple[McapLog | None, Loss | None]:
-    """Open an MCAP file through its summary.
-
-    Returns:
-        the log, or None where the summary is absent, incomplete or wrong; and the damage, if any.
-    """
+def open_log(source: ByteSource, distribution: str) -> McapLog:
+    """Open an MCAP file through its summary; where that is wrong or absent, by all its records."""
+    del distribution
     contents, problem = read_summary(source)
-    if contents is None:
-        return None, problem
-    log = McapLog(source, with_profile(source, contents))
-    return (None, Loss(0, SUMMARY_CONTRADICTS)) if log.contradicts_summary() else (log, None)
+    if contents is not None:
+        log = McapLog(source, _with_profile(source, contents))
+        if not log.contradicts_summary():
+            return log
+        problem = Loss(0, SUMMARY_CONTRADICTS)
+    from dogbot_logtool.reader.containers.mcap.scan import McapRecoveryScan  # noqa: PLC0415
+
+    source = source.nearby()
+    return McapLog(source, _with_profile(source, McapRecoveryScan(source).contents(problem)))
 
 
-def with_profile(source: ByteSource, contents: Contents) -> Contents:
+def _with_profile(source: ByteSource, contents: Contents) -> Contents:
     """Add the profile that the file's header names."""
     profile = _profile(source)
     if profile is None:

@@ -71,7 +71,7 @@ class SqliteLog(Log):
         super().close()
 
 
-def open_sqlite(source: ByteSource, distribution: str) -> SqliteLog:
+def open_log(source: ByteSource, distribution: str) -> SqliteLog:
     """Open a .db3 file whose magic has been seen, with the journal beside it.
 
     Args:
