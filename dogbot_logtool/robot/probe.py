@@ -24,9 +24,10 @@ from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.reader.messages.frame_tracks import static_tracks
 from dogbot_logtool.robot.frames.world_frames import WorldFrames, follow_frames
 from dogbot_logtool.robot.robot import Robot
-from dogbot_logtool.robot.robot_model.skeleton import FramePose, Point
-from dogbot_logtool.robot.robot_model.soles import (
+from dogbot_logtool.robot.robot_model.skeleton import (
     STANCE_SPREAD_M,
+    FramePose,
+    Point,
     find_soles,
     first_poses,
     rounded,

@@ -259,12 +259,14 @@ def recorded(path: Path) -> tuple[list[Any], Any]:
     """Return what `stats` keeps of the feet and the base, on log time."""
     log = open_log(path)
     selection = select_topics(log, TopicOptions())
+    assert selection.base is not None
     rule = contact_rule(SensorLevel(zero_in_swing=True), BODY_WEIGHT_N)
     samples: list[Samples] = []
     poses: list[Odometry] = []
     for span in log.spans():
         batch = log.read(span)
-        poses.extend(each.poses for each in selection.read_base(batch))
+        found = selection.base.read(batch, selection.odometry)
+        poses.extend(each.poses for each in found)
         read = read_contacts(batch, selection.contacts, selection.foot_channels())
         samples.extend(each.reduced.samples for each in read)
     log.close()

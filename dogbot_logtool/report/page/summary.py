@@ -205,7 +205,7 @@ def _tiles(stats: Stats, walk: WalkMetrics) -> Iterator[Tile]:
 
 def _load_tiles(stats: Stats, walk: WalkMetrics) -> Iterator[Tile]:
     peaks = [
-        (float(curves.force.high.max()), foot.name)
+        (float(curves.force.value.max()), foot.name)
         for foot in stats.feet
         if (curves := foot.record.curves) and curves.force
     ]
