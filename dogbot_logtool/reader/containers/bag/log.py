@@ -11,10 +11,9 @@ from dogbot_logtool.reader.containers.bag.chunk import (
 from dogbot_logtool.reader.containers.bag.format import BagFormat
 from dogbot_logtool.reader.containers.bag.index import Connections, read_index
 from dogbot_logtool.reader.containers.bag.records import BagOp
-from dogbot_logtool.reader.containers.channel_ids import ChannelIds
 from dogbot_logtool.reader.containers.chunked_log import ChunkedLog
 from dogbot_logtool.reader.containers.chunks.chunk_content import ChunkContent
-from dogbot_logtool.reader.containers.contents import Chunk, Contents
+from dogbot_logtool.reader.containers.contents import ChannelIds, Chunk, Contents
 from dogbot_logtool.reader.containers.sources.source import ByteSource
 
 

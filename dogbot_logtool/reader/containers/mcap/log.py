@@ -8,10 +8,9 @@ from mcap import records
 from mcap.opcode import Opcode
 
 from dogbot_logtool.core.arrays import Bytes
-from dogbot_logtool.reader.containers.channel_ids import UNKNOWN_CHANNEL
 from dogbot_logtool.reader.containers.chunked_log import ChunkedLog
 from dogbot_logtool.reader.containers.chunks.chunk_content import ChunkContent, ChunkDamage
-from dogbot_logtool.reader.containers.contents import Chunk, Contents
+from dogbot_logtool.reader.containers.contents import UNKNOWN_CHANNEL, Chunk, Contents
 from dogbot_logtool.reader.containers.loss import Loss
 from dogbot_logtool.reader.containers.mcap.chunk import check_chunk, chunk_at, parse_chunk
 from dogbot_logtool.reader.containers.mcap.descriptions import DescriptionCheck
