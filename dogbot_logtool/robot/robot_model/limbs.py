@@ -12,12 +12,12 @@ from dogbot_logtool.core.frames.transforms import (
     TransformBuffer,
     chain_of_frames,
     frame_track,
+    moving_tracks,
 )
 from dogbot_logtool.core.legs.joints import JointTable
 from dogbot_logtool.core.recording import Recording
 from dogbot_logtool.core.rotations import rotate
 from dogbot_logtool.dataclass import dataclass
-from dogbot_logtool.reader.messages.frame_tracks import moving_tracks
 from dogbot_logtool.robot.probe import Probe, frame_names
 from dogbot_logtool.robot.robot_model.description import log_skeleton, model_feet
 from dogbot_logtool.robot.robot_model.joint_motion import JointMotion
