@@ -7,8 +7,8 @@ from typing import Final
 import numpy as np
 
 from dogbot_logtool.core.arrays import norms
-from dogbot_logtool.core.load.loads import body_weight_n
 from dogbot_logtool.core.plausible import STRONGEST_N
+from dogbot_logtool.core.settings import body_weight_n
 from dogbot_logtool.errors import LogError
 from dogbot_logtool.reader.recording import read_recording
 from dogbot_logtool.reader.salvage.losses import damage_of

@@ -4,8 +4,7 @@ import math
 from typing import Final
 
 from dogbot_logtool.core.checks.wording import counted
-from dogbot_logtool.core.gait.gait import IRREGULAR, STAND
-from dogbot_logtool.core.gait.gait_classes import BIPED, HEXAPOD, QUADRUPED, TOLERANCE
+from dogbot_logtool.core.gait.classes import BIPED, HEXAPOD, IRREGULAR, QUADRUPED, STAND, TOLERANCE
 from dogbot_logtool.core.gait.segments import Segment
 from dogbot_logtool.core.statistics import Stats
 

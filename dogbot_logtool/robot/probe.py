@@ -17,9 +17,9 @@ from dogbot_logtool.core.frames.wrench_frame import (
     frame_fit,
     judge_wrench_frame,
 )
-from dogbot_logtool.core.load.loads import body_weight_n
 from dogbot_logtool.core.recording import Recording
 from dogbot_logtool.core.rotations import normalised, roll_pitch_yaw
+from dogbot_logtool.core.settings import body_weight_n
 from dogbot_logtool.dataclass import dataclass
 from dogbot_logtool.robot.frames.world_frames import WorldFrames, follow_frames
 from dogbot_logtool.robot.robot import Robot

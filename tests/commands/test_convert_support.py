@@ -23,7 +23,7 @@ from dogbot_logtool.core.corrections.sensor import SensorLevel
 from dogbot_logtool.core.hulls import margin_in_hull
 from dogbot_logtool.core.scene.styles import ARROW_STYLES
 from dogbot_logtool.core.scene.support_scene import margin_colour
-from dogbot_logtool.core.stability.stability import feet_down
+from dogbot_logtool.core.stability import feet_down
 from dogbot_logtool.reader.messages.contact_messages import read_contacts
 from dogbot_logtool.reader.opening import open_log
 from dogbot_logtool.results import Conversion

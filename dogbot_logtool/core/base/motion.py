@@ -12,9 +12,9 @@ from dogbot_logtool.core.base.ground import LOWEST_M, slope_rad
 from dogbot_logtool.core.base.poses import BaseHistory, PoseJumps
 from dogbot_logtool.core.contact.foot_history import FootHistory
 from dogbot_logtool.core.corrections.clock import first_at_each_tick
-from dogbot_logtool.core.load.loads import GRAVITY_MPS2
 from dogbot_logtool.core.metrics import Base
 from dogbot_logtool.core.rotations import along_heading
+from dogbot_logtool.core.settings import GRAVITY_MPS2
 from dogbot_logtool.dataclass import dataclass
 
 AWAY_M: Final = 0.05

@@ -11,12 +11,10 @@ from dogbot_logtool.core.arrays import Flags, Floats, Ints, median_of, norms, pe
 from dogbot_logtool.core.checks.sensors import foot_is_saturated
 from dogbot_logtool.core.contact.stances import Cut
 from dogbot_logtool.core.events.event import Event, EventType
-from dogbot_logtool.core.gait.foot_steps import FootSteps
-from dogbot_logtool.core.gait.gait import IRREGULAR, STAND
+from dogbot_logtool.core.gait.classes import IRREGULAR, STAND
+from dogbot_logtool.core.gait.feet import FootSteps
 from dogbot_logtool.core.gait.segments import LASTING, PERIOD_CHANGE, Segment
-from dogbot_logtool.core.load.load_figures import is_stuck
-from dogbot_logtool.core.load.slip import LARGEST_FOOT_M
-from dogbot_logtool.core.load.spikes import has_lone_spikes
+from dogbot_logtool.core.loads import LARGEST_FOOT_M, has_lone_spikes, is_stuck
 from dogbot_logtool.core.statistics import Stats
 
 MARGIN_M: Final = 0.01

@@ -5,7 +5,7 @@ from typing import Final
 
 from dogbot_logtool.core.checks.engine import first_of
 from dogbot_logtool.core.checks.questions import Check, Outcome, checks_of
-from dogbot_logtool.core.gait.gait import STAND
+from dogbot_logtool.core.gait.classes import STAND
 from dogbot_logtool.core.metrics import WalkMetrics
 from dogbot_logtool.core.statistics import Stats
 from dogbot_logtool.dataclass import dataclass

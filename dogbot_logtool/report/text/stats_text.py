@@ -12,7 +12,7 @@ from rich.text import Text
 from dogbot_logtool.core.arrays import Aggregate
 from dogbot_logtool.core.checks.engine import first_of
 from dogbot_logtool.core.events.event import STEPS as STEP_EVENTS
-from dogbot_logtool.core.gait.gait import STAND
+from dogbot_logtool.core.gait.classes import STAND
 from dogbot_logtool.core.metrics import Legs, Symmetry, WalkMetrics
 from dogbot_logtool.core.records import Number
 from dogbot_logtool.core.scene.foot_style import short_names

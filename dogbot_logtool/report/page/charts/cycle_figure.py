@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from typing import Final
 
-from dogbot_logtool.core.gait.cycle_curves import CycleCurve
+from dogbot_logtool.core.gait.feet import CycleCurve
 from dogbot_logtool.core.statistics import Stats
 from dogbot_logtool.report.page.charts.drawing import Drawing
 from dogbot_logtool.report.page.charts.panels import Band, PanelRow, over_cycle

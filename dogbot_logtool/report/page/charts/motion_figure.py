@@ -11,7 +11,7 @@ from dogbot_logtool.core.base.ground import height_over_feet
 from dogbot_logtool.core.base.motion import FORWARD_ANGLES, roll_and_pitch
 from dogbot_logtool.core.base.poses import BaseHistory
 from dogbot_logtool.core.rotations import along_heading
-from dogbot_logtool.core.stability.stability import margins
+from dogbot_logtool.core.stability import margins
 from dogbot_logtool.core.statistics import Stats
 from dogbot_logtool.report.page.charts.drawing import SECOND, Drawing
 from dogbot_logtool.report.page.charts.stacked_rows import Line, Row, stacked
