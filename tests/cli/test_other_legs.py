@@ -87,7 +87,9 @@ def test_gait_figures_are_whole_and_those_of_quadrupeds_null(
     print_report(Console(file=out, width=100), done)
     assert all(leg in out.getvalue() for leg in phases)
     assert "all four feet" not in out.getvalue()
-    assert {2: "Walk, clearly", 6: "Tripod, clearly"}[len(phases)] in out.getvalue()
+    assert {2: "Gait: walk (high confidence", 6: "Gait: tripod (high confidence"}[
+        len(phases)
+    ] in out.getvalue()
 
 
 @pytest.mark.parametrize("phases", [HEXAPOD, BIPED], ids=["hexapod", "biped"])

@@ -1,7 +1,6 @@
 """The page itself: figures and tables set in a template, with all that it needs."""
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import replace
 from pathlib import Path
 from typing import Any, Final
 
@@ -105,7 +104,7 @@ def page(
         replay=replay,
         replay_json=json_in_html(replay),
         feet=_feet(stats),
-        summary=summary(replace(measured, stats=stats)),
+        summary=summary(measured),
         findings=grouped([each for each in measured.findings if each.code != "LOST"]),
         events=events,
         damage=log.damage.text,
